@@ -1,0 +1,58 @@
+"""The one clock every stage is given. Nothing else in the package asks the operating system for the time."""
+
+from __future__ import annotations
+
+import time
+from datetime import UTC, datetime
+from typing import Protocol
+
+__all__ = ["TICKS_PER_SECOND", "Clock", "MonotonicClock", "VirtualClock", "ticks_until_frame", "wall_time"]
+
+TICKS_PER_SECOND = 1000
+
+
+class Clock(Protocol):
+    """Session time that never runs backwards."""
+
+    def now_ns(self) -> int:
+        """Nanoseconds on the clock's own scale."""
+        ...
+
+    def sleep_until_ns(self, deadline_ns: int) -> None:
+        """Return at the deadline, or at once when it has passed."""
+        ...
+
+
+class MonotonicClock:
+    """Real time: CLOCK_MONOTONIC, the same scale as the haptic loop and the audio process."""
+
+    def now_ns(self) -> int:
+        return time.monotonic_ns()
+
+    def sleep_until_ns(self, deadline_ns: int) -> None:
+        remaining = deadline_ns - time.monotonic_ns()
+        if remaining > 0:
+            time.sleep(remaining * 1e-9)
+
+
+class VirtualClock:
+    """Time that moves only when somebody sleeps on it: deterministic and as fast as the work."""
+
+    def __init__(self) -> None:
+        self._now_ns = 0
+
+    def now_ns(self) -> int:
+        return self._now_ns
+
+    def sleep_until_ns(self, deadline_ns: int) -> None:
+        self._now_ns = max(self._now_ns, deadline_ns)
+
+
+def ticks_until_frame(frame: int, frames_per_second: int = 60) -> int:
+    """Ticks due before frame `frame` begins: 17/17/16 ticks a frame at 60 Hz in a fixed pattern, no float accumulator."""
+    return round(frame * TICKS_PER_SECOND / frames_per_second)
+
+
+def wall_time() -> datetime:
+    """Calendar time (UTC), for names and headers of files only."""
+    return datetime.now(UTC)

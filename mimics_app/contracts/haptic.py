@@ -1,0 +1,268 @@
+"""Records that cross the border of the 1 kHz loop, and their names and units.
+
+    SCENE     main -> loop   parameters, through a triple buffer; read in place, valid from one tick boundary on
+    INBOX     main -> loop   what a pointing device or the task tells the device plug-in, through a triple buffer
+    SNAPSHOT  loop -> all    the newest state, through a triple buffer; poses of haptic bodies travel beside it
+    SAMPLE    loop -> recorder, one per tick, through a ring: inputs for replay and every output
+    EVENT     loop -> main, audio, recorder: 64 bytes, one ring each
+
+Frames: `world` is the scene's (right-handed, +y up, metres), `robot` is the HapticMaster's WCS (x radial, y lateral,
+z up). Forces named `user` act on the user. SI units throughout.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum, IntFlag
+
+import numpy as np
+
+__all__ = [
+    "BODY",
+    "EVENT",
+    "INBOX",
+    "MAX_PIECES",
+    "SAMPLE",
+    "SCENE",
+    "SNAPSHOT",
+    "TUNNEL",
+    "AdmittanceForm",
+    "Button",
+    "Controller",
+    "DeviceStatus",
+    "EventKind",
+    "SafetyState",
+    "TripCause",
+]
+
+MAX_PIECES = 96
+"""Most cubic pieces one tunnel may have; fixes the size of a parameter block."""
+
+
+class SafetyState(IntEnum):
+    """States of the haptic loop; OFF to ACTIVE in order, the last two latched until a person resets."""
+
+    OFF = 0
+    INIT = 1
+    HOMED = 2
+    READY = 3
+    ACTIVE = 4
+    DEGRADED = 5
+    SAFE_STOP = 6
+    E_STOP = 7
+
+
+class TripCause(IntEnum):
+    """Why the loop left ACTIVE for DEGRADED or a latched stop."""
+
+    NONE = 0
+    STOP_KEY = 1
+    DEVICE_BUTTON = 2
+    NOT_FINITE = 3
+    LATE_TICK = 4
+    MISSED_IN_ROW = 5
+    STALE_DEVICE = 6
+    WORKSPACE = 7
+    VELOCITY = 8
+    DEVICE_FAULT = 9
+
+
+class Controller(IntEnum):
+    """What drives the robot (D2.1 4.2.5-4.2.7)."""
+
+    OFF = 0
+    JOINT_PD = 1
+    WORLD_PD = 2
+    ADMITTANCE = 3
+
+
+class AdmittanceForm(IntEnum):
+    """How the virtual mass is integrated: as printed (6, 7), polar with its coupling terms, or Cartesian."""
+
+    SEED = 0
+    POLAR = 1
+    CARTESIAN = 2
+
+
+class Button(IntFlag):
+    """Bits of a device's buttons word."""
+
+    STOP = 1
+    PRIMARY = 2
+
+
+class DeviceStatus(IntEnum):
+    """What a device plug-in's read returns."""
+
+    FRESH = 0
+    NO_DATA = 1
+    FAULT = 2
+
+
+class EventKind(IntEnum):
+    """Kinds of EVENT records."""
+
+    CONTACT_BEGIN = 1
+    CONTACT_END = 2
+    STATE = 3
+    TRIP = 4
+    PARAMETERS = 5
+
+
+TUNNEL = np.dtype(
+    [
+        ("pieces", "i8"),  # cubic pieces in use; 0: no tunnel
+        ("centre", "f8", (MAX_PIECES, 3, 4)),  # world [m]: a0 + a1 u + a2 u^2 + a3 u^3, u in [0, 1), per axis
+        ("radius", "f8", (MAX_PIECES, 4)),  # [m], same parameter
+        ("arc_length", "f8", (MAX_PIECES + 1,)),  # [m] at piece starts and the end
+        ("normal", "f8", (MAX_PIECES + 1, 3)),  # rotation-minimising normal at piece starts and the end, unit
+        ("radius_scale", "f8"),  # [-] multiplies radius; 0 keeps the ball on the bisector
+        ("stiffness", "f8"),  # [N/m] of the wall
+        ("damping", "f8"),  # [N s/m] of the wall, along its normal
+        ("drag", "f8"),  # [N s/m] along the tunnel
+        ("drag_growth", "f8"),  # [N s/m per m] added to drag per metre of ball larger than tunnel
+        ("centring", "f8"),  # [N/m] assistance towards the bisector
+        ("advance", "f8"),  # [N] assistance along the tangent towards the end
+    ],
+    align=True,
+)
+"""The tunnel of D2.1 4.2.10 as the tick reads it."""
+
+SCENE = np.dtype(
+    [
+        ("sequence", "i8"),  # counts parameter blocks; the sample of each tick says which one it used
+        ("resets", "i8"),  # counts operator resets; a change leaves a latched stop
+        ("trial", "i8"),  # counts trials; devices with a simulated person restart on change
+        ("controller", "i8"),  # Controller
+        ("form", "i8"),  # AdmittanceForm
+        ("target", "f8", (3,)),  # PD reference: joints for JOINT_PD, robot frame [m] for WORLD_PD
+        ("kp", "f8", (3,)),  # [1/s] per joint
+        ("kd", "f8", (3,)),  # [-] per joint
+        ("virtual_mass", "f8"),  # [kg]
+        ("virtual_damping", "f8"),  # [N s/m]
+        ("max_acceleration", "f8"),  # [m/s^2] of the virtual mass
+        ("max_velocity", "f8"),  # [m/s] of the command
+        ("axis_offset", "f8"),  # d1 [m] of (1)
+        ("joint_min", "f8", (3,)),  # q1 [m], q2 [rad], q3 [m]
+        ("joint_max", "f8", (3,)),
+        ("R_world_from_robot", "f8", (3, 3)),
+        ("origin_world", "f8", (3,)),  # WCS origin in the world [m]
+        ("ball_radius_min", "f8"),  # [m] at full grasp
+        ("ball_radius_max", "f8"),  # [m] at no grasp
+        ("grasp_force_full", "f8"),  # [N] that makes the ball smallest
+        ("force_limit", "f8"),  # [N] of the virtual force on the user
+        ("force_rate_limit", "f8"),  # [N/s] upwards; falling is free
+        ("velocity_limit", "f8"),  # [m/s] measured: beyond it SAFE_STOP
+        ("workspace_margin", "f8"),  # [m, rad] beyond the joint limits before SAFE_STOP
+        ("ramp_time", "f8"),  # [s] soft start 0 -> 1
+        ("ramp_force", "f8"),  # [N] the force must be below this to start the ramp
+        ("late_hold_ns", "i8"),  # a tick later than this is counted and its output held
+        ("late_damp_ns", "i8"),  # later: DEGRADED, force ramped down with damping
+        ("late_stop_ns", "i8"),  # later: SAFE_STOP
+        ("missed_stop", "i8"),  # missed ticks in a row that latch SAFE_STOP
+        ("stale_warn_ns", "i8"),  # device data older than this is counted
+        ("stale_stop_ns", "i8"),  # older: SAFE_STOP
+        ("tunnel", TUNNEL),
+    ],
+    align=True,
+)
+"""Everything the main thread tells the loop. One writer: the main thread."""
+
+INBOX = np.dtype(
+    [
+        ("target_world", "f8", (3,)),  # where the pointing device points [m]
+        ("grasp", "f8"),  # grasp force asked for [N]
+        ("buttons", "i8"),  # Button bits
+        ("active", "i8"),  # 1: a pointer is held, or the simulated person may act
+        ("trial", "i8"),  # copy of SCENE.trial
+    ],
+    align=True,
+)
+"""What the main thread tells the device plug-in."""
+
+SAMPLE = np.dtype(
+    [
+        ("t", "f8"),  # session time [s] = tick / rate
+        ("tick", "f8"),
+        # inputs, for replay
+        ("q", "f8", (3,)),  # measured joints [m, rad, m]
+        ("dq", "f8", (3,)),  # measured joint velocities [m/s, rad/s, m/s]
+        ("f_meas", "f8", (3,)),  # force of the user on the handle, tool frame r t z [N]
+        ("grasp", "f8"),  # [N]
+        ("buttons", "f8"),  # Button bits
+        ("status", "f8"),  # DeviceStatus
+        ("sequence", "f8"),  # SCENE block this tick used
+        ("stop_word", "f8"),  # stop key as this tick saw it
+        ("held", "f8"),  # late-tick class of this tick: 0 in time, 1 hold, 2 damp, 3 stop
+        # outputs
+        ("hip_world", "f8", (3,)),  # haptic interaction point [m]
+        ("v_world", "f8", (3,)),  # its velocity [m/s]
+        ("f_virt_world", "f8", (3,)),  # virtual force on the user before the limiter [N]
+        ("f_user_world", "f8", (3,)),  # the same after limiter and ramp: what the user feels [N]
+        ("f_tunnel", "f8", (3,)),  # tunnel force in the tunnel's t, n, b [N]
+        ("s", "f8"),  # tunnel parameter of the closest bisector point [pieces]
+        ("progress", "f8"),  # share of the arc length, 0-1
+        ("distance", "f8"),  # of the ball centre from the bisector [m]
+        ("offset_n", "f8"),  # along the tunnel's n [m]
+        ("offset_b", "f8"),  # along the tunnel's b [m]
+        ("penetration", "f8"),  # of the ball into the wall [m]
+        ("ball_radius", "f8"),  # [m]
+        ("tunnel_radius", "f8"),  # at s, scaled [m]
+        ("v_virtual", "f8", (3,)),  # velocity of the virtual mass, robot frame [m/s]
+        ("command", "f8", (3,)),  # joint velocities sent [m/s, rad/s, m/s]
+        ("ramp", "f8"),  # soft-start factor 0-1
+        ("state", "f8"),  # SafetyState
+        ("cause", "f8"),  # TripCause
+        # timing of the live loop; not part of the state hash
+        ("lateness_ns", "f8"),  # wake-up after the release
+        ("duration_ns", "f8"),  # work of the tick
+    ]
+)
+"""One row per tick; every field float64, so a row is also a float64 vector."""
+
+SNAPSHOT = np.dtype(
+    [
+        ("tick", "i8"),
+        ("t_ns", "i8"),  # monotonic time of the tick's release; virtual clock: tick * period
+        ("sequence", "i8"),
+        ("state", "i8"),  # SafetyState
+        ("cause", "i8"),  # TripCause
+        ("contacts", "i8"),  # contacts begun since the session's start
+        ("contact_tick", "i8"),  # tick of the newest contact begin
+        ("hip_world", "f8", (3,)),
+        ("v_world", "f8", (3,)),
+        ("f_user_world", "f8", (3,)),
+        ("f_meas_world", "f8", (3,)),
+        ("q", "f8", (3,)),
+        ("grasp", "f8"),
+        ("ball_radius", "f8"),
+        ("s", "f8"),
+        ("progress", "f8"),
+        ("distance", "f8"),
+        ("penetration", "f8"),
+        ("tunnel_radius", "f8"),
+        ("ramp", "f8"),
+    ],
+    align=True,
+)
+"""The newest state. One writer: the haptic loop."""
+
+BODY = 7
+"""Columns of a body's pose beside the snapshot: position xyz [m], quaternion xyzw, world frame. Row 0 is the ball."""
+
+EVENT = np.dtype(
+    [
+        ("t_ns", "i8"),
+        ("tick", "i8"),
+        ("kind", "i4"),  # EventKind
+        ("body_a", "i2"),
+        ("body_b", "i2"),  # -1: the static scene
+        ("material_a", "i2"),
+        ("material_b", "i2"),
+        ("position_world", "f4", (3,)),  # [m]
+        ("normal_world", "f4", (3,)),  # out of the touched surface
+        ("speed", "f4"),  # approach speed [m/s]
+        ("force", "f4"),  # [N]; STATE, TRIP, PARAMETERS: the new state, cause or sequence
+        ("value", "f4"),  # kind-specific: tunnel parameter s of a contact
+    ]
+)
+"""What happened at one tick, 64 bytes."""

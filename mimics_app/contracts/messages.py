@@ -1,0 +1,139 @@
+"""What flows between the stages of D2.1 Figure 1: one frozen message per arrow, left to right."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = [
+    "FeatureFrame",
+    "HapticSnapshot",
+    "PointerState",
+    "SignalBlock",
+    "SoundEvent",
+    "TaskAction",
+    "TaskOrders",
+    "UserState",
+    "VRInput",
+]
+
+Vec3 = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class PointerState:
+    """A person's pointing device at one frame: where it points, how hard it grasps, what is pressed."""
+
+    target_world: Vec3
+    grasp: float
+    active: bool
+    stop: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class SignalBlock:
+    """Raw samples of one body signal: values [shape n] at `rate` [Hz], the first at `t_ns`."""
+
+    name: str
+    rate: float
+    t_ns: int
+    values: NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class VRInput:
+    """What the input stage gathered for one frame: body signals to the DSP, the pointer to the task."""
+
+    signals: tuple[SignalBlock, ...] = ()
+    pointer: PointerState | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class FeatureFrame:
+    """Features of the body signals at one time, by name, e.g. {"heart_rate": 72.0}."""
+
+    t_ns: int
+    values: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class UserState:
+    """Estimated state of the person, each in [0, 1], None where nothing is known."""
+
+    t_ns: int
+    arousal: float | None = None
+    valence: float | None = None
+    effort: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class TaskAction:
+    """One adaptation of a task: new values of named, limited parameters, e.g. {"radius": 1.2}."""
+
+    values: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class SoundEvent:
+    """A sound to start.
+
+    Attributes:
+        sound: Name of a sound of the scene.
+        t_ns: When it belongs, on the session's clock.
+        position_world: Where it is [m], or None to play it at the listener.
+        gain: Linear, 1 = as authored.
+    """
+
+    sound: str
+    t_ns: int
+    position_world: Vec3 | None = None
+    gain: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class HapticSnapshot:
+    """The newest haptic state as the frame sees it; see contracts.haptic.SNAPSHOT for units."""
+
+    tick: int
+    t_ns: int
+    sequence: int
+    state: int
+    cause: int
+    contacts: int
+    contact_tick: int
+    hip_world: NDArray[np.float64]
+    v_world: NDArray[np.float64]
+    f_user_world: NDArray[np.float64]
+    f_meas_world: NDArray[np.float64]
+    q: NDArray[np.float64]
+    grasp: float
+    ball_radius: float
+    s: float
+    progress: float
+    distance: float
+    penetration: float
+    tunnel_radius: float
+    ramp: float
+    poses: NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class TaskOrders:
+    """What the task manager wants of the renderers for one frame.
+
+    Attributes:
+        haptic: New values of SCENE fields by dotted name, e.g. {"tunnel.stiffness": 1500.0}; empty: unchanged.
+        visual: New values of named scene parameters, e.g. {"tunnel.radius_scale": 1.2}.
+        sounds: Sounds to start.
+        hud: Lines and gauges of the heads-up display by name.
+        finished: True when the last trial is over.
+    """
+
+    haptic: Mapping[str, object] = field(default_factory=dict)
+    visual: Mapping[str, object] = field(default_factory=dict)
+    sounds: tuple[SoundEvent, ...] = ()
+    hud: Mapping[str, object] = field(default_factory=dict)
+    finished: bool = False

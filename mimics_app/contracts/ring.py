@@ -1,0 +1,57 @@
+"""Single-producer single-consumer ring of records: nothing lost while there is room, every loss counted."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.atomics import load_acquire, store_release
+from mimics_app.contracts.kernel import kernel
+
+__all__ = ["DROPPED", "WORDS", "drain", "push", "room", "waiting"]
+
+Words = NDArray[np.int64]
+
+WORDS = 24
+"""Length of the word array: head, tail and the count of dropped records, each on a cache line of its own."""
+
+_HEAD, _TAIL = 0, 8
+DROPPED = 16
+"""Index of the count of records that found no room; written by the producer only."""
+
+
+@kernel
+def push(words: Words, slots: NDArray[Any], record: NDArray[Any]) -> bool:
+    """Producer: append record[0] to slots (structured, shape [2**k]); False, and counted, when the ring is full."""
+    head = words[_HEAD]
+    if head - load_acquire(words, _TAIL) >= slots.shape[0]:
+        words[DROPPED] += 1
+        return False
+    slots[head & (slots.shape[0] - 1)] = record[0]
+    store_release(words, _HEAD, head + 1)
+    return True
+
+
+@kernel
+def room(words: Words, slots: NDArray[Any]) -> int:
+    """Producer: how many records fit now."""
+    return slots.shape[0] - (words[_HEAD] - load_acquire(words, _TAIL))
+
+
+@kernel
+def waiting(words: Words) -> int:
+    """Consumer: how many records can be drained now."""
+    return load_acquire(words, _HEAD) - words[_TAIL]
+
+
+@kernel
+def drain(words: Words, slots: NDArray[Any], out: NDArray[Any]) -> int:
+    """Consumer: move up to len(out) records into out, oldest first, and return how many."""
+    tail = words[_TAIL]
+    count = min(load_acquire(words, _HEAD) - tail, out.shape[0])
+    for i in range(count):
+        out[i] = slots[(tail + i) & (slots.shape[0] - 1)]
+    store_release(words, _TAIL, tail + count)
+    return count
