@@ -45,10 +45,17 @@ class SignalBlock:
 
 @dataclass(frozen=True, slots=True)
 class VRInput:
-    """What the input stage gathered for one frame: body signals to the DSP, the pointer to the task."""
+    """What the input stage gathered for one frame: body signals to the DSP, the pointer and the keys to the task.
+
+    Attributes:
+        signals: Blocks that arrived since the last frame.
+        pointer: The pointing device, or None where there is none.
+        pressed: Names of keys and buttons that went down since the last frame (see contracts.input_port), in order.
+    """
 
     signals: tuple[SignalBlock, ...] = ()
     pointer: PointerState | None = None
+    pressed: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,9 +78,15 @@ class UserState:
 
 @dataclass(frozen=True, slots=True)
 class TaskAction:
-    """One adaptation of a task: new values of named, limited parameters, e.g. {"radius": 1.2}."""
+    """One adaptation of a task: new values of named, limited parameters, e.g. {"radius": 1.2}.
+
+    Attributes:
+        values: New values by parameter name; parameters not named stay as they are.
+        at_trial: Number of the trial (0 first) whose beginning the values wait for; None: from now on.
+    """
 
     values: Mapping[str, float] = field(default_factory=dict)
+    at_trial: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,13 +140,17 @@ class TaskOrders:
     Attributes:
         haptic: New values of SCENE fields by dotted name, e.g. {"tunnel.stiffness": 1500.0}; empty: unchanged.
         visual: New values of named scene parameters, e.g. {"tunnel.radius_scale": 1.2}.
+        audio: New values of mixer parameters, e.g. {"gain": 0.5}.
         sounds: Sounds to start.
-        hud: Lines and gauges of the heads-up display by name.
+        hud: Lines and gauges of the heads-up display by name (names and units: tasks.hud).
+        person_may_act: True while the pointer or the simulated person is let through to the robot (INBOX.active).
         finished: True when the last trial is over.
     """
 
     haptic: Mapping[str, object] = field(default_factory=dict)
     visual: Mapping[str, object] = field(default_factory=dict)
+    audio: Mapping[str, object] = field(default_factory=dict)
     sounds: tuple[SoundEvent, ...] = ()
     hud: Mapping[str, object] = field(default_factory=dict)
+    person_may_act: bool = False
     finished: bool = False
