@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.atomics import load_acquire, store_release
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["DROPPED", "WORDS", "drain", "push", "room", "waiting"]
+__all__ = ["DROPPED", "WORDS", "drain", "peek", "position", "push", "release", "room", "waiting"]
 
 Words = NDArray[np.int64]
 
@@ -55,3 +55,25 @@ def drain(words: Words, slots: NDArray[Any], out: NDArray[Any]) -> int:
         out[i] = slots[(tail + i) & (slots.shape[0] - 1)]
     store_release(words, _TAIL, tail + count)
     return count
+
+
+@kernel
+def position(words: Words) -> int:
+    """Consumer: how many records were consumed since the ring was made."""
+    return words[_TAIL]
+
+
+@kernel
+def peek(words: Words, slots: NDArray[Any], out: NDArray[Any]) -> int:
+    """Consumer: copy up to len(out) records into out, oldest first, and return how many; they stay until `release`."""
+    tail = words[_TAIL]
+    count = min(load_acquire(words, _HEAD) - tail, out.shape[0])
+    for i in range(count):
+        out[i] = slots[(tail + i) & (slots.shape[0] - 1)]
+    return count
+
+
+@kernel
+def release(words: Words, count: int) -> None:
+    """Consumer: give up the `count` oldest records, once they are safe elsewhere."""
+    store_release(words, _TAIL, words[_TAIL] + count)
