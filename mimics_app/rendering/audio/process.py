@@ -1,0 +1,178 @@
+"""The audio process as the app sees it: started, told things, and closed, without ever waiting for it inside a frame.
+
+Contacts do not pass through here: the child reads them from shared memory itself. Orders travel through a pipe whose
+writing end never blocks; a message is smaller than PIPE_BUF, so the kernel takes it whole or not at all.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+from multiprocessing.connection import Connection
+from typing import TYPE_CHECKING, Any
+
+from mimics_app.contracts.audio_port import AudioReport, AudioStatus
+from mimics_app.contracts.errors import MimicsError, nearest
+from mimics_app.contracts.messages import SoundEvent
+from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.rendering.audio.settings import AudioSettings
+
+if TYPE_CHECKING:
+    from multiprocessing.context import SpawnProcess
+
+__all__ = ["AudioProcess"]
+
+Vec3 = tuple[float, float, float]
+
+_REPORT_TIMEOUT_S = 3.0
+_SILENT = AudioStatus(device="none", sink="null", hrtf=False, rate=0, latency_ms=0.0)
+
+
+class AudioProcess:
+    """Sound of a live session, mixed in a spawned process so that no Python work of the app can hold it up.
+
+    Start it before the haptic thread and before the app changes its niceness, which a child inherits.
+    """
+
+    def __init__(self, memory: SessionMemory, settings: AudioSettings) -> None:
+        self._memory = memory
+        self._settings = settings
+        self._process: SpawnProcess | None = None
+        self._orders: Connection | None = None
+        self._results: Connection | None = None
+        self._status: AudioStatus | None = None
+        self._report: AudioReport | None = None
+        self._orders_dropped = 0
+        self._pose: tuple[Vec3, Vec3, Vec3] | None = None
+
+    def start(self) -> None:
+        """Spawn the process and return at once; a session without sound starts none."""
+        if self._settings.sink == "null":
+            self._status = _SILENT
+            return
+        import multiprocessing
+
+        from mimics_app.rendering.audio.worker import run
+
+        spawn = multiprocessing.get_context("spawn")
+        orders_child, self._orders = spawn.Pipe(duplex=False)
+        self._results, results_child = spawn.Pipe(duplex=False)
+        self._process = spawn.Process(
+            target=run, args=(self._memory, self._settings, orders_child, results_child), name="mimics-audio", daemon=True
+        )
+        self._process.start()
+        # Our copies of the child's ends would keep a read waiting for a child that is gone.
+        orders_child.close()
+        results_child.close()
+        os.set_blocking(self._orders.fileno(), False)
+
+    @property
+    def ready(self) -> AudioStatus | None:
+        """What was opened, or None while the process is still starting; never waits."""
+        if self._status is None:
+            self._take_status(timeout_s=0.0)
+        return self._status
+
+    def wait_ready(self, timeout_s: float | None = None) -> AudioStatus:
+        """Wait until the output is open; past the timeout of the settings the session goes on without sound."""
+        if self._status is None:
+            self._take_status(self._settings.start_timeout_s if timeout_s is None else timeout_s)
+        if self._status is None:
+            self._give_up("the audio process did not start in time: sound is dropped; picture and touch run on")
+        assert self._status is not None
+        return self._status
+
+    @property
+    def alive(self) -> bool:
+        """True while the process runs."""
+        return self._process is not None and self._process.is_alive()
+
+    @property
+    def pid(self) -> int | None:
+        """Process id of the child, None where there is none."""
+        return None if self._process is None else self._process.pid
+
+    def play(self, event: SoundEvent) -> None:
+        """Start a sound of the task; never waits, and counts what the process did not take.
+
+        Raises:
+            MimicsError: The settings know no sound of that name.
+        """
+        if event.sound not in self._settings.sounds:
+            raise MimicsError(f'no sound "{event.sound}"', nearest(event.sound, self._settings.sounds))
+        if not self._tell("play", event):
+            self._orders_dropped += 1
+
+    def listener(self, position_world: Vec3, forward_world: Vec3, up_world: Vec3) -> None:
+        """Place the listener's head; never waits. The same pose twice is sent once."""
+        pose = (position_world, forward_world, up_world)
+        if pose != self._pose and self._tell("listener", pose):
+            self._pose = pose
+
+    def advance(self, now_ns: int) -> None:
+        """Do nothing: the process keeps its own time."""
+
+    def stop(self) -> AudioReport:
+        """End the sound, fetch the report and end the process, by force where it does not answer."""
+        if self._report is None:
+            self._report = self._close()
+        return self._report
+
+    def _close(self) -> AudioReport:
+        if self._process is None:
+            return AudioReport(self._status or _SILENT)
+        self._tell("stop", None)
+        if self._orders is not None:
+            self._orders.close()
+            self._orders = None
+        report = self._take_report()
+        self._process.join(1.0)
+        if self._process.is_alive():
+            self._process.kill()
+            self._process.join()
+        if self._results is not None:
+            self._results.close()
+        return report
+
+    def _take_report(self) -> AudioReport:
+        from dataclasses import replace
+
+        message = self._receive(_REPORT_TIMEOUT_S)
+        if isinstance(message, AudioStatus):
+            self._status = message
+            message = self._receive(_REPORT_TIMEOUT_S)
+        if isinstance(message, AudioReport):
+            return replace(message, orders_dropped=self._orders_dropped)
+        if self._status is None or self._status.sink != "null":
+            self._give_up("the audio process ended early: sound was lost; picture and touch ran on")
+        file = self._settings.file
+        written = str(file) if file is not None and file.exists() else ""
+        return AudioReport(self._status or _SILENT, orders_dropped=self._orders_dropped, file=written, crashed=True)
+
+    def _take_status(self, timeout_s: float) -> None:
+        message = self._receive(timeout_s)
+        if isinstance(message, AudioStatus):
+            self._status = message
+        elif not self.alive:
+            self._give_up("the audio process ended while it started: sound is dropped; picture and touch run on")
+
+    def _receive(self, timeout_s: float) -> Any:
+        """Next message of the child, or None at the timeout or when the child is gone."""
+        if self._results is None:
+            return None
+        try:
+            return self._results.recv() if self._results.poll(timeout_s) else None
+        except (EOFError, OSError):
+            return None
+
+    def _tell(self, what: str, content: object) -> bool:
+        if self._orders is None:
+            return False
+        try:
+            self._orders.send_bytes(pickle.dumps((what, content)))
+        except (BlockingIOError, BrokenPipeError):
+            return False
+        return True
+
+    def _give_up(self, notice: str) -> None:
+        self._status = AudioStatus("none", "null", hrtf=False, rate=0, latency_ms=0.0, notice=notice)
