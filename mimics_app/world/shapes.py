@@ -1,0 +1,55 @@
+"""Shapes a scene file may name instead of a mesh file; `world.primitives` builds them."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from msgspec import Meta
+
+from mimics_app.world.registry import Component
+
+__all__ = ["BoxShape", "CylinderShape", "PlaneShape", "RingShape", "Shape", "SphereShape"]
+
+Length = Annotated[float, Meta(gt=0)]
+
+
+class PlaneShape(Component, tag="plane", tag_field="shape"):
+    """Rectangle in the xz plane, facing +y."""
+
+    size: Annotated[tuple[Length, Length], Meta(description="Extent along x and z [m]")] = (1.0, 1.0)
+    segments: Annotated[int, Meta(ge=1, le=256, description="Squares along each side")] = 1
+
+
+class BoxShape(Component, tag="box", tag_field="shape"):
+    """Box about the origin."""
+
+    size: Annotated[tuple[Length, Length, Length], Meta(description="Extent along x, y, z [m]")] = (1.0, 1.0, 1.0)
+
+
+class SphereShape(Component, tag="sphere", tag_field="shape"):
+    """Sphere about the origin."""
+
+    radius: Annotated[float, Meta(gt=0, description="[m]")] = 0.5
+    segments: Annotated[int, Meta(ge=3, le=512, description="Facets round the equator; half as many pole to pole")] = 32
+
+
+class CylinderShape(Component, tag="cylinder", tag_field="shape"):
+    """Closed cylinder about the y axis; a cone where `top_radius` is 0."""
+
+    radius: Annotated[float, Meta(gt=0, description="Of the lower end [m]")] = 0.5
+    top_radius: Annotated[float | None, Meta(description="Of the upper end [m], >= 0; absent: as `radius`")] = None
+    height: Annotated[float, Meta(gt=0, description="[m]")] = 1.0
+    segments: Annotated[int, Meta(ge=3, le=512, description="Facets round the axis")] = 32
+
+
+class RingShape(Component, tag="ring", tag_field="shape"):
+    """Flat ring, or a sector of one, in the xz plane, facing +y; angle 0 is +x and pi/2 is -z."""
+
+    inner_radius: Annotated[float, Meta(ge=0, description="[m]; 0: a disc")] = 0.25
+    outer_radius: Annotated[float, Meta(gt=0, description="[m]")] = 0.5
+    start: Annotated[float, Meta(description="First angle [rad]")] = 0.0
+    sweep: Annotated[float, Meta(gt=0, le=6.2832, description="Angle covered [rad]")] = 6.283185307179586
+    segments: Annotated[int, Meta(ge=3, le=512, description="Facets along the arc")] = 48
+
+
+Shape = PlaneShape | BoxShape | SphereShape | CylinderShape | RingShape
