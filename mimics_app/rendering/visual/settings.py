@@ -1,0 +1,41 @@
+"""What a person or a governor may trade for speed in the picture."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from mimics_app.contracts.errors import UsageError
+
+__all__ = ["RenderSettings"]
+
+
+@dataclass(frozen=True, slots=True)
+class RenderSettings:
+    """Quality of the picture.
+
+    Attributes:
+        msaa: Samples per pixel: 0 (off), 2 or 4; more than the driver offers becomes what it offers.
+        shadow_size: Width of the sun's shadow map [texel]; 0 leaves shadows out.
+        shadow_reach: Casters of a bounding radius beyond this [m] receive shadows but do not widen the map.
+        tone_map: "neutral" (Khronos PBR neutral: base colours stay what they are) or "none" (clamped, for tests).
+        exposure: Factor on all light before the tone map.
+        fog_density: Share of the horizon's colour mixed in per metre of distance [1/m]; 0 leaves fog out.
+        hud_depth: Distance of the heads-up display from the eyes [m].
+        timer: True asks the driver how long it drew, where it can tell.
+    """
+
+    msaa: int = 4
+    shadow_size: int = 1024
+    shadow_reach: float = 2.0
+    tone_map: Literal["neutral", "none"] = "neutral"
+    exposure: float = 1.0
+    fog_density: float = 0.06
+    hud_depth: float = 1.0
+    timer: bool = False
+
+    def __post_init__(self) -> None:
+        if self.msaa not in (0, 2, 4, 8):
+            raise UsageError(f"{self.msaa} samples per pixel cannot be", "give 0, 2, 4 or 8")
+        if not 0 <= self.shadow_size <= 8192:
+            raise UsageError(f"a shadow map of {self.shadow_size} texels cannot be", "give 0 to 8192")

@@ -1,0 +1,105 @@
+"""One picture of the world from one eye, and its off-axis projection."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import UsageError
+
+__all__ = ["Tangents", "View", "compose_clip_from_view", "compute_frustum_planes"]
+
+F8 = NDArray[np.float64]
+Tangents = tuple[float, float, float, float]
+Rect = tuple[int, int, int, int]
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """What one eye sees; a desktop is a list of one, a cave two per wall.
+
+    Attributes:
+        world_from_eye: Rigid pose of the eye, which looks along its -z with +y up; float64 [4, 4], metres.
+        tangents: Of the frustum's edges: left, right, bottom, top (left < right, bottom < top, of any sign).
+        rectangle: Where on the surface: x, y of the lower left corner, width, height [px].
+        near: Distance of the near plane [m], > 0.
+        far: Distance of the far plane [m], > near.
+        screen: Which physical screen the picture belongs to; views of one screen share their heads-up display.
+    """
+
+    world_from_eye: F8
+    tangents: Tangents
+    rectangle: Rect
+    near: float = 0.05
+    far: float = 100.0
+    screen: int = 0
+
+    def __post_init__(self) -> None:
+        left, right, bottom, top = self.tangents
+        if not (left < right and bottom < top and 0.0 < self.near < self.far):
+            raise UsageError(
+                f"a frustum of tangents {self.tangents} from {self.near} m to {self.far} m is empty",
+                "give left < right, bottom < top and 0 < near < far",
+            )
+
+    @property
+    def eye_world(self) -> F8:
+        """Where the eye is [m], float64 [3]."""
+        return self.world_from_eye[:3, 3]
+
+    @property
+    def clip_from_eye(self) -> F8:
+        """Projection from the frame "eye": world axes, origin at the eye (float64 [4, 4]).
+
+        Only differences of positions enter it, so that float32 keeps its 24 bits for what is near the person
+        however far from the origin the scene is.
+        """
+        view_from_eye = np.eye(4)
+        view_from_eye[:3, :3] = self.world_from_eye[:3, :3].T
+        return compose_clip_from_view(self.tangents, self.near, self.far) @ view_from_eye
+
+    @property
+    def clip_from_world(self) -> F8:
+        """Projection from the world (float64 [4, 4]), for culling and for tests."""
+        eye_from_world = np.eye(4)
+        eye_from_world[:3, 3] = -self.eye_world
+        return self.clip_from_eye @ eye_from_world
+
+
+def compose_clip_from_view(tangents: Tangents, near: float, far: float) -> F8:
+    """Off-axis perspective from the view frame (camera along -z) to GL clip space (Kooima 2008).
+
+    Args:
+        tangents: Left, right, bottom, top.
+        near: [m], > 0.
+        far: [m], > near.
+
+    Returns:
+        Matrix for column vectors, float64 [4, 4]; depth -1 at `near`, 1 at `far`.
+    """
+    left, right, bottom, top = tangents
+    width, height, depth = right - left, top - bottom, far - near
+    return np.array(
+        [
+            [2.0 / width, 0.0, (right + left) / width, 0.0],
+            [0.0, 2.0 / height, (top + bottom) / height, 0.0],
+            [0.0, 0.0, -(far + near) / depth, -2.0 * far * near / depth],
+            [0.0, 0.0, -1.0, 0.0],
+        ]
+    )
+
+
+def compute_frustum_planes(clip_from_world: F8) -> F8:
+    """The six planes of a frustum, normals inwards: left, right, bottom, top, near, far.
+
+    Args:
+        clip_from_world: Projection, float64 [4, 4].
+
+    Returns:
+        Unit normal and offset per plane, float64 [6, 4]; a point p is inside where normal . p + offset >= 0.
+    """
+    last = clip_from_world[3]
+    planes = np.stack([last + sign * row for row in clip_from_world[:3] for sign in (1.0, -1.0)])
+    return np.asarray(planes / np.linalg.norm(planes[:, :3], axis=1, keepdims=True))
