@@ -27,6 +27,7 @@ __all__ = [
     "TunnelView",
 ]
 
+Positive = Annotated[float, Meta(gt=0)]
 Colour = tuple[
     Annotated[float, Meta(ge=0)],
     Annotated[float, Meta(ge=0)],
@@ -42,7 +43,9 @@ class MeshComponent(Component):
     primitive: Annotated[Shape | None, Meta(description="A shape made by the application")] = None
     source: Annotated[
         str | None,
-        Meta(description='In a model: "asset" (all of it), "asset#/nodes/Name" (with its children), "asset#/meshes/Name"'),
+        Meta(
+            description='In a model: "asset" (all of it), "asset#/nodes/Name" (with its children), "asset#/meshes/Name"'
+        ),
     ] = None
     material: Annotated[
         str | None, Meta(description="Of the scene's `materials`; absent: the model's own, or plain grey")
@@ -55,14 +58,15 @@ class MeshComponent(Component):
 class LightComponent(Component):
     """A light; directional and spot shine along the entity's own -z."""
 
-    kind: Annotated[
-        Literal["directional", "point", "spot", "ambient"], Meta(description="How it spreads")
-    ] = "directional"
+    kind: Annotated[Literal["directional", "point", "spot", "ambient"], Meta(description="How it spreads")] = (
+        "directional"
+    )
     colour: Annotated[Colour, Meta(description="Linear RGB, usually 0-1")] = (1.0, 1.0, 1.0)
     intensity: Annotated[
-        float, Meta(ge=0, description="Directional and ambient: factor (1 = white surface white); point, spot: same at 1 m")
+        float,
+        Meta(ge=0, description="Directional and ambient: factor (1 = white surface white); point, spot: same at 1 m"),
     ] = 1.0
-    range: Annotated[float | None, Meta(description="Distance beyond which it is dark [m], > 0; absent: unlimited")] = None
+    range: Annotated[Positive | None, Meta(description="Beyond it is dark [m]; absent: unlimited")] = None
     inner_cone: Annotated[float, Meta(ge=0, lt=1.5708, description="Half angle of full strength (spot) [rad]")] = 0.0
     outer_cone: Annotated[float, Meta(gt=0, lt=1.5708, description="Half angle where it ends (spot) [rad]")] = 0.785398
     casts_shadow: Annotated[bool, Meta(description="Has a shadow map (directional)")] = False
@@ -73,7 +77,9 @@ class LightComponent(Component):
 class CameraComponent(Component):
     """An eye; it looks along the entity's own -z, +y up."""
 
-    vertical_fov: Annotated[float, Meta(gt=0, lt=3.1415, description="Full angle of view, bottom to top [rad]")] = 0.8727
+    vertical_fov: Annotated[float, Meta(gt=0, lt=3.1415, description="Full angle of view, bottom to top [rad]")] = (
+        0.8727
+    )
     near: Annotated[float, Meta(gt=0, description="Nearest distance drawn [m]")] = 0.05
     far: Annotated[float, Meta(gt=0, description="Farthest distance drawn [m]; beyond `near`")] = 100.0
     target: Annotated[Point | None, Meta(description="World point it is turned to [m]")] = None
@@ -98,7 +104,9 @@ class Sound(Component):
     parameters: Annotated[dict[str, float], Meta(description="Numbers of the recipe, SI units")] = {}
     trigger: Annotated[
         Literal["contact", "contact_end", "goal", "start", "step"] | None,
-        Meta(description="What starts it without a task: touching or leaving the wall, reaching the goal, a trial's start"),
+        Meta(
+            description="What starts it without a task: touching or leaving the wall, reaching the goal, a trial's start"
+        ),
     ] = None
     gain: Annotated[float, Meta(ge=0, le=4, description="Linear factor, 1 = as recorded")] = 1.0
     full_level: Annotated[
@@ -160,8 +168,6 @@ def _check_light(light: LightComponent, pointer: str, scene: Scene) -> list[Issu
     issues = []
     if light.kind == "spot" and light.inner_cone >= light.outer_cone:
         issues.append(scene.issue(f"{pointer}/inner_cone", f"{light.inner_cone:g} rad is not inside outer_cone"))
-    if light.range is not None and light.range <= 0:
-        issues.append(scene.issue(f"{pointer}/range", f"{light.range:g} m is not greater than 0"))
     return issues
 
 

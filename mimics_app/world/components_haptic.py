@@ -17,6 +17,7 @@ __all__ = ["Admittance", "Ball", "JointPd", "Patient", "Robot", "RobotToWorld", 
 
 Point = tuple[float, float, float]
 NotNegative = Annotated[float, Meta(ge=0)]
+Positive = Annotated[float, Meta(gt=0)]
 Triple = tuple[NotNegative, NotNegative, NotNegative]
 Row = tuple[float, float, float]
 
@@ -29,11 +30,14 @@ class Tunnel(Component):
         tuple[Point, ...] | None, Meta(description="Of the cubic B-spline that is the bisector, world [m]; at least 4")
     ] = None
     path_file: Annotated[
-        str | None, Meta(description="Recorded path to fit instead: .csv (x,y,z columns) or .json ([[x,y,z],..]), world [m]")
+        str | None,
+        Meta(description="Recorded path to fit instead: .csv (x,y,z columns) or .json ([[x,y,z],..]), world [m]"),
     ] = None
-    basis_functions: Annotated[int | None, Meta(ge=4, le=99, description="Basis functions fitted to `path_file`")] = None
+    basis_functions: Annotated[
+        Annotated[int, Meta(ge=4, le=99)] | None, Meta(description="Basis functions fitted to `path_file`")
+    ] = None
     radius: Annotated[
-        float | tuple[float, ...], Meta(description="[m], >= 0; or several, evenly spread from start to end")
+        NotNegative | tuple[NotNegative, ...], Meta(description="[m]; or several, evenly spread from start to end")
     ] = 0.04
     radius_scale: Annotated[float, Meta(ge=0, description="Factor on `radius`; 0 keeps the ball on the bisector")] = 1.0
     stiffness: Annotated[float, Meta(ge=0, description="Of the wall [N/m]")] = 1500.0
@@ -70,17 +74,25 @@ class Robot(Component):
     )
     stroke: Annotated[float, Meta(gt=0, description="Of the radial axis, q1r [m]")] = 0.36
     offset: Annotated[float, Meta(ge=0, description="Axis to the retracted arm, l_off [m]")] = 0.28
-    axis_offset: Annotated[
-        float | None, Meta(description="d1 of equation (1) [m], > 0; absent: stroke / 2 + offset")
-    ] = None
+    axis_offset: Annotated[Positive | None, Meta(description="d1 of equation (1) [m]; absent: stroke / 2 + offset")] = (
+        None
+    )
     joint_min: Annotated[Row, Meta(description="q1 [m], q2 [rad], q3 [m]")] = (-0.18, -0.5, -0.20)
     joint_max: Annotated[Row, Meta(description="q1 [m], q2 [rad], q3 [m]")] = (0.18, 0.5, 0.20)
-    masses: Annotated[Triple, Meta(description="Moving masses of the simulator per axis [kg, kg m^2, kg]")] = (4.0, 1.2, 5.0)
+    masses: Annotated[Triple, Meta(description="Moving masses of the simulator per axis [kg, kg m^2, kg]")] = (
+        4.0,
+        1.2,
+        5.0,
+    )
     servo_bandwidth_hz: Annotated[float, Meta(gt=0, description="Of the simulator's velocity servo [Hz]")] = 60.0
     delay_ticks: Annotated[int, Meta(ge=0, le=50, description="Delay line of the simulator [ticks of 1 ms]")] = 1
-    sensor_noise: Annotated[float, Meta(ge=0, description="Of the simulated force sensor, standard deviation [N]")] = 0.01
+    sensor_noise: Annotated[float, Meta(ge=0, description="Of the simulated force sensor, standard deviation [N]")] = (
+        0.01
+    )
     sensor_quantum: Annotated[float, Meta(ge=0, description="Resolution of the simulated force sensor [N]")] = 0.01
-    force_limit: Annotated[float, Meta(gt=0, description="Of the simulated drives, and range of its sensor [N]")] = 250.0
+    force_limit: Annotated[float, Meta(gt=0, description="Of the simulated drives, and range of its sensor [N]")] = (
+        250.0
+    )
     velocity_limit: Annotated[Triple, Meta(description="Of the simulated axes [m/s, rad/s, m/s]")] = (1.0, 2.0, 1.0)
 
 
@@ -90,24 +102,28 @@ class Patient(Component):
 
     preset: Annotated[Literal["healthy", "moderate", "severe"], Meta(description="How impaired")] = "healthy"
     intent: Annotated[bool, Meta(description="False: the arm is passive and never completes")] = True
-    arm_mass: Annotated[float | None, Meta(gt=0, description="At the hand [kg], usually 0.5-2.5")] = None
-    arm_damping: Annotated[float | None, Meta(ge=0, description="At the hand [N s/m], usually 5-40")] = None
-    arm_stiffness: Annotated[float | None, Meta(ge=0, description="At the hand [N/m], usually 100-800")] = None
-    speed: Annotated[float | None, Meta(gt=0, description="Peak speed of a voluntary movement [m/s]")] = None
-    reach: Annotated[float | None, Meta(gt=0, description="Length of one minimum-jerk movement [m]")] = None
-    aim_error: Annotated[float | None, Meta(ge=0, description="Standard deviation of a movement's end point [m]")] = None
-    reaction: Annotated[float | None, Meta(ge=0, description="Pause before the next movement [s]")] = None
-    tremor: Annotated[float | None, Meta(ge=0, description="Amplitude of the tremor force [N]")] = None
-    tremor_hz: Annotated[float | None, Meta(gt=0, description="Frequency of the tremor [Hz], usually 4-8")] = None
-    grasp: Annotated[float | None, Meta(ge=0, description="Mean grasp force [N]")] = None
-    grasp_variation: Annotated[float | None, Meta(ge=0, description="Standard deviation of the grasp force [N]")] = None
+    arm_mass: Annotated[Positive | None, Meta(description="At the hand [kg], usually 0.5-2.5")] = None
+    arm_damping: Annotated[NotNegative | None, Meta(description="At the hand [N s/m], usually 5-40")] = None
+    arm_stiffness: Annotated[NotNegative | None, Meta(description="At the hand [N/m], usually 100-800")] = None
+    speed: Annotated[Positive | None, Meta(description="Peak speed of a voluntary movement [m/s]")] = None
+    reach: Annotated[Positive | None, Meta(description="Length of one minimum-jerk movement [m]")] = None
+    aim_error: Annotated[NotNegative | None, Meta(description="Standard deviation of a movement's end point [m]")] = (
+        None
+    )
+    reaction: Annotated[NotNegative | None, Meta(description="Pause before the next movement [s]")] = None
+    tremor: Annotated[NotNegative | None, Meta(description="Amplitude of the tremor force [N]")] = None
+    tremor_hz: Annotated[Positive | None, Meta(description="Frequency of the tremor [Hz], usually 4-8")] = None
+    grasp: Annotated[NotNegative | None, Meta(description="Mean grasp force [N]")] = None
+    grasp_variation: Annotated[NotNegative | None, Meta(description="Standard deviation of the grasp force [N]")] = None
 
 
 @component("admittance")
 class Admittance(Component):
     """Admittance control (D2.1 equations 6, 7): the person moves a virtual mass, the robot follows it."""
 
-    mass: Annotated[float, Meta(gt=0, description="Virtual mass [kg]; below that of hand and handle it is unstable")] = 3.0
+    mass: Annotated[
+        float, Meta(gt=0, description="Virtual mass [kg]; below that of hand and handle it is unstable")
+    ] = 3.0
     damping: Annotated[float, Meta(ge=0, description="Virtual damping [N s/m]")] = 5.0
     max_acceleration: Annotated[float, Meta(gt=0, description="Of the virtual mass [m/s^2]")] = 20.0
     max_velocity: Annotated[float, Meta(gt=0, description="Of the command [m/s]")] = 0.8
@@ -149,10 +165,16 @@ class Safety(Component):
     force_limit: Annotated[float, Meta(gt=0, description="Of the virtual force on the person [N]")] = 80.0
     force_rate_limit: Annotated[float, Meta(gt=0, description="Of its rise [N/s]; falling is free")] = 20000.0
     velocity_limit: Annotated[float, Meta(gt=0, description="Measured; beyond it SAFE_STOP [m/s]")] = 1.2
-    workspace_margin: Annotated[float, Meta(ge=0, description="Beyond the joint limits before SAFE_STOP [m, rad]")] = 0.01
+    workspace_margin: Annotated[float, Meta(ge=0, description="Beyond the joint limits before SAFE_STOP [m, rad]")] = (
+        0.01
+    )
     ramp_time_s: Annotated[float, Meta(ge=0, description="Soft start, 0 to full force [s]")] = 0.5
-    ramp_force: Annotated[float, Meta(gt=0, description="The force must be below this to begin the soft start [N]")] = 5.0
-    late_hold_s: Annotated[float, Meta(gt=0, description="A tick later than this is counted, its output held [s]")] = 0.002
+    ramp_force: Annotated[float, Meta(gt=0, description="The force must be below this to begin the soft start [N]")] = (
+        5.0
+    )
+    late_hold_s: Annotated[float, Meta(gt=0, description="A tick later than this is counted, its output held [s]")] = (
+        0.002
+    )
     late_damp_s: Annotated[float, Meta(gt=0, description="Later: DEGRADED, force ramped down with damping [s]")] = 0.010
     late_stop_s: Annotated[float, Meta(gt=0, description="Later: SAFE_STOP [s]")] = 0.050
     missed_stop: Annotated[int, Meta(ge=1, description="Missed ticks in a row that latch SAFE_STOP")] = 20

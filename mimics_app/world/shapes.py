@@ -37,7 +37,9 @@ class CylinderShape(Component, tag="cylinder", tag_field="shape"):
     """Closed cylinder about the y axis; a cone where `top_radius` is 0."""
 
     radius: Annotated[float, Meta(gt=0, description="Of the lower end [m]")] = 0.5
-    top_radius: Annotated[float | None, Meta(description="Of the upper end [m], >= 0; absent: as `radius`")] = None
+    top_radius: Annotated[
+        Annotated[float, Meta(ge=0)] | None, Meta(description="Of the upper end [m]; absent: as `radius`")
+    ] = None
     height: Annotated[float, Meta(gt=0, description="[m]")] = 1.0
     segments: Annotated[int, Meta(ge=3, le=512, description="Facets round the axis")] = 32
 
