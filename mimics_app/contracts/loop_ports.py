@@ -1,0 +1,112 @@
+"""The border between the 1 kHz loop and a device plug-in: two compiled functions over preallocated vectors.
+
+A plug-in is compiled alone, with these fixed signatures, and handed to the loop as first-class functions, so that the
+loop's own machine code stays valid whatever is plugged in. Both functions are called once per tick, `read` first:
+
+    status = read(memory, inbox, data, tick)      device -> loop
+    write(memory, command, tick)                  loop -> device
+
+Rules: no allocation, no exception, no blocking call, no index out of range. `memory` belongs to the plug-in alone and
+holds everything it remembers. Devices think in the robot frame (WCS of D2.1 Figure 9); the loop maps to the world.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numba import types
+from numpy.typing import NDArray
+
+__all__ = [
+    "COMMAND_DQ",
+    "COMMAND_ENABLED",
+    "COMMAND_FORCE",
+    "COMMAND_LENGTH",
+    "COMMAND_STATE",
+    "DATA_AGE",
+    "DATA_BUTTONS",
+    "DATA_DQ",
+    "DATA_FORCE",
+    "DATA_GRASP",
+    "DATA_LENGTH",
+    "DATA_Q",
+    "INBOX_ACTIVE",
+    "INBOX_BUTTONS",
+    "INBOX_GRASP",
+    "INBOX_LENGTH",
+    "INBOX_TARGET",
+    "INBOX_TRIAL",
+    "READ",
+    "WRITE",
+    "DevicePlugin",
+]
+
+DATA_Q = 0
+"""Three measured joints q1 [m], q2 [rad], q3 [m]."""
+DATA_DQ = 3
+"""Three measured joint velocities [m/s, rad/s, m/s]."""
+DATA_FORCE = 6
+"""Three components r, t, z of the force of the user on the handle, tool frame [N]."""
+DATA_GRASP = 9
+"""Grasp force [N]."""
+DATA_BUTTONS = 10
+"""Button bits as a float."""
+DATA_AGE = 11
+"""Age of this data when read [s]; 0 for data taken at the tick."""
+DATA_LENGTH = 12
+
+COMMAND_DQ = 0
+"""Three joint velocities [m/s, rad/s, m/s]: what an admittance device follows."""
+COMMAND_FORCE = 3
+"""Three components of the force on the user, robot frame [N]: what an impedance device renders."""
+COMMAND_ENABLED = 6
+"""1 while the drives may act; 0 asks the device to go limp or brake by itself."""
+COMMAND_STATE = 7
+"""SafetyState, for devices that show it."""
+COMMAND_LENGTH = 8
+
+INBOX_TARGET = 0
+"""Where the pointing device points, robot frame [m]."""
+INBOX_GRASP = 3
+"""Grasp force asked for [N]."""
+INBOX_BUTTONS = 4
+"""Button bits as a float."""
+INBOX_ACTIVE = 5
+"""1: a pointer is held, or the simulated person may act."""
+INBOX_TRIAL = 6
+"""Counts trials; a simulated person starts over when it changes."""
+INBOX_LENGTH = 7
+
+_VECTOR = types.float64[::1]
+
+READ = types.int64(_VECTOR, _VECTOR, _VECTOR, types.int64)
+"""Signature of `read(memory, inbox, data, tick) -> DeviceStatus`."""
+
+WRITE = types.int64(_VECTOR, _VECTOR, types.int64)
+"""Signature of `write(memory, command, tick) -> 0 when the command was taken`."""
+
+
+def _nothing() -> None:
+    return None
+
+
+@dataclass(frozen=True, slots=True)
+class DevicePlugin:
+    """A device as the loop sees it.
+
+    Attributes:
+        name: As in the scene's `robot.device`.
+        read: Function compiled with `typed_kernel(READ)`.
+        write: Function compiled with `typed_kernel(WRITE)`.
+        memory: All the plug-in remembers, float64, shape [n]; changed in place by `read` and `write`.
+        close: Called once after the loop has ended.
+    """
+
+    name: str
+    read: Callable[..., Any]
+    write: Callable[..., Any]
+    memory: NDArray[np.float64]
+    close: Callable[[], None] = _nothing
