@@ -1,0 +1,91 @@
+"""The adaptable parameters of a task: names, limits, units. Learning chooses inside it, the task manager enforces it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from mimics_app.contracts.messages import TaskAction
+
+__all__ = ["ActionSpace", "Parameter"]
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One adaptable quantity.
+
+    Attributes:
+        name: What actions call it.
+        default: Value at the session's start, in `unit`.
+        low: Smallest value.
+        high: Largest value, >= low.
+        step: Grid on which values lie, counted from low; 0: any value.
+        rate: Largest change per second inside a trial; 0: changes only between trials.
+        unit: Of all the values above; "-" for none.
+    """
+
+    name: str
+    default: float
+    low: float
+    high: float
+    step: float = 0.0
+    rate: float = 0.0
+    unit: str = "-"
+
+    def clip(self, value: float) -> float:
+        """The allowed value nearest to a finite one."""
+        if self.step > 0.0:
+            value = self.low + round((min(max(value, self.low), self.high) - self.low) / self.step) * self.step
+        return min(max(value, self.low), self.high)
+
+    def fits(self, value: float) -> bool:
+        """Whether a value lies inside the limits; False for NaN."""
+        return self.low <= value <= self.high
+
+
+class ActionSpace:
+    """Parameters by name, in the order of the scene file."""
+
+    def __init__(self, parameters: Iterable[Parameter] = ()) -> None:
+        self._parameters = {parameter.name: parameter for parameter in parameters}
+
+    def __iter__(self) -> Iterator[Parameter]:
+        return iter(self._parameters.values())
+
+    def __len__(self) -> int:
+        return len(self._parameters)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._parameters
+
+    def __getitem__(self, name: str) -> Parameter:
+        return self._parameters[name]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters."""
+        return tuple(self._parameters)
+
+    def defaults(self) -> dict[str, float]:
+        """The values a session starts with."""
+        return {parameter.name: parameter.default for parameter in self}
+
+    def clip(self, action: TaskAction) -> tuple[TaskAction, tuple[str, ...]]:
+        """Move an action inside the limits and onto the steps.
+
+        Returns:
+            The action that may be applied, and the names whose value was outside the limits, not a number, or unknown
+            (the last two are left out of the action: the parameter stays as it is). Rounding to a step is no clipping.
+        """
+        values: dict[str, float] = {}
+        clipped: list[str] = []
+        for name, value in action.values.items():
+            if name not in self or math.isnan(value):
+                clipped.append(name)
+                continue
+            parameter = self._parameters[name]
+            values[name] = parameter.clip(value)
+            if not parameter.fits(value):
+                clipped.append(name)
+        return TaskAction(values, action.at_trial), tuple(clipped)

@@ -1,0 +1,66 @@
+"""The current values of the adaptable parameters, and how they move: at trial borders, or smoothly inside a trial."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from mimics_app.contracts.action_space import ActionSpace
+from mimics_app.contracts.messages import TaskAction
+
+__all__ = ["Adaptation"]
+
+
+class Adaptation:
+    """Values now, values aimed at, and actions that wait for their trial.
+
+    A parameter with a `rate` moves towards its aim by at most rate * dt; one without changes at the next trial border.
+
+    Attributes:
+        values: What holds now, by name.
+        clipped: Names clipped by the last `take`, for the log.
+    """
+
+    def __init__(self, space: ActionSpace) -> None:
+        self._space = space
+        self.values = space.defaults()
+        self._aims = dict(self.values)
+        self._waiting: dict[int, dict[str, float]] = {}
+        self.clipped: tuple[str, ...] = ()
+
+    @property
+    def aims(self) -> Mapping[str, float]:
+        """The values the parameters are moving to."""
+        return self._aims
+
+    def take(self, action: TaskAction) -> None:
+        """Aim at an action's values now, or keep them for its trial."""
+        allowed, self.clipped = self._space.clip(action)
+        if allowed.at_trial is None:
+            self._aims.update(allowed.values)
+        else:
+            self._waiting.setdefault(allowed.at_trial, {}).update(allowed.values)
+
+    def begin_trial(self, number: int, values: Mapping[str, float]) -> None:
+        """Set everything at a trial border: the trial list's values first, then the actions that waited for it.
+
+        Args:
+            number: Of the trial, 0 first. Actions for earlier trials that never began are applied too.
+            values: From the trial list.
+        """
+        allowed, self.clipped = self._space.clip(TaskAction(values))
+        self._aims.update(allowed.values)
+        for due in sorted(trial for trial in self._waiting if trial <= number):
+            self._aims.update(self._waiting.pop(due))
+        self.values = dict(self._aims)
+
+    def step(self, seconds: float) -> None:
+        """Move the values that may change inside a trial by `seconds` [s] of their rate."""
+        for parameter in self._space:
+            aim, value = self._aims[parameter.name], self.values[parameter.name]
+            reach = parameter.rate * seconds
+            if reach > 0.0 and aim != value:
+                self.values[parameter.name] = aim if abs(aim - value) <= reach else value + reach * _sign(aim - value)
+
+
+def _sign(x: float) -> float:
+    return 1.0 if x > 0.0 else -1.0

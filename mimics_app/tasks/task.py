@@ -1,0 +1,279 @@
+"""The `task` block of a scene file: one Struct per JSON object, units in the docstrings (they become the schema)."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, field
+
+from mimics_app.world.registry import Component
+
+__all__ = [
+    "ActionDeed",
+    "BlockSpec",
+    "ContactCondition",
+    "Deed",
+    "DurationGoal",
+    "EnterCondition",
+    "ExitCondition",
+    "GoalSpec",
+    "KeyCondition",
+    "MapSpec",
+    "MessageDeed",
+    "Order",
+    "ParameterSpec",
+    "PointGoal",
+    "ProgressCondition",
+    "ProgressGoal",
+    "ScorePartSpec",
+    "ScoreSpec",
+    "SoundDeed",
+    "StartSpec",
+    "StateName",
+    "TaskSpec",
+    "TrialSpec",
+    "TriggerCondition",
+    "TriggerSpec",
+    "Vec3",
+]
+
+Seconds = Annotated[float, Meta(ge=0.0, le=86_400.0)]
+Positive = Annotated[float, Meta(gt=0.0)]
+NotNegative = Annotated[float, Meta(ge=0.0)]
+Share = Annotated[float, Meta(ge=0.0, le=1.0)]
+Vec3 = tuple[float, float, float]
+Order = Literal["listed", "shuffled", "latin"]
+StateName = Literal["approach", "ready", "travel", "finished", "timeout", "aborted", "stopped", "rest", "done"]
+
+
+class MapSpec(Component):
+    """Where the value of a parameter goes: offset + scale * value, or an entry of a table."""
+
+    to: Annotated[
+        str,
+        Meta(
+            description="Dotted name: 'haptic.FIELD' or 'haptic.tunnel.FIELD' is a number of the haptic scene; "
+            "'visual.NAME' and 'audio.NAME' are parameters of the scenario and the mixer; 'task.time_limit_s' and "
+            "'task.rest_s' change the task itself."
+        ),
+    ]
+    scale: Annotated[float, Meta(description="Target units per unit of the parameter.")] = 1.0
+    offset: Annotated[float, Meta(description="Target units.")] = 0.0
+    table: Annotated[
+        list[float | str] | None,
+        Meta(
+            description="One entry per step from min to max. Numbers are interpolated, words taken at the nearest step."
+        ),
+    ] = None
+
+
+class ParameterSpec(Component):
+    """One adaptable parameter of the task; all numbers in `unit`."""
+
+    default: Annotated[float, Meta(description="Value at the session's start.")]
+    min: Annotated[float, Meta(description="Smallest value.")]
+    max: Annotated[float, Meta(description="Largest value.")]
+    maps: Annotated[list[MapSpec], Meta(description="What it changes.")]
+    step: Annotated[NotNegative, Meta(description="Grid on which values lie, counted from min; 0: any value.")] = 0.0
+    rate: Annotated[
+        NotNegative,
+        Meta(description="Largest change per second [unit/s] inside a trial; 0: changes only between trials."),
+    ] = 0.0
+    unit: Annotated[str, Meta(description="Unit of the value; '-' for none.")] = "-"
+
+
+class ProgressGoal(Component, tag="progress", tag_field="kind"):
+    """Reach a share of the tunnel's length."""
+
+    at_least: Annotated[Share, Meta(description="Share of the arc length, 0-1; exactly this counts.")] = 0.98
+    hold_s: Annotated[Seconds, Meta(description="How long to stay there [s].")] = 0.0
+
+
+class PointGoal(Component, tag="point", tag_field="kind"):
+    """Bring the ball to a point."""
+
+    position_world: Annotated[Vec3, Meta(description="Where [m].")]
+    within: Annotated[
+        Positive, Meta(description="Largest distance of the ball's centre from it [m]; exactly this counts.")
+    ]
+    hold_s: Annotated[Seconds, Meta(description="How long to stay there [s].")] = 0.0
+
+
+class DurationGoal(Component, tag="duration", tag_field="kind"):
+    """Keep going for a time."""
+
+    seconds: Annotated[Seconds, Meta(description="Since the person was let go [s].")]
+
+
+GoalSpec = ProgressGoal | PointGoal | DurationGoal
+
+
+class EnterCondition(Component, tag="enter", tag_field="kind"):
+    """A state begins."""
+
+    state: Annotated[StateName, Meta(description="Which one.")]
+
+
+class ExitCondition(Component, tag="exit", tag_field="kind"):
+    """A state ends."""
+
+    state: Annotated[StateName, Meta(description="Which one.")]
+
+
+class ProgressCondition(Component, tag="progress", tag_field="kind"):
+    """The ball comes this far, once per trial."""
+
+    at_least: Annotated[Share, Meta(description="Share of the tunnel's arc length, 0-1.")]
+
+
+class ContactCondition(Component, tag="contact", tag_field="kind"):
+    """The ball touches something during travel."""
+
+    min_force: Annotated[NotNegative, Meta(description="Weaker contacts do not count [N].")] = 0.0
+
+
+class KeyCondition(Component, tag="key", tag_field="kind"):
+    """A key or button goes down."""
+
+    key: Annotated[str, Meta(description="Its name e.g. 'm', 'mouse_left' or 'pad_y'.")]
+
+
+TriggerCondition = EnterCondition | ExitCondition | ProgressCondition | ContactCondition | KeyCondition
+
+
+class SoundDeed(Component, tag="sound", tag_field="kind"):
+    """Play a sound."""
+
+    sound: Annotated[str, Meta(description="Name of a sound of the scene.")]
+    gain: Annotated[NotNegative, Meta(description="Linear, 1 = as authored.")] = 1.0
+    at_ball: Annotated[bool, Meta(description="True: where the ball is; False: at the listener.")] = False
+
+
+class MessageDeed(Component, tag="message", tag_field="kind"):
+    """Show a line of text."""
+
+    text: Annotated[str, Meta(description="What to show.")]
+    seconds: Annotated[Seconds, Meta(description="For how long [s].")] = 2.0
+
+
+class ActionDeed(Component, tag="action", tag_field="kind"):
+    """Adapt the task, as a learning policy would."""
+
+    values: Annotated[
+        dict[str, float], Meta(description="New values by parameter name, each in that parameter's unit.")
+    ]
+
+
+Deed = SoundDeed | MessageDeed | ActionDeed
+
+
+class TriggerSpec(Component):
+    """When something happens, do something."""
+
+    when: Annotated[TriggerCondition, Meta(description="The condition.")]
+    do: Annotated[list[Deed], Meta(description="What to do, in order.")]
+
+
+class TrialSpec(Component):
+    """One trial of a block."""
+
+    label: Annotated[str, Meta(description="Name of the condition, for the results.")] = ""
+    values: Annotated[
+        dict[str, float],
+        Meta(description="Parameter values set before the trial; parameters not named keep their value."),
+    ] = field(default_factory=dict)
+    time_limit_s: Annotated[Positive | None, Meta(description="Instead of the task's [s].")] = None
+    rest_s: Annotated[Seconds | None, Meta(description="Rest after this trial, instead of the task's [s].")] = None
+
+
+class BlockSpec(Component):
+    """Trials that belong together."""
+
+    name: Annotated[str, Meta(description="For the results.")] = ""
+    trials: Annotated[
+        Annotated[list[TrialSpec], Meta(min_length=1, max_length=1000)], Meta(description="The conditions.")
+    ] = field(default_factory=lambda: [TrialSpec()])
+    repetitions: Annotated[Annotated[int, Meta(ge=1, le=1000)], Meta(description="How often all of them are done.")] = 1
+    order: Annotated[
+        Order,
+        Meta(
+            description="'listed', 'shuffled' (each repetition anew, from the session's seed) or 'latin' (repetition r "
+            "takes row r of a Williams square: every condition follows every other equally often)."
+        ),
+    ] = "listed"
+    practice: Annotated[bool, Meta(description="True: recorded and shown, but left out of the session's score.")] = (
+        False
+    )
+
+
+class StartSpec(Component):
+    """How the robot is brought to the start of a trial."""
+
+    tolerance: Annotated[
+        tuple[Positive, Positive, Positive], Meta(description="Largest joint error that counts as arrived [m, rad, m].")
+    ] = (0.005, 0.02, 0.005)
+    hold_s: Annotated[Seconds, Meta(description="How long it must stay so [s].")] = 0.2
+    ready_s: Annotated[
+        Seconds, Meta(description="Shortest time between arrival and go [s]; the soft start must be over too.")
+    ] = 1.0
+    limit_s: Annotated[
+        Positive,
+        Meta(description="Longest way to the start, and longest soft start [s]; then the attempt is aborted."),
+    ] = 20.0
+    attempts: Annotated[
+        Annotated[int, Meta(ge=1, le=1000)],
+        Meta(description="How often one trial may be begun; then the next one follows."),
+    ] = 5
+
+
+class ScorePartSpec(Component):
+    """How one measure counts: full marks at `best`, none at `worst`, linear between."""
+
+    weight: Annotated[NotNegative, Meta(description="Share of the score, relative to the other weights.")]
+    best: Annotated[float, Meta(description="Value that earns full marks, in the measure's unit.")]
+    worst: Annotated[float, Meta(description="Value that earns none.")]
+
+
+class ScoreSpec(Component):
+    """Weights of the score 0-100; see tasks.score for the formula."""
+
+    time: Annotated[ScorePartSpec, Meta(description="Duration of the travel [s].")] = ScorePartSpec(
+        weight=0.3, best=8.0, worst=40.0
+    )
+    path_error: Annotated[ScorePartSpec, Meta(description="Root mean square distance from the bisector [m].")] = (
+        ScorePartSpec(weight=0.3, best=0.002, worst=0.020)
+    )
+    contacts: Annotated[ScorePartSpec, Meta(description="Number of wall contacts.")] = ScorePartSpec(
+        weight=0.25, best=0.0, worst=20.0
+    )
+    smoothness: Annotated[
+        ScorePartSpec,
+        Meta(description="Spectral arc length of the speed (SPARC), negative; -1.4 is one minimum-jerk reach."),
+    ] = ScorePartSpec(weight=0.15, best=-1.6, worst=-12.0)
+
+
+class TaskSpec(Component):
+    """What the person is to do, how often, and how it is scored."""
+
+    title: Annotated[str, Meta(description="Shown to the person.")] = ""
+    parameters: Annotated[dict[str, ParameterSpec], Meta(description="What can be adapted, by name.")] = field(
+        default_factory=dict
+    )
+    goals: Annotated[
+        Annotated[list[GoalSpec], Meta(min_length=1)], Meta(description="All must be met at once to finish a trial.")
+    ] = field(default_factory=lambda: [ProgressGoal()])
+    triggers: Annotated[list[TriggerSpec], Meta(description="Sounds, messages and adaptations at given moments.")] = (
+        field(default_factory=list)
+    )
+    trials: Annotated[
+        Annotated[list[BlockSpec], Meta(min_length=1)] | str,
+        Meta(description="The blocks in order, or the name of a JSON file beside the scene that holds them."),
+    ] = field(default_factory=lambda: [BlockSpec()])
+    start: Annotated[StartSpec, Meta(description="How a trial is begun.")] = StartSpec()
+    score: Annotated[ScoreSpec, Meta(description="Weights of the score.")] = ScoreSpec()
+    time_limit_s: Annotated[Positive, Meta(description="Longest travel [s].")] = 60.0
+    rest_s: Annotated[Seconds, Meta(description="Pause between trials [s].")] = 3.0
+    result_s: Annotated[Seconds, Meta(description="How long a result is shown [s].")] = 2.0
+    messages: Annotated[
+        dict[StateName, str], Meta(description="Text shown in a state, instead of the built-in one; '' shows nothing.")
+    ] = field(default_factory=dict)
