@@ -43,8 +43,8 @@ class Issue:
     fix: str = ""
 
     def __str__(self) -> str:
-        place = f"{self.file}#{self.pointer}" if self.pointer else self.file
-        return f"{place}: {self.what}" + (f"; {self.fix}" if self.fix else "")
+        place = f"{self.file}#{self.pointer}: " if self.pointer else f"{self.file}: " if self.file else ""
+        return f"{place}{self.what}" + (f"; {self.fix}" if self.fix else "")
 
 
 class MimicsError(Exception):

@@ -1,0 +1,280 @@
+#!/bin/sh
+# The words of the Makefile, for any machine with a POSIX shell:
+#
+#   sh .ci/dev.sh run [arguments of mimics run]      set up what is missing, then travel the wavy tunnel
+#   sh .ci/dev.sh setup | test | test-long | check | bench | clean | pins
+#
+# It never asks anything. Python packages go to .venv, exact and checked by hash (requirements.txt). System packages
+# come through apt where this user is root or may use sudo without a password; otherwise the one line to type is said.
+# All its own messages go to stderr, so that `run --json` leaves one object on stdout.
+#   PYTHON=/path/to/python3     the interpreter to build .venv with
+#   MIMICS_SKIP_SYSTEM=1        go on although system packages are missing
+set -eu
+
+cd "$(dirname "$0")/.."
+root=$(pwd -P)
+venv=$root/.venv
+vpython=$venv/bin/python
+mark=$venv/.mimics-ready
+log=$root/.setup.log
+needs=mimics_app/app/system_packages.py
+oldest='(3, 11)'
+newest='(3, 14)'
+
+# Settings of a lab's other tools (ROS, a user-wide pip.conf) must not leak into this environment.
+unset PYTHONPATH PYTHONHOME
+export PIP_USER=0 PIP_NO_INPUT=1 PIP_DISABLE_PIP_VERSION_CHECK=1 UV_COMPILE_BYTECODE=1
+
+say() { printf 'mimics: %s\n' "$*" >&2; }
+have() { command -v "$1" >/dev/null 2>&1; }
+have_uv() { uv --version >/dev/null 2>&1; }
+
+# --- system packages ---------------------------------------------------------------------------------------------
+
+as_root() {
+    if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo -n "$@"; fi
+}
+
+may_install() {
+    have apt-get || return 1
+    [ "$(id -u)" -eq 0 ] || { have sudo && sudo -n true 2>/dev/null; }
+}
+
+apt() { # fd 9 is the lock: a daemon that a package starts must not inherit it
+    as_root env DEBIAN_FRONTEND=noninteractive NEEDRESTART_SUSPEND=1 apt-get -o DPkg::Lock::Timeout=120 "$@" \
+        </dev/null >>"$log" 2>&1 9>&-
+}
+
+apt_updated=no
+apt_install() {
+    say "installing by apt: $* (log: .setup.log)"
+    apt install -y --no-install-recommends "$@" && return 0
+    if [ $apt_updated = no ]; then
+        apt_updated=yes
+        apt update || :
+        apt install -y --no-install-recommends "$@" && return 0
+    fi
+    return 1
+}
+
+line_to_type() {
+    if have apt-get; then
+        update=
+        ls /var/lib/apt/lists/*_Packages* >/dev/null 2>&1 || update='sudo apt-get update && '
+        say "type this one line, then the same command again:"
+        printf '%ssudo apt-get install -y %s\n' "$update" "$*" >&2
+    else
+        say "missing here; these are the Debian names of what your package manager has to bring: $*"
+    fi
+}
+
+# Every package that is needed, for the moment when there is no Python to ask which of them are missing.
+all_packages() {
+    tr '\n' ' ' <$needs | sed 's/SystemNeed(/\n/g' | grep -v 'kind="optional"' | sed -n 's/^ *"\([a-z0-9.-]*\)", *".*/\1/p' |
+        tr '\n' ' '
+}
+
+system_packages() {
+    [ "$(uname)" = Linux ] && [ -z "${MIMICS_SKIP_SYSTEM:-}" ] || return 0
+    missing=$("$vpython" $needs "$@")
+    if [ ! -e "$venv/.optional-asked" ] && [ -w "$venv" ] && may_install; then
+        optional=$("$vpython" $needs optional)
+        # shellcheck disable=SC2086
+        [ -z "$optional" ] || apt_install $optional || say "this distribution does not have: $optional (not needed)"
+        touch "$venv/.optional-asked"
+    fi
+    [ -n "$missing" ] || return 0
+    # shellcheck disable=SC2086
+    if may_install && apt_install $missing; then missing=$("$vpython" $needs "$@"); fi
+    [ -n "$missing" ] || return 0
+    line_to_type "$missing"
+    say "(or MIMICS_SKIP_SYSTEM=1 to go on without)"
+    exit 69
+}
+
+# --- Python ------------------------------------------------------------------------------------------------------
+
+suits() { # new enough, known to the pinned wheels, and built with what ctypes and downloads need
+    "$1" -c "import sys, ctypes, ssl; sys.exit(not $oldest <= sys.version_info[:2] <= $newest)" >/dev/null 2>&1
+}
+
+find_python() {
+    for python in ${PYTHON:+"$PYTHON"} python3 python3.14 python3.13 python3.12 python3.11 /usr/bin/python3; do
+        if suits "$python"; then return 0; fi
+    done
+    python=
+    return 1
+}
+
+ensure_python() {
+    find_python && return 0
+    have_uv && return 0 # uv brings an interpreter of its own
+    if may_install; then
+        apt_install python3 python3-venv && find_python && return 0
+        apt_install python3.11 python3.11-venv && find_python && return 0
+    fi
+    say "Python 3.11 to 3.14 is needed"
+    line_to_type "python3 python3-venv $(all_packages)"
+    exit 69
+}
+
+ensure_venv_module() {
+    "$python" -c 'import ensurepip, venv' 2>/dev/null && return 0
+    version=$("$python" -c 'import sys; print("%d.%d" % sys.version_info[:2])')
+    if may_install; then
+        if apt_install "python$version-venv" || apt_install python3-venv; then
+            "$python" -c 'import ensurepip, venv' 2>/dev/null && return 0
+        fi
+    fi
+    say "$python cannot make virtual environments"
+    line_to_type "python$version-venv $("$python" $needs run)"
+    exit 69
+}
+
+# PyOpenAL is a source package: setuptools has to be there before it, of the pinned version like everything else.
+build_requirements() {
+    awk '/^setuptools==/ { take = 1 } take { print } take && !/\\$/ { exit }' requirements.txt >"$venv/build-requirements.txt"
+    printf '%s\n' "$venv/build-requirements.txt"
+}
+
+install_into_venv() { # the words of an installer: uv pip install ..., or python -m pip install ...
+    "$@" --require-hashes -r "$(build_requirements)" &&
+        "$@" --require-hashes --no-build-isolation -r requirements.txt &&
+        "$@" --no-deps --no-build-isolation -e .
+}
+
+with_uv() {
+    have_uv || return 1
+    [ -x "$vpython" ] || uv venv --quiet --python "${python:-$(uv_range)}" "$venv" || return 1
+    install_into_venv uv pip install --python "$vpython"
+}
+
+uv_range() { printf '>=3.11,<3.15'; }
+
+with_pip() {
+    if ! "$vpython" -m pip --version >/dev/null 2>&1; then
+        ensure_venv_module
+        rm -rf "$venv"
+        "$python" -m venv "$venv" || return 1
+    fi
+    install_into_venv "$vpython" -m pip install
+}
+
+# The folder's own path belongs to it: scripts and the editable install of a moved folder point to the old place.
+identity() {
+    printf '%s ' "$venv"
+    "$vpython" -c 'import platform, sys; print(sys.implementation.cache_tag, platform.machine())' 2>/dev/null
+}
+
+content() {
+    cat pyproject.toml requirements.txt | { sha256sum 2>/dev/null || shasum -a 256; }
+}
+
+ready() {
+    [ -x "$vpython" ] && [ -f "$mark" ] && [ "$(cat "$mark")" = "$(identity && content)" ]
+}
+
+same_place() {
+    [ -x "$vpython" ] && [ -f "$mark" ] && [ "$(head -n 1 "$mark")" = "$(identity)" ]
+}
+
+build() {
+    say "setting up .venv (about 200 MB to download the first time)"
+    same_place || rm -rf "$venv"
+    ensure_python
+    if ! with_uv; then
+        ! have_uv || say "uv did not manage; trying venv and pip"
+        [ -n "$python" ] || { say "Python 3.11 to 3.14 is needed"; exit 69; }
+        with_pip || { say "the packages could not be installed; is the network there? The reason stands above."; exit 69; }
+    fi
+    { identity && content; } >"$mark.new"
+    mv "$mark.new" "$mark"
+    say "ready"
+}
+
+lock() {
+    if ! { [ -w "$root" ] && { [ ! -e .venv.lock ] || [ -w .venv.lock ]; }; }; then
+        say "this folder or its .venv.lock is not writable for $(id -un): $root"
+        exit 73
+    fi
+    exec 9>.venv.lock
+    have flock || return 0
+    flock -n 9 && return 0
+    say "another set-up is at work here; waiting for it"
+    flock 9
+}
+
+prepare() { # the kinds of system packages this word needs: run, test
+    if ! ready; then
+        lock
+        ready || build 1>&2
+        exec 9>&-
+    fi
+    system_packages "$@"
+}
+
+# --- words -------------------------------------------------------------------------------------------------------
+
+check() {
+    failed=
+    step() {
+        name=$1
+        shift
+        printf -- '--- %s\n' "$name"
+        "$@" || failed="$failed $name"
+    }
+    step ruff "$venv/bin/ruff" check .
+    step format "$venv/bin/ruff" format --check .
+    step mypy "$venv/bin/mypy"
+    step imports "$venv/bin/lint-imports"
+    step tests "$vpython" -m pytest -q -m "not slow and not hardware and not gpu" tests/unit tests/architecture tests/properties
+    [ -z "$failed" ] || { say "red:$failed"; exit 1; }
+    say "all green"
+}
+
+word=${1:-}
+[ $# -eq 0 ] || shift
+case $word in
+    setup)
+        prepare run
+        [ ! -f mimics_app/app/commands/warmup.py ] || exec "$venv/bin/mimics" warmup "$@"
+        ;;
+    run)
+        prepare run
+        exec "$venv/bin/mimics" run scenes/wavy_tunnel.json "$@"
+        ;;
+    test)
+        prepare run test
+        exec "$vpython" -m pytest -m "not slow and not hardware and not gpu" "$@"
+        ;;
+    test-long)
+        prepare run test
+        exec "$vpython" -m pytest "$@"
+        ;;
+    check)
+        prepare run
+        check
+        ;;
+    bench)
+        prepare run
+        exec "$venv/bin/mimics" bench all "$@"
+        ;;
+    clean) # never runs/: that is data
+        lock
+        rm -rf "$venv" build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache .setup.log
+        find mimics_app tests assets -name __pycache__ -type d -prune -exec rm -rf {} +
+        ;;
+    pins)
+        have_uv || { say "pins need uv"; exit 69; }
+        header=$(sed -n '/^#/p' requirements.txt)
+        uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest --group dev --upgrade \
+            --generate-hashes --no-header --no-annotate --no-emit-index-url --no-emit-find-links \
+            --output-file requirements.txt.new pyproject.toml >/dev/null
+        { printf '%s\n' "$header"; cat requirements.txt.new; } >requirements.txt
+        rm requirements.txt.new
+        ;;
+    *)
+        say "sh .ci/dev.sh setup | run | test | test-long | check | bench | clean | pins"
+        exit 2
+        ;;
+esac

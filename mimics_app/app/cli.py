@@ -1,0 +1,184 @@
+"""The command line: finds the command, imports its module alone, and turns errors into lines and exit codes.
+
+Exit codes: 0 ok, 2 usage, 3 scene or file, 4 device, 5 safety stop, 6 partial data, 130 Ctrl-C, 143 SIGTERM.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import os
+import signal
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from typing import Any, NoReturn
+
+from mimics_app import __version__
+from mimics_app.contracts.errors import Issue, MimicsError, UsageError, nearest
+
+__all__ = ["COMMANDS", "build_parser", "main"]
+
+COMMANDS: dict[str, str] = {
+    "run": "run a scene: in a window, or headless with the simulated patient",
+    "render": "draw frames of a scene to PNG files",
+    "check": "validate scene files and report every error",
+    "schema": "print the JSON Schema of scene files",
+    "explain": "say what a scene runs, by which methods, at which cost and error",
+    "doctor": "say what this machine has, what it lacks and how to get it",
+    "devices": "list devices, simulators, displays, gamepads and serial ports",
+    "replay": "simulate a recorded run again and compare every output",
+    "report": "write the report of a run as one HTML file",
+    "bench": "measure the product against rivals on this machine",
+    "warmup": "compile the kernels now instead of at the first run",
+}
+"""Each is a module of `app.commands` with `add_arguments(parser)` and `run(args)`; with none given `launch` runs."""
+
+_LAUNCHER = "launch"
+_EXIT_USAGE = 2
+_EXIT_INTERNAL = 1
+_EXIT_BROKEN_PIPE = 128 + 13
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser that raises instead of printing two lines and leaving."""
+
+    def error(self, message: str) -> NoReturn:
+        raise UsageError(message, f"see {self.prog} --help")
+
+
+def build_parser(command: str | None = None) -> argparse.ArgumentParser:
+    """The parser of the whole command line, with the arguments of one command filled in.
+
+    Args:
+        command: The command whose module may be imported; None imports no command at all.
+    """
+    parser = _Parser(
+        prog="mimics",
+        description="One scene rendered as touch (1 kHz), picture and sound. Without a command: the launcher.",
+        epilog="mimics COMMAND --help describes one command.",
+    )
+    parser.add_argument("--version", action="version", version=f"mimics {__version__}")
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", dest="command", required=True)
+    for name, description in COMMANDS.items():
+        one = commands.add_parser(
+            name,
+            help=description,
+            description=f"{description[0].upper()}{description[1:]}.",
+            formatter_class=argparse.ArgumentDefaultsHelpFormatter,
+        )
+        if name == command:
+            _fill(one, name)
+    return parser
+
+
+def _fill(parser: argparse.ArgumentParser, name: str) -> None:
+    module = _command_module(name)
+    module.add_arguments(parser)
+    parser.add_argument("--json", action="store_true", help="write one JSON object to stdout, all else to stderr")
+    parser.set_defaults(run=module.run)
+
+
+def _command_module(name: str) -> Any:
+    """The module of a command. The one place where a module is named by a string (tests/architecture knows it)."""
+    return importlib.import_module(f"mimics_app.app.commands.{name}")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Args:
+        argv: Arguments without the program's name; None takes those of the process.
+
+    Returns:
+        The exit code.
+    """
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    as_json = "--json" in arguments
+    with ExitStack() as stack:
+        stack.enter_context(_terminated_by_exception())
+        if as_json:
+            from mimics_app.app import output
+
+            stack.enter_context(output.reserved_stdout())
+        return _guarded(arguments, as_json)
+
+
+def _guarded(arguments: list[str], as_json: bool) -> int:
+    """Run the command and say its error, if any, in the form asked for."""
+    try:
+        return _dispatch(arguments)
+    except MimicsError as error:
+        _say(arguments, error.issues, as_json)
+        return error.exit_code
+    except KeyboardInterrupt:
+        sys.stderr.write("mimics: interrupted\n")
+        return 128 + signal.SIGINT
+    except BrokenPipeError:  # the reader (head, less) has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        return _EXIT_BROKEN_PIPE
+    except Exception as error:
+        if not as_json:
+            raise
+        sys.excepthook(type(error), error, error.__traceback__)
+        _say(arguments, [Issue("", "", f"internal error: {type(error).__name__}: {error}")], as_json)
+        return _EXIT_INTERNAL
+
+
+def _dispatch(arguments: list[str]) -> int:
+    if not arguments:
+        return int(_command_module(_LAUNCHER).run(argparse.Namespace(command=_LAUNCHER, json=False)))
+    command = _command_of(arguments)
+    try:
+        args = build_parser(command).parse_args(arguments)
+    except SystemExit as leave:  # --help and --version
+        return int(leave.code or 0)
+    return int(args.run(args))
+
+
+def _command_of(arguments: list[str]) -> str | None:
+    """The command asked for, None where an option such as --help stands in its place."""
+    word = arguments[0]
+    if word.startswith("-"):
+        return None
+    if word not in COMMANDS:
+        raise UsageError(f'there is no command "{word}"', nearest(word, COMMANDS))
+    return word
+
+
+def _say(arguments: list[str], issues: Sequence[Issue], as_json: bool) -> None:
+    """One line per issue on stderr, or one object with all of them on stdout."""
+    if not as_json:
+        for issue in issues:
+            sys.stderr.write(f"mimics: {issue}\n")
+        return
+    from mimics_app.app import output
+
+    if output.object_written():  # the answer stands already; a second object would break its reader
+        _say(arguments, issues, as_json=False)
+        return
+    command = arguments[0] if arguments[0] in COMMANDS else ""
+    errors = [{"file": i.file, "pointer": i.pointer, "what": i.what, "fix": i.fix} for i in issues]
+    output.write_object(command, {"errors": errors})
+
+
+@contextmanager
+def _terminated_by_exception() -> Iterator[None]:
+    """Let SIGTERM unwind the stack like Ctrl-C does, so that recordings are closed; the exit code is 143."""
+
+    def leave(number: int, _frame: object) -> None:
+        raise SystemExit(128 + number)
+
+    try:
+        previous = signal.signal(signal.SIGTERM, leave)
+    except ValueError:  # not the main thread: somebody embeds us and owns the signals
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, previous)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

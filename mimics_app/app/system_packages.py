@@ -1,0 +1,98 @@
+"""What the operating system has to provide, asked of the loader and of PATH rather than of a package manager.
+
+The same table serves `mimics doctor` and, run as a script by `.ci/dev.sh` before anything is installed, the set-up:
+
+    python3 system_packages.py run      prints the apt packages missing for `make run`, one line, empty when complete
+
+Only the standard library is imported, and nothing of ours.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+import sys
+from collections.abc import Iterable
+from dataclasses import dataclass
+from glob import glob
+
+__all__ = ["NEEDS", "SystemNeed", "apt_line", "missing"]
+
+_DRIVER_FOLDERS = ("/usr/lib/*/dri", "/usr/lib/dri", "/usr/lib64/dri", "/usr/lib/*", "/usr/lib64")
+
+
+@dataclass(frozen=True, slots=True)
+class SystemNeed:
+    """One thing that a package of the operating system brings.
+
+    Attributes:
+        package: Debian and Ubuntu name of the package.
+        purpose: What stops working without it.
+        kind: "run" (needed to run), "optional" (used where the distribution has it) or "test" (needed by `make test`).
+        libraries: Names for the loader; any one will do.
+        files: File patterns in the driver folders, for parts without a loadable name; any one will do.
+        program: Name of a program on PATH.
+    """
+
+    package: str
+    purpose: str
+    kind: str = "run"
+    libraries: tuple[str, ...] = ()
+    files: tuple[str, ...] = ()
+    program: str = ""
+
+    def found(self) -> str:
+        """What was found (library, file or path of the program), or "" where it is missing."""
+        return self._library() or self._file() or (shutil.which(self.program) or "" if self.program else "")
+
+    def _library(self) -> str:
+        for name in self.libraries:
+            try:
+                ctypes.CDLL(name)
+            except OSError:
+                continue
+            return name
+        return ""
+
+    def _file(self) -> str:
+        patterns = [f"{folder}/{name}" for name in self.files for folder in _DRIVER_FOLDERS]
+        return next((found for pattern in patterns for found in sorted(glob(pattern))), "")
+
+
+NEEDS: tuple[SystemNeed, ...] = (
+    SystemNeed("libegl1", "pictures without a display (EGL)", libraries=("libEGL.so.1",)),
+    SystemNeed("libgl1", "OpenGL itself; EGL needs it too", libraries=("libGL.so.1",)),
+    SystemNeed(
+        "libgl1-mesa-dri",
+        "the software renderer",
+        files=("swrast_dri.so", "libgallium-*.so", "libgallium*.so", "libdril_dri.so"),
+    ),
+    SystemNeed("libopenal1", "sound", libraries=("libopenal.so.1",)),
+    SystemNeed("libx11-6", "a window under X11", libraries=("libX11.so.6",)),
+    SystemNeed("libxrandr2", "a window under X11 (screens)", libraries=("libXrandr.so.2",)),
+    SystemNeed("libxinerama1", "a window under X11 (screens)", libraries=("libXinerama.so.1",)),
+    SystemNeed("libxcursor1", "a window under X11 (pointer)", libraries=("libXcursor.so.1",)),
+    SystemNeed("libxi6", "a window under X11 (pointer)", libraries=("libXi.so.6",)),
+    SystemNeed(
+        "libosmesa6", "pictures without EGL (OSMesa)", kind="optional", libraries=("libOSMesa.so.8", "libOSMesa.so.6")
+    ),
+    SystemNeed("xvfb", "tests with a real window", kind="test", program="Xvfb"),
+    SystemNeed("xauth", "tests with a real window", kind="test", program="xauth"),
+    SystemNeed("xdotool", "tests that move the pointer", kind="test", program="xdotool"),
+)
+"""Everything asked for, in the order it is reported."""
+
+
+def missing(kinds: Iterable[str]) -> list[SystemNeed]:
+    """The needs of these kinds that were not found."""
+    wanted = set(kinds)
+    return [need for need in NEEDS if need.kind in wanted and not need.found()]
+
+
+def apt_line(needs: Iterable[SystemNeed]) -> str:
+    """The one line to type that brings these packages."""
+    return "sudo apt-get install -y " + " ".join(need.package for need in needs)
+
+
+if __name__ == "__main__":
+    sys.stdout.write(" ".join(need.package for need in missing(sys.argv[1:])) + "\n")
