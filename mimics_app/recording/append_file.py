@@ -1,0 +1,60 @@
+"""A file that only grows, and that never keeps half of what was appended."""
+
+from __future__ import annotations
+
+import errno
+import os
+from pathlib import Path
+
+__all__ = ["AppendFile"]
+
+_sync = getattr(os, "fdatasync", os.fsync)  # macOS has no fdatasync
+
+
+class AppendFile:
+    """Append whole blocks to a file through one descriptor, without a buffer of its own.
+
+    Attributes:
+        length: Bytes in the file, all of them of whole blocks.
+    """
+
+    def __init__(self, path: Path, *, resume_at: int | None = None) -> None:
+        """Make the file, which must not exist; or open it and cut it to `resume_at` bytes."""
+        flags = os.O_WRONLY | (os.O_CREAT | os.O_EXCL if resume_at is None else os.O_CREAT)
+        self._descriptor = os.open(path, flags, 0o644)
+        self.length = resume_at or 0
+        if resume_at is not None:
+            os.ftruncate(self._descriptor, resume_at)
+        os.lseek(self._descriptor, self.length, os.SEEK_SET)
+        self._unsynced = False
+
+    def append(self, data: bytes | bytearray | memoryview) -> None:
+        """Write all of it.
+
+        Raises:
+            OSError: The disk is full or failed; what had been written of this block is cut off again.
+        """
+        view = memoryview(data)
+        try:
+            while view:
+                written = os.write(self._descriptor, view)
+                if written == 0:
+                    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+                view = view[written:]
+        except OSError:
+            os.ftruncate(self._descriptor, self.length)
+            os.lseek(self._descriptor, self.length, os.SEEK_SET)
+            raise
+        self.length += len(data)
+        self._unsynced = True
+
+    def sync(self) -> None:
+        """Bring what was appended onto the medium."""
+        if self._unsynced:
+            _sync(self._descriptor)
+            self._unsynced = False
+
+    def close(self) -> None:
+        """Bring everything onto the medium and let the file go."""
+        self.sync()
+        os.close(self._descriptor)

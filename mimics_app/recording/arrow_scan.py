@@ -1,0 +1,157 @@
+"""Find the blocks of an Arrow stream that was cut, overwritten or never closed.
+
+The sidecar names where each block starts, so a damaged header costs that block only. Where the sidecar is missing or
+wrong the messages are walked from one to the next, and after a break the next message is searched at the 8-byte
+boundaries the format keeps.
+"""
+
+from __future__ import annotations
+
+import mmap
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from mimics_app.recording.arrow_format import END_OF_STREAM, INDEX_ROW, Block, schema_bytes
+
+__all__ = ["Damage", "Found", "read_index", "read_schema", "scan_stream"]
+
+_CONTINUATION = END_OF_STREAM[:4]
+_ALIGNMENT = 8
+
+Span = tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A good block and where it stands: [offset, offset + length) in bytes."""
+
+    offset: int
+    length: int
+    block: Block
+
+
+@dataclass(frozen=True, slots=True)
+class Damage:
+    """Bytes of a stream that are no good block, and why."""
+
+    offset: int
+    length: int
+    why: str
+
+
+def read_index(path: Path) -> NDArray[Any]:
+    """Rows of a sidecar that can be true: ascending and without overlap, shape [n]; empty where there is no file."""
+    if not path.exists():
+        return np.empty(0, INDEX_ROW)
+    data = path.read_bytes()
+    rows = np.frombuffer(data, INDEX_ROW, len(data) // INDEX_ROW.itemsize)
+    kept: list[int] = []
+    end = 0
+    for i, (_, offset, length) in enumerate(rows.tolist()):
+        if offset >= end and length > 0 and offset % _ALIGNMENT == 0:
+            kept.append(i)
+            end = offset + length
+    return rows[kept]
+
+
+def read_schema(path: Path) -> Any | None:
+    """Schema a stream begins with, or None where its start is damaged."""
+    try:
+        with path.open("rb") as stream:
+            return pa.ipc.open_stream(stream).schema
+    except (pa.ArrowException, OSError, EOFError):
+        return None
+
+
+def scan_stream(
+    path: Path, decode: Callable[[memoryview], Block], schema: Any, index: NDArray[Any] | None = None
+) -> Iterator[Found | Damage]:
+    """Yield every good block in the order of the file, and what lies between them.
+
+    Args:
+        path: An Arrow stream, whole or not.
+        decode: `decode_samples` or `decode_parameters`.
+        schema: The schema it was written with.
+        index: Rows of the sidecar, where there is one.
+    """
+    if not path.exists() or path.stat().st_size == 0:
+        return
+    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
+        view = memoryview(data)
+        try:
+            for span in _spans(data, len(schema_bytes(schema)), index):
+                yield from _read_span(view, span, decode)
+        finally:
+            view.release()
+
+
+def _read_span(view: memoryview, span: Span, decode: Callable[[memoryview], Block]) -> Iterator[Found | Damage]:
+    start, end = span
+    if bytes(view[start:end]) == END_OF_STREAM:
+        return
+    part = view[start:end]
+    try:
+        yield Found(start, end - start, decode(part))
+    except ValueError as error:
+        yield Damage(start, end - start, str(error))
+    finally:
+        part.release()
+
+
+def _spans(data: mmap.mmap, start: int, index: NDArray[Any] | None) -> Iterator[Span]:
+    """Where blocks may stand, in order, covering everything after the schema."""
+    position = start
+    for _, offset, length in [] if index is None else index.tolist():
+        if offset < position or offset + length > len(data):
+            continue
+        yield from _walk(data, position, offset)
+        yield offset, offset + length
+        position = offset + length
+    yield from _walk(data, position, len(data))
+
+
+def _walk(data: mmap.mmap, start: int, end: int) -> Iterator[Span]:
+    """Spans of messages between two places, found from their headers; what is none is joined to one span."""
+    position = broken = start
+    while position < end:
+        length = _message_length(data, position, end)
+        if length == 0:
+            position = _next_message(data, position + 1, end)
+            continue
+        if broken < position:
+            yield broken, position
+        yield position, position + length
+        position = broken = position + length
+    if broken < end:
+        yield broken, end
+
+
+def _next_message(data: mmap.mmap, start: int, end: int) -> int:
+    while (place := data.find(_CONTINUATION, start, end)) >= 0:
+        if place % _ALIGNMENT == 0:
+            return place
+        start = place + 1
+    return end
+
+
+def _message_length(data: mmap.mmap, position: int, end: int) -> int:
+    """Bytes of the message at `position`, or 0 where none stands whole before `end`."""
+    head = data[position : position + 8]
+    if head[:4] != _CONTINUATION or len(head) < 8:
+        return 0
+    metadata = int.from_bytes(head[4:], "little")
+    if metadata == 0:
+        return len(END_OF_STREAM)
+    if metadata > end - position - 8:
+        return 0
+    try:
+        message = pa.ipc.read_message(pa.py_buffer(data[position : min(end, position + (1 << 20))]))
+    except (pa.ArrowException, OSError, EOFError):
+        return 0
+    return int(8 + metadata + message.body.size)

@@ -1,0 +1,59 @@
+"""What a run was made with: versions of software, the machine, and pairs of wall and monotonic time."""
+
+from __future__ import annotations
+
+import os
+import platform
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import mimics_app
+from mimics_app.contracts.clock import MonotonicClock, wall_time
+
+__all__ = ["clock_pair", "describe_environment"]
+
+_LIBRARIES = ("numpy", "numba", "moderngl", "glfw", "PyOpenAL", "msgspec", "pyarrow", "pyserial", "trimesh")
+
+
+def clock_pair() -> dict[str, Any]:
+    """Wall time (UTC, ISO 8601) and monotonic time [ns] at one moment, to place a session in the calendar."""
+    return {"utc": wall_time().isoformat(), "monotonic_ns": MonotonicClock().now_ns()}
+
+
+@cache
+def describe_environment() -> dict[str, dict[str, Any]]:
+    """`versions` of the application and its libraries, and the `machine`; nothing that names a person or a host."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    versions = {"mimics_app": mimics_app.__version__, "python": platform.python_version()}
+    for library in _LIBRARIES:
+        try:
+            versions[library] = version(library)
+        except PackageNotFoundError:
+            continue
+    machine = {
+        "system": f"{platform.system()} {platform.release()}",
+        "architecture": platform.machine(),
+        "processor": _processor(),
+        "cores": os.cpu_count(),
+        "memory_bytes": _memory(),
+    }
+    return {"versions": versions, "machine": machine}
+
+
+def _processor() -> str:
+    try:
+        for line in Path("/proc/cpuinfo").read_text().splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    except OSError:
+        pass  # not Linux
+    return platform.processor() or "unknown"
+
+
+def _memory() -> int | None:
+    try:
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):
+        return None

@@ -1,0 +1,76 @@
+"""manifest.json: the last file of a run. It says how the run ended and seals the others with their SHA-256."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import msgspec
+
+from mimics_app.recording.run_folder import FILES, write_atomically
+
+__all__ = ["Manifest", "hash_files", "read_manifest", "write_manifest"]
+
+_SEALED = ("haptic", "index", "parameters", "events", "trials", "session")
+
+
+@dataclass(frozen=True, slots=True)
+class Manifest:
+    """How a run ended.
+
+    Attributes:
+        status: "clean" when the app closed it, "interrupted" when the app died and the recorder finished alone,
+            "recovered" when `mimics record recover` sealed what it found.
+        state_hash: See `StateHash`; of what stands in the files.
+        rows, events, trials, parameters: How many samples, loop events, finished trials, parameter blocks are stored.
+        dropped: Samples, loop events and journal messages that found no room.
+        restarts: How often the recorder process was replaced.
+        gaps: What is missing: dicts with `reason`, `rows` and, where known, `after_tick`.
+        problem: The last trouble with the disk, "" for none.
+        summary: What the app said at the end: the object of `mimics run --json`, and more.
+        clock: Wall and monotonic time at the end.
+        files: Name -> {"sha256", "bytes"}.
+        version: Of this format.
+    """
+
+    status: Literal["clean", "interrupted", "recovered"]
+    state_hash: str
+    rows: int
+    events: int
+    trials: int
+    parameters: int
+    dropped: dict[str, int] = field(default_factory=dict)
+    restarts: int = 0
+    gaps: list[dict[str, Any]] = field(default_factory=list)
+    problem: str = ""
+    summary: dict[str, Any] = field(default_factory=dict)
+    clock: dict[str, Any] = field(default_factory=dict)
+    files: dict[str, dict[str, Any]] = field(default_factory=dict)
+    version: int = 1
+
+
+def hash_files(folder: Path) -> dict[str, dict[str, Any]]:
+    """Name -> {"sha256", "bytes"} of every file a manifest seals and that is there."""
+    sealed: dict[str, dict[str, Any]] = {}
+    for name in (FILES[key] for key in _SEALED):
+        path = folder / name
+        if path.exists():
+            with path.open("rb") as file:
+                digest = hashlib.file_digest(file, "sha256")
+            sealed[name] = {"sha256": digest.hexdigest(), "bytes": path.stat().st_size}
+    return sealed
+
+
+def write_manifest(folder: Path, manifest: Manifest) -> None:
+    """Write manifest.json in one step."""
+    write_atomically(folder / FILES["manifest"], msgspec.json.format(msgspec.json.encode(manifest), indent=1))
+
+
+def read_manifest(folder: Path) -> Manifest | None:
+    """The manifest of a run, or None where the run was never closed or the file is damaged."""
+    try:
+        return msgspec.json.decode((folder / FILES["manifest"]).read_bytes(), type=Manifest)
+    except (OSError, msgspec.DecodeError):
+        return None

@@ -1,0 +1,218 @@
+"""The app's side of the recorder: hands over words, watches the process, never waits for a disk."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from multiprocessing import get_context
+from multiprocessing.util import Finalize
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts import ring
+from mimics_app.contracts.clock import Clock, MonotonicClock
+from mimics_app.contracts.errors import PartialDataError
+from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.recording.channel import CLOSE, LINE, PARAMETERS, TRIAL, Outbox
+from mimics_app.recording.environment import clock_pair, describe_environment
+from mimics_app.recording.event_log import encode_line, to_json
+from mimics_app.recording.manifest import Manifest, read_manifest
+from mimics_app.recording.recorder_process import record
+from mimics_app.recording.recorder_status import PROBLEMS, Problem, RecorderStatus, StatusWord
+from mimics_app.recording.run_folder import FILES, write_atomically
+
+if TYPE_CHECKING:
+    from multiprocessing.context import SpawnProcess
+
+__all__ = ["Recorder"]
+
+_START_S = 20.0
+_MOST_RESTARTS = 5
+_ROOM_STEP_NS = 200_000
+_STALLED_NS = 30_000_000_000
+_EVENT_ROOM = 256
+_BACKLOG = 8 << 20
+
+
+class Recorder:
+    """Records one session into its run folder.
+
+    Args:
+        memory: The session's shared memory.
+        folder: An empty run folder, see `create_run_folder`.
+        header: What to keep about the session: seed, scene name and hash, resolved scene, command line, profile,
+            method plan, device ... plain values; versions, machine and clocks are added here.
+
+    Attributes:
+        folder: The run folder.
+    """
+
+    def __init__(self, memory: SessionMemory, folder: Path, header: Mapping[str, object]) -> None:
+        self.folder = folder
+        self._memory = memory
+        self._header = dict(header)
+        self._outbox = Outbox()
+        self._status = RecorderStatus()
+        self._process: SpawnProcess | None = None
+        self._clock: Clock = MonotonicClock()
+        self._restarts = 0
+        self._trials: list[bytes] = []
+        self._last_parameters = b""
+        self._closed = False
+        # At an exit without `close` the channel must end before the process is joined, or both would wait for ever.
+        self._finalize = Finalize(self, self._outbox.close, exitpriority=100)
+
+    def start(self) -> None:
+        """Write session.json, spawn the process, and return when its files are open.
+
+        Raises:
+            PartialDataError: It does not come up.
+        """
+        session = {"format": "mimics run", "version": 1, **describe_environment(), "clock": clock_pair()}
+        write_atomically(
+            self.folder / FILES["session"], msgspec.json.format(to_json({**session, **self._header}), indent=1)
+        )
+        self._spawn()
+        deadline = self._clock.now_ns() + int(_START_S * 1e9)
+        while not self._status[StatusWord.READY]:
+            if self._clock.now_ns() > deadline or not self.alive:
+                self.kill()
+                raise PartialDataError(f"the recorder of {self.folder} does not start", "see the message above")
+            self._clock.sleep_until_ns(self._clock.now_ns() + 1_000_000)
+
+    def _spawn(self) -> None:
+        arguments = (self._memory, self._outbox.reader, self._status, self.folder, self._restarts)
+        self._process = get_context("spawn").Process(target=record, args=arguments, name="mimics recorder")
+        self._process.start()
+
+    @property
+    def alive(self) -> bool:
+        """Whether the process runs."""
+        return self._process is not None and self._process.is_alive()
+
+    @property
+    def pid(self) -> int | None:
+        """Process id of the recorder, None before `start`."""
+        return self._process.pid if self._process else None
+
+    @property
+    def problem(self) -> str:
+        """What keeps it from recording, in words for a person; "" while all is well."""
+        if self._restarts > _MOST_RESTARTS:
+            return PROBLEMS[Problem.NOT_RUNNING]
+        return PROBLEMS[Problem(self._status[StatusWord.PROBLEM])]
+
+    @property
+    def dropped(self) -> int:
+        """Messages of `journal`, `parameters` and `trial` that found no room."""
+        return self._outbox.dropped
+
+    def supervise(self) -> None:
+        """Replace the process when it died, and pass on what waits; called by every `journal`, so once a frame."""
+        if not self._closed and self._process is not None and not self.alive and self._restarts <= _MOST_RESTARTS:
+            self._restarts += 1
+            if self._restarts <= _MOST_RESTARTS:
+                self._spawn()
+                self._say_again()
+        self._outbox.flush()
+
+    def _say_again(self) -> None:
+        """What the dead process may have read but not written; the new one knows what it has already."""
+        for payload in self._trials[self._status[StatusWord.TRIALS] :]:
+            self._outbox.send(TRIAL, payload)
+        if self._last_parameters:
+            self._outbox.send(PARAMETERS, self._last_parameters)
+
+    def journal(self, kind: str, data: Mapping[str, object] | bytes) -> None:
+        """Append a line to events.jsonl; never waits.
+
+        The kinds the report reads, all with plain values; others are kept as they are:
+
+            frame       frame (number), tick (of the snapshot it saw), t_ns
+            sound       sound (name), tick (of the contact event, absent for others), sample (index in the output
+                        stream), latency_ms (from the tick to that sample)
+            scheduler   recipe (what the live loop got)
+            audio       device, sink, hrtf
+
+        Args:
+            kind: What happened, in lower case; "parameters" with bytes stores a SCENE record, as `parameters` does.
+            data: Its values.
+        """
+        if isinstance(data, bytes):
+            if kind != "parameters":
+                raise ValueError(f'bytes are stored as "parameters" only, not as "{kind}"')
+            self._store_parameters(data)
+        else:
+            self._outbox.send(LINE, encode_line("app", kind, data))
+        self.supervise()
+
+    def parameters(self, block: NDArray[Any]) -> None:
+        """Store a SCENE record [shape (1,) or ()] that was published to the loop; a replay needs every one of them."""
+        self._store_parameters(np.ascontiguousarray(block).tobytes())
+        self.supervise()
+
+    def _store_parameters(self, block: bytes) -> None:
+        self._last_parameters = block
+        self._outbox.send(PARAMETERS, block)
+
+    def trial(self, row: Mapping[str, object]) -> None:
+        """Store the result of a finished trial, one plain value per column; it is on the medium within 50 ms."""
+        payload = to_json({"index": len(self._trials), "row": row})
+        self._trials.append(payload)
+        self._outbox.send(TRIAL, payload)
+        self.supervise()
+
+    def wait_for_room(self, ticks: int) -> None:
+        """Return when the rings take `ticks` more samples; for the virtual clock, which outruns any disk.
+
+        Raises:
+            ValueError: So many never fit.
+            PartialDataError: The recorder made no room for 30 s.
+        """
+        samples = self._memory.samples
+        if ticks > len(samples) // 2:
+            raise ValueError(f"{ticks} ticks in one piece; the ring takes {len(samples) // 2}")
+        deadline = self._clock.now_ns() + _STALLED_NS
+        while (
+            ring.room(self._memory.sample_words, samples) < ticks
+            or ring.room(self._memory.recorder_event_words, self._memory.recorder_events) < _EVENT_ROOM
+            or self._outbox.waiting_bytes > _BACKLOG
+        ):
+            self.supervise()
+            if self._clock.now_ns() > deadline or self._restarts > _MOST_RESTARTS:
+                raise PartialDataError(f"the recorder of {self.folder} stands still", "is its disk alive?")
+            self._clock.sleep_until_ns(self._clock.now_ns() + _ROOM_STEP_NS)
+
+    def close(self, summary: Mapping[str, object] | None = None, timeout_s: float = 60.0) -> Manifest:
+        """End the recording after the loop ended; returns when every file is sealed.
+
+        Args:
+            summary: What to keep about the end: the object of `mimics run --json`, lateness, recipe ...
+            timeout_s: How long the disk may take [s].
+
+        Raises:
+            PartialDataError: The recorder could not end the files; `mimics record recover` can.
+        """
+        self.supervise()
+        self._outbox.send(CLOSE, to_json({"summary": summary or {}, "dropped": self._outbox.dropped}))
+        deadline = self._clock.now_ns() + int(timeout_s * 1e9)
+        while self.alive and self._clock.now_ns() < deadline:
+            self._outbox.flush()
+            self._clock.sleep_until_ns(self._clock.now_ns() + 1_000_000)
+        manifest = None if self.alive else read_manifest(self.folder)
+        self.kill()
+        if manifest is None:
+            raise PartialDataError(f"{self.folder} was not closed", f"try: mimics record recover {self.folder}")
+        return manifest
+
+    def kill(self) -> None:
+        """Give up the process and the channel at once; what was written stays."""
+        self._closed = True
+        self._finalize()
+        if self._process is not None:
+            if self._process.is_alive():
+                self._process.kill()
+            self._process.join()

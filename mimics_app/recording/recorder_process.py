@@ -1,0 +1,342 @@
+"""The recorder process: every 20 ms it moves what the rings and the channel hold into the files of the run folder.
+
+A record leaves its ring only after it is written, so killing this process loses nothing the ring can hold until the
+next one goes on; killing the app loses nothing at all, for the rings and the channel outlive it and are emptied first.
+"""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import shutil
+import signal
+from dataclasses import dataclass, field
+from multiprocessing import parent_process
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from mimics_app.contracts import ring
+from mimics_app.contracts.clock import MonotonicClock, wall_time
+from mimics_app.contracts.haptic import EVENT, SAMPLE
+from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.recording.arrow_format import BLOCK_ROWS
+from mimics_app.recording.channel import CLOSE, LINE, PARAMETERS, TRIAL, Inbox
+from mimics_app.recording.environment import clock_pair
+from mimics_app.recording.event_log import encode_line
+from mimics_app.recording.manifest import Manifest, hash_files, write_manifest
+from mimics_app.recording.recorder_status import PROBLEMS, Problem, RecorderStatus, StatusWord
+from mimics_app.recording.state_hash import StateHash
+from mimics_app.recording.streams import EventStream, ParameterStream, SampleStream
+from mimics_app.recording.trial_table import TrialTable
+
+__all__ = ["RESERVE", "record"]
+
+RESERVE = ".reserve"
+"""A file that is given up when the disk is full, so that trials and the manifest still find room."""
+
+_RESERVE_BYTES = 512 * 1024
+_ROOM_TO_GO_ON = 4 * 1024 * 1024
+_PASS_NS = 20_000_000
+_BUSY_PASS_NS = 500_000
+_BUSY_ROWS = 500
+_SYNC_NS = 1_000_000_000
+_CLOCK_PAIR_NS = 10_000_000_000
+_CLOCK_JUMP_S = 0.1
+
+
+def record(
+    memory: SessionMemory, reader: Connection, status: RecorderStatus, folder: Path, restarts: int
+) -> None:
+    """Record until the app closes the session or is gone. The target of the spawned process.
+
+    Args:
+        memory: The session's shared memory; this process consumes the sample ring and the recorder's event ring.
+        reader: The reading end of the app's `Outbox`.
+        status: Where the app looks.
+        folder: The run folder, made by the app.
+        restarts: How many recorders of this run died before; more than 0: go on in the files that are there.
+    """
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):  # they reach the whole group; only the app decides when to end
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), signal.SIG_IGN)
+    session = _Session(memory, Inbox(reader), status, folder, restarts)
+    clock = MonotonicClock()
+    status[StatusWord.READY] = 1
+    while not session.over:
+        busy = session.step(clock.now_ns())
+        if not session.over:
+            clock.sleep_until_ns(clock.now_ns() + (_BUSY_PASS_NS if busy else _PASS_NS))
+    session.finish()
+
+
+@dataclass
+class _Tally:
+    """What went wrong so far."""
+
+    gaps: list[dict[str, Any]] = field(default_factory=list)
+    lost_rows: int = 0
+    lost_lines: int = 0
+    ring_dropped: int = 0
+    event_dropped: int = 0
+
+
+class _Session:
+    """Everything one recorder process holds."""
+
+    def __init__(
+        self, memory: SessionMemory, inbox: Inbox, status: RecorderStatus, folder: Path, restarts: int
+    ) -> None:
+        self._memory, self._inbox, self._status, self._folder = memory, inbox, status, folder
+        self._restarts = restarts
+        self._hash = StateHash()
+        resume = restarts > 0
+        self._samples = SampleStream(folder, self._hash, resume=resume)
+        self._parameters = ParameterStream(folder, resume=resume)
+        self._events = EventStream(folder, self._hash, resume=resume)
+        self._trials = TrialTable(folder / "trials.csv", resume=resume)
+        for row in self._trials.rows:
+            self._hash.add_trial(row)
+        self._tally = _Tally()
+        self._pending_trials: list[dict[str, Any]] = []
+        self._block = np.zeros(BLOCK_ROWS, SAMPLE)
+        self._event_block = np.zeros(memory.capacities.events, EVENT)
+        self._close_message: dict[str, Any] | None = None
+        self._next_sync = self._next_pair = self._retry_at = 0
+        self._offset_s: float | None = None
+        self._now = 0
+        self.over = False
+        self._keep_reserve()
+        if resume:
+            self._align_with_rings()
+        self._own_line("restart" if resume else "start", {"restarts": restarts, **clock_pair()})
+
+    def _keep_reserve(self) -> None:
+        path = self._folder / RESERVE
+        try:
+            path.write_bytes(b"\0" * _RESERVE_BYTES)
+        except OSError:
+            path.unlink(missing_ok=True)
+
+    def _align_with_rings(self) -> None:
+        """Give up what the dead recorder had written but not released, and say what is missing between it and now."""
+        words = self._memory.sample_words
+        written = self._samples.next_row - ring.position(words)
+        if written > 0:
+            ring.release(words, min(written, ring.waiting(words)))
+        events = self._memory.recorder_event_words
+        written = self._events.next_event - ring.position(events)
+        if written > 0:
+            ring.release(events, min(written, ring.waiting(events)))
+        lost = max(0, ring.position(words) - self._samples.next_row)
+        self._gap("the recorder was replaced", lost)
+
+    # one pass
+
+    def step(self, now_ns: int) -> bool:
+        """Move what is there; True when there was so much that the next pass should come soon."""
+        self._now = now_ns
+        parent = parent_process()
+        alone = parent is not None and not parent.is_alive()  # asked first: what it sent before is read below
+        self._take_messages()
+        ending = alone or self._inbox.ended or self._close_message is not None
+        backlog = ring.waiting(self._memory.sample_words)
+        self._drain_events()
+        self._drain_samples(everything=ending)
+        self._note_overruns()
+        self._housekeeping(now_ns)
+        self._publish()
+        self.over = ending
+        return backlog > _BUSY_ROWS
+
+    def _take_messages(self) -> None:
+        lines: list[bytes] = []
+        for kind, payload in self._inbox.messages():
+            self._status[StatusWord.LINES] += 1
+            if kind == LINE:
+                lines.append(payload)
+            else:
+                self._write_lines(lines)
+                lines = []
+                self._take(kind, payload)
+        self._write_lines(lines)
+
+    def _take(self, kind: bytes, payload: bytes) -> None:
+        if kind == PARAMETERS:
+            try:
+                self._parameters.append(payload)
+            except OSError as error:
+                self._trouble(error, lines=1)
+        elif kind == TRIAL:
+            message = json.loads(payload)
+            known = len(self._trials.rows) + len(self._pending_trials)
+            if message["index"] >= known:  # a restarted recorder is told the last ones again
+                self._pending_trials.append(message["row"])
+                self._write_trials()
+        elif kind == CLOSE:
+            self._close_message = json.loads(payload)
+
+    def _write_trials(self) -> None:
+        while self._pending_trials:
+            try:
+                self._trials.append(self._pending_trials[0])
+            except OSError as error:
+                self._trouble(error)
+                return
+            self._hash.add_trial(self._pending_trials.pop(0))
+            self._status[StatusWord.TRIALS] = len(self._trials.rows)
+
+    def _write_lines(self, lines: list[bytes]) -> None:
+        try:
+            self._events.append_lines(lines)
+        except OSError as error:
+            self._trouble(error, lines=len(lines))
+
+    def _own_line(self, kind: str, data: dict[str, Any]) -> None:
+        self._write_lines([encode_line("recorder", kind, data)])
+
+    def _drain_events(self) -> None:
+        words = self._memory.recorder_event_words
+        count = ring.peek(words, self._memory.recorder_events, self._event_block)
+        if count == 0:
+            return
+        try:
+            self._events.append_events(self._event_block[:count])
+        except OSError as error:
+            self._trouble(error, lines=count)
+        ring.release(words, count)
+
+    def _drain_samples(self, *, everything: bool) -> None:
+        words = self._memory.sample_words
+        for _ in range(2 * self._memory.capacities.samples // BLOCK_ROWS + 1):
+            if ring.waiting(words) < BLOCK_ROWS and not everything:
+                return
+            first = ring.position(words)
+            count = ring.peek(words, self._memory.samples, self._block)
+            if count == 0:
+                return
+            self._write_block(count, first)
+            ring.release(words, count)
+
+    def _write_block(self, count: int, first: int) -> None:
+        if self._now < self._retry_at or (self._retry_at and not self._room_again()):
+            self._lose_rows(count)
+            return
+        try:
+            self._samples.append(self._block[:count], first)
+        except OSError as error:
+            self._trouble(error)
+            self._lose_rows(count)
+
+    # trouble
+
+    def _room_again(self) -> bool:
+        self._retry_at = self._now + _SYNC_NS
+        if shutil.disk_usage(self._folder).free < _ROOM_TO_GO_ON:
+            return False
+        self._gap("the disk was full", self._tally.lost_rows - sum(gap["rows"] for gap in self._tally.gaps))
+        self._retry_at = 0
+        self._status[StatusWord.PROBLEM] = Problem.NONE
+        return True
+
+    def _trouble(self, error: OSError, lines: int = 0) -> None:
+        full = error.errno in (errno.ENOSPC, errno.EDQUOT)
+        self._status[StatusWord.PROBLEM] = Problem.DISK_FULL if full else Problem.DISK_ERROR
+        self._tally.lost_lines += lines
+        if self._retry_at == 0:
+            self._retry_at = self._now + _SYNC_NS
+            (self._folder / RESERVE).unlink(missing_ok=True)
+            self._own_line("problem", {"what": os.strerror(error.errno or 0), **clock_pair()})
+
+    def _lose_rows(self, count: int) -> None:
+        self._tally.lost_rows += count
+        self._status[StatusWord.LOST_ROWS] = self._tally.lost_rows
+
+    def _gap(self, reason: str, rows: int) -> None:
+        gap = {"reason": reason, "rows": int(rows), "after_row": self._samples.next_row}
+        self._tally.gaps.append(gap)
+        self._own_line("gap", gap)
+
+    def _note_overruns(self) -> None:
+        dropped = int(self._memory.sample_words[ring.DROPPED])
+        self._tally.event_dropped = int(self._memory.recorder_event_words[ring.DROPPED])
+        if dropped > self._tally.ring_dropped:
+            self._status[StatusWord.PROBLEM] = self._status[StatusWord.PROBLEM] or Problem.RING_FULL
+            rows, self._tally.ring_dropped = dropped - self._tally.ring_dropped, dropped
+            self._gap("the ring was full", rows)
+
+    # upkeep
+
+    def _housekeeping(self, now_ns: int) -> None:
+        if now_ns < self._next_sync:
+            return
+        self._next_sync = now_ns + _SYNC_NS
+        self._write_trials()
+        try:
+            for stream in (self._samples, self._parameters, self._events):
+                stream.sync()
+        except OSError as error:
+            self._trouble(error)
+        self._note_clock(now_ns)
+
+    def _note_clock(self, now_ns: int) -> None:
+        """A pair of clocks every 10 s, and at once when the wall clock was set."""
+        offset = wall_time().timestamp() - now_ns * 1e-9
+        jumped = self._offset_s is not None and abs(offset - self._offset_s) > _CLOCK_JUMP_S
+        if jumped or now_ns >= self._next_pair:
+            self._next_pair = now_ns + _CLOCK_PAIR_NS
+            self._own_line("clock", clock_pair() | ({"jump_s": offset - (self._offset_s or 0.0)} if jumped else {}))
+        self._offset_s = offset
+
+    def _publish(self) -> None:
+        self._status[StatusWord.ROWS] = self._hash.rows
+        self._status[StatusWord.EVENTS] = self._events.next_event
+        self._status[StatusWord.PASSES] += 1
+
+    # the end
+
+    def finish(self) -> None:
+        """Empty everything, end the files as their formats want it, and seal them."""
+        self._take_messages()
+        status: Literal["clean", "interrupted"] = "interrupted" if self._close_message is None else "clean"
+        missing = self._tally.lost_rows - sum(g["rows"] for g in self._tally.gaps if g["reason"] == "the disk was full")
+        if missing > 0:
+            self._gap("the disk was full", missing)
+        self._own_line("end", {"status": status, **clock_pair()})
+        (self._folder / RESERVE).unlink(missing_ok=True)
+        self._write_trials()
+        for stream in (self._samples, self._parameters, self._events, self._trials):
+            try:
+                stream.close()
+            except OSError as error:
+                self._trouble(error)
+        self._seal(status)
+
+    def _seal(self, status: Literal["clean", "interrupted"]) -> None:
+        said = self._close_message or {}
+        manifest = Manifest(
+            status=status,
+            state_hash=self._hash.hexdigest(),
+            rows=self._hash.rows,
+            events=self._events.next_event,
+            trials=len(self._trials.rows),
+            parameters=self._parameters.count,
+            dropped={
+                "samples": self._tally.ring_dropped + self._tally.lost_rows,
+                "events": self._tally.event_dropped,
+                "lines": self._tally.lost_lines + int(said.get("dropped", 0)),
+            },
+            restarts=self._restarts,
+            gaps=self._tally.gaps,
+            problem=PROBLEMS[Problem(self._status[StatusWord.PROBLEM])],
+            summary=said.get("summary", {}),
+            clock=clock_pair(),
+            files=hash_files(self._folder),
+        )
+        try:
+            write_manifest(self._folder, manifest)
+        except OSError as error:
+            self._trouble(error)

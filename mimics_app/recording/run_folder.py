@@ -1,0 +1,78 @@
+"""The folder of one run: made once, never written over, and only where there is room for it."""
+
+from __future__ import annotations
+
+import os
+import secrets
+import shutil
+from pathlib import Path
+
+from mimics_app.contracts.clock import wall_time
+from mimics_app.contracts.errors import UsageError
+
+__all__ = ["BYTES_PER_SECOND", "FILES", "create_run_folder", "write_atomically"]
+
+BYTES_PER_SECOND = 430_000
+"""What one second of a session takes on disk: 1000 rows of 51 float64, block headers, and the lines of the frames."""
+
+_LEAST_FREE = 16 * 1024 * 1024
+_TRIES = 8
+
+FILES = {
+    "haptic": "haptic.arrows",
+    "index": "haptic.arrows.idx",
+    "parameters": "parameters.arrows",
+    "events": "events.jsonl",
+    "trials": "trials.csv",
+    "session": "session.json",
+    "manifest": "manifest.json",
+    "report": "report.html",
+}
+"""Name of each file of a run folder."""
+
+
+def create_run_folder(parent: Path, expected_s: float = 0.0) -> Path:
+    """Make `parent/<UTC time>_<8 hexadecimal digits>`, which did not exist before.
+
+    Args:
+        parent: Where runs are kept; made when missing.
+        expected_s: Length the session is expected to have [s]; twice its size must be free.
+
+    Raises:
+        UsageError: The folder cannot be made, or there is too little room on its disk.
+    """
+    try:
+        parent.mkdir(parents=True, exist_ok=True)
+        free = shutil.disk_usage(parent).free
+        needed = max(_LEAST_FREE, round(2 * expected_s * BYTES_PER_SECOND))
+        if free < needed:
+            raise UsageError(
+                f"{parent}: {free / 1e6:.0f} MB free, a recording of this length needs {needed / 1e6:.0f} MB",
+                "free some space or give another folder with --runs DIR",
+            )
+        return _new_folder(parent)
+    except OSError as error:
+        raise UsageError(f"{parent}: no run folder can be made here: {error.strerror}", "use --runs DIR") from error
+
+
+def _new_folder(parent: Path) -> Path:
+    for _ in range(_TRIES):
+        folder = parent / f"{wall_time():%Y%m%dT%H%M%SZ}_{secrets.token_hex(4)}"
+        try:
+            folder.mkdir()  # fails when it exists: the O_EXCL of folders
+        except FileExistsError:
+            continue
+        return folder
+    raise UsageError(f"{parent}: no free name for a run folder", "use --runs DIR")
+
+
+def write_atomically(path: Path, content: bytes) -> None:
+    """Replace a file in one step: readers see the old or the new content, never half of it, also after a crash."""
+    scratch = path.with_name(path.name + ".part")
+    descriptor = os.open(scratch, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
+    try:
+        os.write(descriptor, content)
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+    os.replace(scratch, path)

@@ -1,0 +1,67 @@
+"""One number for all that happened: the same run gives the same hash, one ulp of difference another."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic import SAMPLE
+from mimics_app.recording.columns import ROW, TIMING_FIELDS, field_columns, rows_of
+
+__all__ = ["StateHash"]
+
+_STATE_COLUMNS = np.setdiff1d(np.arange(ROW), field_columns(TIMING_FIELDS))
+_EVENT_FIELDS = tuple(
+    name for name in ("tick", "kind", "body_a", "body_b", "material_a", "material_b", "position_world", "normal_world")
+) + ("speed", "force", "value")
+
+
+class StateHash:
+    """Running SHA-256 of the samples, the events and the trial rows of one session.
+
+    Three hashes run side by side and are joined at the end, so neither the order in which the streams were drained
+    nor the size of the blocks shows. Left out is only what tells real time: how late a tick was, how long it took, and
+    the monotonic time of an event (its tick is in).
+    """
+
+    def __init__(self) -> None:
+        self._samples = hashlib.sha256()
+        self._events = hashlib.sha256()
+        self._trials = hashlib.sha256()
+        self._counts = [0, 0, 0]
+
+    def add_samples(self, samples: NDArray[Any]) -> None:
+        """Take in SAMPLE records, shape [n], in order."""
+        assert samples.dtype == SAMPLE
+        self._samples.update(np.ascontiguousarray(rows_of(samples)[:, _STATE_COLUMNS]))
+        self._counts[0] += len(samples)
+
+    def add_events(self, events: NDArray[Any]) -> None:
+        """Take in EVENT records, shape [n], in order."""
+        for event in events:
+            for name in _EVENT_FIELDS:
+                self._events.update(np.ascontiguousarray(event[name]).tobytes())
+        self._counts[1] += len(events)
+
+    def add_trial(self, row: Mapping[str, object]) -> None:
+        """Take in one finished trial, as plain JSON values; the order of its keys does not matter."""
+        text = json.dumps(row, sort_keys=True, separators=(",", ":"))
+        self._trials.update(text.encode() + b"\n")
+        self._counts[2] += 1
+
+    @property
+    def rows(self) -> int:
+        """Samples taken in."""
+        return self._counts[0]
+
+    def hexdigest(self) -> str:
+        """The hash of everything taken in so far, 64 hexadecimal digits."""
+        whole = hashlib.sha256(b"mimics state 1 %d %d %d " % tuple(self._counts))
+        for part in (self._samples, self._events, self._trials):
+            whole.update(part.digest())
+        return whole.hexdigest()
