@@ -18,10 +18,10 @@ Vec3 = tuple[float, float, float]
 
 
 class Mixer(Protocol):
-    """Starts, moves and mixes sounds by name. Positions are in the world [m], gains linear, times on the session clock."""
+    """Starts, moves and mixes sounds by name. World positions [m], linear gains, session times."""
 
     def start(self, sound: str, t_ns: int, position_world: Vec3 | None, gain: float) -> int:
-        """Start a sound at t_ns plus the mixer's constant latency, or at once when that has passed; return its handle."""
+        """Start a sound at t_ns plus the mixer's constant latency, at once when that has passed; return its handle."""
         ...
 
     def move(self, handle: int, position_world: Vec3) -> None:
@@ -114,6 +114,7 @@ class AudioReport:
         late_blocks: Blocks or polls that began more than one block after their time.
         clipped: Samples of a file that were softened because they passed full scale.
         file: Path of the sound file, or "".
+        origin_ns: Session time of the file's frame 0.
         crashed: True when the audio process ended without a report; then the counts above are zero.
     """
 
@@ -128,6 +129,7 @@ class AudioReport:
     late_blocks: int = 0
     clipped: int = 0
     file: str = ""
+    origin_ns: int = 0
     crashed: bool = False
 
     def latency_ms(self) -> Mapping[str, float | None]:
@@ -185,6 +187,10 @@ class AudioOutput(Protocol):
 
     def listener(self, position_world: Vec3, forward_world: Vec3, up_world: Vec3) -> None:
         """Place the listener's head; never waits."""
+        ...
+
+    def master(self, gain: float) -> None:
+        """Set the linear gain of everything; never waits."""
         ...
 
     def advance(self, now_ns: int) -> None:

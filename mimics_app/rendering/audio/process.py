@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import pickle
+from dataclasses import replace
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING, Any
 
@@ -44,6 +45,7 @@ class AudioProcess:
         self._report: AudioReport | None = None
         self._orders_dropped = 0
         self._pose: tuple[Vec3, Vec3, Vec3] | None = None
+        self._given_up = False
 
     def start(self) -> None:
         """Spawn the process and return at once; a session without sound starts none."""
@@ -58,7 +60,10 @@ class AudioProcess:
         orders_child, self._orders = spawn.Pipe(duplex=False)
         self._results, results_child = spawn.Pipe(duplex=False)
         self._process = spawn.Process(
-            target=run, args=(self._memory, self._settings, orders_child, results_child), name="mimics-audio", daemon=True
+            target=run,
+            args=(self._memory, self._settings, orders_child, results_child),
+            name="mimics-audio",
+            daemon=True,
         )
         self._process.start()
         # Our copies of the child's ends would keep a read waiting for a child that is gone.
@@ -68,8 +73,8 @@ class AudioProcess:
 
     @property
     def ready(self) -> AudioStatus | None:
-        """What was opened, or None while the process is still starting; never waits."""
-        if self._status is None:
+        """What is open now (another output once a device was lost), or None while it is starting; never waits."""
+        if self._report is None:
             self._take_status(timeout_s=0.0)
         return self._status
 
@@ -109,6 +114,10 @@ class AudioProcess:
         if pose != self._pose and self._tell("listener", pose):
             self._pose = pose
 
+    def master(self, gain: float) -> None:
+        """Set the linear gain of everything; never waits."""
+        self._tell("master", gain)
+
     def advance(self, now_ns: int) -> None:
         """Do nothing: the process keeps its own time."""
 
@@ -135,15 +144,14 @@ class AudioProcess:
         return report
 
     def _take_report(self) -> AudioReport:
-        from dataclasses import replace
-
         message = self._receive(_REPORT_TIMEOUT_S)
-        if isinstance(message, AudioStatus):
+        while isinstance(message, AudioStatus):
             self._status = message
             message = self._receive(_REPORT_TIMEOUT_S)
         if isinstance(message, AudioReport):
+            self._status = message.status
             return replace(message, orders_dropped=self._orders_dropped)
-        if self._status is None or self._status.sink != "null":
+        if not self._given_up:
             self._give_up("the audio process ended early: sound was lost; picture and touch ran on")
         file = self._settings.file
         written = str(file) if file is not None and file.exists() else ""
@@ -153,8 +161,8 @@ class AudioProcess:
         message = self._receive(timeout_s)
         if isinstance(message, AudioStatus):
             self._status = message
-        elif not self.alive:
-            self._give_up("the audio process ended while it started: sound is dropped; picture and touch run on")
+        elif not self._given_up and self._process is not None and not self._process.is_alive():
+            self._give_up("the audio process has ended: sound is dropped; picture and touch run on")
 
     def _receive(self, timeout_s: float) -> Any:
         """Next message of the child, or None at the timeout or when the child is gone."""
@@ -175,4 +183,5 @@ class AudioProcess:
         return True
 
     def _give_up(self, notice: str) -> None:
-        self._status = AudioStatus("none", "null", hrtf=False, rate=0, latency_ms=0.0, notice=notice)
+        self._given_up = True
+        self._status = replace(_SILENT, notice=notice)

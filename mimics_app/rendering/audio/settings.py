@@ -80,7 +80,9 @@ class AudioSettings:
         if self.sink == "file" and self.file is None:
             raise ValueError('the sink "file" needs a file')
         if not 64 <= self.period <= 512:
-            raise ValueError(f"a period of {self.period} frames is not between 64 and 512: the 20 ms bound would be lost")
+            raise ValueError(
+                f"a period of {self.period} frames is not between 64 and 512: the 20 ms bound would be lost"
+            )
         for name in filter(None, (self.contact, self.scrape)):
             if name not in self.sounds:
                 raise ValueError(f'sound "{name}" is used but not among the sounds: {", ".join(self.sounds)}')

@@ -1,0 +1,117 @@
+"""The sounds of a session, ready to mix."""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import sqrt
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import Issue, SceneError, nearest
+from mimics_app.rendering.audio import synth
+from mimics_app.rendering.audio.settings import SoundSpec
+from mimics_app.rendering.audio.wav_file import WavWriter, read_wav
+
+__all__ = ["RECIPES", "Sound", "SoundBank", "write_sounds"]
+
+CONTACT_TAKES = 3
+"""Strike points a contact is synthesised for, taken in turn so that no two neighbours are the same recording."""
+
+# Names of the speed steps are decided by equal ratios: the border between two steps is their geometric mean.
+_BORDERS = tuple(sqrt(a * b) for a, b in zip(synth.CONTACT_SPEEDS, synth.CONTACT_SPEEDS[1:], strict=False))
+
+
+@dataclass(frozen=True, slots=True)
+class Sound:
+    """One channel of samples, shape [n], and how it is placed."""
+
+    samples: NDArray[np.float32]
+    gain: float = 1.0
+    loop: bool = False
+    reference_distance: float = 1.0
+
+
+def _goal(rate: int) -> NDArray[np.float32]:
+    return synth.synthesise_chord((523.25, 659.26, 783.99, 1046.50), 0.09, 1.2, rate)
+
+
+def _start(rate: int) -> NDArray[np.float32]:
+    return synth.synthesise_chord((392.00, 587.33), 0.12, 0.6, rate, peak=0.4)
+
+
+def _trial_end(rate: int) -> NDArray[np.float32]:
+    return synth.synthesise_chord((783.99, 523.25), 0.14, 0.8, rate, peak=0.4)
+
+
+RECIPES = {
+    "goal": _goal,
+    "start": _start,
+    "trial_end": _trial_end,
+    "tick": synth.synthesise_tick,
+    "scrape": synth.synthesise_scrape,
+}
+"""Recipes with one sound each; "contact" has one for every speed step and take."""
+
+
+class SoundBank:
+    """Sounds by name. A contact `hit` is the family `hit:SPEED STEP:TAKE`, and `hit` alone its middle."""
+
+    def __init__(self, specs: Mapping[str, SoundSpec], rate: int) -> None:
+        self.rate = rate
+        self.sounds: dict[str, Sound] = {}
+        self._families: set[str] = set()
+        issues: list[Issue] = []
+        for name, spec in specs.items():
+            try:
+                self._add(name, spec)
+            except SceneError as error:
+                issues += error.issues
+        if issues:
+            raise SceneError(issues)
+
+    def __getitem__(self, name: str) -> Sound:
+        return self.sounds[name]
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.sounds
+
+    def variant(self, name: str, speed: float, turn: int) -> str:
+        """Name of the sound for an impact speed [m/s]; `turn` counts contacts and chooses the take."""
+        if name not in self._families:
+            return name
+        return f"{name}:{bisect_left(_BORDERS, speed)}:{turn % CONTACT_TAKES}"
+
+    def _add(self, name: str, spec: SoundSpec) -> None:
+        if spec.recipe == "contact":
+            for step, speed in enumerate(synth.CONTACT_SPEEDS):
+                for take in range(CONTACT_TAKES):
+                    self._put(f"{name}:{step}:{take}", synth.synthesise_contact(speed, take, self.rate), spec)
+            self.sounds[name] = self.sounds[f"{name}:{len(synth.CONTACT_SPEEDS) // 2}:0"]
+            self._families.add(name)
+        elif spec.file is not None:
+            self._put(name, read_wav(spec.file, self.rate), spec)
+        elif spec.recipe in RECIPES:
+            self._put(name, RECIPES[spec.recipe](self.rate), spec)
+        else:
+            known = nearest(spec.recipe, [*RECIPES, "contact"])
+            raise SceneError(Issue("", f"/sounds/{name}/recipe", f'no recipe "{spec.recipe}"', known))
+
+    def _put(self, name: str, samples: NDArray[np.float32], spec: SoundSpec) -> None:
+        self.sounds[name] = Sound(samples, spec.gain, spec.loop, spec.reference_distance)
+
+
+def write_sounds(folder: Path, specs: Mapping[str, SoundSpec], rate: int = 48_000) -> list[Path]:
+    """Write every sound, the speed steps of a contact included, as a wave file to listen to; return the paths."""
+    bank = SoundBank(specs, rate)
+    paths = []
+    for name, sound in bank.sounds.items():
+        path = folder / f"{name.replace(':', '_')}.wav"
+        writer = WavWriter(path, rate)
+        writer.append(np.repeat(sound.samples[:, None], 2, axis=1))
+        writer.close()
+        paths.append(path)
+    return paths

@@ -1,0 +1,136 @@
+"""Opens the output a session asked for, or the next one down the ladder, and keeps it fed.
+
+    device  -> a live device, drawn by the library's own thread
+    file    -> a loopback, rendered on the clock in blocks and written to a wave file
+    null    -> nothing: the events are read and forgotten
+
+Where the wish cannot be had the session goes on with one clear line about what became of its sound.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from mimics_app.contracts.audio_port import AudioStatus
+from mimics_app.contracts.clock import Clock
+from mimics_app.contracts.errors import DeviceError, SceneError
+from mimics_app.rendering.audio.bank import SoundBank
+from mimics_app.rendering.audio.openal_context import OpenALContext, measure_pipeline
+from mimics_app.rendering.audio.openal_library import load_library
+from mimics_app.rendering.audio.openal_mixer import OpenALMixer, Timing
+from mimics_app.rendering.audio.settings import AudioSettings
+from mimics_app.rendering.audio.wav_file import WavWriter
+
+__all__ = ["Engine", "fall_back", "open_engine", "open_loopback"]
+
+_SILENT = AudioStatus(device="none", sink="null", hrtf=False, rate=0, latency_ms=0.0)
+
+
+class Engine:
+    """What is open: a mixer, perhaps a file behind it, and the status that says so.
+
+    Attributes:
+        status: As the app is told.
+        bank: The sounds.
+        mixer: None where sound is dropped.
+        writer: None where no file is written.
+    """
+
+    def __init__(
+        self, status: AudioStatus, bank: SoundBank | None, mixer: OpenALMixer | None, writer: WavWriter | None
+    ) -> None:
+        self.status = status
+        self.bank = bank
+        self.mixer = mixer
+        self.writer = writer
+
+    @property
+    def live(self) -> bool:
+        """True where the library's own thread draws the sound."""
+        return self.status.sink == "device"
+
+    def render_to(self, frame: int, block: int) -> int:
+        """Render a loopback up to a frame in blocks, into the file; return how many blocks that took."""
+        if self.mixer is None or self.live:
+            return 0
+        blocks = 0
+        while self.mixer.position < frame:
+            samples = self.mixer.render(min(block, frame - self.mixer.position))
+            if self.writer is not None:
+                self.writer.append(samples)
+            blocks += 1
+        return blocks
+
+    def close(self) -> None:
+        """Close device and file."""
+        if self.mixer is not None:
+            self.mixer.close()
+        if self.writer is not None:
+            self.writer.close()
+
+
+def open_engine(settings: AudioSettings, clock: Clock) -> Engine:
+    """The output of a live session, down the ladder; never raises for a missing library or device."""
+    try:
+        load_library(settings)
+        bank = SoundBank(settings.sounds, settings.rate)
+    except DeviceError as error:
+        return _dropped(f"{error.what}: sound is dropped; picture and touch run on ({error.fix})")
+    except SceneError as error:
+        return _dropped(f"{error}: sound is dropped; picture and touch run on")
+    if settings.sink == "device":
+        try:
+            return _open_device(settings, bank, clock)
+        except DeviceError as error:
+            return fall_back(settings, bank, clock, error.what)
+    return fall_back(settings, bank, clock, "")
+
+
+def fall_back(settings: AudioSettings, bank: SoundBank, clock: Clock, why: str) -> Engine:
+    """A file where one is named, else nothing; `why` begins the line the person reads, "" when it was asked for."""
+    if settings.file is None:
+        return _dropped(f"{why}: sound is dropped; picture and touch run on")
+    try:
+        # A block of slack, a block to fill, and a millisecond for the tick's own work before its event is in the ring.
+        engine = open_loopback(settings, bank, clock, settings.file, 2 * settings.block + settings.rate // 1000)
+    except (DeviceError, OSError) as error:
+        return _dropped(f"{why or 'no sound file'} ({error}): sound is dropped; picture and touch run on")
+    if why:
+        notice = f"{why}: sound is rendered to {settings.file}; picture and touch run on"
+        engine.status = replace(engine.status, notice=notice)
+    return engine
+
+
+def open_loopback(
+    settings: AudioSettings,
+    bank: SoundBank,
+    clock: Clock,
+    file: Path | None,
+    latency: int,
+    origin_ns: int | None = None,
+) -> Engine:
+    """A loopback whose sounds start `latency` frames after their events, written to `file` where one is given."""
+    library = load_library(settings)
+    pipeline = measure_pipeline(library, settings.rate, settings.hrtf)
+    context = OpenALContext(library, settings.rate, settings.hrtf, settings.voices * 2, loopback=True)
+    timing = Timing(clock.now_ns() if origin_ns is None else origin_ns, latency, pipeline)
+    mixer = OpenALMixer(context, bank, settings, clock, timing)
+    writer = WavWriter(file, context.rate) if file is not None else None
+    latency_ms = (latency + pipeline) / context.rate * 1e3
+    status = AudioStatus("loopback", "file" if writer else "null", context.hrtf, context.rate, latency_ms)
+    return Engine(status, bank, mixer, writer)
+
+
+def _open_device(settings: AudioSettings, bank: SoundBank, clock: Clock) -> Engine:
+    library = load_library(settings)
+    context = OpenALContext(library, settings.rate, settings.hrtf, settings.voices * 2, loopback=False)
+    pipeline = measure_pipeline(library, context.rate, context.hrtf)
+    mixer = OpenALMixer(context, bank, settings, clock, Timing(clock.now_ns(), 0, pipeline))
+    latency_ms = context.buffered_ms(settings.period) + pipeline / context.rate * 1e3
+    status = AudioStatus(context.name, "device", context.hrtf, context.rate, latency_ms)
+    return Engine(status, bank, mixer, None)
+
+
+def _dropped(notice: str) -> Engine:
+    return Engine(replace(_SILENT, notice=notice), None, None, None)

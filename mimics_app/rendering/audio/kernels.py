@@ -1,0 +1,25 @@
+"""The wait of the audio process: asleep in machine code until the haptic loop has something to be heard."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.atomics import now_ns, sleep_until_ns
+from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.ring import waiting
+
+__all__ = ["wait_for_records"]
+
+Words = NDArray[np.int64]
+
+
+@kernel
+def wait_for_records(words: Words, timespec: Words, deadline_ns: int, step_ns: int) -> bool:
+    """Look into a ring every `step_ns` until it holds a record (True) or the deadline has come (False)."""
+    while waiting(words) == 0:
+        now = now_ns(timespec)
+        if now >= deadline_ns:
+            return False
+        sleep_until_ns(timespec, min(now + step_ns, deadline_ns))
+    return True

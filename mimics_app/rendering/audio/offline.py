@@ -1,0 +1,186 @@
+"""Sound in step with a virtual clock: the same events give the same bytes, each sound at its exact sample."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.audio_port import AudioReport, AudioStatus
+from mimics_app.contracts.clock import VirtualClock
+from mimics_app.contracts.errors import DeviceError, MimicsError, nearest
+from mimics_app.contracts.messages import SoundEvent
+from mimics_app.contracts.ring import DROPPED
+from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.rendering.audio.bank import SoundBank
+from mimics_app.rendering.audio.director import SoundDirector
+from mimics_app.rendering.audio.engine import Engine, open_loopback
+from mimics_app.rendering.audio.openal_library import load_library
+from mimics_app.rendering.audio.openal_mixer import OpenALMixer, frame_at
+from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
+
+__all__ = ["OfflineAudio", "render_offline"]
+
+Vec3 = tuple[float, float, float]
+Pose = tuple[Vec3, Vec3, Vec3]
+
+_BLOCK = 1024
+_TAIL_S = 1.0
+
+
+class OfflineAudio:
+    """Sound of a headless session, mixed by the app itself into a wave file; the same calls as `AudioProcess`.
+
+    Frame n of the file is session time n / rate; a sound starts at round(t * rate) plus the constant pipeline.
+    """
+
+    def __init__(self, memory: SessionMemory, settings: AudioSettings) -> None:
+        if settings.file is None:
+            raise ValueError("sound in step needs a file")
+        self._memory = memory
+        self._settings = settings
+        self._clock = VirtualClock()
+        self._engine: Engine | None = None
+        self._director: SoundDirector | None = None
+        self._status: AudioStatus | None = None
+        self._report: AudioReport | None = None
+        self._blocks = 0
+
+    def start(self) -> None:
+        """Open the loopback and the file; a missing library leaves the session without sound, and says so."""
+        settings = self._settings
+        try:
+            load_library(settings)
+            bank = SoundBank(settings.sounds, settings.rate)
+            engine = open_loopback(settings, bank, self._clock, settings.file, latency=0, origin_ns=0)
+        except DeviceError as error:
+            notice = f"{error}: sound is dropped; picture and touch run on"
+            self._status = AudioStatus("none", "null", hrtf=False, rate=0, latency_ms=0.0, notice=notice)
+            return
+        self._engine, self._status = engine, engine.status
+        if engine.mixer is not None:
+            self._director = SoundDirector(self._memory, engine.mixer, bank, settings, self._clock)
+
+    @property
+    def ready(self) -> AudioStatus | None:
+        """What was opened, None before `start`."""
+        return self._status
+
+    def play(self, event: SoundEvent) -> None:
+        """Start a sound of the task at its time. MimicsError: the settings know no sound of that name."""
+        if event.sound not in self._settings.sounds:
+            raise MimicsError(f'no sound "{event.sound}"', nearest(event.sound, self._settings.sounds))
+        if self._director is not None:
+            self._director.play_order(event)
+
+    def listener(self, position_world: Vec3, forward_world: Vec3, up_world: Vec3) -> None:
+        """Place the listener's head."""
+        if self._mixer is not None:
+            self._mixer.listener(position_world, forward_world, up_world)
+
+    def master(self, gain: float) -> None:
+        """Set the linear gain of everything."""
+        if self._mixer is not None:
+            self._mixer.master(gain)
+
+    def advance(self, now_ns: int) -> None:
+        """Read the contacts up to now and mix them. Call it after the haptic ticks of the frame were run."""
+        self._clock.sleep_until_ns(now_ns)
+        if self._engine is None or self._director is None or self._mixer is None:
+            return
+        self._director.take_contacts()
+        self._director.follow_pressure()
+        self._blocks += self._engine.render_to(frame_at(now_ns, 0, self._mixer.context.rate), _BLOCK)
+
+    def stop(self) -> AudioReport:
+        """Let the last sounds ring out, close the file and return what was done."""
+        if self._report is None:
+            self._report = self._close()
+        return self._report
+
+    @property
+    def _mixer(self) -> OpenALMixer | None:
+        return None if self._engine is None else self._engine.mixer
+
+    def _close(self) -> AudioReport:
+        engine, director, mixer = self._engine, self._director, self._mixer
+        silent = AudioStatus("none", "null", hrtf=False, rate=0, latency_ms=0.0)
+        if engine is None or director is None or mixer is None or engine.writer is None:
+            return AudioReport(self._status or silent)
+        director.take_contacts()
+        self._blocks += engine.render_to(mixer.position + round(_TAIL_S * mixer.context.rate), _BLOCK)
+        engine.close()
+        return AudioReport(
+            engine.status,
+            rows=tuple(director.rows),
+            merged=director.merged,
+            stale=director.stale,
+            dropped=int(self._memory.audio_event_words[DROPPED]),
+            refused=mixer.refused,
+            blocks=self._blocks,
+            clipped=engine.writer.clipped,
+            file=str(engine.writer.path),
+        )
+
+
+def render_offline(
+    events: Sequence[SoundEvent],
+    sounds: Mapping[str, SoundSpec],
+    seconds: float,
+    listener: Pose | None = None,
+    *,
+    hrtf: bool = True,
+    rate: int = 48_000,
+) -> tuple[NDArray[np.float32], list[int]]:
+    """Render a list of events on a clock that starts at 0.
+
+    Args:
+        events: Sounds to start, in any order.
+        sounds: What the names mean.
+        seconds: Length of the render.
+        listener: Position [m], forward and up of the head; None: at the origin, looking along -z.
+        hrtf: Head-related filters.
+        rate: Samples per second.
+
+    Returns:
+        The mix, shape [n, 2], not limited to full scale, and for every event the frame of its first sample:
+        round(t * rate) plus the constant pipeline of the mix; -1 where no voice was free.
+
+    Raises:
+        DeviceError: No OpenAL library.
+        KeyError: An event names a sound that is not among `sounds`.
+    """
+    settings = AudioSettings(sounds=sounds, contact="", scrape="", hrtf=hrtf, rate=rate, voices=64)
+    load_library(settings)
+    engine = open_loopback(settings, SoundBank(sounds, rate), VirtualClock(), None, latency=0, origin_ns=0)
+    mixer = engine.mixer
+    assert mixer is not None
+    try:
+        if listener is not None:
+            mixer.listener(*listener)
+        return _render_events(mixer, events, round(seconds * rate))
+    finally:
+        mixer.close()
+
+
+def _render_events(
+    mixer: OpenALMixer, events: Sequence[SoundEvent], frames: int
+) -> tuple[NDArray[np.float32], list[int]]:
+    """Hand each event to the mixer one block before it is due, so that voices are busy only while they sound."""
+    order = sorted(range(len(events)), key=lambda k: events[k].t_ns)
+    onsets = [-1] * len(events)
+    blocks = []
+    waiting = iter(order)
+    following: Any = next(waiting, None)
+    while mixer.position < frames:
+        end = min(mixer.position + _BLOCK, frames)
+        while following is not None and frame_at(events[following].t_ns, 0, mixer.context.rate) < end:
+            event = events[following]
+            start = mixer.place(event.sound, event.t_ns, event.position_world, event.gain)
+            if start.handle:
+                onsets[following] = mixer.first_sample(start, event.t_ns)[0]
+            following = next(waiting, None)
+        blocks.append(mixer.render(end - mixer.position))
+    return np.concatenate(blocks) if blocks else np.zeros((0, 2), np.float32), onsets

@@ -1,0 +1,248 @@
+"""OpenAL Soft bound by hand: the only module that knows the library's C interface.
+
+PyOpenAL finds the library; its own wrappers lack loopback, HRTF and float formats and hide errors behind
+`ALC_OUT_OF_MEMORY`, so a second handle with function objects of its own is taken (the first one's carry PyOpenAL's
+error hooks). The library reads its configuration once, at the first open; ours is written before that, because every
+default of it breaks the 20 ms between touch and sound (1024 x 3 frames: 51 ms).
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.rendering.audio.settings import AudioSettings
+
+__all__ = ["AL", "ALC", "INSTALL_LINE", "OpenALLibrary", "load_library", "quiet_stderr"]
+
+INSTALL_LINE = "apt-get install libopenal1"
+
+
+class ALC:
+    """Numbers of alc.h and alext.h that are used here."""
+
+    FREQUENCY = 0x1007
+    REFRESH = 0x1008
+    MONO_SOURCES = 0x1010
+    DEVICE_SPECIFIER = 0x1005
+    ALL_DEVICES_SPECIFIER = 0x1013
+    CONNECTED = 0x313
+    FORMAT_CHANNELS = 0x1990
+    FORMAT_TYPE = 0x1991
+    STEREO = 0x1501
+    FLOAT = 0x1406
+    HRTF = 0x1992
+    OUTPUT_LIMITER = 0x199A
+    DEVICE_LATENCY = 0x1601
+
+
+class AL:
+    """Numbers of al.h and alext.h that are used here."""
+
+    SOURCE_RELATIVE = 0x202
+    PITCH = 0x1003
+    POSITION = 0x1004
+    LOOPING = 0x1007
+    BUFFER = 0x1009
+    GAIN = 0x100A
+    ORIENTATION = 0x100F
+    SOURCE_STATE = 0x1010
+    INITIAL = 0x1011
+    PLAYING = 0x1012
+    STOPPED = 0x1014
+    REFERENCE_DISTANCE = 0x1020
+    FORMAT_MONO_FLOAT32 = 0x10010
+    VERSION = 0xB002
+    INVERSE_DISTANCE_CLAMPED = 0xD002
+
+
+_pointer, _int, _uint, _float, _text, _bool = (
+    ctypes.c_void_p,
+    ctypes.c_int,
+    ctypes.c_uint,
+    ctypes.c_float,
+    ctypes.c_char_p,
+    ctypes.c_uint8,
+)
+
+_SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
+    "alcOpenDevice": (_pointer, [_text]),
+    "alcCloseDevice": (_bool, [_pointer]),
+    "alcLoopbackOpenDeviceSOFT": (_pointer, [_text]),
+    "alcRenderSamplesSOFT": (None, [_pointer, _pointer, _int]),
+    "alcCreateContext": (_pointer, [_pointer, ctypes.POINTER(_int)]),
+    "alcMakeContextCurrent": (_bool, [_pointer]),
+    "alcDestroyContext": (None, [_pointer]),
+    "alcGetError": (_int, [_pointer]),
+    "alcGetString": (_text, [_pointer, _int]),
+    "alcGetIntegerv": (None, [_pointer, _int, _int, ctypes.POINTER(_int)]),
+    "alcGetInteger64vSOFT": (None, [_pointer, _int, _int, ctypes.POINTER(ctypes.c_int64)]),
+    "alGetError": (_int, []),
+    "alGetString": (_text, [_int]),
+    "alGenSources": (None, [_int, ctypes.POINTER(_uint)]),
+    "alDeleteSources": (None, [_int, ctypes.POINTER(_uint)]),
+    "alGenBuffers": (None, [_int, ctypes.POINTER(_uint)]),
+    "alDeleteBuffers": (None, [_int, ctypes.POINTER(_uint)]),
+    "alBufferData": (None, [_uint, _int, _pointer, _int, _int]),
+    "alSourcef": (None, [_uint, _int, _float]),
+    "alSource3f": (None, [_uint, _int, _float, _float, _float]),
+    "alSourcei": (None, [_uint, _int, _int]),
+    "alGetSourcei": (None, [_uint, _int, ctypes.POINTER(_int)]),
+    "alSourcePlay": (None, [_uint]),
+    "alSourceStop": (None, [_uint]),
+    "alListener3f": (None, [_int, _float, _float, _float]),
+    "alListenerf": (None, [_int, _float]),
+    "alListenerfv": (None, [_int, ctypes.POINTER(_float)]),
+    "alDistanceModel": (None, [_int]),
+}
+
+_ERRORS = {
+    0xA001: "invalid name or device",
+    0xA002: "invalid enum or context",
+    0xA003: "invalid enum",
+    0xA004: "invalid value or operation",
+    0xA005: "out of memory, or no device",
+}
+
+
+class OpenALLibrary:
+    """The functions of one OpenAL Soft library, with explicit checks.
+
+    Attributes:
+        path: What the loader was given.
+        call: The functions by their C names.
+    """
+
+    def __init__(self, path: str) -> None:
+        self.path = path
+        handle = ctypes.CDLL(path)
+        self.call: Any = SimpleNamespace()
+        for name, (result, arguments) in _SIGNATURES.items():
+            try:
+                function = getattr(handle, name)
+            except AttributeError as error:
+                raise DeviceError(f"{path} has no {name}: it is not OpenAL Soft", INSTALL_LINE) from error
+            function.restype, function.argtypes = result, arguments
+            setattr(self.call, name, function)
+
+    def check(self, what: str) -> None:
+        """Raise DeviceError when the calls since the last check left an error behind."""
+        code = self.call.alGetError()
+        if code:
+            raise DeviceError(f"OpenAL could not {what}: {_ERRORS.get(code, hex(code))}")
+
+    def device_error(self, device: int | None) -> str:
+        """The error of a device or of the library (None), in words; "" when there is none."""
+        code = self.call.alcGetError(device)
+        return _ERRORS.get(code, hex(code)) if code else ""
+
+
+_loaded: dict[str, OpenALLibrary] = {}
+
+
+def load_library(settings: AudioSettings) -> OpenALLibrary:
+    """The library of this process; its configuration is that of the first call.
+
+    Raises:
+        DeviceError: No library is found, or it is not OpenAL Soft; the fix names the package.
+    """
+    if settings.library not in _loaded:
+        path = settings.library or _find()
+        os.environ.update(settings.environment)
+        with _configuration(settings), quiet_stderr():
+            try:
+                library = OpenALLibrary(path)
+            except OSError as error:
+                raise DeviceError(f"the OpenAL library {path} cannot be loaded", INSTALL_LINE) from error
+            # The first open makes the library read its configuration, so that the file can go again.
+            first = library.call.alcLoopbackOpenDeviceSOFT(None)
+            if first:
+                library.call.alcCloseDevice(first)
+        _loaded[settings.library] = library
+    return _loaded[settings.library]
+
+
+def _find() -> str:
+    path_before = os.environ.get("PATH", "")
+    try:
+        from openal.al_lib import lib
+    except ImportError:
+        found = _find_without_pyopenal()
+    except Exception as error:  # PyOpenAL has a class of its own for this
+        raise DeviceError(f"no OpenAL library ({type(error).__name__})", INSTALL_LINE) from error
+    else:
+        found = str(lib._name)
+    finally:
+        os.environ["PATH"] = path_before  # PyOpenAL appends the working directory to it
+    return found
+
+
+def _find_without_pyopenal() -> str:
+    from ctypes.util import find_library
+
+    for name in ("openal", "soft_oal", "OpenAL32"):
+        found = find_library(name)
+        if found:
+            return found
+    raise DeviceError("no OpenAL library", INSTALL_LINE)
+
+
+def _configuration_text(settings: AudioSettings) -> str:
+    """Everything that touches delay or samples, so that no file of the user or the system decides it."""
+    lines = [
+        "[general]",
+        f"frequency = {settings.rate}",
+        f"period_size = {settings.period}",
+        "periods = 2",
+        f"sources = {settings.voices * 2}",
+        "stereo-encoding = panpot",
+        "cf_level = 0",
+        "resampler = cubic",
+        "volume-adjust = 0",
+        "dither = false",
+        "[decoder]",
+        "hq-mode = false",
+        "distance-comp = false",
+        "nfc = false",
+    ]
+    if settings.driver:
+        lines.insert(1, f"drivers = {settings.driver}")
+    return "\n".join(lines) + "\n"
+
+
+@contextmanager
+def _configuration(settings: AudioSettings) -> Iterator[None]:
+    handle, name = tempfile.mkstemp(prefix="mimics-", suffix=".alsoft")
+    os.write(handle, _configuration_text(settings).encode())
+    os.close(handle)
+    before = os.environ.get("ALSOFT_CONF")
+    os.environ["ALSOFT_CONF"] = name
+    try:
+        yield
+    finally:
+        Path(name).unlink(missing_ok=True)
+        if before is None:
+            del os.environ["ALSOFT_CONF"]
+        else:
+            os.environ["ALSOFT_CONF"] = before
+
+
+@contextmanager
+def quiet_stderr() -> Iterator[None]:
+    """Point file descriptor 2 to nowhere: the sound libraries write many lines of their own where there is no card."""
+    saved = os.dup(2)
+    null = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(null, 2)
+    os.close(null)
+    try:
+        yield
+    finally:
+        os.dup2(saved, 2)
+        os.close(saved)

@@ -1,0 +1,289 @@
+"""The mixer on OpenAL: named sounds in, positional sound out, with sample-exact starts where we ask for the samples.
+
+A loopback starts a sound at `round((t - origin) * rate) + latency` frames, late ones at once: `render` cuts its block
+at every start, because the library begins a sound only at the head of a render. A live device draws by itself; there
+a start is a start at the next period.
+The library of the stable distributions cuts a stopped sound off with a click (-23 dBFS), so a stop is a fade to zero
+over one mix and the cut comes when nothing is heard any more.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import heapq
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.clock import Clock
+from mimics_app.rendering.audio.bank import Sound, SoundBank
+from mimics_app.rendering.audio.openal_context import OpenALContext
+from mimics_app.rendering.audio.openal_library import AL
+from mimics_app.rendering.audio.settings import AudioSettings
+
+__all__ = ["OpenALMixer", "Start", "Timing", "frame_at"]
+
+Vec3 = tuple[float, float, float]
+
+_SPARE_SOURCES = 8
+_FADE_FRAMES = 960
+_SHORTEST_RAMP = 64
+_AHEAD: Vec3 = (0.0, 0.0, -1.0)
+
+
+class _State(IntEnum):
+    FREE = 0
+    SCHEDULED = 1
+    PLAYING = 2
+    FADING = 3
+
+
+@dataclass(slots=True)
+class _Voice:
+    source: int
+    state: _State = _State.FREE
+    handle: int = 0
+    authored: float = 1.0
+    gain: float = 0.0
+    end: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """Where a sound was put: handle (0: refused), frame of its start (-1: the device decides), and whether too late."""
+
+    handle: int
+    frame: int
+    late: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Timing:
+    """How session time and frames meet.
+
+    Attributes:
+        origin_ns: Session time of frame 0.
+        latency: Frames from an event's time to the start of its sound, the same for all (loopback).
+        pipeline: Frames from the start of a sound to its first sample in the mix (10 with HRTF, see measure_pipeline).
+    """
+
+    origin_ns: int = 0
+    latency: int = 0
+    pipeline: int = 0
+
+
+def frame_at(t_ns: int, origin_ns: int, rate: int) -> int:
+    """The frame nearest to a time, in integers so that no session is too long for it."""
+    return ((t_ns - origin_ns) * rate + 500_000_000) // 1_000_000_000
+
+
+class OpenALMixer:
+    """See contracts.audio_port.Mixer.
+
+    Attributes:
+        position: Frames rendered so far (loopback).
+        refused: Sounds that found every voice busy with louder ones.
+    """
+
+    def __init__(
+        self, context: OpenALContext, bank: SoundBank, settings: AudioSettings, clock: Clock, timing: Timing
+    ) -> None:
+        self.context = context
+        self.timing = timing
+        self.position = 0
+        self.refused = 0
+        self._library = context.library
+        self._call = context.library.call
+        self._bank = bank
+        self._limit = settings.voices
+        self._period = settings.period
+        self._clock = clock
+        self._handles = 0
+        self._changes: list[tuple[Callable[..., Any], tuple[Any, ...]]] = []
+        self._due: list[tuple[int, int, _Voice]] = []
+        context.activate()
+        self._buffers = self._upload()
+        self._voices = [_Voice(source) for source in self._generate_sources(settings.voices + _SPARE_SOURCES)]
+        self._by_handle: dict[int, _Voice] = {}
+
+    def start(self, sound: str, t_ns: int, position_world: Vec3 | None, gain: float) -> int:
+        """Start a sound; return its handle, 0 when no voice was free for it. KeyError: no such sound."""
+        return self.place(sound, t_ns, position_world, gain).handle
+
+    def place(self, sound: str, t_ns: int, position_world: Vec3 | None, gain: float) -> Start:
+        """Like `start`, and say where the sound was put."""
+        content = self._bank[sound]
+        voice = self._find_voice(content.gain * gain)
+        if voice is None:
+            self.refused += 1
+            return Start(0, -1, late=False)
+        self._handles += 1
+        voice.handle, voice.authored, voice.gain = self._handles, content.gain, content.gain * gain
+        self._by_handle[voice.handle] = voice
+        self._prepare(voice, sound, content, position_world)
+        if not self.context.loopback:
+            self._play(voice, self._now_frame(), content)
+            return Start(voice.handle, -1, late=False)
+        wanted = frame_at(t_ns, self.timing.origin_ns, self.context.rate) + self.timing.latency
+        frame = max(wanted, self.position)
+        voice.state = _State.SCHEDULED
+        voice.end = None if content.loop else frame + len(content.samples) + _FADE_FRAMES
+        heapq.heappush(self._due, (frame, voice.handle, voice))
+        return Start(voice.handle, frame, late=frame > wanted)
+
+    def first_sample(self, start: Start, submitted_ns: int) -> tuple[int, int]:
+        """Frame of a sound's first sample (-1: only the device knows) and the session time by which it is heard."""
+        if start.frame < 0:
+            return -1, submitted_ns + round(self.context.buffered_ms(self._period) * 1e6)
+        frame = start.frame + self.timing.pipeline
+        return frame, self.timing.origin_ns + frame * 1_000_000_000 // self.context.rate
+
+    def move(self, handle: int, position_world: Vec3) -> None:
+        """Move a sound; nothing happens when it has ended."""
+        voice = self._by_handle.get(handle)
+        if voice is not None:
+            self._change(self._call.alSource3f, voice.source, AL.POSITION, *position_world)
+
+    def gain(self, handle: int, value: float) -> None:
+        """Set the linear gain of a sound; the library ramps to it over one mix."""
+        voice = self._by_handle.get(handle)
+        if voice is not None and voice.state != _State.FADING:
+            voice.gain = voice.authored * value
+            self._change(self._call.alSourcef, voice.source, AL.GAIN, voice.gain)
+
+    def stop(self, handle: int) -> None:
+        """Fade a sound out; its voice is free again once that is heard."""
+        voice = self._by_handle.get(handle)
+        if voice is not None:
+            self._fade(voice)
+
+    def listener(self, position_world: Vec3, forward_world: Vec3, up_world: Vec3) -> None:
+        """Place the listener's head [m, unit vectors]."""
+        orientation = (ctypes.c_float * 6)(*forward_world, *up_world)
+        self._change(self._call.alListener3f, AL.POSITION, *position_world)
+        self._change(self._call.alListenerfv, AL.ORIENTATION, orientation)
+
+    def master(self, value: float) -> None:
+        """Set the linear gain of everything."""
+        self._change(self._call.alListenerf, AL.GAIN, value)
+
+    def render(self, frames: int) -> NDArray[np.float32]:
+        """Mix the next frames, shape [frames, 2], not limited to full scale; shape [0, 2] for a live device."""
+        if not self.context.loopback:
+            return np.zeros((0, 2), np.float32)
+        self.context.activate()
+        out = np.zeros((frames, 2), np.float32)
+        done = 0
+        while done < frames:
+            self._launch()
+            rest = frames - done
+            piece = min(rest, self._due[0][0] - self.position) if self._due else rest
+            if piece >= _SHORTEST_RAMP or piece == rest:
+                self._apply_changes()  # on a piece long enough for the library's ramp not to be a step
+            self.context.render_into(out[done : done + piece])
+            done += piece
+            self.position += piece
+        return out
+
+    def close(self) -> None:
+        """Give the device back."""
+        self.context.close()
+
+    def _upload(self) -> dict[str, int]:
+        buffers: dict[str, int] = {}
+        for name, sound in self._bank.sounds.items():
+            buffer = ctypes.c_uint()
+            self._call.alGenBuffers(1, ctypes.byref(buffer))
+            samples = np.ascontiguousarray(sound.samples, np.float32)
+            self._call.alBufferData(
+                buffer.value, AL.FORMAT_MONO_FLOAT32, samples.ctypes.data, samples.nbytes, self._bank.rate
+            )
+            self._library.check(f'take the sound "{name}"')
+            buffers[name] = buffer.value
+        return buffers
+
+    def _generate_sources(self, count: int) -> list[int]:
+        sources = (ctypes.c_uint * count)()
+        self._call.alGenSources(count, sources)
+        self._library.check(f"make {count} voices")
+        return list(sources)
+
+    def _prepare(self, voice: _Voice, name: str, sound: Sound, position_world: Vec3 | None) -> None:
+        self.context.activate()
+        call, source = self._call, voice.source
+        call.alSourcei(source, AL.BUFFER, self._buffers[name])
+        call.alSourcei(source, AL.LOOPING, int(sound.loop))
+        call.alSourcei(source, AL.SOURCE_RELATIVE, int(position_world is None))
+        call.alSource3f(source, AL.POSITION, *(position_world or _AHEAD))
+        call.alSourcef(source, AL.REFERENCE_DISTANCE, sound.reference_distance)
+        call.alSourcef(source, AL.GAIN, voice.gain)
+        self._library.check(f'prepare the sound "{name}"')
+
+    def _play(self, voice: _Voice, frame: int, sound: Sound) -> None:
+        self._call.alSourcePlay(voice.source)
+        self._library.check("play a sound")
+        voice.state = _State.PLAYING
+        voice.end = None if sound.loop else frame + len(sound.samples) + self.context.rate // 10
+
+    def _launch(self) -> None:
+        """Play every sound whose frame has come."""
+        while self._due and self._due[0][0] <= self.position:
+            voice = heapq.heappop(self._due)[2]
+            if voice.state == _State.SCHEDULED:
+                self._call.alSourcePlay(voice.source)
+                self._library.check("play a sound")
+                voice.state = _State.PLAYING
+
+    def _find_voice(self, gain: float) -> _Voice | None:
+        """A free source; when the limit is reached, the quietest quieter sound makes room."""
+        self._collect()
+        busy = [voice for voice in self._voices if voice.state in (_State.SCHEDULED, _State.PLAYING)]
+        if len(busy) >= self._limit:
+            quietest = min(busy, key=lambda voice: voice.gain)
+            if quietest.gain >= gain:
+                return None
+            self._fade(quietest)
+        return next((voice for voice in self._voices if voice.state == _State.FREE), None)
+
+    def _fade(self, voice: _Voice) -> None:
+        if voice.state == _State.SCHEDULED:
+            self._free(voice)
+        elif voice.state == _State.PLAYING:
+            voice.state = _State.FADING
+            voice.end = self._now_frame() + _FADE_FRAMES
+            self._change(self._call.alSourcef, voice.source, AL.GAIN, 0.0)
+
+    def _collect(self) -> None:
+        """Free the voices whose sound has ended or has faded."""
+        now = self._now_frame()
+        for voice in self._voices:
+            if voice.state in (_State.PLAYING, _State.FADING) and voice.end is not None and now >= voice.end:
+                self.context.activate()
+                self._call.alSourceStop(voice.source)
+                self._free(voice)
+
+    def _free(self, voice: _Voice) -> None:
+        self._by_handle.pop(voice.handle, None)
+        self._due = [entry for entry in self._due if entry[2] is not voice]
+        heapq.heapify(self._due)
+        voice.state = _State.FREE
+
+    def _change(self, function: Callable[..., Any], *arguments: Any) -> None:
+        self._changes.append((function, arguments))
+        if not self.context.loopback:
+            self.context.activate()
+            self._apply_changes()
+
+    def _apply_changes(self) -> None:
+        for function, arguments in self._changes:
+            function(*arguments)
+        self._changes.clear()
+
+    def _now_frame(self) -> int:
+        if self.context.loopback:
+            return self.position
+        return frame_at(self._clock.now_ns(), self.timing.origin_ns, self.context.rate)

@@ -1,0 +1,230 @@
+"""The main function of the audio process."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import threading
+from dataclasses import replace
+from multiprocessing import connection, parent_process
+from multiprocessing.connection import Connection
+from typing import Any
+
+from mimics_app.contracts import ring
+from mimics_app.contracts.atomics import scratch
+from mimics_app.contracts.audio_port import AudioReport, AudioStatus
+from mimics_app.contracts.clock import Clock, MonotonicClock
+from mimics_app.contracts.session_memory import ControlWord, SessionMemory
+from mimics_app.rendering.audio.director import SoundDirector
+from mimics_app.rendering.audio.engine import fall_back, open_engine
+from mimics_app.rendering.audio.kernels import wait_for_records
+from mimics_app.rendering.audio.openal_mixer import frame_at
+from mimics_app.rendering.audio.settings import AudioSettings
+
+__all__ = ["run"]
+
+_LIVE_WAIT_NS = 4_000_000
+_LIVE_STEP_NS = 1_000_000
+_IDLE_WAIT_NS = 20_000_000
+_CHECK_DEVICE_NS = 1_000_000_000
+_FIFO_PRIORITY = 10
+
+
+def run(memory: SessionMemory, settings: AudioSettings, orders: Connection, results: Connection) -> None:
+    """Play the session until the app says stop, closes its end, or is gone; then send the report."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group; the app decides when sound ends
+    _die_with_parent()
+    clock = MonotonicClock()
+    if settings.realtime:
+        _warm_up(memory, clock)
+        _ask_for_fifo()
+    session = _LiveSession(memory, settings, orders, results, clock)
+    session.send(session.engine.status)
+    while not session.ended:
+        session.step()
+    session.send(session.report())
+    session.engine.close()
+
+
+class _LiveSession:
+    """One turn of the loop is: wait, read orders, read contacts, mix what is due."""
+
+    def __init__(
+        self, memory: SessionMemory, settings: AudioSettings, orders: Connection, results: Connection, clock: Clock
+    ) -> None:
+        self.ended = False
+        self._memory = memory
+        self._settings = settings
+        self._orders = orders
+        self._results = results
+        self._clock = clock
+        self._timespec = scratch()
+        self._blocks = 0
+        self._late_blocks = 0
+        self._earlier = AudioReport(_nothing())
+        self.engine = open_engine(settings, clock)
+        self._director = self._direct()
+        self._opened_ns = clock.now_ns()
+        self._check_ns = self._opened_ns + _CHECK_DEVICE_NS
+        self._advance_file()
+
+    def step(self) -> None:
+        """One block of a file, or one look at the ring of a live device."""
+        self._wait()
+        self._read_orders()
+        if self._director is not None:
+            self._director.take_contacts()
+            self._director.follow_pressure()
+        else:
+            self._forget_contacts()
+        self._advance_file()
+        self._check_device()
+        self.ended = self.ended or bool(self._memory.control[ControlWord.CLOSED])
+
+    def send(self, message: object) -> None:
+        """Tell the app; nobody listening any more is no error here."""
+        try:
+            self._results.send(message)
+        except OSError:
+            self.ended = True
+
+    def report(self) -> AudioReport:
+        """What was done, the part before a lost device included."""
+        director, mixer, writer = self._director, self.engine.mixer, self.engine.writer
+        now = AudioReport(
+            self.engine.status,
+            rows=tuple(director.rows) if director else (),
+            merged=director.merged if director else 0,
+            stale=director.stale if director else 0,
+            dropped=int(self._memory.audio_event_words[ring.DROPPED]),
+            refused=mixer.refused if mixer else 0,
+            blocks=self._blocks,
+            late_blocks=self._late_blocks,
+            clipped=writer.clipped if writer else 0,
+            file=str(writer.path) if writer else "",
+            origin_ns=mixer.timing.origin_ns if mixer else 0,
+        )
+        before = self._earlier
+        return replace(
+            now,
+            rows=(*before.rows, *now.rows),
+            merged=before.merged + now.merged,
+            stale=before.stale + now.stale,
+            refused=before.refused + now.refused,
+        )
+
+    def _direct(self) -> SoundDirector | None:
+        engine = self.engine
+        if engine.mixer is None or engine.bank is None:
+            return None
+        return SoundDirector(self._memory, engine.mixer, engine.bank, self._settings, self._clock)
+
+    def _wait(self) -> None:
+        now = self._clock.now_ns()
+        mixer = self.engine.mixer
+        if mixer is None:
+            self._clock.sleep_until_ns(now + _IDLE_WAIT_NS)
+            return
+        if self.engine.live:
+            due = now + _LIVE_WAIT_NS
+            wait_for_records(self._memory.audio_event_words, self._timespec, due, _LIVE_STEP_NS)
+            allowed = _LIVE_WAIT_NS
+        else:
+            due = self._block_due_ns(now)
+            self._clock.sleep_until_ns(due)
+            allowed = self._block_ns()
+        self._blocks += 1
+        if self._clock.now_ns() - due > allowed:
+            self._late_blocks += 1
+
+    def _block_ns(self) -> int:
+        return self._settings.block * 1_000_000_000 // self._settings.rate
+
+    def _block_due_ns(self, now: int) -> int:
+        """The next border between two blocks of session time."""
+        origin = self.engine.mixer.timing.origin_ns if self.engine.mixer is not None else 0
+        return origin + ((now - origin) // self._block_ns() + 1) * self._block_ns()
+
+    def _advance_file(self) -> None:
+        """Render two blocks ahead of the clock: what is rendered now would be heard next."""
+        mixer = self.engine.mixer
+        if mixer is None or self.engine.live:
+            return
+        block = self._settings.block
+        elapsed = frame_at(self._clock.now_ns(), mixer.timing.origin_ns, mixer.context.rate) // block
+        rendered = self.engine.render_to((elapsed + 2) * block, block)
+        self._late_blocks += max(0, rendered - 3)
+
+    def _read_orders(self) -> None:
+        while not self.ended and self._orders.poll(0):
+            try:
+                what, content = pickle.loads(self._orders.recv_bytes())
+            except (EOFError, OSError):
+                self.ended = True
+                return
+            self._obey(what, content)
+
+    def _obey(self, what: str, content: Any) -> None:
+        mixer = self.engine.mixer
+        if what == "stop":
+            self.ended = True
+        elif mixer is None or self._director is None:
+            return
+        elif what == "play":
+            self._director.play_order(content)
+        elif what == "listener":
+            mixer.listener(*content)
+        elif what == "master":
+            mixer.master(content)
+
+    def _forget_contacts(self) -> None:
+        words = self._memory.audio_event_words
+        ring.release(words, ring.waiting(words))
+
+    def _check_device(self) -> None:
+        """Once a second: a device that was unplugged is replaced by the next output down the ladder."""
+        now = self._clock.now_ns()
+        mixer, bank = self.engine.mixer, self.engine.bank
+        if now < self._check_ns or mixer is None or bank is None or not self.engine.live:
+            return
+        self._check_ns = now + _CHECK_DEVICE_NS
+        if mixer.context.connected:
+            return
+        self._earlier = self.report()
+        self.engine.close()
+        self.engine = fall_back(self._settings, bank, self._clock, "the audio device is gone")
+        self._director = self._direct()
+        self.send(self.engine.status)
+
+
+def _nothing() -> AudioStatus:
+    return AudioStatus("none", "null", hrtf=False, rate=0, latency_ms=0.0)
+
+
+def _die_with_parent() -> None:
+    """End with the app, also when it is killed; its sentinel is portable, PDEATHSIG fires with the spawning thread."""
+    parent = parent_process()
+    if parent is None:
+        return
+
+    def wait() -> None:
+        connection.wait([parent.sentinel])
+        os._exit(0)
+
+    threading.Thread(target=wait, name="parent", daemon=True).start()
+
+
+def _warm_up(memory: SessionMemory, clock: Clock) -> None:
+    """Compile, or load, the wait before the scheduler gives us precedence."""
+    wait_for_records(memory.audio_event_words, scratch(), clock.now_ns(), _LIVE_STEP_NS)
+
+
+def _ask_for_fifo() -> None:
+    """Run before ordinary work where the system allows it; the library's mixing thread inherits it."""
+    if not hasattr(os, "sched_setscheduler"):
+        return
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(_FIFO_PRIORITY))
+    except OSError:
+        return
