@@ -23,7 +23,7 @@ newest='(3, 14)'
 
 # Settings of a lab's other tools (ROS, a user-wide pip.conf) must not leak into this environment.
 unset PYTHONPATH PYTHONHOME
-export PIP_USER=0 PIP_NO_INPUT=1 PIP_DISABLE_PIP_VERSION_CHECK=1 UV_COMPILE_BYTECODE=1
+export PIP_USER=0 PIP_NO_INPUT=1 PIP_DISABLE_PIP_VERSION_CHECK=1 UV_COMPILE_BYTECODE=1 UV_SYSTEM_CERTS=1 UV_NATIVE_TLS=1
 
 say() { printf 'mimics: %s\n' "$*" >&2; }
 have() { command -v "$1" >/dev/null 2>&1; }
@@ -157,7 +157,15 @@ with_pip() {
         rm -rf "$venv"
         "$python" -m venv "$venv" || return 1
     fi
+    trust_system_certificates
     install_into_venv "$vpython" -m pip install
+}
+
+# A hospital's network may present a certificate that this machine knows and pip's own list does not.
+trust_system_certificates() {
+    certificates=/etc/ssl/certs/ca-certificates.crt
+    [ -z "${PIP_CERT:-}" ] && [ -r $certificates ] || return 0
+    "$vpython" -m pip config get global.cert >/dev/null 2>&1 || export PIP_CERT=$certificates
 }
 
 # The folder's own path belongs to it: scripts and the editable install of a moved folder point to the old place.

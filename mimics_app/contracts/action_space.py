@@ -1,4 +1,4 @@
-"""The adaptable parameters of a task: names, limits, units. Learning chooses inside it, the task manager enforces it."""
+"""The adaptable parameters of a task: names, limits, units. Learning chooses inside it, the tasks enforce it."""
 
 from __future__ import annotations
 

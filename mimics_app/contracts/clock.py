@@ -27,9 +27,11 @@ class MonotonicClock:
     """Real time: CLOCK_MONOTONIC, the same scale as the haptic loop and the audio process."""
 
     def now_ns(self) -> int:
+        """Nanoseconds since some fixed moment of this machine."""
         return time.monotonic_ns()
 
     def sleep_until_ns(self, deadline_ns: int) -> None:
+        """Sleep to the deadline [ns]."""
         remaining = deadline_ns - time.monotonic_ns()
         if remaining > 0:
             time.sleep(remaining * 1e-9)
@@ -42,14 +44,16 @@ class VirtualClock:
         self._now_ns = 0
 
     def now_ns(self) -> int:
+        """Nanoseconds slept so far."""
         return self._now_ns
 
     def sleep_until_ns(self, deadline_ns: int) -> None:
+        """Make it be the deadline [ns]."""
         self._now_ns = max(self._now_ns, deadline_ns)
 
 
 def ticks_until_frame(frame: int, frames_per_second: int = 60) -> int:
-    """Ticks due before frame `frame` begins: 17/17/16 ticks a frame at 60 Hz in a fixed pattern, no float accumulator."""
+    """Ticks due before frame `frame` begins: 17/17/16 a frame at 60 Hz in a fixed pattern, no float accumulator."""
     return round(frame * TICKS_PER_SECOND / frames_per_second)
 
 

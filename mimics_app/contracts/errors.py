@@ -80,6 +80,7 @@ class SceneError(MimicsError):
 
     @property
     def issues(self) -> list[Issue]:
+        """Every fault found, in the order of the files."""
         return self._issues
 
 

@@ -66,19 +66,19 @@ cache_folder: Path | None = _choose_cache_folder()
 """Where machine code is kept, or None where nothing is writable (then each start compiles again)."""
 
 if cache_folder is not None:
-    numba.config.CACHE_DIR = str(cache_folder)
+    numba.config.CACHE_DIR = str(cache_folder)  # type: ignore[attr-defined]
 
 _OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "cache": cache_folder is not None}
 
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile a function of scalars, arrays and records: no GIL, inf instead of ZeroDivisionError, cached, no fastmath."""
+    """Compile a function of scalars, arrays, records: no GIL, inf instead of ZeroDivisionError, cached, no fastmath."""
     compiled: Callable[P, R] = njit(**_OPTIONS)(function)
     return compiled
 
 
 def typed_kernel(signature: Any) -> Callable[[Callable[P, R]], Callable[P, R]]:
-    """Compile for one fixed signature, so that the function can travel as a first-class function (plug-ins of the loop)."""
+    """Compile for one fixed signature, so that it can travel as a first-class function (plug-ins of the loop)."""
 
     def decorate(function: Callable[P, R]) -> Callable[P, R]:
         compiled: Callable[P, R] = njit(signature, **_OPTIONS)(function)

@@ -1,0 +1,208 @@
+"""`mimics doctor`: what this machine has, what it lacks, and the line to type that brings it."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import platform
+import shutil
+import sys
+from pathlib import Path
+from typing import Any
+
+from mimics_app import __version__
+from mimics_app.app import system_packages
+
+__all__ = ["add_arguments", "examine", "run"]
+
+_EXIT_DEVICE = 4
+_PACKAGES = (
+    "numpy",
+    "numba",
+    "llvmlite",
+    "moderngl",
+    "glfw",
+    "pyrr",
+    "trimesh",
+    "PyOpenAL",
+    "pyserial",
+    "msgspec",
+    "pyarrow",
+    "pillow",
+)
+_GIGABYTE = 1e9
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("--runs", type=Path, default=Path("runs"), metavar="DIR", help="folder that runs are kept in")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Examine the machine; 0 when scenes can run here, 4 when something they need is missing."""
+    findings = examine(args.runs)
+    if args.json:
+        from mimics_app.app.output import write_object
+
+        write_object("doctor", findings)
+    else:
+        sys.stdout.write("\n".join(_lines(findings)) + "\n")
+    return 0 if findings["ready"] else _EXIT_DEVICE
+
+
+def examine(runs: Path) -> dict[str, Any]:
+    """Everything found, as the object of `--json`.
+
+    Args:
+        runs: Folder that run folders would be made in.
+    """
+    from mimics_app.app.plugins import list_plugins
+    from mimics_app.app.probes import probe
+
+    found = [(need, need.found()) for need in system_packages.NEEDS]
+    lacking = [need for need, place in found if not place and _is_linux()]
+    graphics = {backend: probe(backend) for backend in ("window", "egl", "osmesa")}
+    versions = _versions()
+    plugins = list_plugins()
+    return {
+        "ready": any(answer["ok"] for answer in graphics.values()) and None not in versions.values(),
+        "versions": versions,
+        "machine": _machine(),
+        "system": [_system_row(need, place) for need, place in found],
+        "missing": [need.package for need in lacking],
+        "apt": system_packages.apt_line(lacking) if lacking else None,
+        "gl": graphics,
+        "al": probe("sound"),
+        "scheduler": probe("scheduler"),
+        "kernel_cache": _kernel_cache(),
+        "runs": _runs_folder(runs),
+        "data": _data_folder(),
+        "plugins": [
+            {"group": p.group, "name": p.name, "target": p.target, "package": p.package, "error": p.error}
+            for p in plugins
+        ],
+    }
+
+
+def _is_linux() -> bool:
+    return sys.platform.startswith("linux")
+
+
+def _system_row(need: system_packages.SystemNeed, found: str) -> dict[str, str]:
+    return {"package": need.package, "kind": need.kind, "purpose": need.purpose, "found": found}
+
+
+def _versions() -> dict[str, str | None]:
+    from importlib.metadata import PackageNotFoundError, version
+
+    versions: dict[str, str | None] = {"mimics_app": __version__, "python": platform.python_version()}
+    for package in _PACKAGES:
+        try:
+            versions[package] = version(package)
+        except PackageNotFoundError:
+            versions[package] = None
+    return versions
+
+
+def _machine() -> dict[str, Any]:
+    return {
+        "system": f"{platform.system()} {platform.release()}",
+        "architecture": platform.machine(),
+        "cores": os.cpu_count(),
+        "display": os.environ.get("WAYLAND_DISPLAY") or os.environ.get("DISPLAY") or "",
+    }
+
+
+def _kernel_cache() -> dict[str, Any]:
+    try:
+        from mimics_app.contracts.kernel import cache_folder
+    except ImportError as error:
+        return {"folder": None, "compiled": 0, "fix": str(error)}
+    if cache_folder is None:
+        return {"folder": None, "compiled": 0, "fix": "make the home folder writable, or set NUMBA_CACHE_DIR"}
+    return {"folder": cache_folder, "compiled": sum(1 for _ in cache_folder.rglob("*.nbc")), "fix": ""}
+
+
+def _runs_folder(runs: Path) -> dict[str, Any]:
+    existing = next(folder for folder in (runs.absolute(), *runs.absolute().parents) if folder.exists())
+    free = shutil.disk_usage(existing).free / _GIGABYTE
+    return {"folder": runs.absolute(), "writable": os.access(existing, os.W_OK | os.X_OK), "free_gb": round(free, 1)}
+
+
+def _data_folder() -> dict[str, Any]:
+    from mimics_app.contracts.errors import MimicsError
+    from mimics_app.contracts.resources import root
+
+    try:
+        return {"folder": root(), "error": ""}
+    except MimicsError as error:
+        return {"folder": None, "error": str(error)}
+
+
+def _lines(findings: dict[str, Any]) -> list[str]:
+    """The findings for a person, one line each: "ok", "-" where it can be done without, "x" where it cannot."""
+    lines = [f"mimics {__version__} on {findings['machine']['system']}, {findings['machine']['cores']} cores"]
+    lines += ["", "Python packages"]
+    lines += [_line(version is not None, name, version or "missing") for name, version in findings["versions"].items()]
+    lines += ["", "System packages"]
+    lines += [_system_line(row) for row in findings["system"]]
+    if findings["apt"]:
+        lines += ["", "  What is missing comes with:", f"  {findings['apt']}"]
+    lines += ["", "Picture, sound, real time"]
+    for backend, answer in findings["gl"].items():
+        lines.append(_line(answer["ok"], backend, _graphics_said(answer), optional=backend != "egl"))
+    lines.append(_line(findings["al"]["ok"], "sound", _sound_said(findings["al"]), optional=True))
+    scheduler = findings["scheduler"]
+    lines.append(_line(scheduler.get("fifo", False), "scheduler", _scheduler_said(scheduler), optional=True))
+    lines += ["", "Folders", *_folder_lines(findings)]
+    if findings["plugins"]:
+        lines += ["", "Plug-ins"]
+        lines += [_plugin_line(plugin) for plugin in findings["plugins"]]
+    lines += ["", "Scenes can run here." if findings["ready"] else "Scenes cannot run here yet: see the lines with x."]
+    return [line.rstrip() for line in lines]
+
+
+def _line(good: bool, name: str, text: str, *, optional: bool = False) -> str:
+    mark = "ok" if good else "-" if optional else "x"
+    return f"  {mark:>2}  {name:<16} {text}"
+
+
+def _system_line(row: dict[str, str]) -> str:
+    needed = row["kind"] == "run"
+    said = row["found"] or f"missing: {row['purpose']}" + ("" if needed else f" ({row['kind']})")
+    return _line(bool(row["found"]), row["package"], said, optional=not needed)
+
+
+def _plugin_line(plugin: dict[str, str]) -> str:
+    return _line(not plugin["error"], plugin["name"], f"{plugin['group']} {plugin['target']} {plugin['error']}")
+
+
+def _folder_lines(findings: dict[str, Any]) -> list[str]:
+    cache, runs, data = findings["kernel_cache"], findings["runs"], findings["data"]
+    return [
+        _line(bool(cache["folder"]), "kernels", f"{cache['folder'] or cache['fix']} ({cache['compiled']} compiled)"),
+        _line(runs["writable"], "runs", f"{runs['folder']} ({runs['free_gb']} GB free)"),
+        _line(not data["error"], "data", str(data["folder"] or data["error"])),
+    ]
+
+
+def _graphics_said(answer: dict[str, Any]) -> str:
+    return f"{answer['version']}, {answer['renderer']}" if answer["ok"] else str(answer["error"])
+
+
+def _sound_said(answer: dict[str, Any]) -> str:
+    if not answer["ok"]:
+        return str(answer["error"])
+    output = answer["device"] or "no sound output: sound goes to a file"
+    return f"{answer['library']}, HRTF {'on' if answer['hrtf'] else 'off'}, {output}"
+
+
+def _scheduler_said(answer: dict[str, Any]) -> str:
+    if not answer["ok"]:
+        return str(answer["error"])
+    if answer["fifo"]:
+        return f"recipe fifo (SCHED_FIFO), timer slack {answer['timer_slack_ns']} ns"
+    return (
+        f"recipe nice (timer slack {answer['timer_slack_ns']} ns); for SCHED_FIFO, as root: "
+        "echo '@audio - rtprio 95' > /etc/security/limits.d/mimics.conf, join that group and log in again"
+    )

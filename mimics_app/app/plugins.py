@@ -1,0 +1,60 @@
+"""Plug-ins of other packages: entry points of our groups, and whether each can be imported."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+__all__ = ["GROUPS", "PluginReport", "list_plugins"]
+
+GROUPS = (
+    "mimics_app.devices",
+    "mimics_app.components",
+    "mimics_app.scenarios",
+    "mimics_app.recorders",
+    "mimics_app.exporters",
+    "mimics_app.audio_backends",
+)
+"""The groups of entry points a package may offer something in."""
+
+
+@dataclass(frozen=True, slots=True)
+class PluginReport:
+    """One entry point.
+
+    Attributes:
+        group: Which of `GROUPS`.
+        name: Its name, as a scene or an option uses it.
+        target: "module:attribute".
+        package: The distribution that brings it, with its version; "" where unknown.
+        error: Why it cannot be imported; "" when it can.
+        loaded: The object itself; None after an error.
+    """
+
+    group: str
+    name: str
+    target: str
+    package: str
+    error: str
+    loaded: Any = None
+
+
+def list_plugins(*groups: str) -> list[PluginReport]:
+    """The entry points of these groups (all of `GROUPS` when none is given), imported one by one.
+
+    A plug-in that fails to import is reported, never fatal.
+    """
+    from importlib.metadata import entry_points
+
+    return [_report(group, point) for group in groups or GROUPS for point in sorted(entry_points(group=group))]
+
+
+def _report(group: str, point: Any) -> PluginReport:
+    package = f"{point.dist.name} {point.dist.version}" if point.dist else ""
+    try:
+        loaded = point.load()
+    except BaseException as error:  # also of a plug-in that calls sys.exit() while it is imported
+        if isinstance(error, KeyboardInterrupt):
+            raise
+        return PluginReport(group, point.name, point.value, package, f"{type(error).__name__}: {error}")
+    return PluginReport(group, point.name, point.value, package, "", loaded)
