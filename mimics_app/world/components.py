@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Literal
 
+import msgspec
 from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
@@ -101,12 +102,12 @@ class Sound(Component):
 
     asset: Annotated[str | None, Meta(description="Of the scene's `assets`, a .wav file")] = None
     synth: Annotated[str | None, Meta(description="Recipe of the built-in synthesiser")] = None
-    parameters: Annotated[dict[str, float], Meta(description="Numbers of the recipe, SI units")] = {}
+    parameters: Annotated[dict[str, float], Meta(description="Numbers of the recipe, SI units")] = msgspec.field(
+        default_factory=dict
+    )
     trigger: Annotated[
         Literal["contact", "contact_end", "goal", "start", "step"] | None,
-        Meta(
-            description="What starts it without a task: touching or leaving the wall, reaching the goal, a trial's start"
-        ),
+        Meta(description="What starts it without a task: touching or leaving the wall, the goal, a trial's start"),
     ] = None
     gain: Annotated[float, Meta(ge=0, le=4, description="Linear factor, 1 = as recorded")] = 1.0
     full_level: Annotated[

@@ -68,7 +68,9 @@ class Robot(Component):
     device: Annotated[
         str, Meta(description="simulated_hapticmaster, pointer, replay, or the name of an installed plug-in")
     ] = "simulated_hapticmaster"
-    settings: Annotated[dict[str, Any], Meta(description="Settings of a plug-in, as its own guide says")] = {}
+    settings: Annotated[dict[str, Any], Meta(description="Settings of a plug-in, as its own guide says")] = (
+        msgspec.field(default_factory=dict)
+    )
     robot_to_world: Annotated[RobotToWorld, Meta(description="Where the robot stands")] = msgspec.field(
         default_factory=RobotToWorld
     )

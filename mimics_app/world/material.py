@@ -31,6 +31,8 @@ class Material:
         alpha_mode: "opaque", "mask" (cut out below `alpha_cutoff`) or "blend".
         alpha_cutoff: Opacity below which "mask" draws nothing, 0-1.
         double_sided: True when back faces are drawn too.
+        grid: Spacing of lines drawn over it [m], 0 for none: on the world's xz squares where lit, across the second
+            texture coordinate (laid in metres along a tube) where glass.
     """
 
     name: str
@@ -43,6 +45,7 @@ class Material:
     alpha_mode: AlphaMode = "opaque"
     alpha_cutoff: float = 0.5
     double_sided: bool = False
+    grid: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

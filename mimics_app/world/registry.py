@@ -84,7 +84,7 @@ def register_section(name: str, struct: type[msgspec.Struct], check: SectionChec
 
 
 def register_check(component_type: str, check: ComponentCheck) -> None:
-    """Have `check` look at every component of this type after the whole scene was decoded; registering twice is once."""
+    """Have `check` look at every component of this type once the whole scene is decoded; twice registered is once."""
     checks = _checks.setdefault(component_type, [])
     if check not in checks:
         checks.append(check)

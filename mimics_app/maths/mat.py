@@ -1,0 +1,216 @@
+"""4x4 transforms on column vectors, float64: `T_a_from_b @ p_b`, translation in the last column.
+
+Kernels write to `out` and allocate nothing; `out` must not be one of the matrix arguments. The functions at the end
+return new arrays, for code outside the loop.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.maths import quat
+from mimics_app.maths.quat import Quat
+from mimics_app.maths.vec import Vec, unit
+
+__all__ = [
+    "Mat4",
+    "affine_inverse",
+    "compose",
+    "compose_trs",
+    "decompose_trs",
+    "look_at",
+    "multiply_affine",
+    "perspective",
+    "perspective_from_tangents",
+    "rigid_inverse",
+    "transform_direction",
+    "transform_point",
+]
+
+Mat4 = NDArray[np.float64]
+"""float64, shape [4, 4]."""
+
+
+@kernel
+def compose_trs(translation: Vec, rotation: Quat, scale: Vec, out: Mat4) -> None:
+    """Set out = T R S: scale first, then turn (unit quaternion xyzw), then shift [m]."""
+    quat.to_matrix(rotation, out)
+    for row in range(3):
+        for column in range(3):
+            out[row, column] *= scale[column]
+        out[row, 3] = translation[row]
+        out[3, row] = 0.0
+    out[3, 3] = 1.0
+
+
+@kernel
+def multiply_affine(a: Mat4, b: Mat4, out: Mat4) -> None:
+    """Set out = a b for matrices whose last row is 0 0 0 1; three quarters of the work of the general product."""
+    for row in range(3):
+        for column in range(4):
+            out[row, column] = a[row, 0] * b[0, column] + a[row, 1] * b[1, column] + a[row, 2] * b[2, column]
+        out[row, 3] += a[row, 3]
+        out[3, row] = 0.0
+    out[3, 3] = 1.0
+
+
+@kernel
+def rigid_inverse(m: Mat4, out: Mat4) -> None:
+    """Set out = the inverse of a rotation and a translation: R^T, -R^T t."""
+    for row in range(3):
+        for column in range(3):
+            out[row, column] = m[column, row]
+        out[row, 3] = -(m[0, row] * m[0, 3] + m[1, row] * m[1, 3] + m[2, row] * m[2, 3])
+        out[3, row] = 0.0
+    out[3, 3] = 1.0
+
+
+@kernel
+def affine_inverse(m: Mat4, out: Mat4) -> float:
+    """Set out = the inverse of a matrix whose last row is 0 0 0 1; returns the determinant (0: out is not finite)."""
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        for row in range(3):
+            p, q = (row + 1) % 3, (row + 2) % 3
+            out[row, i] = m[j, p] * m[k, q] - m[j, q] * m[k, p]
+    determinant: float = m[0, 0] * out[0, 0] + m[0, 1] * out[1, 0] + m[0, 2] * out[2, 0]
+    for row in range(3):
+        for column in range(3):
+            out[row, column] /= determinant
+        out[row, 3] = -(out[row, 0] * m[0, 3] + out[row, 1] * m[1, 3] + out[row, 2] * m[2, 3])
+        out[3, row] = 0.0
+    out[3, 3] = 1.0
+    return determinant
+
+
+@kernel
+def transform_point(m: Mat4, p: Vec, out: Vec) -> None:
+    """Set out = m p for a point (w = 1) and a matrix whose last row is 0 0 0 1. out may be p."""
+    x = m[0, 0] * p[0] + m[0, 1] * p[1] + m[0, 2] * p[2] + m[0, 3]
+    y = m[1, 0] * p[0] + m[1, 1] * p[1] + m[1, 2] * p[2] + m[1, 3]
+    z = m[2, 0] * p[0] + m[2, 1] * p[1] + m[2, 2] * p[2] + m[2, 3]
+    out[0], out[1], out[2] = x, y, z
+
+
+@kernel
+def transform_direction(m: Mat4, d: Vec, out: Vec) -> None:
+    """Set out = m d for a direction (w = 0): forces, velocities; not for normals under unequal scale. out may be d."""
+    x = m[0, 0] * d[0] + m[0, 1] * d[1] + m[0, 2] * d[2]
+    y = m[1, 0] * d[0] + m[1, 1] * d[1] + m[1, 2] * d[2]
+    z = m[2, 0] * d[0] + m[2, 1] * d[1] + m[2, 2] * d[2]
+    out[0], out[1], out[2] = x, y, z
+
+
+def compose(translation: object, rotation: object = quat.IDENTITY, scale: object = (1.0, 1.0, 1.0)) -> Mat4:
+    """A new matrix T R S from anything array-like; the quaternion xyzw is normalised.
+
+    Raises:
+        ValueError: a shape does not fit, or the quaternion is no rotation.
+    """
+    out = np.empty((4, 4))
+    turn = quat.normalise_rows(_floats(rotation, 4))
+    compose_trs(_floats(translation, 3), turn, _floats(scale, 3), out)
+    return out
+
+
+def decompose_trs(matrix: Mat4) -> tuple[Vec, Quat, Vec, float]:
+    """Translation [m], unit quaternion (w >= 0), scale and shear of an affine matrix.
+
+    A mirrored matrix gets a negative x scale. Exact when matrix = T R S; otherwise the rotation is the nearest one
+    (polar decomposition) and the shear is what T R S leaves over.
+
+    Returns:
+        (translation [3], rotation [4], scale [3], shear): shear is the largest absolute error of T R S against the
+        matrix, relative to the largest scale; 0 for a matrix of zeros.
+    """
+    linear = np.asarray(matrix, np.float64)[:3, :3]
+    columns = np.linalg.norm(linear, axis=0)
+    scale = columns * np.array([-1.0 if np.linalg.det(linear) < 0.0 else 1.0, 1.0, 1.0])
+    u, _, vt = np.linalg.svd(linear / np.where(scale == 0.0, 1.0, scale))
+    if np.linalg.det(u @ vt) < 0.0:  # a flat axis leaves the side open: choose the one that is no mirror
+        u[:, 2] *= -1.0
+    rotation = np.empty(4)
+    quat.from_matrix(u @ vt, rotation)
+    rebuilt = (u @ vt) * scale
+    largest = float(columns.max())
+    shear = float(np.abs(rebuilt - linear).max()) / largest if largest > 0.0 else 0.0
+    return np.array(matrix[:3, 3], np.float64), rotation, scale, shear
+
+
+def look_at(eye: object, target: object, up: object = (0.0, 1.0, 0.0)) -> Mat4:
+    """T_world_from_eye of an eye that looks along its own -z at the target, its own +y leaning towards `up`.
+
+    Looking straight along `up`, the roll is taken from the world axis least aligned with the view.
+
+    Args:
+        eye: Where the eye is [m].
+        target: What it looks at [m].
+        up: Any length.
+
+    Raises:
+        ValueError: eye and target are the same point, or up is zero.
+    """
+    position = _floats(eye, 3)
+    back = unit(position - _floats(target, 3))
+    right = np.cross(unit(up), back)
+    if np.linalg.norm(right) < 1e-9:
+        right = np.cross(np.eye(3)[int(np.argmin(np.abs(back)))], back)
+    right = unit(right)
+    pose = np.eye(4)
+    pose[:3, 0], pose[:3, 1], pose[:3, 2], pose[:3, 3] = right, np.cross(back, right), back, position
+    return pose
+
+
+def perspective_from_tangents(left: float, right: float, bottom: float, top: float, near: float, far: float) -> Mat4:
+    """Clip-from-view matrix of an eye whose view is bounded by four tangents, which need not be symmetric.
+
+    Args:
+        left: x / -z of the left border, usually < 0.
+        right: x / -z of the right border, > left.
+        bottom: y / -z of the lower border, usually < 0.
+        top: y / -z of the upper border, > bottom.
+        near: Nearest distance [m], > 0, at clip z = -w.
+        far: Farthest distance [m], > near, at clip z = +w; infinity is allowed.
+
+    Raises:
+        ValueError: a border or distance is not beyond the other.
+    """
+    if not (left < right and bottom < top and 0.0 < near < far):
+        raise ValueError(f"no view between tangents {left:g}..{right:g} and {bottom:g}..{top:g} at {near:g}..{far:g} m")
+    ratio = 0.0 if math.isinf(far) else near / far
+    out = np.zeros((4, 4))
+    out[0, 0] = 2.0 / (right - left)
+    out[0, 2] = (right + left) / (right - left)
+    out[1, 1] = 2.0 / (top - bottom)
+    out[1, 2] = (top + bottom) / (top - bottom)
+    out[2, 2] = -(1.0 + ratio) / (1.0 - ratio)
+    out[2, 3] = -2.0 * near / (1.0 - ratio)
+    out[3, 2] = -1.0
+    return out
+
+
+def perspective(vertical_fov: float, aspect: float, near: float, far: float) -> Mat4:
+    """Symmetric clip-from-view matrix.
+
+    Args:
+        vertical_fov: Full angle, bottom to top [rad], in (0, pi).
+        aspect: Width / height, > 0.
+        near: [m], > 0.
+        far: [m], > near.
+
+    Raises:
+        ValueError: the view is empty.
+    """
+    top = math.tan(0.5 * vertical_fov)
+    return perspective_from_tangents(-top * aspect, top * aspect, -top, top, near, far)
+
+
+def _floats(values: object, size: int) -> NDArray[np.float64]:
+    array = np.array(values, np.float64)
+    if array.shape != (size,):
+        raise ValueError(f"shape {list(array.shape)} instead of [{size}]")
+    return array

@@ -1,0 +1,221 @@
+"""Unit quaternions xyzw. `out` may be one of the arguments; stored ones have w >= 0 (`normalise` sees to it).
+
+`multiply(a, b)` turns by b first, then by a, as `R_a @ R_b` does on column vectors.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.maths.vec import Vec, unit
+
+__all__ = [
+    "IDENTITY",
+    "Quat",
+    "about_axis",
+    "conjugate",
+    "exp_map",
+    "from_matrix",
+    "integrate",
+    "log_map",
+    "multiply",
+    "normalise",
+    "normalise_rows",
+    "rotate",
+    "rotate_back",
+    "slerp",
+    "to_matrix",
+]
+
+Quat = NDArray[np.float64]
+"""float64 xyzw, shape [4]."""
+
+IDENTITY = (0.0, 0.0, 0.0, 1.0)
+
+_SERIES_ANGLE = 1e-4
+"""Below this angle [rad] sin(a)/a by its series: the next term, a^4/120, is under 1e-18."""
+
+_STRAIGHT = 1e-6
+"""Angle [rad] between quaternions below which slerp is a straight line (error of order angle^2, 1e-12)."""
+
+
+@kernel
+def normalise(q: Quat, out: Quat) -> float:
+    """Set out = q / |q| with w >= 0; returns |q|. A zero or not finite q gives the identity and returns 0."""
+    largest = max(abs(q[0]), abs(q[1]), abs(q[2]), abs(q[3]))
+    x, y, z, w = q[0] / largest, q[1] / largest, q[2] / largest, q[3] / largest
+    length = math.sqrt(x * x + y * y + z * z + w * w)
+    if not (0.0 < length < math.inf):
+        out[0] = out[1] = out[2] = 0.0
+        out[3] = 1.0
+        return 0.0
+    signed = length if w >= 0.0 else -length
+    out[0], out[1], out[2], out[3] = x / signed, y / signed, z / signed, w / signed
+    whole: float = largest * length
+    return whole
+
+
+@kernel
+def multiply(a: Quat, b: Quat, out: Quat) -> None:
+    """Set out = a b (Hamilton): the rotation b followed by a."""
+    x = a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1]
+    y = a[3] * b[1] - a[0] * b[2] + a[1] * b[3] + a[2] * b[0]
+    z = a[3] * b[2] + a[0] * b[1] - a[1] * b[0] + a[2] * b[3]
+    w = a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2]
+    out[0], out[1], out[2], out[3] = x, y, z, w
+
+
+@kernel
+def conjugate(q: Quat, out: Quat) -> None:
+    """Set out = the inverse rotation of a unit quaternion."""
+    out[0], out[1], out[2], out[3] = -q[0], -q[1], -q[2], q[3]
+
+
+@kernel
+def rotate(q: Quat, v: Vec, out: Vec) -> None:
+    """Set out = R(q) v for a unit quaternion; 2 cross products instead of a matrix."""
+    tx = 2.0 * (q[1] * v[2] - q[2] * v[1])
+    ty = 2.0 * (q[2] * v[0] - q[0] * v[2])
+    tz = 2.0 * (q[0] * v[1] - q[1] * v[0])
+    x = v[0] + q[3] * tx + q[1] * tz - q[2] * ty
+    y = v[1] + q[3] * ty + q[2] * tx - q[0] * tz
+    z = v[2] + q[3] * tz + q[0] * ty - q[1] * tx
+    out[0], out[1], out[2] = x, y, z
+
+
+@kernel
+def rotate_back(q: Quat, v: Vec, out: Vec) -> None:
+    """Set out = R(q)^T v for a unit quaternion."""
+    tx = 2.0 * (q[2] * v[1] - q[1] * v[2])
+    ty = 2.0 * (q[0] * v[2] - q[2] * v[0])
+    tz = 2.0 * (q[1] * v[0] - q[0] * v[1])
+    x = v[0] + q[3] * tx + q[2] * ty - q[1] * tz
+    y = v[1] + q[3] * ty + q[0] * tz - q[2] * tx
+    z = v[2] + q[3] * tz + q[1] * tx - q[0] * ty
+    out[0], out[1], out[2] = x, y, z
+
+
+@kernel
+def exp_map(rotation: Vec, out: Quat) -> None:
+    """Set out = the turn by |rotation| [rad] about its direction; exact for any angle, smooth at 0. w may be < 0."""
+    angle = math.sqrt(rotation[0] ** 2 + rotation[1] ** 2 + rotation[2] ** 2)
+    scale = 0.5 - angle * angle / 48.0 if angle < _SERIES_ANGLE else math.sin(0.5 * angle) / angle
+    x, y, z = scale * rotation[0], scale * rotation[1], scale * rotation[2]
+    out[0], out[1], out[2], out[3] = x, y, z, math.cos(0.5 * angle)
+
+
+@kernel
+def log_map(q: Quat, out: Vec) -> None:
+    """Set out = the rotation vector [rad] of a unit quaternion, the shorter way round: undoes `exp_map` up to pi."""
+    sign = 1.0 if q[3] >= 0.0 else -1.0
+    s = math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2])
+    scale = 2.0 * sign if s < 1e-9 else 2.0 * sign * math.atan2(s, sign * q[3]) / s
+    x, y, z = scale * q[0], scale * q[1], scale * q[2]
+    out[0], out[1], out[2] = x, y, z
+
+
+@kernel
+def integrate(q: Quat, angular_velocity: Vec, dt: float, out: Quat) -> None:
+    """Set out = q turned by angular_velocity [rad/s, world frame] for dt [s]; exact while the velocity is constant."""
+    x = 0.5 * dt * angular_velocity[0]
+    y = 0.5 * dt * angular_velocity[1]
+    z = 0.5 * dt * angular_velocity[2]
+    half = math.sqrt(x * x + y * y + z * z)
+    scale = 1.0 - half * half / 6.0 if half < _SERIES_ANGLE else math.sin(half) / half
+    x, y, z, w = x * scale, y * scale, z * scale, math.cos(half)
+    rx = w * q[0] + x * q[3] + y * q[2] - z * q[1]
+    ry = w * q[1] - x * q[2] + y * q[3] + z * q[0]
+    rz = w * q[2] + x * q[1] - y * q[0] + z * q[3]
+    rw = w * q[3] - x * q[0] - y * q[1] - z * q[2]
+    out[0], out[1], out[2], out[3] = rx, ry, rz, rw
+    normalise(out, out)
+
+
+@kernel
+def slerp(a: Quat, b: Quat, t: float, out: Quat) -> None:
+    """Set out = the rotation a share t of the shorter way from a to b at constant speed; unit, w >= 0."""
+    cosine = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
+    sign = 1.0 if cosine >= 0.0 else -1.0
+    # |a - b| and |a + b| give the angle to full precision where the cosine alone loses half the digits.
+    difference = 0.0
+    total = 0.0
+    for i in range(4):
+        difference += (a[i] - sign * b[i]) ** 2
+        total += (a[i] + sign * b[i]) ** 2
+    angle = 2.0 * math.atan2(math.sqrt(difference), math.sqrt(total))
+    if angle < _STRAIGHT:
+        wa, wb = 1.0 - t, sign * t
+    else:
+        sine = math.sin(angle)
+        wa, wb = math.sin((1.0 - t) * angle) / sine, sign * math.sin(t * angle) / sine
+    for i in range(4):
+        out[i] = wa * a[i] + wb * b[i]
+    normalise(out, out)
+
+
+@kernel
+def to_matrix(q: Quat, out: NDArray[np.float64]) -> None:
+    """out[:3, :3] = R(q) of a unit quaternion; the rest of out is not touched. out must not be q."""
+    x, y, z, w = q[0], q[1], q[2], q[3]
+    out[0, 0] = 1.0 - 2.0 * (y * y + z * z)
+    out[0, 1] = 2.0 * (x * y - z * w)
+    out[0, 2] = 2.0 * (x * z + y * w)
+    out[1, 0] = 2.0 * (x * y + z * w)
+    out[1, 1] = 1.0 - 2.0 * (x * x + z * z)
+    out[1, 2] = 2.0 * (y * z - x * w)
+    out[2, 0] = 2.0 * (x * z - y * w)
+    out[2, 1] = 2.0 * (y * z + x * w)
+    out[2, 2] = 1.0 - 2.0 * (x * x + y * y)
+
+
+@kernel
+def from_matrix(m: NDArray[np.float64], out: Quat) -> None:
+    """Set out = the unit quaternion, w >= 0, of the rotation m[:3, :3] (Shepperd 1978)."""
+    trace = m[0, 0] + m[1, 1] + m[2, 2]
+    if trace >= max(m[0, 0], m[1, 1], m[2, 2]):
+        out[3] = 1.0 + trace
+        out[0] = m[2, 1] - m[1, 2]
+        out[1] = m[0, 2] - m[2, 0]
+        out[2] = m[1, 0] - m[0, 1]
+    else:
+        i = 0
+        if m[1, 1] > m[0, 0]:
+            i = 1
+        if m[2, 2] > m[i, i]:
+            i = 2
+        j = (i + 1) % 3
+        k = (i + 2) % 3
+        out[i] = 1.0 + m[i, i] - m[j, j] - m[k, k]
+        out[j] = m[i, j] + m[j, i]
+        out[k] = m[i, k] + m[k, i]
+        out[3] = m[k, j] - m[j, k]
+    normalise(out, out)
+
+
+def about_axis(axis: object, angle: float) -> Quat:
+    """A new quaternion, w >= 0: the turn by `angle` [rad] about `axis` (any length, right-hand rule).
+
+    Raises:
+        ValueError: the axis has no direction.
+    """
+    quaternion = np.empty(4)
+    exp_map(unit(axis) * math.remainder(angle, 2.0 * math.pi), quaternion)
+    normalise(quaternion, quaternion)
+    return quaternion
+
+
+def normalise_rows(quaternions: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Unit quaternions with w >= 0, shape [..., 4], as a new array.
+
+    Raises:
+        ValueError: one of them is zero or not finite.
+    """
+    lengths = np.linalg.norm(quaternions, axis=-1, keepdims=True)
+    if not (np.isfinite(lengths).all() and (lengths > 0.0).all()):
+        raise ValueError("a zero or not finite quaternion is no rotation")
+    rows: NDArray[np.float64] = quaternions / np.where(quaternions[..., 3:] < 0.0, -lengths, lengths)
+    return rows

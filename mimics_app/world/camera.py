@@ -1,0 +1,58 @@
+"""Camera: an eye on a scene node."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.world.handle import Handle
+
+__all__ = ["Camera"]
+
+
+class Camera(Handle):
+    """Looks along the node's own -z, +y up; what it draws is described by a View that is made from it."""
+
+    __slots__ = ()
+
+    @property
+    def vertical_fov(self) -> float:
+        """Full angle of view, bottom to top [rad]."""
+        return self._get("vertical_fov")
+
+    @vertical_fov.setter
+    def vertical_fov(self, angle: float) -> None:
+        self._set("vertical_fov", angle)
+
+    @property
+    def near(self) -> float:
+        """Nearest distance drawn [m]."""
+        return self._get("near")
+
+    @near.setter
+    def near(self, distance: float) -> None:
+        self._set("near", distance)
+
+    @property
+    def far(self) -> float:
+        """Farthest distance drawn [m]; may be infinite."""
+        return self._get("far")
+
+    @far.setter
+    def far(self, distance: float) -> None:
+        self._set("far", distance)
+
+    @property
+    def world_from_eye(self) -> NDArray[np.float64]:
+        """T_world_from_eye, rigid: the node's scale is left out. float64 [4, 4]."""
+        matrix = self.node.world_matrix()
+        matrix[:3, :3] /= np.linalg.norm(matrix[:3, :3], axis=0)
+        return matrix
+
+    def _get(self, column: str) -> float:
+        table = self.world.content.cameras
+        return float(table.column(column)[table.row(self.index)])
+
+    def _set(self, column: str, value: float) -> None:
+        table = self.world.content.cameras
+        table.column(column)[table.row(self.index)] = value

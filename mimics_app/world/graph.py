@@ -1,0 +1,157 @@
+"""The scene graph: names, structure and transforms of nodes. It knows nothing of what the nodes carry."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import nearest
+from mimics_app.maths import mat
+from mimics_app.world.hierarchy import Hierarchy
+from mimics_app.world.store import EntityId, EntityStore
+from mimics_app.world.transforms import TransformTable
+
+__all__ = ["SceneGraph"]
+
+_NONE = -1
+
+
+class SceneGraph:
+    """Nodes by entity index. `apply_edits` is the frame's end for everything structural.
+
+    Attributes:
+        store: Which entities are alive.
+        hierarchy: Who hangs on whom; up to date at once.
+        transforms: Rows parent first; in step with the hierarchy after `apply_edits`.
+        root: Index everything hangs on.
+    """
+
+    def __init__(self) -> None:
+        self.store = EntityStore()
+        self.hierarchy = Hierarchy()
+        self.transforms = TransformTable()
+        self._names: dict[int, str] = {}
+        self._by_name: dict[str, int] = {}
+        self._unsorted = False
+        self._removals: list[EntityId] = []
+        self.root = self.create("", _NONE)
+        # Detached nodes hang here, out of sight, so that every node keeps a row and every handle works.
+        self._limbo = self.create("", self.root)
+        self.transforms.set_visible(self.transforms.rows(np.array([self._limbo])), np.zeros(1, np.uint8))
+
+    def create(self, name: str, parent: int) -> int:
+        """Index of a new node on `parent`; it can be moved at once.
+
+        Raises:
+            ValueError: another node has that name.
+        """
+        if name in self._by_name:
+            raise ValueError(f'a node named "{name}" is in the world already')
+        index = self.store.create().index
+        self.hierarchy.reserve(self.store.capacity)
+        if parent != _NONE:
+            self.hierarchy.link(index, parent)
+        self.transforms.append(index, parent)
+        if name:
+            self._names[index] = name
+            self._by_name[name] = index
+        return index
+
+    def find(self, name: str) -> int:
+        """Index of the node of that name.
+
+        Raises:
+            KeyError: there is none; the message names the nearest.
+        """
+        if name not in self._by_name:
+            raise KeyError(f'no node "{name}"; {nearest(name, self._by_name)}')
+        return self._by_name[name]
+
+    def __contains__(self, name: str) -> bool:
+        """True when a node has that name."""
+        return name in self._by_name
+
+    def name(self, index: int) -> str:
+        """Name of a node, or ""."""
+        return self._names.get(index, "")
+
+    def parent(self, index: int) -> int:
+        """Index of the parent; -1 for the root and for detached nodes."""
+        parent = self.hierarchy.parent(index)
+        return _NONE if parent == self._limbo else parent
+
+    def is_detached(self, index: int) -> bool:
+        """True when the node, or one it hangs on, hangs on nothing."""
+        return self.hierarchy.is_inside(index, self._limbo)
+
+    def reparent(self, child: int, parent: int) -> None:
+        """Hang a node on another; local transforms stay.
+
+        Raises:
+            ValueError: it is the root, or `parent` is the child itself or hangs below it.
+        """
+        self._refuse_root(child)
+        if self.hierarchy.is_inside(parent, child):
+            raise ValueError(f'node "{self.name(child)}" cannot hang on itself or on a node below it')
+        self.hierarchy.unlink(child)
+        self.hierarchy.link(child, parent)
+        self._unsorted = True
+
+    def detach(self, index: int) -> None:
+        """Hang a node on nothing.
+
+        Raises:
+            ValueError: it is the root.
+        """
+        self.reparent(index, self._limbo)
+
+    def queue_removal(self, index: int) -> None:
+        """Remove a node and all below it at the frame's end.
+
+        Raises:
+            ValueError: it is the root.
+        """
+        self._refuse_root(index)
+        self._removals.append(self.store.id_of(index))
+
+    def apply_edits(self) -> NDArray[np.int32]:
+        """Carry out removals and bring the rows into order; returns the indices that are gone, int32 [n]."""
+        gone = self._remove_queued()
+        if self._unsorted:
+            order = self.hierarchy.subtree(self.root, self.store.capacity)
+            self.transforms.sort(order, self.hierarchy.parents)
+            self._unsorted = False
+        return gone
+
+    def world_matrix(self, index: int) -> NDArray[np.float64]:
+        """T_world_from_node with everything set since the last update, a copy [4, 4]."""
+        transforms = self.transforms
+        if not (transforms.touched or self._unsorted):
+            matrix: NDArray[np.float64] = transforms.world[transforms.row(index)].copy()
+            return matrix
+        product, local = np.eye(4), np.empty((4, 4))
+        while index != _NONE:
+            mat.compose_trs(transforms.translation(index), transforms.rotation(index), transforms.scale(index), local)
+            product = local @ product
+            index = self.hierarchy.parent(index)
+        return product
+
+    def _remove_queued(self) -> NDArray[np.int32]:
+        parts = []
+        for entity in self._removals:
+            if not self.store.is_alive(entity):
+                continue  # went with a node above it
+            gone = self.hierarchy.subtree(entity.index, self.store.capacity)
+            self.hierarchy.unlink(entity.index)
+            for index in gone.tolist():
+                self.store.destroy(index)
+                self._by_name.pop(self._names.pop(index, ""), None)
+            self.hierarchy.forget(gone)
+            parts.append(gone)
+            self._unsorted = True
+        self._removals.clear()
+        return np.concatenate(parts) if parts else np.empty(0, np.int32)
+
+    def _refuse_root(self, index: int) -> None:
+        if index in (self.root, self._limbo):
+            raise ValueError("the root node cannot be moved to another node, detached or removed")

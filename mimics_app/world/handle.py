@@ -1,0 +1,57 @@
+"""What every handle has in common: it names an entity of a world and holds nothing else."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mimics_app.world.store import EntityId
+
+if TYPE_CHECKING:
+    from mimics_app.world.scene_node import SceneNode
+    from mimics_app.world.world import World
+
+__all__ = ["Handle"]
+
+
+class Handle:
+    """A thin reference to one entity. Two handles of the same entity are equal; a removed one raises when used."""
+
+    __slots__ = ("id", "world")
+
+    def __init__(self, world: World, entity: EntityId) -> None:
+        self.world = world
+        self.id = entity
+
+    def __eq__(self, other: object) -> bool:
+        same_type = isinstance(other, Handle) and type(other) is type(self)
+        return same_type and other.world is self.world and other.id == self.id
+
+    def __hash__(self) -> int:
+        return hash((type(self), self.id))
+
+    def __repr__(self) -> str:
+        name = repr(self.world.graph.name(self.id.index)) if self.is_alive else "removed"
+        return f"<{type(self).__name__} {name}>"
+
+    @property
+    def is_alive(self) -> bool:
+        """True until the entity is removed (at the end of the frame in which `remove` was called)."""
+        return self.world.graph.store.is_alive(self.id)
+
+    @property
+    def index(self) -> int:
+        """Place of the entity in every table.
+
+        Raises:
+            StaleHandleError: it was removed.
+        """
+        return self.world.graph.store.index_of(self.id)
+
+    @property
+    def node(self) -> SceneNode:
+        """The scene node that carries this.
+
+        Raises:
+            StaleHandleError: it was removed.
+        """
+        return self.world.node(self.index)

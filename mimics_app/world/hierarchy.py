@@ -1,0 +1,96 @@
+"""Who hangs on whom: linked lists of children as arrays by entity index."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.world.propagation import preorder
+from mimics_app.world.store import grown
+
+__all__ = ["Hierarchy"]
+
+_NONE = -1
+_FIRST_CAPACITY = 256
+
+
+class Hierarchy:
+    """Tree links; always up to date, whatever order the rows of the Transform table have."""
+
+    def __init__(self) -> None:
+        self._parent = np.full(_FIRST_CAPACITY, _NONE, np.int32)
+        self._first = np.full(_FIRST_CAPACITY, _NONE, np.int32)
+        self._last = np.full(_FIRST_CAPACITY, _NONE, np.int32)
+        self._next = np.full(_FIRST_CAPACITY, _NONE, np.int32)
+        self._previous = np.full(_FIRST_CAPACITY, _NONE, np.int32)
+
+    def reserve(self, capacity: int) -> None:
+        """Make room for indices below `capacity`."""
+        if capacity <= self._parent.shape[0]:
+            return
+        self._parent = grown(self._parent, capacity, _NONE)
+        self._first = grown(self._first, capacity, _NONE)
+        self._last = grown(self._last, capacity, _NONE)
+        self._next = grown(self._next, capacity, _NONE)
+        self._previous = grown(self._previous, capacity, _NONE)
+
+    @property
+    def parents(self) -> NDArray[np.int32]:
+        """Parent of each entity index, -1: none; int32 [capacity]."""
+        return self._parent
+
+    def parent(self, index: int) -> int:
+        """Index of the parent, or -1."""
+        return int(self._parent[index])
+
+    def children(self, index: int) -> Iterator[int]:
+        """Indices of the children, in the order they were attached."""
+        child = int(self._first[index])
+        while child != _NONE:
+            following = int(self._next[child])
+            yield child
+            child = following
+
+    def is_inside(self, index: int, ancestor: int) -> bool:
+        """True when `index` is `ancestor` or hangs somewhere below it."""
+        while index not in (_NONE, ancestor):
+            index = int(self._parent[index])
+        return index == ancestor
+
+    def link(self, child: int, parent: int) -> None:
+        """Hang a node that hangs on nothing on `parent`, as its last child."""
+        last = int(self._last[parent])
+        self._parent[child] = parent
+        self._previous[child] = last
+        if last == _NONE:
+            self._first[parent] = child
+        else:
+            self._next[last] = child
+        self._last[parent] = child
+
+    def unlink(self, child: int) -> None:
+        """Take a node off its parent; its own children stay on it."""
+        parent, before, after = int(self._parent[child]), int(self._previous[child]), int(self._next[child])
+        if parent == _NONE:
+            return
+        if before == _NONE:
+            self._first[parent] = after
+        else:
+            self._next[before] = after
+        if after == _NONE:
+            self._last[parent] = before
+        else:
+            self._previous[after] = before
+        self._parent[child] = self._previous[child] = self._next[child] = _NONE
+
+    def subtree(self, index: int, capacity: int) -> NDArray[np.int32]:
+        """Indices of a node and everything below it, parents first, int32 [n]; capacity bounds n."""
+        order = np.empty(capacity, np.int32)
+        return order[: preorder(index, self._parent, self._first, self._next, order)]
+
+    def forget(self, indices: NDArray[np.int32]) -> None:
+        """Clear all links of removed nodes."""
+        for links in (self._parent, self._first, self._last, self._next, self._previous):
+            links[indices] = _NONE

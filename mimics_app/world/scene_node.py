@@ -1,0 +1,243 @@
+"""SceneNode: a place in the scene graph. It knows transforms and structure, never content."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.maths import mat, quat
+from mimics_app.world.camera import Camera
+from mimics_app.world.entity import Entity
+from mimics_app.world.handle import Handle
+from mimics_app.world.light import Light, LightKind
+
+__all__ = ["Frame", "SceneNode"]
+
+F8 = NDArray[np.float64]
+Vector = Sequence[float] | F8
+Frame = Literal["parent", "own"]
+"""In which axes a movement is meant: the parent's, or the node's own."""
+
+_X, _Y, _Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+
+
+class SceneNode(Handle):
+    """A thin handle on a row of the Transform table. Structural edits reach the table at the frame's end."""
+
+    __slots__ = ()
+
+    @property
+    def name(self) -> str:
+        """Its name, unique in the world, or "" for none."""
+        return self.world.graph.name(self.index)
+
+    @property
+    def parent(self) -> SceneNode | None:
+        """The node it hangs on; None for the root and for detached nodes."""
+        parent = self.world.graph.parent(self.index)
+        return None if parent < 0 else self.world.node(parent)
+
+    @property
+    def children(self) -> list[SceneNode]:
+        """The nodes that hang on it, in the order they were attached."""
+        return [self.world.node(child) for child in self.world.graph.hierarchy.children(self.index)]
+
+    def create_child(
+        self,
+        name: str = "",
+        position: Vector = (0.0, 0.0, 0.0),
+        orientation: Vector = quat.IDENTITY,
+        scale: Vector = (1.0, 1.0, 1.0),
+    ) -> SceneNode:
+        """Make a node on this one: position [m], orientation xyzw, scale.
+
+        Raises:
+            ValueError: the name is taken, or a number is not finite.
+        """
+        child = self.world.create_node(name, self)
+        child.set_position(position)
+        child.set_orientation(orientation)
+        child.set_scale(scale)
+        return child
+
+    def attach(self, what: SceneNode | Entity | Light | Camera) -> None:
+        """Hang a node, with all below it, or an object on this node. Local transforms stay as they are.
+
+        Raises:
+            ValueError: the node is this one or an ancestor of it, or an object of that kind is here already.
+        """
+        if isinstance(what, SceneNode):
+            self.world.graph.reparent(what.index, self.index)
+            return
+        if isinstance(what, Entity):
+            self.world.content.move_body(what.index, self.index)
+        elif isinstance(what, Light):
+            self.world.content.lights.move(what.index, self.index)
+        else:
+            self.world.content.cameras.move(what.index, self.index)
+        what.id = self.id
+
+    def detach(self) -> None:
+        """Take the node off its parent: it and all below it keep existing, unseen, until attached again.
+
+        Raises:
+            ValueError: it is the root.
+        """
+        self.world.graph.detach(self.index)
+
+    def remove(self) -> None:
+        """Remove the node, what it carries and all below it at the frame's end; their handles are stale from then on.
+
+        Raises:
+            ValueError: it is the root.
+        """
+        self.world.graph.queue_removal(self.index)
+
+    def create_entity(self, mesh: str, material: str = "default") -> Entity:
+        """Show a mesh of the world here.
+
+        Raises:
+            KeyError: the world has no such mesh or material; the message names the nearest.
+            ValueError: an Entity is here already.
+        """
+        return self.world.show(self, [(mesh, material)])
+
+    def create_light(self, kind: LightKind = "directional", **settings: object) -> Light:
+        """Let a light shine from here; settings as the columns of `Content.lights`.
+
+        Raises:
+            ValueError: a light is here already.
+        """
+        self.world.content.add_light(self.index, kind, settings)
+        return Light(self.world, self.id)
+
+    def create_camera(self, vertical_fov: float = 0.8727, near: float = 0.05, far: float = 100.0) -> Camera:
+        """Put an eye here: angle of view [rad], nearest and farthest distance [m].
+
+        Raises:
+            ValueError: a camera is here already.
+        """
+        self.world.content.cameras.add(self.index, vertical_fov=vertical_fov, near=near, far=far)
+        return Camera(self.world, self.id)
+
+    @property
+    def position(self) -> F8:
+        """Local position [m], a copy, [3]."""
+        return self.world.transforms.translation(self.index)
+
+    @property
+    def orientation(self) -> F8:
+        """Local orientation, unit xyzw with w >= 0, a copy, [4]."""
+        return self.world.transforms.rotation(self.index)
+
+    @property
+    def local_scale(self) -> F8:
+        """Local scale, a copy, [3]."""
+        return self.world.transforms.scale(self.index)
+
+    def set_position(self, position: Vector) -> None:
+        """Set the local position [m], [3].
+
+        Raises:
+            ValueError: a number is not finite.
+        """
+        self.world.transforms.set_translations(self._rows(), np.asarray(position, np.float64))
+
+    def set_orientation(self, orientation: Vector) -> None:
+        """Set the local orientation, xyzw of any length, [4].
+
+        Raises:
+            ValueError: it is zero or not finite.
+        """
+        self.world.transforms.set_rotations(self._rows(), np.asarray(orientation, np.float64))
+
+    def set_scale(self, scale: Vector) -> None:
+        """Set the local scale, [3].
+
+        Raises:
+            ValueError: a number is not finite.
+        """
+        self.world.transforms.set_scales(self._rows(), np.asarray(scale, np.float64))
+
+    def translate(self, offset: Vector, frame: Frame = "parent") -> None:
+        """Move by an offset [m] in the parent's axes or the node's own (before its scale)."""
+        step = np.array(offset, np.float64)
+        if frame == "own":
+            quat.rotate(self.orientation, step, step)
+        self.set_position(self.position + step)
+
+    def rotate(self, turn: Vector, frame: Frame = "own") -> None:
+        """Turn by a quaternion xyzw, about the node's own axes or the parent's."""
+        now, by = self.orientation, quat.normalise_rows(np.asarray(turn, np.float64))
+        if frame == "own":
+            quat.multiply(now, by, now)
+        else:
+            quat.multiply(by, now, now)
+        self.set_orientation(now)
+
+    def yaw(self, angle: float, frame: Frame = "own") -> None:
+        """Turn by an angle [rad] about +y: positive to the left."""
+        self.rotate(quat.about_axis(_Y, angle), frame)
+
+    def pitch(self, angle: float, frame: Frame = "own") -> None:
+        """Turn by an angle [rad] about +x: positive looks up."""
+        self.rotate(quat.about_axis(_X, angle), frame)
+
+    def roll(self, angle: float, frame: Frame = "own") -> None:
+        """Turn by an angle [rad] about +z: positive tilts to the left."""
+        self.rotate(quat.about_axis(_Z, angle), frame)
+
+    def scale(self, factor: float | Vector) -> None:
+        """Multiply the local scale by one factor or by three."""
+        self.set_scale(self.local_scale * np.asarray(factor, np.float64))
+
+    def look_at(self, target_world: Vector, up: Vector = _Y) -> None:
+        """Turn so that the own -z points at a world point [m] and the own +y leans towards `up`.
+
+        Raises:
+            ValueError: the target is where the node is.
+        """
+        here = self.world_matrix()
+        wanted = mat.look_at(here[:3, 3], target_world, up)[:3, :3]
+        parent = self.parent
+        if parent is not None:
+            rotation = np.empty((4, 4))
+            mat.compose_trs(np.zeros(3), mat.decompose_trs(parent.world_matrix())[1], np.ones(3), rotation)
+            wanted = rotation[:3, :3].T @ wanted
+        turn = np.empty(4)
+        quat.from_matrix(wanted, turn)
+        self.set_orientation(turn)
+
+    def world_matrix(self) -> F8:
+        """T_world_from_node as it is now, also before the frame's end; a copy, [4, 4]."""
+        return self.world.graph.world_matrix(self.index)
+
+    @property
+    def visible(self) -> bool:
+        """The node's own switch; False hides everything below it too."""
+        return self.world.transforms.is_visible(self.index)
+
+    @visible.setter
+    def visible(self, visible: bool) -> None:
+        self.world.transforms.set_visible(self._rows(), np.array([visible]))
+
+    @property
+    def entity(self) -> Entity | None:
+        """The visible body here, if any."""
+        return Entity(self.world, self.id) if self.index in self.world.content.bodies else None
+
+    @property
+    def light(self) -> Light | None:
+        """The light here, if any."""
+        return Light(self.world, self.id) if self.index in self.world.content.lights else None
+
+    @property
+    def camera(self) -> Camera | None:
+        """The camera here, if any."""
+        return Camera(self.world, self.id) if self.index in self.world.content.cameras else None
+
+    def _rows(self) -> NDArray[np.int32]:
+        return self.world.transforms.rows(np.array([self.index]))

@@ -1,0 +1,241 @@
+"""The Transform table: local and world transforms as arrays, rows sorted parent first."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.maths.quat import normalise_rows
+from mimics_app.world.propagation import propagate
+from mimics_app.world.store import grown
+
+__all__ = ["TransformTable"]
+
+F8 = NDArray[np.float64]
+_NONE = -1
+_FIRST_CAPACITY = 256
+_IDENTITY = np.eye(4)
+
+
+class TransformTable:
+    """Rows of translation [m], rotation (unit xyzw, w >= 0), scale, and the world matrices made of them.
+
+    A new row is appended, so it comes after its parent; reparenting and removal sort the table anew at the frame's
+    end (`World.update`). Row numbers are good until `revision` changes; ask `rows` again then. The arrays are views:
+    write them through the setters, which mark what has to be computed again.
+    """
+
+    def __init__(self) -> None:
+        self._count = 0
+        self._rows = np.full(_FIRST_CAPACITY, _NONE, np.int32)
+        self._entities = np.zeros(_FIRST_CAPACITY, np.int32)
+        self._parent_rows = np.full(_FIRST_CAPACITY, _NONE, np.int32)
+        self._translations = np.zeros((_FIRST_CAPACITY, 3))
+        self._rotations = np.zeros((_FIRST_CAPACITY, 4))
+        self._scales = np.zeros((_FIRST_CAPACITY, 3))
+        self._visible = np.zeros(_FIRST_CAPACITY, np.uint8)
+        self._dirty = np.zeros(_FIRST_CAPACITY, np.uint8)
+        self._world = np.zeros((_FIRST_CAPACITY, 4, 4))
+        self._shown = np.zeros(_FIRST_CAPACITY, np.uint8)
+        self._changed = np.zeros(_FIRST_CAPACITY, np.uint8)
+        self._touched = False
+        self.revision = 0
+
+    def __len__(self) -> int:
+        """Rows in use."""
+        return self._count
+
+    @property
+    def entities(self) -> NDArray[np.int32]:
+        """Entity index of each row, int32 [rows]."""
+        return self._entities[: self._count]
+
+    @property
+    def parent_rows(self) -> NDArray[np.int32]:
+        """Row of each row's parent, below the own row, -1: none; int32 [rows]."""
+        return self._parent_rows[: self._count]
+
+    @property
+    def translations(self) -> F8:
+        """Local translations [m], [rows, 3]; read only by convention."""
+        return self._translations[: self._count]
+
+    @property
+    def rotations(self) -> F8:
+        """Local rotations, unit xyzw, [rows, 4]; read only by convention."""
+        return self._rotations[: self._count]
+
+    @property
+    def scales(self) -> F8:
+        """Local scales, [rows, 3]; read only by convention."""
+        return self._scales[: self._count]
+
+    @property
+    def world(self) -> F8:
+        """T_world_from_node as of the last update, float64 [rows, 4, 4]."""
+        return self._world[: self._count]
+
+    @property
+    def shown(self) -> NDArray[np.uint8]:
+        """1 where the node and all its ancestors are visible, as of the last update; uint8 [rows]."""
+        return self._shown[: self._count]
+
+    @property
+    def changed(self) -> NDArray[np.uint8]:
+        """1 where the last update wrote; uint8 [rows]."""
+        return self._changed[: self._count]
+
+    @property
+    def touched(self) -> bool:
+        """True when something was set since the last update, so that `world` is behind."""
+        return self._touched
+
+    def rows(self, indices: NDArray[np.integer]) -> NDArray[np.int32]:
+        """Rows of entity indices, for the bulk setters."""
+        return self._rows[indices]
+
+    def row(self, index: int) -> int:
+        """Row of one entity index."""
+        return int(self._rows[index])
+
+    def set_translations(self, rows: NDArray[np.integer], values: NDArray[np.floating]) -> None:
+        """Set local translations [m], [n, 3].
+
+        Raises:
+            ValueError: a number is not finite.
+        """
+        self._set(self._translations, rows, _finite("translation", values))
+
+    def set_rotations(self, rows: NDArray[np.integer], values: NDArray[np.floating]) -> None:
+        """Set local rotations, xyzw of any length, [n, 4].
+
+        Raises:
+            ValueError: one of them is zero or not finite.
+        """
+        self._set(self._rotations, rows, normalise_rows(np.asarray(values, np.float64)))
+
+    def set_scales(self, rows: NDArray[np.integer], values: NDArray[np.floating]) -> None:
+        """Set local scales, [n, 3].
+
+        Raises:
+            ValueError: a number is not finite.
+        """
+        self._set(self._scales, rows, _finite("scale", values))
+
+    def set_visible(self, rows: NDArray[np.integer], values: NDArray[np.integer]) -> None:
+        """Switch nodes, and what hangs on them, on (1) or off (0), [n]."""
+        self._set(self._visible, rows, values)
+
+    def translation(self, index: int) -> F8:
+        """Local translation of one entity [m], a copy, [3]."""
+        return self._translations[self._rows[index]].copy()
+
+    def rotation(self, index: int) -> F8:
+        """Local rotation of one entity, a copy, [4]."""
+        return self._rotations[self._rows[index]].copy()
+
+    def scale(self, index: int) -> F8:
+        """Local scale of one entity, a copy, [3]."""
+        return self._scales[self._rows[index]].copy()
+
+    def is_visible(self, index: int) -> bool:
+        """One entity's own switch."""
+        return bool(self._visible[self._rows[index]])
+
+    def append(self, index: int, parent: int) -> None:
+        """Add a row for an entity: identity, visible; `parent` is an entity index that has a row, or -1."""
+        row = self._count
+        self._reserve(row + 1, index + 1)
+        self._count = row + 1
+        self._rows[index] = row
+        self._entities[row] = index
+        self._parent_rows[row] = self._rows[parent] if parent != _NONE else _NONE
+        self._translations[row] = 0.0
+        self._rotations[row] = (0.0, 0.0, 0.0, 1.0)
+        self._scales[row] = 1.0
+        self._visible[row] = self._dirty[row] = 1
+        self._world[row] = _IDENTITY
+        self._shown[row] = self._changed[row] = 0
+        self._touched = True
+
+    def sort(self, order: NDArray[np.int32], parents: NDArray[np.int32]) -> None:
+        """Keep the rows of `order` (entity indices, parents first) in that order and drop all others.
+
+        Args:
+            order: Entity indices, [n].
+            parents: Parent of each entity index, -1: none; [capacity].
+        """
+        old = self._rows[order]
+        parent_rows = self._parent_rows[old]
+        old_parents = np.where(parent_rows == _NONE, _NONE, self._entities[parent_rows])
+        self._dirty[old[old_parents != parents[order]]] = 1
+        for array in self._by_row():
+            array[: order.size] = array[old]
+        self._rows[:] = _NONE
+        self._rows[order] = np.arange(order.size, dtype=np.int32)
+        roots = parents[order] == _NONE
+        self._parent_rows[: order.size] = np.where(roots, _NONE, self._rows[parents[order]])
+        self._count = order.size
+        self._touched = True
+        self.revision += 1
+
+    def update(self) -> int:
+        """Bring `world`, `shown` and `changed` up to date in one pass; returns the rows computed."""
+        n = self._count
+        if not self._touched:
+            self._changed[:n] = 0
+            return 0
+        self._touched = False
+        return propagate(
+            self._parent_rows[:n],
+            self._translations,
+            self._rotations,
+            self._scales,
+            self._visible,
+            self._dirty,
+            self._world,
+            self._shown,
+            self._changed,
+        )
+
+    def _set(self, array: NDArray[Any], rows: NDArray[np.integer], values: NDArray[Any]) -> None:
+        array[rows] = values
+        self._dirty[rows] = 1
+        self._touched = True
+
+    def _by_row(self) -> list[NDArray[Any]]:
+        return [
+            self._entities,
+            self._translations,
+            self._rotations,
+            self._scales,
+            self._visible,
+            self._dirty,
+            self._world,
+            self._shown,
+            self._changed,
+        ]
+
+    def _reserve(self, rows: int, capacity: int) -> None:
+        self._rows = grown(self._rows, capacity, _NONE)
+        if rows <= self._entities.shape[0]:
+            return
+        self._entities = grown(self._entities, rows)
+        self._parent_rows = grown(self._parent_rows, rows, _NONE)
+        self._translations = grown(self._translations, rows)
+        self._rotations = grown(self._rotations, rows)
+        self._scales = grown(self._scales, rows)
+        self._visible = grown(self._visible, rows)
+        self._dirty = grown(self._dirty, rows)
+        self._world = grown(self._world, rows)
+        self._shown = grown(self._shown, rows)
+        self._changed = grown(self._changed, rows)
+
+
+def _finite(what: str, values: NDArray[np.floating]) -> F8:
+    array = np.asarray(values, np.float64)
+    if not np.isfinite(array).all():
+        raise ValueError(f"a {what} that is not finite")
+    return array

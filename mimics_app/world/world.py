@@ -1,0 +1,160 @@
+"""The World: graph, content and assets of the running scene, and the frame's end at which edits reach the tables."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from mimics_app.contracts.errors import nearest
+from mimics_app.world.camera import Camera
+from mimics_app.world.content import Content
+from mimics_app.world.entity import Entity
+from mimics_app.world.environment import Sky
+from mimics_app.world.graph import SceneGraph
+from mimics_app.world.light import Light
+from mimics_app.world.material import Material, TextureData
+from mimics_app.world.mesh import MeshData
+from mimics_app.world.render_list import RenderList
+from mimics_app.world.scene_node import SceneNode
+from mimics_app.world.transforms import TransformTable
+
+__all__ = ["DEFAULT_MATERIAL", "World"]
+
+DEFAULT_MATERIAL = "default"
+"""Name of the plain grey material every world has."""
+
+
+class World:
+    """Nodes, what they carry, and the meshes, materials and textures they show.
+
+    Attributes:
+        graph: Structure, names and transforms.
+        content: What the nodes carry.
+        meshes: By key; replace one with `replace_mesh`, so that renderers see it.
+        materials: By key; change one with `set_material`.
+        textures: By key.
+        environment: The sky.
+    """
+
+    def __init__(self) -> None:
+        self.graph = SceneGraph()
+        self.content = Content()
+        self.meshes: dict[str, MeshData] = {}
+        self.materials: dict[str, Material] = {DEFAULT_MATERIAL: Material(DEFAULT_MATERIAL)}
+        self.textures: dict[str, TextureData] = {}
+        self.environment = Sky()
+        self._mesh_revisions: dict[str, int] = {}
+        self._material_revision = 0
+        self._order = self.transforms.revision
+        self._render_list = self.content.refresh(None, self.transforms, moved=True)
+
+    @property
+    def transforms(self) -> TransformTable:
+        """The Transform table: `world` matrices, bulk setters."""
+        return self.graph.transforms
+
+    @property
+    def root(self) -> SceneNode:
+        """The node everything hangs on."""
+        return self.node(self.graph.root)
+
+    def create_node(self, name: str = "", parent: SceneNode | None = None) -> SceneNode:
+        """Make a node on `parent` (default: the root).
+
+        Raises:
+            ValueError: another node has that name.
+        """
+        return self.node(self.graph.create(name, self.graph.root if parent is None else parent.index))
+
+    def find(self, name: str) -> SceneNode:
+        """The node of that name.
+
+        Raises:
+            KeyError: there is none; the message names the nearest.
+        """
+        return self.node(self.graph.find(name))
+
+    def __contains__(self, name: str) -> bool:
+        """True when a node has that name."""
+        return name in self.graph
+
+    def node(self, index: int) -> SceneNode:
+        """A handle of the node that has this entity index now."""
+        return SceneNode(self, self.graph.store.id_of(index))
+
+    @property
+    def lights(self) -> list[Light]:
+        """Every light whose node is in the scene."""
+        return [Light(self, self.graph.store.id_of(index)) for index in self._attached(self.content.lights.entities)]
+
+    @property
+    def cameras(self) -> list[Camera]:
+        """Every camera whose node is in the scene."""
+        return [Camera(self, self.graph.store.id_of(index)) for index in self._attached(self.content.cameras.entities)]
+
+    def update(self) -> int:
+        """The frame's end: apply structural edits, then all world matrices in one pass; returns the rows computed."""
+        gone = self.graph.apply_edits()
+        if gone.size:
+            self.content.drop(gone)
+        computed = self.transforms.update()
+        moved = self._order != self.transforms.revision
+        self._order = self.transforms.revision
+        self._render_list = self.content.refresh(self._render_list, self.transforms, moved=moved)
+        return computed
+
+    def subentities(self) -> RenderList:
+        """What is to be drawn, as of the last update."""
+        return self._render_list
+
+    def show(self, node: SceneNode, parts: Sequence[tuple[str, str]]) -> Entity:
+        """Show (mesh, material) parts on a node.
+
+        Raises:
+            KeyError: a mesh or material is unknown; the message names the nearest.
+            ValueError: a body is there already.
+        """
+        for mesh, material in parts:
+            self.require_mesh(mesh)
+            self.require_material(material)
+        self.content.add_body(node.index, parts)
+        return Entity(self, node.id)
+
+    def mesh_revision(self, name: str) -> int:
+        """Changes when the data of a mesh is replaced."""
+        return self._mesh_revisions.get(name, 0)
+
+    def replace_mesh(self, name: str, mesh: MeshData) -> None:
+        """Put new data under a mesh's key, or add it.
+
+        Raises:
+            ValueError: the data is not a mesh (see `MeshData.validated`).
+        """
+        self.meshes[name] = mesh.validated()
+        self._mesh_revisions[name] = self.mesh_revision(name) + 1
+
+    @property
+    def material_revision(self) -> int:
+        """Changes when a material is added or changed through `set_material`."""
+        return self._material_revision
+
+    def set_material(self, material: Material) -> None:
+        """Add a material, or change the one of that name."""
+        self.materials[material.name] = material
+        self._material_revision += 1
+
+    def require_mesh(self, name: str) -> None:
+        """Raise a KeyError that names the nearest when the world has no such mesh."""
+        _require(self.meshes, "mesh", name)
+
+    def require_material(self, name: str) -> None:
+        """Raise a KeyError that names the nearest when the world has no such material."""
+        _require(self.materials, "material", name)
+
+    def _attached(self, indices: Any) -> list[int]:
+        return [index for index in indices.tolist() if not self.graph.is_detached(index)]
+
+
+def _require(known: Mapping[str, object], what: str, name: str) -> None:
+    if name not in known:
+        raise KeyError(f'no {what} "{name}"; {nearest(name, known)}')
