@@ -9,9 +9,9 @@ the ball of radius r_k has in the tunnel of radius r_t:
     along      F_d = -(drag + growth max(0, r_k - r_t)) (v.t) t
     assistance -centring e  +  advance t
 
-The t-part of the wall force makes it -grad(k d^2 / 2) where the radius varies; the radial force drawn in figure 46 alone
-would let a person gain energy on a loop. A ball larger than the tunnel has no room (c = 0): it is held to the bisector
-and dragged, instead of being thrown across it.
+The t-part of the wall force makes it -grad(k d^2 / 2) where the radius varies; the radial force drawn in figure 46
+alone would let a person gain energy on a loop. A ball larger than the tunnel has no room (c = 0): it is held to the
+bisector and dragged, instead of being thrown across it.
 
 Each end is closed by a flat wall, square to the tangent, that leaves the same room c beyond the last point: a ball that
 leaves through it is pushed back along the tangent only, and a ball at rest at the end touches nothing.
@@ -75,6 +75,13 @@ TUNNEL_STATE = np.dtype(
 )
 """Memory and results of one ball in one tunnel. All zero is a valid start."""
 
+_NO_TUNNEL = int(TunnelStatus.NO_TUNNEL)
+_FOLLOWING = int(TunnelStatus.FOLLOWING)
+_NOT_FINITE = int(TunnelStatus.NOT_FINITE)
+
+_SMALLEST_OFFSET = 1e-15
+"""A ball nearer to the bisector than this [m] has no direction to be pushed in, and no need."""
+
 _MIN_STRETCH = 0.05
 """Floor of 1 - kappa.e: at the centre of curvature, outside any lawful tunnel, the force stays finite."""
 
@@ -115,7 +122,9 @@ def _arc_at(tunnel: Any, piece: int, u: float) -> float:
         speed_1 += last * last
     speed_0 = math.sqrt(speed_0)
     speed_1 = math.sqrt(speed_1)
-    return start + u * (speed_0 + u * (3.0 * length - 2.0 * speed_0 - speed_1 + u * (speed_0 + speed_1 - 2.0 * length)))
+    a2 = 3.0 * length - 2.0 * speed_0 - speed_1
+    arc: float = start + u * (speed_0 + u * (a2 + u * (speed_0 + speed_1 - 2.0 * length)))
+    return arc
 
 
 @kernel
@@ -160,7 +169,7 @@ def _carry_normal(
 
 @kernel
 def _write_frame(tunnel: Any, piece: int, u: float, x: float, y: float, z: float, state: Any) -> None:
-    """n and b at the closest point: normals carried from both ends of the piece, blended, so that no knot shows."""
+    """Set n and b at the closest point: normals carried from both ends of the piece, blended, so that no knot shows."""
     tx = state.tangent[0]
     ty = state.tangent[1]
     tz = state.tangent[2]
@@ -173,7 +182,7 @@ def _write_frame(tunnel: Any, piece: int, u: float, x: float, y: float, z: float
     nx -= along * tx
     ny -= along * ty
     nz -= along * tz
-    size = math.sqrt(nx * nx + ny * ny + nz * nz)
+    size = max(math.sqrt(nx * nx + ny * ny + nz * nz), 1e-12)
     nx /= size
     ny /= size
     nz /= size
@@ -213,12 +222,12 @@ def tunnel_force(tunnel: Any, p: Vec, v: Vec, ball_radius: float, state: Any) ->
         state: Record of dtype TUNNEL_STATE; memory of the last call and all results.
     """
     if tunnel.pieces <= 0:
-        _release(state, 0)
+        _release(state, _NO_TUNNEL)
         return
     if not _is_usable(p, v, ball_radius, state.ball_radius_rate):
-        _release(state, 2)
+        _release(state, _NOT_FINITE)
         return
-    state.status = 1
+    state.status = _FOLLOWING
     s = track(tunnel, p[0], p[1], p[2], state)
     piece, u = locate(tunnel, s)
     x, x1, x2 = axis(tunnel, piece, 0, u)
@@ -246,15 +255,72 @@ def tunnel_force(tunnel: Any, p: Vec, v: Vec, ball_radius: float, state: Any) ->
     ey = p[1] - y
     ez = p[2] - z
     bend = (ex * x2 + ey * y2 + ez * z2) / speed2
-    _add_forces(tunnel, ex, ey, ez, bend, radius_slope, total - arc, v, ball_radius, state)
+    _add_forces(tunnel, (ex, ey, ez), bend, radius_slope, total - arc, v, ball_radius, state)
+
+
+@kernel
+def _push(tunnel: Any, depth: float, rate: float) -> float:
+    """Spring-damper of wall and caps [N], for a depth > 0 [m] that grows at `rate` [m/s]; it never pulls."""
+    return max(0.0, tunnel.stiffness * depth + tunnel.damping * rate)
+
+
+@kernel
+def _wall(
+    tunnel: Any, e: tuple[float, float, float], lean: float, room: float, room_rate: float, v: Vec, state: Any
+) -> tuple[float, float]:
+    """Set the wall's force for the offset e across the tunnel; returns its depth [m] and rate [m/s].
+
+    `lean` = c' / (1 - kappa.e) tilts the force along the tunnel where the radius changes.
+    """
+    f = state.force_world
+    rho = math.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
+    if rho <= room or rho < _SMALLEST_OFFSET:
+        f[0] = 0.0
+        f[1] = 0.0
+        f[2] = 0.0
+        return 0.0, 0.0
+    dx = e[0] / rho - lean * state.tangent[0]
+    dy = e[1] / rho - lean * state.tangent[1]
+    dz = e[2] / rho - lean * state.tangent[2]
+    rate = v[0] * dx + v[1] * dy + v[2] * dz - room_rate
+    push = _push(tunnel, rho - room, rate)
+    f[0] = -push * dx
+    f[1] = -push * dy
+    f[2] = -push * dz
+    return rho - room, rate
+
+
+@kernel
+def _add_cap(tunnel: Any, along: float, v_t: float, room: float, room_rate: float, state: Any) -> tuple[float, float]:
+    """Add the flat cap's force, `along` [m] beyond an end (sign: which); returns its depth [m] and rate [m/s]."""
+    depth = abs(along) - room
+    if depth <= 0.0:
+        return 0.0, 0.0
+    outwards = 1.0 if along > 0.0 else -1.0
+    rate = outwards * v_t - room_rate
+    push = _push(tunnel, depth, rate)
+    for i in range(3):
+        state.force_world[i] -= outwards * push * state.tangent[i]
+    return depth, rate
+
+
+@kernel
+def _write_contact(wall: tuple[float, float], cap: tuple[float, float], state: Any) -> None:
+    """Depth and rate of the deeper of the two, and the direction of what both push."""
+    deeper = cap if cap[0] > wall[0] else wall
+    state.penetration = deeper[0]
+    state.approach_speed = deeper[1]
+    f = state.force_world
+    state.wall_force = math.sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2])
+    if state.wall_force > 0.0:
+        for i in range(3):
+            state.normal_world[i] = f[i] / state.wall_force
 
 
 @kernel
 def _add_forces(
     tunnel: Any,
-    ex: float,
-    ey: float,
-    ez: float,
+    offset: tuple[float, float, float],
     bend: float,
     radius_slope: float,
     remaining: float,
@@ -262,82 +328,44 @@ def _add_forces(
     ball_radius: float,
     state: Any,
 ) -> None:
-    """Sum wall, cap, drag and assistance for the offset e = p - C(s) [m]; bend = kappa.e [-], remaining arc [m]."""
+    """Sum wall, cap, drag and assistance for offset = p - C(s) [m]; bend = kappa.e [-], remaining arc [m]."""
     tx = state.tangent[0]
     ty = state.tangent[1]
     tz = state.tangent[2]
-    along = ex * tx + ey * ty + ez * tz
+    along = offset[0] * tx + offset[1] * ty + offset[2] * tz
+    beyond = (state.s <= 0.0 and along < 0.0) or (state.s >= tunnel.pieces and along > 0.0)
+    if not beyond:
+        along = 0.0
+    # Beyond an end the tunnel goes on as a straight pipe up to the flat cap; e is what lies across it.
+    e = (offset[0] - along * tx, offset[1] - along * ty, offset[2] - along * tz)
     v_t = v[0] * tx + v[1] * ty + v[2] * tz
-    room = state.radius - ball_radius
-    excess = max(0.0, -room)
+
+    room = max(0.0, state.radius - ball_radius)
     room_rate = -state.ball_radius_rate if room > 0.0 else 0.0
-    room_slope = radius_slope if room > 0.0 else 0.0
-    room = max(0.0, room)
-    at_end = (state.s <= 0.0 and along < 0.0) or (state.s >= tunnel.pieces and along > 0.0)
-    if at_end:
-        # Beyond an end the tunnel goes on as a straight pipe up to the flat cap.
-        room_slope = 0.0
-        bend = 0.0
-        ex -= along * tx
-        ey -= along * ty
-        ez -= along * tz
+    lean = 0.0 if beyond or room <= 0.0 else radius_slope / max(1.0 - bend, _MIN_STRETCH)
+    wall = _wall(tunnel, e, lean, room, room_rate, v, state)
+    cap = _add_cap(tunnel, along, v_t, room, room_rate, state)
+    _write_contact(wall, cap, state)
 
-    cap_force, cap_depth, cap_rate = 0.0, 0.0, 0.0
-    if at_end and abs(along) > room:
-        out = 1.0 if along > 0.0 else -1.0
-        cap_depth = abs(along) - room
-        cap_rate = out * v_t - room_rate
-        cap_force = -out * max(0.0, tunnel.stiffness * cap_depth + tunnel.damping * cap_rate)
-
-    rho = math.sqrt(ex * ex + ey * ey + ez * ez)
-    wall_x, wall_y, wall_z, wall_depth, wall_rate = 0.0, 0.0, 0.0, 0.0, 0.0
-    if rho > room and rho > 1e-300:
-        wall_depth = rho - room
-        lean = room_slope / max(1.0 - bend, _MIN_STRETCH)
-        dx = ex / rho - lean * tx
-        dy = ey / rho - lean * ty
-        dz = ez / rho - lean * tz
-        wall_rate = v[0] * dx + v[1] * dy + v[2] * dz - room_rate
-        push = max(0.0, tunnel.stiffness * wall_depth + tunnel.damping * wall_rate)
-        wall_x = -push * dx
-        wall_y = -push * dy
-        wall_z = -push * dz
-
-    fx = wall_x + cap_force * tx
-    fy = wall_y + cap_force * ty
-    fz = wall_z + cap_force * tz
-    contact = math.sqrt(fx * fx + fy * fy + fz * fz)
-    if contact > 0.0:
-        state.normal_world[0] = fx / contact
-        state.normal_world[1] = fy / contact
-        state.normal_world[2] = fz / contact
-    state.wall_force = contact
-    state.penetration = max(wall_depth, cap_depth)
-    state.approach_speed = cap_rate if cap_depth > wall_depth else wall_rate
-
-    drag = -(tunnel.drag + tunnel.drag_growth * excess) * v_t
-    beyond = state.s >= tunnel.pieces and along > 0.0
-    advance = 0.0 if beyond else tunnel.advance * min(1.0, max(0.0, remaining) / _ADVANCE_FADE)
-    tangential = drag + advance
-    if at_end:
-        tangential -= tunnel.centring * along
-    state.force_world[0] = fx + tangential * tx - tunnel.centring * ex
-    state.force_world[1] = fy + tangential * ty - tunnel.centring * ey
-    state.force_world[2] = fz + tangential * tz - tunnel.centring * ez
-    _resolve(ex, ey, ez, state)
+    drag = -(tunnel.drag + tunnel.drag_growth * max(0.0, ball_radius - state.radius)) * v_t
+    advance = 0.0 if along > 0.0 else tunnel.advance * min(1.0, max(0.0, remaining) / _ADVANCE_FADE)
+    tangential = drag + advance - tunnel.centring * along
+    for i in range(3):
+        state.force_world[i] += tangential * state.tangent[i] - tunnel.centring * e[i]
+    _resolve(e, state)
 
 
 @kernel
-def _resolve(ex: float, ey: float, ez: float, state: Any) -> None:
+def _resolve(e: tuple[float, float, float], state: Any) -> None:
     """Offset and force along t, n, b; a force that is not finite is released as zero."""
     t = state.tangent
     n = state.normal_n
     b = state.binormal
     f = state.force_world
-    state.offset_n = ex * n[0] + ey * n[1] + ez * n[2]
-    state.offset_b = ex * b[0] + ey * b[1] + ez * b[2]
+    state.offset_n = e[0] * n[0] + e[1] * n[1] + e[2] * n[2]
+    state.offset_b = e[0] * b[0] + e[1] * b[1] + e[2] * b[2]
     state.force_tnb[0] = f[0] * t[0] + f[1] * t[1] + f[2] * t[2]
     state.force_tnb[1] = f[0] * n[0] + f[1] * n[1] + f[2] * n[2]
     state.force_tnb[2] = f[0] * b[0] + f[1] * b[1] + f[2] * b[2]
     if not math.isfinite(f[0] + f[1] + f[2]):
-        _release(state, 2)
+        _release(state, _NOT_FINITE)

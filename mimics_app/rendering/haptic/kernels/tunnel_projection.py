@@ -169,7 +169,8 @@ def _radius_here(tunnel: Any, s: float) -> float:
     """Tunnel radius at s, scaled, never negative [m]."""
     piece, u = locate(tunnel, s)
     a = tunnel.radius[piece]
-    return max(0.0, tunnel.radius_scale * (a[0] + u * (a[1] + u * (a[2] + u * a[3]))))
+    radius: float = max(0.0, tunnel.radius_scale * (a[0] + u * (a[1] + u * (a[2] + u * a[3]))))
+    return radius
 
 
 @kernel
@@ -219,7 +220,7 @@ def track(tunnel: Any, px: float, py: float, pz: float, state: Any) -> float:
 def project_brute_force(tunnel: Any, px: float, py: float, pz: float, state: Any) -> float:
     """Rival: the best of 256 points per piece; cannot be lost, exact to half their spacing. Leaves `state` alone."""
     best2 = _FAR
-    best = state.s
+    best: float = state.s
     for piece in range(tunnel.pieces):
         for i in range(_BRUTE_SAMPLES + 1):
             u = i / _BRUTE_SAMPLES

@@ -1,0 +1,142 @@
+"""Fit of a cubic B-spline with N basis functions to a recorded path (D2.1 4.2.10: the parameters of a trajectory)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mimics_app.maths import bspline
+
+__all__ = ["SplineFit", "fit_spline"]
+
+Array = NDArray[np.float64]
+
+_ROUNDS = 40
+_PLAIN_ROUNDS = 3
+_NEWTON_STEPS = 4
+
+
+@dataclass(frozen=True, slots=True)
+class SplineFit:
+    """A fitted curve and how well it keeps to the path.
+
+    Attributes:
+        control_points: Shape [N, dimensions].
+        parameters: s of the curve point nearest to each sample, shape [m].
+        residual_rms: Root of the mean square distance of the samples from the curve [unit of the path].
+        residual_max: Greatest distance of a sample from the curve.
+    """
+
+    control_points: Array
+    parameters: Array
+    residual_rms: float
+    residual_max: float
+
+
+def fit_spline(path: ArrayLike, count: int) -> SplineFit:
+    """Least-squares fit of a clamped cubic B-spline to samples in travelling order.
+
+    Starts from chord length. Then each round moves every sample to the nearest point of the curve and solves
+    for the control points with the tangential part of the residual left out, because the sample may slide along the
+    curve (tangent distance minimisation, Wang, Pottmann & Liu 2006); a weight on that part, raised while a round makes
+    things worse, keeps it stable. A path that is such a spline is found again to rounding.
+
+    Args:
+        path: Shape [m, dimensions], finite; samples equal to the one before them are skipped.
+        count: Number N of basis functions, 4 <= N <= different samples.
+
+    Raises:
+        ValueError: not finite, fewer different samples than basis functions, fewer than 4 basis functions.
+    """
+    samples = _without_repeats(path)
+    if count <= 3:
+        raise ValueError(f"a cubic B-spline needs at least 4 basis functions, not {count}")
+    if len(samples) < count:
+        raise ValueError(f"{count} basis functions need as many different samples, the path has {len(samples)}")
+    s = _chord_parameters(samples, count - 3)
+    points: Array = np.linalg.lstsq(bspline.basis_functions(count, s), samples, rcond=None)[0].astype(np.float64)
+    s = _slide(samples, bspline.pieces_of(points), s)
+    best = _measured(samples, points, s)
+    slip = 1.0
+    for i in range(_ROUNDS):
+        slip = 1.0 if i < _PLAIN_ROUNDS else min(slip, 1e-3)
+        trial = _improve(samples, best, slip)
+        while trial.residual_rms > best.residual_rms and slip < 1.0:
+            slip = min(1.0, 10.0 * slip)
+            trial = _improve(samples, best, slip)
+        gain = best.residual_rms - trial.residual_rms
+        if gain > 0.0:
+            best = trial
+        if i > _PLAIN_ROUNDS and gain <= 1e-4 * best.residual_rms:
+            break
+        slip *= 0.1
+    return best
+
+
+def _without_repeats(path: ArrayLike) -> Array:
+    samples = np.asarray(path, np.float64)
+    if samples.ndim != 2 or not np.isfinite(samples).all():
+        raise ValueError("a path is a finite array of points, shape [m, dimensions]")
+    moved = np.any(np.diff(samples, axis=0) != 0.0, axis=1)
+    return samples[np.concatenate([[True], moved])] if len(samples) else samples
+
+
+def _chord_parameters(samples: Array, pieces: int) -> Array:
+    """First guess of s: chord length along the path, read off a straight spline of evenly spaced control points.
+
+    Such a spline is slower between its clamped ends than at them; plain chord length would put the samples of the ends
+    on the wrong basis functions and the rounds that follow into a local minimum.
+    """
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(samples, axis=0), axis=1))])
+    s = np.linspace(0.0, pieces, 64 * pieces + 1)
+    share = bspline.basis_functions(pieces + 3, s) @ np.linspace(0.0, 1.0, pieces + 3)
+    guess: Array = np.interp(along / along[-1], share, s)
+    return guess
+
+
+def _slide(samples: Array, pieces: Array, s: Array) -> Array:
+    """A few Newton steps of every sample towards its nearest curve point, a quarter of a piece at most each."""
+    for _ in range(_NEWTON_STEPS):
+        away = bspline.evaluate(pieces, s) - samples
+        first = bspline.evaluate(pieces, s, 1)
+        second = bspline.evaluate(pieces, s, 2)
+        speed2 = np.sum(first * first, axis=1)
+        bend = speed2 + np.sum(away * second, axis=1)
+        bend = np.where(bend > 0.1 * speed2, bend, np.maximum(speed2, np.finfo(float).tiny))
+        step = np.sum(away * first, axis=1) / bend
+        s = np.clip(s - np.clip(step, -0.25, 0.25), 0.0, len(pieces))
+    return s
+
+
+def _measured(samples: Array, points: Array, s: Array) -> SplineFit:
+    distance = np.linalg.norm(bspline.evaluate(bspline.pieces_of(points), s) - samples, axis=1)
+    return SplineFit(points, s, float(np.sqrt(np.mean(distance**2))), float(distance.max()))
+
+
+def _improve(samples: Array, fit: SplineFit, slip: float) -> SplineFit:
+    """One round: a least-squares step of the control points, then samples to their nearest curve points.
+
+    `slip` weighs the squared tangential residual: 1 counts it whole (plain least squares), 0 not at all.
+    """
+    count, dimensions = fit.control_points.shape
+    pieces = bspline.pieces_of(fit.control_points)
+    basis = bspline.basis_functions(count, fit.parameters)
+    first = bspline.evaluate(pieces, fit.parameters, 1)
+    size = np.linalg.norm(first, axis=1, keepdims=True)
+    tangent = np.divide(first, size, out=np.zeros_like(first), where=size > 0.0)
+    # A sample at an end of the curve cannot slide off it.
+    free = (fit.parameters > 0.0) & (fit.parameters < len(pieces))
+    tangent[~free] = 0.0
+    weight = np.eye(dimensions) - (1.0 - slip) * tangent[:, :, None] * tangent[:, None, :]
+    residual = samples - basis @ fit.control_points
+    normal = np.empty((count, dimensions, count, dimensions))
+    for a in range(dimensions):
+        for b in range(dimensions):
+            normal[:, a, :, b] = basis.T @ (basis * weight[:, a, b, None])
+    right = basis.T @ np.einsum("mab,mb->ma", weight, residual)
+    unknowns = count * dimensions
+    step = np.linalg.lstsq(normal.reshape(unknowns, unknowns), right.reshape(unknowns), rcond=1e-14)[0]
+    points = fit.control_points + step.reshape(count, dimensions)
+    return _measured(samples, points, _slide(samples, bspline.pieces_of(points), fit.parameters))

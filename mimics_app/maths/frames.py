@@ -1,0 +1,150 @@
+"""Frames t, n, b along a curve: rotation-minimising by double reflection, and two rivals that fail where it does not.
+
+The frame of Frenet turns by 180 degrees at an inflection and is undefined on a straight line; the frame that keeps one
+axis towards a fixed "up" is undefined where the curve is parallel to it. The rotation-minimising frame has neither
+fault: it follows the tangent by the smallest possible turn.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mimics_app.contracts.kernel import kernel
+
+__all__ = [
+    "carry_normals",
+    "frenet_normals",
+    "plane_normal",
+    "projected_up_normals",
+    "rotation_minimising_normals",
+    "start_normal",
+]
+
+Array = NDArray[np.float64]
+
+
+@kernel
+def _dot(a: Array, b: Array) -> float:
+    total: float = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    return total
+
+
+@kernel
+def rotation_minimising_normals(points: Array, tangents: Array, first_normal: Array) -> Array:
+    """Normals of the rotation-minimising frame by double reflection (Wang, Juettler, Zheng & Liu 2008), order 4.
+
+    Args:
+        points: Points along the curve [m], shape [m, 3].
+        tangents: Unit tangents there, shape [m, 3].
+        first_normal: Unit normal at the first point, shape [3].
+
+    Returns:
+        Unit normals, shape [m, 3]; the binormals are cross(tangents, normals).
+    """
+    normals = np.empty_like(points)
+    normals[0] = first_normal
+    for i in range(len(points) - 1):
+        chord = points[i + 1] - points[i]
+        square = _dot(chord, chord)
+        normal = normals[i].copy()
+        tangent = tangents[i].copy()
+        if square > 0.0:
+            normal -= 2.0 * _dot(chord, normal) / square * chord
+            tangent -= 2.0 * _dot(chord, tangent) / square * chord
+        mirror = tangents[i + 1] - tangent
+        square = _dot(mirror, mirror)
+        if square > 0.0:
+            normal -= 2.0 * _dot(mirror, normal) / square * mirror
+        # Reflections keep length and angle; this only takes off what rounding adds over many points.
+        normal -= _dot(normal, tangents[i + 1]) * tangents[i + 1]
+        normals[i + 1] = normal / np.sqrt(_dot(normal, normal))
+    return normals
+
+
+def carry_normals(from_points: Array, from_tangents: Array, normals: Array, points: Array, tangents: Array) -> Array:
+    """One double reflection for many pairs of points at once.
+
+    Args:
+        from_points: Where the normals are known [m], shape [m, 3].
+        from_tangents: Unit tangents there, shape [m, 3].
+        normals: Unit normals there, shape [m, 3].
+        points: Where they are wanted [m], shape [m, 3].
+        tangents: Unit tangents there, shape [m, 3].
+
+    Returns:
+        Unit normals at `points`, shape [m, 3].
+    """
+    chord = points - from_points
+    normals = _reflect(normals, chord)
+    normals = _reflect(normals, tangents - _reflect(from_tangents, chord))
+    normals = normals - tangents * np.sum(normals * tangents, axis=1, keepdims=True)
+    unit: Array = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    return unit
+
+
+def _reflect(vectors: Array, mirror: Array) -> Array:
+    """Reflect each vector in the plane square to its mirror; unchanged where the mirror is zero."""
+    square = np.sum(mirror * mirror, axis=1, keepdims=True)
+    along = 2.0 * np.sum(vectors * mirror, axis=1, keepdims=True)
+    reflected: Array = vectors - mirror * np.divide(along, square, out=np.zeros_like(square), where=square > 0.0)
+    return reflected
+
+
+def frenet_normals(first: ArrayLike, second: ArrayLike) -> Array:
+    """Principal normals from the first and second derivative of the curve, each of shape [m, 3].
+
+    They point to the centre of curvature, hence jump by 180 degrees at an inflection; NaN where the curve is straight.
+    """
+    t = np.asarray(first, np.float64)
+    a = np.asarray(second, np.float64)
+    across = a - t * (np.sum(a * t, axis=1, keepdims=True) / np.sum(t * t, axis=1, keepdims=True))
+    size = np.linalg.norm(across, axis=1, keepdims=True)
+    straight = size <= 1e-12 * np.linalg.norm(a, axis=1, keepdims=True)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(straight | (size == 0.0), np.nan, across / size)
+
+
+def projected_up_normals(tangents: ArrayLike, up: ArrayLike) -> Array:
+    """The direction `up` made square to each unit tangent, shape [m, 3]; NaN where the curve is parallel to it."""
+    t = np.asarray(tangents, np.float64)
+    across = np.asarray(up, np.float64) - t * (t @ np.asarray(up, np.float64))[:, None]
+    size = np.linalg.norm(across, axis=1, keepdims=True)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(size <= 1e-12, np.nan, across / size)
+
+
+def plane_normal(points: ArrayLike) -> Array:
+    """Unit normal of the plane that fits the points best; its largest component is positive, shape [3].
+
+    For points on one line it is the world axis most square to the line, made square to it (z before y before x).
+    """
+    centred = np.asarray(points, np.float64)
+    centred = centred - centred.mean(axis=0)
+    _, sizes, axes = np.linalg.svd(centred, full_matrices=False)
+    normal: Array = axes[2] if len(axes) > 2 else np.cross(axes[0], axes[-1])
+    if len(sizes) < 2 or sizes[1] <= 1e-9 * sizes[0]:
+        order = np.array([2, 1, 0])
+        square = order[np.argmin(np.round(np.abs(axes[0][order]), 6))]
+        normal = np.eye(3)[square] - axes[0] * axes[0][square]
+        normal /= np.linalg.norm(normal)
+    sign: float = np.sign(normal[np.argmax(np.round(np.abs(normal), 9))])
+    return normal * sign
+
+
+def start_normal(points: ArrayLike, tangent: ArrayLike) -> Array:
+    """Normal that starts the frame of a tunnel: in the plane of the curve, so that b is the normal of that plane.
+
+    Args:
+        points: Points of the whole curve [m], shape [m, 3].
+        tangent: Unit tangent at its start, shape [3].
+
+    Returns:
+        n = b x t, unit, shape [3]; where the best plane is square to the tangent, any normal.
+    """
+    t = np.asarray(tangent, np.float64)
+    b = plane_normal(points)
+    n: Array = np.cross(b, t)
+    if np.linalg.norm(n) < 1e-3:
+        n = np.cross(np.eye(3)[np.argmin(np.abs(t))], t)
+    return n / np.linalg.norm(n)
