@@ -7,12 +7,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mimics_app.contracts import resources
 from mimics_app.contracts.errors import Issue, SceneError
 
 if TYPE_CHECKING:
     import moderngl
 
-__all__ = ["ShaderLibrary", "ShaderProgram", "find_shader_folder"]
+__all__ = ["ShaderLibrary", "ShaderProgram"]
 
 _INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"\s*$')
 _DRIVER_LINES = (
@@ -21,15 +22,6 @@ _DRIVER_LINES = (
     re.compile(r"^(\d+)\((\d+)\) : ()(error|warning) (.*)$"),  # NVIDIA
 )
 _HEADER = "#version 430 core\n"
-
-
-def find_shader_folder() -> Path:
-    """The shaders of this installation: beside the package in a checkout, inside it in a wheel."""
-    package = Path(__file__).resolve().parents[2]
-    for folder in (package / "shaders", package / "resources" / "shaders", package.parent / "shaders"):
-        if (folder / "lit").is_dir():
-            return folder
-    raise SceneError(Issue(str(package), "", "the shaders folder is not part of this installation", "reinstall it"))
 
 
 @dataclass(eq=False)
@@ -59,7 +51,7 @@ class ShaderLibrary:
 
     def __init__(self, ctx: moderngl.Context, folder: Path | None = None) -> None:
         self._ctx = ctx
-        self.folder = folder or find_shader_folder()
+        self.folder = folder or resources.root() / "shaders"
         self._programs: dict[tuple[str, str, tuple[str, ...]], ShaderProgram] = {}
 
     def program(self, vertex: str, fragment: str, defines: tuple[str, ...] = ()) -> ShaderProgram:

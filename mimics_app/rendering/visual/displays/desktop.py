@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mimics_app.rendering.visual.surface import Size
 from mimics_app.rendering.visual.view import Tangents, View
-from mimics_app.world.world import Camera
+from mimics_app.world.camera import Camera
 
 __all__ = ["compose_look_at", "compute_tangents", "desktop_views"]
 
@@ -25,7 +25,7 @@ def desktop_views(camera: Camera, size: Size) -> list[View]:
         size: Of the surface [px].
     """
     world_from_eye = _without_scale(camera.node.world_matrix())
-    tangents = compute_tangents(camera.fov, size)
+    tangents = compute_tangents(camera.vertical_fov, size)
     return [View(world_from_eye, tangents, (0, 0, *size), camera.near, camera.far)]
 
 

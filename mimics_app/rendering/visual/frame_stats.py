@@ -1,0 +1,24 @@
+"""What one frame cost."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["FrameStats"]
+
+
+@dataclass(frozen=True, slots=True)
+class FrameStats:
+    """Cost of one `Renderer.draw`.
+
+    Attributes:
+        cpu_ms: From the call to its return [ms]; a software renderer draws within it, a GPU mostly after it.
+        gpu_ms: The driver's own time for the frame [ms], or None where it is not asked for or not measured.
+        triangles: Sent to the driver, shadow pass included.
+        draws: Calls to the driver.
+    """
+
+    cpu_ms: float
+    gpu_ms: float | None
+    triangles: int
+    draws: int

@@ -1,0 +1,110 @@
+"""The glyph atlas: signed distances of two faces of one font, and where each glyph lies in it.
+
+Built by assets/fonts/build_glyphs.py; a distance instead of a bitmap stays crisp at any size and any angle.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts import resources
+from mimics_app.contracts.errors import Issue, SceneError
+
+__all__ = ["Face", "Glyph", "GlyphAtlas", "load_glyph_atlas"]
+
+_MISSING = "\N{WHITE SQUARE}"
+Box = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Glyph:
+    """One character of a face.
+
+    Attributes:
+        advance: To the next character [em].
+        box: Left, bottom, width and height of its picture from the pen on the baseline [em]; width 0: nothing to see.
+        picture: The same in the atlas, lower left corner and extent [uv]; heights are negative, the atlas's first row
+            being its top.
+    """
+
+    advance: float
+    box: Box
+    picture: Box
+
+
+@dataclass(frozen=True, eq=False)
+class Face:
+    """One weight of the font: glyphs by character and kerning by pair [em]."""
+
+    glyphs: dict[str, Glyph]
+    kerning: dict[str, float]
+
+    def layout(self, text: str) -> Iterator[tuple[Glyph, float]]:
+        """Each glyph of a line with the pen's distance from the line's start [em]."""
+        pen, before = 0.0, ""
+        for character in text:
+            glyph = self.glyphs.get(character) or self.glyphs[_MISSING]
+            pen += self.kerning.get(before + character, 0.0)
+            yield glyph, pen
+            pen, before = pen + glyph.advance, character
+
+    def measure(self, text: str) -> float:
+        """Length of a line [em]."""
+        length = 0.0
+        for glyph, pen in self.layout(text):
+            length = pen + glyph.advance
+        return length
+
+
+@dataclass(frozen=True, eq=False)
+class GlyphAtlas:
+    """Both faces in one picture.
+
+    Attributes:
+        pixels: Distance to the outline, 0.5 on it, larger inside; uint8 [height, width], first row the top.
+        spread: Distance that goes from 0 to 1 [atlas px].
+    """
+
+    pixels: NDArray[np.uint8]
+    spread: float
+    regular: Face
+    heavy: Face
+
+    def face(self, *, bold: bool) -> Face:
+        """The regular or the bold face."""
+        return self.heavy if bold else self.regular
+
+
+def load_glyph_atlas(folder: Path | None = None) -> GlyphAtlas:
+    """Read the atlas the application ships, or another folder's.
+
+    Raises:
+        SceneError: the files are missing or do not fit each other.
+    """
+    from PIL import Image
+
+    folder = folder or resources.root() / "assets" / "fonts"
+    try:
+        table = json.loads((folder / "glyphs.json").read_text(encoding="utf-8"))
+        with Image.open(folder / "glyphs.png") as picture:
+            pixels = np.array(picture.convert("L"))
+        faces = [_read_face(table["faces"][name], pixels.shape) for name in ("regular", "bold")]
+        return GlyphAtlas(pixels, float(table["spread"]), *faces)
+    except (OSError, ValueError, KeyError) as error:
+        fix = "build it anew: python assets/fonts/build_glyphs.py"
+        raise SceneError(Issue(str(folder), "", f"the glyph atlas cannot be read ({error!r})", fix)) from error
+
+
+def _read_face(table: dict[str, dict[str, list[float]]], shape: tuple[int, ...]) -> Face:
+    height, width = shape
+    glyphs = {}
+    for character, (advance, left, bottom, wide, high, x, y, cell_width, cell_height) in table["glyphs"].items():
+        picture = (x / width, (y + cell_height) / height, cell_width / width, -cell_height / height)
+        glyphs[character] = Glyph(advance, (left, bottom, wide, high), picture)
+    return Face(glyphs, {pair: float(shift) for pair, shift in table["kerning"].items()})  # type: ignore[arg-type]

@@ -1,0 +1,132 @@
+"""What shines in a frame: the sun and its shadow frustum, lights at places, the sky."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.world.light import Light
+from mimics_app.world.world import World
+
+__all__ = ["MAX_LIGHTS", "Lighting", "ShadowFrustum", "fit_shadow_frustum", "gather_lighting"]
+
+F8 = NDArray[np.float64]
+
+MAX_LIGHTS = 8
+"""Point and spot lights one frame can hold; of more, the strongest stay."""
+
+_RADIUS_STEPS = 8
+"""Steps per octave in which a shadow frustum grows, so that a moving caster does not make its texels crawl."""
+
+
+@dataclass(frozen=True, eq=False)
+class ShadowFrustum:
+    """The box the sun's shadow map covers.
+
+    Attributes:
+        clip_from_world: Orthographic projection along the sun's rays, float64 [4, 4].
+        texture_from_world: The same to texture coordinates and depth in [0, 1].
+        centre: Of the box, world [m], float64 [3].
+        texel: Width of a texel in the world [m].
+        size: Texels along a side.
+    """
+
+    clip_from_world: F8
+    texture_from_world: F8
+    centre: F8
+    texel: float
+    size: int
+
+
+@dataclass(eq=False)
+class Lighting:
+    """Light of one frame; colours are linear RGB with the intensity multiplied in."""
+
+    sun_direction: F8
+    sun_colour: F8
+    sun_casts_shadow: bool
+    zenith: F8
+    horizon: F8
+    ground: F8
+    ambient: F8
+    places: list[Light]
+    shadow: ShadowFrustum | None = None
+
+    @property
+    def place_count(self) -> int:
+        """Number of point and spot lights."""
+        return len(self.places)
+
+    def fill_places(self, block: NDArray[np.void], eye_world: F8) -> None:
+        """Write the point and spot lights into a view block, relative to its eye."""
+        for index, light in enumerate(self.places):
+            block["light_position"][index] = (*(light.position_world - eye_world), light.range if math.isfinite(light.range) else 0.0)
+            outer = math.cos(light.outer_cone) if light.kind == "spot" else -2.0
+            block["light_colour"][index] = (*(light.intensity * np.asarray(light.colour)), outer)
+            block["light_direction"][index] = (*light.direction_world, math.cos(light.inner_cone))
+
+
+def gather_lighting(world: World) -> Lighting:
+    """Read the lights and the sky of a world; the first directional light is the sun."""
+    sun = next((light for light in world.lights if light.kind == "directional"), None)
+    sky, flat = world.environment, np.zeros(3)
+    for light in world.lights:
+        if light.kind == "ambient":
+            flat = flat + light.intensity * np.asarray(light.colour)
+    return Lighting(
+        sun_direction=-sun.direction_world if sun else np.array([0.0, 1.0, 0.0]),
+        sun_colour=sun.intensity * np.asarray(sun.colour, np.float64) if sun else np.zeros(3),
+        sun_casts_shadow=bool(sun and sun.casts_shadow),
+        zenith=np.asarray(sky.zenith, np.float64),
+        horizon=np.asarray(sky.horizon, np.float64),
+        ground=np.asarray(sky.ground, np.float64),
+        ambient=sky.ambient + flat,
+        places=_strongest([light for light in world.lights if light.kind in ("point", "spot")]),
+    )
+
+
+def fit_shadow_frustum(sun_direction: F8, centres: F8, radii: F8, size: int) -> ShadowFrustum | None:
+    """The smallest stable box along the sun's rays about spheres that cast shadows.
+
+    Args:
+        sun_direction: Unit, towards the sun.
+        centres: Of the spheres, world [m], float64 [n, 3].
+        radii: [m], float64 [n].
+        size: Texels along a side of the map.
+
+    Returns:
+        The box, its centre snapped to whole texels, or None when nothing casts.
+    """
+    if len(radii) == 0 or size == 0:
+        return None
+    least, greatest = (centres - radii[:, None]).min(axis=0), (centres + radii[:, None]).max(axis=0)
+    middle = 0.5 * (least + greatest)
+    reach = float((np.linalg.norm(centres - middle, axis=1) + radii).max())
+    # Two texels of margin for the filter, then up to the next step.
+    radius = 2.0 ** (math.ceil(math.log2(max(reach, 1e-3) * size / (size - 4)) * _RADIUS_STEPS) / _RADIUS_STEPS)
+    texel = 2.0 * radius / size
+    rotation = _sun_axes(sun_direction)
+    snapped = rotation @ middle
+    snapped[:2] = np.round(snapped[:2] / texel) * texel
+    clip_from_world = np.eye(4)
+    clip_from_world[:3, :3] = np.diag([1.0, 1.0, -1.0]) @ rotation / radius
+    clip_from_world[:3, 3] = -(clip_from_world[:3, :3] @ (rotation.T @ snapped))
+    texture_from_clip = np.diag([0.5, 0.5, 0.5, 1.0])
+    texture_from_clip[:3, 3] = 0.5
+    return ShadowFrustum(clip_from_world, texture_from_clip @ clip_from_world, rotation.T @ snapped, texel, size)
+
+
+def _sun_axes(sun_direction: F8) -> F8:
+    """Rows: right, up and towards the sun, a right-handed frame that does not depend on the view."""
+    towards = sun_direction / np.linalg.norm(sun_direction)
+    helper = np.array([0.0, 0.0, 1.0]) if abs(towards[2]) < 0.9 else np.array([1.0, 0.0, 0.0])
+    right = np.cross(helper, towards)
+    right /= np.linalg.norm(right)
+    return np.stack([right, np.cross(towards, right), towards])
+
+
+def _strongest(lights: list[Light]) -> list[Light]:
+    return sorted(lights, key=lambda light: -light.intensity)[:MAX_LIGHTS]

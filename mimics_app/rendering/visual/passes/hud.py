@@ -1,0 +1,156 @@
+"""The heads-up display laid over a view, on a plane before the eyes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.rendering.visual.hud import CANVAS_HEIGHT, HUD_ROW, Hud
+from mimics_app.rendering.visual.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.view import View
+
+if TYPE_CHECKING:
+    import moderngl
+
+__all__ = ["HudPass", "HudPlane", "plane_of_views"]
+
+F8 = NDArray[np.float64]
+
+_GLYPH_BINDING, _IMAGE_BINDING = 2, 3
+
+
+@dataclass(frozen=True, eq=False)
+class HudPlane:
+    """Where the display hangs in the world.
+
+    Attributes:
+        origin_world: Its lower left corner [m], float64 [3].
+        right_world: From there along its lower edge [m], float64 [3].
+        up_world: Along its left edge [m], float64 [3].
+    """
+
+    origin_world: F8
+    right_world: F8
+    up_world: F8
+
+    @property
+    def canvas_width(self) -> float:
+        """Width of the canvas [hud px] of the plane's shape."""
+        return float(CANVAS_HEIGHT * np.linalg.norm(self.right_world) / np.linalg.norm(self.up_world))
+
+
+def plane_of_views(views: Sequence[View], depth: float) -> HudPlane:
+    """The plane that fills the mean frustum of one screen's eyes at a depth.
+
+    With a single view it fills the picture exactly, off-axis or not; with two eyes it hangs between them, so that
+    both see it at the same place in space.
+
+    Args:
+        views: The eyes of one screen.
+        depth: Distance from the eyes [m].
+    """
+    left, right, bottom, top = np.mean([view.tangents for view in views], axis=0) * depth
+    centre = np.mean([view.eye_world for view in views], axis=0)
+    axes = views[0].world_from_eye[:3, :3]
+    origin = centre + axes @ np.array([left, bottom, -depth])
+    return HudPlane(origin, axes[:, 0] * (right - left), axes[:, 1] * (top - bottom))
+
+
+class HudPass:
+    """Draws a `Hud` in one call."""
+
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
+        self._ctx = ctx
+        self._shader = shaders.program("hud/hud.vert", "hud/hud.frag")
+        self._rows: moderngl.Buffer | None = None
+        self._array: moderngl.VertexArray | None = None
+        self._made_for = -1
+        self._uploaded: tuple[int, int] | None = None
+        self._count = 0
+        self._glyphs: moderngl.Texture | None = None
+        self._images: moderngl.TextureArray | None = None
+        self._image_source: NDArray[np.uint8] | None = None
+
+    def draw(self, hud: Hud, view: View, plane: HudPlane) -> int:
+        """Lay the display over one view; the framebuffer's viewport is set to the view's rectangle.
+
+        Returns:
+            Draw calls made.
+        """
+        import moderngl
+
+        if hud.empty:
+            return 0
+        self._upload(hud)
+        program = self._shader.program
+        program["clip_from_hud"].write(np.ascontiguousarray(_clip_from_hud(view, plane).T, np.float32))
+        program["glyph_spread"].value = hud.atlas.spread
+        ctx = self._ctx
+        ctx.fbo.viewport = view.rectangle
+        ctx.enable_only(moderngl.BLEND)
+        ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA, moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
+        self._bind(hud)
+        self._vertex_array().render(moderngl.TRIANGLE_STRIP, vertices=4, instances=self._count)
+        return 1
+
+    def release(self) -> None:
+        """Free buffers and textures."""
+        for part in (self._array, self._rows, self._glyphs, self._images):
+            if part is not None:
+                part.release()
+        self._array = self._rows = self._glyphs = self._images = None
+
+    def _upload(self, hud: Hud) -> None:
+        key = (id(hud), hud.revision)
+        if key == self._uploaded and self._rows is not None:
+            return
+        rows = hud.rows()
+        if self._rows is None or self._rows.size < rows.nbytes:
+            if self._array is not None:
+                self._array.release()
+                self._array = None
+            if self._rows is not None:
+                self._rows.release()
+            self._rows = self._ctx.buffer(reserve=max(2 * rows.nbytes, 64 * HUD_ROW.itemsize))
+        self._rows.orphan()
+        self._rows.write(rows.tobytes())
+        self._uploaded, self._count = key, len(rows)
+
+    def _vertex_array(self) -> moderngl.VertexArray:
+        if self._array is None or self._made_for != self._shader.revision:
+            content = [(self._rows, "4f 4f 4f 4f /i", "box", "picture", "tint", "style")]
+            self._array = self._ctx.vertex_array(self._shader.program, content)
+            self._made_for = self._shader.revision
+        return self._array
+
+    def _bind(self, hud: Hud) -> None:
+        if self._glyphs is None:
+            pixels = hud.atlas.pixels
+            self._glyphs = self._ctx.texture(pixels.shape[::-1], 1, pixels.tobytes())
+        if self._images is None or hud.images is not self._image_source:
+            self._upload_images(hud.images)
+        self._glyphs.use(_GLYPH_BINDING)
+        if self._images is not None:
+            self._images.use(_IMAGE_BINDING)
+
+    def _upload_images(self, images: NDArray[np.uint8] | None) -> None:
+        self._image_source = images
+        if self._images is not None:
+            self._images.release()
+        data = np.zeros((1, 1, 1, 4), np.uint8) if images is None else np.ascontiguousarray(images)
+        layers, height, width = data.shape[:3]
+        self._images = self._ctx.texture_array((width, height, layers), 4, data.tobytes())
+        self._images.repeat_x = self._images.repeat_y = False
+
+
+def _clip_from_hud(view: View, plane: HudPlane) -> F8:
+    eye_from_hud = np.zeros((4, 4))
+    eye_from_hud[:3, 0] = plane.right_world / plane.canvas_width
+    eye_from_hud[:3, 1] = plane.up_world / CANVAS_HEIGHT
+    eye_from_hud[:3, 3] = plane.origin_world - view.eye_world
+    eye_from_hud[3, 3] = 1.0
+    return np.asarray(view.clip_from_eye @ eye_from_hud)

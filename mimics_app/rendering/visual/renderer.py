@@ -1,0 +1,162 @@
+"""The visual renderer: one entry, `draw(views)`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mimics_app.contracts.clock import Clock, MonotonicClock
+from mimics_app.contracts.errors import Issue, UsageError
+from mimics_app.rendering.visual.draw_list import DrawList, DrawRun, FrameBuffers
+from mimics_app.rendering.visual.frame_stats import FrameStats
+from mimics_app.rendering.visual.hud import Hud
+from mimics_app.rendering.visual.lighting import fit_shadow_frustum, gather_lighting
+from mimics_app.rendering.visual.materials import MaterialStore
+from mimics_app.rendering.visual.mesh_arena import MeshArena
+from mimics_app.rendering.visual.passes.hud import HudPass, plane_of_views
+from mimics_app.rendering.visual.passes.opaque import draw_opaque
+from mimics_app.rendering.visual.passes.shadow import draw_shadow
+from mimics_app.rendering.visual.passes.sky import SkyPass
+from mimics_app.rendering.visual.passes.transparent import draw_transparent
+from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.surface import Surface
+from mimics_app.rendering.visual.targets import PictureTarget, ShadowTarget
+from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view_block import ViewBlock
+from mimics_app.world.world import World
+
+if TYPE_CHECKING:
+    import moderngl
+
+__all__ = ["Renderer"]
+
+
+class Renderer:
+    """Draws a world on a surface.
+
+    Passes of a frame: the sun's shadow map once, then per view opaque, sky, transparent and heads-up display. Light
+    is computed linearly and encoded for the display by the shaders themselves, so that all backends agree; blending
+    and multisampling mix display values.
+
+    Attributes:
+        world: What is drawn; may be exchanged between frames.
+        hud: The heads-up display; what is on it stays until `hud.clear()`.
+        settings: As given.
+
+    Args:
+        surface: Where to draw; owned by the caller.
+        world: What to draw.
+        settings: Quality.
+        clock: For `FrameStats`.
+        shader_folder: Other shaders than the installation's.
+    """
+
+    def __init__(
+        self,
+        surface: Surface,
+        world: World,
+        settings: RenderSettings | None = None,
+        *,
+        clock: Clock | None = None,
+        shader_folder: Path | None = None,
+    ) -> None:
+        self.world = world
+        self.settings = settings or RenderSettings()
+        self._surface = surface
+        self._clock = clock or MonotonicClock()
+        ctx = surface.ctx
+        self._shaders = ShaderLibrary(ctx, shader_folder)
+        self.hud = Hud()
+        self._arena = MeshArena(ctx)
+        self._materials = MaterialStore(ctx, self._shaders)
+        self._list = DrawList(self._arena, self._materials)
+        self._frame = FrameBuffers(ctx)
+        self._picture = PictureTarget(surface, self.settings.msaa)
+        self._shadow = ShadowTarget(ctx, self.settings.shadow_size)
+        self._block = ViewBlock(ctx, self.settings)
+        self._sky = SkyPass(ctx, self._shaders)
+        self._hud_pass = HudPass(ctx, self._shaders)
+        self._timer = ctx.query(time=True) if self.settings.timer else None
+
+    def draw(self, views: Sequence[View]) -> FrameStats:
+        """Draw one frame into the surface's framebuffer; `surface.swap()` shows it.
+
+        Args:
+            views: What each eye sees; at least one.
+
+        Raises:
+            UsageError: no view.
+            SceneError: a shader does not compile.
+        """
+        if not views:
+            raise UsageError("a frame without a view cannot be drawn", "give at least one View")
+        started = self._clock.now_ns()
+        if self._timer is None:
+            triangles, draws = self._draw(views)
+        else:
+            with self._timer:
+                triangles, draws = self._draw(views)
+        cpu_ms = (self._clock.now_ns() - started) * 1e-6
+        return FrameStats(cpu_ms, self._timer.elapsed * 1e-6 if self._timer else None, triangles, draws)
+
+    def reload_shaders(self) -> list[Issue]:
+        """Compile changed shaders anew; returns what is wrong with them, old programs stay in use."""
+        return self._shaders.reload()
+
+    def release(self) -> None:
+        """Free everything but the surface."""
+        parts = (self._hud_pass, self._sky, self._block, self._shadow, self._picture, self._frame)
+        for part in (*parts, self._materials, self._arena):
+            part.release()
+
+    def _draw(self, views: Sequence[View]) -> tuple[int, int]:
+        lighting = gather_lighting(self.world)
+        self._list.update(self.world)
+        self._frame.begin()
+        shadow_runs: list[DrawRun] = []
+        if lighting.sun_casts_shadow and self.settings.shadow_size:
+            casters = self._list.casters(self.settings.shadow_reach)
+            lighting.shadow = fit_shadow_frustum(
+                lighting.sun_direction, casters.centres, casters.radii, self.settings.shadow_size
+            )
+            if lighting.shadow:
+                shadow_runs = self._list.batch_casters(self._frame, casters, lighting.shadow.centre)
+        view_runs = [self._list.batch_view(self._frame, view) for view in views]
+        self._frame.upload(self._arena)
+        draws = draw_shadow(
+            self._surface.ctx, self._arena, self._frame, self._shadow, lighting.shadow, shadow_runs
+        )
+        self._shadow.bind()
+        target = self._picture.begin()
+        target.use()
+        target.clear(depth=1.0)
+        for view, (opaque, transparent) in zip(views, view_runs, strict=True):
+            self._block.fill(view, lighting)
+            draws += self._draw_view(target, view, opaque, transparent)
+        draws += self._draw_hud(views)
+        self._picture.end()
+        everything = [*shadow_runs, *(run for runs in view_runs for part in runs for run in part)]
+        return sum(run.triangles for run in everything), draws
+
+    def _draw_view(
+        self, target: moderngl.Framebuffer, view: View, opaque: list[DrawRun], transparent: list[DrawRun]
+    ) -> int:
+        ctx = self._surface.ctx
+        target.viewport = target.scissor = view.rectangle
+        self._block.bind()
+        draws = draw_opaque(ctx, self._arena, self._frame, opaque)
+        draws += self._sky.draw()
+        draws += draw_transparent(target, self._arena, self._frame, transparent)
+        target.scissor = None
+        return draws
+
+    def _draw_hud(self, views: Sequence[View]) -> int:
+        draws = 0
+        for screen in dict.fromkeys(view.screen for view in views):
+            eyes = [view for view in views if view.screen == screen]
+            plane = plane_of_views(eyes, self.settings.hud_depth)
+            for view in eyes:
+                draws += self._hud_pass.draw(self.hud, view, plane)
+        return draws

@@ -1,0 +1,29 @@
+// Everything that shines on an opaque surface: sun, lights at places, sky.
+
+vec3 shine_of_light(int i, vec3 position_eye, Surface s) {
+    vec3 to_light = light_position[i].xyz - position_eye;
+    float distance2 = max(dot(to_light, to_light), 1e-4);
+    vec3 direction = to_light * inversesqrt(distance2);
+    float range = light_position[i].w;
+    float ratio2 = range > 0.0 ? distance2 / (range * range) : 0.0;
+    float window = clamp(1.0 - ratio2 * ratio2, 0.0, 1.0);
+    float outer = light_colour[i].w;
+    float cone = smoothstep(outer, max(light_direction[i].w, outer + 1e-4), dot(-direction, light_direction[i].xyz));
+    float strength = window * window / distance2 * (outer < -1.5 ? 1.0 : cone);
+    return strength * light_colour[i].rgb * reflect_light(s, direction);
+}
+
+vec3 shine_of_sky(Surface s, float roughness) {
+    vec3 mirrored = environment_share(s.specular, roughness, s.facing);
+    vec3 bounce = sky_radiance(reflect(-s.view, s.normal));
+    return s.diffuse * sky_irradiance(s.normal) + mirrored * mix(bounce, sky_irradiance(s.normal), roughness) * ambient.rgb;
+}
+
+vec3 shine(Surface s, float roughness, vec3 position_eye, float sun_share) {
+    vec3 light = sun_share * sun_colour.rgb * reflect_light(s, sun_direction.xyz);
+    int count = int(ambient.w);
+    for (int i = 0; i < count; ++i) {
+        light += shine_of_light(i, position_eye, s);
+    }
+    return light + shine_of_sky(s, roughness);
+}

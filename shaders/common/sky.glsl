@@ -1,0 +1,15 @@
+// Radiance of the sky in a direction, and the light it sheds on a surface.
+
+vec3 sky_radiance(vec3 direction) {
+    float up = clamp(direction.y, 0.0, 1.0);
+    float down = clamp(-4.0 * direction.y, 0.0, 1.0);
+    float low = 1.0 - up;
+    vec3 above = mix(sky_zenith.rgb, sky_horizon.rgb, low * low * low);
+    return mix(above, sky_ground.rgb, down * down * (3.0 - 2.0 * down));
+}
+
+// Mean radiance a surface of this normal receives from the whole sky, times its albedo is what it gives back.
+vec3 sky_irradiance(vec3 normal) {
+    vec3 side = mix(sky_ground.rgb, sky_zenith.rgb, 0.5 + 0.5 * normal.y);
+    return ambient.rgb * mix(side, sky_horizon.rgb, 0.5 * (1.0 - normal.y * normal.y));
+}

@@ -1,0 +1,27 @@
+// What one view shares between all passes. Filled by rendering/visual/view_block.py: same order, std140.
+// Frame "eye": world axes, origin at the eye, metres. No shader assumes a symmetric frustum.
+
+#define MAX_LIGHTS 8
+
+layout(std140, binding = 0) uniform ViewBlock {
+    mat4 clip_from_eye;
+    mat4 shadow_from_eye;       // to texture coordinates and depth of the sun's shadow map, 0 to 1
+    vec4 tangents;              // left, right, bottom, top
+    vec4 axis_right;            // of the eye, in the world; w: where the eye is in the world, x
+    vec4 axis_up;               //                          w: y
+    vec4 axis_back;             //                          w: z
+    vec4 sun_direction;         // unit, towards the sun; w: 1 where it has a shadow map
+    vec4 sun_colour;            // linear; 1 makes a white surface facing it white
+    vec4 sky_zenith;            // linear radiance; w: exposure
+    vec4 sky_horizon;           // w: fog density [1/m]
+    vec4 sky_ground;            // w: 1 for the neutral tone map, 0 for none
+    vec4 ambient;               // rgb: factor on the sky's light on surfaces; w: number of lights below
+    vec4 shadow;                // texel [uv], texel [m], unused, unused
+    vec4 light_position[MAX_LIGHTS];   // eye frame; w: range [m], 0 for unlimited
+    vec4 light_colour[MAX_LIGHTS];     // linear, at 1 m; w: cosine of the outer cone, -2 for a point light
+    vec4 light_direction[MAX_LIGHTS];  // unit, where it shines; w: cosine of the inner cone
+};
+
+vec3 eye_position_world() {
+    return vec3(axis_right.w, axis_up.w, axis_back.w);
+}

@@ -1,0 +1,32 @@
+// Opaque, masked or blended surface lit by sun, lights and sky.
+#include "common/view.glsl"
+#include "common/material.glsl"
+#include "common/sky.glsl"
+#include "common/output.glsl"
+#include "common/shadow.glsl"
+#include "common/brdf.glsl"
+#include "common/lights.glsl"
+#include "common/grid.glsl"
+
+in vec3 position_eye;
+in vec3 normal;
+in vec2 uv;
+in vec4 vertex_colour;
+out vec4 colour;
+
+void main() {
+    vec4 base = material_colour(vertex_colour, uv);
+#ifdef MASKED
+    if (base.a < emission.w) discard;
+#endif
+#ifdef GRID
+    vec2 cells = (position_eye + eye_position_world()).xz / finish.z;
+    base.rgb = mix(base.rgb, vec3(0.9), 0.5 * grid_coverage(cells));
+#endif
+    float distance = length(position_eye);
+    vec3 n = normalize(gl_FrontFacing ? normal : -normal);
+    Surface surface = make_surface(base.rgb, finish.x, finish.y, n, position_eye / -distance);
+    float sun_share = sun_visibility(position_eye, n);
+    vec3 light = emission.rgb + shine(surface, finish.y, position_eye, sun_share);
+    colour = vec4(encode_output(apply_fog(light, distance)), base.a);
+}
