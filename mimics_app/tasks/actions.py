@@ -9,7 +9,15 @@ from typing import Any
 from mimics_app.contracts.action_space import ActionSpace, Parameter
 from mimics_app.tasks.task import MapSpec, ParameterSpec, TaskSpec
 
-__all__ = ["TARGET_GROUPS", "TASK_TARGETS", "ActionSpace", "Settings", "build_action_space", "map_value", "settings_for"]
+__all__ = [
+    "TARGET_GROUPS",
+    "TASK_TARGETS",
+    "ActionSpace",
+    "Settings",
+    "build_action_space",
+    "map_value",
+    "settings_for",
+]
 
 TARGET_GROUPS = ("haptic", "visual", "audio", "task")
 """First words of `MapSpec.to`."""

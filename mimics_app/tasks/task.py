@@ -46,7 +46,7 @@ Order = Literal["listed", "shuffled", "latin"]
 StateName = Literal["approach", "ready", "travel", "finished", "timeout", "aborted", "stopped", "rest", "done"]
 
 
-class MapSpec(Component):
+class MapSpec(Component, frozen=True):
     """Where the value of a parameter goes: offset + scale * value, or an entry of a table."""
 
     to: Annotated[
@@ -67,7 +67,7 @@ class MapSpec(Component):
     ] = None
 
 
-class ParameterSpec(Component):
+class ParameterSpec(Component, frozen=True):
     """One adaptable parameter of the task; all numbers in `unit`."""
 
     default: Annotated[float, Meta(description="Value at the session's start.")]
@@ -82,14 +82,14 @@ class ParameterSpec(Component):
     unit: Annotated[str, Meta(description="Unit of the value; '-' for none.")] = "-"
 
 
-class ProgressGoal(Component, tag="progress", tag_field="kind"):
+class ProgressGoal(Component, frozen=True, tag="progress", tag_field="kind"):
     """Reach a share of the tunnel's length."""
 
     at_least: Annotated[Share, Meta(description="Share of the arc length, 0-1; exactly this counts.")] = 0.98
     hold_s: Annotated[Seconds, Meta(description="How long to stay there [s].")] = 0.0
 
 
-class PointGoal(Component, tag="point", tag_field="kind"):
+class PointGoal(Component, frozen=True, tag="point", tag_field="kind"):
     """Bring the ball to a point."""
 
     position_world: Annotated[Vec3, Meta(description="Where [m].")]
@@ -99,7 +99,7 @@ class PointGoal(Component, tag="point", tag_field="kind"):
     hold_s: Annotated[Seconds, Meta(description="How long to stay there [s].")] = 0.0
 
 
-class DurationGoal(Component, tag="duration", tag_field="kind"):
+class DurationGoal(Component, frozen=True, tag="duration", tag_field="kind"):
     """Keep going for a time."""
 
     seconds: Annotated[Seconds, Meta(description="Since the person was let go [s].")]
@@ -108,31 +108,31 @@ class DurationGoal(Component, tag="duration", tag_field="kind"):
 GoalSpec = ProgressGoal | PointGoal | DurationGoal
 
 
-class EnterCondition(Component, tag="enter", tag_field="kind"):
+class EnterCondition(Component, frozen=True, tag="enter", tag_field="kind"):
     """A state begins."""
 
     state: Annotated[StateName, Meta(description="Which one.")]
 
 
-class ExitCondition(Component, tag="exit", tag_field="kind"):
+class ExitCondition(Component, frozen=True, tag="exit", tag_field="kind"):
     """A state ends."""
 
     state: Annotated[StateName, Meta(description="Which one.")]
 
 
-class ProgressCondition(Component, tag="progress", tag_field="kind"):
+class ProgressCondition(Component, frozen=True, tag="progress", tag_field="kind"):
     """The ball comes this far, once per trial."""
 
     at_least: Annotated[Share, Meta(description="Share of the tunnel's arc length, 0-1.")]
 
 
-class ContactCondition(Component, tag="contact", tag_field="kind"):
+class ContactCondition(Component, frozen=True, tag="contact", tag_field="kind"):
     """The ball touches something during travel."""
 
     min_force: Annotated[NotNegative, Meta(description="Weaker contacts do not count [N].")] = 0.0
 
 
-class KeyCondition(Component, tag="key", tag_field="kind"):
+class KeyCondition(Component, frozen=True, tag="key", tag_field="kind"):
     """A key or button goes down."""
 
     key: Annotated[str, Meta(description="Its name e.g. 'm', 'mouse_left' or 'pad_y'.")]
@@ -141,7 +141,7 @@ class KeyCondition(Component, tag="key", tag_field="kind"):
 TriggerCondition = EnterCondition | ExitCondition | ProgressCondition | ContactCondition | KeyCondition
 
 
-class SoundDeed(Component, tag="sound", tag_field="kind"):
+class SoundDeed(Component, frozen=True, tag="sound", tag_field="kind"):
     """Play a sound."""
 
     sound: Annotated[str, Meta(description="Name of a sound of the scene.")]
@@ -149,14 +149,14 @@ class SoundDeed(Component, tag="sound", tag_field="kind"):
     at_ball: Annotated[bool, Meta(description="True: where the ball is; False: at the listener.")] = False
 
 
-class MessageDeed(Component, tag="message", tag_field="kind"):
+class MessageDeed(Component, frozen=True, tag="message", tag_field="kind"):
     """Show a line of text."""
 
     text: Annotated[str, Meta(description="What to show.")]
     seconds: Annotated[Seconds, Meta(description="For how long [s].")] = 2.0
 
 
-class ActionDeed(Component, tag="action", tag_field="kind"):
+class ActionDeed(Component, frozen=True, tag="action", tag_field="kind"):
     """Adapt the task, as a learning policy would."""
 
     values: Annotated[
@@ -167,14 +167,14 @@ class ActionDeed(Component, tag="action", tag_field="kind"):
 Deed = SoundDeed | MessageDeed | ActionDeed
 
 
-class TriggerSpec(Component):
+class TriggerSpec(Component, frozen=True):
     """When something happens, do something."""
 
     when: Annotated[TriggerCondition, Meta(description="The condition.")]
     do: Annotated[list[Deed], Meta(description="What to do, in order.")]
 
 
-class TrialSpec(Component):
+class TrialSpec(Component, frozen=True):
     """One trial of a block."""
 
     label: Annotated[str, Meta(description="Name of the condition, for the results.")] = ""
@@ -186,7 +186,7 @@ class TrialSpec(Component):
     rest_s: Annotated[Seconds | None, Meta(description="Rest after this trial, instead of the task's [s].")] = None
 
 
-class BlockSpec(Component):
+class BlockSpec(Component, frozen=True):
     """Trials that belong together."""
 
     name: Annotated[str, Meta(description="For the results.")] = ""
@@ -206,7 +206,7 @@ class BlockSpec(Component):
     )
 
 
-class StartSpec(Component):
+class StartSpec(Component, frozen=True):
     """How the robot is brought to the start of a trial."""
 
     tolerance: Annotated[
@@ -226,7 +226,7 @@ class StartSpec(Component):
     ] = 5
 
 
-class ScorePartSpec(Component):
+class ScorePartSpec(Component, frozen=True):
     """How one measure counts: full marks at `best`, none at `worst`, linear between."""
 
     weight: Annotated[NotNegative, Meta(description="Share of the score, relative to the other weights.")]
@@ -234,7 +234,7 @@ class ScorePartSpec(Component):
     worst: Annotated[float, Meta(description="Value that earns none.")]
 
 
-class ScoreSpec(Component):
+class ScoreSpec(Component, frozen=True):
     """Weights of the score 0-100; see tasks.score for the formula."""
 
     time: Annotated[ScorePartSpec, Meta(description="Duration of the travel [s].")] = ScorePartSpec(
@@ -252,7 +252,7 @@ class ScoreSpec(Component):
     ] = ScorePartSpec(weight=0.15, best=-1.6, worst=-12.0)
 
 
-class TaskSpec(Component):
+class TaskSpec(Component, frozen=True):
     """What the person is to do, how often, and how it is scored."""
 
     title: Annotated[str, Meta(description="Shown to the person.")] = ""

@@ -1,0 +1,32 @@
+"""Whether the robot has come to the start of a trial and stays there."""
+
+from __future__ import annotations
+
+from mimics_app.tasks.observation import Observation
+from mimics_app.tasks.task import StartSpec
+
+__all__ = ["Arrival"]
+
+
+class Arrival:
+    """Joint error small for long enough, while the robot follows its controller."""
+
+    def __init__(self, spec: StartSpec, start_joints: tuple[float, float, float]) -> None:
+        self._spec = spec
+        self._start = start_joints
+        self._since_ns: int | None = None
+
+    def restart(self) -> None:
+        """An approach begins."""
+        self._since_ns = None
+
+    def reached(self, seen: Observation) -> bool:
+        """Whether the robot has arrived by this frame. Call once per frame of an approach."""
+        errors = (abs(q - start) for q, start in zip(seen.q, self._start, strict=True))
+        near = all(error <= limit for error, limit in zip(errors, self._spec.tolerance, strict=True))
+        if not (near and seen.movable):
+            self._since_ns = None
+            return False
+        if self._since_ns is None:
+            self._since_ns = seen.now_ns
+        return (seen.now_ns - self._since_ns) / 1e9 >= self._spec.hold_s

@@ -1,0 +1,134 @@
+"""The trials of a session as they are lived: which one is under way, how often it was begun, and the rows it left."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
+from typing import Any
+
+from mimics_app.tasks.observation import Observation
+from mimics_app.tasks.score import session_result, trial_points
+from mimics_app.tasks.tally import Measures, Tally
+from mimics_app.tasks.task import ScoreSpec
+from mimics_app.tasks.trials import Trial
+
+__all__ = ["ABORTED", "FINISHED", "SESSION_ENDED", "TIMEOUT", "Attempts", "Row"]
+
+Row = dict[str, Any]
+"""One attempt: trial, attempt, block, label, repetition, practice, outcome, cause, begin_ns, end_ns, the fields of
+`Measures`, score, and `parameter.NAME` for each adaptable parameter as it stood at the end. The same keys in every row;
+smoothness is None where nothing moved."""
+
+FINISHED, TIMEOUT, ABORTED = "finished", "timeout", "aborted"
+SESSION_ENDED = "session ended"
+"""Cause of the row of an attempt that was under way when the session was closed."""
+
+
+class Attempts:
+    """Counts trials and attempts, and writes a row at the end of each attempt.
+
+    Attributes:
+        number: Of the current trial, 0 first; -1 before the first.
+        attempt: At the current trial, 1 first.
+        begun: Attempts over the whole session.
+        tally: Of the travel, once the person was let go.
+        rows: Of the attempts so far.
+        score: Points of the newest row.
+    """
+
+    def __init__(
+        self, plan: Sequence[Trial], score: ScoreSpec, most_attempts: int, on_row: Callable[[Row], None]
+    ) -> None:
+        self.plan = tuple(plan)
+        self.number = -1
+        self.attempt = 0
+        self.begun = 0
+        self.tally: Tally | None = None
+        self.rows: list[Row] = []
+        self.score = 0.0
+        self._score_spec = score
+        self._most = most_attempts
+        self._on_row = on_row
+        self._begin_ns = 0
+        self._open = False
+
+    @property
+    def trial(self) -> Trial:
+        """The current trial."""
+        return self.plan[max(self.number, 0)]
+
+    @property
+    def trials_left(self) -> bool:
+        """Whether another trial follows the current one."""
+        return self.number + 1 < len(self.plan)
+
+    @property
+    def attempts_left(self) -> bool:
+        """Whether the current trial may be begun once more."""
+        return self.attempt < self._most
+
+    @property
+    def trial_over(self) -> bool:
+        """Whether the current trial reached its goal or its time, or was given up."""
+        if self._open or not self.rows:
+            return False
+        return self.rows[-1]["outcome"] != ABORTED or not self.attempts_left
+
+    def begin(self, now_ns: int) -> bool:
+        """Begin the current trial again, or the next one where the current is over; True for a new trial."""
+        fresh = self.number < 0 or self.trial_over
+        if fresh:
+            self.number += 1
+            self.attempt = 0
+        self.attempt += 1
+        self.begun += 1
+        self.tally = None
+        self._begin_ns = now_ns
+        self._open = True
+        return fresh
+
+    def let_go(self, seen: Observation) -> None:
+        """The travel begins with this frame."""
+        self.tally = Tally(seen)
+
+    def end(self, outcome: str, cause: str, parameters: Mapping[str, float], now_ns: int) -> None:
+        """Write the row of the attempt under way; nothing when there is none."""
+        if not self._open:
+            return
+        row = self._row(outcome, cause, parameters, now_ns)
+        self._open = False
+        self.score = row["score"]
+        self.rows.append(row)
+        self._on_row(row)
+
+    def result(self, now_ns: int) -> dict[str, float]:
+        """Totals of the session, see `tasks.score.session_result`.
+
+        A travel under way, or cut off by the session's end, counts as it stands. Practice counts only where there is
+        nothing else.
+        """
+        rows = [row for row in self.rows if row["outcome"] != ABORTED or row["cause"] == SESSION_ENDED]
+        if self._open and self.tally is not None:
+            rows.append(self._row(ABORTED, SESSION_ENDED, {}, now_ns))
+        travelled = [row for row in rows if row["time_s"] > 0.0]
+        counted = [row for row in travelled if not row["practice"]]
+        completed = sum(row["outcome"] == FINISHED for row in self.rows)
+        return session_result(counted or travelled, trials=self.number + self.trial_over, completed=completed)
+
+    def _row(self, outcome: str, cause: str, parameters: Mapping[str, float], now_ns: int) -> Row:
+        measures = self.tally.measures() if self.tally else Measures()
+        return {
+            "trial": self.number,
+            "attempt": self.attempt,
+            "block": self.trial.block,
+            "label": self.trial.label,
+            "repetition": self.trial.repetition,
+            "practice": self.trial.practice,
+            "outcome": outcome,
+            "cause": cause,
+            "begin_ns": self.tally.begin_ns if self.tally else self._begin_ns,
+            "end_ns": now_ns,
+            **asdict(measures),
+            "score": trial_points(self._score_spec, measures, finished=outcome == FINISHED),
+            **{f"parameter.{name}": value for name, value in parameters.items()},
+        }

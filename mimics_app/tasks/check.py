@@ -1,0 +1,140 @@
+"""What types cannot say about a task: limits that agree, names that exist, numbers that are finite."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+import msgspec
+import numpy as np
+
+from mimics_app.contracts.errors import Issue, nearest
+from mimics_app.contracts.haptic import SCENE
+from mimics_app.tasks.actions import TARGET_GROUPS, TASK_TARGETS
+from mimics_app.tasks.task import ActionDeed, BlockSpec, MapSpec, ParameterSpec, ScorePartSpec, TaskSpec
+
+__all__ = ["check_blocks", "check_task", "escape", "haptic_targets"]
+
+_MAX_TRIALS = 10_000
+
+
+def check_task(spec: TaskSpec, pointer: str = "/task", file: str = "") -> list[Issue]:
+    """Every fault of a task's meaning.
+
+    Args:
+        spec: The task, of the right types already. A trial file it names is checked by `tasks.trial_file`.
+        pointer: JSON pointer of the task in its file.
+        file: The file, as the user wrote it.
+    """
+    faults = list(_check_finite(msgspec.to_builtins(spec), pointer))
+    for name, parameter in spec.parameters.items():
+        faults += _check_parameter(parameter, f"{pointer}/parameters/{escape(name)}")
+    for i, trigger in enumerate(spec.triggers):
+        for j, deed in enumerate(trigger.do):
+            if isinstance(deed, ActionDeed):
+                faults += _check_values(deed.values, spec.parameters, f"{pointer}/triggers/{i}/do/{j}/values")
+    for name in ("time", "path_error", "contacts", "smoothness"):
+        faults += _check_score_part(getattr(spec.score, name), f"{pointer}/score/{name}")
+    faults += _check_weights(spec, f"{pointer}/score")
+    issues = [Issue(file, place, what, fix) for place, what, fix in faults]
+    return issues + ([] if isinstance(spec.trials, str) else check_blocks(spec, spec.trials, f"{pointer}/trials", file))
+
+
+def check_blocks(spec: TaskSpec, blocks: list[BlockSpec], pointer: str, file: str) -> list[Issue]:
+    """Every fault of a trial list, inline or from its own file, against the task's parameters."""
+    faults: list[_Fault] = []
+    for b, block in enumerate(blocks):
+        for t, trial in enumerate(block.trials):
+            faults += _check_values(trial.values, spec.parameters, f"{pointer}/{b}/trials/{t}/values")
+    if sum(len(block.trials) * block.repetitions for block in blocks) > _MAX_TRIALS:
+        faults.append((pointer, f"more than {_MAX_TRIALS} trials in one session", "make fewer repetitions"))
+    return [Issue(file, place, what, fix) for place, what, fix in faults]
+
+
+def haptic_targets() -> set[str]:
+    """Names a parameter may change in the haptic scene: single floating point numbers, also of its tunnel."""
+    plain = {name for name in SCENE.names or () if SCENE[name] == np.float64}
+    tunnel = SCENE["tunnel"]
+    return plain | {f"tunnel.{name}" for name in tunnel.names or () if tunnel[name] == np.float64}
+
+
+def escape(name: str) -> str:
+    """A name as one step of a JSON pointer (RFC 6901)."""
+    return name.replace("~", "~0").replace("/", "~1")
+
+
+_Fault = tuple[str, str, str]
+"""(pointer, what, fix)"""
+
+
+def _check_finite(value: object, pointer: str) -> Iterator[_Fault]:
+    if isinstance(value, float) and not math.isfinite(value):
+        yield pointer, f"{value} is no finite number", "write a number"
+    elif isinstance(value, Mapping):
+        for name, item in value.items():
+            yield from _check_finite(item, f"{pointer}/{escape(str(name))}")
+    elif isinstance(value, list | tuple):
+        for i, item in enumerate(value):
+            yield from _check_finite(item, f"{pointer}/{i}")
+
+
+def _check_parameter(parameter: ParameterSpec, pointer: str) -> Iterator[_Fault]:
+    if parameter.max < parameter.min:
+        yield f"{pointer}/max", f"{parameter.max:g} is below min, {parameter.min:g}", "exchange the two"
+    elif not parameter.min <= parameter.default <= parameter.max:
+        yield f"{pointer}/default", _outside(parameter.default, parameter), "choose a default inside the limits"
+    for i, target in enumerate(parameter.maps):
+        yield from _check_map(target, parameter, f"{pointer}/maps/{i}")
+
+
+def _check_map(target: MapSpec, parameter: ParameterSpec, pointer: str) -> Iterator[_Fault]:
+    group, _, name = target.to.partition(".")
+    if group not in TARGET_GROUPS:
+        yield f"{pointer}/to", f'"{target.to}" begins with no known group', nearest(group, TARGET_GROUPS)
+    elif not name:
+        yield f"{pointer}/to", f'"{target.to}" names nothing', f'write "{group}.NAME"'
+    elif group == "haptic" and name not in haptic_targets():
+        yield f"{pointer}/to", f'"{name}" is no number of the haptic scene', nearest(name, haptic_targets())
+    elif group == "task" and name not in TASK_TARGETS:
+        yield f"{pointer}/to", f'"{name}" is nothing a task can change', nearest(name, TASK_TARGETS)
+    words = [entry for entry in target.table or () if isinstance(entry, str)]
+    if words and group in ("haptic", "task"):
+        yield f"{pointer}/table", f'"{words[0]}" is a word where a number is needed', "write numbers"
+    yield from _check_table(target, parameter, pointer)
+
+
+def _check_table(target: MapSpec, parameter: ParameterSpec, pointer: str) -> Iterator[_Fault]:
+    if target.table is None:
+        return
+    steps = (parameter.max - parameter.min) / parameter.step if parameter.step > 0.0 else math.nan
+    if not target.table:
+        yield f"{pointer}/table", "an empty table", "write one entry per step, or leave the table out"
+    elif math.isfinite(steps) and len(target.table) != round(steps) + 1:
+        what = f"{len(target.table)} entries for {round(steps) + 1} steps from min to max"
+        yield f"{pointer}/table", what, "write one entry per step"
+
+
+def _check_values(values: Mapping[str, float], known: Mapping[str, ParameterSpec], pointer: str) -> Iterator[_Fault]:
+    for name, value in values.items():
+        place = f"{pointer}/{escape(name)}"
+        if name not in known:
+            hint = nearest(name, known) if known else "the task has no parameters; add them under task/parameters"
+            yield place, f'no parameter is called "{name}"', hint
+        elif math.isfinite(value) and not known[name].min <= value <= known[name].max:
+            yield place, _outside(value, known[name]), "choose a value inside the limits"
+
+
+def _check_score_part(part: ScorePartSpec, pointer: str) -> Iterator[_Fault]:
+    if part.best == part.worst:
+        yield f"{pointer}/worst", "is the same as best, so nothing lies between", "set them apart"
+
+
+def _check_weights(spec: TaskSpec, pointer: str) -> Iterator[_Fault]:
+    score = spec.score
+    if not score.time.weight + score.path_error.weight + score.contacts.weight + score.smoothness.weight > 0.0:
+        yield pointer, "all weights are zero", "give at least one measure a weight"
+
+
+def _outside(value: float, parameter: ParameterSpec) -> str:
+    unit = "" if parameter.unit == "-" else f" {parameter.unit}"
+    return f"{value:g}{unit} lies outside {parameter.min:g} to {parameter.max:g}{unit}"

@@ -1,0 +1,45 @@
+"""Which controller drives the robot in each state of a trial."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from mimics_app.contracts.haptic import Controller
+from mimics_app.tasks.state_machine import State
+
+__all__ = ["RobotControl"]
+
+Vec3 = tuple[float, float, float]
+_FREE = (State.READY, State.TRAVEL)
+
+
+class RobotControl:
+    """Approach: joint PD to the start. Ready and travel: admittance. Stopped: off. Otherwise: hold where it is.
+
+    Holding between trials carries the arm, and nothing moves a hand that rests.
+    """
+
+    def __init__(self, start_joints: Vec3) -> None:
+        self._start = start_joints
+        self._controller = Controller.OFF
+        self._target = start_joints
+        self._holding = False
+
+    def enter(self, state: State, q: Vec3) -> None:
+        """A state begins with the joints at q [m, rad, m]."""
+        held_before = self._holding
+        self._holding = state not in (State.APPROACH, State.STOPPED, *_FREE)
+        if state is State.STOPPED:
+            self._controller = Controller.OFF
+        elif state in _FREE:
+            self._controller = Controller.ADMITTANCE
+        else:
+            self._controller = Controller.JOINT_PD
+        if state is State.APPROACH:
+            self._target = self._start
+        elif self._holding and not held_before:
+            self._target = q
+
+    def wanted(self) -> Mapping[str, object]:
+        """SCENE fields as they should be now."""
+        return {"controller": int(self._controller), "target": self._target}

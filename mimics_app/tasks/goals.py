@@ -1,0 +1,46 @@
+"""When a trial is finished: every goal met at once, each held for its time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from mimics_app.tasks.observation import Observation
+from mimics_app.tasks.task import DurationGoal, GoalSpec, PointGoal
+
+__all__ = ["Goals", "holds"]
+
+
+class Goals:
+    """The goals of a task, and since when each holds."""
+
+    def __init__(self, specs: Sequence[GoalSpec]) -> None:
+        self._specs = tuple(specs)
+        self._since_ns: list[int | None] = [None] * len(self._specs)
+
+    def restart(self) -> None:
+        """Forget what held: a travel begins."""
+        self._since_ns = [None] * len(self._specs)
+
+    def met(self, seen: Observation, travelled_s: float) -> bool:
+        """Whether all goals are met in this frame, `travelled_s` [s] after the travel began. Call once per frame."""
+        done = [self._is_met(i, goal, seen, travelled_s) for i, goal in enumerate(self._specs)]
+        return all(done)
+
+    def _is_met(self, i: int, goal: GoalSpec, seen: Observation, travelled_s: float) -> bool:
+        if not holds(goal, seen, travelled_s):
+            self._since_ns[i] = None
+            return False
+        since = self._since_ns[i]
+        if since is None:
+            since = self._since_ns[i] = seen.now_ns
+        return isinstance(goal, DurationGoal) or (seen.now_ns - since) / 1e9 >= goal.hold_s
+
+
+def holds(goal: GoalSpec, seen: Observation, travelled_s: float) -> bool:
+    """Whether a goal's condition holds in this frame, its hold time aside; exactly at the limit it does."""
+    if isinstance(goal, DurationGoal):
+        return travelled_s >= goal.seconds
+    if isinstance(goal, PointGoal):
+        return math.dist(seen.ball_world, goal.position_world) <= goal.within
+    return seen.progress >= goal.at_least

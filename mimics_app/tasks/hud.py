@@ -1,0 +1,60 @@
+"""What the task shows the person: a message and a few figures by name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from mimics_app.contracts.haptic import TripCause
+from mimics_app.tasks.state_machine import State
+from mimics_app.tasks.task import StateName
+
+__all__ = ["BUILT_IN", "Board", "cause_words", "state_message"]
+
+BUILT_IN: Mapping[State, str] = {
+    State.APPROACH: "The robot moves to the start",
+    State.READY: "Get ready",
+    State.TRAVEL: "Go!",
+    State.FINISHED: "Well done: {score} points",
+    State.TIMEOUT: "Time is over: {score} points",
+    State.ABORTED: "The start was not reached",
+    State.STOPPED: "Stopped: {cause}. The operator resets it when it is safe",
+    State.REST: "Rest: {seconds} s",
+    State.DONE: "Finished: {score} points",
+}
+"""Text of each state unless the scene has its own; {score}, {seconds}, {cause}, {trial}, {trials} are filled in."""
+
+_GO_S = 1.5
+"""How long the travel's message stays [s]; then the person has the picture to themselves."""
+
+
+def state_message(state: State, texts: Mapping[StateName, str], elapsed_s: float, fields: Mapping[str, str]) -> str:
+    """The line of a state, `elapsed_s` [s] after it began. Only the named fields are filled in; other braces stay."""
+    if state is State.TRAVEL and elapsed_s >= _GO_S:
+        return ""
+    text = texts.get(state.value, BUILT_IN[state])
+    for name, value in fields.items():
+        text = text.replace("{" + name + "}", value)
+    return text
+
+
+def cause_words(cause: int) -> str:
+    """A TripCause as a person reads it: "stop key"."""
+    if cause not in set(TripCause) or cause == TripCause.NONE:
+        return "safety stop"
+    return TripCause(cause).name.lower().replace("_", " ")
+
+
+class Board:
+    """A message of a trigger covers the state's own line until its time is over."""
+
+    def __init__(self) -> None:
+        self._text = ""
+        self._until_ns = 0
+
+    def show(self, text: str, until_ns: int) -> None:
+        """Show a line until a time [ns]."""
+        self._text, self._until_ns = text, until_ns
+
+    def line(self, now_ns: int, otherwise: str) -> str:
+        """What is read now."""
+        return self._text if now_ns < self._until_ns else otherwise

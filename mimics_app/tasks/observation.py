@@ -1,0 +1,96 @@
+"""What one frame looks like to a task: the snapshot's numbers it needs, and the contacts since the last frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic import EventKind, SafetyState
+from mimics_app.contracts.messages import HapticSnapshot
+
+__all__ = ["Contact", "Observation", "observe"]
+
+Vec3 = tuple[float, float, float]
+_LATCHED = (SafetyState.SAFE_STOP, SafetyState.E_STOP)
+_MOVABLE = (SafetyState.READY, SafetyState.ACTIVE, SafetyState.DEGRADED)
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """The ball touches or leaves something.
+
+    Attributes:
+        t_ns: When.
+        begins: True for touching.
+        force: [N] at the touch.
+    """
+
+    t_ns: int
+    begins: bool
+    force: float
+
+
+@dataclass(frozen=True, slots=True)
+class Observation:
+    """One frame.
+
+    Attributes:
+        now_ns: Of the frame.
+        latched: The loop is in SAFE_STOP or E_STOP.
+        movable: The robot follows its controller.
+        soft_start_over: The force is fully let through.
+        cause: TripCause.
+        q: Joints [m, rad, m].
+        ball_world: Its centre [m].
+        speed: Of the ball [m/s].
+        force: Felt by the user [N].
+        progress: Share of the tunnel's arc length.
+        distance: Of the ball's centre from the bisector [m].
+        touching: The ball is in the wall now.
+        contacts: Since the last frame, oldest first.
+    """
+
+    now_ns: int
+    latched: bool
+    movable: bool
+    soft_start_over: bool
+    cause: int
+    q: Vec3
+    ball_world: Vec3
+    speed: float
+    force: float
+    progress: float
+    distance: float
+    touching: bool
+    contacts: tuple[Contact, ...]
+
+
+def observe(snapshot: HapticSnapshot, events: NDArray[Any], now_ns: int) -> Observation:
+    """Take what a task needs from the newest snapshot and the EVENT records since the last frame, shape [n]."""
+    contacts = tuple(
+        Contact(int(event["t_ns"]), bool(event["kind"] == EventKind.CONTACT_BEGIN), float(event["force"]))
+        for event in events
+        if event["kind"] in (EventKind.CONTACT_BEGIN, EventKind.CONTACT_END)
+    )
+    return Observation(
+        now_ns=now_ns,
+        latched=snapshot.state in _LATCHED,
+        movable=snapshot.state in _MOVABLE,
+        soft_start_over=snapshot.state == SafetyState.ACTIVE and snapshot.ramp >= 1.0 - 1e-9,
+        cause=snapshot.cause,
+        q=_vector(snapshot.q),
+        ball_world=_vector(snapshot.hip_world),
+        speed=float(np.linalg.norm(snapshot.v_world)),
+        force=float(np.linalg.norm(snapshot.f_user_world)),
+        progress=snapshot.progress,
+        distance=snapshot.distance,
+        touching=snapshot.penetration > 0.0,
+        contacts=contacts,
+    )
+
+
+def _vector(values: NDArray[np.float64]) -> Vec3:
+    return float(values[0]), float(values[1]), float(values[2])

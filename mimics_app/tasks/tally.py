@@ -1,0 +1,125 @@
+"""What is measured while the person travels: time, path error, contacts, force, smoothness."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from mimics_app.tasks.observation import Contact, Observation
+from mimics_app.tasks.smoothness import RESAMPLE_HZ, resample_speed, sparc
+
+__all__ = ["Measures", "Tally"]
+
+
+@dataclass(frozen=True, slots=True)
+class Measures:
+    """One travel in numbers.
+
+    Attributes:
+        time_s: Duration [s].
+        path_error_rms_m: Root of the time mean of the squared distance from the bisector [m].
+        path_error_max_m: Largest distance [m].
+        contacts: Contacts begun.
+        contact_time_s: Time in contact [s].
+        smoothness: SPARC [-], negative; None where nothing moved.
+        force_mean_n: Time mean of the force felt [N].
+        force_peak_n: Largest force felt [N].
+        progress: Farthest share of the tunnel's length.
+    """
+
+    time_s: float = 0.0
+    path_error_rms_m: float = 0.0
+    path_error_max_m: float = 0.0
+    contacts: int = 0
+    contact_time_s: float = 0.0
+    smoothness: float | None = None
+    force_mean_n: float = 0.0
+    force_peak_n: float = 0.0
+    progress: float = 0.0
+
+
+class Tally:
+    """Gathers one travel, frame by frame. Contacts come at the loop's 1 kHz, the rest at the frames' rate.
+
+    Means are integrals by the trapezoidal rule, so that uneven frames do not weigh more than they last.
+    """
+
+    def __init__(self, first: Observation) -> None:
+        self._begin_ns = self._last_ns = first.now_ns
+        self._contacts = 0
+        self._contact_ns = 0
+        self._touching_since_ns = first.now_ns if first.touching else None
+        self._squared_distance_s = 0.0
+        self._force_s = 0.0
+        self._last = first
+        self._largest_distance = first.distance
+        self._largest_force = first.force
+        self._farthest = first.progress
+        self._times_s = [0.0]
+        self._speeds = [first.speed]
+
+    @property
+    def begin_ns(self) -> int:
+        """When the travel began [ns]."""
+        return self._begin_ns
+
+    @property
+    def time_s(self) -> float:
+        """Length of the travel so far [s]."""
+        return (self._last_ns - self._begin_ns) / 1e9
+
+    @property
+    def contacts(self) -> int:
+        """Contacts begun so far."""
+        return self._contacts
+
+    def add(self, seen: Observation) -> None:
+        """Take the next frame; one that is no later than the last adds its contacts only."""
+        for contact in seen.contacts:
+            self._take_contact(contact)
+        if not seen.contacts and not seen.touching:
+            self._close_contact(seen.now_ns)
+        if seen.now_ns <= self._last_ns:
+            return
+        seconds = (seen.now_ns - self._last_ns) / 1e9
+        self._squared_distance_s += 0.5 * seconds * (seen.distance**2 + self._last.distance**2)
+        self._force_s += 0.5 * seconds * (seen.force + self._last.force)
+        self._largest_distance = max(self._largest_distance, seen.distance)
+        self._largest_force = max(self._largest_force, seen.force)
+        self._farthest = max(self._farthest, seen.progress)
+        self._times_s.append((seen.now_ns - self._begin_ns) / 1e9)
+        self._speeds.append(seen.speed)
+        self._last, self._last_ns = seen, seen.now_ns
+
+    def measures(self) -> Measures:
+        """The travel so far; a contact that lasts counts up to the last frame."""
+        open_ns = 0 if self._touching_since_ns is None else max(0, self._last_ns - self._touching_since_ns)
+        seconds = self.time_s
+        return Measures(
+            time_s=seconds,
+            path_error_rms_m=math.sqrt(self._squared_distance_s / seconds) if seconds > 0.0 else self._last.distance,
+            path_error_max_m=self._largest_distance,
+            contacts=self._contacts,
+            contact_time_s=(self._contact_ns + open_ns) / 1e9,
+            smoothness=sparc(resample_speed(np.array(self._times_s), np.array(self._speeds)), RESAMPLE_HZ),
+            force_mean_n=self._force_s / seconds if seconds > 0.0 else self._last.force,
+            force_peak_n=self._largest_force,
+            progress=self._farthest,
+        )
+
+    def _take_contact(self, contact: Contact) -> None:
+        if contact.t_ns < self._begin_ns:
+            return
+        if not contact.begins:
+            self._close_contact(contact.t_ns)
+            return
+        self._contacts += 1
+        if self._touching_since_ns is None:
+            self._touching_since_ns = contact.t_ns
+
+    def _close_contact(self, t_ns: int) -> None:
+        if self._touching_since_ns is not None:
+            self._contact_ns += max(0, t_ns - self._touching_since_ns)
+            self._touching_since_ns = None

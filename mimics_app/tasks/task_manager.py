@@ -1,0 +1,282 @@
+"""The task manager of D2.1 Figure 1: takes the person's input and the robot's state, says what every renderer is to do.
+
+One `step` a frame. All time comes in as `now_ns`, all chance from the seed, so that a replay gives the same trials.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from numpy.typing import NDArray
+
+from mimics_app.contracts.messages import HapticSnapshot, SoundEvent, TaskAction, TaskOrders, VRInput
+from mimics_app.tasks.actions import ActionSpace, Settings, build_action_space, settings_for
+from mimics_app.tasks.adaptation import Adaptation
+from mimics_app.tasks.arrival import Arrival
+from mimics_app.tasks.attempts import ABORTED, FINISHED, SESSION_ENDED, TIMEOUT, Attempts, Row
+from mimics_app.tasks.control import RobotControl
+from mimics_app.tasks.goals import Goals
+from mimics_app.tasks.hud import Board, cause_words, state_message
+from mimics_app.tasks.observation import Observation, observe
+from mimics_app.tasks.orders import Changes
+from mimics_app.tasks.state_machine import Conditions, State, next_state
+from mimics_app.tasks.task import ActionDeed, Deed, MessageDeed, SoundDeed, TaskSpec
+from mimics_app.tasks.trials import Trial, plan_trials, trial_blocks
+from mimics_app.tasks.triggers import Moment, Triggers
+
+__all__ = ["TaskContext", "TaskManager"]
+
+
+@dataclass(frozen=True, slots=True)
+class TaskContext:
+    """What a task must know of its scene.
+
+    Attributes:
+        start_joints: Where the robot begins a trial [m, rad, m].
+    """
+
+    start_joints: tuple[float, float, float]
+
+
+def _ignore(*_: object) -> None:
+    """Nobody listens."""
+
+
+class TaskManager:
+    """One session of a task.
+
+    Args:
+        spec: The scene's task; its trial file, if it names one, has been read (`tasks.trial_file.resolve_trials`).
+        context: What it must know of the scene.
+        seed: Of the session; decides the order of the trials.
+        on_trial: Called with the row of each attempt at its end (columns: `tasks.attempts.Row`).
+        on_event: Called with a kind ("state", "action", "clipped") and its data, for the journal.
+    """
+
+    def __init__(
+        self,
+        spec: TaskSpec,
+        context: TaskContext,
+        seed: int,
+        on_trial: Callable[[Row], None] = _ignore,
+        on_event: Callable[[str, Mapping[str, object]], None] = _ignore,
+    ) -> None:
+        self._spec = spec
+        self._on_event = on_event
+        self._space = build_action_space(spec)
+        self._adaptation = Adaptation(self._space)
+        self._attempts = Attempts(plan_trials(trial_blocks(spec), seed), spec.score, spec.start.attempts, on_trial)
+        self._arrival = Arrival(spec.start, context.start_joints)
+        self._control = RobotControl(context.start_joints)
+        self._goals = Goals(spec.goals)
+        self._triggers = Triggers(spec.triggers)
+        self._board = Board()
+        self._haptic, self._visual, self._audio = Changes(), Changes(), Changes()
+        self._settings = Settings()
+        self._state = State.APPROACH
+        self._entered_ns: int | None = None
+        self._last_ns = 0
+        self._cause = 0
+
+    @property
+    def action_space(self) -> ActionSpace:
+        """Limits of the adaptable parameters."""
+        return self._space
+
+    @property
+    def values(self) -> Mapping[str, float]:
+        """The adaptable parameters as they are now, each in its unit."""
+        return dict(self._adaptation.values)
+
+    @property
+    def state(self) -> State:
+        """Where the current trial stands."""
+        return self._state
+
+    @property
+    def plan(self) -> tuple[Trial, ...]:
+        """The trials of the session in order."""
+        return self._attempts.plan
+
+    @property
+    def rows(self) -> tuple[Row, ...]:
+        """Rows of the attempts so far."""
+        return tuple(self._attempts.rows)
+
+    @property
+    def done(self) -> bool:
+        """True when the last trial is over."""
+        return self._state is State.DONE
+
+    def step(
+        self,
+        vr: VRInput,
+        action: TaskAction | None,
+        snapshot: HapticSnapshot,
+        events: NDArray[Any],
+        now_ns: int,
+    ) -> TaskOrders:
+        """One frame: `events` are the EVENT records since the last one, shape [n]; `now_ns` never falls."""
+        seen = observe(snapshot, events, now_ns)
+        if action is not None:
+            self._take(action, now_ns)
+        left, entered = self._advance(seen)
+        moment = Moment(self._state, entered, left, vr.pressed, seen)
+        sounds = [sound for deed in self._triggers.due(moment) for sound in self._do(deed, seen)]
+        return self._orders(seen, tuple(sounds))
+
+    def end_session(self, now_ns: int) -> None:
+        """Somebody ends the session before the task is done: write the row of an attempt under way."""
+        self._attempts.end(ABORTED, SESSION_ENDED, self._adaptation.values, now_ns)
+        self._state = State.DONE
+
+    def result(self) -> dict[str, float]:
+        """Totals under the keys of `mimics run --json`; a travel under way counts as it stands."""
+        return self._attempts.result(self._last_ns)
+
+    def _advance(self, seen: Observation) -> tuple[State | None, State | None]:
+        """Let time pass and go to the state that follows; the states (left, entered) in this frame."""
+        if self._entered_ns is None:
+            self._last_ns = seen.now_ns
+            self._enter(State.APPROACH, seen)
+            return None, State.APPROACH
+        self._adaptation.step(max(0, seen.now_ns - self._last_ns) / 1e9)
+        self._settings = settings_for(self._spec, self._adaptation.values)
+        self._last_ns = seen.now_ns
+        left, following = self._state, next_state(self._state, self._look(seen))
+        if following is left:
+            return None, None
+        self._leave(left, following, seen)
+        self._enter(following, seen)
+        return left, following
+
+    def _look(self, seen: Observation) -> Conditions:
+        """Watch the robot in the present state and say what matters for the next one."""
+        elapsed = self._elapsed_s(seen.now_ns)
+        goal = False
+        if self._state is State.TRAVEL and self._attempts.tally is not None:
+            self._attempts.tally.add(seen)
+            goal = self._goals.met(seen, elapsed)
+        return Conditions(
+            elapsed_s=elapsed,
+            latched=seen.latched,
+            arrived=self._state is State.APPROACH and self._arrival.reached(seen),
+            go=seen.soft_start_over and elapsed >= self._spec.start.ready_s,
+            goal=goal,
+            start_limit_s=self._spec.start.limit_s,
+            time_limit_s=self._time_limit_s(),
+            result_s=self._spec.result_s,
+            rest_s=self._rest_s(),
+            trial_over=self._attempts.trial_over,
+            attempts_left=self._attempts.attempts_left,
+            trials_left=self._attempts.trials_left,
+        )
+
+    def _leave(self, state: State, following: State, seen: Observation) -> None:
+        """Write the attempt's row where the next state ends it."""
+        values = self._adaptation.values
+        if following is State.STOPPED:
+            self._cause = seen.cause
+            self._attempts.end(ABORTED, cause_words(seen.cause), values, seen.now_ns)
+        elif following is State.ABORTED:
+            cause = "start not reached" if state is State.APPROACH else "soft start not over"
+            self._attempts.end(ABORTED, cause, values, seen.now_ns)
+        elif following is State.FINISHED:
+            self._attempts.end(FINISHED, "", values, seen.now_ns)
+        elif following is State.TIMEOUT:
+            self._attempts.end(TIMEOUT, "", values, seen.now_ns)
+
+    def _enter(self, state: State, seen: Observation) -> None:
+        self._state, self._entered_ns = state, seen.now_ns
+        self._control.enter(state, seen.q)
+        if state is State.APPROACH:
+            self._begin_attempt(seen.now_ns)
+        elif state is State.TRAVEL:
+            self._goals.restart()
+            self._attempts.let_go(seen)
+        trial = {"trial": self._attempts.number, "attempt": self._attempts.attempt}
+        self._on_event("state", {"t_ns": seen.now_ns, "state": state.value, **trial})
+
+    def _begin_attempt(self, now_ns: int) -> None:
+        if self._attempts.begin(now_ns):
+            self._adaptation.begin_trial(self._attempts.number, self._attempts.trial.values)
+            self._report_clipped(now_ns)
+        self._settings = settings_for(self._spec, self._adaptation.values)
+        self._arrival.restart()
+        self._triggers.restart()
+
+    def _take(self, action: TaskAction, now_ns: int) -> None:
+        self._adaptation.take(action)
+        self._on_event("action", {"t_ns": now_ns, "at_trial": action.at_trial, "values": dict(action.values)})
+        self._report_clipped(now_ns)
+
+    def _report_clipped(self, now_ns: int) -> None:
+        if self._adaptation.clipped:
+            self._on_event("clipped", {"t_ns": now_ns, "names": list(self._adaptation.clipped)})
+
+    def _do(self, deed: Deed, seen: Observation) -> list[SoundEvent]:
+        """Carry out a trigger's deed; the sounds it starts."""
+        if isinstance(deed, MessageDeed):
+            self._board.show(deed.text, seen.now_ns + round(deed.seconds * 1e9))
+        elif isinstance(deed, ActionDeed):
+            self._take(TaskAction(deed.values), seen.now_ns)
+        elif isinstance(deed, SoundDeed):
+            place = seen.ball_world if deed.at_ball else None
+            return [SoundEvent(deed.sound, seen.now_ns, place, deed.gain)]
+        return []
+
+    def _orders(self, seen: Observation, sounds: tuple[SoundEvent, ...]) -> TaskOrders:
+        haptic = {**self._settings.haptic, **self._control.wanted(), "trial": self._attempts.begun}
+        return TaskOrders(
+            haptic=self._haptic.since_last(haptic),
+            visual=self._visual.since_last(self._settings.visual),
+            audio=self._audio.since_last(self._settings.audio),
+            sounds=sounds,
+            hud=self._hud(seen),
+            person_may_act=self._state is State.TRAVEL,
+            finished=self.done,
+        )
+
+    def _hud(self, seen: Observation) -> Mapping[str, object]:
+        """Figures by name: progress 0-1, time and time_limit [s], contacts, force [N], score 0-100; else text."""
+        attempts = self._attempts
+        score = self.result()["score"] if self.done else attempts.score
+        number, count = str(attempts.number + 1), str(len(attempts.plan))
+        elapsed = self._elapsed_s(seen.now_ns)
+        fields = {
+            "score": f"{score:.0f}",
+            "cause": cause_words(self._cause),
+            "seconds": str(max(0, math.ceil(self._rest_s() - elapsed))),
+            "trial": number,
+            "trials": count,
+        }
+        line = state_message(self._state, self._spec.messages, elapsed, fields)
+        return {
+            "title": self._spec.title,
+            "message": self._board.line(seen.now_ns, line),
+            "state": self._state.value,
+            "trial": f"{number} / {count}",
+            "progress": min(max(seen.progress, 0.0), 1.0),
+            "time": attempts.tally.time_s if attempts.tally else 0.0,
+            "time_limit": self._time_limit_s(),
+            "contacts": attempts.tally.contacts if attempts.tally else 0,
+            "force": seen.force,
+            "score": score,
+        }
+
+    def _elapsed_s(self, now_ns: int) -> float:
+        return 0.0 if self._entered_ns is None else max(0, now_ns - self._entered_ns) / 1e9
+
+    def _time_limit_s(self) -> float:
+        """The trial's own limit, else what a parameter says, else the task's [s]."""
+        return self._setting(self._attempts.trial.time_limit_s, "time_limit_s", self._spec.time_limit_s)
+
+    def _rest_s(self) -> float:
+        return self._setting(self._attempts.trial.rest_s, "rest_s", self._spec.rest_s)
+
+    def _setting(self, own: float | None, name: str, otherwise: float) -> float:
+        value = own if own is not None else self._settings.task.get(name, otherwise)
+        return float(value) if isinstance(value, int | float) else otherwise

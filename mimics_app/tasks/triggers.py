@@ -1,0 +1,75 @@
+"""When something happens, do something: the triggers of a task."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from mimics_app.tasks.observation import Observation
+from mimics_app.tasks.state_machine import State
+from mimics_app.tasks.task import (
+    ContactCondition,
+    Deed,
+    EnterCondition,
+    ExitCondition,
+    KeyCondition,
+    ProgressCondition,
+    TriggerCondition,
+    TriggerSpec,
+)
+
+__all__ = ["Moment", "Triggers"]
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """One frame as triggers see it.
+
+    Attributes:
+        state: State of the trial after this frame.
+        entered: The state that began in this frame, or None.
+        left: The state that ended in this frame, or None.
+        pressed: Keys and buttons that went down.
+        seen: The robot.
+    """
+
+    state: State
+    entered: State | None
+    left: State | None
+    pressed: tuple[str, ...]
+    seen: Observation
+
+
+class Triggers:
+    """The triggers of a task, and which of them have gone off in this trial."""
+
+    def __init__(self, specs: Sequence[TriggerSpec]) -> None:
+        self._specs = tuple(specs)
+        self._passed: set[int] = set()
+
+    def restart(self) -> None:
+        """A trial begins: progress may be crossed again."""
+        self._passed.clear()
+
+    def due(self, moment: Moment) -> list[Deed]:
+        """Deeds of this frame, in the order of the scene file. Call once per frame."""
+        return [deed for i, spec in enumerate(self._specs) if self._goes_off(i, spec.when, moment) for deed in spec.do]
+
+    def _goes_off(self, i: int, when: TriggerCondition, moment: Moment) -> bool:
+        if isinstance(when, EnterCondition):
+            return moment.entered == when.state
+        if isinstance(when, ExitCondition):
+            return moment.left == when.state
+        if isinstance(when, KeyCondition):
+            return when.key in moment.pressed
+        if State.TRAVEL not in (moment.state, moment.left):
+            return False
+        if isinstance(when, ContactCondition):
+            return any(contact.begins and contact.force >= when.min_force for contact in moment.seen.contacts)
+        return self._crosses(i, when, moment)
+
+    def _crosses(self, i: int, when: ProgressCondition, moment: Moment) -> bool:
+        if i in self._passed or moment.seen.progress < when.at_least:
+            return False
+        self._passed.add(i)
+        return True
