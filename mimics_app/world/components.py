@@ -38,7 +38,7 @@ Point = tuple[float, float, float]
 
 
 @component("mesh")
-class MeshComponent(Component):
+class MeshComponent(Component, frozen=True):
     """A visible body: either a `primitive` or a `source` in a model file."""
 
     primitive: Annotated[Shape | None, Meta(description="A shape made by the application")] = None
@@ -56,7 +56,7 @@ class MeshComponent(Component):
 
 
 @component("light")
-class LightComponent(Component):
+class LightComponent(Component, frozen=True):
     """A light; directional and spot shine along the entity's own -z."""
 
     kind: Annotated[Literal["directional", "point", "spot", "ambient"], Meta(description="How it spreads")] = (
@@ -75,7 +75,7 @@ class LightComponent(Component):
 
 
 @component("camera")
-class CameraComponent(Component):
+class CameraComponent(Component, frozen=True):
     """An eye; it looks along the entity's own -z, +y up."""
 
     vertical_fov: Annotated[float, Meta(gt=0, lt=3.1415, description="Full angle of view, bottom to top [rad]")] = (
@@ -87,7 +87,7 @@ class CameraComponent(Component):
 
 
 @component("environment")
-class Environment(Component):
+class Environment(Component, frozen=True):
     """Sky and the light that comes from everywhere; one per scene."""
 
     zenith: Annotated[Colour, Meta(description="Sky straight up, linear RGB")] = (0.18, 0.30, 0.52)
@@ -97,7 +97,7 @@ class Environment(Component):
 
 
 @component("sound")
-class Sound(Component):
+class Sound(Component, frozen=True):
     """A sound that can be started; its name is the entity's id. Either an `asset` or a `synth` recipe."""
 
     asset: Annotated[str | None, Meta(description="Of the scene's `assets`, a .wav file")] = None
@@ -116,7 +116,7 @@ class Sound(Component):
 
 
 @component("sound_emitter")
-class SoundEmitter(Component):
+class SoundEmitter(Component, frozen=True):
     """A sound that plays from this entity, with distance (inverse law, clamped)."""
 
     sound: Annotated[str, Meta(description="Id of an entity with a `sound`")]
@@ -129,7 +129,7 @@ class SoundEmitter(Component):
 
 
 @component("hud")
-class Hud(Component):
+class Hud(Component, frozen=True):
     """Figures and bars laid over the picture."""
 
     show: Annotated[
@@ -141,7 +141,7 @@ class Hud(Component):
 
 
 @component("tunnel_view")
-class TunnelView(Component):
+class TunnelView(Component, frozen=True):
     """How a tunnel looks; stands on the entity that has the `tunnel`."""
 
     material: Annotated[str, Meta(description="Of the wall; best a glass one, so that the ball is seen")]

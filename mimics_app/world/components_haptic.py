@@ -23,7 +23,7 @@ Row = tuple[float, float, float]
 
 
 @component("tunnel")
-class Tunnel(Component):
+class Tunnel(Component, frozen=True):
     """The tunnel of D2.1 4.2.10: a B-spline bisector, a radius along it, and the forces of its wall."""
 
     control_points: Annotated[
@@ -50,7 +50,7 @@ class Tunnel(Component):
     advance: Annotated[float, Meta(ge=0, description="Assistance along the tunnel towards its end [N]")] = 0.0
 
 
-class RobotToWorld(Component):
+class RobotToWorld(Component, frozen=True):
     """Where the robot's WCS stands in the world."""
 
     rotation: Annotated[tuple[Row, Row, Row], Meta(description="R_world_from_robot, rows; a rotation")] = (
@@ -62,7 +62,7 @@ class RobotToWorld(Component):
 
 
 @component("robot")
-class Robot(Component):
+class Robot(Component, frozen=True):
     """The robot, or what stands in for it. Workspace figures are the HapticMaster's vendor demo constants."""
 
     device: Annotated[
@@ -99,7 +99,7 @@ class Robot(Component):
 
 
 @component("patient")
-class Patient(Component):
+class Patient(Component, frozen=True):
     """The simulated person on the simulated robot; what is absent comes from the preset."""
 
     preset: Annotated[Literal["healthy", "moderate", "severe"], Meta(description="How impaired")] = "healthy"
@@ -120,7 +120,7 @@ class Patient(Component):
 
 
 @component("admittance")
-class Admittance(Component):
+class Admittance(Component, frozen=True):
     """Admittance control (D2.1 equations 6, 7): the person moves a virtual mass, the robot follows it."""
 
     mass: Annotated[
@@ -136,7 +136,7 @@ class Admittance(Component):
 
 
 @component("joint_pd")
-class JointPd(Component):
+class JointPd(Component, frozen=True):
     """PD control of the joints (D2.1 equation 5), drives the robot to a trial's start."""
 
     kp: Annotated[Triple, Meta(description="Per joint [1/s]")] = (4.0, 4.0, 4.0)
@@ -144,7 +144,7 @@ class JointPd(Component):
 
 
 @component("world_pd")
-class WorldPd(Component):
+class WorldPd(Component, frozen=True):
     """PD control along the robot's world axes (D2.1 4.2.6)."""
 
     kp: Annotated[Triple, Meta(description="Per axis [1/s]")] = (4.0, 4.0, 4.0)
@@ -152,7 +152,7 @@ class WorldPd(Component):
 
 
 @component("ball")
-class Ball(Component):
+class Ball(Component, frozen=True):
     """The ball that marks the hand; grasping makes it smaller."""
 
     radius_min: Annotated[float, Meta(gt=0, description="At full grasp [m]")] = 0.012
@@ -161,7 +161,7 @@ class Ball(Component):
 
 
 @component("safety")
-class Safety(Component):
+class Safety(Component, frozen=True):
     """Limits and thresholds of the haptic loop. Research software: no substitute for an independent hardware stop."""
 
     force_limit: Annotated[float, Meta(gt=0, description="Of the virtual force on the person [N]")] = 80.0

@@ -13,27 +13,27 @@ __all__ = ["BoxShape", "CylinderShape", "PlaneShape", "RingShape", "Shape", "Sph
 Length = Annotated[float, Meta(gt=0)]
 
 
-class PlaneShape(Component, tag="plane", tag_field="shape"):
+class PlaneShape(Component, frozen=True, tag="plane", tag_field="shape"):
     """Rectangle in the xz plane, facing +y."""
 
     size: Annotated[tuple[Length, Length], Meta(description="Extent along x and z [m]")] = (1.0, 1.0)
     segments: Annotated[int, Meta(ge=1, le=256, description="Squares along each side")] = 1
 
 
-class BoxShape(Component, tag="box", tag_field="shape"):
+class BoxShape(Component, frozen=True, tag="box", tag_field="shape"):
     """Box about the origin."""
 
     size: Annotated[tuple[Length, Length, Length], Meta(description="Extent along x, y, z [m]")] = (1.0, 1.0, 1.0)
 
 
-class SphereShape(Component, tag="sphere", tag_field="shape"):
+class SphereShape(Component, frozen=True, tag="sphere", tag_field="shape"):
     """Sphere about the origin."""
 
     radius: Annotated[float, Meta(gt=0, description="[m]")] = 0.5
     segments: Annotated[int, Meta(ge=3, le=512, description="Facets round the equator; half as many pole to pole")] = 32
 
 
-class CylinderShape(Component, tag="cylinder", tag_field="shape"):
+class CylinderShape(Component, frozen=True, tag="cylinder", tag_field="shape"):
     """Closed cylinder about the y axis; a cone where `top_radius` is 0."""
 
     radius: Annotated[float, Meta(gt=0, description="Of the lower end [m]")] = 0.5
@@ -44,7 +44,7 @@ class CylinderShape(Component, tag="cylinder", tag_field="shape"):
     segments: Annotated[int, Meta(ge=3, le=512, description="Facets round the axis")] = 32
 
 
-class RingShape(Component, tag="ring", tag_field="shape"):
+class RingShape(Component, frozen=True, tag="ring", tag_field="shape"):
     """Flat ring, or a sector of one, in the xz plane, facing +y; angle 0 is +x and pi/2 is -z."""
 
     inner_radius: Annotated[float, Meta(ge=0, description="[m]; 0: a disc")] = 0.25
