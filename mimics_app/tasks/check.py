@@ -10,10 +10,11 @@ import numpy as np
 
 from mimics_app.contracts.errors import Issue, nearest
 from mimics_app.contracts.haptic import SCENE
+from mimics_app.contracts.json_file import pointer_step
 from mimics_app.tasks.actions import TARGET_GROUPS, TASK_TARGETS
 from mimics_app.tasks.task import ActionDeed, BlockSpec, MapSpec, ParameterSpec, ScorePartSpec, TaskSpec
 
-__all__ = ["check_blocks", "check_task", "escape", "haptic_targets"]
+__all__ = ["check_blocks", "check_task", "haptic_targets"]
 
 _MAX_TRIALS = 10_000
 
@@ -28,7 +29,7 @@ def check_task(spec: TaskSpec, pointer: str = "/task", file: str = "") -> list[I
     """
     faults = list(_check_finite(msgspec.to_builtins(spec), pointer))
     for name, parameter in spec.parameters.items():
-        faults += _check_parameter(parameter, f"{pointer}/parameters/{escape(name)}")
+        faults += _check_parameter(parameter, f"{pointer}/parameters/{pointer_step(name)}")
     for i, trigger in enumerate(spec.triggers):
         for j, deed in enumerate(trigger.do):
             if isinstance(deed, ActionDeed):
@@ -58,11 +59,6 @@ def haptic_targets() -> set[str]:
     return plain | {f"tunnel.{name}" for name in tunnel.names or () if tunnel[name] == np.float64}
 
 
-def escape(name: str) -> str:
-    """A name as one step of a JSON pointer (RFC 6901)."""
-    return name.replace("~", "~0").replace("/", "~1")
-
-
 _Fault = tuple[str, str, str]
 """(pointer, what, fix)"""
 
@@ -72,7 +68,7 @@ def _check_finite(value: object, pointer: str) -> Iterator[_Fault]:
         yield pointer, f"{value} is no finite number", "write a number"
     elif isinstance(value, Mapping):
         for name, item in value.items():
-            yield from _check_finite(item, f"{pointer}/{escape(str(name))}")
+            yield from _check_finite(item, f"{pointer}/{pointer_step(str(name))}")
     elif isinstance(value, list | tuple):
         for i, item in enumerate(value):
             yield from _check_finite(item, f"{pointer}/{i}")
@@ -116,7 +112,7 @@ def _check_table(target: MapSpec, parameter: ParameterSpec, pointer: str) -> Ite
 
 def _check_values(values: Mapping[str, float], known: Mapping[str, ParameterSpec], pointer: str) -> Iterator[_Fault]:
     for name, value in values.items():
-        place = f"{pointer}/{escape(name)}"
+        place = f"{pointer}/{pointer_step(name)}"
         if name not in known:
             hint = nearest(name, known) if known else "the task has no parameters; add them under task/parameters"
             yield place, f'no parameter is called "{name}"', hint

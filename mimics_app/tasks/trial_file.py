@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -11,12 +10,11 @@ from typing import Any
 import msgspec
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.tasks.check import check_blocks, escape
+from mimics_app.contracts.json_file import pointer_step, read_json
+from mimics_app.tasks.check import check_blocks
 from mimics_app.tasks.task import BlockSpec, TaskSpec
 
 __all__ = ["load_blocks", "resolve_trials", "trial_file_path"]
-
-_MAX_BYTES = 4 << 20
 
 
 def resolve_trials(spec: TaskSpec, folder: Path) -> TaskSpec:
@@ -53,7 +51,7 @@ def load_blocks(path: Path) -> list[BlockSpec]:
     Raises:
         SceneError: no such file, no JSON, or blocks that are none; one issue per faulty block.
     """
-    document = _read_json(path)
+    document = read_json(path, fix_missing="check the name under task/trials")
     if not isinstance(document, list) or not document:
         raise SceneError(Issue(str(path), "", "is no list of blocks", 'write [{"trials": [...]}, ...]'))
     blocks: list[BlockSpec] = []
@@ -69,20 +67,6 @@ def load_blocks(path: Path) -> list[BlockSpec]:
     return blocks
 
 
-def _read_json(path: Path) -> Any:
-    try:
-        if path.stat().st_size > _MAX_BYTES:
-            raise SceneError(Issue(str(path), "", f"is larger than {_MAX_BYTES >> 20} MiB", "split the session"))
-        return json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        reason = error.strerror or "cannot be read"
-        raise SceneError(Issue(str(path), "", reason, "check the name under task/trials")) from error
-    except json.JSONDecodeError as error:
-        raise SceneError(Issue(str(path), "", f"line {error.lineno}, column {error.colno}: {error.msg}")) from error
-    except (UnicodeDecodeError, RecursionError) as error:
-        raise SceneError(Issue(str(path), "", "is no JSON text in UTF-8")) from error
-
-
 def _without_notes(item: Any) -> Any:
     """The item without `x-` keys, which belong to other programs and to people."""
     if isinstance(item, Mapping):
@@ -93,4 +77,4 @@ def _without_notes(item: Any) -> Any:
 def _pointer(place: str) -> str:
     """A place `$.a[0].b` of msgspec as JSON pointer /a/0/b; a key it will not name (`[...]`) ends the pointer."""
     steps = re.findall(r"\.([^.\[`]+)|\[(\d+)\]", place.partition("[...]")[0])
-    return "".join(f"/{escape(name or index)}" for name, index in steps)
+    return "".join(f"/{pointer_step(name or index)}" for name, index in steps)

@@ -1,0 +1,57 @@
+"""Grasp force from a wheel, keys, or a trigger."""
+
+from __future__ import annotations
+
+from mimics_app.contracts.input_port import WindowFrame
+
+__all__ = ["GraspControl"]
+
+_TRIGGER_DEAD_ZONE = 0.05
+_HOLD_KEY = "g"
+_MORE, _LESS = ("page_up", "equal", "kp_add"), ("page_down", "minus", "kp_subtract")
+
+
+class GraspControl:
+    """What the hand would press with [N], from 0 to `full`.
+
+    The wheel, + and - set a level that stays; G held and the triggers squeeze beyond it while they are pressed.
+
+    Args:
+        full: Largest grasp force [N].
+        step: One wheel notch or key press [N].
+        rise: Force gained per second while G is held [N/s]; it falls as fast.
+    """
+
+    def __init__(self, full: float, step: float | None = None, rise: float | None = None) -> None:
+        self._full = full
+        self._step = full / 20.0 if step is None else step
+        self._rise = 2.0 * full if rise is None else rise
+        self._level = 0.0
+        self._squeeze = 0.0
+        self._held = False
+
+    def read(self, window: WindowFrame, seconds: float) -> float:
+        """Grasp force [N] after one frame of `seconds` [s]."""
+        for event in window.events:
+            if event.kind == "wheel":
+                self._change(event.y)
+            elif event.kind == "key" and event.pressed and event.name in _MORE:
+                self._change(1.0)
+            elif event.kind == "key" and event.pressed and event.name in _LESS:
+                self._change(-1.0)
+            elif event.kind == "key" and event.name == _HOLD_KEY:
+                self._held = event.pressed
+        change = self._rise * seconds if self._held else -self._rise * seconds
+        self._squeeze = self._within(self._squeeze + change)
+        return max(self._level, self._squeeze, self._trigger(window))
+
+    def _change(self, notches: float) -> None:
+        self._level = self._within(self._level + notches * self._step)
+
+    def _trigger(self, window: WindowFrame) -> float:
+        pull = max(window.gamepad.axes.get(name, 0.0) for name in ("left_trigger", "right_trigger"))
+        share = (pull - _TRIGGER_DEAD_ZONE) / (1.0 - _TRIGGER_DEAD_ZONE)
+        return self._within(share * self._full)
+
+    def _within(self, force: float) -> float:
+        return min(max(force, 0.0), self._full)

@@ -1,0 +1,81 @@
+"""The frontal plane a flat pointing device moves in, and how far the hand reaches there."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from mimics_app.contracts.input_port import Ray, Vec3
+
+__all__ = ["FrontalPlane"]
+
+_GRAZING = 0.02
+"""Smallest |cosine| between ray and normal (1.1 degrees off the plane): nearer to it one pixel is metres."""
+
+
+@dataclass(frozen=True, slots=True)
+class FrontalPlane:
+    """A rectangle in the world.
+
+    Attributes:
+        centre: Its middle [m].
+        right: Unit vector to the person's right.
+        up: Unit vector, perpendicular to right.
+        half_width: Reach to either side [m].
+        half_height: Reach up and down [m].
+    """
+
+    centre: Vec3
+    right: Vec3 = (1.0, 0.0, 0.0)
+    up: Vec3 = (0.0, 1.0, 0.0)
+    half_width: float = 0.3
+    half_height: float = 0.2
+
+    def meet(self, ray: Ray | None) -> Vec3 | None:
+        """Where a ray meets the plane, drawn back into reach [m]; None when it never does, or only at a grazing angle.
+
+        Behind the eye does not count.
+        """
+        if ray is None:
+            return None
+        origin, direction = ray
+        length = math.hypot(*direction)
+        normal = _cross(self.right, self.up)
+        slope = _dot(direction, normal)
+        if not length > 0.0 or not abs(slope) >= _GRAZING * length:
+            return None
+        distance = _dot(_minus(self.centre, origin), normal) / slope
+        if not 0.0 <= distance < math.inf:
+            return None
+        return self.clamp(_plus(origin, direction, distance))
+
+    def clamp(self, point: Vec3) -> Vec3:
+        """The point of the rectangle nearest to a point [m]."""
+        offset = _minus(point, self.centre)
+        x = min(max(_dot(offset, self.right), -self.half_width), self.half_width)
+        y = min(max(_dot(offset, self.up), -self.half_height), self.half_height)
+        return self.at(x, y)
+
+    def at(self, x: float, y: float) -> Vec3:
+        """The point x [m] to the right and y [m] above the centre."""
+        return _plus(_plus(self.centre, self.right, x), self.up, y)
+
+    def move(self, point: Vec3, x: float, y: float) -> Vec3:
+        """A point moved by x [m] to the right and y [m] up, drawn back into reach."""
+        return self.clamp(_plus(_plus(point, self.right, x), self.up, y))
+
+
+def _dot(a: Vec3, b: Vec3) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _cross(a: Vec3, b: Vec3) -> Vec3:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def _minus(a: Vec3, b: Vec3) -> Vec3:
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+def _plus(a: Vec3, b: Vec3, factor: float) -> Vec3:
+    return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]

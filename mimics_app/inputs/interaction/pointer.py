@@ -1,0 +1,124 @@
+"""Mouse, keyboard and gamepad as one pointing device: a cursor on the frontal plane, a grasp force, a stop key."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from mimics_app.contracts.input_port import RayFromWindow, Vec3, WindowFrame
+from mimics_app.contracts.messages import PointerState
+from mimics_app.inputs.interaction.grasp import GraspControl
+from mimics_app.inputs.interaction.plane import FrontalPlane
+from mimics_app.inputs.interaction.stick import StickResponse
+
+__all__ = ["Pointer", "PointerSettings"]
+
+_ARROWS = {"left": (-1.0, 0.0), "right": (1.0, 0.0), "down": (0.0, -1.0), "up": (0.0, 1.0)}
+_SLOW_KEYS = ("left_shift", "right_shift")
+_STOP = (("key", "space"), ("pad", "b"))
+_LONGEST_FRAME_S = 0.1
+"""A frame that took longer moves the cursor only this far: after a stall it must not leap."""
+
+
+@dataclass(frozen=True, slots=True)
+class PointerSettings:
+    """How the devices answer.
+
+    Attributes:
+        speed: Of the cursor with an arrow key held or a stick at its rim [m/s].
+        slow: Factor on it while Shift is held.
+        stick: Dead zone and response curve.
+        grasp_full: Largest grasp force [N].
+    """
+
+    speed: float = 0.12
+    slow: float = 0.25
+    stick: StickResponse = field(default_factory=StickResponse)
+    grasp_full: float = 20.0
+
+
+class Pointer:
+    """A `PointerSource` for a person at a window.
+
+    The mouse points: the cursor is where its ray meets the plane. Arrow keys and sticks move: the cursor travels at a
+    speed, within reach. Whichever acts last has it. Space or gamepad B asks for a stop in the frame it goes down, and
+    for as long as it is held. Nobody is there (`active` False) before the first movement.
+
+    Args:
+        plane: Where the cursor can be.
+        ray_from_window: The view's ray through a place of the window.
+        settings: How the devices answer.
+    """
+
+    def __init__(
+        self, plane: FrontalPlane, ray_from_window: RayFromWindow, settings: PointerSettings | None = None
+    ) -> None:
+        self._plane = plane
+        self._ray = ray_from_window
+        self._settings = settings or PointerSettings()
+        self._grasp = GraspControl(self._settings.grasp_full)
+        self._cursor = plane.centre
+        self._keys: set[str] = set()
+        self._stop_held: set[tuple[str, str]] = set()
+        self._active = False
+        self._last_ns: int | None = None
+
+    def read(self, window: WindowFrame, now_ns: int) -> PointerState:
+        """The pointing device after this frame's events."""
+        seconds = self._frame_seconds(now_ns)
+        stop = self._take_events(window)
+        self._move(window, seconds)
+        return PointerState(self._cursor, self._grasp.read(window, seconds), self._active, stop)
+
+    def hold_at(self, point_world: Vec3) -> None:
+        """Rest the cursor here [m] until the person moves it; a resting mouse does not pull it back."""
+        self._cursor = self._plane.clamp(point_world)
+
+    def _take_events(self, window: WindowFrame) -> bool:
+        stop = False
+        place: tuple[float, float] | None = None
+        for event in window.events:
+            if event.kind == "move":
+                place = (event.x, event.y)
+            elif event.kind == "key" and (event.name in _ARROWS or event.name in _SLOW_KEYS):
+                self._hold_key(event.name, pressed=event.pressed)
+            if (event.kind, event.name) in _STOP:
+                stop = stop or event.pressed
+                self._hold_stop((event.kind, event.name), pressed=event.pressed)
+        self._aim(place)
+        return stop or bool(self._stop_held)
+
+    def _hold_key(self, name: str, *, pressed: bool) -> None:
+        if pressed:
+            self._keys.add(name)
+        else:
+            self._keys.discard(name)
+
+    def _hold_stop(self, name: tuple[str, str], *, pressed: bool) -> None:
+        if pressed:
+            self._stop_held.add(name)
+        else:
+            self._stop_held.discard(name)
+
+    def _aim(self, place: tuple[float, float] | None) -> None:
+        """Only the last place of a frame counts; one that meets no plane leaves the cursor where it is."""
+        point = self._plane.meet(self._ray(*place)) if place else None
+        if point is not None:
+            self._cursor, self._active = point, True
+
+    def _move(self, window: WindowFrame, seconds: float) -> None:
+        arrows = [_ARROWS[name] for name in self._keys if name in _ARROWS]
+        x, y = sum(arrow[0] for arrow in arrows), sum(arrow[1] for arrow in arrows)
+        axes = window.gamepad.axes
+        stick = self._settings.stick.answer(axes.get("left_x", 0.0), -axes.get("left_y", 0.0))
+        x, y = x + stick[0], y + stick[1]
+        length = math.hypot(x, y)
+        if length == 0.0:
+            return
+        slow = self._settings.slow if self._keys.intersection(_SLOW_KEYS) else 1.0
+        distance = self._settings.speed * slow * seconds / max(length, 1.0)
+        self._cursor, self._active = self._plane.move(self._cursor, x * distance, y * distance), True
+
+    def _frame_seconds(self, now_ns: int) -> float:
+        last, self._last_ns = self._last_ns, now_ns
+        return 0.0 if last is None else min(max(now_ns - last, 0) / 1e9, _LONGEST_FRAME_S)

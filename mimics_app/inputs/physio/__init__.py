@@ -1,0 +1,3 @@
+"""Sources of body signals."""
+
+__all__: list[str] = []

@@ -1,0 +1,72 @@
+"""The input stage: one poll a frame gathers the window, the pointing devices and the body signals."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from mimics_app.contracts.input_port import PointerSource, SignalSource, Window, WindowFrame
+from mimics_app.contracts.messages import PointerState, SignalBlock, VRInput
+from mimics_app.contracts.window_input import GamepadState, InputEvent
+
+__all__ = ["Inputs", "pressed_names"]
+
+_PREFIX = {"key": "", "button": "mouse_", "pad": "pad_"}
+_STOP_NAMES = frozenset({"space", "pad_b"})
+
+
+class Inputs:
+    """What comes in.
+
+    Args:
+        pointers: Pointing devices in order of precedence: the first that is active has the cursor; a stop asked for
+            by any of them is a stop. Space and gamepad B stop even where no pointing device listens to the window.
+        signals: Recorders of body signals.
+        window: Whatever has a keyboard, a mouse and a gamepad; None headless.
+
+    Attributes:
+        frame: What the window told at the last poll: the application reads close, resize and its hot keys here.
+    """
+
+    def __init__(
+        self, pointers: Sequence[PointerSource], signals: Sequence[SignalSource] = (), window: Window | None = None
+    ) -> None:
+        self._pointers = tuple(pointers)
+        self._signals = tuple(signals)
+        self._window = window
+        self.frame = WindowFrame()
+
+    def poll(self, now_ns: int) -> VRInput:
+        """Everything that arrived since the last frame."""
+        self.frame = self._read_window()
+        pressed = pressed_names(self.frame.events)
+        states = [state for source in self._pointers if (state := source.read(self.frame, now_ns)) is not None]
+        blocks: list[SignalBlock] = [block for source in self._signals for block in source.read(now_ns)]
+        return VRInput(tuple(blocks), _one_pointer(states, stop=not _STOP_NAMES.isdisjoint(pressed)), pressed)
+
+    def hold_at(self, point_world: tuple[float, float, float]) -> None:
+        """The robot is being driven: rest all cursors at this point [m] until the person moves them."""
+        for source in self._pointers:
+            source.hold_at(point_world)
+
+    def _read_window(self) -> WindowFrame:
+        if self._window is None:
+            return WindowFrame()
+        events = tuple(self._window.poll())
+        return WindowFrame(events, self._window.gamepad if self._window.gamepad.connected else GamepadState())
+
+
+def pressed_names(events: Sequence[InputEvent]) -> tuple[str, ...]:
+    """Keys ("m"), mouse buttons ("mouse_left") and gamepad buttons ("pad_a") that went down, without repeats."""
+    return tuple(
+        _PREFIX[event.kind] + event.name
+        for event in events
+        if event.kind in _PREFIX and event.pressed and not event.repeat
+    )
+
+
+def _one_pointer(states: Sequence[PointerState], *, stop: bool) -> PointerState | None:
+    if not states:
+        return PointerState((0.0, 0.0, 0.0), 0.0, active=False, stop=True) if stop else None
+    chosen = next((state for state in states if state.active), states[0])
+    stop = stop or any(state.stop for state in states)
+    return PointerState(chosen.target_world, chosen.grasp, chosen.active, stop)

@@ -1,0 +1,3 @@
+"""Sources of tracked poses."""
+
+__all__: list[str] = []

@@ -1,0 +1,138 @@
+"""A learning stage that replays adaptations from a file: `--action FILE`.
+
+The file is a JSON list, each entry for a time or for a trial:
+
+    [{"trial": 0, "values": {"radius": 1.2}}, {"t": 12.5, "values": {"stiffness": 800, "assistance": 0.5}}]
+
+`t` is seconds since the session's start, `trial` counts from 0. `x-` keys are ignored.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeGuard
+
+from mimics_app.contracts.action_space import ActionSpace
+from mimics_app.contracts.errors import Issue, SceneError, nearest
+from mimics_app.contracts.json_file import pointer_step, read_json
+from mimics_app.contracts.messages import TaskAction, UserState
+
+__all__ = ["ActionSequence", "TimedAction", "load_action_sequence"]
+
+_KEYS = ("t", "trial", "values")
+
+
+@dataclass(frozen=True, slots=True)
+class TimedAction:
+    """An adaptation and when it is chosen.
+
+    Attributes:
+        at_s: Seconds since the session's start; 0 for one that waits for its trial.
+        action: What is chosen.
+    """
+
+    at_s: float
+    action: TaskAction
+
+
+class ActionSequence:
+    """Chooses each action of a list once, at its time, whatever the state of the person."""
+
+    def __init__(self, actions: Sequence[TimedAction]) -> None:
+        self._actions = sorted(actions, key=lambda timed: timed.at_s)
+        self._next = 0
+        self._start_ns: int | None = None
+
+    def choose(self, state: UserState, now_ns: int) -> TaskAction | None:
+        """The earliest action that is due and was not chosen yet; one a call, so that each is recorded by itself."""
+        if self._start_ns is None:
+            self._start_ns = now_ns
+        if self._next == len(self._actions):
+            return None
+        timed = self._actions[self._next]
+        if (now_ns - self._start_ns) / 1e9 < timed.at_s:
+            return None
+        self._next += 1
+        return timed.action
+
+
+def load_action_sequence(path: Path, space: ActionSpace) -> ActionSequence:
+    """Read an action file against the limits of a scene.
+
+    Raises:
+        SceneError: with every fault: no such file, no list, unknown parameters, values outside their limits.
+    """
+    document = read_json(path, fix_missing="check the name after --action")
+    if not isinstance(document, list):
+        fix = 'write [{"t": 0, "values": {...}}, ...]'
+        raise SceneError(Issue(str(path), "", "is no list of actions", fix))
+    faults = [fault for i, entry in enumerate(document) for fault in _check_entry(entry, f"/{i}", space)]
+    if not faults:
+        faults += _check_trials_differ(document)
+    if faults:
+        raise SceneError(Issue(str(path), *fault) for fault in faults)
+    return ActionSequence([_timed_action(entry) for entry in document])
+
+
+_Fault = tuple[str, str, str]
+"""(pointer, what, fix)"""
+
+
+def _timed_action(entry: Mapping[str, Any]) -> TimedAction:
+    values = {name: float(value) for name, value in entry["values"].items()}
+    return TimedAction(float(entry.get("t", 0.0)), TaskAction(values, entry.get("trial")))
+
+
+def _check_entry(entry: object, pointer: str, space: ActionSpace) -> Iterator[_Fault]:
+    if not isinstance(entry, Mapping):
+        yield pointer, "is no action", 'write {"t": 0, "values": {...}}'
+        return
+    for name in entry:
+        if name not in _KEYS and not name.startswith("x-"):
+            yield f"{pointer}/{pointer_step(name)}", f'"{name}" is no key of an action', nearest(name, _KEYS)
+    yield from _check_moment(entry, pointer)
+    values = entry.get("values")
+    if not isinstance(values, Mapping) or not values:
+        yield f"{pointer}/values", "has no parameter values", 'write {"NAME": number}'
+        return
+    for name, value in values.items():
+        yield from _check_value(name, value, f"{pointer}/values/{pointer_step(name)}", space)
+
+
+def _check_moment(entry: Mapping[str, Any], pointer: str) -> Iterator[_Fault]:
+    if ("t" in entry) == ("trial" in entry):
+        yield pointer, "needs either a time or a trial", 'give exactly one of "t" [s] and "trial"'
+    elif "t" in entry and not (_is_number(entry["t"]) and entry["t"] >= 0.0):
+        yield f"{pointer}/t", f"{entry['t']!r} is no time", "write seconds, 0 or more"
+    elif "trial" in entry and not (
+        isinstance(entry["trial"], int) and _is_number(entry["trial"]) and entry["trial"] >= 0
+    ):
+        yield f"{pointer}/trial", f"{entry['trial']!r} is no trial", "write a whole number, 0 for the first"
+
+
+def _check_value(name: str, value: object, pointer: str, space: ActionSpace) -> Iterator[_Fault]:
+    if name not in space:
+        hint = nearest(name, space.names) if len(space) else "the scene's task has no parameters"
+        yield pointer, f'no parameter is called "{name}"', hint
+        return
+    parameter = space[name]
+    unit = "" if parameter.unit == "-" else f" {parameter.unit}"
+    if not _is_number(value):
+        yield pointer, f"{value!r} is no number", f"write a number from {parameter.low:g} to {parameter.high:g}{unit}"
+    elif not parameter.fits(value):
+        what = f"{value:g}{unit} lies outside {parameter.low:g} to {parameter.high:g}{unit}"
+        yield pointer, what, "choose a value inside the limits"
+
+
+def _check_trials_differ(document: Sequence[Mapping[str, Any]]) -> Iterator[_Fault]:
+    seen: dict[int, int] = {}
+    for i, entry in enumerate(document):
+        if "trial" in entry and seen.setdefault(entry["trial"], i) != i:
+            yield f"/{i}/trial", f"trial {entry['trial']} has its action at /{seen[entry['trial']]}", "join the two"
+
+
+def _is_number(value: object) -> TypeGuard[float]:
+    """A finite number of a sensible size; whole numbers of JSON have no end."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and -1e15 < value < 1e15
