@@ -189,10 +189,11 @@ SAMPLE = np.dtype(
         ("f_meas", "f8", (3,)),  # force of the user on the handle, tool frame r t z [N]
         ("grasp", "f8"),  # [N]
         ("buttons", "f8"),  # Button bits
+        ("age", "f8"),  # of the device's data when read [s]
         ("status", "f8"),  # DeviceStatus
         ("sequence", "f8"),  # SCENE block this tick used
         ("stop_word", "f8"),  # stop key as this tick saw it
-        ("held", "f8"),  # late-tick class of this tick: 0 in time, 1 hold, 2 damp, 3 stop
+        ("held", "f8"),  # late-tick class: 0 in time, 1 hold, 2 damp, 3 stop, 4 missed in a row
         # outputs
         ("hip_world", "f8", (3,)),  # haptic interaction point [m]
         ("v_world", "f8", (3,)),  # its velocity [m/s]

@@ -1,0 +1,282 @@
+"""The haptic engine: owns the loop of one session, live or on the virtual clock."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts import ring, triple_buffer
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.haptic import EVENT, SAMPLE, SCENE
+from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_LENGTH, DevicePlugin
+from mimics_app.contracts.messages import HapticSnapshot
+from mimics_app.contracts.session_memory import ControlWord, SessionMemory
+from mimics_app.rendering.haptic import scheduler
+from mimics_app.rendering.haptic.channels import channels_of, new_work
+from mimics_app.rendering.haptic.histogram import LatenessReport, percentile_us
+from mimics_app.rendering.haptic.kernels.state import new_state
+from mimics_app.rendering.haptic.loop import advance_ticks, replay_recorded, run_live
+
+__all__ = ["HapticEngine", "replay_ticks"]
+
+Records = NDArray[Any]
+
+_JOIN_S = 2.0
+
+
+class HapticEngine:
+    """One haptic loop over one session memory and one device.
+
+    Either `advance` it on the virtual clock or `start` it live; the tick is the same. Publish parameters first: without
+    any the loop stays OFF.
+
+    Args:
+        memory: The session's shared memory; the engine is the loop's side of it and main's.
+        plugin: The device.
+        rate: Ticks per second.
+        spin_us: Spin before each deadline [us]; None: what suits the scheduler recipe granted.
+        recipe: One of `scheduler.RECIPES`.
+        bodies: Kinematic bodies, shape [n, 13] (see kernels.bodies), at most `capacities.bodies` - 1.
+
+    Raises:
+        ValueError: More bodies than the session has room for.
+    """
+
+    def __init__(
+        self,
+        memory: SessionMemory,
+        plugin: DevicePlugin,
+        *,
+        rate: int = 1000,
+        spin_us: int | None = None,
+        recipe: str = "auto",
+        bodies: NDArray[np.float64] | None = None,
+    ) -> None:
+        self._memory = memory
+        self._plugin = plugin
+        self._period_ns = 1_000_000_000 // rate
+        self._spin_us = spin_us
+        self._recipe = recipe
+        self._channels = channels_of(memory)
+        self._work = new_work(bodies)
+        if self._work.bodies.shape[0] > memory.poses.shape[1] - 1:
+            raise ValueError(f"{self._work.bodies.shape[0]} bodies, room for {memory.poses.shape[1] - 1} beside the ball")
+        self._drained = np.zeros(memory.main_events.shape[0], EVENT)
+        self._resets = 0
+        self._granted: scheduler.Granted | None = None
+        self._arranged = threading.Event()
+        self._thread: threading.Thread | None = None
+        self._failure: BaseException | None = None
+        self._loop_args = (self._channels, self._work, plugin.read, plugin.write, plugin.memory)
+        advance_ticks(*self._loop_args, 0, self._period_ns)
+
+    @property
+    def plugin(self) -> DevicePlugin:
+        """The device in use."""
+        return self._plugin
+
+    @property
+    def running(self) -> bool:
+        """True while the live loop runs."""
+        return self._thread is not None and self._thread.is_alive()
+
+    @property
+    def ticks(self) -> int:
+        """Ticks done so far; a supervisor that sees it stand still knows that the loop is dead."""
+        return int(self._memory.control[ControlWord.TICKS])
+
+    @property
+    def granted(self) -> scheduler.Granted:
+        """Scheduler recipe of the live loop; on the virtual clock "virtual"."""
+        return self._granted or scheduler.Granted("virtual", False)
+
+    def publish(self, scene: Records) -> None:
+        """Hand a parameter block to the loop; it is used from one tick boundary on.
+
+        A changed count of resets also releases the stop word, so that a latched stop can be left.
+
+        Args:
+            scene: SCENE record, shape [1]; `sequence` must count up from 1.
+
+        Raises:
+            ValueError: A number in it is not finite, or `sequence` is not positive.
+        """
+        _check_block(scene)
+        if int(scene[0]["resets"]) != self._resets:
+            self._resets = int(scene[0]["resets"])
+            self._memory.control[ControlWord.STOP] = 0
+        memory = self._memory
+        memory.scenes[triple_buffer.back_slot(memory.scene_words)] = scene[0]
+        triple_buffer.publish(memory.scene_words)
+
+    def tell(self, inbox: Records) -> None:
+        """Hand the pointing device's newest state (INBOX record, shape [1]) to the device plug-in."""
+        memory = self._memory
+        memory.inboxes[triple_buffer.back_slot(memory.inbox_words)] = inbox[0]
+        triple_buffer.publish(memory.inbox_words)
+
+    def snapshot(self) -> HapticSnapshot:
+        """The newest state of the loop; its arrays are copies."""
+        memory = self._memory
+        slot, _ = triple_buffer.acquire(memory.snapshot_words)
+        record = memory.snapshots[slot]
+        values = {
+            name: np.array(record[name]) if record[name].ndim else record[name].item() for name in record.dtype.names
+        }
+        return HapticSnapshot(**values, poses=memory.poses[slot].copy())
+
+    def events(self) -> Records:
+        """Events since the last call, EVENT records, oldest first."""
+        memory = self._memory
+        count = ring.drain(memory.main_event_words, memory.main_events, self._drained)
+        return self._drained[:count].copy()
+
+    def advance(self, ticks: int) -> int:
+        """Run `ticks` ticks on the virtual clock, as fast as they go; return the ticks done in all.
+
+        Raises:
+            RuntimeError: The live loop is running.
+        """
+        if self.running:
+            raise RuntimeError("the live loop is running; stop() it before advance()")
+        return int(advance_ticks(*self._loop_args, ticks, self._period_ns))
+
+    def start(self) -> scheduler.Granted:
+        """Start the live loop in a thread of its own and say how it is scheduled.
+
+        When the result says `lower_main`, the calling thread should go `scheduler.lower_this_thread()` before it makes
+        its GL context.
+
+        Raises:
+            RuntimeError: Started already.
+            DeviceError: The thread could not be started.
+        """
+        if self.running:
+            raise RuntimeError("the live loop is running already")
+        self._memory.control[ControlWord.QUIT] = 0
+        self._arranged.clear()
+        self._thread = threading.Thread(target=self._run, name="haptic", daemon=True)
+        self._thread.start()
+        self._arranged.wait()
+        if self._failure is not None:
+            raise DeviceError(f"the haptic loop could not be started: {self._failure}")
+        return self.granted
+
+    def stop(self) -> None:
+        """End the live loop, if it runs, and close the device.
+
+        Raises:
+            DeviceError: The loop did not end, or ended with an error.
+        """
+        self._memory.control[ControlWord.QUIT] = 1
+        if self._thread is not None:
+            self._thread.join(_JOIN_S)
+            if self._thread.is_alive():
+                raise DeviceError("the haptic loop does not end", "switch the robot off at its own switch")
+        self._plugin.close()
+        if self._failure is not None:
+            raise DeviceError(f"the haptic loop ended with an error: {self._failure}")
+
+    def stop_key(self) -> None:
+        """Ask for E_STOP: zero force within two ticks, latched until a block with another count of resets."""
+        self._memory.control[ControlWord.STOP] = 1
+
+    def histogram(self) -> LatenessReport:
+        """How punctual the loop has been."""
+        control = self._memory.control
+        late = self._memory.lateness
+        return LatenessReport(
+            p50=percentile_us(late, 0.5),
+            p99=percentile_us(late, 0.99),
+            p99_9=percentile_us(late, 0.999),
+            max=percentile_us(late, 1.0),
+            duration_p50=percentile_us(self._memory.duration, 0.5),
+            duration_p99=percentile_us(self._memory.duration, 0.99),
+            missed=int(control[ControlWord.MISSED]),
+            held=int(control[ControlWord.HELD]),
+            stale=int(control[ControlWord.STALE]),
+            trips=int(control[ControlWord.TRIPS]),
+            ticks=self.ticks,
+            recipe=self.granted.recipe,
+        )
+
+    def replay_ticks(self, inputs: Records, scenes: Mapping[int, Records]) -> Records:
+        """See `replay_ticks`; with this engine's rate."""
+        return replay_ticks(inputs, scenes, period_ns=self._period_ns)
+
+    def _run(self) -> None:
+        """Body of the haptic thread: arrange the scheduler, then one compiled call until the quit word."""
+        try:
+            self._granted = scheduler.arrange_thread(self._recipe)
+            spin_us = scheduler.spin_for(self._granted) if self._spin_us is None else self._spin_us
+        except BaseException as failure:  # noqa: BLE001  told by start()
+            self._failure = failure
+            return
+        finally:
+            self._arranged.set()
+        try:
+            run_live(*self._loop_args, self._period_ns, spin_us * 1000)
+        except BaseException as failure:  # noqa: BLE001  told by stop()
+            self._failure = failure
+
+
+def replay_ticks(inputs: Records, scenes: Mapping[int, Records], *, period_ns: int = 1_000_000) -> Records:
+    """Simulate recorded inputs again with the tick that made them; equal bit for bit except for the timing fields.
+
+    Args:
+        inputs: SAMPLE rows from tick 0 on, shape [n].
+        scenes: SCENE record (a record, or an array of shape [1]) for each sequence number in the inputs.
+        period_ns: Length of a tick [ns].
+
+    Returns:
+        SAMPLE rows, shape [n]; `lateness_ns` and `duration_ns` are 0.
+
+    Raises:
+        KeyError: An input names a sequence that is not in `scenes` (0, before the first block, is known).
+    """
+    numbers = sorted({int(sequence) for sequence in np.unique(inputs["sequence"])})
+    blocks = np.zeros(len(numbers), SCENE)
+    for i, number in enumerate(numbers):
+        if number != 0:
+            blocks[i] = np.asarray(scenes[number]).reshape(-1)[0]
+    which = np.searchsorted(np.array(numbers, np.int64), inputs["sequence"].astype(np.int64)).astype(np.int64)
+    outputs = np.zeros(inputs.shape[0], SAMPLE)
+    replay_recorded(
+        blocks,
+        which,
+        np.ascontiguousarray(inputs),
+        new_state(),
+        np.zeros(DATA_LENGTH),
+        np.zeros(COMMAND_LENGTH),
+        period_ns * 1e-9,
+        outputs,
+    )
+    return outputs
+
+
+def _check_block(scene: Records) -> None:
+    """ValueError when a parameter block holds a number that is not finite, or no sequence."""
+    if int(scene[0]["sequence"]) < 1:
+        raise ValueError("SCENE.sequence must count up from 1")
+    for name in _float_fields(scene.dtype):
+        part = scene[0]
+        for step in name.split("."):
+            part = part[step]
+        if not np.all(np.isfinite(part)):
+            raise ValueError(f"SCENE.{name} is not finite")
+
+
+def _float_fields(dtype: np.dtype[Any], prefix: str = "") -> list[str]:
+    """Dotted names of all float fields of a record type."""
+    names: list[str] = []
+    for name in dtype.names or ():
+        field = dtype[name]
+        if field.names:
+            names += _float_fields(field, f"{prefix}{name}.")
+        elif field.base.kind == "f":
+            names.append(prefix + name)
+    return names

@@ -1,0 +1,92 @@
+"""The last door before the user: whatever comes in, a finite force inside every limit goes out."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.vectors import all_finite, fill, norm
+
+__all__ = ["brake_at_limits", "limit_force", "settle"]
+
+Vec = NDArray[np.float64]
+
+_BRAKE_TIME = 0.05
+"""Time constant with which a joint may approach its limit [s]: speed <= room / time."""
+
+_SETTLE_TIME = 0.02
+"""Time constant with which a command dies away in a stop state [s]."""
+
+_STANDSTILL = 1e-6
+"""Below this a dying command is zero [m/s, rad/s]."""
+
+
+@kernel
+def _usable(limit: float) -> bool:
+    """False for a limit that is NaN, infinite or negative: then nothing may pass."""
+    return math.isfinite(limit) and limit >= 0.0
+
+
+@kernel
+def limit_force(wanted: Vec, ramp: float, force_limit: float, rise_limit: float, f: Vec) -> bool:
+    """Bring the wanted virtual force inside its limits; directions are kept, whole vectors are scaled.
+
+    Args:
+        wanted: Force the virtual environment asks for [N], shape [3], any frame.
+        ramp: Soft-start factor, clipped to [0, 1].
+        force_limit: Largest magnitude [N].
+        rise_limit: Largest rise of the magnitude in this tick [N]; falling is free.
+        f: On entry the force of the last tick, on exit that of this one [N].
+
+    Returns:
+        False when an input is not usable (NaN, infinite, a negative limit); f is then zero.
+    """
+    last = norm(f)
+    if not (
+        all_finite(wanted)
+        and math.isfinite(ramp)
+        and math.isfinite(last)
+        and _usable(force_limit)
+        and _usable(rise_limit)
+    ):
+        fill(f, 0.0)
+        return False
+    largest = max(abs(wanted[0]), abs(wanted[1]), abs(wanted[2]))
+    if largest == 0.0 or ramp <= 0.0:
+        fill(f, 0.0)
+        return True
+    for i in range(3):
+        f[i] = wanted[i] / largest
+    share = norm(f)
+    magnitude = min(min(1.0, ramp) * min(largest * share, force_limit), last + rise_limit)
+    for i in range(3):
+        f[i] *= magnitude / share
+    return True
+
+
+@kernel
+def brake_at_limits(q: Vec, lowest: Vec, highest: Vec, dq: Vec) -> bool:
+    """Slow a joint velocity that leads towards a joint limit, to zero at the limit; True when anything was slowed."""
+    braked = False
+    for i in range(3):
+        room_up = max(0.0, highest[i] - q[i]) / _BRAKE_TIME
+        room_down = max(0.0, q[i] - lowest[i]) / _BRAKE_TIME
+        if dq[i] > room_up:
+            dq[i] = room_up
+            braked = True
+        elif dq[i] < -room_down:
+            dq[i] = -room_down
+            braked = True
+    return braked
+
+
+@kernel
+def settle(command: Vec, dt: float) -> None:
+    """One tick of a damped ramp of the command to exactly zero: how the robot comes to rest in every stop state."""
+    for i in range(3):
+        command[i] /= 1.0 + dt / _SETTLE_TIME
+        if not abs(command[i]) > _STANDSTILL:
+            command[i] = 0.0

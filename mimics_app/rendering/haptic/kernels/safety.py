@@ -1,0 +1,195 @@
+"""State machine of the haptic loop. Every threshold stands in the SCENE record.
+
+    OFF -> INIT -> HOMED -> READY -> ACTIVE <-> DEGRADED          any -> SAFE_STOP, E_STOP (latched)
+
+    OFF       no parameters yet; no motion
+    INIT      waiting for the device's first finite data; no motion
+    HOMED     device answers; a PD controller drives to its target
+    READY     target reached, or admittance chosen: the robot follows the hand, the virtual force is still off
+    ACTIVE    the virtual force has been below `ramp_force` for 100 ms; it ramps from 0 to 1
+    DEGRADED  a tick came too late: the virtual force ramps down, motion is damped; back by the same soft start
+    SAFE_STOP, E_STOP   no force, motion dies away, until SCENE.resets changes; then INIT again, never straight ACTIVE
+
+The stop key or a device button latches E_STOP, everything else that trips latches SAFE_STOP; E_STOP may follow
+SAFE_STOP, never the other way.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mimics_app.contracts.haptic import Button, Controller, DeviceStatus, SafetyState, TripCause
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.tunnel import TunnelStatus
+from mimics_app.rendering.haptic.kernels.vectors import norm
+
+__all__ = ["HOLD", "IN_TIME", "LATE_DAMP", "LATE_STOP", "MISSED_STOP", "is_stopped", "latch", "step_safety"]
+
+IN_TIME, HOLD, LATE_DAMP, LATE_STOP, MISSED_STOP = 0, 1, 2, 3, 4
+"""Late-tick classes, SAMPLE.held."""
+
+_QUIET_TIME = 0.1
+_RAMP_DOWN_TIME = 0.05
+
+_OFF = int(SafetyState.OFF)
+_INIT = int(SafetyState.INIT)
+_HOMED = int(SafetyState.HOMED)
+_READY = int(SafetyState.READY)
+_ACTIVE = int(SafetyState.ACTIVE)
+_DEGRADED = int(SafetyState.DEGRADED)
+_SAFE_STOP = int(SafetyState.SAFE_STOP)
+_E_STOP = int(SafetyState.E_STOP)
+
+_NONE = int(TripCause.NONE)
+_STOP_KEY = int(TripCause.STOP_KEY)
+_DEVICE_BUTTON = int(TripCause.DEVICE_BUTTON)
+_NOT_FINITE = int(TripCause.NOT_FINITE)
+_LATE_TICK = int(TripCause.LATE_TICK)
+_MISSED_IN_ROW = int(TripCause.MISSED_IN_ROW)
+_STALE_DEVICE = int(TripCause.STALE_DEVICE)
+_WORKSPACE = int(TripCause.WORKSPACE)
+_VELOCITY = int(TripCause.VELOCITY)
+_DEVICE_FAULT = int(TripCause.DEVICE_FAULT)
+
+_TUNNEL_NOT_FINITE = int(TunnelStatus.NOT_FINITE)
+_FAULT = int(DeviceStatus.FAULT)
+_TUNNEL_NOT_FINITE = int(TunnelStatus.NOT_FINITE)
+_STOP_BUTTON = int(Button.STOP)
+_CONTROLLER_OFF = int(Controller.OFF)
+_ADMITTANCE = int(Controller.ADMITTANCE)
+
+
+@kernel
+def is_stopped(state: Any) -> bool:
+    """True in the two latched states."""
+    return state.safety >= _SAFE_STOP
+
+
+@kernel
+def latch(state: Any, stop: int, cause: int) -> None:
+    """Enter a stop state (SAFE_STOP or E_STOP) for a cause, unless one at least as strong is latched already."""
+    if state.safety >= stop:
+        return
+    state.safety = stop
+    state.cause = cause
+    state.ramp = 0.0
+    state.quiet_ticks = 0
+    state.tripped = 1
+
+
+@kernel
+def _reset_when_asked(scene: Any, state: Any, stop_word: int) -> None:
+    """A changed count of resets leaves a latched stop, once stop key and button are released."""
+    if scene.resets == state.resets:
+        return
+    if state.safety < _SAFE_STOP:
+        state.resets = scene.resets
+    elif stop_word == 0 and state.buttons & _STOP_BUTTON == 0 and state.readable == 1:
+        state.resets = scene.resets
+        state.safety = _INIT
+        state.cause = _NONE
+        state.quiet_ticks = 0
+
+
+@kernel
+def _outside_workspace(scene: Any, state: Any) -> bool:
+    """True beyond the joint limits by more than the margin; written so that NaN limits count as outside."""
+    for i in range(3):
+        if not (
+            scene.joint_min[i] - scene.workspace_margin <= state.q[i] <= scene.joint_max[i] + scene.workspace_margin
+        ):
+            return True
+    return False
+
+
+@kernel
+def _find_trip(scene: Any, state: Any, status: int, held: int) -> int:
+    """Cause that latches SAFE_STOP in this tick, or NONE."""
+    cause = _NONE
+    if state.readable == 0 or state.tunnel.status == _TUNNEL_NOT_FINITE:
+        cause = _NOT_FINITE
+    elif status == _FAULT:
+        cause = _DEVICE_FAULT
+    elif state.safety >= _HOMED and held == LATE_STOP:
+        cause = _LATE_TICK
+    elif state.safety >= _HOMED and held == MISSED_STOP:
+        cause = _MISSED_IN_ROW
+    elif state.safety >= _HOMED and not state.age * 1e9 <= scene.stale_stop_ns:
+        cause = _STALE_DEVICE
+    elif state.safety >= _HOMED and _outside_workspace(scene, state):
+        cause = _WORKSPACE
+    elif state.safety >= _HOMED and not norm(state.v) <= scene.velocity_limit:
+        cause = _VELOCITY
+    return cause
+
+
+@kernel
+def _advance_states(scene: Any, state: Any, held: int, dt: float) -> None:
+    """Move along OFF .. DEGRADED; at most one step a tick."""
+    safety = state.safety
+    haptic = scene.controller == _ADMITTANCE
+    quiet = state.quiet_ticks * dt >= _QUIET_TIME
+    if safety == _OFF:
+        if scene.sequence > 0:
+            state.safety = _INIT
+    elif safety == _INIT:
+        if state.answered == 1:
+            state.safety = _HOMED
+    elif safety == _HOMED:
+        if haptic or (scene.controller != _CONTROLLER_OFF and state.arrived == 1):
+            state.safety = _READY
+    elif safety == _READY:
+        if not haptic and state.arrived == 0:
+            state.safety = _HOMED
+        elif haptic and quiet:
+            state.safety = _ACTIVE
+            state.ramp = 0.0
+    elif not haptic:
+        state.safety = _HOMED
+    elif safety == _ACTIVE:
+        if held == LATE_DAMP:
+            state.safety = _DEGRADED
+            state.cause = _LATE_TICK
+            state.tripped = 1
+            state.quiet_ticks = 0
+    elif state.ramp == 0.0 and quiet:
+        state.safety = _ACTIVE
+
+
+@kernel
+def _move_ramp(scene: Any, state: Any, dt: float) -> None:
+    """Soft start: up in ACTIVE over ramp_time, down in DEGRADED, zero elsewhere."""
+    if state.safety == _ACTIVE:
+        state.ramp = min(1.0, state.ramp + dt / scene.ramp_time) if scene.ramp_time > dt else 1.0
+    elif state.safety == _DEGRADED:
+        state.ramp = max(0.0, state.ramp - dt / _RAMP_DOWN_TIME)
+    else:
+        state.ramp = 0.0
+
+
+@kernel
+def step_safety(scene: Any, state: Any, status: int, stop_word: int, held: int, dt: float) -> None:
+    """Decide this tick's state and soft-start factor, after motion and virtual force are known.
+
+    Args:
+        scene: SCENE record.
+        state: STATE record.
+        status: DeviceStatus of this tick's read.
+        stop_word: Not 0 while the stop key asks for E_STOP.
+        held: Late-tick class.
+        dt: Tick [s].
+    """
+    before = state.safety
+    _reset_when_asked(scene, state, stop_word)
+    if stop_word != 0:
+        latch(state, _E_STOP, _STOP_KEY)
+    elif state.buttons & _STOP_BUTTON != 0:
+        latch(state, _E_STOP, _DEVICE_BUTTON)
+    cause = _find_trip(scene, state, status, held)
+    if cause != _NONE:
+        latch(state, _SAFE_STOP, cause)
+    state.quiet_ticks = state.quiet_ticks + 1 if held < LATE_DAMP and norm(state.f_virt_world) < scene.ramp_force else 0
+    if state.safety < _SAFE_STOP:
+        _advance_states(scene, state, held, dt)
+    _move_ramp(scene, state, dt)
+    state.state_changed = 1 if state.safety != before else 0

@@ -1,0 +1,76 @@
+"""What one haptic point remembers from tick to tick, and the codes the compiled functions share."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE
+
+__all__ = ["BODY_MOTION", "CONTACT_BEGAN", "CONTACT_ENDED", "CONTACT_UNCHANGED", "STATE", "new_state"]
+
+CONTACT_UNCHANGED = 0
+CONTACT_BEGAN = 1
+CONTACT_ENDED = 2
+
+STATE = np.dtype(
+    [
+        # safety
+        ("tick", "i8"),  # ticks done
+        ("safety", "i8"),  # SafetyState
+        ("cause", "i8"),  # TripCause of the newest trip
+        ("resets", "i8"),  # SCENE.resets as last seen
+        ("sequence", "i8"),  # SCENE.sequence as last seen
+        ("trial", "i8"),  # SCENE.trial as last seen
+        ("quiet_ticks", "i8"),  # ticks in a row with the virtual force below ramp_force
+        ("answered", "i8"),  # 1 once the device has given data
+        ("readable", "i8"),  # 1 while this tick's device data is finite
+        ("stale", "i8"),  # 1 while the data is older than stale_warn
+        ("ramp", "f8"),  # soft-start factor 0-1
+        ("age", "f8"),  # of the device data [s]
+        # what changed in this tick
+        ("state_changed", "i8"),
+        ("tripped", "i8"),
+        ("parameters_taken", "i8"),
+        ("contact_change", "i8"),  # CONTACT_...
+        # motion, last good data
+        ("q", "f8", (3,)),
+        ("dq", "f8", (3,)),
+        ("f_meas", "f8", (3,)),  # tool frame [N]
+        ("grasp", "f8"),
+        ("buttons", "i8"),
+        ("hip", "f8", (3,)),  # robot frame [m]
+        ("v", "f8", (3,)),  # robot frame [m/s]
+        ("hip_world", "f8", (3,)),
+        ("v_world", "f8", (3,)),
+        ("f_meas_world", "f8", (3,)),
+        # forces
+        ("ball_radius", "f8"),  # [m]
+        ("f_virt_world", "f8", (3,)),
+        ("f_user_world", "f8", (3,)),
+        ("f_user", "f8", (3,)),  # robot frame [N]
+        # contact
+        ("in_contact", "i8"),
+        ("clear_ticks", "i8"),  # ticks in a row without touching
+        ("contacts", "i8"),
+        ("contact_tick", "i8"),
+        # controller
+        ("v_virtual", "f8", (3,)),  # robot frame [m/s]
+        ("dq_virtual", "f8", (3,)),
+        ("command", "f8", (3,)),  # joint velocities last sent
+        ("arrived", "i8"),  # 1 while a PD controller is at its target
+        ("work_a", "f8", (3,)),
+        ("work_b", "f8", (3,)),
+        ("work_c", "f8", (3,)),
+        ("tunnel", TUNNEL_STATE),
+    ],
+    align=True,
+)
+"""One haptic point. All zero is a valid start: OFF."""
+
+BODY_MOTION = 13
+"""Columns of a kinematic body: position [m], quaternion xyzw, velocity [m/s], angular velocity [rad/s], world."""
+
+
+def new_state() -> np.ndarray:
+    """A fresh state, shape [1], dtype STATE."""
+    return np.zeros(1, STATE)
