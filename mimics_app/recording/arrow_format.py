@@ -20,7 +20,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import SAMPLE, SCENE
+from mimics_app.contracts.haptic import SCENE
 from mimics_app.recording.columns import ROW, column_names, column_units, rows_of, samples_of
 
 __all__ = [
@@ -172,7 +172,7 @@ def _tuples(description: Any) -> Any:
 def _crc(seq: int, first: int, *arrays: NDArray[Any]) -> int:
     crc = zlib.crc32(_NUMBERS.pack(seq, first))
     for array in arrays:
-        crc = zlib.crc32(array, crc)
+        crc = zlib.crc32(memoryview(array), crc)
     return crc
 
 

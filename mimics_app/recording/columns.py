@@ -27,9 +27,7 @@ INPUT_FIELDS = ("q", "dq", "f_meas", "grasp", "buttons", "status", "sequence", "
 TIMING_FIELDS = ("lateness_ns", "duration_ns")
 """How punctual the live loop was; no part of the state hash, and never compared."""
 
-OUTPUT_FIELDS = tuple(
-    name for name in SAMPLE.names or () if name not in (*INPUT_FIELDS, *TIMING_FIELDS, "t", "tick")
-)
+OUTPUT_FIELDS = tuple(name for name in SAMPLE.names or () if name not in (*INPUT_FIELDS, *TIMING_FIELDS, "t", "tick"))
 """What the tick computed; a replay compares these bit for bit."""
 
 ROW = SAMPLE.itemsize // 8

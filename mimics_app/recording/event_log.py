@@ -45,7 +45,8 @@ def to_json(value: object) -> bytes:
 
 def encode_line(source: str, kind: str, data: Mapping[str, object]) -> bytes:
     """One line without its end; not-a-number and infinity become null."""
-    return to_json({**data, "source": source, "kind": kind})
+    rest = {name: value for name, value in data.items() if name not in ("source", "kind")}
+    return to_json({"source": source, "kind": kind, **rest})
 
 
 def encode_event(event: NDArray[Any], n: int) -> bytes:
@@ -67,12 +68,8 @@ def events_of(lines: list[dict[str, Any]]) -> NDArray[Any]:
         event["kind"] = int(name[5:]) if name.startswith("kind_") else EventKind[name.upper()]
         for field in (*_SCALARS, *_VECTORS):
             value = line[field]
-            event[field] = np.nan if value is None else [np.nan if v is None else v for v in _listed(value)]
+            event[field] = value if isinstance(value, int) else np.array(value, np.float64)  # None becomes NaN
     return events
-
-
-def _listed(value: Any) -> Any:
-    return value if isinstance(value, list) else np.array([value])
 
 
 def read_lines(path: Path) -> tuple[list[dict[str, Any]], int]:

@@ -20,7 +20,6 @@ from mimics_app.recording.channel import CLOSE, LINE, PARAMETERS, TRIAL, Outbox
 from mimics_app.recording.environment import clock_pair, describe_environment
 from mimics_app.recording.event_log import encode_line, to_json
 from mimics_app.recording.manifest import Manifest, read_manifest
-from mimics_app.recording.recorder_process import record
 from mimics_app.recording.recorder_status import PROBLEMS, Problem, RecorderStatus, StatusWord
 from mimics_app.recording.run_folder import FILES, write_atomically
 
@@ -35,6 +34,13 @@ _ROOM_STEP_NS = 200_000
 _STALLED_NS = 30_000_000_000
 _EVENT_ROOM = 256
 _BACKLOG = 8 << 20
+
+
+def _record(*arguments: Any) -> None:
+    """Target of the spawned process; pyarrow and the rest are loaded there only."""
+    from mimics_app.recording.recorder_process import record
+
+    record(*arguments)
 
 
 class Recorder:
@@ -65,8 +71,11 @@ class Recorder:
         # At an exit without `close` the channel must end before the process is joined, or both would wait for ever.
         self._finalize = Finalize(self, self._outbox.close, exitpriority=100)
 
-    def start(self) -> None:
-        """Write session.json, spawn the process, and return when its files are open.
+    def start(self, *, wait: bool = True) -> None:
+        """Write session.json and spawn the process.
+
+        Args:
+            wait: Return when its files are open; else do so later with `wait_until_ready`.
 
         Raises:
             PartialDataError: It does not come up.
@@ -76,6 +85,15 @@ class Recorder:
             self.folder / FILES["session"], msgspec.json.format(to_json({**session, **self._header}), indent=1)
         )
         self._spawn()
+        if wait:
+            self.wait_until_ready()
+
+    def wait_until_ready(self) -> None:
+        """Return when the recorder's files are open; what was journaled before is kept.
+
+        Raises:
+            PartialDataError: It does not come up.
+        """
         deadline = self._clock.now_ns() + int(_START_S * 1e9)
         while not self._status[StatusWord.READY]:
             if self._clock.now_ns() > deadline or not self.alive:
@@ -85,7 +103,7 @@ class Recorder:
 
     def _spawn(self) -> None:
         arguments = (self._memory, self._outbox.reader, self._status, self.folder, self._restarts)
-        self._process = get_context("spawn").Process(target=record, args=arguments, name="mimics recorder")
+        self._process = get_context("spawn").Process(target=_record, args=arguments, name="mimics recorder")
         self._process.start()
 
     @property

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mimics_app.contracts import ring
 from mimics_app.contracts.clock import MonotonicClock, wall_time
@@ -47,10 +48,10 @@ _SYNC_NS = 1_000_000_000
 _CLOCK_PAIR_NS = 10_000_000_000
 _CLOCK_JUMP_S = 0.1
 
+_REPLACED, _RING, _DISK = "the recorder was replaced", "the ring was full", "the disk took no more"
 
-def record(
-    memory: SessionMemory, reader: Connection, status: RecorderStatus, folder: Path, restarts: int
-) -> None:
+
+def record(memory: SessionMemory, reader: Connection, status: RecorderStatus, folder: Path, restarts: int) -> None:
     """Record until the app closes the session or is gone. The target of the spawned process.
 
     Args:
@@ -79,6 +80,7 @@ class _Tally:
 
     gaps: list[dict[str, Any]] = field(default_factory=list)
     lost_rows: int = 0
+    lost_in_this_gap: int = 0
     lost_lines: int = 0
     ring_dropped: int = 0
     event_dropped: int = 0
@@ -100,8 +102,10 @@ class _Session:
         self._trials = TrialTable(folder / "trials.csv", resume=resume)
         for row in self._trials.rows:
             self._hash.add_trial(row)
-        self._tally = _Tally()
-        self._pending_trials: list[dict[str, Any]] = []
+        self._tally = _Tally(gaps=self._events.earlier_gaps)
+        self._tally.lost_rows = sum(gap["rows"] for gap in self._tally.gaps if gap["reason"] == _DISK)
+        self._tally.ring_dropped = sum(gap["rows"] for gap in self._tally.gaps if gap["reason"] == _RING)
+        self._waiting_trials: dict[int, dict[str, Any]] = {}
         self._block = np.zeros(BLOCK_ROWS, SAMPLE)
         self._event_block = np.zeros(memory.capacities.events, EVENT)
         self._close_message: dict[str, Any] | None = None
@@ -110,6 +114,7 @@ class _Session:
         self._now = 0
         self.over = False
         self._keep_reserve()
+        self._load_kernels()
         if resume:
             self._align_with_rings()
         self._own_line("restart" if resume else "start", {"restarts": restarts, **clock_pair()})
@@ -120,6 +125,21 @@ class _Session:
             path.write_bytes(b"\0" * _RESERVE_BYTES)
         except OSError:
             path.unlink(missing_ok=True)
+
+    def _load_kernels(self) -> None:
+        """Compile or load what the passes call now, before the first sample waits."""
+        for words, slots, block in self._rings():
+            ring.waiting(words)
+            ring.position(words)
+            ring.peek(words, slots, block[:0])
+            ring.release(words, 0)
+
+    def _rings(self) -> list[tuple[NDArray[np.int64], NDArray[Any], NDArray[Any]]]:
+        memory = self._memory
+        return [
+            (memory.sample_words, memory.samples, self._block),
+            (memory.recorder_event_words, memory.recorder_events, self._event_block),
+        ]
 
     def _align_with_rings(self) -> None:
         """Give up what the dead recorder had written but not released, and say what is missing between it and now."""
@@ -132,7 +152,7 @@ class _Session:
         if written > 0:
             ring.release(events, min(written, ring.waiting(events)))
         lost = max(0, ring.position(words) - self._samples.next_row)
-        self._gap("the recorder was replaced", lost)
+        self._gap(_REPLACED, lost)
 
     # one pass
 
@@ -172,21 +192,25 @@ class _Session:
                 self._trouble(error, lines=1)
         elif kind == TRIAL:
             message = json.loads(payload)
-            known = len(self._trials.rows) + len(self._pending_trials)
-            if message["index"] >= known:  # a restarted recorder is told the last ones again
-                self._pending_trials.append(message["row"])
-                self._write_trials()
+            self._waiting_trials[message["index"]] = message["row"]
+            self._write_trials()
         elif kind == CLOSE:
             self._close_message = json.loads(payload)
 
-    def _write_trials(self) -> None:
-        while self._pending_trials:
+    def _write_trials(self, *, all_of_them: bool = False) -> None:
+        """In the order of their numbers: after a restart some are told twice, and one may come after its follower."""
+        for index in sorted(self._waiting_trials):
+            if index < len(self._trials.rows):
+                del self._waiting_trials[index]
+                continue
+            if index > len(self._trials.rows) and not all_of_them:
+                return
             try:
-                self._trials.append(self._pending_trials[0])
+                self._trials.append(self._waiting_trials[index])
             except OSError as error:
                 self._trouble(error)
                 return
-            self._hash.add_trial(self._pending_trials.pop(0))
+            self._hash.add_trial(self._waiting_trials.pop(index))
             self._status[StatusWord.TRIALS] = len(self._trials.rows)
 
     def _write_lines(self, lines: list[bytes]) -> None:
@@ -237,7 +261,7 @@ class _Session:
         self._retry_at = self._now + _SYNC_NS
         if shutil.disk_usage(self._folder).free < _ROOM_TO_GO_ON:
             return False
-        self._gap("the disk was full", self._tally.lost_rows - sum(gap["rows"] for gap in self._tally.gaps))
+        self._end_of_loss()
         self._retry_at = 0
         self._status[StatusWord.PROBLEM] = Problem.NONE
         return True
@@ -251,8 +275,14 @@ class _Session:
             (self._folder / RESERVE).unlink(missing_ok=True)
             self._own_line("problem", {"what": os.strerror(error.errno or 0), **clock_pair()})
 
+    def _end_of_loss(self) -> None:
+        if self._tally.lost_in_this_gap:
+            self._gap(_DISK, self._tally.lost_in_this_gap)
+            self._tally.lost_in_this_gap = 0
+
     def _lose_rows(self, count: int) -> None:
         self._tally.lost_rows += count
+        self._tally.lost_in_this_gap += count
         self._status[StatusWord.LOST_ROWS] = self._tally.lost_rows
 
     def _gap(self, reason: str, rows: int) -> None:
@@ -266,7 +296,7 @@ class _Session:
         if dropped > self._tally.ring_dropped:
             self._status[StatusWord.PROBLEM] = self._status[StatusWord.PROBLEM] or Problem.RING_FULL
             rows, self._tally.ring_dropped = dropped - self._tally.ring_dropped, dropped
-            self._gap("the ring was full", rows)
+            self._gap(_RING, rows)
 
     # upkeep
 
@@ -302,12 +332,10 @@ class _Session:
         """Empty everything, end the files as their formats want it, and seal them."""
         self._take_messages()
         status: Literal["clean", "interrupted"] = "interrupted" if self._close_message is None else "clean"
-        missing = self._tally.lost_rows - sum(g["rows"] for g in self._tally.gaps if g["reason"] == "the disk was full")
-        if missing > 0:
-            self._gap("the disk was full", missing)
+        self._end_of_loss()
         self._own_line("end", {"status": status, **clock_pair()})
         (self._folder / RESERVE).unlink(missing_ok=True)
-        self._write_trials()
+        self._write_trials(all_of_them=True)
         for stream in (self._samples, self._parameters, self._events, self._trials):
             try:
                 stream.close()
@@ -328,6 +356,7 @@ class _Session:
                 "samples": self._tally.ring_dropped + self._tally.lost_rows,
                 "events": self._tally.event_dropped,
                 "lines": self._tally.lost_lines + int(said.get("dropped", 0)),
+                "channel_bytes": self._inbox.skipped_bytes,
             },
             restarts=self._restarts,
             gaps=self._tally.gaps,

@@ -69,10 +69,12 @@ def _new_folder(parent: Path) -> Path:
 def write_atomically(path: Path, content: bytes) -> None:
     """Replace a file in one step: readers see the old or the new content, never half of it, also after a crash."""
     scratch = path.with_name(path.name + ".part")
-    descriptor = os.open(scratch, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
     try:
-        os.write(descriptor, content)
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
-    os.replace(scratch, path)
+        with scratch.open("wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(scratch, path)
+    except OSError:
+        scratch.unlink(missing_ok=True)
+        raise

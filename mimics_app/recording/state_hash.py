@@ -38,7 +38,7 @@ class StateHash:
     def add_samples(self, samples: NDArray[Any]) -> None:
         """Take in SAMPLE records, shape [n], in order."""
         assert samples.dtype == SAMPLE
-        self._samples.update(np.ascontiguousarray(rows_of(samples)[:, _STATE_COLUMNS]))
+        self._samples.update(rows_of(samples)[:, _STATE_COLUMNS].tobytes())
         self._counts[0] += len(samples)
 
     def add_events(self, events: NDArray[Any]) -> None:
@@ -49,8 +49,9 @@ class StateHash:
         self._counts[1] += len(events)
 
     def add_trial(self, row: Mapping[str, object]) -> None:
-        """Take in one finished trial, as plain JSON values; the order of its keys does not matter."""
-        text = json.dumps(row, sort_keys=True, separators=(",", ":"))
+        """Take in one finished trial, as plain JSON values; neither the order of its keys nor empty cells matter."""
+        filled = {name: value for name, value in row.items() if value is not None}
+        text = json.dumps(filled, sort_keys=True, separators=(",", ":"))
         self._trials.update(text.encode() + b"\n")
         self._counts[2] += 1
 

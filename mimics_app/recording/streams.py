@@ -138,16 +138,20 @@ class EventStream:
 
     Attributes:
         next_event: Number of the next EVENT record of the loop.
+        earlier_gaps: Gaps that a recorder before this one wrote down.
     """
 
     def __init__(self, folder: Path, state_hash: StateHash, *, resume: bool = False) -> None:
         path = folder / FILES["events"]
         self._hash = state_hash
         self.next_event = 0
+        self.earlier_gaps: list[dict[str, Any]] = []
         end = None
         if resume:
             end = whole_length(path) if path.exists() else 0
-            events = events_of(read_lines(path)[0])
+            lines = read_lines(path)[0]
+            self.earlier_gaps = [line for line in lines if line["source"] == "recorder" and line["kind"] == "gap"]
+            events = events_of(lines)
             self._hash.add_events(events)
             self.next_event = len(events)
         self._file = AppendFile(path, resume_at=end)

@@ -1,0 +1,112 @@
+"""What a replay needs of a run, and the comparison that decides it.
+
+The replay itself, feeding these inputs through the very tick the live loop ran, is haptic rendering's; the command
+joins the two.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import PartialDataError
+from mimics_app.contracts.haptic import SCENE
+from mimics_app.recording.columns import OUTPUT_FIELDS, column_names, field_columns, rows_of
+from mimics_app.recording.run import Run
+
+__all__ = ["Difference", "ReplayData", "compare", "gather"]
+
+
+@dataclass(frozen=True, slots=True)
+class ReplayData:
+    """Inputs of every tick from the first on.
+
+    Attributes:
+        samples: SAMPLE records, shape [n]; a replay reads their input fields only (`columns.INPUT_FIELDS`).
+        blocks: SCENE record [shape 1] by sequence; the sample of a tick says which one it used.
+    """
+
+    samples: NDArray[Any]
+    blocks: dict[int, NDArray[Any]]
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """The first output that a replay computed otherwise.
+
+    Attributes:
+        tick: Where.
+        column: Which, e.g. "f_user_world[1]".
+        recorded, replayed: The two values.
+        count: How many values differ in the whole run.
+    """
+
+    tick: int
+    column: str
+    recorded: float
+    replayed: float
+    count: int
+
+    def __str__(self) -> str:
+        return (
+            f"tick {self.tick}, {self.column}: recorded {self.recorded!r}, replayed {self.replayed!r} "
+            f"({self.count} values differ)"
+        )
+
+
+def gather(run: Run) -> ReplayData:
+    """Everything a replay needs, or a reason why there can be none.
+
+    A run that was cut off at its end can be replayed up to there. One with a hole cannot: what the loop remembered
+    over the hole is unknown.
+
+    Raises:
+        PartialDataError: Ticks or parameter blocks are missing, or the run is of a version with other parameters.
+    """
+    samples = run.haptic
+    if len(samples) == 0:
+        raise PartialDataError(f"{run.folder} holds no tick")
+    if run.gaps:
+        gap = run.gaps[0]
+        raise PartialDataError(
+            f"{run.folder}: {gap.ticks} ticks are missing after tick {gap.after_tick} ({gap.why})",
+            "a run with a hole cannot be replayed",
+        )
+    blocks = run.parameters
+    wanted = {int(sequence) for sequence in np.unique(samples["sequence"])}
+    if missing := sorted(wanted - set(blocks)):
+        raise PartialDataError(f"{run.folder}: parameter block {missing[0]} is missing", "it cannot be replayed")
+    if any(blocks[sequence].dtype != SCENE for sequence in wanted):
+        version = run.session.get("versions", {}).get("mimics_app", "another version")
+        raise PartialDataError(f"{run.folder} was recorded by {version}, whose parameters differ", "use that version")
+    return ReplayData(samples, {sequence: blocks[sequence] for sequence in sorted(wanted)})
+
+
+def compare(recorded: NDArray[Any], replayed: NDArray[Any]) -> Difference | None:
+    """First output that is not the same bit for bit, in the order of ticks and columns, or None.
+
+    Args:
+        recorded: SAMPLE records, shape [n].
+        replayed: SAMPLE records, shape [n], the same ticks.
+
+    Raises:
+        ValueError: They do not cover the same number of ticks.
+    """
+    if len(recorded) != len(replayed):
+        raise ValueError(f"{len(recorded)} recorded and {len(replayed)} replayed ticks cannot be compared")
+    columns = field_columns(OUTPUT_FIELDS)
+    one, other = rows_of(recorded)[:, columns], rows_of(replayed)[:, columns]
+    differs = one.view(np.uint64) != other.view(np.uint64)
+    if not differs.any():
+        return None
+    row, column = np.unravel_index(int(differs.argmax()), differs.shape)
+    return Difference(
+        tick=int(recorded["tick"][row]),
+        column=column_names()[columns[column]],
+        recorded=float(one[row, column]),
+        replayed=float(other[row, column]),
+        count=int(differs.sum()),
+    )

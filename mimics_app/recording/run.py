@@ -1,0 +1,212 @@
+"""Read a run folder back, whole or damaged: what is good comes out, what is missing is named."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import PartialDataError, UsageError
+from mimics_app.contracts.haptic import SAMPLE
+from mimics_app.recording.arrow_format import (
+    Block,
+    decode_parameters,
+    decode_samples,
+    parameters_schema,
+    samples_schema,
+)
+from mimics_app.recording.arrow_scan import Damage, Found, read_index, read_schema, scan_stream
+from mimics_app.recording.event_log import events_of, read_lines
+from mimics_app.recording.manifest import Manifest, hash_files, read_manifest
+from mimics_app.recording.run_folder import FILES
+from mimics_app.recording.state_hash import StateHash
+from mimics_app.recording.trial_table import read_trials
+
+__all__ = ["Gap", "Run"]
+
+
+@dataclass(frozen=True, slots=True)
+class Gap:
+    """Rows of the haptic stream that are missing.
+
+    Attributes:
+        after_tick: Last tick before the gap, -1 at the start.
+        ticks: How many are missing.
+        why: Cause where it is known, else "rows are missing".
+    """
+
+    after_tick: int
+    ticks: int
+    why: str
+
+
+class Run:
+    """One run folder.
+
+    Attributes:
+        folder: Where it is.
+        session: Content of session.json, {} where it is damaged.
+        manifest: How the run ended, None where it was never closed.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.session = _read_session(folder / FILES["session"])
+        self.manifest: Manifest | None = read_manifest(folder)
+
+    @classmethod
+    def open(cls, folder: Path) -> Run:
+        """Open a run folder, also one that was never closed.
+
+        Raises:
+            UsageError: It is no run folder.
+            PartialDataError: It was written by a version with other columns.
+        """
+        if not (folder / FILES["session"]).exists() and not (folder / FILES["haptic"]).exists():
+            raise UsageError(f"{folder} is no run folder", "give a folder that holds session.json and haptic.arrows")
+        schema = read_schema(folder / FILES["haptic"])
+        if schema is not None and not schema.equals(samples_schema(), check_metadata=True):
+            raise PartialDataError(
+                f"{folder / FILES['haptic']} has other columns than this version records",
+                "read it with the version named in its session.json, or with pyarrow.ipc.open_stream",
+            )
+        return cls(folder)
+
+    @property
+    def status(self) -> str:
+        """How the run ended, as its manifest says, or "open": it was never closed, or is still being recorded."""
+        return self.manifest.status if self.manifest else "open"
+
+    @cached_property
+    def _scan(self) -> tuple[list[Block], list[Damage], int]:
+        path = self.folder / FILES["haptic"]
+        blocks: list[Block] = []
+        damages: list[Damage] = []
+        end = 0
+        for piece in scan_stream(path, decode_samples, samples_schema(), read_index(self.folder / FILES["index"])):
+            if isinstance(piece, Found):
+                blocks.append(piece.block)
+                end = piece.offset + piece.length
+            else:
+                damages.append(piece)
+        return blocks, damages, end
+
+    @cached_property
+    def haptic(self) -> NDArray[Any]:
+        """Every good row of haptic.arrows as SAMPLE records, shape [n], in order."""
+        blocks = self._scan[0]
+        return np.concatenate([block.records for block in blocks]) if blocks else np.empty(0, SAMPLE)
+
+    @property
+    def damages(self) -> list[Damage]:
+        """Bytes of haptic.arrows that are no good block."""
+        return self._scan[1]
+
+    @property
+    def good_bytes(self) -> int:
+        """Where the last good block of haptic.arrows ends."""
+        return self._scan[2]
+
+    @cached_property
+    def gaps(self) -> list[Gap]:
+        """Where ticks are missing, in order; a cut end cannot be seen from the ticks and stands in `damages`."""
+        ticks = self.haptic["tick"]
+        known = {int(line["after_row"]): str(line["reason"]) for line in self.lines_of("recorder", "gap")}
+        gaps: list[Gap] = []
+        if len(ticks) and ticks[0] > 0:
+            gaps.append(Gap(-1, int(ticks[0]), known.get(0, "rows are missing")))
+        for i in np.flatnonzero(np.diff(ticks) != 1.0):
+            why = known.get(self._row_number(int(i)) + 1, "rows are missing")
+            gaps.append(Gap(int(ticks[i]), int(ticks[i + 1] - ticks[i]) - 1, why))
+        return gaps
+
+    def _row_number(self, position: int) -> int:
+        """Place of a row since the session's start, counting the ones that were lost from the ring on."""
+        for block in self._scan[0]:
+            if position < len(block.records):
+                return block.first + position
+            position -= len(block.records)
+        return -1
+
+    @cached_property
+    def _lines(self) -> tuple[list[dict[str, Any]], int]:
+        return read_lines(self.folder / FILES["events"])
+
+    @property
+    def lines(self) -> list[dict[str, Any]]:
+        """Every good line of events.jsonl, in order."""
+        return self._lines[0]
+
+    def lines_of(self, source: str, kind: str) -> list[dict[str, Any]]:
+        """Lines of one source and kind, in order."""
+        return [line for line in self.lines if line["source"] == source and line["kind"] == kind]
+
+    @cached_property
+    def events(self) -> NDArray[Any]:
+        """The loop's EVENT records, shape [n], in order."""
+        return events_of(self.lines)
+
+    @cached_property
+    def trials(self) -> list[dict[str, Any]]:
+        """Rows of trials.csv, one per finished trial."""
+        return read_trials(self.folder / FILES["trials"])
+
+    @cached_property
+    def parameters(self) -> dict[int, NDArray[Any]]:
+        """Parameter blocks by sequence, each a record of the dtype it was recorded with, shape [1]."""
+        path = self.folder / FILES["parameters"]
+        schema = read_schema(path) or parameters_schema()
+        blocks: dict[int, NDArray[Any]] = {}
+        for piece in scan_stream(path, lambda data: decode_parameters(data, schema), schema):
+            if isinstance(piece, Found):
+                blocks[int(piece.block.records["sequence"][0])] = piece.block.records
+        return blocks
+
+    def state_hash(self) -> str:
+        """The state hash of what the files hold, computed anew."""
+        state = StateHash()
+        state.add_samples(self.haptic)
+        state.add_events(self.events)
+        for row in self.trials:
+            state.add_trial(row)
+        return state.hexdigest()
+
+    def problems(self) -> list[str]:
+        """Everything that is not as it should be, one sentence each; [] for a whole run."""
+        found: list[str] = []
+        if self.manifest is None:
+            found.append("the run was never closed")
+        elif self.manifest.status != "clean":
+            found.append(f"the run is {self.manifest.status}")
+        found += [f"{FILES['haptic']}: {d.length} bytes at {d.offset} are no good block: {d.why}" for d in self.damages]
+        found += [f"{gap.ticks} ticks are missing after tick {gap.after_tick}: {gap.why}" for gap in self.gaps]
+        if self._lines[1]:
+            found.append(f"{FILES['events']}: {self._lines[1]} lines cannot be read")
+        return found
+
+    def disagreements(self) -> list[str]:
+        """What differs between the files and the manifest that seals them; [] when it agrees, or there is none."""
+        if self.manifest is None:
+            return []
+        now = hash_files(self.folder)
+        found = [
+            f"{name} {'is missing' if name not in now else 'was changed after the run was closed'}"
+            for name, sealed in self.manifest.files.items()
+            if now.get(name) != sealed
+        ]
+        if self.state_hash() != self.manifest.state_hash:
+            found.append("the state hash of the files is not that of the manifest")
+        return found
+
+
+def _read_session(path: Path) -> dict[str, Any]:
+    try:
+        content = json.loads(path.read_bytes())
+    except (OSError, ValueError):
+        return {}
+    return content if isinstance(content, dict) else {}

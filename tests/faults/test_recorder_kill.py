@@ -1,0 +1,198 @@
+"""The recorder keeps what it was given: app killed, recorder killed, both killed, at seeded random moments."""
+
+from __future__ import annotations
+
+import mmap
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from mimics_app.recording.recover import recover
+from mimics_app.recording.run import Run
+from tests.support.recorder_app import CLOSED, PID, TICK, TRIALS, fake_samples
+
+ROOT = Path(__file__).parents[2]
+MOST_LOST_TICKS = 100
+
+
+class App:
+    """The stand-in as a process of its own group, with the words it shares."""
+
+    def __init__(self, folder: Path, seconds: float = 30.0) -> None:
+        self.folder = folder / "run"
+        self.folder.mkdir()
+        path = folder / "words"
+        path.write_bytes(b"\0" * 32)
+        self._file = path.open("r+b")
+        self.words = np.ndarray(4, np.int64, buffer=mmap.mmap(self._file.fileno(), 32))
+        command = [sys.executable, "-m", "tests.support.recorder_app", str(self.folder), str(path), str(seconds)]
+        self.process = subprocess.Popen(command, cwd=ROOT, start_new_session=True)
+
+    def wait_until(self, condition: Callable[[], bool], timeout: float = 60.0) -> None:
+        deadline = time.monotonic() + timeout
+        while not condition():
+            assert self.process.poll() is None or self.words[CLOSED], "the stand-in ended by itself"
+            assert time.monotonic() < deadline
+            time.sleep(0.005)
+
+    def wait_for_end_of(self, pid: int) -> None:
+        deadline = time.monotonic() + 30
+        while _runs(pid):
+            assert time.monotonic() < deadline, "the recorder does not end"
+            time.sleep(0.005)
+
+    def end(self) -> None:
+        if self.process.poll() is None:
+            os.killpg(self.process.pid, signal.SIGKILL)
+        self.process.wait()
+        self._file.close()
+
+
+def _runs(pid: int) -> bool:
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+    return state != "Z"
+
+
+def _assert_arrow_opens(folder: Path) -> None:
+    for path in folder.glob("*.arrows"):
+        reader = pa.ipc.open_stream(path)
+        assert reader.schema.metadata[b"format"].startswith(b"mimics")
+        try:
+            while True:
+                reader.read_next_batch()
+        except (StopIteration, pa.ArrowInvalid, OSError):
+            continue  # the last block of a stream nobody closed may be torn
+
+
+def _assert_rows_are_those_pushed(run: Run) -> None:
+    ticks = run.haptic["tick"].astype(int)
+    expected = fake_samples(0, int(ticks.max()) + 1)[ticks]
+    assert run.haptic.tobytes() == expected.tobytes()
+
+
+def _moments(count: int) -> list[float]:
+    return [random.Random(20 + i).uniform(0.05, 1.5) for i in range(count)]
+
+
+def _start_apps(tmp_path: Path, count: int) -> list[App]:
+    """Several at once: what takes time is their start."""
+    apps = []
+    for i in range(count):
+        (tmp_path / str(i)).mkdir()
+        apps.append(App(tmp_path / str(i)))
+    for app in apps:
+        app.wait_until(lambda app=app: app.words[TICK] > 0)
+    return apps
+
+
+@pytest.mark.parametrize("moments", [_moments(10)[:5], _moments(10)[5:]], ids=["first five", "last five"])
+def test_app_killed_loses_at_most_100_ms_and_no_finished_trial(tmp_path: Path, moments: list[float]) -> None:
+    apps = _start_apps(tmp_path, len(moments))
+    try:
+        start = time.monotonic()
+        for app, moment in sorted(zip(apps, moments, strict=True), key=lambda pair: pair[1]):
+            time.sleep(max(0.0, start + moment - time.monotonic()))
+            os.kill(app.process.pid, signal.SIGKILL)
+        for app in apps:
+            _check_after_kill_of_app(app)
+    finally:
+        for app in apps:
+            app.end()
+
+
+def _check_after_kill_of_app(app: App) -> None:
+    app.process.wait()
+    pushed, trials, recorder = (int(app.words[i]) for i in (TICK, TRIALS, PID))
+    app.wait_for_end_of(recorder)
+    run = Run.open(app.folder)
+    assert run.status == "interrupted"
+    assert run.haptic["tick"][-1] >= pushed - MOST_LOST_TICKS
+    assert len(run.haptic) == run.haptic["tick"][-1] + 1, "rows are missing in the middle"
+    assert len(run.trials) >= trials
+    assert run.manifest is not None and run.manifest.state_hash == run.state_hash()
+    assert not run.disagreements() and not run.damages and not run.gaps
+    assert set(run.parameters) == {1}
+    _assert_rows_are_those_pushed(run)
+    _assert_arrow_opens(app.folder)
+
+
+def test_everything_killed_at_once_loses_at_most_100_ms(tmp_path: Path) -> None:
+    """Nobody is left to drain the ring."""
+    apps = _start_apps(tmp_path, 3)
+    try:
+        for app in apps:
+            time.sleep(0.31)
+            os.killpg(app.process.pid, signal.SIGKILL)
+        for app in apps:
+            _check_after_kill_of_all(app)
+    finally:
+        for app in apps:
+            app.end()
+
+
+def _check_after_kill_of_all(app: App) -> None:
+    app.process.wait()
+    app.wait_for_end_of(int(app.words[PID]))
+    run = Run.open(app.folder)
+    assert run.status == "open"
+    assert run.haptic["tick"][-1] >= app.words[TICK] - MOST_LOST_TICKS
+    assert len(run.trials) >= app.words[TRIALS] - 1, "a trial in the pipe dies with both ends, one on disk does not"
+    _assert_arrow_opens(app.folder)
+    manifest = recover(app.folder)
+    again = Run.open(app.folder)
+    assert again.status == "recovered" and not again.damages
+    assert manifest.rows == len(again.haptic) == len(run.haptic)
+    assert pa.ipc.open_stream(app.folder / "haptic.arrows").read_all().num_rows == manifest.rows
+    _assert_rows_are_those_pushed(again)
+
+
+@pytest.mark.parametrize("sign", [signal.SIGKILL, signal.SIGSTOP])
+def test_recorder_killed_is_replaced_and_says_so(tmp_path: Path, sign: int) -> None:
+    """The ring holds what comes in between, so not one row is lost; a stopped one only catches up."""
+    app = App(tmp_path, seconds=4.0)
+    try:
+        app.wait_until(lambda: app.words[TICK] > 700)
+        first = int(app.words[PID])
+        os.kill(first, sign)
+        if sign == signal.SIGSTOP:
+            time.sleep(1.0)
+            os.kill(first, signal.SIGCONT)
+        app.wait_until(lambda: bool(app.words[CLOSED]))
+        run = Run.open(app.folder)
+        assert run.manifest is not None
+        assert run.status == "clean"
+        assert run.manifest.restarts == (1 if sign == signal.SIGKILL else 0)
+        assert len(run.lines_of("recorder", "gap")) == run.manifest.restarts
+        assert [line["frame"] for line in run.lines_of("app", "frame")] == list(range(240))
+        assert [row["trial"] for row in run.trials] == list(range(20))
+        assert not run.gaps and run.haptic["tick"][-1] == app.words[TICK]
+        assert run.state_hash() == run.manifest.state_hash and not run.disagreements()
+        _assert_rows_are_those_pushed(run)
+    finally:
+        app.end()
+
+
+def test_interrupt_of_the_group_is_left_to_the_app(tmp_path: Path) -> None:
+    """Ctrl-C reaches the recorder too; it must go on until the app has closed."""
+    app = App(tmp_path, seconds=1.0)
+    try:
+        app.wait_until(lambda: app.words[PID] > 0)
+        for sign in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            os.kill(int(app.words[PID]), sign)
+        app.wait_until(lambda: bool(app.words[CLOSED]))
+        run = Run.open(app.folder)
+        assert run.manifest is not None and run.status == "clean" and run.manifest.restarts == 0
+    finally:
+        app.end()

@@ -1,0 +1,404 @@
+"""The files of a run one by one: what is written reads back exactly, what is damaged is found and named."""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import random
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from mimics_app.contracts.errors import PartialDataError, UsageError
+from mimics_app.contracts.haptic import EVENT, SAMPLE, SCENE, EventKind
+from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.recording import append_file, run_folder
+from mimics_app.recording.append_file import AppendFile
+from mimics_app.recording.arrow_format import decode_samples, encode_samples, parameters_dtype, parameters_schema
+from mimics_app.recording.channel import LINE, TRIAL, Inbox, Outbox
+from mimics_app.recording.columns import ROW, column_names, column_units, rows_of
+from mimics_app.recording.event_log import encode_event, events_of, read_lines
+from mimics_app.recording.recorder import Recorder
+from mimics_app.recording.recover import recover
+from mimics_app.recording.run import Run
+from mimics_app.recording.run_folder import create_run_folder
+from mimics_app.recording.state_hash import StateHash
+from mimics_app.recording.streams import EventStream, ParameterStream, SampleStream
+from mimics_app.recording.trial_table import TrialTable, read_trials
+from tests.support.recorder_app import fake_samples, push_ticks, scene_block
+
+
+def _write_run(folder: Path, rows: int = 1000) -> Run:
+    """A run folder as a recorder leaves it when it is killed, without a process."""
+    state = StateHash()
+    samples = SampleStream(folder, state)
+    for first in range(0, rows, 50):
+        samples.append(fake_samples(first, min(50, rows - first)), first)
+    ParameterStream(folder).append(scene_block().tobytes())
+    EventStream(folder, state).append_lines([b'{"source":"app","kind":"frame","frame":0}'])
+    (folder / "session.json").write_text("{}")
+    samples.sync()
+    return Run.open(folder)
+
+
+# columns
+
+
+def test_every_column_has_a_name_and_a_unit() -> None:
+    assert len(column_names()) == len(column_units()) == ROW == SAMPLE.itemsize // 8
+    assert len(set(column_names())) == ROW
+    samples = fake_samples(3, 2)
+    assert rows_of(samples)[1][column_names().index("f_tunnel[2]")] == samples["f_tunnel"][1][2]
+
+
+# blocks
+
+
+def test_block_reads_back_bit_for_bit_with_nan_and_infinity() -> None:
+    samples = fake_samples(0, 50)
+    samples["q"][7] = [np.nan, np.inf, -0.0]
+    block = decode_samples(encode_samples(samples, 3, 150))
+    assert (block.seq, block.first) == (3, 150)
+    assert block.records.tobytes() == samples.tobytes()
+
+
+def test_full_blocks_have_one_length_whatever_their_number() -> None:
+    lengths = {len(encode_samples(fake_samples(0, 50), seq, seq * 50)) for seq in (0, 9, 10**6, 10**12)}
+    assert len(lengths) == 1
+
+
+def test_each_flipped_bit_of_the_rows_is_caught() -> None:
+    data = bytearray(encode_samples(fake_samples(0, 50), 0, 0))
+    body = len(data) - 50 * ROW * 8
+    chance = random.Random(1)
+    for _ in range(200):
+        place = chance.randrange(body, len(data))
+        data[place] ^= 1 << chance.randrange(8)
+        with pytest.raises(ValueError, match="checksum"):
+            decode_samples(bytes(data))
+        data[:] = encode_samples(fake_samples(0, 50), 0, 0)
+
+
+def test_flipped_bits_of_a_header_never_pass_other_rows() -> None:
+    """A damaged header is refused, or does not matter; it never changes what is read."""
+    good = encode_samples(fake_samples(0, 50), 0, 0)
+    for place in range(len(good) - 50 * ROW * 8):
+        for bit in range(8):
+            data = bytearray(good)
+            data[place] ^= 1 << bit
+            try:
+                block = decode_samples(bytes(data))
+            except ValueError:
+                continue
+            assert block.records.tobytes() == fake_samples(0, 50).tobytes() and block.first == 0
+
+
+def test_parameters_dtype_survives_json() -> None:
+    assert parameters_dtype(parameters_schema()) == SCENE
+
+
+# damaged streams
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_truncated_stream_keeps_every_whole_block(tmp_path: Path, seed: int) -> None:
+    _write_run(tmp_path)
+    path = tmp_path / "haptic.arrows"
+    size = path.stat().st_size
+    cut = random.Random(seed).randrange(2000, size)
+    os.truncate(path, cut)
+    run = Run.open(tmp_path)
+    block = len(encode_samples(fake_samples(0, 50), 0, 0))
+    whole = (cut - (size - 20 * block)) // block
+    assert len(run.haptic) == 50 * max(0, whole)
+    assert run.haptic.tobytes() == fake_samples(0, 50 * max(0, whole)).tobytes()
+    assert not run.gaps
+
+
+@pytest.mark.parametrize("with_index", [True, False], ids=["sidecar", "no sidecar"])
+@pytest.mark.parametrize("seed", range(6))
+def test_zeroed_page_costs_at_most_two_blocks(tmp_path: Path, seed: int, with_index: bool) -> None:
+    """4 KB lie in one block or across two; headers that fall into the hole must not end the stream."""
+    _write_run(tmp_path)
+    path = tmp_path / "haptic.arrows"
+    start = random.Random(seed).randrange(0, path.stat().st_size - 4096)
+    with path.open("r+b") as file:
+        file.seek(start)
+        file.write(b"\0" * 4096)
+    if not with_index:
+        (tmp_path / "haptic.arrows.idx").unlink()
+    run = Run.open(tmp_path)
+    assert len(run.haptic) >= 900
+    assert run.damages
+    ticks = run.haptic["tick"].astype(int)
+    assert run.haptic.tobytes() == fake_samples(0, 1000)[ticks].tobytes()
+    manifest = recover(tmp_path)
+    assert manifest.rows == len(run.haptic)
+    assert (tmp_path / "haptic.arrows.damaged").exists()
+    assert pa.ipc.open_stream(path).read_all().num_rows == len(run.haptic)
+    assert Run.open(tmp_path).disagreements() == []
+    lost = 1000 - len(run.haptic)
+    assert sum(gap.ticks for gap in Run.open(tmp_path).gaps) == (lost if ticks[-1] == 999 else lost - (999 - ticks[-1]))
+
+
+def test_garbage_sidecar_does_no_harm(tmp_path: Path) -> None:
+    _write_run(tmp_path)
+    (tmp_path / "haptic.arrows.idx").write_bytes(np.random.default_rng(0).bytes(24 * 30 + 5))
+    assert len(Run.open(tmp_path).haptic) == 1000
+
+
+def test_stream_that_was_resumed_is_one_stream(tmp_path: Path) -> None:
+    """A torn block at the end goes, the rest is hashed again, and the blocks number on."""
+    _write_run(tmp_path, 120)
+    with (tmp_path / "haptic.arrows").open("ab") as file:
+        file.write(encode_samples(fake_samples(120, 50), 3, 120)[:1000])
+    state, whole = StateHash(), StateHash()
+    samples = SampleStream(tmp_path, state, resume=True)
+    assert samples.next_row == 120
+    samples.append(fake_samples(120, 30), 120)
+    samples.close()
+    whole.add_samples(fake_samples(0, 150))
+    assert state.hexdigest() == whole.hexdigest()
+    table = pa.ipc.open_stream(tmp_path / "haptic.arrows").read_all()
+    assert np.array_equal(table["t"].to_numpy(), fake_samples(0, 150)["t"])
+    assert not Run.open(tmp_path).damages
+
+
+def test_other_columns_are_refused_by_name(tmp_path: Path) -> None:
+    schema = pa.schema([pa.field("t", pa.float64())])
+    with pa.ipc.new_stream(tmp_path / "haptic.arrows", schema) as writer:
+        writer.write_batch(pa.record_batch([pa.array([1.0])], schema=schema))
+    with pytest.raises(PartialDataError, match="other columns"):
+        Run.open(tmp_path)
+    with pytest.raises(UsageError, match="no run folder"):
+        Run.open(tmp_path.parent / "nothing")
+
+
+# the state hash
+
+
+def test_hash_does_not_depend_on_block_boundaries_nor_on_timing() -> None:
+    samples = fake_samples(0, 500)
+    hashes = set()
+    for size in (1, 7, 50, 500):
+        state = StateHash()
+        for first in range(0, 500, size):
+            state.add_samples(samples[first : first + size])
+        hashes.add(state.hexdigest())
+    late = samples.copy()
+    late["lateness_ns"] += 5e5
+    late["duration_ns"] = 1.0
+    state = StateHash()
+    state.add_samples(late)
+    assert hashes == {state.hexdigest()}
+
+
+def test_hash_changes_with_one_ulp_of_any_state_column() -> None:
+    samples = fake_samples(0, 20)
+
+    def digest(records: np.ndarray) -> str:
+        state = StateHash()
+        state.add_samples(records)
+        return state.hexdigest()
+
+    reference = digest(samples)
+    for column, name in enumerate(column_names()):
+        changed = samples.copy()
+        rows = changed.view(np.float64).reshape(20, ROW)
+        rows[13, column] = np.nextafter(rows[13, column], np.inf)
+        assert (digest(changed) == reference) == (name in ("lateness_ns", "duration_ns")), name
+
+
+def test_hash_knows_events_trials_and_their_streams() -> None:
+    event = np.zeros(2, EVENT)
+    event["kind"] = EventKind.TRIP
+
+    def digest(events: np.ndarray, rows: list[dict[str, object]]) -> str:
+        state = StateHash()
+        state.add_events(events)
+        for row in rows:
+            state.add_trial(row)
+        return state.hexdigest()
+
+    other_time, other_force = event.copy(), event.copy()
+    other_time["t_ns"] = 5
+    other_force["force"][1] = np.nextafter(np.float32(0), np.float32(1))
+    reference = digest(event, [{"a": 1, "b": 2}])
+    assert digest(other_time, [{"b": 2, "a": 1}]) == reference
+    assert digest(other_force, [{"a": 1, "b": 2}]) != reference
+    assert digest(event, [{"a": 1, "b": 2.0000000000000004}]) != reference
+    assert digest(event[:1], [{"a": 1, "b": 2}]) != reference
+
+
+# events and trials
+
+
+def test_event_line_reads_back_exactly_with_nan(tmp_path: Path) -> None:
+    event = np.zeros(1, EVENT)
+    event["t_ns"], event["tick"], event["kind"], event["force"] = 2**62 + 1, 9, EventKind.CONTACT_BEGIN, 0.1
+    event["position_world"], event["value"] = [0.1, np.nan, -2.0], np.nan
+    (tmp_path / "events.jsonl").write_bytes(encode_event(event[0], 0) + b'\n{"torn": ')
+    lines, bad = read_lines(tmp_path / "events.jsonl")
+    assert bad == 1
+    assert events_of(lines).tobytes() == event.tobytes()
+
+
+def test_trial_rows_read_back_as_they_were(tmp_path: Path) -> None:
+    table = TrialTable(tmp_path / "trials.csv")
+    rows: list[dict[str, object]] = [
+        {"trial": 0, "score": 0.1 + 0.2, "name": 'a "b", c', "done": True},
+        {"trial": 1, "score": -0.0, "name": "12", "done": False, "note": "", "list": [1, 2.5]},
+        {"trial": 2, "score": 1e-300, "name": "true", "done": True, "note": "line\nbreak"},
+    ]
+    for row in rows:
+        table.append(row)
+    assert read_trials(tmp_path / "trials.csv") == rows
+    assert TrialTable(tmp_path / "trials.csv", resume=True).rows == rows
+    with (tmp_path / "trials.csv").open("ab") as file:
+        file.write(b"3,0.5")
+    assert read_trials(tmp_path / "trials.csv") == rows
+
+
+# the channel
+
+
+def test_channel_keeps_order_through_a_full_pipe_and_counts_what_it_gives_up() -> None:
+    outbox = Outbox(limit_bytes=1 << 20)
+    inbox = Inbox(outbox.reader)
+    payloads = [b"%06d" % i + b"x" * (i % 3000) for i in range(4000)]
+    sent = [payload for payload in payloads if outbox.send(LINE, payload)]
+    assert outbox.dropped == len(payloads) - len(sent) > 0
+    received: list[bytes] = []
+    while len(received) < len(sent):
+        received += [payload for _, payload in inbox.messages()]
+        outbox.flush()
+    assert received == sent
+    assert inbox.skipped_bytes == 0 and not inbox.ended
+
+
+def test_reader_that_starts_inside_a_message_finds_the_next() -> None:
+    outbox = Outbox()
+    outbox.send(LINE, b"lost")
+    outbox.send(TRIAL, b"kept")
+    os.read(outbox.reader.fileno(), 7)
+    inbox = Inbox(outbox.reader)
+    assert list(inbox.messages()) == [(TRIAL, b"kept")]
+    assert inbox.skipped_bytes == 10
+
+
+# the run folder
+
+
+def test_run_folder_is_never_an_old_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    tokens = iter(["00000000", "00000000", "11111111"])
+    monkeypatch.setattr(run_folder.secrets, "token_hex", lambda _: next(tokens))
+    first = create_run_folder(tmp_path / "runs")
+    (first / "trials.csv").write_text("precious")
+    second = create_run_folder(tmp_path / "runs")
+    assert second != first or (second / "trials.csv").read_text() == "precious"
+    assert len(list((tmp_path / "runs").iterdir())) == 2
+    with pytest.raises(FileExistsError):
+        _write_run(first / "..")
+        _write_run(first / "..")
+
+
+def test_run_folder_refuses_a_file_and_a_full_disk(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(UsageError, match="no run folder can be made"):
+        create_run_folder(tmp_path / "file")
+    with pytest.raises(UsageError, match="MB free"):
+        create_run_folder(tmp_path, expected_s=1e12)
+
+
+# a full disk
+
+
+def test_append_file_never_keeps_half_a_block(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = AppendFile(tmp_path / "f")
+    file.append(b"whole")
+    real = os.write
+
+    def short(descriptor: int, data: bytes) -> int:
+        if len(data) <= 3:
+            raise OSError(errno.ENOSPC, "full")
+        return real(descriptor, data[:3])
+
+    monkeypatch.setattr(append_file.os, "write", short)
+    with pytest.raises(OSError, match="full"):
+        file.append(b"abcdef")
+    monkeypatch.undo()
+    file.append(b"next")
+    assert (tmp_path / "f").read_bytes() == b"wholenext"
+
+
+def test_full_disk_stops_the_recording_and_nothing_else(tmp_path: Path) -> None:
+    """On a tmpfs of 3 MB: readable to the last block, trials kept, the app told, the ring drained on."""
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    mount = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=3m", "tmpfs", str(disk)], capture_output=True)
+    if mount.returncode:
+        pytest.skip("no right to mount a small disk here")
+    try:
+        folder = disk / "run"
+        folder.mkdir()
+        memory = SessionMemory()
+        recorder = Recorder(memory, folder, {})
+        recorder.start()
+        recorder.parameters(scene_block())
+        for tick in range(0, 12_000, 1000):
+            recorder.wait_for_room(1000)
+            push_ticks(memory, tick, 1000)
+        recorder.trial({"trial": 0, "score": 1.0})
+        recorder.wait_for_room(4096)
+        assert "disk is full" in recorder.problem
+        manifest = recorder.close({"seed": 3})
+        run = Run.open(folder)
+        assert 3000 < len(run.haptic) < 12_000
+        assert manifest.dropped["samples"] == 12_000 - len(run.haptic)
+        assert "disk is full" in manifest.problem
+        assert run.trials == [{"trial": 0, "score": 1.0}]
+        assert run.haptic.tobytes() == fake_samples(0, len(run.haptic)).tobytes()
+        assert run.disagreements() == [] and not run.damages
+        assert pa.ipc.open_stream(folder / "haptic.arrows").read_all().num_rows == len(run.haptic)
+    finally:
+        subprocess.run(["umount", str(disk)], check=True)
+
+
+# the whole recorder on the virtual clock
+
+
+def test_two_recordings_of_the_same_have_the_same_hash(tmp_path: Path) -> None:
+    hashes = []
+    for name, step in (("a", 1000), ("b", 17)):
+        folder = tmp_path / name
+        folder.mkdir()
+        memory = SessionMemory()
+        recorder = Recorder(memory, folder, {"seed": 7, "array": np.arange(3), "bad": float("nan")})
+        recorder.journal("frame", {"frame": -1, "tick": np.int64(3)})
+        recorder.start()
+        for tick in range(0, 20_000, step):
+            count = min(step, 20_000 - tick)
+            recorder.wait_for_room(count)
+            push_ticks(memory, tick, count)
+            recorder.journal("frame", {"frame": tick // step, "tick": tick})
+        recorder.trial({"trial": 0, "score": np.float64(0.25), "none": None})
+        manifest = recorder.close({"task": {"completed": True}})
+        hashes.append(manifest.state_hash)
+        run = Run.open(folder)
+        assert manifest.status == "clean" and manifest.rows == 20_000 == len(run.haptic)
+        assert [line["frame"] for line in run.lines_of("app", "frame")] == list(range(-1, -(-20_000 // step)))
+        assert run.problems() == [] and run.disagreements() == []
+        assert manifest.summary == {"task": {"completed": True}}
+        session = json.loads((folder / "session.json").read_text())
+        assert session["array"] == [0, 1, 2] and session["bad"] is None and "numpy" in session["versions"]
+        assert not (folder / ".reserve").exists()
+    assert hashes[0] == hashes[1]
+    with pytest.raises(UsageError, match="nothing to recover"):
+        recover(tmp_path / "a")
+    with (tmp_path / "a" / "trials.csv").open("a") as file:
+        file.write("1,2\n")
+    assert len(Run.open(tmp_path / "a").disagreements()) == 2
