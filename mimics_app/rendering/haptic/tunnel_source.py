@@ -86,8 +86,8 @@ def fit_path(path: ArrayLike, basis_functions: int) -> tuple[Array, float, float
 def read_path(file: Path) -> Array:
     """Read a recorded path.
 
-    A .csv file holds one sample a line: columns named x, y, z (in any place, among others), or without a header line the
-    first three columns. A .json file holds [[x, y, z], ...], or an object with that list under "points".
+    A .csv file holds one sample a line: columns named x, y, z (in any place, among others), or without a header line
+    the first three columns. A .json file holds [[x, y, z], ...], or an object with that list under "points".
 
     Returns:
         World [m], shape [m, 3].

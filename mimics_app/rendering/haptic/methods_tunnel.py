@@ -1,0 +1,271 @@
+"""The tunnel's rival methods with their measured cost and error: closest point, and frame along the bisector.
+
+Importing this module registers them. Probes run when asked: each takes well under a second once compiled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.contracts.haptic import TUNNEL
+from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.methods import Method, registry
+from mimics_app.maths import frames
+from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE
+from mimics_app.rendering.haptic.kernels.tunnel_projection import (
+    project_brute_force,
+    project_golden_section,
+    track,
+)
+from mimics_app.rendering.haptic.tunnel import TunnelCurve, build_tunnel
+
+__all__ = ["FRAME_GROUP", "PROJECTION_GROUP", "closest_by_roots", "helix", "twist_between"]
+
+Array = NDArray[np.float64]
+Projection = Callable[[Any, float, float, float, Any], float]
+
+PROJECTION_GROUP = "tunnel projection"
+FRAME_GROUP = "tunnel frame"
+
+_TICKS = 4000
+_EVERY = 20
+_REPEATS = 3
+_HELIX_POINTS = 385  # two turns of a tunnel of 24 pieces, 16 steps each
+_UP = np.array([0.0, 1.0, 0.0])
+
+
+def closest_by_roots(pieces: Array, p: Array) -> tuple[float, float]:
+    """(s, distance [m]) of the closest point by the real roots of the slope of every piece: the slow reference.
+
+    Args:
+        pieces: Cubic pieces, shape [n, 3, 4].
+        p: Point [m], shape [3].
+    """
+    best = (0.0, np.inf)
+    for i, piece in enumerate(pieces):
+        away = piece.copy()
+        away[:, 0] -= p
+        slope = np.sum([np.convolve(away[k], away[k, 1:] * np.arange(1, 4)) for k in range(3)], axis=0)
+        roots = np.roots(slope[::-1])
+        real = roots.real[(np.abs(roots.imag) < 1e-6) & (roots.real > 0.0) & (roots.real < 1.0)]
+        u = np.concatenate([[0.0, 1.0], real])
+        distance = np.linalg.norm(away @ (u ** np.arange(4)[:, None]), axis=0)
+        nearest = int(np.argmin(distance))
+        if distance[nearest] < best[1]:
+            best = (i + float(u[nearest]), float(distance[nearest]))
+    return best
+
+
+@cache
+def _probe_tunnel() -> tuple[TunnelCurve, NDArray[Any], Array]:
+    """A wavy tunnel of 16 pieces, its record (shape [1]), and a ball's path in it at 0.3 m/s, shape [4000, 3]."""
+    i = np.arange(19)
+    points = np.column_stack([0.03 * i - 0.27, 0.05 * np.sin(0.9 * i), 0.02 * np.cos(0.7 * i)])
+    curve = build_tunnel(points, 0.02)
+    record = np.zeros(1, TUNNEL)
+    curve.fill(record[0])
+    record["radius_scale"] = 1.0
+    arc = 0.5 * curve.length + 0.45 * curve.length * np.sin(0.3e-3 * np.arange(_TICKS) / (0.45 * curve.length))
+    s = curve.parameter_at(arc)
+    _, n, b = curve.frame(s)
+    turn = 2.0 * np.pi * 1.3e-3 * np.arange(_TICKS)
+    path = curve.point(s) + 0.015 * (np.cos(turn)[:, None] * n + np.sin(turn)[:, None] * b)
+    return curve, record, np.ascontiguousarray(path)
+
+
+@kernel
+def _walk_newton(tunnels: Any, path: Array, states: Any, out: Array) -> None:
+    for i in range(path.shape[0]):
+        out[i] = track(tunnels[0], path[i, 0], path[i, 1], path[i, 2], states[0])
+
+
+@kernel
+def _walk_brute_force(tunnels: Any, path: Array, states: Any, out: Array) -> None:
+    for i in range(path.shape[0]):
+        out[i] = project_brute_force(tunnels[0], path[i, 0], path[i, 1], path[i, 2], states[0])
+
+
+@kernel
+def _walk_golden_section(tunnels: Any, path: Array, states: Any, out: Array) -> None:
+    for i in range(path.shape[0]):
+        out[i] = project_golden_section(tunnels[0], path[i, 0], path[i, 1], path[i, 2], states[0])
+
+
+Walk = Callable[[Any, Array, Any, Array], None]
+
+
+def _shortest_us(work: Callable[[], object], calls: int) -> float:
+    """Shortest of a few runs of `work`, after one to compile it, divided by its calls [us]."""
+    clock = MonotonicClock()
+    work()
+    shortest = float("inf")
+    for _ in range(_REPEATS):
+        start = clock.now_ns()
+        work()
+        shortest = min(shortest, clock.now_ns() - start)
+    return shortest * 1e-3 / calls
+
+
+def _projection_cost(walk: Walk, ticks: int) -> float:
+    _, record, path = _probe_tunnel()
+    out = np.empty(ticks)
+    return _shortest_us(lambda: walk(record, path[:ticks], np.zeros(1, TUNNEL_STATE), out), ticks)
+
+
+@cache
+def _reference_parameters() -> Array:
+    curve, _, path = _probe_tunnel()
+    return np.array([closest_by_roots(curve.pieces, p)[0] for p in path[::_EVERY]])
+
+
+def _projection_error(walk: Walk) -> float:
+    """Greatest distance between the point found and the closest point along the probe path [m]."""
+    curve, record, path = _probe_tunnel()
+    out = np.empty(len(path))
+    walk(record, path, np.zeros(1, TUNNEL_STATE), out)
+    difference = curve.point(out[::_EVERY]) - curve.point(_reference_parameters())
+    return float(np.max(np.linalg.norm(difference, axis=1)))
+
+
+def helix(
+    count: int, radius: float = 0.1, pitch: float = 0.08, turns: float = 2.0
+) -> tuple[Array, Array, Array, Array, Array]:
+    """Points along a helix about y and their exact frames.
+
+    Returns:
+        (points [m], first and second derivative by the turning angle, unit tangents, rotation-minimising normals that
+        start as the principal normal), each of shape [count, 3]. The last ones lag the principal normal by
+        torsion x arc length (closed form).
+    """
+    angle = np.linspace(0.0, 2.0 * np.pi * turns, count)
+    rise = pitch / (2.0 * np.pi)
+    cos, sin, zero = np.cos(angle), np.sin(angle), np.zeros(count)
+    # About +y with x towards z, the left-handed turn: torsion = -rise / (radius^2 + rise^2).
+    points = np.column_stack([radius * cos, rise * angle, radius * sin])
+    first = np.column_stack([-radius * sin, np.full(count, rise), radius * cos])
+    second = np.column_stack([-radius * cos, zero, -radius * sin])
+    speed = np.hypot(radius, rise)
+    tangents = first / speed
+    principal = second / radius
+    lag = -rise / speed**2 * speed * angle
+    binormal = np.cross(tangents, principal)
+    normals = np.cos(lag)[:, None] * principal - np.sin(lag)[:, None] * binormal
+    return points, first, second, tangents, normals
+
+
+def twist_between(tangents: Array, normals: Array, reference: Array) -> Array:
+    """Angle [rad] in -pi..pi by which normals are turned about the tangents against the reference, shape [m]."""
+    along = np.sum(normals * reference, axis=1)
+    across = np.sum(np.cross(reference, normals) * tangents, axis=1)
+    return np.arctan2(across, along)
+
+
+def _double_reflection() -> Array:
+    points, _, _, tangents, normals = helix(_HELIX_POINTS)
+    return frames.rotation_minimising_normals(points, tangents, normals[0])
+
+
+def _frenet() -> Array:
+    _, first, second, _, _ = helix(_HELIX_POINTS)
+    return frames.frenet_normals(first, second)
+
+
+def _projected_up() -> Array:
+    _, _, _, tangents, _ = helix(_HELIX_POINTS)
+    return frames.projected_up_normals(tangents, _UP)
+
+
+def _frame_error(normals: Array) -> float:
+    """Greatest turn about the tangent against the closed form, both starting alike [rad]."""
+    _, _, _, tangents, exact = helix(_HELIX_POINTS)
+    twist = np.unwrap(twist_between(tangents, normals, exact))
+    return float(np.max(np.abs(twist - twist[0])))
+
+
+def _frame_cost(run: Callable[..., Array]) -> float:
+    points, first, second, tangents, normals = helix(_HELIX_POINTS)
+    if run is frames.frenet_normals:
+        return _shortest_us(lambda: run(first, second), _HELIX_POINTS)
+    if run is frames.projected_up_normals:
+        return _shortest_us(lambda: run(tangents, _UP), _HELIX_POINTS)
+    return _shortest_us(lambda: run(points, tangents, normals[0]), _HELIX_POINTS)
+
+
+registry.register(
+    Method(
+        group=PROJECTION_GROUP,
+        name="newton warm",
+        source="Newton on the slope of the square distance from the last tick's point; whole search when it is lost",
+        cost=lambda: _projection_cost(_walk_newton, _TICKS),
+        error=lambda: _projection_error(_walk_newton),
+        unit="m",
+        valid_range="radius x curvature < 1; stays on its branch where the tunnel crosses or meets itself",
+        run=track,
+    )
+)
+registry.register(
+    Method(
+        group=PROJECTION_GROUP,
+        name="brute force",
+        source="nearest of 256 points a piece",
+        cost=lambda: _projection_cost(_walk_brute_force, 40),
+        error=lambda: _projection_error(_walk_brute_force),
+        unit="m",
+        valid_range="any curve; jumps between branches where the tunnel crosses itself",
+        run=project_brute_force,
+    )
+)
+registry.register(
+    Method(
+        group=PROJECTION_GROUP,
+        name="golden section",
+        source="golden section around the nearest of 8 points a piece (Kiefer 1953)",
+        cost=lambda: _projection_cost(_walk_golden_section, 400),
+        error=lambda: _projection_error(_walk_golden_section),
+        unit="m",
+        valid_range="any curve; to the square root of machine precision; jumps between branches",
+        run=project_golden_section,
+    )
+)
+registry.register(
+    Method(
+        group=FRAME_GROUP,
+        name="double reflection",
+        source="rotation-minimising frame (Wang, Juettler, Zheng & Liu 2008)",
+        cost=lambda: _frame_cost(frames.rotation_minimising_normals),
+        error=lambda: _frame_error(_double_reflection()),
+        unit="rad",
+        valid_range="any smooth curve; error of order 4 in the step",
+        run=frames.rotation_minimising_normals,
+    )
+)
+registry.register(
+    Method(
+        group=FRAME_GROUP,
+        name="frenet",
+        source="principal normal (Frenet 1847, Serret 1851)",
+        cost=lambda: _frame_cost(frames.frenet_normals),
+        error=lambda: _frame_error(_frenet()),
+        unit="rad",
+        valid_range="curves without inflection or straight part; turns with the torsion",
+        run=frames.frenet_normals,
+    )
+)
+registry.register(
+    Method(
+        group=FRAME_GROUP,
+        name="projected up",
+        source="world's up made square to the tangent",
+        cost=lambda: _frame_cost(frames.projected_up_normals),
+        error=lambda: _frame_error(_projected_up()),
+        unit="rad",
+        valid_range="curves that are nowhere vertical",
+        run=frames.projected_up_normals,
+    )
+)
