@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Protocol
 
 import numpy as np
@@ -73,7 +73,7 @@ class SoundRow:
     Attributes:
         t_ns: When the event happened, on the session clock.
         tick: Haptic tick of a contact, -1 for a sound ordered by the task.
-        cause: "contact" or "order".
+        cause: "contact", "contact_end" or "order".
         sound: Name of the sound, with its variant.
         gain: Linear gain it was started with.
         submitted_ns: When the mixer was told, on the session clock.
@@ -139,6 +139,10 @@ class AudioReport:
             return {"p50": None, "p95": None, "max": None}
         return {"p50": _rank(values, 0.50), "p95": _rank(values, 0.95), "max": values[-1]}
 
+    def table(self) -> list[dict[str, Any]]:
+        """The rows as dictionaries, their latency included, ready for JSON or a table."""
+        return [{**asdict(row), "latency_ms": row.latency_ms} for row in self.rows]
+
     def summary(self) -> dict[str, Any]:
         """Everything but the rows, ready for JSON."""
         return {
@@ -187,6 +191,10 @@ class AudioOutput(Protocol):
 
     def listener(self, position_world: Vec3, forward_world: Vec3, up_world: Vec3) -> None:
         """Place the listener's head; never waits."""
+        ...
+
+    def emitter(self, sound: str, position_world: Vec3, gain: float = 1.0) -> None:
+        """Let a looping sound play from a place: started when first named, then moved; never waits."""
         ...
 
     def master(self, gain: float) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import sqrt
 from pathlib import Path
 
@@ -30,9 +30,7 @@ class Sound:
     """One channel of samples, shape [n], and how it is placed."""
 
     samples: NDArray[np.float32]
-    gain: float = 1.0
-    loop: bool = False
-    reference_distance: float = 1.0
+    spec: SoundSpec
 
 
 def _goal(rate: int) -> NDArray[np.float32]:
@@ -86,22 +84,24 @@ class SoundBank:
         return f"{name}:{bisect_left(_BORDERS, speed)}:{turn % CONTACT_TAKES}"
 
     def _add(self, name: str, spec: SoundSpec) -> None:
+        rate = round(self.rate / spec.pitch)  # made for a slower rate and played at ours: higher by that ratio
         if spec.recipe == "contact":
             for step, speed in enumerate(synth.CONTACT_SPEEDS):
                 for take in range(CONTACT_TAKES):
-                    self._put(f"{name}:{step}:{take}", synth.synthesise_contact(speed, take, self.rate), spec)
+                    self._put(f"{name}:{step}:{take}", synth.synthesise_contact(speed, take, rate), spec)
             self.sounds[name] = self.sounds[f"{name}:{len(synth.CONTACT_SPEEDS) // 2}:0"]
             self._families.add(name)
         elif spec.file is not None:
             self._put(name, read_wav(spec.file, self.rate), spec)
         elif spec.recipe in RECIPES:
-            self._put(name, RECIPES[spec.recipe](self.rate), spec)
+            looping = spec.loop or spec.recipe == "scrape"
+            self._put(name, RECIPES[spec.recipe](rate), replace(spec, loop=looping))
         else:
             known = nearest(spec.recipe, [*RECIPES, "contact"])
             raise SceneError(Issue("", f"/sounds/{name}/recipe", f'no recipe "{spec.recipe}"', known))
 
     def _put(self, name: str, samples: NDArray[np.float32], spec: SoundSpec) -> None:
-        self.sounds[name] = Sound(samples, spec.gain, spec.loop, spec.reference_distance)
+        self.sounds[name] = Sound(samples, spec)
 
 
 def write_sounds(folder: Path, specs: Mapping[str, SoundSpec], rate: int = 48_000) -> list[Path]:

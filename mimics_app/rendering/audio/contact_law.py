@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from math import exp, hypot, isfinite
+from math import exp, hypot, isfinite, tanh
 
 __all__ = ["REFRACTORY_NS", "ContactGate", "contact_gain", "scrape_gain"]
 
 REFRACTORY_NS = 40_000_000
 """Pause after a contact of the same two bodies [ns]: a chattering wall knocks 25 times a second at most."""
 
-_HALF_SPEED = 0.15
-_HALF_FORCE = 6.0
+_FULL_SPEED = 0.5
+_KNEE = 1.5
 _QUIETEST = 0.05
 _LOUDER = 2.0
 
@@ -19,13 +19,14 @@ _SCRAPE_FORCE = 8.0
 _SCRAPE_SPEED = 0.12
 
 
-def contact_gain(speed: float, force: float) -> float:
-    """Linear gain in [0.05, 1) of a contact: approach speed [m/s] and first force [N], both rising, saturating.
+def contact_gain(speed: float, force: float, full_force: float = 10.0) -> float:
+    """Linear gain in [0.05, 1] of a contact: rising with approach speed [m/s] and force [N], saturating smoothly.
 
-    0.15 m/s alone or 6 N alone give about one half, a hard hit of 1.5 m/s 0.9. Values that are not finite count as 0.
+    0.5 m/s alone or `full_force` alone give 0.91, half of it 0.65. A contact's first force is that of one tick, so the
+    speed says more about a hit and the force about a press. Values that are not finite count as 0.
     """
-    strength = hypot(_finite(speed) / _HALF_SPEED, _finite(force) / _HALF_FORCE)
-    return _QUIETEST + (1.0 - _QUIETEST) * strength / (1.0 + strength)
+    strength = hypot(_finite(speed) / _FULL_SPEED, _finite(force) / full_force)
+    return _QUIETEST + (1.0 - _QUIETEST) * tanh(_KNEE * strength)
 
 
 def scrape_gain(speed: float, force: float) -> float:

@@ -47,10 +47,10 @@ class SoundDirector:
         self._bank = bank
         self._settings = settings
         self._clock = clock
-        self._gate = ContactGate()
+        self._begin_gate = ContactGate()
+        self._end_gate = ContactGate()
+        self._emitters: dict[str, tuple[int, float]] = {}
         self._drained = np.zeros(256, EVENT)
-        self._scrape_handle = 0
-        self._scrape_gain = 0.0
 
     def take_contacts(self) -> None:
         """Drain the ring and start a sound for every contact that deserves one."""
@@ -61,21 +61,14 @@ class SoundDirector:
                 return
 
     def play_contacts(self, events: NDArray[Any]) -> None:
-        """Start the sounds of EVENT records, shape [n]; other kinds than CONTACT_BEGIN are silent."""
-        if not self._settings.contact:
-            return
+        """Start the sounds of EVENT records, shape [n]; only contacts that begin or end have one."""
         now = self._clock.now_ns()
-        for event in events[events["kind"] == EventKind.CONTACT_BEGIN]:
-            t_ns, speed = int(event["t_ns"]), abs(float(event["speed"]))
-            level = contact_gain(speed, float(event["force"]))
-            if now - t_ns > _STALE_NS:
-                self.stale += 1
-            elif not self._gate.passes(int(event["body_a"]), int(event["body_b"]), t_ns, level):
-                self.merged += 1
-            else:
-                sound = self._bank.variant(self._settings.contact, speed, len(self.rows))
-                place = _finite_place(event["position_world"])
-                self._start("contact", sound, t_ns, int(event["tick"]), place, level * self._settings.contact_gain)
+        for event in events:
+            kind = int(event["kind"])
+            if kind == EventKind.CONTACT_BEGIN and self._settings.contact:
+                self._play_contact(event, self._settings.contact, self._begin_gate, "contact", now)
+            elif kind == EventKind.CONTACT_END and self._settings.contact_end:
+                self._play_contact(event, self._settings.contact_end, self._end_gate, "contact_end", now)
 
     def play_order(self, order: SoundEvent) -> None:
         """Start a sound the task asked for; a name the bank does not know is ignored, the app has refused it before."""
@@ -85,6 +78,31 @@ class SoundDirector:
             self.stale += 1
             return
         self._start("order", order.sound, order.t_ns, -1, order.position_world, order.gain)
+
+    def _play_contact(self, event: NDArray[Any], name: str, gate: ContactGate, cause: str, now: int) -> None:
+        t_ns, speed = int(event["t_ns"]), abs(float(event["speed"]))
+        level = contact_gain(speed, float(event["force"]), self._settings.sounds[name].full_force)
+        if now - t_ns > _STALE_NS:
+            self.stale += 1
+        elif not gate.passes(int(event["body_a"]), int(event["body_b"]), t_ns, level):
+            self.merged += 1
+        else:
+            sound = self._bank.variant(name, speed, len(self.rows))
+            self._start(cause, sound, t_ns, int(event["tick"]), _finite_place(event["position_world"]), level)
+
+    def set_emitter(self, sound: str, t_ns: int, place: Vec3, gain: float) -> None:
+        """Let a looping sound play from a place: started when first named, then moved and its gain followed."""
+        known = self._emitters.get(sound)
+        if known is None:
+            if gain > 0.0 and sound in self._bank:
+                self._emitters[sound] = (self._mixer.start(sound, t_ns, place, gain), gain)
+            return
+        handle, before = known
+        if abs(gain - before) > _AUDIBLE_CHANGE * (gain + before):
+            self._mixer.gain(handle, gain)
+            self._emitters[sound] = (handle, gain)
+        if gain > 0.0:
+            self._mixer.move(handle, place)
 
     def follow_pressure(self) -> None:
         """Let the rub of the wall follow the newest haptic snapshot."""
@@ -98,20 +116,7 @@ class SoundDirector:
         level = scrape_gain(float(np.linalg.norm(snapshot["v_world"])), pressed)
         place = _finite_place(snapshot["hip_world"])
         if place is not None:
-            self._set_scrape(level, int(snapshot["t_ns"]), place)
-
-    def _set_scrape(self, level: float, t_ns: int, place: Vec3) -> None:
-        if self._scrape_handle == 0:
-            if level > 0.0:
-                self._scrape_handle = self._mixer.start(self._settings.scrape, t_ns, place, level)
-                self._scrape_gain = level
-            return
-        settled = level == 0.0 and self._scrape_gain > 0.0
-        if settled or abs(level - self._scrape_gain) > _AUDIBLE_CHANGE * (level + self._scrape_gain):
-            self._mixer.gain(self._scrape_handle, level)
-            self._scrape_gain = level
-        if level > 0.0:
-            self._mixer.move(self._scrape_handle, place)
+            self.set_emitter(self._settings.scrape, int(snapshot["t_ns"]), place, level)
 
     def _start(self, cause: str, sound: str, t_ns: int, tick: int, place: Vec3 | None, gain: float) -> None:
         start = self._mixer.place(sound, t_ns, place, gain)

@@ -113,7 +113,7 @@ def open_loopback(
     """A loopback whose sounds start `latency` frames after their events, written to `file` where one is given."""
     library = load_library(settings)
     pipeline = measure_pipeline(library, settings.rate, settings.hrtf)
-    context = OpenALContext(library, settings.rate, settings.hrtf, settings.voices * 2, loopback=True)
+    context = OpenALContext(library, settings.rate, settings.hrtf, settings.sources, loopback=True)
     timing = Timing(clock.now_ns() if origin_ns is None else origin_ns, latency, pipeline)
     mixer = OpenALMixer(context, bank, settings, clock, timing)
     writer = WavWriter(file, context.rate) if file is not None else None
@@ -124,7 +124,7 @@ def open_loopback(
 
 def _open_device(settings: AudioSettings, bank: SoundBank, clock: Clock) -> Engine:
     library = load_library(settings)
-    context = OpenALContext(library, settings.rate, settings.hrtf, settings.voices * 2, loopback=False)
+    context = OpenALContext(library, settings.rate, settings.hrtf, settings.sources, loopback=False)
     pipeline = measure_pipeline(library, context.rate, context.hrtf)
     mixer = OpenALMixer(context, bank, settings, clock, Timing(clock.now_ns(), 0, pipeline))
     latency_ms = context.buffered_ms(settings.period) + pipeline / context.rate * 1e3

@@ -80,6 +80,11 @@ class OfflineAudio:
         if self._mixer is not None:
             self._mixer.listener(position_world, forward_world, up_world)
 
+    def emitter(self, sound: str, position_world: Vec3, gain: float = 1.0) -> None:
+        """Let a looping sound play from a place: started when first named, then moved."""
+        if self._director is not None:
+            self._director.set_emitter(sound, self._clock.now_ns(), position_world, gain)
+
     def master(self, gain: float) -> None:
         """Set the linear gain of everything."""
         if self._mixer is not None:

@@ -58,6 +58,8 @@ class AL:
     PLAYING = 0x1012
     STOPPED = 0x1014
     REFERENCE_DISTANCE = 0x1020
+    ROLLOFF_FACTOR = 0x1021
+    MAX_DISTANCE = 0x1023
     FORMAT_MONO_FLOAT32 = 0x10010
     VERSION = 0xB002
     INVERSE_DISTANCE_CLAMPED = 0xD002
@@ -201,7 +203,7 @@ def _configuration_text(settings: AudioSettings) -> str:
         f"frequency = {settings.rate}",
         f"period_size = {settings.period}",
         "periods = 2",
-        f"sources = {settings.voices * 2}",
+        f"sources = {settings.sources}",
         "stereo-encoding = panpot",
         "cf_level = 0",
         "resampler = cubic",

@@ -29,7 +29,6 @@ __all__ = ["OpenALMixer", "Start", "Timing", "frame_at"]
 
 Vec3 = tuple[float, float, float]
 
-_SPARE_SOURCES = 8
 _FADE_FRAMES = 960
 _SHORTEST_RAMP = 64
 _AHEAD: Vec3 = (0.0, 0.0, -1.0)
@@ -107,7 +106,7 @@ class OpenALMixer:
         self._due: list[tuple[int, int, _Voice]] = []
         context.activate()
         self._buffers = self._upload()
-        self._voices = [_Voice(source) for source in self._generate_sources(settings.voices + _SPARE_SOURCES)]
+        self._voices = [_Voice(source) for source in self._generate_sources(settings.sources)]
         self._by_handle: dict[int, _Voice] = {}
 
     def start(self, sound: str, t_ns: int, position_world: Vec3 | None, gain: float) -> int:
@@ -117,12 +116,12 @@ class OpenALMixer:
     def place(self, sound: str, t_ns: int, position_world: Vec3 | None, gain: float) -> Start:
         """Like `start`, and say where the sound was put."""
         content = self._bank[sound]
-        voice = self._find_voice(content.gain * gain)
+        voice = self._find_voice(content.spec.gain * gain)
         if voice is None:
             self.refused += 1
             return Start(0, -1, late=False)
         self._handles += 1
-        voice.handle, voice.authored, voice.gain = self._handles, content.gain, content.gain * gain
+        voice.handle, voice.authored, voice.gain = self._handles, content.spec.gain, content.spec.gain * gain
         self._by_handle[voice.handle] = voice
         self._prepare(voice, sound, content, position_world)
         if not self.context.loopback:
@@ -131,14 +130,15 @@ class OpenALMixer:
         wanted = frame_at(t_ns, self.timing.origin_ns, self.context.rate) + self.timing.latency
         frame = max(wanted, self.position)
         voice.state = _State.SCHEDULED
-        voice.end = None if content.loop else frame + len(content.samples) + _FADE_FRAMES
+        voice.end = None if content.spec.loop else frame + len(content.samples) + _FADE_FRAMES
         heapq.heappush(self._due, (frame, voice.handle, voice))
         return Start(voice.handle, frame, late=frame > wanted)
 
     def first_sample(self, start: Start, submitted_ns: int) -> tuple[int, int]:
         """Frame of a sound's first sample (-1: only the device knows) and the session time by which it is heard."""
         if start.frame < 0:
-            return -1, submitted_ns + round(self.context.buffered_ms(self._period) * 1e6)
+            pipeline_ms = self.timing.pipeline / self.context.rate * 1e3
+            return -1, submitted_ns + round((self.context.buffered_ms(self._period) + pipeline_ms) * 1e6)
         frame = start.frame + self.timing.pipeline
         return frame, self.timing.origin_ns + frame * 1_000_000_000 // self.context.rate
 
@@ -216,10 +216,12 @@ class OpenALMixer:
         self.context.activate()
         call, source = self._call, voice.source
         call.alSourcei(source, AL.BUFFER, self._buffers[name])
-        call.alSourcei(source, AL.LOOPING, int(sound.loop))
+        call.alSourcei(source, AL.LOOPING, int(sound.spec.loop))
         call.alSourcei(source, AL.SOURCE_RELATIVE, int(position_world is None))
         call.alSource3f(source, AL.POSITION, *(position_world or _AHEAD))
-        call.alSourcef(source, AL.REFERENCE_DISTANCE, sound.reference_distance)
+        call.alSourcef(source, AL.REFERENCE_DISTANCE, sound.spec.reference_distance)
+        call.alSourcef(source, AL.MAX_DISTANCE, max(sound.spec.max_distance, sound.spec.reference_distance))
+        call.alSourcef(source, AL.ROLLOFF_FACTOR, sound.spec.rolloff)
         call.alSourcef(source, AL.GAIN, voice.gain)
         self._library.check(f'prepare the sound "{name}"')
 
@@ -227,7 +229,7 @@ class OpenALMixer:
         self._call.alSourcePlay(voice.source)
         self._library.check("play a sound")
         voice.state = _State.PLAYING
-        voice.end = None if sound.loop else frame + len(sound.samples) + self.context.rate // 10
+        voice.end = None if sound.spec.loop else frame + len(sound.samples) + self.context.rate // 10
 
     def _launch(self) -> None:
         """Play every sound whose frame has come."""

@@ -69,7 +69,8 @@ class AudioProcess:
         # Our copies of the child's ends would keep a read waiting for a child that is gone.
         orders_child.close()
         results_child.close()
-        os.set_blocking(self._orders.fileno(), False)
+        if hasattr(os, "set_blocking"):
+            os.set_blocking(self._orders.fileno(), False)
 
     @property
     def ready(self) -> AudioStatus | None:
@@ -113,6 +114,10 @@ class AudioProcess:
         pose = (position_world, forward_world, up_world)
         if pose != self._pose and self._tell("listener", pose):
             self._pose = pose
+
+    def emitter(self, sound: str, position_world: Vec3, gain: float = 1.0) -> None:
+        """Let a looping sound play from a place: started when first named, then moved; never waits."""
+        self._tell("emitter", (sound, position_world, gain))
 
     def master(self, gain: float) -> None:
         """Set the linear gain of everything; never waits."""

@@ -20,20 +20,27 @@ class SoundSpec:
         recipe: Name of a recipe ("contact", "goal", "start", "trial_end", "tick", "scrape"); "" when a file is given.
         file: Wave file (PCM or float, any rate, mixed to one channel); None when a recipe is given.
         gain: Linear gain it is authored with.
+        pitch: Ratio that raises or lowers a recipe.
         loop: True to repeat it until it is stopped.
+        full_force: Contact force [N] at which a contact is about as loud as authored; softer ones are quieter.
         reference_distance: Distance [m] at which it is as loud as authored; half as loud at twice the distance.
+        max_distance: Distance [m] beyond which it gets no quieter.
+        rolloff: Factor on the fall with distance; 0: none, 1: natural.
     """
 
     recipe: str = ""
     file: Path | None = None
     gain: float = 1.0
+    pitch: float = 1.0
     loop: bool = False
+    full_force: float = 10.0
     reference_distance: float = 1.0
+    max_distance: float = 50.0
+    rolloff: float = 1.0
 
 
 def _default_sounds() -> dict[str, SoundSpec]:
-    names = ("contact", "goal", "start", "trial_end", "tick")
-    return {name: SoundSpec(recipe=name) for name in names} | {"scrape": SoundSpec(recipe="scrape", loop=True)}
+    return {name: SoundSpec(recipe=name) for name in ("contact", "goal", "start", "trial_end", "tick", "scrape")}
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,8 +52,10 @@ class AudioSettings:
         file: Wave file of the sink "file", and of the fallback when there is no device; None: dropped then.
         sounds: Sounds of the scene by the name that `SoundEvent.sound` uses.
         contact: Sound of a contact, or "" for silent contacts.
+        contact_end: Sound of letting go, or "".
         scrape: Looping sound of sliding along a wall, or "" for none.
-        contact_gain: Linear gain of the loudest contact.
+        cues: Sounds of other triggers by their name ("goal", "start", "step"); the app plays them.
+        emitters: Looping sounds that begin with the scene; the app places them with `AudioOutput.emitter`.
         hrtf: Head-related filters; switch off for loudspeakers.
         rate: Samples per second asked for.
         period: Frames per period of a live device, two periods queued; 128 or 256 keep contact to sound below 20 ms.
@@ -63,8 +72,10 @@ class AudioSettings:
     file: Path | None = None
     sounds: Mapping[str, SoundSpec] = field(default_factory=_default_sounds)
     contact: str = "contact"
+    contact_end: str = ""
     scrape: str = "scrape"
-    contact_gain: float = 0.8
+    cues: Mapping[str, str] = field(default_factory=dict)
+    emitters: tuple[str, ...] = ()
     hrtf: bool = True
     rate: int = 48_000
     period: int = 128
@@ -76,6 +87,11 @@ class AudioSettings:
     library: str = ""
     environment: Mapping[str, str] = field(default_factory=dict)
 
+    @property
+    def sources(self) -> int:
+        """Sources of the library: one for each voice, and spare ones for sounds that are fading out."""
+        return self.voices + 8
+
     def __post_init__(self) -> None:
         if self.sink == "file" and self.file is None:
             raise ValueError('the sink "file" needs a file')
@@ -83,6 +99,6 @@ class AudioSettings:
             raise ValueError(
                 f"a period of {self.period} frames is not between 64 and 512: the 20 ms bound would be lost"
             )
-        for name in filter(None, (self.contact, self.scrape)):
+        for name in filter(None, (self.contact, self.contact_end, self.scrape, *self.cues.values(), *self.emitters)):
             if name not in self.sounds:
                 raise ValueError(f'sound "{name}" is used but not among the sounds: {", ".join(self.sounds)}')

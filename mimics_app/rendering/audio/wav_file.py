@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import struct
 from pathlib import Path
 
@@ -36,8 +35,8 @@ class WavWriter:
         self.rate = rate
         self.frames = 0
         self.clipped = 0
-        self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
-        os.write(self._file, _header(rate, 0))
+        self._file = path.open("wb", buffering=0)
+        self._file.write(_header(rate, 0))
 
     def append(self, block: NDArray[np.float32]) -> None:
         """Write frames, shape [n, 2], full scale 1; past 4 GiB nothing more is written."""
@@ -45,17 +44,17 @@ class WavWriter:
             return
         soft, clipped = soften_peaks(block)
         self.clipped += clipped
-        os.write(self._file, np.rint(soft * 32767.0).astype("<i2").tobytes())
+        self._file.write(np.rint(soft * 32767.0).astype("<i2").tobytes())
         self.frames += len(block)
         size = self.frames * 4
-        os.pwrite(self._file, struct.pack("<I", _HEADER_SIZE - 8 + size), 4)
-        os.pwrite(self._file, struct.pack("<I", size), 40)
+        for place, value in ((4, _HEADER_SIZE - 8 + size), (40, size)):
+            self._file.seek(place)
+            self._file.write(struct.pack("<I", value))
+        self._file.seek(_HEADER_SIZE + size)
 
     def close(self) -> None:
         """End the file; calling it again does nothing."""
-        if self._file >= 0:
-            os.close(self._file)
-            self._file = -1
+        self._file.close()
 
 
 def soften_peaks(block: NDArray[np.float32]) -> tuple[NDArray[np.float32], int]:

@@ -15,6 +15,7 @@ from mimics_app.contracts import ring
 from mimics_app.contracts.atomics import scratch
 from mimics_app.contracts.audio_port import AudioReport, AudioStatus
 from mimics_app.contracts.clock import Clock, MonotonicClock
+from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.session_memory import ControlWord, SessionMemory
 from mimics_app.rendering.audio.director import SoundDirector
 from mimics_app.rendering.audio.engine import fall_back, open_engine
@@ -28,6 +29,7 @@ _LIVE_WAIT_NS = 4_000_000
 _LIVE_STEP_NS = 1_000_000
 _IDLE_WAIT_NS = 20_000_000
 _CHECK_DEVICE_NS = 1_000_000_000
+_FADE_NS = 40_000_000
 _FIFO_PRIORITY = 10
 
 
@@ -43,7 +45,7 @@ def run(memory: SessionMemory, settings: AudioSettings, orders: Connection, resu
     session.send(session.engine.status)
     while not session.ended:
         session.step()
-    session.send(session.report())
+    session.send(session.finish())
     session.engine.close()
 
 
@@ -67,20 +69,30 @@ class _LiveSession:
         self._director = self._direct()
         self._opened_ns = clock.now_ns()
         self._check_ns = self._opened_ns + _CHECK_DEVICE_NS
+        self._listen()  # what it compiles is compiled before the app is told that sound is ready
         self._advance_file()
 
     def step(self) -> None:
         """One block of a file, or one look at the ring of a live device."""
         self._wait()
-        self._read_orders()
-        if self._director is not None:
-            self._director.take_contacts()
-            self._director.follow_pressure()
-        else:
-            self._forget_contacts()
-        self._advance_file()
-        self._check_device()
+        try:
+            self._read_orders()
+            self._listen()
+            self._advance_file()
+            self._check_device()
+        except DeviceError as error:
+            self._replace_output(error.what)
         self.ended = self.ended or bool(self._memory.control[ControlWord.CLOSED])
+
+    def finish(self) -> AudioReport:
+        """Let a file ring out, or a device fade, and return the report."""
+        mixer = self.engine.mixer
+        if mixer is not None and self.engine.live:
+            mixer.master(0.0)
+            self._clock.sleep_until_ns(self._clock.now_ns() + _FADE_NS)
+        elif mixer is not None:
+            self.engine.render_to(mixer.position + self._settings.rate // 2, self._settings.block)
+        return self.report()
 
     def send(self, message: object) -> None:
         """Tell the app; nobody listening any more is no error here."""
@@ -113,6 +125,14 @@ class _LiveSession:
             stale=before.stale + now.stale,
             refused=before.refused + now.refused,
         )
+
+    def _listen(self) -> None:
+        if self._director is not None:
+            self._director.take_contacts()
+            self._director.follow_pressure()
+        else:
+            words = self._memory.audio_event_words
+            ring.release(words, ring.waiting(words))
 
     def _direct(self) -> SoundDirector | None:
         engine = self.engine
@@ -153,8 +173,7 @@ class _LiveSession:
             return
         block = self._settings.block
         elapsed = frame_at(self._clock.now_ns(), mixer.timing.origin_ns, mixer.context.rate) // block
-        rendered = self.engine.render_to((elapsed + 2) * block, block)
-        self._late_blocks += max(0, rendered - 3)
+        self.engine.render_to((elapsed + 2) * block, block)
 
     def _read_orders(self) -> None:
         while not self.ended and self._orders.poll(0):
@@ -173,27 +192,31 @@ class _LiveSession:
             return
         elif what == "play":
             self._director.play_order(content)
+        elif what == "emitter":
+            sound, place, gain = content
+            self._director.set_emitter(sound, self._clock.now_ns(), place, gain)
         elif what == "listener":
             mixer.listener(*content)
         elif what == "master":
             mixer.master(content)
 
-    def _forget_contacts(self) -> None:
-        words = self._memory.audio_event_words
-        ring.release(words, ring.waiting(words))
-
     def _check_device(self) -> None:
         """Once a second: a device that was unplugged is replaced by the next output down the ladder."""
         now = self._clock.now_ns()
-        mixer, bank = self.engine.mixer, self.engine.bank
-        if now < self._check_ns or mixer is None or bank is None or not self.engine.live:
+        if now < self._check_ns or self.engine.mixer is None or not self.engine.live:
             return
         self._check_ns = now + _CHECK_DEVICE_NS
-        if mixer.context.connected:
-            return
+        if not self.engine.mixer.context.connected:
+            self._replace_output("the audio device is gone")
+
+    def _replace_output(self, why: str) -> None:
+        """Close what failed and go on with the file, or without sound when it was the file."""
+        failed = self.engine
         self._earlier = self.report()
-        self.engine.close()
-        self.engine = fall_back(self._settings, bank, self._clock, "the audio device is gone")
+        failed.close()
+        if failed.bank is not None:
+            settings = self._settings if failed.live else replace(self._settings, sink="device", file=None)
+            self.engine = fall_back(settings, failed.bank, self._clock, why)
         self._director = self._direct()
         self.send(self.engine.status)
 

@@ -1,0 +1,96 @@
+"""From the `sound` and `sound_emitter` components of a scene to the settings of its audio."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from mimics_app.contracts.errors import Issue, SceneError, nearest
+from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
+from mimics_app.world.components import Sound, SoundEmitter
+
+__all__ = ["settings_from_components"]
+
+_RECIPES = ("contact", "goal", "scrape", "start", "tick", "trial_end")
+_PARAMETERS = {"pitch": (0.25, 4.0)}
+
+
+def settings_from_components(
+    sounds: Sequence[tuple[str, Sound, str]],
+    emitters: Sequence[tuple[str, SoundEmitter, str]],
+    asset_path: Callable[[str], Path],
+    scene_file: str,
+    **changes: Any,
+) -> AudioSettings | None:
+    """The audio a scene asks for.
+
+    Args:
+        sounds: (entity id, component, JSON pointer) of every `sound`; the id is the sound's name.
+        emitters: The same of every `sound_emitter`; each becomes a sound of its own under its entity's id.
+        asset_path: From a name among the scene's assets to its file.
+        scene_file: Path of the scene, for messages.
+        changes: Fields of AudioSettings that do not come from the scene (sink, file, ...).
+
+    Returns:
+        The settings, or None when the scene has no sound, so that no audio process is started.
+
+    Raises:
+        SceneError: Unknown recipes and parameters, all of them.
+    """
+    if not sounds:
+        return None
+    issues = [issue for _, sound, pointer in sounds for issue in _faults(sound, pointer, scene_file)]
+    if issues:
+        raise SceneError(issues)
+    specs = {name: _spec(sound, asset_path) for name, sound, _ in sounds}
+    for name, emitter, _ in emitters:
+        specs[name] = _emitter_spec(specs[emitter.sound], emitter)
+    triggers = {sound.trigger: name for name, sound, _ in sounds if sound.trigger is not None}
+    return AudioSettings(
+        sounds=specs,
+        contact=triggers.pop("contact", ""),
+        contact_end=triggers.pop("contact_end", ""),
+        scrape=next((name for name, sound, _ in sounds if sound.synth == "scrape"), ""),
+        cues={str(trigger): name for trigger, name in triggers.items()},
+        emitters=tuple(name for name, emitter, _ in emitters if emitter.autoplay),
+        **changes,
+    )
+
+
+def _faults(sound: Sound, pointer: str, scene_file: str) -> list[Issue]:
+    issues = []
+    if sound.synth is not None and sound.synth not in _RECIPES:
+        issues.append(
+            Issue(scene_file, f"{pointer}/synth", f'no recipe "{sound.synth}"', nearest(sound.synth, _RECIPES))
+        )
+    for name, value in sound.parameters.items():
+        place = f"{pointer}/parameters/{name}"
+        if name not in _PARAMETERS:
+            issues.append(Issue(scene_file, place, f'no parameter "{name}"', nearest(name, _PARAMETERS)))
+        elif not _PARAMETERS[name][0] <= value <= _PARAMETERS[name][1]:
+            low, high = _PARAMETERS[name]
+            issues.append(Issue(scene_file, place, f"{value} is not between {low} and {high}"))
+    return issues
+
+
+def _spec(sound: Sound, asset_path: Callable[[str], Path]) -> SoundSpec:
+    return SoundSpec(
+        recipe=sound.synth or "",
+        file=None if sound.asset is None else asset_path(sound.asset),
+        gain=sound.gain,
+        pitch=sound.parameters.get("pitch", 1.0),
+        full_force=sound.full_level,
+    )
+
+
+def _emitter_spec(sound: SoundSpec, emitter: SoundEmitter) -> SoundSpec:
+    return replace(
+        sound,
+        gain=sound.gain * emitter.gain,
+        loop=emitter.loop,
+        reference_distance=emitter.reference_distance,
+        max_distance=emitter.max_distance,
+        rolloff=emitter.rolloff,
+    )
