@@ -159,7 +159,7 @@ def _say(arguments: list[str], issues: Sequence[Issue], as_json: bool) -> None:
         return
     command = arguments[0] if arguments[0] in COMMANDS else ""
     errors = [{"file": i.file, "pointer": i.pointer, "what": i.what, "fix": i.fix} for i in issues]
-    output.write_object(command, {"errors": errors})
+    output.write_object(command, {"errors": errors}, schema="errors")
 
 
 @contextmanager

@@ -61,13 +61,14 @@ def _divert_descriptor(real: TextIO) -> int | None:
     return saved
 
 
-def write_object(command: str, data: Mapping[str, Any], *, version: int = 1) -> None:
+def write_object(command: str, data: Mapping[str, Any], *, schema: str = "", version: int = 1) -> None:
     """Write the answer of a command as one JSON object, `schema` and `command` first.
 
     Args:
-        command: Name of the command; the schema is called `mimics.COMMAND/VERSION`.
+        command: Name of the command.
         data: The rest of the object; numpy scalars and arrays, paths and tuples are taken, numbers that are not finite
             become null.
+        schema: Name of the schema where it is not the command's; it is written as `mimics.SCHEMA/VERSION`.
         version: Raised when a key changes its meaning.
 
     Raises:
@@ -76,7 +77,7 @@ def write_object(command: str, data: Mapping[str, Any], *, version: int = 1) -> 
     if _target.written and _target.stream is not None:
         raise RuntimeError(f"command {command!r} wrote a second JSON object")
     _target.written = True
-    answer = {"schema": f"mimics.{command}/{version}", "command": command, **finite(data)}
+    answer = {"schema": f"mimics.{schema or command}/{version}", "command": command, **finite(data)}
     stream = _target.stream or sys.stdout
     stream.write(json.dumps(answer, allow_nan=False, ensure_ascii=False) + "\n")
     stream.flush()

@@ -11,7 +11,8 @@ from __future__ import annotations
 import hashlib
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
@@ -39,11 +40,19 @@ def _source_digest() -> str:
     return digest.hexdigest()[:16]
 
 
+def _candidates() -> Iterator[Path]:
+    """Where the folder may go, best first."""
+    for variable in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME"):
+        if named := os.environ.get(variable):
+            yield Path(named)
+    with suppress(RuntimeError):  # a container's user may have no home at all
+        yield Path.home() / ".cache"
+    user = os.getuid() if hasattr(os, "getuid") else os.environ.get("USERNAME", "user")
+    yield Path(tempfile.gettempdir()) / f"mimics-{user}"
+
+
 def _writable_base() -> Path | None:
-    named = [os.environ.get("NUMBA_CACHE_DIR"), os.environ.get("XDG_CACHE_HOME")]
-    candidates = [Path(name) for name in named if name]
-    candidates += [Path.home() / ".cache", Path(tempfile.gettempdir()) / f"mimics-{os.getuid()}"]
-    for base in candidates:
+    for base in _candidates():
         try:
             base.mkdir(parents=True, exist_ok=True)
         except OSError:

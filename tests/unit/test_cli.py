@@ -1,0 +1,212 @@
+"""The command line: exit codes, one line per error, one object with --json."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import types
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from mimics_app.app import cli, output
+from mimics_app.contracts.errors import (
+    DeviceError,
+    Issue,
+    MimicsError,
+    PartialDataError,
+    SafetyStop,
+    SceneError,
+    UsageError,
+)
+
+Body = Callable[[Any], int]
+
+
+@pytest.fixture
+def command(monkeypatch: pytest.MonkeyPatch) -> Callable[[Body], None]:
+    """Replace the module behind every command by one whose `run` is given."""
+
+    def install(body: Body) -> None:
+        module = types.SimpleNamespace(
+            add_arguments=lambda parser: parser.add_argument("--count", type=int, default=1), run=body
+        )
+        monkeypatch.setattr(cli, "_command_module", lambda name: module)
+
+    return install
+
+
+def _raise(error: BaseException) -> Body:
+    def body(args: Any) -> int:
+        raise error
+
+    return body
+
+
+@pytest.mark.parametrize(
+    ("error", "code"),
+    [
+        (UsageError("no"), 2),
+        (SceneError(Issue("a.json", "/x", "wrong")), 3),
+        (DeviceError("none"), 4),
+        (SafetyStop("latched"), 5),
+        (PartialDataError("torn"), 6),
+        (MimicsError("other"), 1),
+    ],
+)
+@pytest.mark.parametrize("as_json", [False, True])
+def test_exit_code_of_each_error(
+    command: Callable[[Body], None], error: MimicsError, code: int, as_json: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command(_raise(error))
+    assert cli.main(["run", "--json"] if as_json else ["run"]) == code
+    said = capsys.readouterr()
+    assert "Traceback" not in said.err
+    assert bool(said.out) == as_json
+
+
+def test_return_value_is_the_exit_code(command: Callable[[Body], None]) -> None:
+    command(lambda args: 6)
+    assert cli.main(["run"]) == 6
+
+
+def test_every_issue_is_one_line_that_names_the_place(
+    command: Callable[[Body], None], capsys: pytest.CaptureFixture[str]
+) -> None:
+    command(_raise(SceneError([Issue("a.json", "/b/0", "bad", "better"), Issue("c.json", "", "worse")])))
+    cli.main(["run"])
+    assert capsys.readouterr().err.splitlines() == ["mimics: a.json#/b/0: bad; better", "mimics: c.json: worse"]
+
+
+def test_json_errors_carry_all_issues(command: Callable[[Body], None], capsys: pytest.CaptureFixture[str]) -> None:
+    command(_raise(SceneError([Issue("a.json", "/b/0", "bad", "better"), Issue("c.json", "", "worse")])))
+    cli.main(["run", "--json"])
+    answer = json.loads(capsys.readouterr().out)
+    assert list(answer) == ["schema", "command", "errors"]
+    assert answer["command"] == "run"
+    assert answer["errors"] == [
+        {"file": "a.json", "pointer": "/b/0", "what": "bad", "fix": "better"},
+        {"file": "c.json", "pointer": "", "what": "worse", "fix": ""},
+    ]
+
+
+def test_unknown_command_names_the_nearest(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["rnu"]) == 2
+    assert 'did you mean "run"' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("arguments", [["run", "--count", "many"], ["run", "--no-such-option"], ["--no-such-option"]])
+def test_wrong_argument_is_one_line(
+    command: Callable[[Body], None], arguments: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    command(lambda args: 0)
+    assert cli.main(arguments) == 2
+    said = capsys.readouterr().err.splitlines()
+    assert len(said) == 1
+    assert "--help" in said[0]
+
+
+def test_help_and_version_are_0(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["--help"]) == 0
+    listed = capsys.readouterr().out
+    assert all(name in listed for name in cli.COMMANDS)
+    assert cli.main(["--version"]) == 0
+
+
+def test_ctrl_c_is_130(command: Callable[[Body], None]) -> None:
+    command(_raise(KeyboardInterrupt()))
+    assert cli.main(["run"]) == 130
+
+
+def test_internal_error_is_traced_and_still_one_object(
+    command: Callable[[Body], None], capsys: pytest.CaptureFixture[str]
+) -> None:
+    command(_raise(ZeroDivisionError("oops")))
+    assert cli.main(["run", "--json"]) == 1
+    said = capsys.readouterr()
+    assert "Traceback" in said.err
+    assert "ZeroDivisionError" in json.loads(said.out)["errors"][0]["what"]
+    with pytest.raises(ZeroDivisionError):
+        cli.main(["run"])
+
+
+def test_json_leaves_exactly_one_object_on_stdout() -> None:
+    """Prints of a library, of C code and of a child process go to stderr."""
+    script = (
+        "import sys; from mimics_app.app import cli; import os, subprocess, types; from mimics_app.app import output\n"
+        "def run(args):\n"
+        "    print('from Python'); sys.stdout.flush(); os.write(1, b'from C\\n')\n"
+        "    subprocess.run([sys.executable, '-c', 'print(\"from a child\")'], check=True)\n"
+        "    output.write_object('run', {'answer': 42}); print('afterwards'); return 0\n"
+        "cli._command_module = lambda name: types.SimpleNamespace(add_arguments=lambda p: None, run=run)\n"
+        "sys.exit(cli.main(['run', '--json']))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert json.loads(done.stdout) == {"schema": "mimics.run/1", "command": "run", "answer": 42}
+    assert done.stdout.count("\n") == 1
+    assert all(text in done.stderr for text in ("from Python", "from C", "from a child", "afterwards"))
+
+
+def test_stdout_is_given_back_after_json(command: Callable[[Body], None], capsys: pytest.CaptureFixture[str]) -> None:
+    command(lambda args: 0)
+    before = sys.stdout
+    cli.main(["run", "--json"])
+    assert sys.stdout is before
+    print("still here")
+    assert "still here" in capsys.readouterr().out
+
+
+def test_second_object_is_refused(command: Callable[[Body], None], capsys: pytest.CaptureFixture[str]) -> None:
+    def twice(args: Any) -> int:
+        output.write_object("run", {})
+        output.write_object("run", {})
+        return 0
+
+    command(twice)
+    assert cli.main(["run", "--json"]) == 1
+    said = capsys.readouterr()
+    assert len(said.out.splitlines()) == 1
+    assert "second JSON object" in said.err
+
+
+def test_sigterm_unwinds_the_stack_and_is_143() -> None:
+    script = (
+        "import os, signal, sys, time, types; from mimics_app.app import cli\n"
+        "def run(args):\n"
+        "    try:\n"
+        "        print('up', flush=True); time.sleep(60)\n"
+        "    finally:\n"
+        "        print('closed', flush=True)\n"
+        "cli._command_module = lambda name: types.SimpleNamespace(add_arguments=lambda p: None, run=run)\n"
+        "sys.exit(cli.main(['run']))\n"
+    )
+    child = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True)
+    assert child.stdout is not None
+    assert child.stdout.readline() == "up\n"
+    child.send_signal(signal.SIGTERM)
+    rest, _ = child.communicate(timeout=30)
+    assert rest == "closed\n"
+    assert child.returncode == 143
+
+
+def test_reader_that_leaves_early_is_no_error() -> None:
+    """`mimics schema | head -1`: no traceback when the pipe closes."""
+    script = (
+        "import sys, types; from mimics_app.app import cli\n"
+        "def run(args):\n"
+        "    for _ in range(100000): print('x' * 100)\n"
+        "    return 0\n"
+        "cli._command_module = lambda name: types.SimpleNamespace(add_arguments=lambda p: None, run=run)\n"
+        "sys.exit(cli.main(['run']))\n"
+    )
+    child = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert child.stdout is not None
+    assert child.stderr is not None
+    child.stdout.read(100)
+    child.stdout.close()
+    assert child.stderr.read() == b""
+    assert child.wait(timeout=30) == 141
+    child.stderr.close()
