@@ -32,7 +32,7 @@ class Material:
         alpha_cutoff: Opacity below which "mask" draws nothing, 0-1.
         double_sided: True when back faces are drawn too.
         grid: Spacing of lines drawn over it [m], 0 for none: on the world's xz squares where lit, across the second
-            texture coordinate (laid in metres along a tube) where glass.
+            texture coordinate, in its own unit, where glass: rings along a tube.
     """
 
     name: str

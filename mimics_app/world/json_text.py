@@ -1,0 +1,89 @@
+"""JSON read strictly: every fault of the text is told with its place, nothing is dropped or turned to NaN."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+from mimics_app.contracts.errors import Issue, SceneError
+
+__all__ = ["MAX_DEPTH", "escape", "parse_json"]
+
+MAX_DEPTH = 128
+"""Deepest nesting of lists and objects; scene and glTF files need about ten."""
+
+
+class _RepeatedKeys(dict[str, Any]):
+    """An object in whose text keys stood more than once."""
+
+    repeated: tuple[str, ...] = ()
+
+
+def parse_json(text: bytes, file: str) -> tuple[Any, list[Issue]]:
+    """Decode a JSON document.
+
+    Args:
+        text: UTF-8, with or without a byte order mark.
+        file: Name for messages.
+
+    Returns:
+        (document, issues): keys that stand twice and numbers that are not finite (NaN, Infinity, 1e999), each with
+        the pointer of its value; the document is complete nevertheless.
+
+    Raises:
+        SceneError: it is empty, no UTF-8, no JSON, or nested too deeply.
+    """
+    if not text.strip():
+        raise SceneError(Issue(file, "", "the file is empty"))
+    try:
+        document = json.loads(text.decode("utf-8-sig"), object_pairs_hook=_object)
+    except UnicodeDecodeError as error:
+        raise SceneError(Issue(file, "", f"byte {error.start} is not UTF-8", "save the file as UTF-8")) from None
+    except json.JSONDecodeError as error:
+        place = f"line {error.lineno}, column {error.colno}"
+        raise SceneError(Issue(file, "", f"is not JSON: {error.msg} at {place}")) from None
+    except RecursionError:
+        raise SceneError(Issue(file, "", f"is nested deeper than {MAX_DEPTH} levels")) from None
+    except ValueError as error:  # a whole number of thousands of digits
+        raise SceneError(Issue(file, "", f"is not JSON: {error}")) from None
+    return document, _faults(document, file)
+
+
+def escape(name: str) -> str:
+    """A name as one step of a JSON pointer (RFC 6901)."""
+    return name.replace("~", "~0").replace("/", "~1")
+
+
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    names = dict(pairs)
+    if len(names) == len(pairs):
+        return names
+    marked = _RepeatedKeys(names)
+    counts = [name for name, _ in pairs]
+    marked.repeated = tuple(sorted(name for name in names if counts.count(name) > 1))
+    return marked
+
+
+def _faults(document: Any, file: str) -> list[Issue]:
+    issues: list[Issue] = []
+    waiting: list[tuple[Any, str, int]] = [(document, "", 0)]
+    while waiting:
+        value, pointer, depth = waiting.pop()
+        if depth > MAX_DEPTH:
+            raise SceneError(Issue(file, pointer, f"is nested deeper than {MAX_DEPTH} levels"))
+        if isinstance(value, dict):
+            for name in getattr(value, "repeated", ()):
+                issues.append(
+                    Issue(file, f"{pointer}/{escape(name)}", f'the key "{name}" stands here twice', "keep one")
+                )
+            waiting += [(item, f"{pointer}/{escape(name)}", depth + 1) for name, item in reversed(value.items())]
+        elif isinstance(value, list):
+            waiting += [
+                (value[i], f"{pointer}/{i}", depth + 1)
+                for i in range(len(value) - 1, -1, -1)
+                if type(value[i]) in (float, dict, list, _RepeatedKeys)
+            ]
+        elif isinstance(value, float) and not math.isfinite(value):
+            issues.append(Issue(file, pointer, f"{value} is not a finite number", "write a number"))
+    return issues

@@ -1,0 +1,85 @@
+"""Files that scene and glTF files name: found inside one folder, or refused."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from urllib.parse import unquote
+
+from mimics_app.contracts import resources
+from mimics_app.contracts.errors import MimicsError, nearest
+
+__all__ = ["SHIPPED", "PathFault", "find_file", "find_root"]
+
+SHIPPED = "mimics:"
+"""Prefix of URIs that name a file of the installation, e.g. "mimics:assets/sounds/goal.wav"."""
+
+_SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:")
+
+
+class PathFault(Exception):
+    """A URI that names no file we may read: what is wrong, and what to do."""
+
+    def __init__(self, what: str, fix: str = "") -> None:
+        super().__init__(what)
+        self.what = what
+        self.fix = fix
+
+
+def find_root(scene: Path) -> Path:
+    """The folder a scene's files must stay inside.
+
+    It is the nearest folder above that holds both `scenes` and `assets`, else the scene's own folder.
+    """
+    folder = scene.resolve().parent
+    for candidate in (folder, *folder.parents):
+        if (candidate / "scenes").is_dir() and (candidate / "assets").is_dir():
+            return candidate
+    return folder
+
+
+def find_file(uri: str, folder: Path, root: Path) -> Path:
+    """The file a URI names.
+
+    Args:
+        uri: Relative, percent-encoded where needed, with forward slashes; or one of the installation (`SHIPPED`).
+        folder: Folder the URI is relative to.
+        root: Folder it must stay inside, links followed.
+
+    Raises:
+        PathFault: another scheme, an absolute path, a way out of the root, or no such file.
+    """
+    if uri.startswith(SHIPPED):
+        try:
+            folder = root = resources.root()
+        except MimicsError as error:
+            raise PathFault(error.what, error.fix) from None
+        uri = uri[len(SHIPPED) :]
+    path = (folder / _relative(uri)).resolve()
+    inside = root.resolve()
+    if not path.is_relative_to(inside):
+        raise PathFault(f'"{uri}" leads out of the folder {inside.name or inside}', "keep files inside it")
+    if not path.is_file():
+        raise PathFault(f'no file "{uri}"', _similar(path))
+    return path
+
+
+def _relative(uri: str) -> str:
+    if not uri:
+        raise PathFault("an empty file name")
+    if _SCHEME.match(uri):
+        raise PathFault(f'"{uri[:60]}" is no relative path; nothing is fetched', "name a file of the scene's folder")
+    text = unquote(uri, errors="replace")
+    if "\0" in text or "\ufffd" in text:
+        raise PathFault(f'"{uri}" is no file name')
+    if text.startswith("/") or "\\" in text:
+        raise PathFault(f'"{uri}" is an absolute path or has backslashes', "write it relative, with /")
+    return text
+
+
+def _similar(path: Path) -> str:
+    if not path.parent.is_dir():
+        return f'there is no folder "{path.parent.name}"'
+    names = sorted(entry.name for entry in path.parent.iterdir() if entry.is_file())
+    hint = nearest(path.name, names)
+    return hint if hint.startswith("did") else ""
