@@ -1,0 +1,95 @@
+"""The figures over the picture: progress and time above, contacts and force below, one line of words in the middle."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from mimics_app.rendering.visual.hud import CANVAS_HEIGHT, Colour, Hud
+
+__all__ = ["draw_board"]
+
+_PANEL: Colour = (0.06, 0.08, 0.11, 0.62)
+_INK: Colour = (0.96, 0.97, 0.98, 1.0)
+_FAINT: Colour = (0.74, 0.79, 0.84, 1.0)
+_ACCENT: Colour = (0.30, 0.74, 0.92, 1.0)
+_CALM: Colour = (0.36, 0.78, 0.47, 1.0)
+_WARN: Colour = (0.96, 0.62, 0.16, 1.0)
+_ALARM: Colour = (0.90, 0.22, 0.20, 1.0)
+
+_MARGIN = 22.0
+_HEIGHT = 62.0
+_STOPPED = "stopped"
+
+
+def draw_board(hud: Hud, figures: Mapping[str, object], show: Sequence[str], force_full: float) -> None:
+    """Lay the task's figures over the picture.
+
+    Args:
+        hud: What to draw on; cleared first.
+        figures: `TaskOrders.hud`: title, message, state, trial, progress, time, time_limit, contacts, force, score.
+        show: Names of the figures wanted, in the order of the scene.
+        force_full: Force that fills the bar [N].
+    """
+    hud.clear()
+    x = _MARGIN
+    for name in show:
+        width = _WIDTHS.get(name, 150.0)
+        y = CANVAS_HEIGHT - _MARGIN - _HEIGHT
+        hud.box(x, y, width, _HEIGHT, _PANEL, radius=12.0)
+        _draw_figure(hud, name, figures, (x + 16.0, y + 12.0, width - 32.0), force_full)
+        x += width + 12.0
+    _draw_message(hud, str(figures.get("message", "")), alarm=figures.get("state") == _STOPPED)
+
+
+_WIDTHS = {"progress": 330.0, "force": 330.0, "time": 150.0, "contacts": 150.0, "score": 130.0, "state": 170.0}
+
+
+def _draw_figure(
+    hud: Hud, name: str, figures: Mapping[str, object], place: tuple[float, float, float], force_full: float
+) -> None:
+    x, y, width = place
+    label, text = _LABELS.get(name, name.capitalize()), _text(name, figures)
+    hud.text(x, y + 27.0, label, 15.0, _FAINT)
+    if name not in ("progress", "force"):
+        hud.text(x, y, text, 25.0, _INK, bold=True, width=width)
+        return
+    hud.text(x + width, y + 27.0, text, 17.0, _INK, bold=True, align="right")
+    share = _number(figures, name) / (force_full if name == "force" else 1.0)
+    hud.bar((x, y + 4.0, width, 11.0), share, _ACCENT if name == "progress" else _force_colour(share))
+
+
+_LABELS = {"progress": "Tunnel", "time": "Time", "contacts": "Wall contacts", "force": "Force on the hand"}
+
+
+def _text(name: str, figures: Mapping[str, object]) -> str:
+    value = _number(figures, name)
+    if name == "progress":
+        return f"{100.0 * value:.0f} %"
+    if name == "time":
+        return f"{value:.1f} s"
+    if name == "force":
+        return f"{value:.1f} N"
+    if name == "contacts" or name == "score":
+        return f"{value:.0f}"
+    return str(figures.get(name, ""))
+
+
+def _number(figures: Mapping[str, object], name: str) -> float:
+    value = figures.get(name)
+    return float(value) if isinstance(value, int | float) else 0.0
+
+
+def _force_colour(share: float) -> Colour:
+    if share < 0.4:
+        return _CALM
+    return _WARN if share < 0.8 else _ALARM
+
+
+def _draw_message(hud: Hud, message: str, *, alarm: bool) -> None:
+    if not message:
+        return
+    size = 30.0
+    width = min(hud.measure(message, size, bold=True) + 64.0, hud.width - 2.0 * _MARGIN)
+    x, y = 0.5 * (hud.width - width), 46.0
+    hud.box(x, y, width, 64.0, (0.55, 0.08, 0.08, 0.86) if alarm else _PANEL, radius=18.0)
+    hud.text(0.5 * hud.width, y + 21.0, message, size, _INK, bold=True, align="centre", width=width - 32.0)

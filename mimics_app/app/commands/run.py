@@ -1,0 +1,55 @@
+"""`mimics run SCENE`: a window with a person at it, or headless with the simulated patient on the virtual clock."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from mimics_app.app.settings import PROFILES, SOUNDS, RunSettings
+
+__all__ = ["add_arguments", "run"]
+
+_DEFAULT_SCENE = Path("scenes/wavy_tunnel.json")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `mimics run`."""
+    parser.add_argument("scene", type=Path, nargs="?", default=_DEFAULT_SCENE, help="scene file")
+    parser.add_argument("--headless", action="store_true", help="no window: virtual clock and simulated patient")
+    parser.add_argument("--seconds", type=_positive, help="end after this much simulated time [s]")
+    parser.add_argument("--seed", type=int, default=1, help="of trial order, patient and sensor noise")
+    parser.add_argument("--profile", choices=PROFILES, default="training", help="what may be given up for speed")
+    parser.add_argument("--device", default="", help="instead of the scene's robot (see mimics devices)")
+    parser.add_argument(
+        "--patient", choices=("healthy", "moderate", "severe"), default="", help="instead of the scene's"
+    )
+    parser.add_argument("--sound", choices=SOUNDS, default="auto", help="where sound goes")
+    parser.add_argument("--size", type=_size, default=(1280, 720), metavar="WxH", help="of the picture [px]")
+    parser.add_argument("--pictures", type=int, default=4, help="frames a headless run draws and keeps")
+    parser.add_argument("--video", type=Path, help="folder for every frame of a headless run, as PNG")
+    parser.add_argument("--action", type=Path, metavar="FILE", help="replay task actions from a JSON file")
+    parser.add_argument("--runs", type=Path, default=Path("runs"), help="folder the run folder is made in")
+    parser.add_argument("--recipe", default="auto", help="scheduler of the haptic loop: auto, fifo, ordinary, plain")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run the scene and say what it came to."""
+    from mimics_app.app.play import play
+
+    names = ("scene", "seconds", "seed", "profile", "device", "patient", "sound", "size", "pictures", "video")
+    chosen = {name: getattr(args, name) for name in (*names, "action", "runs", "recipe", "headless")}
+    return play(RunSettings(**chosen), as_json=args.json)
+
+
+def _positive(text: str) -> float:
+    value = float(text)
+    if not 0.0 < value < 1e6:
+        raise argparse.ArgumentTypeError(f"{text} is not a time between 0 and 1e6 s")
+    return value
+
+
+def _size(text: str) -> tuple[int, int]:
+    width, _, height = text.partition("x")
+    if not (width.isdigit() and height.isdigit() and 1 <= int(width) <= 8192 and 1 <= int(height) <= 8192):
+        raise argparse.ArgumentTypeError(f"{text} is no picture size; write it like 1280x720")
+    return int(width), int(height)

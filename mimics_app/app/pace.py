@@ -1,0 +1,68 @@
+"""How frames follow each other: as fast as they go on the virtual clock, or 60 a second beside the live loop."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from mimics_app.app.frame import Frames
+from mimics_app.app.reload import SceneReload
+from mimics_app.app.session import Session
+from mimics_app.contracts.clock import TICKS_PER_SECOND, ticks_until_frame
+from mimics_app.contracts.haptic import SafetyState
+
+__all__ = ["run_live", "run_virtual"]
+
+_NS = 1_000_000_000
+_FRAME_NS = _NS // 60
+_TICK_NS = _NS // TICKS_PER_SECOND
+_LATCHED = (SafetyState.SAFE_STOP, SafetyState.E_STOP)
+
+Progress = Callable[[Frames], None]
+
+
+def run_virtual(session: Session, frames: Frames, after_frame: Progress) -> None:
+    """Ticks and frames in a fixed pattern on the virtual clock, until the task is done or its time is over.
+
+    Nobody is there to reset a latched stop, so it ends the run too.
+    """
+    limit = _limit_ns(session)
+    while not session.tasks.done and session.clock.now_ns() < limit:
+        begin, end = ticks_until_frame(frames.number), ticks_until_frame(frames.number + 1)
+        session.recorder.wait_for_room(end - begin)
+        session.haptics.advance(end - begin)
+        session.clock.sleep_until_ns(end * _TICK_NS)
+        frames.step()
+        after_frame(frames)
+        if frames.snapshot is not None and frames.snapshot.state in _LATCHED:
+            return
+
+
+def run_live(session: Session, frames: Frames, after_frame: Progress) -> None:
+    """Frames beside the live loop until the window closes, Escape is pressed, or the run's time is over."""
+    picture = session.picture
+    reload = SceneReload(session)
+    limit = session.clock.now_ns() + _limit_ns(session)
+    due = session.clock.now_ns()
+    while session.clock.now_ns() < limit and not _left(session):
+        reload.look()
+        frames.step()
+        if picture is not None:
+            picture.draw({**frames.orders.hud, **reload.message})
+            picture.surface.swap()
+        after_frame(frames)
+        due = max(due + _FRAME_NS, session.clock.now_ns() - _FRAME_NS)
+        session.clock.sleep_until_ns(due)
+
+
+def _limit_ns(session: Session) -> int:
+    seconds = session.settings.seconds
+    return 1 << 62 if seconds is None else round(seconds * _NS)
+
+
+def _left(session: Session) -> bool:
+    """Whether the person wants to leave."""
+    picture = session.picture
+    if picture is not None and picture.surface.should_close:
+        return True
+    events = session.inputs.frame.events
+    return any(event.kind == "key" and event.name == "escape" and event.pressed for event in events)

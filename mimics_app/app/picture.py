@@ -1,0 +1,91 @@
+"""The picture of a session: a surface, a renderer on it, and the views of the scene's camera."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from mimics_app.app.board import draw_board
+from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.input_port import Ray
+from mimics_app.rendering.visual.displays.desktop import desktop_views
+from mimics_app.rendering.visual.frame_stats import FrameStats
+from mimics_app.rendering.visual.headless import save_png
+from mimics_app.rendering.visual.renderer import Renderer
+from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.surface import Surface
+from mimics_app.rendering.visual.view import View
+from mimics_app.world.components import Hud as HudComponent
+from mimics_app.world.scene import Scene
+from mimics_app.world.world import World
+
+__all__ = ["Picture"]
+
+
+class Picture:
+    """What the person sees.
+
+    Args:
+        surface: Where to draw; closed with the picture.
+        scene: For the figures wanted over the picture.
+        world: What is drawn; needs a camera.
+        settings: Quality.
+
+    Raises:
+        SceneError: the scene has no camera.
+    """
+
+    def __init__(self, surface: Surface, scene: Scene, world: World, settings: RenderSettings) -> None:
+        self.surface = surface
+        self.show(scene, world)
+        self._renderer = Renderer(surface, world, settings)
+
+    def show(self, scene: Scene, world: World) -> None:
+        """Draw this scene from now on (the first one, or a reloaded one)."""
+        if not world.cameras:
+            raise SceneError(Issue(scene.file, "/entities", "has no camera", 'give an entity a "camera" component'))
+        self._world = world
+        board = scene.components(HudComponent)
+        self._board = board[0][1] if board else None
+        if hasattr(self, "_renderer"):
+            self._renderer.world = world
+
+    @property
+    def views(self) -> list[View]:
+        """The eyes of the desktop: one."""
+        return desktop_views(self._world.cameras[0], self.surface.size)
+
+    def draw(self, figures: Mapping[str, object]) -> FrameStats:
+        """Draw one frame with the task's figures over it."""
+        hud = self._renderer.hud
+        width, height = self.surface.size
+        hud.width = 720.0 * width / height
+        if self._board is None:
+            hud.clear()
+        else:
+            draw_board(hud, figures, self._board.show, self._board.force_full)
+        return self._renderer.draw(self.views)
+
+    def ray(self, right: float, up: float) -> Ray | None:
+        """The ray through a place of the window, each coordinate in [-1, 1]."""
+        view = self.views[0]
+        left, far_right, bottom, top = view.tangents
+        x = left + 0.5 * (right + 1.0) * (far_right - left)
+        y = bottom + 0.5 * (up + 1.0) * (top - bottom)
+        direction = view.world_from_eye[:3, :3] @ np.array([x, y, -1.0])
+        return _triple(view.eye_world), _triple(direction)
+
+    def save(self, file: Path) -> None:
+        """Write the frame drawn last as PNG."""
+        save_png(self.surface, file)
+
+    def close(self) -> None:
+        """Free everything, the surface included."""
+        self._renderer.release()
+        self.surface.close()
+
+
+def _triple(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> tuple[float, float, float]:
+    return float(values[0]), float(values[1]), float(values[2])

@@ -1,0 +1,109 @@
+"""Plays a scene from beginning to end: build, run, seal the recording, write the report, say what it came to."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+from mimics_app.app import output
+from mimics_app.app.album import Album
+from mimics_app.app.build import build_session, has_display, start_loop
+from mimics_app.app.frame import Frames
+from mimics_app.app.pace import run_live, run_virtual
+from mimics_app.app.picture import Picture
+from mimics_app.app.progress import ProgressLine
+from mimics_app.app.result import summarise
+from mimics_app.app.session import Session
+from mimics_app.app.settings import RunSettings
+from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.contracts.haptic import SafetyState
+from mimics_app.recording.report import write_report
+
+__all__ = ["play"]
+
+_EXIT_SAFETY = 5
+_STOPS = (SafetyState.SAFE_STOP.name, SafetyState.E_STOP.name)
+
+
+def play(settings: RunSettings, *, as_json: bool) -> int:
+    """Run a scene.
+
+    Returns:
+        0, or 5 when the run ended in a latched stop.
+    """
+    started = MonotonicClock().now_ns()
+    windowed = not settings.headless and settings.display != "none" and has_display()
+    with build_session(settings, live=windowed) as session:
+        frames = Frames(session)
+        if windowed:
+            _play_in_window(session, frames)
+            pictures: list[Path] = []
+        else:
+            pictures = _play_headless(session, frames)
+        sound = session.end_stages()
+        summary = summarise(session, frames, sound, (MonotonicClock().now_ns() - started) * 1e-9)
+        manifest = session.finish(summary)
+    report = write_report(session.folder)
+    answer = {**summary, "state_hash": manifest.state_hash, "report": str(report), "pictures": pictures}
+    if as_json:
+        output.write_object("run", answer)
+    else:
+        _say(answer)
+    return _EXIT_SAFETY if summary["safety"]["state"] in _STOPS else 0
+
+
+def _play_in_window(session: Session, frames: Frames) -> None:
+    """A person plays: window, live loop, sound card."""
+    from mimics_app.app.person import person_inputs
+    from mimics_app.rendering.visual.contexts import create_surface
+
+    start_loop(session)
+    surface = create_surface("window", session.settings.size, session.scene.name)
+    session.picture = Picture(surface, session.scene, session.world, render_settings(session.settings))
+    session.inputs = person_inputs(session)
+    _tell_notice(session)
+    run_live(session, frames, lambda _: None)
+
+
+def _play_headless(session: Session, frames: Frames) -> list[Path]:
+    """The simulated patient plays on the virtual clock; only the frames that are kept are drawn."""
+    album = Album(session)
+    progress = ProgressLine(sys.stderr, session)
+    _tell_notice(session)
+
+    def after_frame(frames: Frames) -> None:
+        album.look(frames)
+        progress.show(frames)
+
+    run_virtual(session, frames, after_frame)
+    progress.end()
+    return album.finish(frames)
+
+
+def render_settings(settings: RunSettings) -> Any:
+    """Quality of the picture for a profile."""
+    from mimics_app.rendering.visual.settings import RenderSettings
+
+    if settings.profile == "draft":
+        return RenderSettings(msaa=0, shadow_size=512)
+    return RenderSettings(msaa=4, shadow_size=2048 if settings.profile == "study" else 1024)
+
+
+def _tell_notice(session: Session) -> None:
+    """One line where sound is not what was asked for."""
+    status = None if session.audio is None else session.audio.ready
+    if status is not None and status.notice:
+        sys.stderr.write(f"mimics: {status.notice}\n")
+
+
+def _say(answer: dict[str, Any]) -> None:
+    task, safety = answer["task"], answer["safety"]
+    done = "completed" if task["completed"] else "not completed"
+    print(f"task      {done}: {task['trials']} trials, score {task['score']:.0f}, {task['time_s']:.1f} s under way")
+    print(f"path      error {1e3 * task['path_error_m']:.1f} mm, {task['contacts']} wall contacts")
+    print(f"touch     {answer['ticks']} ticks ({answer['recipe']}), {answer['missed']} missed, {safety['state']}")
+    print(f"run       {answer['run_dir']}")
+    for picture in answer["pictures"]:
+        print(f"picture   {picture}")
+    print(f"report    {answer['report']}")

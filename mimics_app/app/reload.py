@@ -1,0 +1,64 @@
+"""Live reload: a saved scene file replaces the running scene; a broken one is shown and changes nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from mimics_app.app.scene_loading import load_checked_scene
+from mimics_app.app.session import Session
+from mimics_app.contracts.errors import SceneError
+from mimics_app.scenarios.catalogue import open_scenario
+from mimics_app.world.build import build_world
+from mimics_app.world.watcher import SceneWatcher
+
+__all__ = ["SceneReload"]
+
+_LOOK_NS = 250_000_000
+_SHOW_NS = 6_000_000_000
+
+
+class SceneReload:
+    """Watches the files of the running scene.
+
+    Attributes:
+        message: What the person should read over the picture now, as figures of the heads-up display.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._watcher = SceneWatcher(session.scene.files)
+        self._next_ns = 0
+        self._shown_until_ns = 0
+        self.message: Mapping[str, object] = {}
+
+    def look(self) -> None:
+        """Take a changed scene, a few times a second."""
+        now_ns = self._session.clock.now_ns()
+        if now_ns > self._shown_until_ns:
+            self.message = {}
+        if now_ns < self._next_ns:
+            return
+        self._next_ns = now_ns + _LOOK_NS
+        if self._watcher.changed():
+            self._take(now_ns)
+
+    def _take(self, now_ns: int) -> None:
+        session = self._session
+        try:
+            scene = load_checked_scene(session.settings.scene)
+            world = build_world(scene)
+            scenario = open_scenario(scene, world)
+        except SceneError as error:
+            self._say(now_ns, str(error.issues[0]))
+            session.recorder.journal("reload", {"taken": False, "issues": [str(issue) for issue in error.issues]})
+            return
+        session.scene, session.world, session.scenario = scene, world, scenario
+        if session.picture is not None:
+            session.picture.show(scene, world)
+        session.desk.replace(scenario.scene_block())
+        self._watcher = SceneWatcher(scene.files)
+        self._say(now_ns, "scene reloaded")
+        session.recorder.journal("reload", {"taken": True, "hash": scene.hash})
+
+    def _say(self, now_ns: int, text: str) -> None:
+        self.message, self._shown_until_ns = {"message": text}, now_ns + _SHOW_NS

@@ -1,0 +1,35 @@
+"""What a run came to, under the keys that scripts rely on."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mimics_app.app.frame import Frames
+from mimics_app.app.session import Session
+from mimics_app.contracts.audio_port import AudioReport
+from mimics_app.contracts.haptic import SafetyState
+
+__all__ = ["summarise"]
+
+
+def summarise(session: Session, frames: Frames, sound: AudioReport | None, wall_s: float) -> dict[str, Any]:
+    """Everything of the `mimics run --json` object that is known before the recording is sealed."""
+    late = session.haptics.histogram()
+    state = SafetyState.OFF if frames.snapshot is None else SafetyState(frames.snapshot.state)
+    return {
+        "seed": session.settings.seed,
+        "simulated_s": late.ticks / 1000.0,
+        "wall_s": wall_s,
+        "ticks": late.ticks,
+        "frames": frames.number,
+        "scene_hash": session.scene.hash,
+        "run_dir": str(session.folder),
+        "task": session.tasks.result(),
+        "safety": {"state": state.name, "trips": late.trips},
+        "lateness_us": {"p50": late.p50, "p99": late.p99, "p99_9": late.p99_9, "max": late.max},
+        "lateness": late.as_dict(),
+        "missed": late.missed,
+        "recipe": late.recipe,
+        "audio": {"device": "none", "sink": "off"} if sound is None else sound.summary(),
+        "unread": sorted(session.scene.unread()),
+    }

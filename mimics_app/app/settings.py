@@ -1,0 +1,56 @@
+"""What a person asks of one run: the command line and the launcher both end here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+__all__ = ["DISPLAYS", "PROFILES", "SOUNDS", "Display", "Profile", "RunSettings", "SoundChoice"]
+
+Display = Literal["auto", "window", "none"]
+Profile = Literal["draft", "training", "study"]
+SoundChoice = Literal["auto", "device", "file", "off"]
+
+DISPLAYS: tuple[Display, ...] = ("auto", "window", "none")
+PROFILES: tuple[Profile, ...] = ("draft", "training", "study")
+SOUNDS: tuple[SoundChoice, ...] = ("auto", "device", "file", "off")
+
+
+@dataclass(frozen=True, slots=True)
+class RunSettings:
+    """One run.
+
+    Attributes:
+        scene: Scene file.
+        headless: No window: virtual clock, simulated patient, as fast as the machine allows.
+        seconds: Simulated time after which the run ends; None: when the task is done.
+        seed: Of everything random: trial order, patient, sensor noise.
+        profile: How much the picture and the tolerances may give up.
+        device: Instead of the scene's robot device; "" keeps it (a window takes "pointer").
+        patient: Preset instead of the scene's; "" keeps it.
+        display: "auto" opens a window where there is a display.
+        sound: "auto": device when live, file when headless; "off": none.
+        size: Of the picture [px].
+        pictures: Frames a headless run draws and keeps.
+        video: Folder or file for every frame, or None.
+        action: File of task actions to replay, or None.
+        runs: Folder the run folder is made in.
+        recipe: Scheduler recipe of the haptic loop: "auto", "fifo" or "nice".
+    """
+
+    scene: Path
+    headless: bool = False
+    seconds: float | None = None
+    seed: int = 1
+    profile: Profile = "training"
+    device: str = ""
+    patient: str = ""
+    display: Display = "auto"
+    sound: SoundChoice = "auto"
+    size: tuple[int, int] = (1280, 720)
+    pictures: int = 4
+    video: Path | None = None
+    action: Path | None = None
+    runs: Path = field(default_factory=lambda: Path("runs"))
+    recipe: str = "auto"

@@ -1,0 +1,178 @@
+"""The wavy tunnel (D2.1 3.2.2): carry a ball through a tunnel in the frontal plane; grasping makes the ball smaller."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import Issue, SceneError, nearest
+from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
+from mimics_app.maths.quat import from_matrix
+from mimics_app.rendering.haptic.kernels.kinematics import inverse
+from mimics_app.rendering.haptic.scene_block import axis_offset, robot_from_world, scene_from_components
+from mimics_app.rendering.haptic.tunnel_source import tunnel_from_component
+from mimics_app.world.components import TunnelView
+from mimics_app.world.components_haptic import Admittance, Ball, JointPd, Robot, Safety, Tunnel
+from mimics_app.world.mesh import MeshData
+from mimics_app.world.primitives import tube
+from mimics_app.world.scene import Scene
+from mimics_app.world.world import World
+
+__all__ = ["WavyTunnel"]
+
+_TUNNEL_MESH = "tunnel_wall"
+_BISECTOR_MESH = "tunnel_bisector"
+_BISECTOR_SIDES = 8
+_VIA_SPACING = 0.02
+"""Distance of the points a simulated person sees along the bisector [m]."""
+
+_FORCES = ("radius_scale", "stiffness", "damping", "drag", "drag_growth", "centring", "advance")
+"""Fields the scene's tunnel and the loop's share by name."""
+
+_SCALE_STEP = 0.01
+"""The wall is built anew when its radius scale changed by this much [-]; less is not seen."""
+
+
+class WavyTunnel:
+    """Tunnel, ball and rings of the scene.
+
+    Args:
+        scene: The checked scene; needs entities with `tunnel` and `tunnel_view`, `robot`, and a node called "ball".
+        world: The world built from it; the tunnel's wall is added here.
+
+    Raises:
+        SceneError: something the scenario needs is missing, or the tunnel cannot be built.
+    """
+
+    def __init__(self, scene: Scene, world: World) -> None:
+        self._scene = scene
+        self._world = world
+        entity, tunnel, pointer = _the_one(scene, Tunnel, "tunnel")
+        self._view: TunnelView = _the_one(scene, TunnelView, "tunnel_view")[1]
+        self._robot: Robot = _the_one(scene, Robot, "robot")[1]
+        self._curve, self._residual = tunnel_from_component(tunnel, scene.root, scene.file, pointer)
+        self._tunnel: Tunnel = tunnel
+        self._scale = tunnel.radius_scale
+        self._wall_node = world.find(entity)
+        self._ball = world.find("ball")
+        self._touching: bool | None = None
+        self._show_tunnel()
+        self._place_rings()
+
+    @property
+    def start_joints(self) -> tuple[float, float, float]:
+        start = robot_from_world(self._robot, self._curve.point(0.0))[0]
+        q = np.zeros(3)
+        inverse(start, axis_offset(self._robot), q)
+        return float(q[0]), float(q[1]), float(q[2])
+
+    @property
+    def via_points_world(self) -> NDArray[np.float64]:
+        count = max(2, round(self._curve.length / _VIA_SPACING) + 1)
+        return self._curve.point(self._curve.parameter_at(np.linspace(0.0, self._curve.length, count)))
+
+    @property
+    def facts(self) -> Mapping[str, Any]:
+        s = np.linspace(0.0, len(self._curve.pieces), 241)
+        product, _ = self._curve.max_radius_curvature
+        placed = self._robot.robot_to_world
+        return {
+            "bisector_world": self._curve.point(s).tolist(),
+            "radius": self._curve.radius(s).tolist(),
+            "normal_world": self._curve.frame(s)[1].tolist(),
+            "length_m": self._curve.length,
+            "max_radius_curvature": product,
+            "fit_residual_m": self._residual,
+            "robot_to_world": {"rotation": placed.rotation, "translation": placed.translation},
+        }
+
+    def scene_block(self) -> NDArray[Any]:
+        parts = (_perhaps(self._scene, kind) for kind in (Admittance, Ball, Safety))
+        block = scene_from_components(self._robot, *parts)
+        joint_pd = _perhaps(self._scene, JointPd)
+        if joint_pd is not None:
+            block[0]["kp"], block[0]["kd"] = joint_pd.kp, joint_pd.kd
+        record = block[0]["tunnel"]
+        self._curve.fill(record)
+        for name in _FORCES:
+            record[name] = getattr(self._tunnel, name)
+        return block
+
+    def apply(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
+        self._ball.set_position(snapshot.hip_world)
+        self._ball.set_scale((snapshot.ball_radius,) * 3)
+        self._show_touch(touching=snapshot.penetration > 0.0 and bool(np.any(snapshot.f_user_world)))
+        scale = orders.visual.get("radius_scale")
+        if isinstance(scale, float) and abs(scale - self._scale) >= _SCALE_STEP:
+            self._scale = scale
+            self._world.replace_mesh(_TUNNEL_MESH, self._build_wall())
+        look = orders.visual.get("tunnel_look")
+        if isinstance(look, str):
+            self._show_look(look)
+
+    def _show_tunnel(self) -> None:
+        self._world.replace_mesh(_TUNNEL_MESH, self._build_wall())
+        self._world.show(self._wall_node, [(_TUNNEL_MESH, self._view.material)]).subentities[0].casts_shadow = False
+        if self._view.bisector_material is not None:
+            radii = np.full(self._stations().size, self._view.bisector_radius)
+            self._world.replace_mesh(_BISECTOR_MESH, self._build_tube(radii, _BISECTOR_SIDES))
+            node = self._wall_node.create_child("tunnel_bisector")
+            self._world.show(node, [(_BISECTOR_MESH, self._view.bisector_material)]).subentities[0].casts_shadow = False
+
+    def _stations(self) -> NDArray[np.float64]:
+        pieces = len(self._curve.pieces)
+        return np.linspace(0.0, pieces, pieces * self._view.rings_per_piece + 1)
+
+    def _build_wall(self) -> MeshData:
+        return self._build_tube(self._scale * self._curve.radius(self._stations()), self._view.sides)
+
+    def _build_tube(self, radii: NDArray[np.float64], sides: int) -> MeshData:
+        s = self._stations()
+        _, n, b = self._curve.frame(s)
+        return tube(self._curve.point(s), n, b, radii, sides=sides)
+
+    def _place_rings(self) -> None:
+        """Stand the rings of start and goal upright at the tunnel's ends, where the scene has them."""
+        for name, s in (("start_ring", 0.0), ("goal_ring", float(len(self._curve.pieces)))):
+            if name in self._world:
+                node = self._world.find(name)
+                node.set_position(self._curve.point(s)[0])
+                t, n, b = (axis[0] for axis in self._curve.frame(s))
+                orientation = np.zeros(4)
+                from_matrix(np.stack([n, t, -b], axis=1), orientation)
+                node.set_orientation(orientation)
+
+    def _show_touch(self, *, touching: bool) -> None:
+        """Give the ball the look of touching, where the scene has a material for it."""
+        if touching == self._touching:
+            return
+        self._touching = touching
+        name = "ball_touching" if touching else "ball"
+        if name in self._world.materials and self._ball.entity is not None:
+            self._ball.entity.set_material(name)
+
+    def _show_look(self, look: str) -> None:
+        """Give the wall another material of the scene, or hide it."""
+        wall = self._wall_node.entity
+        if wall is None:
+            return
+        wall.visible = look != "hidden"
+        if look != "hidden" and look in self._world.materials:
+            wall.set_material(look)
+
+
+def _perhaps(scene: Scene, kind: type[Any]) -> Any:
+    """The scene's first component of a type, or None."""
+    found = scene.components(kind)
+    return found[0][1] if found else None
+
+
+def _the_one(scene: Scene, kind: type[Any], name: str) -> tuple[str, Any, str]:
+    found = scene.components(kind)
+    if len(found) != 1:
+        what = f'the wavy tunnel needs one entity with a "{name}", not {len(found)}'
+        raise SceneError(Issue(scene.file, "/entities", what, nearest(name, ["tunnel", "tunnel_view", "robot"])))
+    return found[0]
