@@ -204,7 +204,7 @@ def _push_contacts(
     event = np.zeros(1, EVENT)
     ring.push(
         memory.audio_event_words, memory.audio_events, event
-    )  # of no kind: compiles the call, sounds like nothing
+    )  # of no kind: compiles the call
     event["kind"], event["body_b"], event["speed"], event["force"] = EventKind.CONTACT_BEGIN, -1, 0.6, 10.0
     event["position_world"] = (0.0, 0.0, -1.0)
     while clock.now_ns() < end:

@@ -1,0 +1,31 @@
+"""What the sound tests share: contact records, and where a sound begins in a mix."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mimics_app.contracts import ring
+from mimics_app.contracts.haptic import EVENT, EventKind
+from mimics_app.contracts.session_memory import SessionMemory
+
+RATE = 48_000
+
+
+def contact(t_ns: int, *, speed: float = 0.5, force: float = 5.0, body: int = 0, position=(0.0, 0.0, -1.0)) -> np.ndarray:
+    """One CONTACT_BEGIN record, shape [1]."""
+    event = np.zeros(1, EVENT)
+    event["kind"], event["t_ns"], event["tick"] = EventKind.CONTACT_BEGIN, t_ns, t_ns // 1_000_000
+    event["body_a"], event["body_b"] = body, -1
+    event["speed"], event["force"], event["position_world"] = speed, force, position
+    return event
+
+
+def push(memory: SessionMemory, event: np.ndarray) -> bool:
+    """Do what the haptic loop does with an event."""
+    return bool(ring.push(memory.audio_event_words, memory.audio_events, event))
+
+
+def first_sounding(mix: np.ndarray, begin: int) -> int:
+    """Frame of the first sample that is not exactly zero, from `begin` on; -1: none."""
+    sounding = np.flatnonzero(np.abs(mix[begin:]).max(axis=1) > 0.0)
+    return begin + int(sounding[0]) if len(sounding) else -1
