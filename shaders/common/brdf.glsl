@@ -40,8 +40,12 @@ vec3 fresnel(vec3 head_on, float cosine) {
 // Light given back towards the eye for light of unit strength from `light`, its incidence included.
 vec3 reflect_light(Surface s, vec3 light) {
     float incidence = clamp(dot(s.normal, light), 0.0, 1.0);
+#ifdef MATT
+    return incidence * s.diffuse;
+#else
     vec3 mirrored = fresnel(s.specular, dot(s.view, normalize(light + s.view)));
     return incidence * (s.diffuse * (1.0 - mirrored) + mirrored * specular_lobe(s, light, incidence));
+#endif
 }
 
 // Share of a smooth surrounding that is mirrored: the two-term fit of Karis (2014) to the GGX integral.

@@ -14,9 +14,14 @@ vec3 shine_of_light(int i, vec3 position_eye, Surface s) {
 }
 
 vec3 shine_of_sky(Surface s, float roughness) {
+#ifdef MATT
+    return s.diffuse * sky_irradiance(s.normal);
+#else
+    vec3 around = sky_irradiance(s.normal);
     vec3 mirrored = environment_share(s.specular, roughness, s.facing);
-    vec3 bounce = sky_radiance(reflect(-s.view, s.normal));
-    return s.diffuse * sky_irradiance(s.normal) + mirrored * mix(bounce, sky_irradiance(s.normal), roughness) * ambient.rgb;
+    vec3 bounce = ambient.rgb * sky_radiance(reflect(-s.view, s.normal));
+    return s.diffuse * around + mirrored * mix(bounce, around, roughness);
+#endif
 }
 
 vec3 shine(Surface s, float roughness, vec3 position_eye, float sun_share) {

@@ -13,8 +13,7 @@ float sun_visibility(vec3 position_eye, vec3 normal) {
         texture(shadow_map, at + vec3(half_texel, -half_texel, 0.0)),
         texture(shadow_map, at + vec3(-half_texel, half_texel, 0.0)),
         texture(shadow_map, at + vec3(half_texel, half_texel, 0.0)));
-    float visible = dot(lit, vec4(0.25));
     vec2 edge = abs(at.xy - 0.5);
-    bool outside = max(edge.x, edge.y) > 0.5 - 2.0 * shadow.x || sun_direction.w < 0.5;
-    return outside ? 1.0 : visible;
+    bool asked = sun_direction.w > 0.5 && max(edge.x, edge.y) < 0.5 - 2.0 * shadow.x;
+    return asked ? dot(lit, vec4(0.25)) : 1.0;
 }

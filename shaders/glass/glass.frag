@@ -34,7 +34,7 @@ void main() {
     float glint = incidence * specular_lobe(surface, sun_direction.xyz, incidence) * 0.04;
     float mirror = 0.04 + 0.7 * rim * rim;
     vec3 gloss = glint * sun_colour.rgb + mirror * sky_radiance(reflect(-view, n)) * ambient.rgb;
-    float fill = clamp(tint.a + 0.55 * rim + 0.30 * ring, 0.0, 1.0);
+    float fill = clamp(tint.a + 0.55 * rim + 0.35 * ring, 0.0, 1.0);
     float cover = clamp(fill + max(gloss.r, max(gloss.g, gloss.b)), 0.0, 1.0);
     vec3 light = (body * fill + gloss) / cover;
     colour = vec4(encode_output(apply_fog(light, distance)), cover);

@@ -21,12 +21,11 @@ void main() {
 #endif
 #ifdef GRID
     vec2 cells = (position_eye + eye_position_world()).xz / finish.z;
-    base.rgb = mix(base.rgb, vec3(0.9), 0.5 * grid_coverage(cells));
+    base.rgb = mix(base.rgb, sqrt(base.rgb), 0.5 * grid_coverage(cells));
 #endif
     float distance = length(position_eye);
     vec3 n = normalize(gl_FrontFacing ? normal : -normal);
     Surface surface = make_surface(base.rgb, finish.x, finish.y, n, position_eye / -distance);
-    float sun_share = sun_visibility(position_eye, n);
-    vec3 light = emission.rgb + shine(surface, finish.y, position_eye, sun_share);
+    vec3 light = emission.rgb + shine(surface, finish.y, position_eye, sun_visibility(position_eye, n));
     colour = vec4(encode_output(apply_fog(light, distance)), base.a);
 }

@@ -23,6 +23,8 @@ _BLOCK = np.dtype(
 
 _BLOCK_BINDING, _TEXTURE_BINDING = 1, 0
 _SRGB8_ALPHA8 = 0x8C43
+_MATT = 0.95
+"""Roughness from which a dielectric's mirroring is left out: it would add less than 1 % of the light."""
 _FALLBACK = Material("")
 
 
@@ -117,6 +119,8 @@ class MaterialStore:
             defines.append("TEXTURED")
         if material.alpha_mode == "mask" and material.technique != "glass":
             defines.append("MASKED")
+        if material.technique == "lit" and material.roughness >= _MATT and material.metallic == 0.0:
+            defines.append("MATT")
         if material.grid > 0.0 and material.technique != "unlit":
             defines.append("GRID")
         return self._shaders.program(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -90,16 +91,11 @@ class Renderer:
             UsageError: no view.
             SceneError: a shader does not compile.
         """
-        if not views:
-            raise UsageError("a frame without a view cannot be drawn", "give at least one View")
-        started = self._clock.now_ns()
-        if self._timer is None:
-            triangles, draws = self._draw(views)
-        else:
-            with self._timer:
-                triangles, draws = self._draw(views)
-        cpu_ms = (self._clock.now_ns() - started) * 1e-6
-        return FrameStats(cpu_ms, self._timer.elapsed * 1e-6 if self._timer else None, triangles, draws)
+        return self._measure(views, finish=False)
+
+    def draw_finished(self, views: Sequence[View]) -> FrameStats:
+        """As `draw`, but return only when the driver has drawn all of it: `cpu_ms` is the frame's whole cost."""
+        return self._measure(views, finish=True)
 
     def reload_shaders(self) -> list[Issue]:
         """Compile changed shaders anew; returns what is wrong with them, old programs stay in use."""
@@ -110,6 +106,17 @@ class Renderer:
         parts = (self._hud_pass, self._sky, self._block, self._shadow, self._picture, self._frame)
         for part in (*parts, self._materials, self._arena):
             part.release()
+
+    def _measure(self, views: Sequence[View], *, finish: bool) -> FrameStats:
+        if not views:
+            raise UsageError("a frame without a view cannot be drawn", "give at least one View")
+        started = self._clock.now_ns()
+        with self._timer or nullcontext():
+            triangles, draws = self._draw(views)
+        if finish:
+            self._surface.ctx.finish()
+        cpu_ms = (self._clock.now_ns() - started) * 1e-6
+        return FrameStats(cpu_ms, self._timer.elapsed * 1e-6 if self._timer else None, triangles, draws)
 
     def _draw(self, views: Sequence[View]) -> tuple[int, int]:
         lighting = gather_lighting(self.world)

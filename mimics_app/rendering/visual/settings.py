@@ -26,11 +26,11 @@ class RenderSettings:
     """
 
     msaa: int = 4
-    shadow_size: int = 1024
+    shadow_size: int = 512
     shadow_reach: float = 2.0
     tone_map: Literal["neutral", "none"] = "neutral"
     exposure: float = 1.0
-    fog_density: float = 0.06
+    fog_density: float = 0.12
     hud_depth: float = 1.0
     timer: bool = False
 

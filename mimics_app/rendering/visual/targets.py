@@ -24,6 +24,8 @@ class PictureTarget:
         self.samples = min(samples, surface.ctx.max_samples)
         self._size: Size | None = None
         self._multisampled: moderngl.Framebuffer | None = None
+        # The same buffers without depth: copying resolves every attachment both sides have, and depth is not wanted.
+        self._colours: tuple[moderngl.Framebuffer, moderngl.Framebuffer] | None = None
 
     def begin(self) -> moderngl.Framebuffer:
         """The framebuffer to draw into, of the surface's present size."""
@@ -36,24 +38,28 @@ class PictureTarget:
             colour = ctx.renderbuffer(self._size, 4, samples=self.samples)
             depth = ctx.depth_renderbuffer(self._size, samples=self.samples)
             self._multisampled = ctx.framebuffer([colour], depth)
+            shown = self._surface.framebuffer.color_attachments[0]
+            self._colours = (ctx.framebuffer([shown]), ctx.framebuffer([colour]))
         return self._multisampled
 
     def end(self) -> None:
         """Bring the picture to the surface's framebuffer, each pixel the mean of its samples."""
-        if self._multisampled is not None:
-            self._surface.ctx.copy_framebuffer(self._surface.framebuffer, self._multisampled)
+        if self._colours is not None:
+            self._surface.ctx.copy_framebuffer(*self._colours)
         self._surface.framebuffer.use()
 
     def release(self) -> None:
         """Free the multisampled buffers."""
-        if self._multisampled is None:
+        if self._multisampled is None or self._colours is None:
             return
+        for framebuffer in self._colours:
+            framebuffer.release()
         attachments = [*self._multisampled.color_attachments, self._multisampled.depth_attachment]
         self._multisampled.release()
         for attachment in attachments:
             if attachment is not None:
                 attachment.release()
-        self._multisampled = None
+        self._multisampled = self._colours = None
 
 
 class ShadowTarget:

@@ -1,0 +1,66 @@
+"""What is plugged into this desktop: displays and gamepads, asked of GLFW without opening a window."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mimics_app.contracts.errors import DeviceError
+
+__all__ = ["DisplayInfo", "list_attached"]
+
+
+@dataclass(frozen=True, slots=True)
+class DisplayInfo:
+    """One display.
+
+    Attributes:
+        name: As the display server calls it.
+        size_px: Width and height of its current mode [px].
+        size_m: Width and height of the glass [m]; (0, 0) where it is not told.
+        refresh_hz: Pictures per second.
+        primary: True for the one that windows open on.
+    """
+
+    name: str
+    size_px: tuple[int, int]
+    size_m: tuple[float, float]
+    refresh_hz: int
+    primary: bool
+
+
+def list_attached() -> tuple[list[DisplayInfo], list[str]]:
+    """The displays, the primary one first, and the names of the gamepads.
+
+    Raises:
+        DeviceError: There is no display server to ask.
+    """
+    import glfw
+
+    glfw.ERROR_REPORTING = False
+    if not glfw.init():
+        raise DeviceError("no display", "give the session a display")
+    try:
+        displays = [_describe(monitor, number == 0) for number, monitor in enumerate(glfw.get_monitors())]
+        pads = [
+            glfw.get_gamepad_name(joystick)
+            for joystick in range(glfw.JOYSTICK_1, glfw.JOYSTICK_LAST + 1)
+            if glfw.joystick_present(joystick) and glfw.joystick_is_gamepad(joystick)
+        ]
+    finally:
+        glfw.terminate()
+    return displays, [pad.decode(errors="replace") if isinstance(pad, bytes) else str(pad) for pad in pads]
+
+
+def _describe(monitor: object, primary: bool) -> DisplayInfo:
+    import glfw
+
+    mode = glfw.get_video_mode(monitor)
+    width_mm, height_mm = glfw.get_monitor_physical_size(monitor)
+    name = glfw.get_monitor_name(monitor)
+    return DisplayInfo(
+        name=name.decode(errors="replace") if isinstance(name, bytes) else str(name),
+        size_px=(mode.size.width, mode.size.height),
+        size_m=(width_mm * 1e-3, height_mm * 1e-3),
+        refresh_hz=mode.refresh_rate,
+        primary=primary,
+    )
