@@ -1,0 +1,112 @@
+"""A robot of paper: obeys a task manager's orders at once and travels the tunnel at a given speed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from mimics_app.contracts.haptic import EVENT, Controller, EventKind, SafetyState, TripCause
+from mimics_app.contracts.messages import HapticSnapshot, TaskAction, TaskOrders, VRInput
+from mimics_app.tasks.task_manager import TaskContext, TaskManager
+
+START = (0.01, -0.2, 0.05)
+FRAME_NS = 16_666_667
+
+
+def make_snapshot(now_ns: int = 0, **changes: Any) -> HapticSnapshot:
+    values: dict[str, Any] = {
+        "tick": now_ns // 1_000_000,
+        "t_ns": now_ns,
+        "sequence": 0,
+        "state": int(SafetyState.ACTIVE),
+        "cause": int(TripCause.NONE),
+        "contacts": 0,
+        "contact_tick": 0,
+        "hip_world": np.zeros(3),
+        "v_world": np.zeros(3),
+        "f_user_world": np.zeros(3),
+        "f_meas_world": np.zeros(3),
+        "q": np.array(START),
+        "grasp": 0.0,
+        "ball_radius": 0.02,
+        "s": 0.0,
+        "progress": 0.0,
+        "distance": 0.0,
+        "penetration": 0.0,
+        "tunnel_radius": 0.04,
+        "ramp": 1.0,
+        "poses": np.zeros((1, 7)),
+    }
+    return HapticSnapshot(**(values | changes))
+
+
+def make_events(*rows: tuple[int, EventKind, float]) -> np.ndarray:
+    """EVENT records of (t_ns, kind, force)."""
+    events = np.zeros(len(rows), EVENT)
+    for i, (t_ns, kind, force) in enumerate(rows):
+        events[i]["t_ns"], events[i]["kind"], events[i]["force"] = t_ns, kind, force
+    return events
+
+
+@dataclass
+class Player:
+    """Plays a task frame by frame from time 0.
+
+    Attributes:
+        speed: Share of the tunnel travelled per second while the person may act.
+        change: Changes of the snapshot by frame number, e.g. a safety stop.
+    """
+
+    manager: TaskManager
+    speed: float = 0.25
+    change: Callable[[int, Player], dict[str, Any]] = lambda frame, player: {}
+    frame: int = 0
+    now_ns: int = 0
+    progress: float = 0.0
+    q: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    scene: dict[str, Any] = field(default_factory=dict)
+    states: list[str] = field(default_factory=list)
+    orders: list[TaskOrders] = field(default_factory=list)
+
+    def step(
+        self,
+        *rows: tuple[int, EventKind, float],
+        action: TaskAction | None = None,
+        pressed: tuple[str, ...] = (),
+        frame_ns: int = FRAME_NS,
+        **changes: Any,
+    ) -> TaskOrders:
+        values = {"q": self.q.copy(), "progress": self.progress} | self.change(self.frame, self) | changes
+        snapshot = make_snapshot(self.now_ns, **values)
+        orders = self.manager.step(VRInput(pressed=pressed), action, snapshot, make_events(*rows), self.now_ns)
+        self.scene.update(orders.haptic)
+        if self.scene["controller"] == Controller.JOINT_PD:
+            self.q = np.array(self.scene["target"], float)
+            if self.manager.state == "approach":
+                self.progress = 0.0
+        if orders.person_may_act:
+            self.progress = min(1.0, self.progress + self.speed * frame_ns / 1e9)
+        self.states.append(self.manager.state.value)
+        self.orders.append(orders)
+        self.frame += 1
+        self.now_ns += frame_ns
+        return orders
+
+    def until(self, state: str, most_frames: int = 20_000) -> int:
+        """Step until the state is entered; the frames it took. AssertionError when it never is."""
+        for count in range(most_frames):
+            self.step()
+            if self.manager.state == state:
+                return count + 1
+        raise AssertionError(f"{state} not reached; in {self.manager.state}")
+
+    def journey(self) -> list[str]:
+        """The states without repeats."""
+        return [state for i, state in enumerate(self.states) if i == 0 or state != self.states[i - 1]]
+
+
+def make_manager(spec: Any, seed: int = 1, **listeners: Any) -> TaskManager:
+    return TaskManager(spec, TaskContext(START), seed, **listeners)
