@@ -270,7 +270,7 @@ case $word in
     clean) # never runs/: that is data
         lock
         rm -rf "$venv" build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache .setup.log
-        find mimics_app tests assets -name __pycache__ -type d -prune -exec rm -rf {} +
+        find . -name runs -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
         ;;
     pins)
         have_uv || { say "pins need uv"; exit 69; }

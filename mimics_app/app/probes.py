@@ -10,17 +10,14 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from typing import Any
 
 from mimics_app.contracts.errors import MimicsError
 
-__all__ = ["PROBES", "probe", "probe_graphics", "probe_scheduler", "probe_sound"]
+__all__ = ["PROBES", "probe", "probe_attached", "probe_graphics", "probe_scheduler", "probe_sound"]
 
 _PATIENCE_S = 60.0
-_FIFO_PRIORITY = 50
-_PR_SET_TIMERSLACK = 29
-_PR_GET_TIMERSLACK = 30
-_RLIMIT_NICE_NEUTRAL = 20
 
 
 def probe(name: str) -> dict[str, Any]:
@@ -90,49 +87,20 @@ def probe_sound() -> dict[str, Any]:
 
 
 def probe_scheduler() -> dict[str, Any]:
-    """What the 1 kHz loop may ask of the kernel, and the recipe that follows from it."""
-    fifo = _may_use_fifo()
-    return {
-        "recipe": "fifo" if fifo else "nice",
-        "fifo": fifo,
-        "negative_nice": _may_raise_priority(),
-        "timer_slack_ns": _smallest_timer_slack(),
-        "cores": len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1,
-    }
+    """What the kernel grants to the 1 kHz loop when it asks, on this machine and for this user."""
+    from mimics_app.rendering.haptic.scheduler import arrange_thread
+
+    recipe = arrange_thread("auto").recipe
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return {"recipe": recipe, "fifo": recipe.startswith("fifo"), "cores": cores}
 
 
-def _may_use_fifo() -> bool:
-    try:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(_FIFO_PRIORITY))
-    except (AttributeError, OSError):
-        return False
-    os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
-    return True
+def probe_attached() -> dict[str, Any]:
+    """Displays and gamepads; needs a display server, so "ok" is false on a bare console."""
+    from mimics_app.rendering.visual.attached import list_attached
 
-
-def _may_raise_priority() -> bool:
-    try:
-        import resource
-
-        if os.geteuid() == 0:
-            os.nice(-1)
-            return True
-        return resource.getrlimit(resource.RLIMIT_NICE)[0] > _RLIMIT_NICE_NEUTRAL
-    except (ImportError, AttributeError, OSError):
-        return False
-
-
-def _smallest_timer_slack() -> int | None:
-    """The timer slack [ns] after asking for 1 ns; None where the system has none."""
-    import ctypes
-
-    try:
-        prctl = ctypes.CDLL(None, use_errno=True).prctl
-    except (AttributeError, OSError, TypeError):
-        return None
-    if prctl(_PR_SET_TIMERSLACK, 1, 0, 0, 0) != 0:
-        return None
-    return int(prctl(_PR_GET_TIMERSLACK, 0, 0, 0, 0))
+    displays, gamepads = list_attached()
+    return {"displays": [asdict(display) for display in displays], "gamepads": gamepads}
 
 
 PROBES: Mapping[str, Callable[[], dict[str, Any]]] = {
@@ -141,6 +109,7 @@ PROBES: Mapping[str, Callable[[], dict[str, Any]]] = {
     "osmesa": lambda: probe_graphics("osmesa"),
     "sound": probe_sound,
     "scheduler": probe_scheduler,
+    "attached": probe_attached,
 }
 """The probes by name."""
 

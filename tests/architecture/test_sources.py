@@ -41,8 +41,8 @@ PLATFORM_HOMES = {
         {"contracts/segment.py"},
     ),
     "the scheduler": (
-        re.compile(r"^os\.(sched_\w+|setpriority|nice)$"),
-        {"contracts/scheduler.py", "rendering/haptic/scheduler.py", "rendering/audio/worker.py", "app/probes.py"},
+        re.compile(r"^os\.(sched_set\w+|setpriority|nice)$"),
+        {"contracts/scheduler.py", "rendering/haptic/scheduler.py", "rendering/audio/worker.py"},
     ),
     "the GL context": (
         re.compile(r"^moderngl\.(create_context|create_standalone_context|get_context)$"),

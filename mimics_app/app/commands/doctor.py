@@ -31,6 +31,9 @@ _PACKAGES = (
     "pillow",
 )
 _GIGABYTE = 1e9
+_FIFO_ADVICE = (
+    'for SCHED_FIFO type: echo "$USER - rtprio 60" | sudo tee /etc/security/limits.d/mimics.conf, and log in again'
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -200,9 +203,5 @@ def _sound_said(answer: dict[str, Any]) -> str:
 def _scheduler_said(answer: dict[str, Any]) -> str:
     if not answer["ok"]:
         return str(answer["error"])
-    if answer["fifo"]:
-        return f"recipe fifo (SCHED_FIFO), timer slack {answer['timer_slack_ns']} ns"
-    return (
-        f"recipe nice (timer slack {answer['timer_slack_ns']} ns); for SCHED_FIFO, as root: "
-        "echo '@audio - rtprio 95' > /etc/security/limits.d/mimics.conf, join that group and log in again"
-    )
+    said = f"{answer['recipe']} on {answer['cores']} cores"
+    return said if answer["fifo"] else f"{said}; {_FIFO_ADVICE}"

@@ -1,0 +1,69 @@
+"""System packages: asked of the loader and of PATH, told as one line to type."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from mimics_app.app import system_packages
+from mimics_app.app.system_packages import NEEDS, SystemNeed, apt_line, missing
+
+
+def test_library_that_loads_is_found_by_its_name() -> None:
+    assert SystemNeed("libc6", "everything", libraries=("libnope.so.9", "libc.so.6")).found() == "libc.so.6"
+
+
+def test_library_that_is_absent_is_missing() -> None:
+    assert SystemNeed("nope", "nothing", libraries=("libnope.so.9",)).found() == ""
+
+
+def test_program_is_looked_for_on_the_path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    program = tmp_path / "Xnest"
+    need = SystemNeed("xnest", "tests", kind="test", program="Xnest")
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert need.found() == ""
+    program.write_text("#!/bin/sh\n")
+    program.chmod(0o755)
+    assert need.found() == str(program)
+
+
+def test_driver_without_a_loadable_name_is_looked_for_as_a_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(system_packages, "_DRIVER_FOLDERS", (f"{tmp_path}/*/dri",))
+    need = SystemNeed("libgl1-mesa-dri", "drawing", files=("swrast_dri.so", "libgallium-*.so"))
+    assert need.found() == ""
+    driver = tmp_path / "x86_64-linux-gnu" / "dri" / "libgallium-25.0.so"
+    driver.parent.mkdir(parents=True)
+    driver.touch()
+    assert need.found() == str(driver)
+
+
+def test_kinds_are_kept_apart(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One unknown package name fails a whole apt line: what a distribution may have dropped stands alone."""
+    monkeypatch.setattr(SystemNeed, "found", lambda need: "")
+    for kind in ("run", "optional", "test"):
+        assert {need.kind for need in missing([kind])} == {kind}
+    assert "libosmesa6" not in apt_line(missing(["run", "test"]))
+
+
+def test_one_line_to_type() -> None:
+    assert apt_line(NEEDS[:2]) == "sudo apt-get install -y libegl1 libgl1"
+
+
+def test_every_need_says_how_it_is_found_and_what_it_is_for() -> None:
+    for need in NEEDS:
+        assert need.libraries or need.files or need.program
+        assert need.purpose
+        assert need.kind in {"run", "optional", "test"}
+
+
+def test_script_runs_on_a_bare_interpreter() -> None:
+    """Set-up asks it before anything is installed: -S and -I leave the standard library only."""
+    script = Path(system_packages.__file__)
+    command = [sys.executable, "-I", "-S", str(script), "run", "test"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == [need.package for need in missing(["run", "test"])]
