@@ -95,7 +95,7 @@ def _records(dtype: np.dtype[Any]) -> Any:
     return from_dtype(dtype)[::1]
 
 
-CHANNELS = types.NamedTuple(
+CHANNELS = types.NamedTuple(  # type: ignore[no-untyped-call]
     [
         _WORDS,
         _WORDS,
@@ -122,7 +122,7 @@ CHANNELS = types.NamedTuple(
 )
 """Compiled type of `Channels`, field by field."""
 
-WORK = types.NamedTuple(
+WORK = types.NamedTuple(  # type: ignore[no-untyped-call]
     [
         _records(STATE),
         types.float64[:, ::1],

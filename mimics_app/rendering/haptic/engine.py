@@ -64,7 +64,9 @@ class HapticEngine:
         self._channels = channels_of(memory)
         self._work = new_work(bodies)
         if self._work.bodies.shape[0] > memory.poses.shape[1] - 1:
-            raise ValueError(f"{self._work.bodies.shape[0]} bodies, room for {memory.poses.shape[1] - 1} beside the ball")
+            raise ValueError(
+                f"{self._work.bodies.shape[0]} bodies, room for {memory.poses.shape[1] - 1} beside the ball"
+            )
         self._drained = np.zeros(memory.main_events.shape[0], EVENT)
         self._resets = 0
         self._granted: scheduler.Granted | None = None
@@ -124,7 +126,7 @@ class HapticEngine:
         memory = self._memory
         slot, _ = triple_buffer.acquire(memory.snapshot_words)
         record = memory.snapshots[slot]
-        values = {
+        values: dict[str, Any] = {
             name: np.array(record[name]) if record[name].ndim else record[name].item() for name in record.dtype.names
         }
         return HapticSnapshot(**values, poses=memory.poses[slot].copy())

@@ -315,8 +315,8 @@ def replay_recorded(
         data[10] = row.buttons
         data[11] = row.age
         out = outputs[k]
-        status = np.int64(row.status)
-        tick(scenes[which[k]], states[0], data, status, np.int64(row.stop_word), np.int64(row.held), dt, command, out)
+        status = int(row.status)
+        tick(scenes[which[k]], states[0], data, status, int(row.stop_word), int(row.held), dt, command, out)
         out.lateness_ns = 0.0
         out.duration_ns = 0.0
     return inputs.shape[0]

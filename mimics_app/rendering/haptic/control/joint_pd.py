@@ -27,6 +27,6 @@ def joint_pd(q: Vec, dq: Vec, target: Vec, kp: Vec, kd: Vec, command: Vec) -> No
 
 @kernel
 def joint_pd_as_printed(q: Vec, dq: Vec, target: Vec, kp: Vec, kd: Vec, command: Vec) -> None:
-    """Equation 5 letter by letter, for demonstration and tests: it runs away from its target. Never sent to a device."""
+    """Equation 5 letter by letter, for demonstration and tests: it runs away. Never sent to a device."""
     for i in range(3):
         command[i] = kp[i] * (q[i] - target[i]) - kd[i] * dq[i]

@@ -45,10 +45,8 @@ def world_pd_through_joints(
 
 
 @kernel
-def world_pd_straight(
-    q: Vec, dq: Vec, target: Vec, kp: Vec, kd: Vec, d1: float, scratch: Vec, command: Vec
-) -> None:
-    """command = J^-1 (Kp (x_r - x) - Kd v): with equal gains a straight line in the world. Arguments as above.
+def world_pd_straight(q: Vec, dq: Vec, target: Vec, kp: Vec, kd: Vec, d1: float, scratch: Vec, command: Vec) -> None:
+    """Command = J^-1 (Kp (x_r - x) - Kd v): with equal gains a straight line in the world. Arguments as above.
 
     The bow of the same sweep is 0.6 mm at Kp = 10 and 1 ms, first order in the step.
     """

@@ -124,7 +124,7 @@ def jacobian_rate(q: Vec, dq: Vec, d1: float, J_rate: Mat) -> None:
 
 @kernel
 def apply_jacobian(q: Vec, d1: float, dq: Vec, v: Vec) -> None:
-    """v = J dq: joint velocities to the velocity of the handle, robot frame [m/s]; v is not dq."""
+    """V = J dq: joint velocities to the velocity of the handle, robot frame [m/s]; v is not dq."""
     c = math.cos(q[1])
     s = math.sin(q[1])
     tangential = (q[0] + d1) * dq[1]
@@ -135,7 +135,7 @@ def apply_jacobian(q: Vec, d1: float, dq: Vec, v: Vec) -> None:
 
 @kernel
 def apply_inverse_jacobian(q: Vec, d1: float, v: Vec, dq: Vec) -> None:
-    """dq = J^-1 v; dq is not v."""
+    """Dq = J^-1 v; dq is not v."""
     c = math.cos(q[1])
     s = math.sin(q[1])
     dq[0] = c * v[0] + s * v[1]
@@ -145,7 +145,7 @@ def apply_inverse_jacobian(q: Vec, d1: float, v: Vec, dq: Vec) -> None:
 
 @kernel
 def apply_jacobian_rate(q: Vec, dq: Vec, d1: float, a: Vec) -> None:
-    """a = (dJ/dt) dq: the polar coupling acceleration [m/s^2], robot frame: centripetal and Coriolis."""
+    """A = (dJ/dt) dq: the polar coupling acceleration [m/s^2], robot frame: centripetal and Coriolis."""
     c = math.cos(q[1])
     s = math.sin(q[1])
     radial = -(q[0] + d1) * dq[1] * dq[1]
@@ -157,7 +157,7 @@ def apply_jacobian_rate(q: Vec, dq: Vec, d1: float, a: Vec) -> None:
 
 @kernel
 def apply_jacobian_transposed(q: Vec, d1: float, f: Vec, torque: Vec) -> None:
-    """torque = J^T f = (F_r [N], r F_t [N m], F_z [N]) for a force f in the robot frame; torque is not f."""
+    """Torque = J^T f = (F_r [N], r F_t [N m], F_z [N]) for a force f in the robot frame; torque is not f."""
     robot_to_tool(q, f, torque)
     torque[1] *= q[0] + d1
 

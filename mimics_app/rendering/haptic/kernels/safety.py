@@ -124,35 +124,33 @@ def _find_trip(scene: Any, state: Any, status: int, held: int) -> int:
 
 
 @kernel
-def _advance_states(scene: Any, state: Any, held: int, dt: float) -> None:
-    """Move along OFF .. DEGRADED; at most one step a tick."""
+def _come_up(scene: Any, state: Any, quiet: bool) -> None:
+    """OFF to ACTIVE, at most one step a tick; READY falls back to HOMED when a PD target moves away."""
     safety = state.safety
     haptic = scene.controller == _ADMITTANCE
-    quiet = state.quiet_ticks * dt >= _QUIET_TIME
     if safety == _OFF:
-        if scene.sequence > 0:
-            state.safety = _INIT
+        state.safety = _INIT if scene.sequence > 0 else _OFF
     elif safety == _INIT:
-        if state.answered == 1:
-            state.safety = _HOMED
+        state.safety = _HOMED if state.answered == 1 else _INIT
     elif safety == _HOMED:
-        if haptic or (scene.controller != _CONTROLLER_OFF and state.arrived == 1):
-            state.safety = _READY
-    elif safety == _READY:
-        if not haptic and state.arrived == 0:
-            state.safety = _HOMED
-        elif haptic and quiet:
-            state.safety = _ACTIVE
-            state.ramp = 0.0
-    elif not haptic:
+        at_target = scene.controller != _CONTROLLER_OFF and state.arrived == 1
+        state.safety = _READY if haptic or at_target else _HOMED
+    elif haptic:
+        state.safety = _ACTIVE if quiet else _READY
+    else:
+        state.safety = _READY if state.arrived == 1 else _HOMED
+
+
+@kernel
+def _stay_active(scene: Any, state: Any, quiet: bool, held: int) -> None:
+    """ACTIVE and DEGRADED: leave for HOMED with another controller, degrade when late, return when quiet."""
+    if scene.controller != _ADMITTANCE:
         state.safety = _HOMED
-    elif safety == _ACTIVE:
-        if held == LATE_DAMP:
-            state.safety = _DEGRADED
-            state.cause = _LATE_TICK
-            state.tripped = 1
-            state.quiet_ticks = 0
-    elif state.ramp == 0.0 and quiet:
+    elif state.safety == _ACTIVE and held == LATE_DAMP:
+        state.safety = _DEGRADED
+        state.cause = _LATE_TICK
+        state.tripped = 1
+    elif state.safety == _DEGRADED and state.ramp == 0.0 and quiet:
         state.safety = _ACTIVE
 
 
@@ -190,6 +188,10 @@ def step_safety(scene: Any, state: Any, status: int, stop_word: int, held: int, 
         latch(state, _SAFE_STOP, cause)
     state.quiet_ticks = state.quiet_ticks + 1 if held < LATE_DAMP and norm(state.f_virt_world) < scene.ramp_force else 0
     if state.safety < _SAFE_STOP:
-        _advance_states(scene, state, held, dt)
+        quiet = state.quiet_ticks * dt >= _QUIET_TIME
+        if state.safety < _ACTIVE:
+            _come_up(scene, state, quiet)
+        else:
+            _stay_active(scene, state, quiet, held)
     _move_ramp(scene, state, dt)
     state.state_changed = 1 if state.safety != before else 0

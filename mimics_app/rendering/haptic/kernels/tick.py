@@ -1,4 +1,4 @@
-"""The tick: device data in, command out, once per millisecond. Live, un-timed and replayed runs call this very function.
+"""The tick: device data in, command out. Live, un-timed and replayed runs call this very function.
 
     data -> motion -> ball -> tunnel -> safety -> limiter -> controller -> command, sample row
 
@@ -94,7 +94,7 @@ def _take_data(scene: Any, state: Any, data: Vec, status: int, dt: float) -> Non
         copy(data[DATA_DQ : DATA_DQ + 3], state.dq)
         copy(data[DATA_FORCE : DATA_FORCE + 3], state.f_meas)
         state.grasp = data[DATA_GRASP]
-        state.buttons = np.int64(data[DATA_BUTTONS])
+        state.buttons = int(data[DATA_BUTTONS])
         state.age = max(0.0, data[DATA_AGE])
         state.answered = 1
     else:

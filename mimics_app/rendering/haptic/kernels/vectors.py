@@ -65,13 +65,13 @@ def all_finite(a: Vec) -> bool:
 
 @kernel
 def rotate(R: Mat, a: Vec, out: Vec) -> None:
-    """out = R a for R of shape [3, 3]; out is not a."""
+    """Out = R a for R of shape [3, 3]; out is not a."""
     for i in range(3):
         out[i] = R[i, 0] * a[0] + R[i, 1] * a[1] + R[i, 2] * a[2]
 
 
 @kernel
 def rotate_back(R: Mat, a: Vec, out: Vec) -> None:
-    """out = R^T a for R of shape [3, 3]; out is not a."""
+    """Out = R^T a for R of shape [3, 3]; out is not a."""
     for i in range(3):
         out[i] = R[0, i] * a[0] + R[1, i] * a[1] + R[2, i] * a[2]

@@ -1,0 +1,72 @@
+"""Mouse, gamepad or keyboard on the simulated robot, through a virtual hand."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import DeviceError, nearest
+from mimics_app.contracts.kernel import typed_kernel
+from mimics_app.contracts.loop_ports import (
+    DATA_BUTTONS,
+    DATA_GRASP,
+    INBOX_ACTIVE,
+    INBOX_BUTTONS,
+    INBOX_GRASP,
+    INBOX_TARGET,
+    READ,
+    DevicePlugin,
+)
+from mimics_app.rendering.haptic.devices.request import DeviceRequest
+from mimics_app.rendering.haptic.devices.simulated_hapticmaster import write_robot, write_robot_memory
+from mimics_app.rendering.haptic.kernels import hand
+from mimics_app.rendering.haptic.kernels.hand import HAND_FORCE, HAND_LENGTH, step_hand
+from mimics_app.rendering.haptic.kernels.robot import HANDLE, ROBOT_LENGTH, TICK, sense, step_robot
+
+__all__ = ["build_pointer", "read_pointer"]
+
+Vec = NDArray[np.float64]
+
+_SETTINGS = {
+    "hand_force": (hand.HAND_LIMIT, 15.0),  # [N]
+    "hand_stiffness": (hand.HAND_STIFFNESS, 800.0),  # [N/m]
+    "hand_damping": (hand.HAND_DAMPING, 90.0),  # [N s/m]: critical for 3 kg
+    "follow_rate": (hand.FOLLOW_RATE, 60.0),  # [rad/s]: 60 Hz steps are smoothed, the cursor is reached in 0.1 s
+}
+
+
+@typed_kernel(READ)
+def read_pointer(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
+    """One tick of robot and virtual hand; what the sensors show. Memory: robot, then hand."""
+    machine = memory[:ROBOT_LENGTH]
+    own = memory[ROBOT_LENGTH:]
+    if tick > 0:
+        step_robot(machine)
+    target = inbox[INBOX_TARGET : INBOX_TARGET + 3]
+    step_hand(own, machine[HANDLE : HANDLE + 6], target, inbox[INBOX_ACTIVE] != 0.0, machine[TICK])
+    data[DATA_GRASP] = max(0.0, inbox[INBOX_GRASP])
+    data[DATA_BUTTONS] = inbox[INBOX_BUTTONS]
+    sense(machine, own[HAND_FORCE : HAND_FORCE + 3], data)
+    return 0
+
+
+def build_pointer(request: DeviceRequest) -> DevicePlugin:
+    """The simulated robot, held by the virtual hand of a pointing device.
+
+    `robot.settings` may hold hand_force [N], hand_stiffness [N/m], hand_damping [N s/m] and follow_rate [rad/s].
+
+    Raises:
+        DeviceError: An unknown setting, or one that is not a positive number.
+    """
+    memory = np.zeros(ROBOT_LENGTH + HAND_LENGTH)
+    write_robot_memory(memory[:ROBOT_LENGTH], request)
+    own = memory[ROBOT_LENGTH:]
+    for place, value in _SETTINGS.values():
+        own[place] = value
+    for name, value in request.robot.settings.items():
+        if name not in _SETTINGS:
+            raise DeviceError(f'the pointer has no setting "{name}"', nearest(name, _SETTINGS))
+        if not isinstance(value, int | float) or not 0.0 < value < 1e5:
+            raise DeviceError(f'the pointer\'s setting "{name}" is {value!r}', "give a positive number")
+        own[_SETTINGS[name][0]] = value
+    return DevicePlugin("pointer", read_pointer, write_robot, memory)

@@ -1,0 +1,99 @@
+"""Finds device builders by name: built-in ones, and plug-ins by entry points of the group mimics_app.devices."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import DeviceError, nearest
+from mimics_app.contracts.loop_ports import DevicePlugin
+from mimics_app.rendering.haptic.devices.pointer import build_pointer
+from mimics_app.rendering.haptic.devices.replay import build_replay
+from mimics_app.rendering.haptic.devices.request import DeviceBuilder, DeviceRequest
+from mimics_app.rendering.haptic.devices.simulated_hapticmaster import build_simulated_hapticmaster
+from mimics_app.rendering.haptic.scene_block import robot_from_world
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+    from mimics_app.world.components_haptic import Patient, Robot
+
+__all__ = ["BUILT_IN", "ENTRY_POINT_GROUP", "build_device", "device_names", "find_builder"]
+
+ENTRY_POINT_GROUP = "mimics_app.devices"
+
+BUILT_IN: dict[str, DeviceBuilder] = {
+    "simulated_hapticmaster": build_simulated_hapticmaster,
+    "pointer": build_pointer,
+    "replay": build_replay,
+}
+"""Devices that come with the product. A plug-in cannot take one of these names."""
+
+
+def _installed() -> dict[str, EntryPoint]:
+    from importlib.metadata import entry_points
+
+    return {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
+
+
+def device_names() -> list[str]:
+    """Names of all devices that can be asked for: built-in first, then installed plug-ins."""
+    return [*BUILT_IN, *sorted(set(_installed()) - set(BUILT_IN))]
+
+
+def find_builder(name: str) -> DeviceBuilder:
+    """The builder of a device.
+
+    Raises:
+        DeviceError: No device of that name, or its plug-in cannot be imported.
+    """
+    if name in BUILT_IN:
+        return BUILT_IN[name]
+    installed = _installed()
+    if name not in installed:
+        raise DeviceError(f'there is no device "{name}"', nearest(name, [*BUILT_IN, *installed]))
+    try:
+        builder: DeviceBuilder = installed[name].load()
+    except (ImportError, AttributeError) as failure:
+        raise DeviceError(f'the plug-in of device "{name}" cannot be loaded: {failure}') from failure
+    return builder
+
+
+def build_device(
+    robot: Robot,
+    patient: Patient | None = None,
+    via_points_world: NDArray[np.float64] | None = None,
+    seed: int = 0,
+    *,
+    rate: int = 1000,
+    start_joints: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    samples: NDArray[np.void] | None = None,
+) -> DevicePlugin:
+    """Build the device a scene asks for.
+
+    Args:
+        robot: The scene's robot component.
+        patient: The scene's patient component, for simulated robots.
+        via_points_world: Points the simulated person means to pass, world [m], shape [n, 3]; dense enough that straight
+            lines between them are good enough (the bisector at 50 or more parameters).
+        seed: Of all random numbers.
+        rate: Ticks per second.
+        start_joints: Where a simulated robot stands at first [m, rad, m].
+        samples: SAMPLE rows, for the replay device.
+
+    Raises:
+        DeviceError: No such device, or it cannot be had.
+    """
+    points = np.zeros((0, 3)) if via_points_world is None else np.asarray(via_points_world, np.float64)
+    request = DeviceRequest(
+        robot=robot,
+        patient=patient,
+        way_robot=robot_from_world(robot, points),
+        seed=seed,
+        rate=rate,
+        start_joints=start_joints,
+        samples=samples,
+    )
+    return find_builder(robot.device)(request)

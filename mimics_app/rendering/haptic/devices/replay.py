@@ -1,0 +1,52 @@
+"""A device that plays the sensors of a recording; commands are ignored."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.kernel import typed_kernel
+from mimics_app.contracts.loop_ports import DATA_LENGTH, READ, WRITE, DevicePlugin
+from mimics_app.rendering.haptic.devices.request import DeviceRequest
+
+__all__ = ["build_replay", "ignore_command", "read_recorded"]
+
+Vec = NDArray[np.float64]
+
+_ROW = DATA_LENGTH + 1
+
+
+@typed_kernel(READ)
+def read_recorded(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
+    """Row `tick` of the recording; no data beyond its end. Memory: one data vector and status after the other."""
+    row = tick * _ROW
+    if row + _ROW > memory.shape[0]:
+        return 1
+    for i in range(DATA_LENGTH):
+        data[i] = memory[row + i]
+    return int(memory[row + DATA_LENGTH])
+
+
+@typed_kernel(WRITE)
+def ignore_command(memory: Vec, command: Vec, tick: int) -> int:
+    """A recording cannot be moved."""
+    return 0
+
+
+def build_replay(request: DeviceRequest) -> DevicePlugin:
+    """The device of a recording.
+
+    Raises:
+        DeviceError: The request holds no recording.
+    """
+    samples = request.samples
+    if samples is None or samples.shape[0] == 0:
+        raise DeviceError("the replay device needs a recording", "use `mimics replay RUN`")
+    memory = np.zeros((samples.shape[0], _ROW))
+    memory[:, 0:3] = samples["q"]
+    memory[:, 3:6] = samples["dq"]
+    memory[:, 6:9] = samples["f_meas"]
+    for column, name in enumerate(("grasp", "buttons", "age", "status"), start=9):
+        memory[:, column] = samples[name]
+    return DevicePlugin("replay", read_recorded, ignore_command, memory.ravel())

@@ -1,0 +1,48 @@
+"""What a device is built from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.loop_ports import DevicePlugin
+
+if TYPE_CHECKING:
+    from mimics_app.world.components_haptic import Patient, Robot
+
+__all__ = ["DeviceBuilder", "DeviceRequest"]
+
+
+def _nowhere() -> NDArray[np.float64]:
+    return np.zeros((0, 3))
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceRequest:
+    """Everything a device builder may want to know.
+
+    Attributes:
+        robot: The scene's robot component.
+        patient: The scene's patient component; None: nobody on the simulated robot.
+        way_robot: Points a simulated person means to pass, in order, robot frame [m], shape [n, 3].
+        seed: Of all random numbers of the device.
+        rate: Ticks per second.
+        start_joints: Where a simulated robot stands at first [m, rad, m].
+        samples: SAMPLE rows for the replay device.
+    """
+
+    robot: Robot
+    patient: Patient | None = None
+    way_robot: NDArray[np.float64] = field(default_factory=_nowhere)
+    seed: int = 0
+    rate: int = 1000
+    start_joints: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    samples: NDArray[Any] | None = None
+
+
+DeviceBuilder = Callable[[DeviceRequest], DevicePlugin]
+"""What an entry point of the group `mimics_app.devices` names."""

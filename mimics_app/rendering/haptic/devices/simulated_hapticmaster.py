@@ -1,0 +1,94 @@
+"""The simulated HapticMaster with a simulated person on it, or with nobody."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import typed_kernel
+from mimics_app.contracts.loop_ports import (
+    COMMAND_DQ,
+    DATA_BUTTONS,
+    DATA_GRASP,
+    INBOX_ACTIVE,
+    INBOX_BUTTONS,
+    INBOX_TRIAL,
+    READ,
+    WRITE,
+    DevicePlugin,
+)
+from mimics_app.rendering.haptic.devices.patients import impairment_of, write_arm
+from mimics_app.rendering.haptic.devices.request import DeviceRequest
+from mimics_app.rendering.haptic.kernels import arm, robot
+from mimics_app.rendering.haptic.kernels.arm import ARM_LENGTH, GRIP_FORCE, step_arm
+from mimics_app.rendering.haptic.kernels.noise import seed_noise, uniform
+from mimics_app.rendering.haptic.kernels.robot import HANDLE, ROBOT_LENGTH, TICK, command_robot, sense, step_robot
+
+__all__ = ["build_simulated_hapticmaster", "read_patient", "write_robot", "write_robot_memory"]
+
+Vec = NDArray[np.float64]
+
+_ENCODER_QUANTUM = 4e-6
+"""Resolution of the position at the handle [m]; the vendor says 4-12 um (not verified)."""
+
+
+@typed_kernel(READ)
+def read_patient(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
+    """One tick of robot and person; what the sensors show. Memory: robot, then arm."""
+    machine = memory[:ROBOT_LENGTH]
+    person = memory[ROBOT_LENGTH:]
+    if tick > 0:
+        step_robot(machine)
+    active = inbox[INBOX_ACTIVE] != 0.0
+    handle = machine[HANDLE : HANDLE + 6]
+    data[DATA_GRASP] = step_arm(person, handle, active, inbox[INBOX_TRIAL], machine[TICK])
+    data[DATA_BUTTONS] = inbox[INBOX_BUTTONS]
+    sense(machine, person[GRIP_FORCE : GRIP_FORCE + 3], data)
+    return 0
+
+
+@typed_kernel(WRITE)
+def write_robot(memory: Vec, command: Vec, tick: int) -> int:
+    """Joint velocities into the robot's delay line."""
+    command_robot(memory[:ROBOT_LENGTH], command[COMMAND_DQ : COMMAND_DQ + 3])
+    return 0
+
+
+def write_robot_memory(memory: Vec, request: DeviceRequest) -> None:
+    """Fill a robot's memory, shape [robot.ROBOT_LENGTH], from the scene's robot component."""
+    wanted = request.robot
+    d1 = wanted.stroke / 2.0 + wanted.offset if wanted.axis_offset is None else wanted.axis_offset
+    memory[robot.Q : robot.Q + 3] = request.start_joints
+    memory[robot.MEASURED : robot.MEASURED + 3] = request.start_joints
+    memory[robot.AXIS_OFFSET] = d1
+    memory[robot.JOINT_MIN : robot.JOINT_MIN + 3] = wanted.joint_min
+    memory[robot.JOINT_MAX : robot.JOINT_MAX + 3] = wanted.joint_max
+    memory[robot.SERVO] = 2.0 * math.pi * wanted.servo_bandwidth_hz
+    memory[robot.MASSES : robot.MASSES + 3] = wanted.masses
+    memory[robot.DRIVE_FORCE] = wanted.force_limit
+    memory[robot.VELOCITY_LIMIT : robot.VELOCITY_LIMIT + 3] = wanted.velocity_limit
+    memory[robot.ENCODER : robot.ENCODER + 3] = (_ENCODER_QUANTUM, _ENCODER_QUANTUM / d1, _ENCODER_QUANTUM)
+    memory[robot.SENSOR_NOISE] = wanted.sensor_noise
+    memory[robot.SENSOR_QUANTUM] = wanted.sensor_quantum
+    memory[robot.SENSOR_GAIN] = 1.0
+    memory[robot.TICK] = 1.0 / request.rate
+    memory[robot.DELAY] = wanted.delay_ticks
+    seed_noise(memory, robot.NOISE, 2 * request.seed)
+    robot.place_handle(memory)
+
+
+def build_simulated_hapticmaster(request: DeviceRequest) -> DevicePlugin:
+    """The simulated robot, held by the request's patient, or by a relaxed arm when there is none."""
+    memory = np.zeros(ROBOT_LENGTH + ARM_LENGTH)
+    write_robot_memory(memory[:ROBOT_LENGTH], request)
+    person = memory[ROBOT_LENGTH:]
+    seed_noise(person, arm.GENERATOR, 2 * request.seed + 1)
+    if request.patient is None:
+        person[arm.ARM_MASS] = 1.5
+    else:
+        write_arm(person, impairment_of(request.patient), request.way_robot, request.patient.intent)
+        for axis in range(3):
+            person[arm.TREMOR_PHASE + axis] = 2.0 * math.pi * uniform(person, arm.GENERATOR)
+    return DevicePlugin("simulated_hapticmaster", read_patient, write_robot, memory)

@@ -1,0 +1,222 @@
+"""A human arm on the handle: mass, damping and stiffness around an intended movement.
+
+The hand is a mass held to the handle by a stiff grip. Muscles pull it towards the intended position with the arm's
+stiffness and damping. The intention is a chain of minimum-jerk movements (Flash and Hogan 1985) along the way: each
+starts where the last one meant to end, aims at the point of the way that lies one reach ahead of where the hand is
+now, and misses it by a random error that shrinks with the length of the movement (Fitts 1954, Schmidt et al. 1979).
+Between its ends a movement follows the way, but cuts its corners by a share of what the straight line would.
+Tremor is a force. Nothing here touches the robot: the only result is the force of the grip on the handle.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.noise import gauss, uniform
+from mimics_app.rendering.haptic.kernels.vectors import copy
+
+__all__ = [
+    "AIM_ERROR",
+    "ARM_DAMPING",
+    "ARM_LENGTH",
+    "ARM_MASS",
+    "ARM_STIFFNESS",
+    "CORNER_CUTTING",
+    "GENERATOR",
+    "GRASP_MEAN",
+    "GRASP_VARIATION",
+    "GRIP_FORCE",
+    "INTENT",
+    "MAX_WAY",
+    "PEAK_SPEED",
+    "REACH",
+    "REACTION",
+    "TREMOR",
+    "TREMOR_HZ",
+    "TREMOR_PHASE",
+    "WAY",
+    "WAY_POINTS",
+    "WAY_STEP",
+    "min_jerk",
+    "step_arm",
+]
+
+Vec = NDArray[np.float64]
+
+MAX_WAY = 400
+
+HAND = 0  # position 0:3 [m] and velocity 3:6 [m/s], robot frame
+PLACED = 6  # 1 once the hand has taken the handle
+GRIP_FORCE = 7  # on the handle 7:10 [N], robot frame
+WISH = 10  # intended position 10:13 [m] and velocity 13:16 [m/s]
+FROM = 16  # start 16:19 of the present movement
+TO = 19  # end 19:22
+ELAPSED = 22  # [s] in the movement and the pause after it
+DURATION = 23  # [s] of the movement
+ACTING = 24  # 1 while the person acts
+TRIAL = 25
+INDEX = 26  # nearest way point at the start of the movement
+TIME = 27  # [s] acting, for tremor
+GRASP_DRIFT = 28  # slow noise of the grasp force, deviation 1
+ARM_MASS = 29
+ARM_DAMPING = 30
+ARM_STIFFNESS = 31
+PEAK_SPEED = 32
+REACH = 33
+AIM_ERROR = 34
+REACTION = 35
+TREMOR = 36
+TREMOR_HZ = 37
+TREMOR_PHASE = 38  # per axis
+GRASP_MEAN = 41
+GRASP_VARIATION = 42
+INTENT = 43  # 0: never acts
+GENERATOR = 44
+WAY_POINTS = 45  # number in use
+WAY_STEP = 46  # arc length between way points [m]
+FROM_INDEX = 47  # way point at the start of the movement
+TO_INDEX = 48  # and at its end
+CORNER_CUTTING = 49  # 0: follows the way, 1: straight lines
+WAY = 50
+ARM_LENGTH = WAY + 3 * MAX_WAY
+
+_GRIP_STIFFNESS = 4000.0
+_GRIP_DAMPING = 50.0
+_RELAXED_DAMPING = 5.0
+_SHORTEST_MOVEMENT = 0.25
+_GRASP_TIME = 0.5
+_GRASP_DRIFT_TIME = 0.4
+_LOOK_BEHIND = 20
+_LOOK_AHEAD = 40
+_PEAK_OF_MIN_JERK = 1.875
+
+
+@kernel
+def min_jerk(share: float) -> float:
+    """Minimum-jerk profile: share of the way done at a share 0-1 of the duration; at rest at both ends."""
+    u = min(1.0, max(0.0, share))
+    return u * u * u * (10.0 + u * (-15.0 + 6.0 * u))
+
+
+@kernel
+def _nearest_way_point(arm: Vec) -> int:
+    """Index of the way point nearest to the hand, looked for around the last one: folds of the way do not confuse."""
+    last = int(arm[INDEX])
+    best = last
+    best_square = math.inf
+    for k in range(max(0, last - _LOOK_BEHIND), min(int(arm[WAY_POINTS]), last + _LOOK_AHEAD)):
+        square = 0.0
+        for i in range(3):
+            gap = arm[WAY + 3 * k + i] - arm[HAND + i]
+            square += gap * gap
+        if square < best_square:
+            best_square = square
+            best = k
+    return best
+
+
+@kernel
+def _plan_movement(arm: Vec) -> None:
+    """Choose the next movement's end and duration."""
+    here = _nearest_way_point(arm)
+    arm[INDEX] = here
+    arm[FROM_INDEX] = here
+    reach = arm[REACH] * (0.8 + 0.4 * uniform(arm, GENERATOR))
+    there = min(int(arm[WAY_POINTS]) - 1, here + max(1, int(reach / arm[WAY_STEP])))
+    arm[TO_INDEX] = there
+    error = arm[AIM_ERROR] * min(1.0, (there - here) * arm[WAY_STEP] / arm[REACH])
+    length = 0.0
+    for i in range(3):
+        arm[FROM + i] = arm[WISH + i]
+        arm[TO + i] = arm[WAY + 3 * there + i] + error * gauss(arm, GENERATOR)
+        length += (arm[TO + i] - arm[FROM + i]) ** 2
+    arm[DURATION] = max(_SHORTEST_MOVEMENT, _PEAK_OF_MIN_JERK * math.sqrt(length) / arm[PEAK_SPEED])
+    arm[ELAPSED] = 0.0
+
+
+@kernel
+def _begin(arm: Vec) -> None:
+    """Start acting: from where the hand is, at the beginning of the way."""
+    copy(arm[HAND : HAND + 3], arm[WISH : WISH + 3])
+    arm[INDEX] = 0.0
+    arm[TIME] = 0.0
+    _plan_movement(arm)
+
+
+@kernel
+def _wish(arm: Vec, dt: float) -> None:
+    """Advance the intended movement."""
+    arm[ELAPSED] += dt
+    if arm[ELAPSED] >= arm[DURATION] + arm[REACTION]:
+        _plan_movement(arm)
+    way = min_jerk(arm[ELAPSED] / arm[DURATION])
+    first = int(arm[FROM_INDEX])
+    last = int(arm[TO_INDEX])
+    place = first + way * (last - first)
+    below = min(int(place), int(arm[WAY_POINTS]) - 2)
+    cut = arm[CORNER_CUTTING]
+    for i in range(3):
+        low = arm[WAY + 3 * below + i]
+        along = low + (place - below) * (arm[WAY + 3 * below + 3 + i] - low)
+        error_from = arm[FROM + i] - arm[WAY + 3 * first + i]
+        error_to = arm[TO + i] - arm[WAY + 3 * last + i]
+        curved = along + (1.0 - way) * error_from + way * error_to
+        straight = arm[FROM + i] + way * (arm[TO + i] - arm[FROM + i])
+        wish = cut * straight + (1.0 - cut) * curved
+        arm[WISH + 3 + i] = (wish - arm[WISH + i]) / dt
+        arm[WISH + i] = wish
+
+
+@kernel
+def _grasp(arm: Vec, dt: float) -> float:
+    """Grasp force [N]: closing within half a second, then wavering slowly around its mean."""
+    share = dt / _GRASP_DRIFT_TIME
+    arm[GRASP_DRIFT] += -share * arm[GRASP_DRIFT] + math.sqrt(2.0 * share) * gauss(arm, GENERATOR)
+    closed = min_jerk(arm[TIME] / _GRASP_TIME)
+    return max(0.0, closed * (arm[GRASP_MEAN] + arm[GRASP_VARIATION] * arm[GRASP_DRIFT]))
+
+
+@kernel
+def step_arm(arm: Vec, handle: Vec, active: bool, trial: float, dt: float) -> float:
+    """Advance the person by one tick.
+
+    Args:
+        arm: Arm memory, shape [ARM_LENGTH]; the force on the handle is left in arm[GRIP_FORCE:GRIP_FORCE + 3].
+        handle: Position [m] and velocity [m/s] of the handle, robot frame, shape [6].
+        active: Whether the person may act; otherwise the arm hangs on the handle and follows.
+        trial: Counts trials; a change starts the way over.
+        dt: Tick [s].
+
+    Returns:
+        Grasp force [N].
+    """
+    if arm[PLACED] == 0.0:
+        arm[PLACED] = 1.0
+        copy(handle[0:3], arm[HAND : HAND + 3])
+    acting = active and arm[INTENT] != 0.0 and arm[WAY_POINTS] > 1.0
+    if acting and (arm[ACTING] == 0.0 or arm[TRIAL] != trial):
+        _begin(arm)
+    arm[ACTING] = 1.0 if acting else 0.0
+    arm[TRIAL] = trial
+    grasp = 0.0
+    if acting:
+        _wish(arm, dt)
+        arm[TIME] += dt
+        grasp = _grasp(arm, dt)
+    for i in range(3):
+        x = arm[HAND + i]
+        v = arm[HAND + 3 + i]
+        pull = _GRIP_STIFFNESS * (x - handle[i]) + _GRIP_DAMPING * (v - handle[3 + i])
+        muscle = -_RELAXED_DAMPING * v
+        if acting:
+            muscle = arm[ARM_STIFFNESS] * (arm[WISH + i] - x) + arm[ARM_DAMPING] * (arm[WISH + 3 + i] - v)
+            muscle += arm[TREMOR] * math.sin(2.0 * math.pi * arm[TREMOR_HZ] * arm[TIME] + arm[TREMOR_PHASE + i])
+        v += dt * (muscle - pull) / arm[ARM_MASS]
+        arm[HAND + 3 + i] = v
+        arm[HAND + i] = x + dt * v
+        arm[GRIP_FORCE + i] = pull
+    return grasp
