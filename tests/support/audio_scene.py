@@ -11,7 +11,9 @@ from mimics_app.contracts.session_memory import SessionMemory
 RATE = 48_000
 
 
-def contact(t_ns: int, *, speed: float = 0.5, force: float = 5.0, body: int = 0, position=(0.0, 0.0, -1.0)) -> np.ndarray:
+def contact(
+    t_ns: int, *, speed: float = 0.5, force: float = 5.0, body: int = 0, position=(0.0, 0.0, -1.0)
+) -> np.ndarray:
     """One CONTACT_BEGIN record, shape [1]."""
     event = np.zeros(1, EVENT)
     event["kind"], event["t_ns"], event["tick"] = EventKind.CONTACT_BEGIN, t_ns, t_ns // 1_000_000

@@ -52,7 +52,9 @@ def test_events_on_the_same_and_on_neighbouring_frames():
 
 
 def test_the_same_events_give_the_same_bytes():
-    events = [SoundEvent("tick", t, (x, 0.3, -1.0)) for t, x in zip(scattered_times(12), np.linspace(-2, 2, 12), strict=True)]
+    events = [
+        SoundEvent("tick", t, (x, 0.3, -1.0)) for t, x in zip(scattered_times(12), np.linspace(-2, 2, 12), strict=True)
+    ]
     first, second = (render_offline(events, TICK, 3.5)[0].tobytes() for _ in range(2))
     assert first == second
     assert any(first)
@@ -180,7 +182,9 @@ def test_rub_sounds_while_the_wall_is_pressed_and_the_hand_slides(tmp_path):
 
     with wave.open(report.file) as file:
         mix = np.frombuffer(file.readframes(file.getnframes()), "<i2").reshape(-1, 2) / 32767
-    rms = [float(np.sqrt(np.mean(mix[int(a * RATE) : int(b * RATE)] ** 2))) for a, b in ((0, 0.49), (0.6, 0.9), (1.1, 1.4))]
+    rms = [
+        float(np.sqrt(np.mean(mix[int(a * RATE) : int(b * RATE)] ** 2))) for a, b in ((0, 0.49), (0.6, 0.9), (1.1, 1.4))
+    ]
     assert rms[0] == 0.0
     assert rms[1] > 0.003
     assert rms[2] < 0.01 * rms[1]

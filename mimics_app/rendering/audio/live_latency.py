@@ -202,9 +202,7 @@ def _push_contacts(
     pushed: list[int] = []
     end = clock.now_ns() + round(seconds * 1e9)
     event = np.zeros(1, EVENT)
-    ring.push(
-        memory.audio_event_words, memory.audio_events, event
-    )  # of no kind: compiles the call
+    ring.push(memory.audio_event_words, memory.audio_events, event)  # of no kind: compiles the call
     event["kind"], event["body_b"], event["speed"], event["force"] = EventKind.CONTACT_BEGIN, -1, 0.6, 10.0
     event["position_world"] = (0.0, 0.0, -1.0)
     while clock.now_ns() < end:

@@ -25,7 +25,6 @@ __all__ = ["AudioProcess"]
 
 Vec3 = tuple[float, float, float]
 
-_REPORT_TIMEOUT_S = 3.0
 _SILENT = AudioStatus(device="none", sink="null", hrtf=False, rate=0, latency_ms=0.0)
 
 
@@ -140,7 +139,8 @@ class AudioProcess:
             self._orders.close()
             self._orders = None
         report = self._take_report()
-        self._process.join(1.0)
+        if not report.crashed:
+            self._process.join(1.0)
         if self._process.is_alive():
             self._process.kill()
             self._process.join()
@@ -149,10 +149,10 @@ class AudioProcess:
         return report
 
     def _take_report(self) -> AudioReport:
-        message = self._receive(_REPORT_TIMEOUT_S)
+        message = self._receive(self._settings.stop_timeout_s)
         while isinstance(message, AudioStatus):
             self._status = message
-            message = self._receive(_REPORT_TIMEOUT_S)
+            message = self._receive(self._settings.stop_timeout_s)
         if isinstance(message, AudioReport):
             self._status = message.status
             return replace(message, orders_dropped=self._orders_dropped)

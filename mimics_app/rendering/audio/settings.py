@@ -63,6 +63,7 @@ class AudioSettings:
         voices: Most sounds at once.
         realtime: Ask for the first-in-first-out scheduler below the haptic loop, where the system grants it.
         start_timeout_s: After this time without an answer the app is told that there is no sound [s].
+        stop_timeout_s: After this time without a report the process is ended by force [s].
         driver: Backend of OpenAL Soft ("pulse", "alsa", ...); "" lets the library choose.
         library: Path of an OpenAL Soft library; "" takes the one PyOpenAL finds.
         environment: Environment variables set in the audio process before the library loads.
@@ -83,6 +84,7 @@ class AudioSettings:
     voices: int = 32
     realtime: bool = True
     start_timeout_s: float = 10.0
+    stop_timeout_s: float = 3.0
     driver: str = ""
     library: str = ""
     environment: Mapping[str, str] = field(default_factory=dict)

@@ -1,0 +1,92 @@
+"""What a scene asks of its sound, and what it may not ask."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from mimics_app.contracts.errors import SceneError
+from mimics_app.rendering.audio.bank import SoundBank
+from mimics_app.rendering.audio.scene_sounds import settings_from_components
+from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
+from mimics_app.world.components import Sound, SoundEmitter
+
+
+def from_scene(sounds, emitters=(), **changes):
+    return settings_from_components(sounds, emitters, Path, "scene.json", **changes)
+
+
+def test_scene_without_sound_has_no_audio():
+    assert from_scene([]) is None
+
+
+def test_scene_sounds_become_settings():
+    settings = from_scene(
+        [
+            ("wall_touch", Sound(synth="contact", trigger="contact", gain=0.8, full_level=20.0), "/entities/0"),
+            ("chime", Sound(synth="goal", trigger="goal", parameters={"pitch": 0.5}), "/entities/1"),
+            ("rub", Sound(synth="scrape", gain=0.5), "/entities/2"),
+            ("rain", Sound(asset="rain.wav"), "/entities/3"),
+        ],
+        [("cloud", SoundEmitter(sound="rain", gain=0.5, max_distance=9.0), "/entities/4")],
+        sink="null",
+    )
+    assert settings is not None
+    assert (settings.contact, settings.scrape, dict(settings.cues)) == ("wall_touch", "rub", {"goal": "chime"})
+    assert settings.sounds["wall_touch"] == SoundSpec(recipe="contact", gain=0.8, full_force=20.0)
+    assert settings.sounds["chime"].pitch == 0.5
+    assert settings.sounds["cloud"] == SoundSpec(file=Path("rain.wav"), gain=0.5, loop=True, max_distance=9.0)
+    assert settings.emitters == ("cloud",)
+    assert settings.sink == "null"
+
+
+def test_every_fault_of_a_scenes_sounds_is_told_at_once():
+    with pytest.raises(SceneError) as caught:
+        from_scene(
+            [
+                ("a", Sound(synth="contakt"), "/entities/0/components/sound"),
+                ("b", Sound(synth="goal", parameters={"pich": 2.0}), "/entities/1/components/sound"),
+                ("c", Sound(synth="goal", parameters={"pitch": float("nan")}), "/entities/2/components/sound"),
+            ]
+        )
+    assert [issue.pointer for issue in caught.value.issues] == [
+        "/entities/0/components/sound/synth",
+        "/entities/1/components/sound/parameters/pich",
+        "/entities/2/components/sound/parameters/pitch",
+    ]
+    assert 'did you mean "contact"' in str(caught.value)
+
+
+def test_a_bank_names_every_file_it_cannot_read(tmp_path):
+    specs = {name: SoundSpec(file=tmp_path / f"{name}.wav") for name in ("one", "two")}
+    with pytest.raises(SceneError) as caught:
+        SoundBank(specs, 48_000)
+    assert [Path(issue.file).name for issue in caught.value.issues] == ["one.wav", "two.wav"]
+
+
+@pytest.mark.parametrize(
+    ("settings", "match"),
+    [
+        ({"sink": "file"}, "needs a file"),
+        ({"period": 1024}, "20 ms"),
+        ({"contact": "thud"}, '"thud"'),
+        ({"cues": {"goal": "bell"}}, '"bell"'),
+        ({"emitters": ("sea",)}, '"sea"'),
+    ],
+)
+def test_settings_that_cannot_be_are_refused(settings, match):
+    with pytest.raises(ValueError, match=match):
+        AudioSettings(**settings)
+
+
+def test_the_seam_and_the_settings_import_nothing_heavy():
+    code = (
+        "import sys; import mimics_app.rendering.audio.settings, mimics_app.rendering.audio.process; "
+        "print([m for m in ('openal', 'scipy', 'moderngl', 'multiprocessing.spawn', 'mimics_app.rendering.audio.synth') "
+        "if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
