@@ -18,6 +18,7 @@ from mimics_app.contracts.errors import DeviceError, MimicsError
 from mimics_app.contracts.messages import SoundEvent
 from mimics_app.contracts.session_memory import Capacities, ControlWord, SessionMemory
 from mimics_app.rendering.audio import openal_library
+from mimics_app.rendering.audio.live_latency import private_pulse_server, pulse_missing
 from mimics_app.rendering.audio.process import AudioProcess
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
 from tests.support.audio_scene import RATE, contact, first_sounding, push
@@ -263,6 +264,26 @@ def test_ring_overflow_is_counted(tmp_path, started):
     assert report.stale == 16
 
 
+@pytest.mark.skipif(bool(pulse_missing()), reason=pulse_missing() or "PulseAudio is here")
+def test_device_that_goes_away_is_replaced_by_the_file(tmp_path, started):
+    """The sound server ends in mid-session, as when the last output is unplugged."""
+    memory = SessionMemory()
+    push(memory, np.zeros_like(contact(0)))
+    file = tmp_path / "rest.wav"
+    with private_pulse_server() as environment:
+        audio = started(memory, file=file, driver="pulse", environment=environment)
+        assert audio.wait_ready(PATIENCE_S).sink == "device"
+        push(memory, contact(time.monotonic_ns()))
+        time.sleep(0.1)
+    assert wait_until(lambda: audio.ready is not None and audio.ready.sink == "file", 10.0)
+    assert audio.ready.notice == f"the audio device is gone: sound is rendered to {file}; picture and touch run on"
+    push(memory, contact(time.monotonic_ns()))
+    time.sleep(0.1)
+    report = audio.stop()
+    assert [row.onset_sample >= 0 for row in report.rows] == [False, True]
+    assert np.abs(read_mix(file)).max() > 0
+
+
 def test_silent_session_starts_no_process():
     audio = AudioProcess(SessionMemory(), AudioSettings(sink="null"))
     audio.start()
@@ -274,7 +295,7 @@ def test_silent_session_starts_no_process():
 
 def test_unknown_sound_is_named_with_the_nearest():
     audio = AudioProcess(SessionMemory(), AudioSettings(sink="null"))
-    with pytest.raises(MimicsError, match='no sound "gaol".*did you mean "goal"'):
+    with pytest.raises(MimicsError, match=r'no sound "gaol".*did you mean "goal"'):
         audio.play(SoundEvent("gaol", 0))
 
 

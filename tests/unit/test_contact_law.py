@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import pytest
 from hypothesis import given
@@ -23,7 +24,7 @@ def test_level_is_monotone_and_bounded(speed_a, speed_b, force_a, force_b):
 
 def test_level_grows_where_people_touch():
     gains = [contact_gain(speed, 0.0) for speed in (0.02, 0.05, 0.1, 0.2, 0.4)]
-    assert all(b > 1.15 * a for a, b in zip(gains, gains[1:], strict=False))
+    assert all(b > 1.15 * a for a, b in pairwise(gains))
     assert contact_gain(0.0, 20.0, full_force=20.0) == contact_gain(0.0, 10.0, full_force=10.0)
 
 
