@@ -29,6 +29,7 @@ COMMANDS: dict[str, str] = {
     "devices": "list devices, simulators, displays, gamepads and serial ports",
     "replay": "simulate a recorded run again and compare every output",
     "report": "write the report of a run as one HTML file",
+    "record": "say what a recording holds, mend it, or verify it",
     "bench": "measure the product against rivals on this machine",
     "warmup": "compile the kernels now instead of at the first run",
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from mimics_app.contracts.errors import DeviceError
 
@@ -34,13 +35,11 @@ def list_attached() -> tuple[list[DisplayInfo], list[str]]:
     Raises:
         DeviceError: There is no display server to ask.
     """
-    import glfw
-
-    glfw.ERROR_REPORTING = False
+    glfw = _load()
     if not glfw.init():
         raise DeviceError("no display", "give the session a display")
     try:
-        displays = [_describe(monitor, number == 0) for number, monitor in enumerate(glfw.get_monitors())]
+        displays = [_describe(glfw, monitor, number == 0) for number, monitor in enumerate(glfw.get_monitors())]
         pads = [
             glfw.get_gamepad_name(joystick)
             for joystick in range(glfw.JOYSTICK_1, glfw.JOYSTICK_LAST + 1)
@@ -48,19 +47,27 @@ def list_attached() -> tuple[list[DisplayInfo], list[str]]:
         ]
     finally:
         glfw.terminate()
-    return displays, [pad.decode(errors="replace") if isinstance(pad, bytes) else str(pad) for pad in pads]
+    return displays, [_text(pad) for pad in pads]
 
 
-def _describe(monitor: object, primary: bool) -> DisplayInfo:
+def _load() -> Any:
     import glfw
 
+    glfw.ERROR_REPORTING = False  # type: ignore[assignment]  # errors come back as return values
+    return glfw
+
+
+def _describe(glfw: Any, monitor: Any, primary: bool) -> DisplayInfo:
     mode = glfw.get_video_mode(monitor)
     width_mm, height_mm = glfw.get_monitor_physical_size(monitor)
-    name = glfw.get_monitor_name(monitor)
     return DisplayInfo(
-        name=name.decode(errors="replace") if isinstance(name, bytes) else str(name),
+        name=_text(glfw.get_monitor_name(monitor)),
         size_px=(mode.size.width, mode.size.height),
         size_m=(width_mm * 1e-3, height_mm * 1e-3),
         refresh_hz=mode.refresh_rate,
         primary=primary,
     )
+
+
+def _text(value: bytes | str) -> str:
+    return value.decode(errors="replace") if isinstance(value, bytes) else value

@@ -1,0 +1,131 @@
+"""Plug-ins of other packages: found, imported one by one, and never fatal."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mimics_app.app import cli, probes
+from mimics_app.app.plugins import GROUPS, list_plugins
+
+_ENTRY_POINTS = """
+[mimics_app.devices]
+good_robot = lab_of_somebody:build
+left_robot = lab_that_leaves
+lost_robot = lab_that_is_lost:build
+[mimics_app.exporters]
+half = lab_of_somebody:no_such_thing
+"""
+
+
+@pytest.fixture
+def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A distribution with one plug-in that works and three that do not."""
+    folder = tmp_path / "lab_of_somebody-1.2.dist-info"
+    folder.mkdir()
+    (folder / "METADATA").write_text("Metadata-Version: 2.1\nName: lab-of-somebody\nVersion: 1.2\n")
+    (folder / "entry_points.txt").write_text(_ENTRY_POINTS)
+    (tmp_path / "lab_of_somebody.py").write_text('def build(request):\n    """A robot of somebody.\n\n    More."""\n')
+    (tmp_path / "lab_that_leaves.py").write_text("import sys\nsys.exit('no licence')\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+
+
+@pytest.fixture
+def answers(monkeypatch: pytest.MonkeyPatch) -> dict[str, dict[str, Any]]:
+    """What the probes answer instead of asking drivers."""
+    found: dict[str, dict[str, Any]] = {
+        "window": {"ok": False, "error": "no display"},
+        "egl": {"ok": True, "version": "4.5", "renderer": "software", "vendor": "somebody"},
+        "osmesa": {"ok": False, "error": "the driver crashed (signal 11)"},
+        "sound": {"ok": True, "library": "libopenal.so.1", "hrtf": True, "device": ""},
+        "scheduler": {"ok": True, "recipe": "ordinary+slack1ns", "fifo": False, "cores": 2},
+        "attached": {"ok": False, "error": "no display"},
+    }
+    monkeypatch.setattr(probes, "probe", lambda name: found[name])
+    return found
+
+
+def test_each_plug_in_is_reported_with_its_package(installed: None) -> None:
+    reports = {report.name: report for report in list_plugins()}
+    assert reports["good_robot"].error == ""
+    assert reports["good_robot"].loaded.__name__ == "build"
+    assert reports["good_robot"].package == "lab-of-somebody 1.2"
+    assert "SystemExit: no licence" in reports["left_robot"].error
+    assert "lab_that_is_lost" in reports["lost_robot"].error
+    assert "no_such_thing" in reports["half"].error
+
+
+def test_one_group_is_asked_alone(installed: None) -> None:
+    assert {report.group for report in list_plugins("mimics_app.devices")} == {"mimics_app.devices"}
+
+
+def test_no_plug_ins_is_no_error() -> None:
+    assert [report for report in list_plugins(*GROUPS) if report.error] == []
+
+
+def test_doctor_lists_plug_ins_that_fail(
+    installed: None, answers: dict[str, Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["doctor"]) == 0
+    said = capsys.readouterr().out
+    assert "lost_robot" in said
+    assert "No module named 'lab_that_is_lost'" in said
+
+
+def test_doctor_without_any_picture_is_a_device_error(
+    answers: dict[str, dict[str, Any]], capsys: pytest.CaptureFixture[str]
+) -> None:
+    answers["egl"] = {"ok": False, "error": "libEGL.so.1 is missing"}
+    assert cli.main(["doctor"]) == 4
+    assert "libEGL.so.1 is missing" in capsys.readouterr().out
+
+
+def test_doctor_names_the_apt_line(
+    answers: dict[str, Any], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from mimics_app.app.system_packages import SystemNeed
+
+    needs = (SystemNeed("libnope1", "nothing at all", libraries=("libnope.so.9",)),)
+    monkeypatch.setattr("mimics_app.app.system_packages.NEEDS", needs)
+    cli.main(["doctor", "--json"])
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["missing"] == ["libnope1"]
+    assert answer["apt"] == "sudo apt-get install -y libnope1"
+    cli.main(["doctor"])
+    assert "sudo apt-get install -y libnope1" in capsys.readouterr().out
+
+
+def test_doctor_says_what_may_be_written(
+    answers: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cli.main(["doctor", "--json", "--runs", str(tmp_path / "not" / "there" / "yet")])
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["runs"]["writable"] is True
+    assert answer["runs"]["free_gb"] > 0
+    assert answer["kernel_cache"]["folder"]
+    assert answer["scheduler"]["recipe"] == "ordinary+slack1ns"
+
+
+def test_devices_lists_built_in_simulators_and_plug_ins(
+    installed: None, answers: dict[str, Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["devices", "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    devices = {device["name"]: device for device in answer["devices"]}
+    assert {"simulated_hapticmaster", "pointer", "replay", "good_robot", "lost_robot"} <= set(devices)
+    assert devices["good_robot"]["about"] == "A robot of somebody."
+    assert devices["lost_robot"]["error"]
+    assert all(device["about"] for device in answer["devices"])
+    assert answer["notes"] == ["displays: no display"]
+
+
+def test_devices_for_a_person(answers: dict[str, dict[str, Any]], capsys: pytest.CaptureFixture[str]) -> None:
+    screen = {"name": "left wall", "size_px": [1920, 1080], "size_m": [2.0, 1.1], "refresh_hz": 60, "primary": True}
+    answers["attached"] = {"ok": True, "displays": [screen], "gamepads": ["some pad"]}
+    assert cli.main(["devices"]) == 0
+    said = capsys.readouterr().out
+    assert "left wall: 1920 x 1080 at 60 Hz (primary)" in said
+    assert "some pad" in said
