@@ -73,10 +73,10 @@ def _faults(document: Any, file: str) -> list[Issue]:
         if depth > MAX_DEPTH:
             raise SceneError(Issue(file, pointer, f"is nested deeper than {MAX_DEPTH} levels"))
         if isinstance(value, dict):
-            for name in getattr(value, "repeated", ()):
-                issues.append(
-                    Issue(file, f"{pointer}/{escape(name)}", f'the key "{name}" stands here twice', "keep one")
-                )
+            repeated = getattr(value, "repeated", ())
+            issues += [
+                Issue(file, f"{pointer}/{escape(name)}", f'the key "{name}" stands here twice') for name in repeated
+            ]
             waiting += [(item, f"{pointer}/{escape(name)}", depth + 1) for name, item in reversed(value.items())]
         elif isinstance(value, list):
             waiting += [

@@ -79,17 +79,20 @@ class _Reader:
         inner = get_args(wanted)[0] if get_origin(wanted) is Annotated else wanted
         if get_origin(inner) in (Union, types.UnionType):
             inner = _candidate(inner, value)
-        part = self._parts(inner, value, pointer, error)
-        return self._leaf(inner, value, pointer, error) if part is None else part
+        part = self._parts(inner, value, pointer)
+        if part is None or (part is not FAILED and _wrong_length(wanted, part)):
+            return self._leaf(inner, value, pointer, error)
+        return part
 
-    def _parts(self, wanted: Any, value: Any, pointer: str, error: str) -> Any:
+    def _parts(self, wanted: Any, value: Any, pointer: str) -> Any:
         """The value read part by part, or None when it has no parts of its own that could be at fault."""
         if isinstance(wanted, type) and issubclass(wanted, msgspec.Struct) and isinstance(value, dict):
             return self._struct(wanted, value, pointer)
         origin, arguments = get_origin(wanted), get_args(wanted)
         if origin is dict and isinstance(value, dict):
-            read = {key: self.read(arguments[1], item, f"{pointer}/{escape(key)}") for key, item in value.items()}
-            return self._whole(read, list(read.values()), pointer, error)
+            named = [(key, item) for key, item in value.items() if not is_comment(key)]
+            read = {key: self.read(arguments[1], item, f"{pointer}/{escape(key)}") for key, item in named}
+            return FAILED if FAILED in read.values() else read
         if origin not in (list, tuple) or not isinstance(value, list):
             return None
         if origin is list or arguments[-1] is Ellipsis:
@@ -101,14 +104,7 @@ class _Reader:
         items = [
             self.read(kind, item, f"{pointer}/{i}") for i, (kind, item) in enumerate(zip(kinds, value, strict=True))
         ]
-        return self._whole(origin(items), items, pointer, error)
-
-    def _whole(self, read: Any, items: list[Any], pointer: str, error: str) -> Any:
-        """All parts put together; where none of them failed the fault was one of the whole, such as its length."""
-        if any(item is FAILED for item in items):
-            return FAILED
-        unknown = "unknown field" in error  # only a comment key, which passes
-        return read if unknown else self._say(pointer, _plain(error))
+        return FAILED if FAILED in items else origin(items)
 
     def _struct(self, wanted: type[msgspec.Struct], value: dict[str, Any], pointer: str) -> Any:
         fields = {field.encode_name: field for field in msgspec.structs.fields(wanted)}
@@ -127,7 +123,7 @@ class _Reader:
         for name, field in fields.items():
             if name in given:
                 read[field.name] = self.read(hints[field.name], given[name], f"{pointer}/{escape(name)}")
-        if failed or any(item is FAILED for item in read.values()):
+        if failed or FAILED in read.values():
             return FAILED
         return wanted(**read)
 
@@ -179,6 +175,14 @@ def _tags(union: Any) -> tuple[str, set[str]] | None:
     fields = {struct.__struct_config__.tag_field for struct in structs}
     field = fields.pop() if len(fields) == 1 else None
     return None if field is None else (field, {str(struct.__struct_config__.tag) for struct in structs})
+
+
+def _wrong_length(wanted: Any, value: Any) -> bool:
+    """True when a list or object whose parts are right breaks a limit on their number."""
+    limits = [meta for meta in get_args(wanted)[1:] if isinstance(meta, msgspec.Meta)]
+    least = max((meta.min_length for meta in limits if meta.min_length is not None), default=0)
+    most = min((meta.max_length for meta in limits if meta.max_length is not None), default=None)
+    return isinstance(value, list | tuple | dict) and (len(value) < least or (most is not None and len(value) > most))
 
 
 def _bare(wanted: Any) -> Any:
