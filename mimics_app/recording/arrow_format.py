@@ -172,7 +172,7 @@ def _tuples(description: Any) -> Any:
 def _crc(seq: int, first: int, *arrays: NDArray[Any]) -> int:
     crc = zlib.crc32(_NUMBERS.pack(seq, first))
     for array in arrays:
-        crc = zlib.crc32(memoryview(array), crc)
+        crc = zlib.crc32(array.data, crc)
     return crc
 
 

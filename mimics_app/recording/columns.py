@@ -21,13 +21,15 @@ __all__ = [
     "samples_of",
 ]
 
-INPUT_FIELDS = ("q", "dq", "f_meas", "grasp", "buttons", "status", "sequence", "stop_word", "held")
+_NAMES = SAMPLE.names or ()
+
+INPUT_FIELDS = _NAMES[_NAMES.index("q") : _NAMES.index("hip_world")]
 """What came from outside at each tick; a replay feeds these in."""
 
 TIMING_FIELDS = ("lateness_ns", "duration_ns")
 """How punctual the live loop was; no part of the state hash, and never compared."""
 
-OUTPUT_FIELDS = tuple(name for name in SAMPLE.names or () if name not in (*INPUT_FIELDS, *TIMING_FIELDS, "t", "tick"))
+OUTPUT_FIELDS = _NAMES[_NAMES.index("hip_world") : _NAMES.index(TIMING_FIELDS[0])]
 """What the tick computed; a replay compares these bit for bit."""
 
 ROW = SAMPLE.itemsize // 8
@@ -41,6 +43,7 @@ _UNITS: dict[str, str | tuple[str, ...]] = {
     "dq": ("m/s", "rad/s", "m/s"),
     "f_meas": "N",
     "grasp": "N",
+    "age": "s",
     "hip_world": "m",
     "v_world": "m/s",
     "f_virt_world": "N",
@@ -67,7 +70,7 @@ def _width(name: str) -> int:
 def column_names() -> list[str]:
     """One name per float64 column of a sample, in order: "t", "tick", "q[0]", ..."""
     names: list[str] = []
-    for name in SAMPLE.names or ():
+    for name in _NAMES:
         width = _width(name)
         names += [name] if width == 1 else [f"{name}[{i}]" for i in range(width)]
     return names
@@ -76,7 +79,7 @@ def column_names() -> list[str]:
 def column_units() -> list[str]:
     """One unit per column, "1" for numbers without dimension."""
     units: list[str] = []
-    for name in SAMPLE.names or ():
+    for name in _NAMES:
         unit = _UNITS.get(name, "1")
         units += [unit] * _width(name) if isinstance(unit, str) else list(unit)
     return units
@@ -85,7 +88,7 @@ def column_units() -> list[str]:
 def field_columns(fields: tuple[str, ...]) -> NDArray[np.int64]:
     """Indices of the float64 columns of these fields, ascending."""
     columns: list[int] = []
-    for name in SAMPLE.names or ():
+    for name in _NAMES:
         if name in fields:
             start = int(SAMPLE.fields[name][1]) // 8  # type: ignore[index]
             columns += range(start, start + _width(name))

@@ -150,10 +150,9 @@ class Recorder:
         The kinds the report reads, all with plain values; others are kept as they are:
 
             frame       frame (number), tick (of the snapshot it saw), t_ns
-            sound       sound (name), tick (of the contact event, absent for others), sample (index in the output
-                        stream), latency_ms (from the tick to that sample)
+            sound       the fields of an `audio_port.SoundRow`
             scheduler   recipe (what the live loop got)
-            audio       device, sink, hrtf
+            audio       the fields of an `audio_port.AudioStatus`
 
         Args:
             kind: What happened, in lower case; "parameters" with bytes stores a SCENE record, as `parameters` does.

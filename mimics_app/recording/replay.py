@@ -76,7 +76,7 @@ def gather(run: Run) -> ReplayData:
             "a run with a hole cannot be replayed",
         )
     blocks = run.parameters
-    wanted = {int(sequence) for sequence in np.unique(samples["sequence"])}
+    wanted = {int(sequence) for sequence in np.unique(samples["sequence"])} - {0}  # 0: nothing was published yet
     if missing := sorted(wanted - set(blocks)):
         raise PartialDataError(f"{run.folder}: parameter block {missing[0]} is missing", "it cannot be replayed")
     if any(blocks[sequence].dtype != SCENE for sequence in wanted):

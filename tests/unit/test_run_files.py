@@ -20,7 +20,7 @@ from mimics_app.recording import append_file, run_folder
 from mimics_app.recording.append_file import AppendFile
 from mimics_app.recording.arrow_format import decode_samples, encode_samples, parameters_dtype, parameters_schema
 from mimics_app.recording.channel import LINE, TRIAL, Inbox, Outbox
-from mimics_app.recording.columns import ROW, column_names, column_units, rows_of
+from mimics_app.recording.columns import INPUT_FIELDS, OUTPUT_FIELDS, ROW, TIMING_FIELDS, column_names, column_units, rows_of
 from mimics_app.recording.event_log import encode_event, events_of, read_lines
 from mimics_app.recording.recorder import Recorder
 from mimics_app.recording.recover import recover
@@ -51,6 +51,9 @@ def _write_run(folder: Path, rows: int = 1000) -> Run:
 def test_every_column_has_a_name_and_a_unit() -> None:
     assert len(column_names()) == len(column_units()) == ROW == SAMPLE.itemsize // 8
     assert len(set(column_names())) == ROW
+    numbers = {name for name, unit in zip(column_names(), column_units(), strict=True) if unit == "1"}
+    assert numbers == {"tick", "buttons", "status", "sequence", "stop_word", "held", "progress", "ramp", "state", "cause"}
+    assert {"t", "tick", *INPUT_FIELDS, *OUTPUT_FIELDS, *TIMING_FIELDS} == set(SAMPLE.names or ())
     samples = fake_samples(3, 2)
     assert rows_of(samples)[1][column_names().index("f_tunnel[2]")] == samples["f_tunnel"][1][2]
 
@@ -400,5 +403,5 @@ def test_two_recordings_of_the_same_have_the_same_hash(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="nothing to recover"):
         recover(tmp_path / "a")
     with (tmp_path / "a" / "trials.csv").open("a") as file:
-        file.write("1,2\n")
+        file.write("1,2,\n")
     assert len(Run.open(tmp_path / "a").disagreements()) == 2

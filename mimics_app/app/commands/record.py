@@ -1,0 +1,67 @@
+"""`mimics record info|recover|verify RUN`: say what a run folder holds, mend a cut one, check a whole one."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mimics_app.recording.run import Run
+
+__all__ = ["add_arguments", "run"]
+
+_EXIT_PARTIAL = 6
+_HELP = "info: say what is in it; recover: mend and seal a run that was never closed; verify: compare with its seals"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("action", choices=("info", "recover", "verify"), help=_HELP)
+    parser.add_argument("folder", type=Path, metavar="RUN", help="run folder")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Do what is asked; 0, or 6 when parts of the recording are missing or changed."""
+    from mimics_app.recording.run import Run
+
+    if args.action == "recover":
+        from mimics_app.recording.recover import recover
+
+        recover(args.folder)
+    opened = Run.open(args.folder)
+    answer = _describe(opened)
+    wrong = list(opened.problems())
+    if args.action == "verify":
+        wrong += opened.disagreements()
+    answer["problems"] = wrong
+    if args.json:
+        from mimics_app.app.output import write_object
+
+        write_object("record", {"action": args.action, **answer})
+    else:
+        sys.stdout.write("".join(f"{name:14} {text}\n" for name, text in _lines(answer)))
+    bad = opened.disagreements() if args.action == "recover" else wrong
+    return _EXIT_PARTIAL if bad else 0
+
+
+def _describe(opened: Run) -> dict[str, Any]:
+    rows = opened.haptic
+    return {
+        "run_dir": str(opened.folder),
+        "status": opened.status,
+        "seconds": float(rows["t"][-1]) if len(rows) else 0.0,
+        "ticks": len(rows),
+        "events": len(opened.events),
+        "trials": len(opened.trials),
+        "parameters": len(opened.parameters),
+        "state_hash": opened.manifest.state_hash if opened.manifest else opened.state_hash(),
+        "gaps": [asdict(gap) for gap in opened.gaps],
+    }
+
+
+def _lines(answer: dict[str, Any]) -> list[tuple[str, str]]:
+    plain = [(name, str(item)) for name, item in answer.items() if not isinstance(item, list)]
+    return plain + [("problem", problem) for problem in answer["problems"]]

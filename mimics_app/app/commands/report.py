@@ -1,0 +1,38 @@
+"""`mimics report RUN`: write the report of a run, whole or not, as one HTML file."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+__all__ = ["add_arguments", "run"]
+
+_EXIT_PARTIAL = 6
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("folder", type=Path, metavar="RUN", help="run folder")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Write RUN/report.html; 0, or 6 when parts of the recording are missing."""
+    from mimics_app.recording.report import write_report
+    from mimics_app.recording.run import Run
+
+    report = write_report(args.folder)
+    opened = Run.open(args.folder)
+    problems = opened.problems()
+    if args.json:
+        from mimics_app.app.output import write_object
+
+        write_object(
+            "report",
+            {"report": report, "status": opened.status, "trials": len(opened.trials), "problems": problems},
+        )
+    else:
+        sys.stdout.write(f"{report}\n")
+        for problem in problems:
+            sys.stderr.write(f"mimics: {args.folder}: {problem}\n")
+    return _EXIT_PARTIAL if problems else 0

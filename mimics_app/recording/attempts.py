@@ -1,0 +1,112 @@
+"""Cut the haptic stream of a run into the attempts the task made, and read their tunnels off the parameter blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic import Controller
+from mimics_app.recording.run import Run
+
+__all__ = ["Attempt", "TunnelShape", "find_attempts", "tunnel_shape"]
+
+_STEPS_PER_PIECE = 24
+
+Values = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class TunnelShape:
+    """Bisector and radius of a tunnel, sampled along its length: world frame [m], shapes [n, 3] and [n]."""
+
+    bisector_world: Values
+    radius: Values
+
+
+@dataclass(frozen=True, slots=True)
+class Attempt:
+    """The rows of one attempt at a trial.
+
+    Attributes:
+        number: SCENE.trial while it lasted.
+        samples: SAMPLE records, shape [n].
+        free: Where the person moved the robot (admittance control), shape [n]; elsewhere it was driven.
+        tunnel: The tunnel it went through, None where there is none.
+        row: Its row of trials.csv, {} where it has none.
+    """
+
+    number: int
+    samples: NDArray[Any]
+    free: NDArray[np.bool_]
+    tunnel: TunnelShape | None
+    row: Mapping[str, Any]
+
+    @property
+    def title(self) -> str:
+        """What it was, in words."""
+        if not self.row:
+            return f"Attempt {self.number} (not finished)" if self.number else "Whole run"
+        words = [f"Trial {int(self.row.get('trial', self.number)) + 1}"]
+        if int(self.row.get("attempt", 1)) > 1:
+            words.append(f"attempt {self.row['attempt']}")
+        if self.row.get("label"):
+            words.append(str(self.row["label"]))
+        if self.row.get("practice"):
+            words.append("practice")
+        words.append(str(self.row.get("outcome", "")))
+        if isinstance(self.row.get("score"), (int, float)):
+            words.append(f"score {self.row['score']:.1f}")
+        return " · ".join(word for word in words if word)
+
+
+def find_attempts(run: Run) -> list[Attempt]:
+    """Attempts in order; one that is the whole run where no parameter block tells them apart."""
+    samples = run.haptic
+    if len(samples) == 0:
+        return []
+    blocks = run.parameters
+    sequences = samples["sequence"].astype(np.int64)
+    numbers = _per_row(sequences, blocks, "trial", 0)
+    controllers = _per_row(sequences, blocks, "controller", Controller.ADMITTANCE)
+    begun = [int(n) for n in np.unique(numbers) if n > 0] or [0]
+    attempts = []
+    for i, number in enumerate(begun):
+        mine = numbers == number
+        free = controllers[mine] == Controller.ADMITTANCE
+        tunnel = next((tunnel_shape(blocks[s]) for s in _in_order(sequences[mine]) if s in blocks), None)
+        row = run.trials[i] if i < len(run.trials) else {}
+        attempts.append(Attempt(number, samples[mine], free, tunnel, row))
+    return attempts
+
+
+def _per_row(
+    sequences: NDArray[np.int64], blocks: Mapping[int, NDArray[Any]], field: str, otherwise: int
+) -> NDArray[np.int64]:
+    """Value of a SCENE field at each row; rows whose block is lost get `otherwise`."""
+    known, which = np.unique(sequences, return_inverse=True)
+    values = [int(blocks[int(s)][field][0]) if int(s) in blocks else otherwise for s in known]
+    return np.array(values, np.int64)[which]
+
+
+def _in_order(sequences: NDArray[np.int64]) -> list[int]:
+    """The sequences that were used, the longest first: it shows what most of the attempt felt like."""
+    known, counts = np.unique(sequences, return_counts=True)
+    return [int(s) for s in known[np.argsort(-counts, kind="stable")]]
+
+
+def tunnel_shape(block: NDArray[Any]) -> TunnelShape | None:
+    """Sample the tunnel of a SCENE record [shape 1]: a0 + a1 u + a2 u^2 + a3 u^3 per piece, u in [0, 1]."""
+    tunnel = block["tunnel"][0]
+    pieces = int(tunnel["pieces"])
+    if pieces < 1:
+        return None
+    u = np.linspace(0.0, 1.0, _STEPS_PER_PIECE, endpoint=False)
+    powers = u[:, None] ** np.arange(4)
+    centre = np.einsum("uk,pak->pua", powers, tunnel["centre"][:pieces]).reshape(-1, 3)
+    radius = np.einsum("uk,pk->pu", powers, tunnel["radius"][:pieces]).reshape(-1)
+    end, end_radius = tunnel["centre"][pieces - 1].sum(axis=1), tunnel["radius"][pieces - 1].sum()
+    return TunnelShape(np.vstack([centre, end]), np.append(radius, end_radius) * float(tunnel["radius_scale"]))

@@ -1,0 +1,267 @@
+"""Plots as inline SVG: axes, lines, bands, bars and legends, coloured by the style sheet of the page they stand in."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from html import escape
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Axis", "Plot", "envelope", "log_ticks", "nice_ticks"]
+
+Values = NDArray[np.float64]
+
+_LEFT, _RIGHT, _TOP, _BOTTOM = 62.0, 22.0, 10.0, 40.0
+_GRID_PX = 0.25
+
+
+@dataclass(frozen=True, slots=True)
+class Axis:
+    """Range and name of one axis; the name carries the unit, "" draws none. A logarithmic axis needs `low` > 0."""
+
+    label: str
+    low: float
+    high: float
+    log: bool = False
+
+    @classmethod
+    def of(cls, label: str, *data: Values, margin: float = 0.04, zero: bool = False) -> Axis:
+        """An axis that holds all finite values, with a margin; `zero` makes it start at or below 0."""
+        finite = np.concatenate([np.asarray(d, np.float64).ravel() for d in data]) if data else np.zeros(0)
+        finite = finite[np.isfinite(finite)]
+        low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0)
+        if zero:
+            low, high = min(low, 0.0), max(high, 0.0)
+        if high - low <= 1e-12 * max(abs(low), abs(high), 1e-3):
+            low, high = (low, low + 1.0) if zero else (low - 0.5, high + 0.5)
+        pad = margin * (high - low)
+        return cls(label, low if zero and low == 0.0 else low - pad, high + pad)
+
+    def share(self, values: Values) -> Values:
+        """Values as shares of the axis, 0 at `low` and 1 at `high`."""
+        if self.log:
+            low, high = math.log10(self.low), math.log10(self.high)
+            return (np.log10(np.maximum(values, self.low)) - low) / (high - low)
+        return (np.asarray(values, np.float64) - self.low) / (self.high - self.low)
+
+    def ticks(self) -> list[float]:
+        """Where lines of the grid stand."""
+        return log_ticks(self.low, self.high) if self.log else nice_ticks(self.low, self.high)
+
+
+def nice_ticks(low: float, high: float, about: int = 6) -> list[float]:
+    """Round numbers in [low, high], 1, 2 or 5 times a power of ten apart."""
+    raw = (high - low) / about
+    power = 10.0 ** math.floor(math.log10(raw))
+    step = power * next((m for m in (1, 2, 5) if raw <= m * power * 1.0000001), 10)
+    first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
+    return [i * step for i in range(first, last + 1)]
+
+
+def log_ticks(low: float, high: float) -> list[float]:
+    """Powers of ten in [low, high]."""
+    return [10.0**i for i in range(math.ceil(math.log10(low) - 1e-9), math.floor(math.log10(high) + 1e-9) + 1)]
+
+
+def envelope(x: Values, y: Values, buckets: int = 900) -> tuple[Values, Values]:
+    """Thin a trace for drawing so that no peak is lost: of each bucket its lowest and highest point, in their order.
+
+    Args:
+        x: Ascending, shape [n].
+        y: Shape [n]; values that are not finite are left out.
+        buckets: Into how many equal parts of the index range the trace is cut.
+
+    Returns:
+        x and y of at most 2 * buckets points; the trace itself when it is no longer than that.
+    """
+    finite = np.isfinite(y)
+    x, y = x[finite], y[finite]
+    if len(y) <= 2 * buckets:
+        return x, y
+    size = -(-len(y) // buckets)
+    starts = np.arange(0, len(y), size)
+    padded = np.full(len(starts) * size, np.nan)
+    padded[: len(y)] = y
+    table = padded.reshape(len(starts), size)
+    lowest, highest = np.nanargmin(table, axis=1) + starts, np.nanargmax(table, axis=1) + starts
+    chosen = np.unique(np.concatenate([lowest, highest]))
+    return x[chosen], y[chosen]
+
+
+@dataclass
+class Plot:
+    """One drawing. Things are drawn in the order they are added; `svg()` gives the text.
+
+    Attributes:
+        x, y: The axes.
+        width, height: Of the whole drawing [px].
+        title: What it shows, for people who cannot see it.
+    """
+
+    x: Axis
+    y: Axis
+    title: str
+    width: float = 860.0
+    height: float = 220.0
+    _parts: list[str] = field(default_factory=list)
+    _legend: list[tuple[str, str]] = field(default_factory=list)
+
+    @classmethod
+    def equal(cls, x: Axis, y: Axis, title: str, width: float = 860.0, most_height: float = 620.0) -> Plot:
+        """A plot whose axes have the same scale; the shorter range is widened."""
+        inner = width - _LEFT - _RIGHT
+        span_x, span_y = x.high - x.low, y.high - y.low
+        inner_height = min(max(span_y / span_x * inner, 150.0), most_height)
+        scale = max(span_x / inner, span_y / inner_height)
+        x, y = _widened(x, scale * inner), _widened(y, scale * inner_height)
+        return cls(x, y, title, width, inner_height + _TOP + _BOTTOM)
+
+    @property
+    def _inner(self) -> tuple[float, float]:
+        return self.width - _LEFT - _RIGHT, self.height - _TOP - _BOTTOM
+
+    def _pixels(self, x: Values, y: Values) -> tuple[Values, Values]:
+        width, height = self._inner
+        return _LEFT + self.x.share(x) * width, _TOP + (1.0 - self.y.share(y)) * height
+
+    def line(self, x: Values, y: Values, kind: str, name: str = "") -> None:
+        """A line through points; `kind` is its class in the style sheet, `name` its entry in the legend."""
+        path = self._path(np.asarray(x, np.float64), np.asarray(y, np.float64))
+        if path:
+            self._parts.append(f'<path class="line {kind}" d="{path}">{_hover(name)}</path>')
+        self._name("line", kind, name)
+
+    def _path(self, x: Values, y: Values) -> str:
+        """Polyline without the points that fall on the same quarter of a pixel; not-a-number lifts the pen."""
+        px, py = self._pixels(x, y)
+        gx, gy = np.round(px / _GRID_PX), np.round(py / _GRID_PX)
+        text: list[str] = []
+        pen, last = "M", (math.nan, math.nan)
+        for i, point in enumerate(zip(gx.tolist(), gy.tolist(), strict=True)):
+            if point == last and i < len(gx) - 1:
+                continue
+            last = point
+            if math.isnan(point[0] + point[1]):
+                pen = "M"
+                continue
+            text.append(f"{pen}{point[0] * _GRID_PX:g} {point[1] * _GRID_PX:g}")
+            pen = "L"
+        return "".join(text)
+
+    def spans(self, starts: Values, ends: Values, kind: str, name: str = "") -> None:
+        """Vertical bands between two places of the x axis each."""
+        zeros = np.zeros(len(starts))
+        left, right = self._pixels(starts, zeros)[0], self._pixels(ends, zeros)[0]
+        height = self._inner[1]
+        for a, b in zip(left.tolist(), right.tolist(), strict=True):
+            width = max(b - a, 0.7)
+            self._parts.append(
+                f'<rect class="fill {kind}" x="{a:.1f}" y="{_TOP:g}" width="{width:.1f}" height="{height:g}">'
+                f"{_hover(name)}</rect>"
+            )
+        self._name("fill", kind, name)
+
+    def bars(self, edges: Values, heights: Values, kind: str, name: str = "") -> None:
+        """A histogram: bar i from edges[i] to edges[i + 1]."""
+        left, top = self._pixels(edges[:-1], heights)
+        right = self._pixels(edges[1:], heights)[0]
+        base = _TOP + self._inner[1]
+        for i in np.flatnonzero(np.asarray(heights) > self.y.low):
+            what = f"{edges[i]:.3g} to {edges[i + 1]:.3g}: {heights[i]:.6g}"
+            self._parts.append(
+                f'<rect class="fill {kind}" x="{left[i]:.1f}" y="{top[i]:.1f}" '
+                f'width="{max(right[i] - left[i] - 0.5, 0.7):.1f}" height="{max(base - top[i], 0.0):.1f}">'
+                f"{_hover(what)}</rect>"
+            )
+        self._name("fill", kind, name)
+
+    def points(self, x: Values, y: Values, kind: str, name: str = "", hovers: list[str] | None = None) -> None:
+        """Small circles, each with its own hover text."""
+        px, py = self._pixels(np.asarray(x, np.float64), np.asarray(y, np.float64))
+        for i, (a, b) in enumerate(zip(px.tolist(), py.tolist(), strict=True)):
+            hover = _hover(hovers[i] if hovers else name)
+            self._parts.append(f'<circle class="point {kind}" cx="{a:.1f}" cy="{b:.1f}" r="4">{hover}</circle>')
+        self._name("point", kind, name)
+
+    def word(self, x: float, y: float, text: str, anchor: str = "middle") -> None:
+        """A word in the drawing; `anchor` is "start", "middle" or "end"."""
+        px, py = (float(p[0]) for p in self._pixels(np.array([x]), np.array([y])))
+        self._parts.append(f'<text class="name" text-anchor="{anchor}" x="{px:.1f}" y="{py:.1f}">{escape(text)}</text>')
+
+    def mark_x(self, value: float, text: str, row: int = 0) -> None:
+        """A vertical line with a word beside it; rows are one line of text apart."""
+        px = float(self._pixels(np.array([value]), np.array([self.y.high]))[0][0])
+        bottom = _TOP + self._inner[1]
+        self._parts.append(
+            f'<path class="line mark" d="M{px:.1f} {_TOP:g}V{bottom:g}"/>'
+            f'<text x="{px + 4:.1f}" y="{_TOP + 12 + 14 * row:g}">{escape(text)}</text>'
+        )
+
+    def _name(self, shape: str, kind: str, name: str) -> None:
+        if name and (shape + " " + kind, name) not in self._legend:
+            self._legend.append((shape + " " + kind, name))
+
+    def svg(self) -> str:
+        """The drawing and its legend as one HTML figure."""
+        size = f'viewBox="0 0 {self.width:g} {self.height:g}"'
+        drawing = f'<svg {size} role="img" aria-label="{escape(self.title, quote=True)}">'
+        drawing += self._grid() + "".join(self._parts) + self._frame() + "</svg>"
+        return f"<figure>{drawing}{self._legend_html()}</figure>"
+
+    def _grid(self) -> str:
+        width, height = self._inner
+        text: list[str] = []
+        for value in self.x.ticks():
+            px = _LEFT + float(self.x.share(np.array([value]))[0]) * width
+            text.append(
+                f'<path class="grid" d="M{px:.1f} {_TOP:g}v{height:g}"/>'
+                f'<text class="tick" text-anchor="middle" x="{px:.1f}" y="{_TOP + height + 16:g}">'
+                f"{_number(value)}</text>"
+            )
+        for value in self.y.ticks() if self.y.label else []:
+            py = _TOP + (1.0 - float(self.y.share(np.array([value]))[0])) * height
+            text.append(
+                f'<path class="grid" d="M{_LEFT:g} {py:.1f}h{width:g}"/>'
+                f'<text class="tick" text-anchor="end" x="{_LEFT - 6:g}" y="{py + 4:.1f}">{_number(value)}</text>'
+            )
+        return "".join(text)
+
+    def _frame(self) -> str:
+        width, height = self._inner
+        centre, middle = _LEFT + width / 2, _TOP + height / 2
+        return (
+            f'<rect class="frame" x="{_LEFT:g}" y="{_TOP:g}" width="{width:g}" height="{height:g}"/>'
+            f'<text text-anchor="middle" x="{centre:g}" y="{self.height - 6:g}">{escape(self.x.label)}</text>'
+            f'<text text-anchor="middle" transform="translate(14 {middle:g}) rotate(-90)">{escape(self.y.label)}</text>'
+        )
+
+    def _legend_html(self) -> str:
+        if not self._legend:
+            return ""
+        entries = "".join(f"<span>{_swatch(kind)}{escape(name)}</span>" for kind, name in self._legend)
+        return f'<figcaption class="legend">{entries}</figcaption>'
+
+
+def _swatch(kind: str) -> str:
+    shape = kind.split()[0]
+    inside = {
+        "line": f'<path class="{kind}" d="M1 6h24"/>',
+        "fill": f'<rect class="{kind}" x="1" y="1" width="24" height="10"/>',
+        "point": f'<circle class="{kind}" cx="13" cy="6" r="4"/>',
+    }[shape]
+    return f'<svg class="swatch" viewBox="0 0 26 12" aria-hidden="true">{inside}</svg>'
+
+
+def _widened(axis: Axis, span: float) -> Axis:
+    middle = (axis.low + axis.high) / 2
+    return Axis(axis.label, middle - span / 2, middle + span / 2)
+
+
+def _hover(text: str) -> str:
+    return f"<title>{escape(text)}</title>" if text else ""
+
+
+def _number(value: float) -> str:
+    return f"{value:.6g}".replace("-", "−") if abs(value) > 1e-12 else "0"

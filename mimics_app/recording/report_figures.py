@@ -1,0 +1,175 @@
+"""The drawings of a report: Figure 48 of D2.1 for every attempt, traces over time, lateness, safety states."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic import EventKind, SafetyState
+from mimics_app.recording.attempts import Attempt, TunnelShape
+from mimics_app.recording.plot import Axis, Plot, envelope
+
+__all__ = ["draw_lateness", "draw_path", "draw_states", "draw_traces"]
+
+Values = NDArray[np.float64]
+
+_LEAST_LATENESS_US = 0.1
+_MISS_US = 1000.0
+
+
+def draw_path(attempt: Attempt, events: NDArray[Any]) -> str:
+    """Figure 48 of D2.1: path of the robot blue, bisector red, walls green, in the frontal plane, equal axes.
+
+    The frontal plane is that of the world's x (lateral) and y (vertical).
+    """
+    path = 1000.0 * attempt.samples["hip_world"][:, :2]
+    walls = [] if attempt.tunnel is None else [1000.0 * side for side in _walls(attempt.tunnel)]
+    free = path[attempt.free] if attempt.free.any() else path
+    x = Axis.of("lateral [mm]", free[:, 0], *[side[:, 0] for side in walls])
+    y = Axis.of("vertical [mm]", free[:, 1], *[side[:, 1] for side in walls])
+    plot = Plot.equal(x, y, f"Path of the robot in the frontal plane, {attempt.title}")
+    if attempt.tunnel is not None:
+        for i, side in enumerate(walls):
+            plot.line(side[:, 0], side[:, 1], "wall", "" if i else "walls of the tunnel")
+        bisector = 1000.0 * attempt.tunnel.bisector_world
+        plot.line(bisector[:, 0], bisector[:, 1], "bisector", "bisector of the tunnel")
+        for name, end, side in (("start", 0, walls[0][0]), ("goal", -1, walls[0][-1])):
+            opposite = 2.0 * bisector[end, :2] - side
+            top = side if side[1] > opposite[1] else opposite
+            plot.word(float(top[0]), float(top[1]) + 0.012 * (plot.y.high - plot.y.low), name)
+    moved = np.where(attempt.free[:, None], path, np.nan)
+    plot.line(moved[:, 0], moved[:, 1], "robot", "path of the robot")
+    _mark_contacts(plot, attempt, events)
+    return plot.svg()
+
+
+def _walls(tunnel: TunnelShape) -> list[Values]:
+    """Outline of a tube in the frontal plane: the bisector moved by its radius to both sides of its projection."""
+    centre = tunnel.bisector_world[:, :2]
+    along = np.gradient(centre, axis=0)
+    length = np.maximum(np.hypot(along[:, 0], along[:, 1]), 1e-12)[:, None]
+    side = np.column_stack([-along[:, 1], along[:, 0]]) / length * tunnel.radius[:, None]
+    return [centre + side, centre - side]
+
+
+def _mark_contacts(plot: Plot, attempt: Attempt, events: NDArray[Any]) -> None:
+    mine = _contacts_of(attempt, events)
+    if len(mine):
+        where = 1000.0 * mine["position_world"].astype(np.float64)
+        hovers = [f"tick {e['tick']}, {e['force']:.1f} N" for e in mine]
+        plot.points(where[:, 0], where[:, 1], "contact", "wall contact begins", hovers)
+
+
+def _contacts_of(attempt: Attempt, events: NDArray[Any]) -> NDArray[Any]:
+    ticks = attempt.samples["tick"]
+    within = (events["tick"] >= ticks[0]) & (events["tick"] <= ticks[-1])
+    return events[within & (events["kind"] == EventKind.CONTACT_BEGIN)]
+
+
+def draw_traces(attempt: Attempt) -> list[str]:
+    """Force, velocity and distance over time; peaks are kept however long the attempt is."""
+    samples = attempt.samples
+    if len(samples) < 2:
+        return []
+    return [
+        _trace_plot(
+            attempt,
+            "force [N]",
+            {
+                "measured": ("force of the person on the handle", _norm(samples["f_meas"])),
+                "felt": ("virtual force on the person", _norm(samples["f_user_world"])),
+            },
+        ),
+        _trace_plot(
+            attempt,
+            "tunnel force [N]",
+            {
+                "tangent": ("along the tunnel (t)", samples["f_tunnel"][:, 0]),
+                "normal": ("normal (n)", samples["f_tunnel"][:, 1]),
+                "binormal": ("binormal (b)", samples["f_tunnel"][:, 2]),
+            },
+        ),
+        _trace_plot(attempt, "velocity [m/s]", {"robot": ("speed of the robot", _norm(samples["v_world"]))}),
+        _trace_plot(
+            attempt,
+            "from bisector [mm]",
+            {
+                "robot": ("distance of the ball from the bisector", 1000.0 * samples["distance"]),
+                "wall": (
+                    "where the ball meets the wall",
+                    1000.0 * np.maximum(samples["tunnel_radius"] - samples["ball_radius"], 0.0),
+                ),
+            },
+        ),
+    ]
+
+
+def _trace_plot(attempt: Attempt, label: str, lines: dict[str, tuple[str, Values]]) -> str:
+    t = attempt.samples["t"]
+    drawn = {kind: (name, *envelope(t, values)) for kind, (name, values) in lines.items()}
+    x = Axis.of("time [s]", t, margin=0.0)
+    y = Axis.of(label, *[values for _, _, values in drawn.values()], zero=True)
+    plot = Plot(x, y, f"{label} over time, {attempt.title}", height=170.0)
+    plot.spans(*_stretches(t, ~attempt.free), "driven", "driven by the robot")
+    plot.spans(*_stretches(t, attempt.samples["penetration"] > 0.0), "touch", "ball in the wall")
+    for kind, (name, when, values) in drawn.items():
+        plot.line(when, values, kind, name)
+    return plot.svg()
+
+
+def _norm(vectors: Values) -> Values:
+    return np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
+
+
+def _stretches(t: Values, inside: NDArray[np.bool_]) -> tuple[Values, Values]:
+    """Begin and end of each stretch where `inside` holds."""
+    edges = np.diff(np.concatenate([[0], inside.astype(np.int8), [0]]))
+    starts, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
+    return t[starts], t[ends]
+
+
+def draw_lateness(samples: NDArray[Any], marks: dict[str, float]) -> str:
+    """Histogram of how late ticks began, on a logarithmic axis, with percentiles [us]; "" on a virtual clock."""
+    lateness = samples["lateness_ns"] * 1e-3
+    lateness = lateness[np.isfinite(lateness)]
+    if not (lateness > 0.0).any():
+        return ""
+    low = _LEAST_LATENESS_US
+    high = 10.0 ** np.ceil(np.log10(max(float(lateness.max()), 1.2 * _MISS_US)))
+    edges = np.logspace(np.log10(low), np.log10(high), 10 * round(np.log10(high / low)) + 1)
+    counts = np.histogram(np.clip(lateness, low, None), edges)[0].astype(np.float64)
+    most = 10.0 ** np.ceil(np.log10(counts.max() + 1.0))
+    x = Axis("lateness of a tick [µs]", low, high, log=True)
+    plot = Plot(x, Axis("ticks", 0.5, most, log=True), "Histogram of lateness", height=260.0)
+    plot.bars(edges, counts, "count", "ticks")
+    for row, (name, value) in enumerate(marks.items()):
+        plot.mark_x(float(np.clip(value, low, high)), f"{name} {value:.0f} µs", row)
+    plot.mark_x(_MISS_US, "1 ms", len(marks))
+    return plot.svg()
+
+
+def draw_states(samples: NDArray[Any]) -> str:
+    """States of the safety machine over the whole run."""
+    t, state = samples["t"], samples["state"].astype(np.int64)
+    x = Axis.of("time [s]", t, margin=0.0)
+    plot = Plot(x, Axis("", 0.0, 1.0), "Safety states over time", height=110.0)
+    for value in sorted(set(state.tolist())):
+        name = _state_name(value)
+        plot.spans(*_stretches_joined(t, state == value), f"state-{name.lower()}", name)
+    return plot.svg()
+
+
+def _stretches_joined(t: Values, inside: NDArray[np.bool_]) -> tuple[Values, Values]:
+    """Like `_stretches`, each drawn up to the tick after it, so that neighbours touch."""
+    starts, ends = _stretches(t, inside)
+    following = t[np.minimum(np.searchsorted(t, ends, side="right"), len(t) - 1)]
+    return starts, following
+
+
+def _state_name(value: int) -> str:
+    try:
+        return SafetyState(value).name
+    except ValueError:
+        return str(value)

@@ -1,0 +1,187 @@
+"""The tables of a report: scores, contacts with their picture and sound, trips, settings, methods, environment."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from html import escape
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic import EventKind, SafetyState, TripCause
+from mimics_app.recording.run import Run
+
+__all__ = ["contact_rows", "contact_table", "event_table", "key_table", "plan_tables", "score_table", "table", "value"]
+
+_MOST_ROWS = 300
+_SHORT = 20
+_HIDDEN = ("begin_ns", "end_ns")
+
+
+def value(item: Any) -> str:
+    """A value as a person writes it, escaped for HTML."""
+    if item is None or (isinstance(item, float) and not np.isfinite(item)):
+        return "–"
+    if isinstance(item, bool):
+        return "yes" if item else "no"
+    if isinstance(item, int):
+        return f"{item}"
+    if isinstance(item, float):
+        return f"{item:.4g}"
+    if isinstance(item, Mapping):
+        return ", ".join(f"{escape(str(key))} {value(part)}" for key, part in item.items())
+    if isinstance(item, (list, tuple)):
+        return ", ".join(value(part) for part in item)
+    return escape(str(item))
+
+
+def table(names: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
+    """An HTML table; columns of numbers are aligned to the right."""
+    rows = list(rows)
+    numeric = [all(_is_number(row[i]) for row in rows) for i in range(len(names))]
+    kinds = [' class="number"' if n else "" for n in numeric]
+    head = "".join(f"<th{kind}>{escape(name)}</th>" for kind, name in zip(kinds, names, strict=True))
+    body = "".join(
+        "<tr>" + "".join(f"<td{kind}>{value(cell)}</td>" for kind, cell in zip(kinds, row, strict=True)) + "</tr>"
+        for row in rows
+    )
+    return f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
+
+
+def _is_number(cell: Any) -> bool:
+    return cell is None or (isinstance(cell, (int, float)) and not isinstance(cell, bool))
+
+
+def key_table(content: Mapping[str, Any]) -> str:
+    """Names and values below each other; nested mappings are shown as "outer.inner"."""
+    return table(["setting", "value"], _flat(content))
+
+
+def _flat(content: Mapping[str, Any], before: str = "") -> list[tuple[str, Any]]:
+    rows: list[tuple[str, Any]] = []
+    for key, item in content.items():
+        if isinstance(item, Mapping):
+            rows += _flat(item, f"{before}{key}.")
+        elif isinstance(item, list) and any(isinstance(part, (Mapping, list)) for part in item):
+            rows += _flat({str(i): part for i, part in enumerate(item)}, f"{before}{key}.")
+        else:
+            rows.append((before + key, item))
+    return rows
+
+
+def score_table(trials: Sequence[Mapping[str, Any]]) -> str:
+    """Every column of trials.csv that a person can use, one row per attempt."""
+    names = [n for n in dict.fromkeys(name for row in trials for name in row) if n not in _HIDDEN]
+    trials = [{**row, "trial": row["trial"] + 1} if isinstance(row.get("trial"), int) else row for row in trials]
+    return table([_column(name) for name in names], [[row.get(name) for name in names] for row in trials])
+
+
+def _column(name: str) -> str:
+    """The name of a column for people: time_s becomes time [s]."""
+    if name.startswith("parameter."):
+        return name.removeprefix("parameter.").replace("_", " ")
+    for ending, unit in (("_m_s", "m/s"), ("_s", "s"), ("_m", "m"), ("_n", "N")):
+        if name.endswith(ending):
+            return f"{name[: -len(ending)].replace('_', ' ')} [{unit}]"
+    return name.replace("_", " ")
+
+
+def contact_rows(run: Run) -> list[dict[str, Any]]:
+    """Each contact with the tick it began, the first frame that showed it and the sample that sounded it."""
+    begins = run.events[run.events["kind"] == EventKind.CONTACT_BEGIN]
+    frames = sorted(run.lines_of("app", "frame"), key=lambda line: int(line.get("tick") or 0))
+    seen = np.array([int(line.get("tick") or 0) for line in frames], np.int64)
+    sounds = {int(line["tick"]): line for line in run.lines_of("app", "sound") if line.get("cause") == "contact"}
+    peaks = _peaks(run.haptic, begins)
+    rows = []
+    for event, (force, depth, length) in zip(begins, peaks, strict=True):
+        tick = int(event["tick"])
+        place = int(np.searchsorted(seen, tick))
+        frame = frames[place] if place < len(frames) else {}
+        sound = sounds.get(tick, {})
+        rows.append(
+            {
+                "tick": tick,
+                "approach [mm/s]": 1000.0 * float(event["speed"]),
+                "peak force [N]": force,
+                "depth [mm]": depth,
+                "lasted [ms]": length,
+                "first frame": frame.get("frame"),
+                "frame after [ms]": int(seen[place]) - tick if frame else None,
+                "sound": sound.get("sound"),
+                "sample": sound.get("onset_sample"),
+                "sound after [ms]": (sound["heard_ns"] - sound["t_ns"]) * 1e-6 if "heard_ns" in sound else None,
+            }
+        )
+    return rows
+
+
+def _peaks(samples: NDArray[Any], begins: NDArray[Any]) -> list[tuple[float | None, float | None, int | None]]:
+    """Peak of the force on the person [N], of the depth [mm], and length [ms] of each contact."""
+    ticks = samples["tick"]
+    force = np.sqrt(np.einsum("ij,ij->i", samples["f_user_world"], samples["f_user_world"]))
+    apart = np.append(np.flatnonzero(samples["penetration"] <= 0.0), len(samples))
+    found: list[tuple[float | None, float | None, int | None]] = []
+    for tick in begins["tick"]:
+        start = int(np.searchsorted(ticks, tick))
+        end = int(apart[np.searchsorted(apart, start)]) if start < len(samples) else start
+        if end <= start:
+            found.append((None, None, None))
+            continue
+        depth = 1000.0 * float(samples["penetration"][start:end].max())
+        found.append((float(force[start:end].max()), depth, end - start))
+    return found
+
+
+def contact_table(rows: Sequence[Mapping[str, Any]]) -> str:
+    """The contacts, and what picture and sound took in the middle and at most."""
+    if not rows:
+        return '<p class="soft">The ball never touched the wall.</p>'
+    text = ""
+    for name, what in (("frame after [ms]", "in the picture"), ("sound after [ms]", "heard")):
+        taken = np.array([row[name] for row in rows if row[name] is not None], np.float64)
+        if len(taken):
+            text += f" {what} after {np.median(taken):.1f} ms in the median, {taken.max():.1f} ms at most;"
+    summary = f"<p>{len(rows)} contacts{':' + text.rstrip(';') if text else ''}.</p>"
+    listed = table(list(rows[0]), [list(row.values()) for row in rows[:_MOST_ROWS]])
+    if len(rows) > _MOST_ROWS:
+        listed += f'<p class="soft">The first {_MOST_ROWS} are listed.</p>'
+    if len(rows) > _SHORT:
+        listed = f"<details><summary>Every contact</summary>{listed}</details>"
+    return summary + listed
+
+
+def event_table(events: NDArray[Any]) -> str:
+    """Trips and changes of state, in words."""
+    rows = []
+    for event in events:
+        if event["kind"] == EventKind.TRIP:
+            rows.append((float(event["tick"]) / 1000.0, int(event["tick"]), "trip", _word(TripCause, event["force"])))
+        elif event["kind"] == EventKind.STATE:
+            rows.append(
+                (float(event["tick"]) / 1000.0, int(event["tick"]), "state", _word(SafetyState, event["force"]))
+            )
+    return table(["time [s]", "tick", "what", "which"], rows) if rows else ""
+
+
+def _word(kinds: type[SafetyState] | type[TripCause], number: float) -> str:
+    try:
+        return kinds(int(number)).name.replace("_", " ").lower()
+    except ValueError:
+        return str(int(number))
+
+
+def plan_tables(plan: Mapping[str, Any]) -> str:
+    """What `mimics explain` says: the methods chosen with cost and error, and what was left out."""
+    names = ["part", "group", "method", "cost_us", "error", "unit", "tolerance"]
+    parts = plan.get("parts", [])
+    text = table(["part", "group", "method", "cost [µs]", "error", "unit", "tolerance"], _cells(parts, names))
+    if left_out := plan.get("left_out", []):
+        text += "<h3>Left out</h3>"
+        text += table(["part", "why", "saves [µs]"], _cells(left_out, ["part", "why", "saved_us"]))
+    return text if parts or left_out else ""
+
+
+def _cells(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> list[list[Any]]:
+    return [[row.get(name) for name in names] for row in rows]

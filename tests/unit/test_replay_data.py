@@ -1,0 +1,124 @@
+"""What a replay reads of a run, and how the comparison decides, with a small tick of the test's own."""
+
+from __future__ import annotations
+
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mimics_app.contracts.errors import PartialDataError
+from mimics_app.contracts.haptic import SAMPLE
+from mimics_app.recording.arrow_format import decode_samples, encode_samples
+from mimics_app.recording.columns import INPUT_FIELDS, OUTPUT_FIELDS
+from mimics_app.recording.replay import ReplayData, compare, gather
+from mimics_app.recording.run import Run
+from mimics_app.recording.state_hash import StateHash
+from mimics_app.recording.streams import ParameterStream, SampleStream
+from tests.support.recorder_app import scene_block
+
+TICKS = 1000
+
+
+def _fake_tick(data: ReplayData) -> np.ndarray:
+    """A tick with a memory: every output depends on every input so far."""
+    samples = data.samples.copy()
+    inputs = samples.view(np.float64).reshape(len(samples), -1)
+    first, last = (SAMPLE.fields[name][1] // 8 for name in (INPUT_FIELDS[0], OUTPUT_FIELDS[0]))
+    gain = np.array([0.0 if s == 0 else data.blocks[int(s)]["virtual_mass"][0] for s in samples["sequence"]])
+    total = np.cumsum(inputs[:, first:last].sum(axis=1) * gain * 1e-3)
+    for i, name in enumerate(OUTPUT_FIELDS):
+        column = np.sin(total + i)
+        samples[name] = column if samples[name].ndim == 1 else column[:, None] * [1.0, 2.0, 3.0]
+    return samples
+
+
+def _write_run(folder: Path, drop_block: bool = False) -> Path:
+    chance = np.random.default_rng(1)
+    samples = np.zeros(TICKS, SAMPLE)
+    samples["tick"], samples["t"] = np.arange(TICKS), np.arange(TICKS) / 1000
+    for name in ("q", "dq", "f_meas", "grasp"):
+        samples[name] = chance.normal(size=samples[name].shape)
+    samples["sequence"] = np.where(np.arange(TICKS) < 10, 0, np.where(np.arange(TICKS) < 400, 1, 2))
+    blocks = {sequence: scene_block(sequence) for sequence in (1, 2)}
+    for sequence, block in blocks.items():
+        block["virtual_mass"] = 3.0 + sequence
+    recorded = _fake_tick(ReplayData(samples, blocks))
+    stream, parameters = SampleStream(folder, StateHash()), ParameterStream(folder)
+    for first in range(0, TICKS, 50):
+        stream.append(recorded[first : first + 50], first)
+    for sequence, block in blocks.items():
+        if not (drop_block and sequence == 2):
+            parameters.append(block.tobytes())
+    (folder / "session.json").write_text("{}")
+    return folder
+
+
+def test_recorded_inputs_give_the_recorded_outputs(tmp_path: Path) -> None:
+    data = gather(Run.open(_write_run(tmp_path)))
+    assert set(data.blocks) == {1, 2}
+    assert compare(data.samples, _fake_tick(data)) is None
+
+
+def test_one_flipped_bit_of_an_input_is_caught_by_the_checksum(tmp_path: Path) -> None:
+    _write_run(tmp_path)
+    path = tmp_path / "haptic.arrows"
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 1
+    path.write_bytes(content)
+    with pytest.raises(PartialDataError, match="50 ticks are missing after tick"):
+        gather(Run.open(tmp_path))
+
+
+@pytest.mark.parametrize("field", ["q", "dq", "f_meas", "grasp"])
+def test_one_flipped_bit_with_a_mended_checksum_changes_the_outputs(tmp_path: Path, field: str) -> None:
+    """Somebody who writes the file anew passes the checksum, and fails the replay at that very tick."""
+    data = gather(Run.open(_write_run(tmp_path)))
+    samples = data.samples.copy()
+    cell = samples[field].reshape(TICKS, -1)
+    cell.view(np.uint64)[437, 0] ^= np.uint64(1) << np.uint64(44)
+    samples[field] = cell.reshape(samples[field].shape)
+    forged = np.concatenate([decode_samples(encode_samples(samples[i : i + 50], i // 50, i)).records
+                             for i in range(0, TICKS, 50)])  # fmt: skip
+    difference = compare(forged, _fake_tick(ReplayData(forged, data.blocks)))
+    assert difference is not None and difference.tick == 437 and difference.column == "hip_world[0]"
+    assert difference.recorded != difference.replayed and "tick 437, hip_world[0]" in str(difference)
+
+
+def test_comparison_is_of_bits_and_of_outputs_only() -> None:
+    one = np.zeros(5, SAMPLE)
+    other = one.copy()
+    other["lateness_ns"], other["q"][3] = 7.0, 1.0
+    assert compare(one, other) is None
+    other["ramp"][4] = -0.0
+    difference = compare(one, other)
+    assert difference is not None and (difference.tick, difference.column, difference.count) == (0, "ramp", 1)
+    one["s"], other["s"], other["ramp"] = np.nan, np.nan, 0.0
+    assert compare(one, other) is None, "the same not-a-number is the same"
+    with pytest.raises(ValueError, match="5 recorded and 4"):
+        compare(one, other[:4])
+
+
+def test_missing_parameter_block_and_empty_run_cannot_be_replayed(tmp_path: Path) -> None:
+    with pytest.raises(PartialDataError, match="parameter block 2 is missing"):
+        gather(Run.open(_write_run(tmp_path, drop_block=True)))
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "empty" / "session.json").write_text("{}")
+    with pytest.raises(PartialDataError, match="holds no tick"):
+        gather(Run.open(tmp_path / "empty"))
+
+
+def test_checksum_is_crc32_of_the_rows() -> None:
+    """Written down for readers that are not ours: CRC32 over seq and first (int64, little endian), t, then sample."""
+    import pyarrow as pa
+
+    from mimics_app.recording.arrow_format import samples_schema, schema_bytes
+
+    samples = np.zeros(3, SAMPLE)
+    samples["t"], samples["ramp"] = [1, 2, 3], [4, 5, 6]
+    stream = schema_bytes(samples_schema()) + encode_samples(samples, 7, 350)
+    message = pa.ipc.open_stream(stream).read_next_batch_with_custom_metadata()
+    rows = samples.view("<f8").reshape(3, -1)
+    data = np.array([7, 350], "<i8").tobytes() + rows[:, 0].tobytes() + rows[:, 1:].tobytes()
+    assert int(message.custom_metadata[b"crc"], 16) == zlib.crc32(data)

@@ -1,0 +1,196 @@
+"""The report holds every part, needs nothing but itself, and comes out of a damaged run too."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mimics_app.app.cli import main
+from mimics_app.contracts.errors import UsageError
+from mimics_app.recording.attempts import find_attempts, tunnel_shape
+from mimics_app.recording.plot import Axis, Plot, envelope, log_ticks, nice_ticks
+from mimics_app.recording.report import punctuality, write_report
+from mimics_app.recording.report_tables import contact_rows
+from mimics_app.recording.run import Run
+from tests.support.synthetic_run import RADIUS, bisector, samples_of_session, scene_block, write_synthetic_run
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_synthetic_run(tmp_path_factory.mktemp("run"))
+
+
+@pytest.fixture(scope="module")
+def page(folder: Path) -> str:
+    return write_report(folder).read_text()
+
+
+class _Reader(HTMLParser):
+    """Collects tags, and fails on one that closes what is not open."""
+
+    VOID = ("meta", "path", "rect", "circle", "br")
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.seen: set[str] = set()
+        self.links: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.seen.add(tag)
+        self.links += [value or "" for name, value in attrs if name in ("src", "href", "action", "data")]
+        if tag not in self.VOID or (tag in ("path", "rect", "circle") and not self.get_starttag_text().endswith("/>")):
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.seen.add(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+
+def test_page_is_well_formed_and_offline(page: str) -> None:
+    reader = _Reader()
+    reader.feed(page.replace('<meta charset="utf-8">', "").replace("<!doctype html>", ""))
+    assert reader.open in ([], ["meta"])
+    assert reader.links == [] and "script" not in reader.seen and "link" not in reader.seen
+    assert not re.search(r"https?:|//[a-z]|@import|url\(", page)
+    assert not any(ord(c) < 32 and c != "\n" for c in page)
+    assert "nan" not in re.findall(r'd="([^"]*)"', page).__str__()
+
+
+def test_page_holds_every_part(page: str) -> None:
+    for words in (
+        "path of the robot", "bisector of the tunnel", "walls of the tunnel", "lateral [mm]", "vertical [mm]",
+        "force [N]", "tunnel force [N]", "velocity [m/s]", "from bisector [mm]",
+        "Scores", "path error rms [m]", "Contacts: touch, picture and sound", "first frame", "sound after [ms]",
+        "Safety", "E_STOP", "stop key", "Real time", "p99.9", "fifo", "ticks that ended more than 1 ms late",
+        "Settings", "settings.safety.force_limit", "scene_hash", "moderate", "tunnel projection", "Left out",
+        "Environment", "machine.cores", "versions.numpy", "State hash", "trials.csv", "no safety function",
+    ):  # fmt: skip
+        assert words in page, words
+    assert "wavy &lt;1&gt;" in page and "wavy <1>" not in page, "a label is text, not markup"
+
+
+def test_figure_48_colours(page: str) -> None:
+    style = page[page.index("<style>") : page.index("</style>")]
+    assert ".line.robot { stroke: var(--robot)" in style and "--robot: #1559c9" in style
+    assert "--bisector: #c62828" in style and "--wall: #1f8a3b" in style
+    assert "prefers-color-scheme: dark" in style and "@media print" in style
+
+
+def test_tunnel_is_drawn_where_it_is() -> None:
+    """Hermite pieces of a sine: 4th-order, bound h^4/384 max|y''''| = 0.06 (2 pi/0.24)^4 0.045^4/384 = 0.3 mm."""
+    shape = tunnel_shape(scene_block(1, 1, 3))
+    assert shape is not None
+    x, y = shape.bisector_world[:, 0], shape.bisector_world[:, 1]
+    assert np.abs(y - bisector(x)).max() <= 0.06 * (2 * np.pi / 0.24) ** 4 * 0.045**4 / 384
+    assert np.allclose(shape.radius, RADIUS - 0.0012 * np.linspace(0, 8, len(x)), atol=1e-15)
+    assert tunnel_shape(np.zeros(1, scene_block(1, 1, 3).dtype)) is None
+
+
+def test_attempts_are_told_apart_by_the_parameter_blocks(folder: Path) -> None:
+    attempts = find_attempts(Run.open(folder))
+    assert [attempt.number for attempt in attempts] == [1, 2]
+    assert [len(attempt.samples) for attempt in attempts] == [12_000, 12_000]
+    assert [int(attempt.free.sum()) for attempt in attempts] == [10_500, 10_500]
+    assert attempts[0].title == "Trial 1 · wavy <1> · practice · finished · score 81.2"
+
+
+def test_contacts_meet_their_frame_and_their_sound(folder: Path) -> None:
+    rows = contact_rows(Run.open(folder))
+    assert len(rows) > 20
+    for row in rows:
+        frame = int(np.ceil(row["tick"] * 60 / 1000 - 1e-9))
+        assert row["first frame"] in (frame, frame - 1, frame + 1)
+        assert 0 <= row["frame after [ms]"] <= 17
+        assert row["sound after [ms]"] == pytest.approx(10.0)
+        assert row["peak force [N]"] == pytest.approx(1.2 * row["depth [mm]"])
+        assert row["lasted [ms]"] >= 1
+
+
+def test_lateness_comes_from_the_rows() -> None:
+    samples = samples_of_session(10.0)
+    result = punctuality(samples)
+    assert result is not None
+    late = samples[1000:]
+    assert result.max == pytest.approx(late["lateness_ns"].max() * 1e-3)
+    assert result.missed == int((late["lateness_ns"] + late["duration_ns"] > 1e6).sum()) > 0
+    assert punctuality(samples_of_session(2.0, live=False)) is None
+
+
+def test_interrupted_run_is_reported_and_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write_synthetic_run(tmp_path, 6.0, closed=False)
+    path = tmp_path / "haptic.arrows"
+    os.truncate(path, path.stat().st_size * 2 // 3)
+    assert main(["report", str(tmp_path), "--json"]) == 6
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["status"] == "open" and any("never closed" in problem for problem in answer["problems"])
+    text = Path(answer["report"]).read_text()
+    assert "This recording is not whole" in text and "path of the robot" in text
+
+
+def test_run_without_anything_is_still_reported(tmp_path: Path) -> None:
+    (tmp_path / "session.json").write_text("{")
+    text = write_report(tmp_path).read_text()
+    assert "No tick was recorded" in text and "No trial was finished" in text
+    with pytest.raises(UsageError):
+        write_report(tmp_path / "nothing")
+
+
+def test_record_command_mends_and_verifies(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write_synthetic_run(tmp_path, 4.0, closed=False)
+    assert main(["record", "info", str(tmp_path)]) == 6
+    assert main(["record", "recover", str(tmp_path), "--json"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    answer = json.loads(lines[-1])
+    assert answer["status"] == "recovered" and answer["ticks"] == 4000
+    with (tmp_path / "trials.csv").open("a") as file:
+        file.write("x")
+    assert main(["record", "verify", str(tmp_path)]) == 6
+    assert "trials.csv was changed" in capsys.readouterr().out
+
+
+# the plots
+
+
+def test_envelope_keeps_every_peak() -> None:
+    values = np.zeros(100_000)
+    values[[77, 50_001, 99_999]] = 5.0
+    values[31_234] = -3.0
+    t = np.arange(100_000.0)
+    x, y = envelope(t, values, 500)
+    assert len(y) <= 1000 and np.all(np.diff(x) > 0)
+    assert sorted(x[y != 0]) == [77, 31_234, 50_001, 99_999]
+    assert np.array_equal(envelope(t[:10], values[:10])[1], values[:10])
+
+
+@pytest.mark.parametrize(("low", "high"), [(0, 1), (-0.03, 0.07), (1e-9, 3e-9), (-5000, 12345), (999.9, 1000.1)])
+def test_ticks_are_few_round_and_inside(low: float, high: float) -> None:
+    ticks = nice_ticks(low, high)
+    assert 2 <= len(ticks) <= 13
+    assert ticks[0] >= low - 1e-9 * (high - low) and ticks[-1] <= high + 1e-9 * (high - low)
+    assert log_ticks(0.5, 2000.0) == [1.0, 10.0, 100.0, 1000.0]
+
+
+def test_equal_axes_have_one_scale() -> None:
+    """One millimetre is as long upwards as sideways, whichever range is the longer."""
+    for x, y in ((Axis("x", 0, 100), Axis("y", 0, 10)), (Axis("x", 0, 1), Axis("y", 0, 50))):
+        plot = Plot.equal(x, y, "t")
+        across = float(np.diff(plot._pixels(np.array([0.0, 1.0]), np.zeros(2))[0])[0])
+        upwards = float(-np.diff(plot._pixels(np.zeros(2), np.array([0.0, 1.0]))[1])[0])
+        assert across == pytest.approx(upwards)
+        assert plot.x.low <= x.low + 1e-9 and plot.y.high >= y.high - 1e-9
+
+
+def test_flat_and_empty_data_have_an_axis() -> None:
+    for data in (np.zeros(3), np.full(3, 7.0), np.array([]), np.array([np.nan])):
+        axis = Axis.of("a", data, zero=True)
+        assert axis.high > axis.low
+        assert len(axis.ticks()) > 1
