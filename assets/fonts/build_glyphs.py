@@ -28,6 +28,7 @@ KERNED = "AFLPTVWYvwyfrkKR.,-'" + "aceousTVWYA"
 
 
 def main() -> None:
+    """Build both files beside this script."""
     here = Path(__file__).resolve().parent
     fonts = Path(sys.argv[1]) if len(sys.argv) > 1 else Path("/usr/share/fonts/truetype/dejavu")
     shelf = _Shelf()
@@ -102,8 +103,9 @@ def _distance_cell(ink: NDArray[np.bool_]) -> NDArray[np.uint8]:
     signed = _distance(~ink) - _distance(ink)
     middle = OVERSAMPLE // 2
     # The middle of an atlas pixel lies on the corner of four large ones.
-    corners = signed[middle - 1 :: OVERSAMPLE, middle - 1 :: OVERSAMPLE] + signed[middle::OVERSAMPLE, middle::OVERSAMPLE]
-    value = 0.5 - 0.5 * corners / (OVERSAMPLE * SPREAD)
+    before = signed[middle - 1 :: OVERSAMPLE, middle - 1 :: OVERSAMPLE]
+    after = signed[middle::OVERSAMPLE, middle::OVERSAMPLE]
+    value = 0.5 - 0.5 * (before + after) / (OVERSAMPLE * SPREAD)
     return np.asarray(np.clip(np.round(255.0 * value), 0, 255), np.uint8)
 
 

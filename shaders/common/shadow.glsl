@@ -5,7 +5,7 @@ layout(binding = 1) uniform sampler2DShadow shadow_map;
 // Four bilinear comparisons one texel apart weigh the 3 x 3 texels around a point (1-f, 1, f) each way. Each residue
 // of the texel number modulo 2 gets the same total, so that the 2 x 2 pattern of translucent casters leaves no trace.
 float sun_visibility(vec3 position_eye, vec3 normal) {
-    vec3 lifted = position_eye + normal * (1.5 * shadow.y);
+    vec3 lifted = position_eye + normal * (0.5 * shadow.y);
     vec3 at = (shadow_from_eye * vec4(lifted, 1.0)).xyz;
     float half_texel = 0.5 * shadow.x;
     vec4 lit = vec4(

@@ -31,7 +31,8 @@ def make_torus(major: float, minor: float, segments: int = 64, sides: int = 24) 
     axis = np.array([1.0, 0.0, 0.0])
     normals = np.cos(angle)[:, None] * ring[:, None, :] + np.sin(angle)[:, None] * axis
     positions = major * ring[:, None, :] + minor * normals
-    return MeshData(*_f4(positions.reshape(-1, 3), normals.reshape(-1, 3)), _grid_indices(segments + 1, sides + 1)).validated()
+    flat = (positions.reshape(-1, 3).astype(np.float32), normals.reshape(-1, 3).astype(np.float32))
+    return MeshData(*flat, _grid_indices(segments + 1, sides + 1)).validated()
 
 
 def make_tunnel_world() -> World:
@@ -91,7 +92,3 @@ def _grid_indices(rows: int, columns: int) -> NDArray[np.uint32]:
     first = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).reshape(-1, 1)
     corners = np.array([0, columns, 1, 1, columns, columns + 1])
     return (first + corners).reshape(-1).astype(np.uint32)
-
-
-def _f4(*arrays: F8) -> list[NDArray[np.float32]]:
-    return [np.ascontiguousarray(array, np.float32) for array in arrays]

@@ -68,10 +68,12 @@ class _EglSurface(Surface):
 def _create_egl_context() -> moderngl.Context:
     import moderngl
 
+    create: Any = moderngl.create_context  # its signature leaves out the settings it hands on to the backend
     try:
-        return moderngl.create_context(standalone=True, backend="egl", require=GL_REQUIRED)  # type: ignore[call-arg]
+        context: moderngl.Context = create(standalone=True, backend="egl", require=GL_REQUIRED)
     except Exception as error:  # glcontext raises plain Exception
         raise DeviceError(f"no EGL context with OpenGL 4.3 ({error})", _APT_EGL) from error
+    return context
 
 
 class _OSMesaLoader:

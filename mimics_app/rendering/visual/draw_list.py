@@ -89,6 +89,7 @@ class FrameBuffers:
         """Issue one run with its look already bound."""
         import moderngl
 
+        assert self.buffer is not None, "runs are drawn after upload"
         array = arena.vertex_array(run.look.shadow_shader if shadow else run.look.shader)
         array.render_indirect(self.buffer, moderngl.TRIANGLES, run.count, first=run.first)
 

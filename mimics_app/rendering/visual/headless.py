@@ -24,7 +24,7 @@ OFFSCREEN = ("egl", "osmesa")
 
 @dataclass(frozen=True)
 class FrameSet:
-    """What `render_frames` made: the files in order, and the median time of a frame, pictures' writing left out [ms]."""
+    """What `render_frames` made: the files in order, and the median time of drawing a frame [ms]."""
 
     files: list[Path]
     ms_median: float

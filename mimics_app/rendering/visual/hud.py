@@ -66,7 +66,15 @@ class Hud:
         return np.array(self._rows, HUD_ROW) if self._rows else np.zeros(0, HUD_ROW)
 
     def box(
-        self, x: float, y: float, width: float, height: float, colour: Colour, *, radius: float = 0.0, border: float = 0.0
+        self,
+        x: float,
+        y: float,
+        width: float,
+        height: float,
+        colour: Colour,
+        *,
+        radius: float = 0.0,
+        border: float = 0.0,
     ) -> None:
         """A rounded box, filled, or hollow where `border` is its line's width [hud px]."""
         if width <= 0.0 or height <= 0.0:
@@ -138,6 +146,20 @@ class Hud:
         """Width of a line of text [hud px]."""
         return self.atlas.face(bold=bold).measure(text) * size
 
+    def wrap(self, text: str, size: float, width: float, lines: int, *, bold: bool = False) -> list[str]:
+        """Break text at spaces into at most `lines` lines of `width` [hud px]; longer text ends in an ellipsis."""
+        out: list[str] = []
+        rest = text.split()
+        while rest and len(out) < lines:
+            count = 1
+            while count < len(rest) and self.measure(" ".join(rest[: count + 1]), size, bold=bold) <= width:
+                count += 1
+            last = len(out) == lines - 1
+            line = " ".join(rest if last else rest[:count])
+            out.append(self._shorten(line, size, width, bold=bold))
+            rest = rest[count:]
+        return out
+
     def image(
         self, box: tuple[float, float, float, float], layer: int, *, radius: float = 0.0, tint: Colour = (1, 1, 1, 1)
     ) -> None:
@@ -151,8 +173,6 @@ class Hud:
             text = text[:-1]
         return text.rstrip() + "…"
 
-    def _add(
-        self, box: tuple[float, ...], picture: tuple[float, ...], tint: Colour, style: tuple[float, ...]
-    ) -> None:
+    def _add(self, box: tuple[float, ...], picture: tuple[float, ...], tint: Colour, style: tuple[float, ...]) -> None:
         self._rows.append((box, picture, tint, style))
         self.revision += 1

@@ -63,7 +63,8 @@ class Lighting:
     def fill_places(self, block: NDArray[np.void], eye_world: F8) -> None:
         """Write the point and spot lights into a view block, relative to its eye."""
         for index, light in enumerate(self.places):
-            block["light_position"][index] = (*(light.position_world - eye_world), light.range if math.isfinite(light.range) else 0.0)
+            reach = light.range if math.isfinite(light.range) else 0.0
+            block["light_position"][index] = (*(light.position_world - eye_world), reach)
             outer = math.cos(light.outer_cone) if light.kind == "spot" else -2.0
             block["light_colour"][index] = (*(light.intensity * np.asarray(light.colour)), outer)
             block["light_direction"][index] = (*light.direction_world, math.cos(light.inner_cone))

@@ -14,7 +14,7 @@ from mimics_app.world.world import World
 if TYPE_CHECKING:
     import moderngl
 
-__all__ = ["MaterialStore", "Look"]
+__all__ = ["Look", "MaterialStore"]
 
 _BLOCK = np.dtype(
     [("base_colour", "f4", (4,)), ("emission", "f4", (4,)), ("finish", "f4", (4,)), ("uv_scale", "f4", (4,))]
@@ -165,8 +165,7 @@ def _make_texture(ctx: moderngl.Context, picture: TextureData) -> moderngl.Textu
         if side == "mirror":
             pixels = np.concatenate([pixels, np.flip(pixels, axis)], axis)
     height, width = pixels.shape[:2]
-    options = {"internal_format": _SRGB8_ALPHA8} if picture.srgb else {}
-    texture = ctx.texture((width, height), 4, pixels.tobytes(), **options)
+    texture = ctx.texture((width, height), 4, pixels.tobytes(), internal_format=_SRGB8_ALPHA8 if picture.srgb else None)
     texture.repeat_x, texture.repeat_y = (side != "clamp" for side in picture.wrap)
     if picture.filter == "trilinear":
         texture.build_mipmaps()

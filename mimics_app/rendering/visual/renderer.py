@@ -132,9 +132,7 @@ class Renderer:
                 shadow_runs = self._list.batch_casters(self._frame, casters, lighting.shadow.centre)
         view_runs = [self._list.batch_view(self._frame, view) for view in views]
         self._frame.upload(self._arena)
-        draws = draw_shadow(
-            self._surface.ctx, self._arena, self._frame, self._shadow, lighting.shadow, shadow_runs
-        )
+        draws = draw_shadow(self._surface.ctx, self._arena, self._frame, self._shadow, lighting.shadow, shadow_runs)
         self._shadow.bind()
         target = self._picture.begin()
         target.use()
@@ -151,12 +149,11 @@ class Renderer:
         self, target: moderngl.Framebuffer, view: View, opaque: list[DrawRun], transparent: list[DrawRun]
     ) -> int:
         ctx = self._surface.ctx
-        target.viewport = target.scissor = view.rectangle
+        target.viewport = view.rectangle
         self._block.bind()
         draws = draw_opaque(ctx, self._arena, self._frame, opaque)
         draws += self._sky.draw()
         draws += draw_transparent(target, self._arena, self._frame, transparent)
-        target.scissor = None
         return draws
 
     def _draw_hud(self, views: Sequence[View]) -> int:

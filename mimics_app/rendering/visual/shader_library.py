@@ -5,7 +5,10 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from mimics_app.contracts import resources
 from mimics_app.contracts.errors import Issue, SceneError
@@ -40,6 +43,16 @@ class ShaderProgram:
     program: moderngl.Program
     revision: int = 0
     files: dict[Path, int] = field(default_factory=dict)
+
+    def set_matrix(self, name: str, matrix: NDArray[np.float64]) -> None:
+        """Give a mat4 uniform its value (column vectors, float64 [4, 4]); uploaded as float32."""
+        uniform: Any = self.program[name]
+        uniform.write(np.ascontiguousarray(matrix.T, np.float32))
+
+    def set_number(self, name: str, value: float) -> None:
+        """Give a float uniform its value."""
+        uniform: Any = self.program[name]
+        uniform.value = value
 
 
 class ShaderLibrary:

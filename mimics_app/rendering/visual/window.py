@@ -171,7 +171,7 @@ class WindowSurface(Surface):
 
 def _open_window(glfw: ModuleType, size: Size, title: str) -> Any:
     # Errors come back as return values, turned into one DeviceError here, instead of as warnings on stderr.
-    glfw.ERROR_REPORTING = False
+    glfw.ERROR_REPORTING = False  # type: ignore[attr-defined]  # the module's documented switch
     if not glfw.init():
         raise DeviceError("no display for a window", _NO_DISPLAY)
     glfw.default_window_hints()

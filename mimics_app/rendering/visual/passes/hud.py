@@ -86,13 +86,12 @@ class HudPass:
         if hud.empty:
             return 0
         self._upload(hud)
-        program = self._shader.program
-        program["clip_from_hud"].write(np.ascontiguousarray(_clip_from_hud(view, plane).T, np.float32))
-        program["glyph_spread"].value = hud.atlas.spread
+        self._shader.set_matrix("clip_from_hud", _clip_from_hud(view, plane))
+        self._shader.set_number("glyph_spread", hud.atlas.spread)
         ctx = self._ctx
-        ctx.fbo.viewport = view.rectangle
+        ctx.viewport = view.rectangle
         ctx.enable_only(moderngl.BLEND)
-        ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA, moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
+        ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
         self._bind(hud)
         self._vertex_array().render(moderngl.TRIANGLE_STRIP, vertices=4, instances=self._count)
         return 1

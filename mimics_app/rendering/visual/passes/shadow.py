@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from mimics_app.rendering.visual.draw_list import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.lighting import ShadowFrustum
 from mimics_app.rendering.visual.mesh_arena import MeshArena
@@ -16,9 +14,9 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_shadow"]
 
-_SLOPE_BIAS, _CONSTANT_BIAS = 1.5, 4.0
-"""Depth bias: depth slopes per texel, and smallest depth steps. With the normal offset of shadow.glsl no surface
-shades itself at 1024 texels; larger values let light in under thin edges."""
+_SLOPE_BIAS, _CONSTANT_BIAS = 2.5, 4.0
+"""Depth bias: depth slopes per texel, and smallest depth steps. The filter reaches 1.5 texels, so that 1.5
+would do for planes; curved surfaces need more, and still more lets light in under thin edges."""
 
 
 def draw_shadow(
@@ -41,12 +39,11 @@ def draw_shadow(
         return 0
     clip_from_centre = frustum.clip_from_world.copy()
     clip_from_centre[:3, 3] += frustum.clip_from_world[:3, :3] @ frustum.centre
-    matrix = np.ascontiguousarray(clip_from_centre.T, np.float32)
     ctx.enable_only(moderngl.DEPTH_TEST)
     ctx.polygon_offset = (_SLOPE_BIAS, _CONSTANT_BIAS)
     for run in runs:
         run.look.bind()
-        run.look.shadow_shader.program["clip_from_eye"].write(matrix)
+        run.look.shadow_shader.set_matrix("clip_from_eye", clip_from_centre)
         frame.draw(arena, run, shadow=True)
     ctx.polygon_offset = (0.0, 0.0)
     return len(runs)
