@@ -1,6 +1,6 @@
 """The stages of D2.1 Figure 1 as the frame calls them, left to right; each may be replaced by its null form.
 
-    inputs -> dsp -> estimation -> learning -> tasks -> (haptic, visual, audio rendering)
+inputs -> dsp -> estimation -> learning -> tasks -> (haptic, visual, audio rendering)
 """
 
 from __future__ import annotations

@@ -16,11 +16,13 @@ from typing import Any, TypeGuard
 
 from mimics_app.contracts.action_space import ActionSpace
 from mimics_app.contracts.errors import Issue, SceneError, nearest
-from mimics_app.contracts.json_file import pointer_step, read_json
 from mimics_app.contracts.messages import TaskAction, UserState
+from mimics_app.world.json_text import escape, parse_json
+from mimics_app.world.scene_source import read_bytes
 
 __all__ = ["ActionSequence", "TimedAction", "load_action_sequence"]
 
+_MAX_BYTES = 4 << 20
 _KEYS = ("t", "trial", "values")
 
 
@@ -64,15 +66,16 @@ def load_action_sequence(path: Path, space: ActionSpace) -> ActionSequence:
     Raises:
         SceneError: with every fault: no such file, no list, unknown parameters, values outside their limits.
     """
-    document = read_json(path, fix_missing="check the name after --action")
+    file = str(path)
+    document, issues = parse_json(read_bytes(path, file, _MAX_BYTES), file)
     if not isinstance(document, list):
         fix = 'write [{"t": 0, "values": {...}}, ...]'
-        raise SceneError(Issue(str(path), "", "is no list of actions", fix))
+        raise SceneError(Issue(file, "", "is no list of actions", fix))
+    known = {issue.pointer for issue in issues}
     faults = [fault for i, entry in enumerate(document) for fault in _check_entry(entry, f"/{i}", space)]
-    if not faults:
-        faults += _check_trials_differ(document)
-    if faults:
-        raise SceneError(Issue(str(path), *fault) for fault in faults)
+    issues += [Issue(file, *fault) for fault in faults or _check_trials_differ(document) if fault[0] not in known]
+    if issues:
+        raise SceneError(issues)
     return ActionSequence([_timed_action(entry) for entry in document])
 
 
@@ -91,14 +94,14 @@ def _check_entry(entry: object, pointer: str, space: ActionSpace) -> Iterator[_F
         return
     for name in entry:
         if name not in _KEYS and not name.startswith("x-"):
-            yield f"{pointer}/{pointer_step(name)}", f'"{name}" is no key of an action', nearest(name, _KEYS)
+            yield f"{pointer}/{escape(name)}", f'"{name}" is no key of an action', nearest(name, _KEYS)
     yield from _check_moment(entry, pointer)
     values = entry.get("values")
     if not isinstance(values, Mapping) or not values:
         yield f"{pointer}/values", "has no parameter values", 'write {"NAME": number}'
         return
     for name, value in values.items():
-        yield from _check_value(name, value, f"{pointer}/values/{pointer_step(name)}", space)
+        yield from _check_value(name, value, f"{pointer}/values/{escape(name)}", space)
 
 
 def _check_moment(entry: Mapping[str, Any], pointer: str) -> Iterator[_Fault]:

@@ -13,6 +13,9 @@ __all__ = ["Adaptation"]
 class Adaptation:
     """Values now, values aimed at, and actions that wait for their trial.
 
+    What the trial list says of a trial holds for that trial only: the next one begins with the session's values again,
+    which are the defaults and whatever actions made of them. So a condition means the same wherever it is drawn.
+
     A parameter with a `rate` moves towards its aim by at most rate * dt; one without changes at the next trial border.
 
     Attributes:
@@ -23,6 +26,7 @@ class Adaptation:
     def __init__(self, space: ActionSpace) -> None:
         self._space = space
         self.values = space.defaults()
+        self._session = dict(self.values)
         self._aims = dict(self.values)
         self._waiting: dict[int, dict[str, float]] = {}
         self.clipped: tuple[str, ...] = ()
@@ -36,20 +40,22 @@ class Adaptation:
         """Aim at an action's values now, or keep them for its trial."""
         allowed, self.clipped = self._space.clip(action)
         if allowed.at_trial is None:
+            self._session.update(allowed.values)
             self._aims.update(allowed.values)
         else:
             self._waiting.setdefault(allowed.at_trial, {}).update(allowed.values)
 
     def begin_trial(self, number: int, values: Mapping[str, float]) -> None:
-        """Set everything at a trial border: the trial list's values first, then the actions that waited for it.
+        """Set everything at a trial border: the session's values, the trial list's, the actions that waited for it.
 
         Args:
             number: Of the trial, 0 first. Actions for earlier trials that never began are applied too.
             values: From the trial list.
         """
         allowed, self.clipped = self._space.clip(TaskAction(values))
-        self._aims.update(allowed.values)
+        self._aims = {**self._session, **allowed.values}
         for due in sorted(trial for trial in self._waiting if trial <= number):
+            self._session.update(self._waiting[due])
             self._aims.update(self._waiting.pop(due))
         self.values = dict(self._aims)
 

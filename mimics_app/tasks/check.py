@@ -10,9 +10,9 @@ import numpy as np
 
 from mimics_app.contracts.errors import Issue, nearest
 from mimics_app.contracts.haptic import SCENE
-from mimics_app.contracts.json_file import pointer_step
 from mimics_app.tasks.actions import TARGET_GROUPS, TASK_TARGETS
 from mimics_app.tasks.task import ActionDeed, BlockSpec, MapSpec, ParameterSpec, ScorePartSpec, TaskSpec
+from mimics_app.world.json_text import escape
 
 __all__ = ["check_blocks", "check_task", "haptic_targets"]
 
@@ -29,7 +29,7 @@ def check_task(spec: TaskSpec, pointer: str = "/task", file: str = "") -> list[I
     """
     faults = list(_check_finite(msgspec.to_builtins(spec), pointer))
     for name, parameter in spec.parameters.items():
-        faults += _check_parameter(parameter, f"{pointer}/parameters/{pointer_step(name)}")
+        faults += _check_parameter(parameter, f"{pointer}/parameters/{escape(name)}")
     for i, trigger in enumerate(spec.triggers):
         for j, deed in enumerate(trigger.do):
             if isinstance(deed, ActionDeed):
@@ -68,7 +68,7 @@ def _check_finite(value: object, pointer: str) -> Iterator[_Fault]:
         yield pointer, f"{value} is no finite number", "write a number"
     elif isinstance(value, Mapping):
         for name, item in value.items():
-            yield from _check_finite(item, f"{pointer}/{pointer_step(str(name))}")
+            yield from _check_finite(item, f"{pointer}/{escape(str(name))}")
     elif isinstance(value, list | tuple):
         for i, item in enumerate(value):
             yield from _check_finite(item, f"{pointer}/{i}")
@@ -112,7 +112,7 @@ def _check_table(target: MapSpec, parameter: ParameterSpec, pointer: str) -> Ite
 
 def _check_values(values: Mapping[str, float], known: Mapping[str, ParameterSpec], pointer: str) -> Iterator[_Fault]:
     for name, value in values.items():
-        place = f"{pointer}/{pointer_step(name)}"
+        place = f"{pointer}/{escape(name)}"
         if name not in known:
             hint = nearest(name, known) if known else "the task has no parameters; add them under task/parameters"
             yield place, f'no parameter is called "{name}"', hint

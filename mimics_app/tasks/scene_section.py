@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from mimics_app.contracts.errors import Issue, nearest
 from mimics_app.tasks.check import check_task
 from mimics_app.tasks.task import SoundDeed, TaskSpec
+from mimics_app.world.components import Sound
 from mimics_app.world.registry import register_section
 
 if TYPE_CHECKING:
@@ -18,7 +19,7 @@ __all__ = ["check_section"]
 def check_section(spec: TaskSpec, scene: Scene) -> list[Issue]:
     """Faults of a scene's task, those against the rest of the scene included."""
     issues = [scene.issue(issue.pointer, issue.what, issue.fix) for issue in check_task(spec)]
-    sounds = {entity for entity, _, _ in scene.components("sound")}
+    sounds = {entity for entity, _, _ in scene.components(Sound)}
     for i, trigger in enumerate(spec.triggers):
         for j, deed in enumerate(trigger.do):
             if isinstance(deed, SoundDeed) and deed.sound not in sounds:

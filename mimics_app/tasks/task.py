@@ -180,7 +180,9 @@ class TrialSpec(Component, frozen=True):
     label: Annotated[str, Meta(description="Name of the condition, for the results.")] = ""
     values: Annotated[
         dict[str, float],
-        Meta(description="Parameter values set before the trial; parameters not named keep their value."),
+        Meta(
+            description="Parameter values set before the trial; others have their default, or what an action gave them."
+        ),
     ] = field(default_factory=dict)
     time_limit_s: Annotated[Positive | None, Meta(description="Instead of the task's [s].")] = None
     rest_s: Annotated[Seconds | None, Meta(description="Rest after this trial, instead of the task's [s].")] = None

@@ -2,34 +2,39 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Annotated
 
 import msgspec
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.json_file import pointer_step, read_json
 from mimics_app.tasks.check import check_blocks
 from mimics_app.tasks.task import BlockSpec, TaskSpec
+from mimics_app.world.json_text import parse_json
+from mimics_app.world.paths import PathFault, find_file
+from mimics_app.world.scene_source import read_bytes
+from mimics_app.world.struct_reader import FAILED, read_struct
 
-__all__ = ["load_blocks", "resolve_trials", "trial_file_path"]
+__all__ = ["find_trial_file", "load_blocks", "resolve_trials"]
+
+_MAX_BYTES = 4 << 20
+_Blocks = Annotated[list[BlockSpec], msgspec.Meta(min_length=1)]
 
 
-def resolve_trials(spec: TaskSpec, folder: Path) -> TaskSpec:
+def resolve_trials(spec: TaskSpec, folder: Path, root: Path | None = None) -> TaskSpec:
     """The same task with its trial file, if it names one, read.
 
     Args:
         spec: The task.
-        folder: Folder of the scene file; the trial file must lie inside it.
+        folder: Folder of the scene file.
+        root: Folder the trial file must lie inside; None: `folder`.
 
     Raises:
         SceneError: with every fault of the trial file.
     """
     if not isinstance(spec.trials, str):
         return spec
-    path = trial_file_path(spec.trials, folder)
+    path = find_trial_file(spec.trials, folder, root)
     blocks = load_blocks(path)
     issues = check_blocks(spec, blocks, "", str(path))
     if issues:
@@ -37,44 +42,29 @@ def resolve_trials(spec: TaskSpec, folder: Path) -> TaskSpec:
     return msgspec.structs.replace(spec, trials=blocks)
 
 
-def trial_file_path(name: str, folder: Path) -> Path:
-    """Where a trial file lies; SceneError when that is outside the scene's folder."""
-    path = (folder / name).resolve()
-    if not path.is_relative_to(folder.resolve()):
-        raise SceneError(Issue(name, "", "lies outside the scene's folder", "put the trial file beside the scene"))
-    return path
+def find_trial_file(name: str, folder: Path, root: Path | None = None) -> Path:
+    """Where a trial file lies; SceneError when there is none, or it lies outside the root."""
+    try:
+        return find_file(name, folder, root or folder)
+    except PathFault as fault:
+        raise SceneError(Issue(name, "", fault.what, fault.fix or "check the name under task/trials")) from fault
 
 
 def load_blocks(path: Path) -> list[BlockSpec]:
     """Read a JSON list of blocks.
 
     Raises:
-        SceneError: no such file, no JSON, or blocks that are none; one issue per faulty block.
+        SceneError: no such file, no JSON, or with every fault of every block.
     """
-    document = read_json(path, fix_missing="check the name under task/trials")
-    if not isinstance(document, list) or not document:
-        raise SceneError(Issue(str(path), "", "is no list of blocks", 'write [{"trials": [...]}, ...]'))
-    blocks: list[BlockSpec] = []
-    issues: list[Issue] = []
-    for i, item in enumerate(document):
-        try:
-            blocks.append(msgspec.convert(_without_notes(item), BlockSpec))
-        except msgspec.ValidationError as error:
-            what, _, place = str(error).partition(" - at ")
-            issues.append(Issue(str(path), f"/{i}{_pointer(place)}", what))
-    if issues:
+    file = str(path)
+    document, issues = parse_json(read_bytes(path, file, _MAX_BYTES), file)
+    known = {issue.pointer for issue in issues}
+
+    def report(place: str, what: str, fix: str) -> None:
+        if place not in known:
+            issues.append(Issue(file, place, what, fix))
+
+    blocks = read_struct(_Blocks, document, report)
+    if issues or blocks is FAILED:
         raise SceneError(issues)
-    return blocks
-
-
-def _without_notes(item: Any) -> Any:
-    """The item without `x-` keys, which belong to other programs and to people."""
-    if isinstance(item, Mapping):
-        return {name: _without_notes(value) for name, value in item.items() if not name.startswith("x-")}
-    return [_without_notes(value) for value in item] if isinstance(item, list) else item
-
-
-def _pointer(place: str) -> str:
-    """A place `$.a[0].b` of msgspec as JSON pointer /a/0/b; a key it will not name (`[...]`) ends the pointer."""
-    steps = re.findall(r"\.([^.\[`]+)|\[(\d+)\]", place.partition("[...]")[0])
-    return "".join(f"/{pointer_step(name or index)}" for name, index in steps)
+    return list(blocks)

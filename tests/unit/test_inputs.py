@@ -82,11 +82,22 @@ def test_what_a_ray_meets_lies_on_the_plane_and_within_reach(azimuth, origin, di
         ((0.0, 1.0, 1.0), (1.0, 0.0, -0.019)),
         ((0.0, 1.0, 1.0), (0.0, 0.0, 1.0)),
         ((0.0, 1.0, 1.0), (0.0, 0.0, 0.0)),
+        ((0.0, 1.0, 1.0), (0.0, 0.0, -5e-324)),
         ((0.0, math.nan, 1.0), (0.0, math.nan, math.nan)),
         ((0.0, 1.0, math.inf), (0.0, 0.0, -1.0)),
         None,
     ],
-    ids=["parallel", "in the plane", "grazing", "behind", "no direction", "NaN", "infinite", "no view"],
+    ids=[
+        "parallel",
+        "in the plane",
+        "grazing",
+        "behind",
+        "no direction",
+        "subnormal direction",
+        "NaN",
+        "infinite",
+        "no view",
+    ],
 )
 def test_ray_that_meets_no_plane_leaves_the_cursor_alone(ray):
     assert PLANE.meet(ray) is None

@@ -185,6 +185,14 @@ def test_rate_limits_the_way_and_ends_exactly_at_the_aim():
     assert seen[6] == -0.3
 
 
+def test_values_of_a_trial_hold_for_that_trial_only():
+    adaptation = Adaptation(SPACE)
+    adaptation.begin_trial(0, {"stiffness": 1900.0})
+    adaptation.take(TaskAction({"radius": 1.5}))
+    adaptation.begin_trial(1, {})
+    assert adaptation.values == {"radius": 1.5, "stiffness": 800.0}  # the action stays, the condition does not
+
+
 def test_actions_for_a_trial_come_after_its_list_and_late_ones_are_not_lost():
     adaptation = Adaptation(SPACE)
     adaptation.take(TaskAction({"stiffness": 900.0}, at_trial=0))
@@ -221,13 +229,13 @@ def test_action_file_is_replayed_each_action_once_at_its_time(tmp_path):
         ([{"t": 0, "values": {"raduis": 1}}], [("/0/values/raduis", 'did you mean "radius"')]),
         ([{"t": 0, "values": {"radius": 3}}], [("/0/values/radius", "inside")]),
         ([{"t": 0, "values": {"radius": True}}], [("/0/values/radius", "0.5 to 2")]),
-        ('[{"t": 0, "values": {"radius": NaN}}]', [("/0/values/radius", "0.5 to 2")]),
+        ('[{"t": 0, "values": {"radius": NaN}}]', [("/0/values/radius", "write a number")]),
         ('[{"t": 0, "values": {"radius": 1' + "0" * 400 + "}}]", [("/0/values/radius", "0.5 to 2")]),
         ([{"t": 0, "values": {"a/b": 1}}], [("/0/values/a~1b", "known: radius, stiffness")]),
         ([{"values": {"radius": 1}}], [("/0", "exactly one")]),
         ([{"t": 0, "trial": 1, "values": {"radius": 1}}], [("/0", "exactly one")]),
         ([{"t": -1, "values": {"radius": 1}}], [("/0/t", "seconds")]),
-        ('[{"t": Infinity, "values": {"radius": 1}}]', [("/0/t", "seconds")]),
+        ('[{"t": Infinity, "values": {"radius": 1}}]', [("/0/t", "write a number")]),
         ([{"trial": 1.5, "values": {"radius": 1}}], [("/0/trial", "whole")]),
         ([{"trial": -1, "values": {"radius": 1}}], [("/0/trial", "whole")]),
         ([{"t": 0, "values": {}}], [("/0/values", "NAME")]),
@@ -253,7 +261,7 @@ def test_each_fault_of_an_action_file_has_its_pointer_and_fix(tmp_path, document
 
 
 def test_action_file_that_is_not_there(tmp_path):
-    with pytest.raises(SceneError, match="--action"):
+    with pytest.raises(SceneError, match="no such file"):
         load_action_sequence(tmp_path / "none.json", SPACE)
 
 

@@ -53,14 +53,15 @@ def test_approach_aims_at_the_start_and_holding_at_where_the_robot_is():
     assert player.scene["target"] == START
     player.until("travel")
     end = np.array([0.1, 0.3, -0.1])
-    while player.manager.state != "rest":
+    while player.manager.state == "travel":
+        player.q = end
+        player.step()
+    assert player.scene["target"] == tuple(end)
+    while player.manager.state != "approach":
+        assert player.scene["target"] == tuple(end)  # the rest goes on holding, it does not follow a drifting arm
         player.q = end + 1e-3 * player.frame
         player.step()
-    held = player.scene["target"]
-    assert held != START
-    player.q = end
-    player.step()
-    assert player.scene["target"] == held  # the rest goes on holding, it does not follow a drifting arm
+    assert player.scene["target"] == START
 
 
 def test_unchanged_orders_are_not_repeated():
@@ -364,6 +365,13 @@ def test_progress_is_crossed_once_per_trial_even_when_it_swings():
     swing = (0.4, 0.5, 0.4, 0.6, 0.4, 0.7)
     messages = [player.step(progress=progress, frame_ns=100_000_001).hud["message"] for progress in swing]
     assert [message == "half way" for message in messages] == [False, True, False, False, False, False]
+
+
+def test_progress_is_crossed_even_in_the_frame_that_ends_the_travel():
+    player = triggered()
+    player.until("travel")
+    assert player.step(progress=1.0).hud["message"] == "half way"
+    assert player.manager.state == "finished"
 
 
 def test_weak_contacts_and_contacts_outside_travel_do_not_trigger():

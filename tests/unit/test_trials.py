@@ -111,13 +111,14 @@ def test_unread_trial_file_is_a_programming_error():
     [
         ([{"trials": [{"values": {"raduis": 1}}]}], [("/0/trials/0/values/raduis", 'did you mean "radius"')]),
         ([{"trials": [{"values": {"radius": 3}}]}], [("/0/trials/0/values/radius", "inside the limits")]),
-        ([{"trials": []}, {"order": "random"}], [("/0/trials", ""), ("/1/order", "")]),
-        ([{"trials": [{"values": {"radius": "wide"}}]}], [("/0/trials/0/values", "")]),
-        ([{"trails": [{}]}], [("/0", "")]),
+        ([{"trials": []}, {"order": "random"}], [("/0/trials", ""), ("/1/order", "known: latin, listed, shuffled")]),
+        ([{"trials": [{"values": {"radius": "wide"}}]}], [("/0/trials/0/values/radius", "")]),
+        ([{"trails": [{}]}], [("/0/trails", 'did you mean "trials"')]),
         ([{"repetitions": 0}], [("/0/repetitions", "")]),
         ([{"repetitions": 1000, "trials": [{}] * 11}], [("", "fewer repetitions")]),
-        ([], [("", "write [")]),
-        ({"trials": []}, [("", "write [")]),
+        ('[{"trials": [{"time_limit_s": NaN}]}]', [("/0/trials/0/time_limit_s", "write a number")]),
+        ([], [("", "")]),
+        ({"trials": []}, [("", "")]),
         ("[{]", [("", "")]),
         ("[" * 100_000, [("", "")]),
     ],
@@ -129,6 +130,7 @@ def test_unread_trial_file_is_a_programming_error():
         "key",
         "zero",
         "too many",
+        "NaN",
         "empty",
         "object",
         "text",
@@ -145,11 +147,11 @@ def test_every_fault_of_a_trial_file_has_its_place(tmp_path, document, places):
 
 
 def test_trial_file_that_is_not_there_or_elsewhere(tmp_path):
-    with pytest.raises(SceneError, match="task/trials"):
+    with pytest.raises(SceneError, match="no file"):
         resolve_trials(spec_with("none.json"), tmp_path)
     (tmp_path / "scene").mkdir()
     write(tmp_path, [{}])
-    with pytest.raises(SceneError, match="outside the scene's folder"):
+    with pytest.raises(SceneError, match="leads out of the folder"):
         resolve_trials(spec_with("../trials.json"), tmp_path / "scene")
 
 

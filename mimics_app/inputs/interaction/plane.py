@@ -12,6 +12,9 @@ __all__ = ["FrontalPlane"]
 _GRAZING = 0.02
 """Smallest |cosine| between ray and normal (1.1 degrees off the plane): nearer to it one pixel is metres."""
 
+_SHORTEST = 1e-9
+"""A direction shorter than this has none."""
+
 
 @dataclass(frozen=True, slots=True)
 class FrontalPlane:
@@ -40,14 +43,16 @@ class FrontalPlane:
             return None
         origin, direction = ray
         length = math.hypot(*direction)
+        if not _SHORTEST <= length < math.inf:
+            return None
         normal = _cross(self.right, self.up)
-        slope = _dot(direction, normal)
-        if not length > 0.0 or not abs(slope) >= _GRAZING * length:
+        slope = _dot(direction, normal) / length
+        if not abs(slope) >= _GRAZING:
             return None
         distance = _dot(_minus(self.centre, origin), normal) / slope
         if not 0.0 <= distance < math.inf:
             return None
-        return self.clamp(_plus(origin, direction, distance))
+        return self.clamp(_plus(origin, direction, distance / length))
 
     def clamp(self, point: Vec3) -> Vec3:
         """The point of the rectangle nearest to a point [m]."""
