@@ -74,7 +74,7 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
         folder = create_run_folder(settings.runs, settings.seconds or 0.0)
         recorder = Recorder(memory, folder, _header(settings, scene, scenario, live=live))
         recorder.start()
-        stack.callback(recorder.kill)
+        stack.callback(recorder.abandon)
         audio = _open_audio(settings, scene, memory, folder, live=live)
         if audio is not None:
             stack.callback(audio.stop)
@@ -82,7 +82,7 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
         stack.callback(haptics.stop)
         desk = ParameterDesk(scenario.scene_block(), recorder.parameters, haptics.publish)
         tasks = TaskManager(
-            resolve_trials(_task_of(scene), scene.root),
+            resolve_trials(_task_of(scene), Path(scene.file).parent, scene.root),
             TaskContext(scenario.start_joints),
             settings.seed,
             on_trial=recorder.trial,

@@ -150,9 +150,11 @@ class Recorder:
         The kinds the report reads, all with plain values; others are kept as they are:
 
             frame       frame (number), tick (of the snapshot it saw), t_ns
-            sound       the fields of an `audio_port.SoundRow`
+            sound       sound (name), tick (of the contact event; -1 for others), t_ns, sample (index in the mix),
+                        latency_ms (from the event to that sample)
             scheduler   recipe (what the live loop got)
-            audio       the fields of an `audio_port.AudioStatus`
+            audio       device, sink, hrtf ...
+            action      values of an adaptation
 
         Args:
             kind: What happened, in lower case; "parameters" with bytes stores a SCENE record, as `parameters` does.
@@ -224,6 +226,18 @@ class Recorder:
         if manifest is None:
             raise PartialDataError(f"{self.folder} was not closed", f"try: mimics record recover {self.folder}")
         return manifest
+
+    def abandon(self, timeout_s: float = 10.0) -> None:
+        """End without an orderly close, after an error: all that was handed over is written, the run is "interrupted".
+
+        Args:
+            timeout_s: How long the disk may take [s].
+        """
+        self._closed = True
+        self._finalize()
+        if self._process is not None:
+            self._process.join(timeout_s)
+        self.kill()
 
     def kill(self) -> None:
         """Give up the process and the channel at once; what was written stays."""

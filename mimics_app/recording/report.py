@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from html import escape
@@ -32,7 +33,7 @@ __all__ = ["Punctuality", "punctuality", "write_report"]
 
 _OPEN_ATTEMPTS = 3
 _WARM_UP_TICKS = 1000
-_OWN_KEYS = ("format", "version", "versions", "machine", "clock", "plan", "scene_document")
+_OWN_KEYS = ("format", "version", "versions", "machine", "clock", "plan")
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +86,7 @@ def write_report(folder: Path) -> Path:
 
 def _page(run: Run) -> str:
     attempts = find_attempts(run)
-    title = f"Report of {run.session.get('scene', 'a run')}"
+    title = f"Report of {_scene_name(run)}"
     body = "".join(
         [
             _head(run, title),
@@ -107,6 +108,11 @@ def _page(run: Run) -> str:
     )
 
 
+def _scene_name(run: Run) -> str:
+    scene = run.session.get("scene", "a run")
+    return str(scene.get("name", "a run") if isinstance(scene, Mapping) else scene).replace("_", " ")
+
+
 def _section(title: str, content: str) -> str:
     return f"<section><h2>{escape(title)}</h2>{content}</section>" if content else ""
 
@@ -119,9 +125,14 @@ def _head(run: Run, title: str) -> str:
     tone = {"clean": "good", "open": "bad"}.get(run.status, "warn")
     started = str(run.session.get("clock", {}).get("utc", ""))[:19].replace("T", " ")
     words = [f"{started} UTC" if started else "", f"{_seconds(run):.1f} s", f"seed {run.session.get('seed', '–')}"]
-    words += [str(run.session[key]) for key in ("patient", "device", "profile") if run.session.get(key)]
+    known = {**_mapping(run.session.get("settings")), **run.session}
+    words += [str(known[key]) for key in ("patient", "device", "profile") if known.get(key)]
     line = " · ".join(escape(word) for word in words if word)
     return f'<h1>{escape(title)}<span class="badge {tone}">{run.status}</span></h1><p class="soft">{line}</p>'
+
+
+def _mapping(item: Any) -> Mapping[str, Any]:
+    return item if isinstance(item, Mapping) else {}
 
 
 def _seconds(run: Run) -> float:
@@ -130,7 +141,7 @@ def _seconds(run: Run) -> float:
 
 def _cards(run: Run, attempts: list[Attempt]) -> str:
     summary = run.manifest.summary if run.manifest else {}
-    task: Mapping[str, Any] = summary.get("task") or {}
+    task = _mapping(summary.get("task"))
     free = [attempt.samples[attempt.free] for attempt in attempts]
     felt = [_largest(rows["f_user_world"]) for rows in free]
     real_time = punctuality(run.haptic)
@@ -217,7 +228,13 @@ def _real_time(run: Run) -> str:
 
 def _settings(run: Run) -> str:
     own = {key: item for key, item in run.session.items() if key not in _OWN_KEYS}
+    document = _mapping(own.get("scene")).get("document")
+    if document is not None:
+        own["scene"] = {key: item for key, item in own["scene"].items() if key != "document"}
     text = key_table(own) if own else ""
+    if document is not None:
+        listing = escape(json.dumps(document, indent=1, ensure_ascii=False))
+        text += f"<details><summary>The whole scene</summary><pre>{listing}</pre></details>"
     plan = run.session.get("plan")
     if isinstance(plan, Mapping) and (methods := plan_tables(plan)):
         text += f"<h3>Methods</h3>{methods}"

@@ -39,6 +39,7 @@ th { color: var(--soft); font-weight: 600; line-height: 1.3; } td.number, th.num
 td { overflow-wrap: anywhere; } td.number { white-space: nowrap; }
 details { margin: 10px 0; } summary { cursor: pointer; font-weight: 600; padding: 6px 0; }
 code { font: 13px ui-monospace, "DejaVu Sans Mono", monospace; overflow-wrap: anywhere; }
+pre { font: 12px/1.4 ui-monospace, "DejaVu Sans Mono", monospace; white-space: pre-wrap; overflow-wrap: anywhere; }
 figure { margin: 8px 0 18px; } figure > svg { width: 100%; height: auto; display: block; }
 .legend { display: flex; flex-wrap: wrap; gap: 4px 18px; padding-left: 62px; color: var(--soft); font-size: 13px; }
 .legend span { display: inline-flex; align-items: center; gap: 6px; } .swatch { width: 26px; height: 12px; }

@@ -16,6 +16,7 @@ __all__ = ["contact_rows", "contact_table", "event_table", "key_table", "plan_ta
 
 _MOST_ROWS = 300
 _SHORT = 20
+_LONG_LIST = 12
 _HIDDEN = ("begin_ns", "end_ns")
 
 
@@ -63,6 +64,8 @@ def _flat(content: Mapping[str, Any], before: str = "") -> list[tuple[str, Any]]
     for key, item in content.items():
         if isinstance(item, Mapping):
             rows += _flat(item, f"{before}{key}.")
+        elif isinstance(item, list) and len(item) > _LONG_LIST:
+            rows.append((before + key, f"{len(item)} values"))
         elif isinstance(item, list) and any(isinstance(part, (Mapping, list)) for part in item):
             rows += _flat({str(i): part for i, part in enumerate(item)}, f"{before}{key}.")
         else:
@@ -92,7 +95,7 @@ def contact_rows(run: Run) -> list[dict[str, Any]]:
     begins = run.events[run.events["kind"] == EventKind.CONTACT_BEGIN]
     frames = sorted(run.lines_of("app", "frame"), key=lambda line: int(line.get("tick") or 0))
     seen = np.array([int(line.get("tick") or 0) for line in frames], np.int64)
-    sounds = {int(line["tick"]): line for line in run.lines_of("app", "sound") if line.get("cause") == "contact"}
+    sounds = {int(line.get("tick", -1)): line for line in run.lines_of("app", "sound")}
     peaks = _peaks(run.haptic, begins)
     rows = []
     for event, (force, depth, length) in zip(begins, peaks, strict=True):
@@ -110,8 +113,8 @@ def contact_rows(run: Run) -> list[dict[str, Any]]:
                 "first frame": frame.get("frame"),
                 "frame after [ms]": int(seen[place]) - tick if frame else None,
                 "sound": sound.get("sound"),
-                "sample": sound.get("onset_sample"),
-                "sound after [ms]": (sound["heard_ns"] - sound["t_ns"]) * 1e-6 if "heard_ns" in sound else None,
+                "sample": sound.get("sample"),
+                "sound after [ms]": sound.get("latency_ms"),
             }
         )
     return rows

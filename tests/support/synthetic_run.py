@@ -116,13 +116,8 @@ def write_synthetic_run(folder: Path, seconds: float = 24.0, *, live: bool = Tru
     contacts = events[events["kind"] == EventKind.CONTACT_BEGIN]
     for event in contacts:
         t_ns = int(event["t_ns"])
-        sound = {
-            "tick": int(event["tick"]),
-            "cause": "contact",
-            "sound": "tap",
-            "onset_sample": t_ns * 48 // 10**6 + 480,
-        }
-        log.append_lines([encode_line("app", "sound", sound | {"t_ns": t_ns, "heard_ns": t_ns + 10_000_000})])
+        sound = {"sound": "tap", "tick": int(event["tick"]), "t_ns": t_ns, "sample": t_ns * 48 // 10**6 + 480}
+        log.append_lines([encode_line("app", "sound", sound | {"latency_ms": 10.0})])
     status = {"device": "loopback", "sink": "file", "hrtf": True, "rate": 48000, "latency_ms": 10.0}
     log.append_lines([encode_line("app", "audio", status), encode_line("app", "scheduler", {"recipe": "fifo"})])
     trials = TrialTable(folder / "trials.csv")
@@ -135,8 +130,9 @@ def write_synthetic_run(folder: Path, seconds: float = 24.0, *, live: bool = Tru
         trials.append(row)
         state.add_trial(row)
     header = {
-        "scene": "wavy tunnel", "scene_hash": "ab" * 32, "seed": 7, "patient": "moderate", "profile": "demo",
-        "device": "simulated_hapticmaster", "command": ["mimics", "run", "scenes/wavy_tunnel.json"],
+        "scene": {"name": "wavy_tunnel", "hash": "ab" * 32, "document": {"format": "mimics", "x-note": "</pre><b>"}},
+        "seed": 7, "patient": "moderate", "profile": "demo", "device": "simulated_hapticmaster",
+        "command": ["mimics", "run", "scenes/wavy_tunnel.json"], "path": [[0.1, 0.2]] * 200,
         "settings": {"safety": {"force_limit": 40.0, "ramp_time": 1.0}, "tunnel": {"stiffness": 1200.0}},
         "plan": {
             "profile": "demo",

@@ -71,7 +71,9 @@ def test_page_holds_every_part(page: str) -> None:
         "force [N]", "tunnel force [N]", "velocity [m/s]", "from bisector [mm]",
         "Scores", "path error rms [m]", "Contacts: touch, picture and sound", "first frame", "sound after [ms]",
         "Safety", "E_STOP", "stop key", "Real time", "p99.9", "fifo", "ticks that ended more than 1 ms late",
-        "Settings", "settings.safety.force_limit", "scene_hash", "moderate", "tunnel projection", "Left out",
+        "Settings", "settings.safety.force_limit", "scene.hash",
+        "200 values",
+        "The whole scene", "moderate", "tunnel projection", "Left out",
         "Environment", "machine.cores", "versions.numpy", "State hash", "trials.csv", "no safety function",
     ):  # fmt: skip
         assert words in page, words

@@ -16,11 +16,11 @@ import pytest
 from mimics_app.contracts.errors import PartialDataError, UsageError
 from mimics_app.contracts.haptic import EVENT, SAMPLE, SCENE, EventKind
 from mimics_app.contracts.session_memory import SessionMemory
-from mimics_app.recording import append_file, run_folder
+from mimics_app.recording import append_file, columns, run_folder
 from mimics_app.recording.append_file import AppendFile
 from mimics_app.recording.arrow_format import decode_samples, encode_samples, parameters_dtype, parameters_schema
 from mimics_app.recording.channel import LINE, TRIAL, Inbox, Outbox
-from mimics_app.recording.columns import INPUT_FIELDS, OUTPUT_FIELDS, ROW, TIMING_FIELDS, column_names, column_units, rows_of
+from mimics_app.recording.columns import ROW, column_names, column_units, rows_of
 from mimics_app.recording.event_log import encode_event, events_of, read_lines
 from mimics_app.recording.recorder import Recorder
 from mimics_app.recording.recover import recover
@@ -51,9 +51,12 @@ def _write_run(folder: Path, rows: int = 1000) -> Run:
 def test_every_column_has_a_name_and_a_unit() -> None:
     assert len(column_names()) == len(column_units()) == ROW == SAMPLE.itemsize // 8
     assert len(set(column_names())) == ROW
-    numbers = {name for name, unit in zip(column_names(), column_units(), strict=True) if unit == "1"}
-    assert numbers == {"tick", "buttons", "status", "sequence", "stop_word", "held", "progress", "ramp", "state", "cause"}
-    assert {"t", "tick", *INPUT_FIELDS, *OUTPUT_FIELDS, *TIMING_FIELDS} == set(SAMPLE.names or ())
+    bare = {name for name, unit in zip(column_names(), column_units(), strict=True) if unit == "1"}
+    assert bare == {
+        "tick", "buttons", "status", "sequence", "stop_word", "held", "progress", "ramp", "state", "cause",
+    }  # fmt: skip
+    fields = ("t", "tick", *columns.INPUT_FIELDS, *columns.OUTPUT_FIELDS, *columns.TIMING_FIELDS)
+    assert fields == SAMPLE.names
     samples = fake_samples(3, 2)
     assert rows_of(samples)[1][column_names().index("f_tunnel[2]")] == samples["f_tunnel"][1][2]
 
@@ -405,3 +408,19 @@ def test_two_recordings_of_the_same_have_the_same_hash(tmp_path: Path) -> None:
     with (tmp_path / "a" / "trials.csv").open("a") as file:
         file.write("1,2,\n")
     assert len(Run.open(tmp_path / "a").disagreements()) == 2
+
+
+def test_abandoned_run_is_interrupted_and_whole(tmp_path: Path) -> None:
+    """An error in the app: nothing that was handed over is lost, and the process is gone."""
+    memory = SessionMemory()
+    recorder = Recorder(memory, tmp_path, {})
+    recorder.start(wait=False)
+    push_ticks(memory, 0, 333)
+    for frame in range(100):
+        recorder.journal("frame", {"frame": frame})
+    recorder.trial({"trial": 0})
+    recorder.abandon()
+    assert not recorder.alive
+    run = Run.open(tmp_path)
+    assert run.status == "interrupted" and len(run.haptic) == 333 and len(run.trials) == 1
+    assert len(run.lines_of("app", "frame")) == 100 and run.disagreements() == []
