@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.errors import Issue, nearest
+from mimics_app.contracts.errors import Issue, SceneError, nearest
 from mimics_app.tasks.check import check_task
 from mimics_app.tasks.task import SoundDeed, TaskSpec
+from mimics_app.tasks.trial_file import resolve_trials
 from mimics_app.world.components import Sound
 from mimics_app.world.registry import register_section
 
@@ -17,17 +19,35 @@ __all__ = ["check_section"]
 
 
 def check_section(spec: TaskSpec, scene: Scene) -> list[Issue]:
-    """Faults of a scene's task, those against the rest of the scene included."""
+    """Faults of a scene's task: its own, those of its trial file, and sounds the scene does not have."""
     issues = [scene.issue(issue.pointer, issue.what, issue.fix) for issue in check_task(spec)]
-    sounds = {entity for entity, _, _ in scene.components(Sound)}
-    for i, trigger in enumerate(spec.triggers):
-        for j, deed in enumerate(trigger.do):
-            if isinstance(deed, SoundDeed) and deed.sound not in sounds:
-                hint = nearest(deed.sound, sounds) if sounds else 'the scene has no entity with a "sound"'
-                issues.append(
-                    scene.issue(f"/task/triggers/{i}/do/{j}/sound", f'no sound is called "{deed.sound}"', hint)
-                )
-    return issues
+    return issues + _check_sounds(spec, scene) + _check_trial_file(spec, scene)
+
+
+def _check_sounds(spec: TaskSpec, scene: Scene) -> list[Issue]:
+    known = {entity for entity, _, _ in scene.components(Sound)}
+    hint = 'give an entity a "sound" component' if not known else ""
+    return [
+        scene.issue(
+            f"/task/triggers/{i}/do/{j}/sound",
+            f'no sound is called "{deed.sound}"',
+            hint or nearest(deed.sound, known),
+        )
+        for i, trigger in enumerate(spec.triggers)
+        for j, deed in enumerate(trigger.do)
+        if isinstance(deed, SoundDeed) and deed.sound not in known
+    ]
+
+
+def _check_trial_file(spec: TaskSpec, scene: Scene) -> list[Issue]:
+    try:
+        resolve_trials(spec, Path(scene.file).parent, scene.root)
+    except SceneError as error:
+        return [
+            issue if issue.file != spec.trials else scene.issue("/task/trials", issue.what, issue.fix)
+            for issue in error.issues
+        ]
+    return []
 
 
 register_section("task", TaskSpec, check_section)

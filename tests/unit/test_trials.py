@@ -9,10 +9,12 @@ from itertools import pairwise
 import msgspec
 import pytest
 
-from mimics_app.contracts.errors import SceneError
+from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.tasks.scene_section import check_section
 from mimics_app.tasks.task import BlockSpec, TaskSpec
 from mimics_app.tasks.trial_file import load_blocks, resolve_trials
 from mimics_app.tasks.trials import order_conditions, plan_trials, trial_blocks, williams_square
+from mimics_app.world.components import Sound
 
 BLOCKS = msgspec.convert(
     [
@@ -159,3 +161,35 @@ def test_trial_file_that_is_no_text(tmp_path):
     (tmp_path / "trials.json").write_bytes(b"\xff\xfe[]")
     with pytest.raises(SceneError, match="UTF-8"):
         load_blocks(tmp_path / "trials.json")
+
+
+class PaperScene:
+    """As much of a scene as the check of its task needs."""
+
+    def __init__(self, folder, sounds=("goal",)):
+        self.file, self.root, self._sounds = str(folder / "scene.json"), folder, sounds
+
+    def issue(self, pointer, what, fix=""):
+        return Issue(self.file, pointer, what, fix)
+
+    def components(self, struct):
+        return [(name, None, "") for name in self._sounds] if struct is Sound else []
+
+
+def test_check_of_a_scene_looks_into_the_trial_file(tmp_path):
+    write(tmp_path, [{"trials": [{"values": {"radius": 9}}]}])
+    (issue,) = check_section(spec_with("trials.json"), PaperScene(tmp_path))
+    assert issue.file.endswith("trials.json") and issue.pointer == "/0/trials/0/values/radius"
+    (issue,) = check_section(spec_with("trails.json"), PaperScene(tmp_path))
+    assert (issue.file, issue.pointer) == (str(tmp_path / "scene.json"), "/task/trials")
+    assert "trials.json" in issue.fix
+
+
+def test_check_of_a_scene_knows_its_sounds(tmp_path):
+    triggers = [{"when": {"kind": "contact"}, "do": [{"kind": "sound", "sound": "gaol"}]}]
+    spec = spec_with([{"trials": [{}]}], triggers=triggers)
+    (issue,) = check_section(spec, PaperScene(tmp_path))
+    assert issue.pointer == "/task/triggers/0/do/0/sound" and issue.fix == 'did you mean "goal"'
+    (issue,) = check_section(spec, PaperScene(tmp_path, sounds=()))
+    assert "sound" in issue.fix
+    assert check_section(spec, PaperScene(tmp_path, sounds=("gaol",))) == []
