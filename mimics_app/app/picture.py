@@ -13,6 +13,7 @@ from mimics_app.contracts.input_port import Ray
 from mimics_app.rendering.visual.displays.desktop import desktop_views
 from mimics_app.rendering.visual.frame_stats import FrameStats
 from mimics_app.rendering.visual.headless import save_png
+from mimics_app.rendering.visual.hud import CANVAS_HEIGHT
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surface import Surface
@@ -33,40 +34,46 @@ class Picture:
         world: What is drawn; needs a camera.
         settings: Quality.
 
+    Attributes:
+        surface: Where it is drawn.
+        renderer: What draws it.
+
     Raises:
         SceneError: the scene has no camera.
     """
 
     def __init__(self, surface: Surface, scene: Scene, world: World, settings: RenderSettings) -> None:
         self.surface = surface
+        self.renderer = Renderer(surface, world, settings)
         self.show(scene, world)
-        self._renderer = Renderer(surface, world, settings)
 
     def show(self, scene: Scene, world: World) -> None:
         """Draw this scene from now on (the first one, or a reloaded one)."""
         if not world.cameras:
             raise SceneError(Issue(scene.file, "/entities", "has no camera", 'give an entity a "camera" component'))
-        self._world = world
+        self.renderer.world = world
         board = scene.components(HudComponent)
         self._board = board[0][1] if board else None
-        if hasattr(self, "_renderer"):
-            self._renderer.world = world
 
     @property
     def views(self) -> list[View]:
         """The eyes of the desktop: one."""
-        return desktop_views(self._world.cameras[0], self.surface.size)
+        return desktop_views(self.renderer.world.cameras[0], self.surface.size)
 
     def draw(self, figures: Mapping[str, object]) -> FrameStats:
         """Draw one frame with the task's figures over it."""
-        hud = self._renderer.hud
+        self.lay_out(figures)
+        return self.renderer.draw(self.views)
+
+    def lay_out(self, figures: Mapping[str, object]) -> None:
+        """Put the task's figures over the picture."""
+        hud = self.renderer.hud
         width, height = self.surface.size
-        hud.width = 720.0 * width / height
+        hud.width = CANVAS_HEIGHT * width / height
         if self._board is None:
             hud.clear()
         else:
             draw_board(hud, figures, self._board.show, self._board.force_full)
-        return self._renderer.draw(self.views)
 
     def ray(self, right: float, up: float) -> Ray | None:
         """The ray through a place of the window, each coordinate in [-1, 1]."""
@@ -83,7 +90,7 @@ class Picture:
 
     def close(self) -> None:
         """Free everything, the surface included."""
-        self._renderer.release()
+        self.renderer.release()
         self.surface.close()
 
 

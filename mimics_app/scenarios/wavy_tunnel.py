@@ -26,7 +26,7 @@ __all__ = ["WavyTunnel"]
 _TUNNEL_MESH = "tunnel_wall"
 _BISECTOR_MESH = "tunnel_bisector"
 _BISECTOR_SIDES = 8
-_VIA_SPACING = 0.02
+_VIA_SPACING = 0.005
 """Distance of the points a simulated person sees along the bisector [m]."""
 
 _FORCES = ("radius_scale", "stiffness", "damping", "drag", "drag_growth", "centring", "advance")

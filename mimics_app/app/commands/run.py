@@ -7,7 +7,7 @@ from pathlib import Path
 
 from mimics_app.app.settings import PROFILES, SOUNDS, RunSettings
 
-__all__ = ["add_arguments", "run"]
+__all__ = ["add_arguments", "picture_size", "run"]
 
 _DEFAULT_SCENE = Path("scenes/wavy_tunnel.json")
 
@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--patient", choices=("healthy", "moderate", "severe"), default="", help="instead of the scene's"
     )
     parser.add_argument("--sound", choices=SOUNDS, default="auto", help="where sound goes")
-    parser.add_argument("--size", type=_size, default=(1280, 720), metavar="WxH", help="of the picture [px]")
+    parser.add_argument("--size", type=picture_size, default=(1280, 720), metavar="WxH", help="of the picture [px]")
     parser.add_argument("--pictures", type=int, default=4, help="frames a headless run draws and keeps")
     parser.add_argument("--video", type=Path, help="folder for every frame of a headless run, as PNG")
     parser.add_argument("--action", type=Path, metavar="FILE", help="replay task actions from a JSON file")
@@ -48,7 +48,8 @@ def _positive(text: str) -> float:
     return value
 
 
-def _size(text: str) -> tuple[int, int]:
+def picture_size(text: str) -> tuple[int, int]:
+    """A size like 1280x720 from the command line [px]."""
     width, _, height = text.partition("x")
     if not (width.isdigit() and height.isdigit() and 1 <= int(width) <= 8192 and 1 <= int(height) <= 8192):
         raise argparse.ArgumentTypeError(f"{text} is no picture size; write it like 1280x720")

@@ -1,0 +1,84 @@
+"""`mimics bench WHAT`: the product against rivals, measured in the same run on this machine."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+__all__ = ["add_arguments", "run"]
+
+_KINDS = ("product", "rival_python_thread", "unprivileged")
+_ALL_SECONDS = 10.0
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `mimics bench`."""
+    parser.add_argument("what", choices=("all", "realtime", "methods", "sound"), help="what to measure")
+    parser.add_argument("--scene", type=Path, default=Path("scenes/wavy_tunnel.json"), help="scene of the load")
+    parser.add_argument("--seconds", type=float, default=60.0, help="length of each real-time measurement [s]")
+    parser.add_argument("--rounds", type=int, default=1, help="real-time measurements of each loop; medians are told")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Measure, and print a table or one JSON object."""
+    from mimics_app.app import output
+
+    parts = ("methods", "sound", "realtime") if args.what == "all" else (args.what,)
+    answer: dict[str, Any] = {}
+    for part in parts:
+        measured = _MEASURES[part](args)
+        answer.update(measured if len(parts) == 1 else {part: measured})
+    if args.json:
+        output.write_object("bench", answer)
+    else:
+        print(json.dumps(output.finite(answer), indent=2))
+    return 0
+
+
+def _measure_realtime(args: argparse.Namespace) -> dict[str, Any]:
+    """Lateness of the three loops under the same load, in turn, each in its own process."""
+    seconds = min(args.seconds, _ALL_SECONDS) if args.what == "all" else args.seconds
+    rounds: dict[str, list[dict[str, Any]]] = {kind: [] for kind in _KINDS}
+    for number in range(args.rounds):
+        for kind in _KINDS:
+            sys.stderr.write(f"round {number + 1} of {args.rounds}: {kind}, {seconds:g} s\n")
+            rounds[kind].append(_measure_apart(kind, args.scene, seconds))
+    return {kind: _median_round(rows) for kind, rows in rounds.items()}
+
+
+def _measure_apart(kind: str, scene: Path, seconds: float) -> dict[str, Any]:
+    from mimics_app.contracts.errors import DeviceError
+
+    command = [sys.executable, "-m", "mimics_app.app.realtime_load", kind, str(scene), str(seconds)]
+    child = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
+    if child.returncode != 0:
+        raise DeviceError(f"the measurement of {kind} ended with exit code {child.returncode}", "see the lines above")
+    row: dict[str, Any] = json.loads(child.stdout)
+    return row
+
+
+def _median_round(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """The round of median missed share: figures of one real run, not a mixture."""
+    return sorted(rows, key=lambda row: float(row["missed_share"]))[len(rows) // 2]
+
+
+def _measure_methods(args: argparse.Namespace) -> dict[str, Any]:
+    """Cost and error of every registered method."""
+    from mimics_app.app.plan import measured_groups
+
+    return {"groups": measured_groups()}
+
+
+def _measure_sound(args: argparse.Namespace) -> dict[str, Any]:
+    """Contact to sample through a private PulseAudio null sink; says what is missing where there is none."""
+    from mimics_app.rendering.audio.live_latency import measure_live_latency, pulse_missing
+
+    missing = pulse_missing()
+    return {"skipped": missing} if missing else measure_live_latency(min(args.seconds, _ALL_SECONDS))
+
+
+_MEASURES = {"realtime": _measure_realtime, "methods": _measure_methods, "sound": _measure_sound}

@@ -1,0 +1,92 @@
+"""`mimics` alone: a window that lists the scenarios with picture and settings, and runs the one chosen."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mimics_app.contracts.errors import DeviceError
+
+if TYPE_CHECKING:
+    from mimics_app.rendering.visual.launcher import ScenarioCard
+
+__all__ = ["run"]
+
+_SIZE = (1280, 720)
+_FRAME_NS = 1_000_000_000 // 60
+
+_OPTIONS = {
+    "profile": ["training", "draft", "study"],
+    "device": ["mouse, keys, gamepad", "simulated patient"],
+    "display": ["window", "headless"],
+    "patient": ["scene's own", "healthy", "moderate", "severe"],
+}
+_DEVICES = {"mouse, keys, gamepad": "pointer", "simulated patient": "simulated_hapticmaster"}
+
+
+def run(args: argparse.Namespace) -> int:
+    """Show the launcher until a scenario is chosen or the window closes, then run it.
+
+    Raises:
+        DeviceError: there is no display.
+    """
+    from mimics_app.app.build import has_display
+    from mimics_app.app.play import play
+    from mimics_app.app.settings import RunSettings
+
+    if not has_display():
+        raise DeviceError("the launcher needs a display", "try: mimics run scenes/wavy_tunnel.json")
+    choice = _choose()
+    if choice is None:
+        return 0
+    scene, options = choice
+    headless = options["display"] == "headless"
+    patient = options["patient"]
+    settings = RunSettings(
+        scene=scene,
+        headless=headless,
+        profile=options["profile"],  # type: ignore[arg-type]
+        device="" if headless else _DEVICES[options["device"]],
+        patient="" if patient == "scene's own" else patient,
+    )
+    return play(settings, as_json=args.json)
+
+
+def _choose() -> tuple[Path, dict[str, str]] | None:
+    from mimics_app.contracts.clock import MonotonicClock
+    from mimics_app.rendering.visual.contexts import create_surface
+    from mimics_app.rendering.visual.launcher import Launcher
+
+    clock = MonotonicClock()
+    with create_surface("window", _SIZE, "mimics") as surface:
+        launcher = Launcher(surface, _cards(), _OPTIONS)
+        while not surface.should_close and not launcher.left:
+            launcher.handle(surface.poll())
+            if launcher.choice is not None:
+                return launcher.choice
+            launcher.draw()
+            surface.swap()
+            clock.sleep_until_ns(clock.now_ns() + _FRAME_NS // 4)
+    return None
+
+
+def _cards() -> list[ScenarioCard]:
+    """One card per shipped scene: its own title and words, and its picture where there is one."""
+    from mimics_app.contracts.resources import root
+    from mimics_app.rendering.visual.launcher import ScenarioCard
+
+    cards = []
+    for scene in sorted((root() / "scenes").glob("*.json")):
+        document = json.loads(scene.read_text(encoding="utf-8"))
+        picture = root() / "assets" / "pictures" / f"{scene.stem}.png"
+        cards.append(
+            ScenarioCard(
+                title=document.get("x-title", scene.stem),
+                description=document.get("x-description", ""),
+                picture=picture if picture.is_file() else None,
+                scene=scene,
+            )
+        )
+    return cards

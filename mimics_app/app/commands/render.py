@@ -1,0 +1,50 @@
+"""`mimics render SCENE`: draw frames of a scene to PNG files, without a window."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from mimics_app.app.settings import PROFILES
+
+__all__ = ["add_arguments", "run"]
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `mimics render`."""
+    from mimics_app.app.commands.run import picture_size
+
+    parser.add_argument("scene", type=Path, help="scene file")
+    parser.add_argument("--backend", choices=("auto", "egl", "osmesa", "window"), default="auto", help="GL context")
+    parser.add_argument("--frames", type=_count, default=1, help="how many, spread over --seconds of simulated play")
+    parser.add_argument("--seconds", type=float, default=0.0, help="simulated time played by the patient [s]")
+    parser.add_argument("--size", type=picture_size, default=(1280, 720), metavar="WxH", help="of the picture [px]")
+    parser.add_argument("--seed", type=int, default=1, help="of the simulated patient")
+    parser.add_argument("--profile", choices=PROFILES, default="training", help="quality of the picture")
+    parser.add_argument("--output", type=Path, default=Path("."), help="folder of the PNG files")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Draw and say what was drawn with which driver."""
+    from mimics_app.app import output
+    from mimics_app.app.settings import RunSettings
+    from mimics_app.app.stills import draw_stills
+
+    settings = RunSettings(args.scene, seed=args.seed, profile=args.profile, size=args.size)
+    stills = draw_stills(settings, args.output, backend=args.backend, frames=args.frames, seconds=args.seconds)
+    if args.json:
+        files = [file.name for file in stills.files]
+        answer = {"backend": stills.backend, "gl": stills.gl, "files": files, "ms_median": stills.ms_median}
+        output.write_object("render", {**answer, "folder": args.output})
+        return 0
+    print(f"{stills.backend}: {stills.gl}, {stills.ms_median:.1f} ms a frame")
+    for file in stills.files:
+        print(file)
+    return 0
+
+
+def _count(text: str) -> int:
+    number = int(text)
+    if not 1 <= number <= 100_000:
+        raise argparse.ArgumentTypeError(f"{text} is no number of frames from 1 to 100000")
+    return number

@@ -1,0 +1,59 @@
+"""The haptic side of a scene without recorder, sound or picture: for measuring, warming up and explaining."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mimics_app.contracts import ring
+from mimics_app.contracts.haptic import INBOX, SAMPLE
+from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.rendering.haptic.devices.registry import build_device
+from mimics_app.rendering.haptic.engine import HapticEngine
+from mimics_app.scenarios.catalogue import open_scenario
+from mimics_app.world.build import build_world
+from mimics_app.world.components_haptic import Patient, Robot
+from mimics_app.world.scene import Scene
+
+__all__ = ["Rehearsal", "rehearse"]
+
+
+class Rehearsal:
+    """A loop on the virtual clock with the simulated patient acting from the first tick.
+
+    Args:
+        scene: The checked scene.
+        seed: Of patient and sensor.
+    """
+
+    def __init__(self, scene: Scene, seed: int = 1) -> None:
+        self.world = build_world(scene)
+        self.scenario = open_scenario(scene, self.world)
+        robots, patients = scene.components(Robot), scene.components(Patient)
+        plugin = build_device(
+            robots[0][1] if robots else Robot(),
+            patients[0][1] if patients else Patient(),
+            self.scenario.via_points_world,
+            seed,
+        )
+        self.memory = SessionMemory()
+        self.haptics = HapticEngine(self.memory, plugin)
+        self._rows = np.zeros(len(self.memory.samples), SAMPLE)
+        self.haptics.publish(self.scenario.scene_block())
+        inbox = np.zeros(1, INBOX)
+        inbox["active"] = 1
+        self.haptics.tell(inbox)
+
+    def advance(self, ticks: int) -> None:
+        """Run ticks, forgetting their samples."""
+        self.haptics.advance(ticks)
+        ring.drain(self.memory.sample_words, self.memory.samples, self._rows)
+        self.haptics.events()
+
+
+def rehearse(scene: Scene, ticks: int) -> Rehearsal:
+    """Build a rehearsal and run it for some ticks."""
+    rehearsal = Rehearsal(scene)
+    rehearsal.advance(ticks)
+    rehearsal.world.update()
+    rehearsal.haptics.snapshot()
+    return rehearsal

@@ -1,0 +1,93 @@
+"""Frames of a scene as PNG files: the scene is played on the virtual clock without recorder or sound."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from mimics_app.app.picture import Picture
+from mimics_app.app.play import render_settings
+from mimics_app.app.rehearsal import Rehearsal
+from mimics_app.app.scene_loading import load_checked_scene
+from mimics_app.app.settings import RunSettings
+from mimics_app.contracts.clock import TICKS_PER_SECOND
+from mimics_app.contracts.messages import TaskOrders
+from mimics_app.rendering.visual.headless import open_offscreen, render_frames
+from mimics_app.rendering.visual.view import View
+from mimics_app.world.world import World
+
+__all__ = ["Stills", "draw_stills"]
+
+_MOST_TICKS = 4000
+
+
+@dataclass(frozen=True, slots=True)
+class Stills:
+    """What was drawn: files, backend, driver, and median time per frame [ms]."""
+
+    files: list[Path]
+    backend: str
+    gl: str
+    ms_median: float
+
+
+def draw_stills(
+    settings: RunSettings, folder: Path, *, backend: str = "auto", frames: int = 1, seconds: float = 0.0
+) -> Stills:
+    """Draw frames of a scene at even distances of simulated play, the last after `seconds` [s].
+
+    Args:
+        settings: Scene, seed, profile and size; the rest is not used.
+        folder: Where frame_00000.png and so on go.
+        backend: "auto", "egl", "osmesa" or "window".
+        frames: How many.
+        seconds: How long the simulated patient plays.
+
+    Raises:
+        SceneError: the scene is wrong, or has no camera.
+        DeviceError: the context cannot be had.
+    """
+    scene = load_checked_scene(settings.scene)
+    play = _Play(Rehearsal(scene, settings.seed), frames, seconds)
+    picture = Picture(open_offscreen(backend, settings.size), scene, play.world, render_settings(settings))
+
+    def views(number: int) -> list[View]:
+        picture.lay_out(play.to(number))
+        return picture.views
+
+    drawn = render_frames(picture.renderer, picture.surface, frames, views, folder)
+    info = picture.surface.ctx.info
+    gl = f"{info['GL_VERSION']}, {info['GL_RENDERER']}"
+    stills = Stills(drawn.files, picture.surface.backend, gl, drawn.ms_median)
+    picture.close()
+    return stills
+
+
+class _Play:
+    """The scene played up to each frame."""
+
+    def __init__(self, rehearsal: Rehearsal, frames: int, seconds: float) -> None:
+        self._rehearsal = rehearsal
+        self._ticks_per_frame = seconds * TICKS_PER_SECOND / frames
+        self._done = 0
+        rehearsal.advance(1)
+
+    @property
+    def world(self) -> World:
+        return self._rehearsal.world
+
+    def to(self, number: int) -> dict[str, object]:
+        """Play up to frame `number` and return its figures."""
+        wanted = round(self._ticks_per_frame * (number + 1))
+        while self._done < wanted:
+            ticks = min(_MOST_TICKS, wanted - self._done)
+            self._rehearsal.advance(ticks)
+            self._done += ticks
+        snapshot = self._rehearsal.haptics.snapshot()
+        self._rehearsal.scenario.apply(TaskOrders(), snapshot)
+        self.world.update()
+        force = float(np.linalg.norm(snapshot.f_user_world))
+        seconds = self._done / TICKS_PER_SECOND
+        return {"progress": snapshot.progress, "contacts": snapshot.contacts, "time": seconds, "force": force}

@@ -1,0 +1,94 @@
+"""Rival forms of admittance control (D2.1 equations 6, 7) with their measured cost and their false force.
+
+Importing this module registers them.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.contracts.haptic import AdmittanceForm
+from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.methods import Method, registry
+from mimics_app.rendering.haptic.control.admittance import admit
+from mimics_app.rendering.haptic.kernels.kinematics import apply_inverse_jacobian, apply_jacobian
+
+__all__ = ["GROUP", "false_force"]
+
+GROUP = "admittance form"
+
+_D1 = 0.46
+_MASS = 3.0
+_DT = 1e-6
+_FREE = 1e9
+_CALLS = 20_000
+_REPEATS = 3
+
+_SOURCES = {
+    AdmittanceForm.CARTESIAN: "Newton's law in the robot frame, joints through the inverse Jacobian",
+    AdmittanceForm.POLAR: "(6) and (7) with the centrifugal and Coriolis terms they leave out",
+    AdmittanceForm.SEED: "(6) and (7) as printed, axis by axis",
+}
+
+
+@kernel
+def _run(form: int, calls: int, dt: float, q: Any, v: Any, dq: Any, scratch: Any) -> None:
+    force = np.zeros(3)
+    for _ in range(calls):
+        admit(form, q, force, _MASS, 0.0, _FREE, _FREE, _D1, dt, scratch, v, dq)
+
+
+def _moving() -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """(q, v, dq) of a free mass at r = 0.46 m with r' = 0.2 m/s and phi' = 1 rad/s."""
+    q, dq, v = np.zeros(3), np.array([0.2, 1.0, 0.0]), np.zeros(3)
+    apply_jacobian(q, _D1, dq, v)
+    return q, v, dq
+
+
+def false_force(form: AdmittanceForm) -> float:
+    """Force [N] that a form invents on a free mass of 3 kg: mass x how fast its velocity turns from a straight line."""
+    q, v, dq = _moving()
+    before = v.copy()
+    _run(int(form), 1, _DT, q, v, dq, np.zeros(3))
+    # One step on, the joints of a mass that flies straight have moved: its velocity is read at the new place.
+    q_next = q + _DT * dq
+    after = np.zeros(3)
+    if form is AdmittanceForm.CARTESIAN:
+        apply_inverse_jacobian(q_next, _D1, v, dq)
+    apply_jacobian(q_next, _D1, dq, after)
+    return float(_MASS * np.linalg.norm(after - before) / _DT)
+
+
+def _cost_us(form: AdmittanceForm) -> float:
+    clock = MonotonicClock()
+    shortest = 1 << 62
+    for calls in (1, *[_CALLS] * _REPEATS):
+        q, v, dq = _moving()
+        started = clock.now_ns()
+        _run(int(form), calls, 0.0, q, v, dq, np.zeros(3))
+        if calls > 1:
+            shortest = min(shortest, clock.now_ns() - started)
+    return shortest * 1e-3 / _CALLS
+
+
+def _register(form: AdmittanceForm) -> None:
+    registry.register(
+        Method(
+            group=GROUP,
+            name=form.name.lower(),
+            source=_SOURCES[form],
+            cost=lambda: _cost_us(form),
+            error=lambda: false_force(form),
+            unit="N",
+            valid_range="r > 0" if form is not AdmittanceForm.SEED else "demonstration: no rotation, or no speed",
+            run=admit,
+        )
+    )
+
+
+for _form in (AdmittanceForm.CARTESIAN, AdmittanceForm.POLAR, AdmittanceForm.SEED):
+    _register(_form)
