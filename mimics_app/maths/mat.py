@@ -21,7 +21,6 @@ __all__ = [
     "affine_inverse",
     "compose",
     "compose_trs",
-    "decompose_trs",
     "look_at",
     "multiply_affine",
     "perspective",
@@ -115,30 +114,6 @@ def compose(translation: object, rotation: object = quat.IDENTITY, scale: object
     turn = quat.normalise_rows(_floats(rotation, 4))
     compose_trs(_floats(translation, 3), turn, _floats(scale, 3), out)
     return out
-
-
-def decompose_trs(matrix: Mat4) -> tuple[Vec, Quat, Vec, float]:
-    """Translation [m], unit quaternion (w >= 0), scale and shear of an affine matrix.
-
-    A mirrored matrix gets a negative x scale. Exact when matrix = T R S; otherwise the rotation is the nearest one
-    (polar decomposition) and the shear is what T R S leaves over.
-
-    Returns:
-        (translation [3], rotation [4], scale [3], shear): shear is the largest absolute error of T R S against the
-        matrix, relative to the largest scale; 0 for a matrix of zeros.
-    """
-    linear = np.asarray(matrix, np.float64)[:3, :3]
-    columns = np.linalg.norm(linear, axis=0)
-    scale = columns * np.array([-1.0 if np.linalg.det(linear) < 0.0 else 1.0, 1.0, 1.0])
-    u, _, vt = np.linalg.svd(linear / np.where(scale == 0.0, 1.0, scale))
-    if np.linalg.det(u @ vt) < 0.0:  # a flat axis leaves the side open: choose the one that is no mirror
-        u[:, 2] *= -1.0
-    rotation = np.empty(4)
-    quat.from_matrix(u @ vt, rotation)
-    rebuilt = (u @ vt) * scale
-    largest = float(columns.max())
-    shear = float(np.abs(rebuilt - linear).max()) / largest if largest > 0.0 else 0.0
-    return np.array(matrix[:3, 3], np.float64), rotation, scale, shear
 
 
 def look_at(eye: object, target: object, up: object = (0.0, 1.0, 0.0)) -> Mat4:

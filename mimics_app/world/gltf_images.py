@@ -37,7 +37,7 @@ def read_picture(stream: IO[bytes]) -> NDArray[np.uint8]:
     Raises:
         PictureFault: it is another format, larger than 8192 x 8192, or damaged.
     """
-    from PIL import Image
+    from PIL import Image, UnidentifiedImageError
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", Image.DecompressionBombWarning)
@@ -47,9 +47,7 @@ def read_picture(stream: IO[bytes]) -> NDArray[np.uint8]:
         except PictureFault:
             raise
         except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
-            text = (
-                "is neither PNG nor JPEG" if isinstance(error, Image.UnidentifiedImageError) else f"is damaged: {error}"
-            )
+            text = "is neither PNG nor JPEG" if isinstance(error, UnidentifiedImageError) else f"is damaged: {error}"
             raise PictureFault(text) from None
 
 

@@ -99,7 +99,9 @@ class GltfMeshes:
             colours = np.concatenate([colours, np.ones((len(colours), 1), np.float32)], axis=1)
         if normals is None:  # flat normals (glTF 2.0 3.7.2.1): no vertex may be shared between triangles
             self._source.take(corners.size * 48, place)
-            positions, uvs, colours = (None if a is None else a[corners] for a in (positions, uvs, colours))
+            positions = positions[corners]
+            uvs = None if uvs is None else uvs[corners]
+            colours = None if colours is None else colours[corners]
             corners = np.arange(corners.size, dtype=np.uint32)
             normals = compute_normals(positions, corners)
         else:

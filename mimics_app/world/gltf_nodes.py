@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from mimics_app.maths.decompose import decompose_trs
 from mimics_app.world.gltf_source import GltfSource
 from mimics_app.world.light import LightKind
 
@@ -163,8 +164,6 @@ class GltfNodes:
         node.translation, node.rotation, node.scale = (x, y, z), (qx, qy, qz, qw), (sx, sy, sz)
 
     def _decompose(self, node: GltfNode, values: tuple[float, ...], place: str) -> None:
-        from mimics_app.maths.mat import decompose_trs  # compiled code: only for files that need it
-
         matrix = np.array(values).reshape(4, 4).T
         if not np.array_equal(matrix[3], [0.0, 0.0, 0.0, 1.0]):
             self._source.fail(f"{place}/matrix", "its last row is not 0 0 0 1")

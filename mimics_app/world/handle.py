@@ -23,8 +23,9 @@ class Handle:
         self.id = entity
 
     def __eq__(self, other: object) -> bool:
-        same_type = isinstance(other, Handle) and type(other) is type(self)
-        return same_type and other.world is self.world and other.id == self.id
+        if not isinstance(other, Handle) or type(other) is not type(self):
+            return False
+        return other.world is self.world and other.id == self.id
 
     def __hash__(self) -> int:
         return hash((type(self), self.id))

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.maths import mat, quat
+from mimics_app.maths.decompose import decompose_trs
 from mimics_app.world.camera import Camera
 from mimics_app.world.entity import Entity
 from mimics_app.world.handle import Handle
@@ -205,7 +206,7 @@ class SceneNode(Handle):
         parent = self.parent
         if parent is not None:
             rotation = np.empty((4, 4))
-            mat.compose_trs(np.zeros(3), mat.decompose_trs(parent.world_matrix())[1], np.ones(3), rotation)
+            mat.compose_trs(np.zeros(3), decompose_trs(parent.world_matrix())[1], np.ones(3), rotation)
             wanted = rotation[:3, :3].T @ wanted
         turn = np.empty(4)
         quat.from_matrix(wanted, turn)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,8 @@ __all__ = ["EntityId", "EntityStore", "StaleHandleError", "grown"]
 _FIRST_CAPACITY = 256
 
 
-class EntityId(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class EntityId:
     """Which entity: `index` is its place in every table (int32), `generation` counts the uses of that place."""
 
     index: int

@@ -130,7 +130,11 @@ class World:
         Raises:
             ValueError: the data is not a mesh (see `MeshData.validated`).
         """
-        self.meshes[name] = mesh.validated()
+        self.set_mesh(name, mesh.validated())
+
+    def set_mesh(self, name: str, mesh: MeshData) -> None:
+        """The same for data that is known to be right."""
+        self.meshes[name] = mesh
         self._mesh_revisions[name] = self.mesh_revision(name) + 1
 
     @property

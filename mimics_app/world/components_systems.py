@@ -1,0 +1,50 @@
+"""Settings of the stages: what stands under `systems` in a scene file."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from msgspec import Meta
+
+from mimics_app.world.registry import Component, register_system
+
+__all__ = ["AudioSettings", "HapticSettings", "VisualSettings"]
+
+
+class HapticSettings(Component, frozen=True):
+    """The haptic loop."""
+
+    projection: Annotated[
+        str, Meta(description='Method of the closest point on the tunnel, or "auto": the cheapest inside the tolerance')
+    ] = "auto"
+    projection_tolerance: Annotated[float, Meta(gt=0, description="Error of the closest point allowed [m]")] = 1e-5
+    frames: Annotated[
+        Literal["rotation_minimising", "frenet"],
+        Meta(description="Frames along the tunnel; Frenet flips at inflections"),
+    ] = "rotation_minimising"
+
+
+class VisualSettings(Component, frozen=True):
+    """The picture."""
+
+    size: Annotated[
+        tuple[Annotated[int, Meta(ge=16, le=8192)], Annotated[int, Meta(ge=16, le=8192)]],
+        Meta(description="Width and height [pixels]"),
+    ] = (1280, 720)
+    samples: Annotated[Literal[0, 2, 4, 8], Meta(description="Of multisample anti-aliasing; 0: none")] = 4
+    shadow_size: Annotated[int, Meta(ge=0, le=8192, description="Side of the shadow map [pixels]; 0: no shadows")] = (
+        1024
+    )
+
+
+class AudioSettings(Component, frozen=True):
+    """The sound."""
+
+    enabled: Annotated[bool, Meta(description="False: no audio process at all")] = True
+    hrtf: Annotated[bool, Meta(description="Place sounds about the head (headphones)")] = True
+    gain: Annotated[float, Meta(ge=0, le=4, description="Of everything, linear")] = 1.0
+
+
+register_system("haptic", HapticSettings)
+register_system("visual", VisualSettings)
+register_system("audio", AudioSettings)
