@@ -7,6 +7,7 @@ curve and its first two derivatives by s are continuous; clamped ends pass throu
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Literal
 
 import numpy as np
@@ -23,6 +24,7 @@ __all__ = [
     "evaluate",
     "interpolate_values",
     "knots",
+    "local_basis",
     "parameter_at",
     "pieces_of",
     "raise_to_cubic",
@@ -48,6 +50,7 @@ def knots(count: int, ends: Ends = "clamped") -> Array:
     return uniform if ends == "uniform" else np.clip(uniform, 0.0, count - _DEGREE)
 
 
+@cache
 def basis_pieces(count: int, ends: Ends = "clamped") -> Array:
     """The basis functions as explicit polynomials, by the Cox-de Boor recursion on coefficients.
 
@@ -56,7 +59,8 @@ def basis_pieces(count: int, ends: Ends = "clamped") -> Array:
         ends: "clamped": the curve passes through its end points; "uniform": all functions are shifts of one.
 
     Returns:
-        Shape [N - 3, 4, 4]: piece, the four functions alive there (piece .. piece + 3), coefficients of u^0..u^3.
+        Shape [N - 3, 4, 4]: piece, the four functions alive there (piece .. piece + 3), coefficients of u^0..u^3;
+        shared, hence not writeable.
     """
     t = knots(count, ends)
     table = np.zeros((count - _DEGREE, 4, 4))
@@ -67,6 +71,7 @@ def basis_pieces(count: int, ends: Ends = "clamped") -> Array:
         for k in range(4):
             coefficients = alive[piece + k]
             table[piece, k, : len(coefficients)] = coefficients
+    table.flags.writeable = False
     return table
 
 
@@ -85,12 +90,18 @@ def _raise_degree(alive: dict[int, Array], t: Array, piece: int, degree: int) ->
     return raised
 
 
+def local_basis(count: int, s: ArrayLike, ends: Ends = "clamped") -> tuple[NDArray[np.int64], Array]:
+    """(piece of each s, shape [m]; values of the four basis functions alive there, shape [m, 4])."""
+    piece, u = _split(count - _DEGREE, s)
+    values: Array = np.einsum("mkc,mc->mk", basis_pieces(count, ends)[piece], u[:, None] ** np.arange(4))
+    return piece, values
+
+
 def basis_functions(count: int, s: ArrayLike, ends: Ends = "clamped") -> Array:
     """Values of all N basis functions at each s in [0, N - 3] (clipped), shape [len(s), N]; every row sums to 1."""
-    piece, u = _split(count - _DEGREE, s)
-    values = np.einsum("mkc,mc->mk", basis_pieces(count, ends)[piece], u[:, None] ** np.arange(4))
-    matrix = np.zeros((len(u), count))
-    matrix[np.arange(len(u))[:, None], piece[:, None] + np.arange(4)] = values
+    piece, values = local_basis(count, s, ends)
+    matrix = np.zeros((len(piece), count))
+    matrix[np.arange(len(piece))[:, None], piece[:, None] + np.arange(4)] = values
     return matrix
 
 

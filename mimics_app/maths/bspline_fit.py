@@ -16,6 +16,7 @@ Array = NDArray[np.float64]
 _ROUNDS = 40
 _PLAIN_ROUNDS = 3
 _NEWTON_STEPS = 4
+_RIDGE = 1e-13
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +98,10 @@ def _chord_parameters(samples: Array, pieces: int) -> Array:
 
 
 def _slide(samples: Array, pieces: Array, s: Array) -> Array:
-    """A few Newton steps of every sample towards its nearest curve point, a quarter of a piece at most each."""
+    """A few Newton steps of every sample towards its nearest curve point, a quarter of a piece at most each.
+
+    The first and the last sample stay at the ends of the curve, which else would grow beyond the path.
+    """
     for _ in range(_NEWTON_STEPS):
         away = bspline.evaluate(pieces, s) - samples
         first = bspline.evaluate(pieces, s, 1)
@@ -107,6 +111,7 @@ def _slide(samples: Array, pieces: Array, s: Array) -> Array:
         bend = np.where(bend > 0.1 * speed2, bend, np.maximum(speed2, np.finfo(float).tiny))
         step = np.sum(away * first, axis=1) / bend
         s = np.clip(s - np.clip(step, -0.25, 0.25), 0.0, len(pieces))
+        s[0], s[-1] = 0.0, len(pieces)
     return s
 
 
@@ -120,23 +125,31 @@ def _improve(samples: Array, fit: SplineFit, slip: float) -> SplineFit:
 
     `slip` weighs the squared tangential residual: 1 counts it whole (plain least squares), 0 not at all.
     """
-    count, dimensions = fit.control_points.shape
     pieces = bspline.pieces_of(fit.control_points)
-    basis = bspline.basis_functions(count, fit.parameters)
     first = bspline.evaluate(pieces, fit.parameters, 1)
     size = np.linalg.norm(first, axis=1, keepdims=True)
     tangent = np.divide(first, size, out=np.zeros_like(first), where=size > 0.0)
     # A sample at an end of the curve cannot slide off it.
-    free = (fit.parameters > 0.0) & (fit.parameters < len(pieces))
-    tangent[~free] = 0.0
-    weight = np.eye(dimensions) - (1.0 - slip) * tangent[:, :, None] * tangent[:, None, :]
-    residual = samples - basis @ fit.control_points
-    normal = np.empty((count, dimensions, count, dimensions))
-    for a in range(dimensions):
-        for b in range(dimensions):
-            normal[:, a, :, b] = basis.T @ (basis * weight[:, a, b, None])
-    right = basis.T @ np.einsum("mab,mb->ma", weight, residual)
-    unknowns = count * dimensions
-    step = np.linalg.lstsq(normal.reshape(unknowns, unknowns), right.reshape(unknowns), rcond=1e-14)[0]
-    points = fit.control_points + step.reshape(count, dimensions)
+    tangent[(fit.parameters <= 0.0) | (fit.parameters >= len(pieces))] = 0.0
+    weight = np.eye(samples.shape[1]) - (1.0 - slip) * tangent[:, :, None] * tangent[:, None, :]
+    residual = np.einsum("mab,mb->ma", weight, samples - bspline.evaluate(pieces, fit.parameters))
+    points = fit.control_points + _solve(fit.parameters, weight, residual, fit.control_points.shape)
     return _measured(samples, points, _slide(samples, bspline.pieces_of(points), fit.parameters))
+
+
+def _solve(s: Array, weight: Array, residual: Array, shape: tuple[int, ...]) -> Array:
+    """Change of the control points that minimises the weighted residuals; normal equations, piece by piece."""
+    count, dimensions = shape
+    piece, basis = bspline.local_basis(count, s)
+    blocks = np.zeros((count - 3, 4, dimensions, 4, dimensions))
+    np.add.at(blocks, piece, np.einsum("mk,mab,ml->mkalb", basis, weight, basis))
+    normal = np.zeros((count, dimensions, count, dimensions))
+    right = np.zeros(shape)
+    for i, block in enumerate(blocks):
+        normal[i : i + 4, :, i : i + 4, :] += block
+    np.add.at(right, piece[:, None] + np.arange(4), basis[:, :, None] * residual[:, None, :])
+    square = normal.reshape(count * dimensions, -1)
+    # A basis function that meets no sample keeps its control point.
+    square[np.diag_indices(len(square))] += _RIDGE * np.trace(square) / len(square)
+    step: Array = np.linalg.solve(square, right.ravel()).astype(np.float64).reshape(shape)
+    return step

@@ -28,6 +28,7 @@ _CHECKS_PER_PIECE = 128
 _SMALLEST_STEP = 1e-6
 _LARGEST_COORDINATE = 1e3
 _SLOWEST_SPEED = 1e-4
+_STRAIGHT = 1e-9
 _WORLD_UP = (0.0, 1.0, 0.0)
 
 
@@ -131,7 +132,7 @@ class TunnelCurve:
     def max_radius_scale(self) -> float:
         """Factor on the radius at which the walls would fold over in the tightest bend; inf for a straight tunnel."""
         product, _ = self.max_radius_curvature
-        return 1.0 / product if product > 0.0 else float("inf")
+        return 1.0 / product if product > _STRAIGHT else float("inf")
 
     def fill(self, record: Any) -> None:
         """Write the geometry into a TUNNEL record; its forces and radius_scale stay as they are."""
@@ -239,13 +240,13 @@ def _radius_pieces(pieces: Array, arc_length: Array, values: Array) -> Array:
     knots = np.arange(len(pieces) + 1, dtype=np.float64)
     slope = slope * np.linalg.norm(bspline.evaluate(pieces, knots, 1), axis=1) / length
     rise = np.diff(r)
-    # Slopes more than three times the rise would let the cubic leave the interval of its two values.
-    d0 = _tamed(slope[:-1], rise)
-    d1 = _tamed(slope[1:], rise)
+    slope = _tamed(_tamed(slope, np.append(rise, rise[-1])), np.insert(rise, 0, rise[0]))
+    d0, d1 = slope[:-1], slope[1:]
     return np.stack([r[:-1], d0, 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise], axis=1)
 
 
 def _tamed(slope: Array, rise: Array) -> Array:
+    """Slopes cut to three times the rise beside them: steeper, the cubic could leave the interval of its two values."""
     return np.where(slope * rise <= 0.0, 0.0, np.sign(rise) * np.minimum(np.abs(slope), 3.0 * np.abs(rise)))
 
 
@@ -266,4 +267,4 @@ def _refuse_folded_walls(curve: TunnelCurve, radius_scale: float) -> None:
         f"too wide for its bend: radius x curvature = {radius_scale * product:.3g} "
         f"{_place(curve.pieces, curve.arc_length, s)}, must stay below 1"
     )
-    raise TunnelError([TunnelFault("radius", what, f"take less than {bend:.4f} m there or a wider bend")])
+    raise TunnelError([TunnelFault("radius", what, f"take less than {bend:.3g} m there or a wider bend")])

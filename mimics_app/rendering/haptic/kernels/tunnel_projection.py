@@ -129,8 +129,8 @@ def refine(tunnel: Any, px: float, py: float, pz: float, s: float) -> tuple[floa
 
 
 @kernel
-def _best_in_piece(tunnel: Any, px: float, py: float, pz: float, piece: int) -> tuple[float, float]:
-    """(s, distance [m]) of the minimum reached from the best of five points of one piece."""
+def _best_in_piece(tunnel: Any, px: float, py: float, pz: float, piece: int) -> tuple[float, float, bool]:
+    """(s, distance [m], whether it is a minimum) of what Newton reaches from the best of five points of one piece."""
     best2 = _FAR
     best = 0.0
     for i in range(5):
@@ -138,8 +138,8 @@ def _best_in_piece(tunnel: Any, px: float, py: float, pz: float, piece: int) -> 
         if distance2 < best2:
             best2 = distance2
             best = piece + 0.25 * i
-    s, distance2, _ = refine(tunnel, px, py, pz, best)
-    return s, math.sqrt(distance2)
+    s, distance2, found = refine(tunnel, px, py, pz, best)
+    return s, math.sqrt(distance2), found
 
 
 @kernel
@@ -150,10 +150,10 @@ def _look_over(
     for piece in range(first, stop):
         length = tunnel.arc_length[piece + 1] - tunnel.arc_length[piece]
         if math.sqrt(_distance2(tunnel, px, py, pz, piece, 0.5)) - length < bound:
-            candidate, distance = _best_in_piece(tunnel, px, py, pz, piece)
+            candidate, distance, found = _best_in_piece(tunnel, px, py, pz, piece)
             if distance < bound:
                 s = candidate
-                bound = distance - tie
+                bound = distance - tie if found else distance
     return s, bound
 
 
