@@ -31,7 +31,7 @@ _SETTINGS = {
     "hand_force": (hand.HAND_LIMIT, 15.0),  # [N]
     "hand_stiffness": (hand.HAND_STIFFNESS, 800.0),  # [N/m]
     "hand_damping": (hand.HAND_DAMPING, 90.0),  # [N s/m]: critical for 3 kg
-    "follow_rate": (hand.FOLLOW_RATE, 60.0),  # [rad/s]: 60 Hz steps are smoothed, the cursor is reached in 0.1 s
+    "follow_rate": (hand.FOLLOW_RATE, 40.0),  # [rad/s]: 60 Hz steps are smoothed, the cursor is reached in 0.2 s
 }
 
 

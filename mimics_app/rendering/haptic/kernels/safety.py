@@ -78,10 +78,10 @@ def latch(state: Any, stop: int, cause: int) -> None:
 
 
 @kernel
-def _reset_when_asked(scene: Any, state: Any, stop_word: int) -> None:
-    """A changed count of resets leaves a latched stop, once stop key and button are released."""
+def _reset_when_asked(scene: Any, state: Any, stop_word: int) -> bool:
+    """A changed count of resets leaves a latched stop, once stop key and button are released; True when it did."""
     if scene.resets == state.resets:
-        return
+        return False
     if state.safety < _SAFE_STOP:
         state.resets = scene.resets
     elif stop_word == 0 and state.buttons & _STOP_BUTTON == 0 and state.readable == 1:
@@ -89,6 +89,9 @@ def _reset_when_asked(scene: Any, state: Any, stop_word: int) -> None:
         state.safety = _INIT
         state.cause = _NONE
         state.quiet_ticks = 0
+        state.answered = 0
+        return True
+    return False
 
 
 @kernel
@@ -114,7 +117,7 @@ def _find_trip(scene: Any, state: Any, status: int, held: int) -> int:
         cause = _LATE_TICK
     elif state.safety >= _HOMED and held == MISSED_STOP:
         cause = _MISSED_IN_ROW
-    elif state.safety >= _HOMED and not state.age * 1e9 <= scene.stale_stop_ns:
+    elif state.safety >= _HOMED and int(state.age * 1e9 + 0.5) > scene.stale_stop_ns:
         cause = _STALE_DEVICE
     elif state.safety >= _HOMED and _outside_workspace(scene, state):
         cause = _WORKSPACE
@@ -178,7 +181,7 @@ def step_safety(scene: Any, state: Any, status: int, stop_word: int, held: int, 
         dt: Tick [s].
     """
     before = state.safety
-    _reset_when_asked(scene, state, stop_word)
+    was_reset = _reset_when_asked(scene, state, stop_word)
     if stop_word != 0:
         latch(state, _E_STOP, _STOP_KEY)
     elif state.buttons & _STOP_BUTTON != 0:
@@ -189,7 +192,9 @@ def step_safety(scene: Any, state: Any, status: int, stop_word: int, held: int, 
     state.quiet_ticks = state.quiet_ticks + 1 if held < LATE_DAMP and norm(state.f_virt_world) < scene.ramp_force else 0
     if state.safety < _SAFE_STOP:
         quiet = state.quiet_ticks * dt >= _QUIET_TIME
-        if state.safety < _ACTIVE:
+        if was_reset:
+            state.safety = _INIT
+        elif state.safety < _ACTIVE:
             _come_up(scene, state, quiet)
         else:
             _stay_active(scene, state, quiet, held)

@@ -101,7 +101,7 @@ def _take_data(scene: Any, state: Any, data: Vec, status: int, dt: float) -> Non
         state.readable = 0
         fill(state.dq, 0.0)
         fill(state.f_meas, 0.0)
-    state.stale = 0 if state.age * 1e9 <= scene.stale_warn_ns else 1
+    state.stale = 1 if int(state.age * 1e9 + 0.5) > scene.stale_warn_ns else 0
 
 
 @kernel

@@ -1,0 +1,156 @@
+"""Whatever comes in, a finite force inside every limit goes out: a million cases inside one compiled loop."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.limiter import brake_at_limits, limit_force, settle
+from mimics_app.rendering.haptic.kernels.noise import seed_noise, uniform
+from mimics_app.rendering.haptic.kernels.vectors import norm
+
+ROUNDING = 1e-12
+"""Relative: a dozen operations of 1e-16 each, with a wide margin."""
+
+
+@kernel
+def _nasty(noise):
+    """A number of any size, sign and kind: one in eight is NaN, infinite, huge, zero or denormal."""
+    kind = int(uniform(noise, 0) * 40)
+    if kind == 0:
+        return math.nan
+    if kind == 1:
+        return math.inf
+    if kind == 2:
+        return -math.inf
+    if kind == 3:
+        return 0.0
+    if kind == 4:
+        return 1e308 * (uniform(noise, 0) - 0.5)
+    return (uniform(noise, 0) - 0.5) * 10.0 ** (uniform(noise, 0) * 12.0 - 6.0)
+
+
+@kernel
+def _size(f):
+    """Length without overflow: the limiter's own numbers may be as large as a float goes."""
+    largest = max(abs(f[0]), abs(f[1]), abs(f[2]))
+    return largest * norm(f / largest) if 0.0 < largest < math.inf else largest
+
+
+@kernel
+def _violations(seed, cases, counts):
+    """counts: NaN out, over the limit, rose too fast, turned, not zero when refused, refused, passed whole."""
+    noise = np.zeros(1)
+    seed_noise(noise, 0, seed)
+    f = np.zeros(3)
+    wanted = np.zeros(3)
+    for _ in range(cases):
+        for i in range(3):
+            wanted[i] = _nasty(noise)
+        limit = abs(_nasty(noise))
+        rise = abs(_nasty(noise))
+        ramp = uniform(noise, 0) * 1.5 - 0.2 if uniform(noise, 0) > 0.05 else _nasty(noise)
+        last = norm(f)
+        accepted = limit_force(wanted, ramp, limit, rise, f)
+        size = _size(f)
+        if not math.isfinite(f[0] + f[1] + f[2]):
+            counts[0] += 1
+            f[:] = 0.0
+            continue
+        if not accepted:
+            counts[5] += 1
+            if size != 0.0:
+                counts[4] += 1
+            continue
+        if size > limit * (1.0 + ROUNDING):
+            counts[1] += 1
+        if size > (last + rise) * (1.0 + ROUNDING):
+            counts[2] += 1
+        largest = max(abs(wanted[0]), abs(wanted[1]), abs(wanted[2]))
+        for i in range(3):
+            if (
+                largest > 0.0
+                and abs(f[i] - wanted[i] / largest * max(abs(f[0]), abs(f[1]), abs(f[2]))) > ROUNDING * size
+            ):
+                counts[3] += 1
+        if ramp >= 1.0 and largest < 1e100 and abs(size - norm(wanted)) <= ROUNDING * size and size > 0.0:
+            counts[6] += 1
+        if size > 1e150:
+            f[:] = 0.0
+
+
+def test_a_million_forces():
+    counts = np.zeros(7, np.int64)
+    _violations(20240, 1_000_000, counts)
+    assert counts[:5].tolist() == [0] * 5
+    assert counts[5] > 100_000 and counts[6] > 10_000  # both kinds were really met
+
+
+@pytest.mark.slow
+def test_a_hundred_million_forces():
+    counts = np.zeros(7, np.int64)
+    _violations(7, 100_000_000, counts)
+    assert counts[:5].tolist() == [0] * 5
+
+
+@pytest.mark.parametrize("limit", [math.nan, math.inf, -1.0])
+def test_a_limit_that_is_no_limit_lets_nothing_pass(limit: float):
+    for limits in ((limit, 1.0), (1.0, limit)):
+        f = np.array([0.1, 0.0, 0.0])
+        assert not limit_force(np.array([1.0, 0.0, 0.0]), 1.0, *limits, f)
+        assert np.all(f == 0.0)
+
+
+def test_falling_is_free_and_rising_is_not():
+    f = np.array([0.0, 50.0, 0.0])
+    assert limit_force(np.array([1.0, 0.0, 0.0]), 1.0, 60.0, 2.0, f)
+    assert f.tolist() == [1.0, 0.0, 0.0]
+    assert limit_force(np.array([0.0, 0.0, -40.0]), 1.0, 60.0, 2.0, f)
+    assert f.tolist() == pytest.approx([0.0, 0.0, -3.0], rel=1e-15)
+
+
+def test_overflowing_force_is_scaled_not_refused():
+    f = np.zeros(3)
+    assert limit_force(np.array([1e308, 1e308, 1e308]), 1.0, 60.0, 100.0, f)
+    assert norm(f) == pytest.approx(60.0, rel=1e-12)
+
+
+@kernel
+def _brake_violations(seed, cases):
+    """Joints started inside their limits and driven by random wishes through an ideal servo: how often they get out."""
+    noise = np.zeros(1)
+    seed_noise(noise, 0, seed)
+    low = np.array([-0.18, -0.5, -0.2])
+    high = np.array([0.18, 0.5, 0.2])
+    q = np.zeros(3)
+    dq = np.zeros(3)
+    out = 0
+    for _ in range(cases):
+        for i in range(3):
+            dq[i] = (uniform(noise, 0) - 0.5) * 40.0
+        brake_at_limits(q, low, high, dq)
+        for i in range(3):
+            q[i] += 1e-3 * dq[i]
+            if not low[i] - 1e-15 <= q[i] <= high[i] + 1e-15:
+                out += 1
+    return out
+
+
+def test_no_wish_leads_a_joint_over_its_limit():
+    assert _brake_violations(5, 1_000_000) == 0
+
+
+def test_a_joint_beyond_its_limit_may_come_back():
+    dq = np.array([-0.3, 0.0, 0.4])
+    assert brake_at_limits(np.array([0.19, 0.0, 0.21]), np.full(3, -0.18), np.full(3, 0.18), dq)
+    assert dq.tolist() == [-0.3, 0.0, 0.0]
+
+
+def test_settling_ends_at_exactly_zero():
+    command = np.array([0.8, -2.0, math.nan])
+    for _ in range(400):
+        settle(command, 1e-3)
+    assert np.all(command == 0.0)

@@ -1,0 +1,121 @@
+"""A haptic engine on the bench: a scripted device, a simulated robot, a parameter block, and what came out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts import ring
+from mimics_app.contracts.haptic import INBOX, SAMPLE, Controller
+from mimics_app.contracts.kernel import typed_kernel
+from mimics_app.contracts.loop_ports import DATA_LENGTH, READ, WRITE, DevicePlugin
+from mimics_app.contracts.session_memory import Capacities, SessionMemory
+from mimics_app.rendering.haptic.devices.registry import build_device
+from mimics_app.rendering.haptic.engine import HapticEngine
+from mimics_app.rendering.haptic.scene_block import default_scene
+from mimics_app.rendering.haptic.tunnel import build_tunnel
+from mimics_app.world.components_haptic import Patient, Robot
+
+ROW = DATA_LENGTH + 1
+"""One scripted tick: a data vector and a DeviceStatus."""
+
+
+@typed_kernel(READ)
+def read_script(memory, inbox, data, tick):
+    row = min(tick, memory.shape[0] // ROW - 1) * ROW
+    for i in range(DATA_LENGTH):
+        data[i] = memory[row + i]
+    return np.int64(memory[row + DATA_LENGTH])
+
+
+@typed_kernel(WRITE)
+def ignore(memory, command, tick):
+    return 0
+
+
+def script(ticks: int) -> NDArray[np.float64]:
+    """Rows of a device at rest in the middle of its workspace; change what the test is about."""
+    return np.zeros((ticks, ROW))
+
+
+@dataclass
+class Bench:
+    """An engine with its memory, its parameter block and its inbox."""
+
+    memory: SessionMemory
+    engine: HapticEngine
+    scene: NDArray[Any]
+    inbox: NDArray[Any] = field(default_factory=lambda: np.zeros(1, INBOX))
+    blocks: dict[int, NDArray[Any]] = field(default_factory=dict)
+
+    def publish(self, **values: Any) -> None:
+        """Change fields ("tunnel.stiffness" as tunnel__stiffness), count the sequence up, publish."""
+        for name, value in values.items():
+            part = self.scene[0]
+            *path, last = name.split("__")
+            for step in path:
+                part = part[step]
+            part[last] = value
+        self.scene[0]["sequence"] = len(self.blocks) + 1
+        self.blocks[len(self.blocks) + 1] = self.scene.copy()
+        self.engine.publish(self.scene)
+
+    def tell(self, **values: Any) -> None:
+        for name, value in values.items():
+            self.inbox[0][name] = value
+        self.engine.tell(self.inbox)
+
+    def advance(self, ticks: int) -> NDArray[Any]:
+        """Run ticks on the virtual clock and return their samples."""
+        self.engine.advance(ticks)
+        return self.samples()
+
+    def samples(self) -> NDArray[Any]:
+        out = np.zeros(self.memory.samples.shape[0], SAMPLE)
+        count = ring.drain(self.memory.sample_words, self.memory.samples, out)
+        return out[:count]
+
+
+def bench_of(plugin: DevicePlugin, *, straight: float | None = 0.04, samples: int = 1 << 15, **kwargs: Any) -> Bench:
+    """An engine over a plug-in. `straight`: radius of a straight tunnel along the world's x, None: no tunnel."""
+    memory = SessionMemory(Capacities(samples=samples, **kwargs.pop("capacities", {})))
+    bench = Bench(memory, HapticEngine(memory, plugin, **kwargs), default_scene())
+    record = bench.scene[0]["tunnel"]
+    if straight is not None:
+        build_tunnel([[-0.15, 0.0, 0.0], [0.15, 0.0, 0.0]], straight).fill(record)
+    record["stiffness"], record["damping"], record["drag"], record["drag_growth"] = 2000.0, 25.0, 2.0, 2000.0
+    bench.scene[0]["force_rate_limit"] = 20000.0
+    bench.publish(controller=Controller.ADMITTANCE)
+    return bench
+
+
+def scripted(rows: NDArray[np.float64], **kwargs: Any) -> Bench:
+    """An engine over a scripted device that repeats its last row for ever."""
+    return bench_of(DevicePlugin("script", read_script, ignore, np.ascontiguousarray(rows).ravel()), **kwargs)
+
+
+def wavy() -> Any:
+    """A tunnel with two bends in the frontal plane."""
+    x = np.linspace(-0.16, 0.16, 14)
+    points = np.stack([x, 0.05 * np.sin((x + 0.16) / 0.32 * 2.5 * np.pi), np.zeros_like(x)], axis=1)
+    return build_tunnel(points, 0.03)
+
+
+def patient_bench(preset: str = "healthy", seed: int = 1, *, intent: bool = True, **kwargs: Any) -> Bench:
+    """The simulated person in the wavy tunnel, robot driven to its start by world PD."""
+    curve = wavy()
+    way = curve.point(np.linspace(0.0, len(curve.pieces), 200))
+    plugin = build_device(Robot(), Patient(preset=preset, intent=intent), way, seed)
+    bench = bench_of(plugin, straight=None, **kwargs)
+    curve.fill(bench.scene[0]["tunnel"])
+    R, origin = bench.scene[0]["R_world_from_robot"], bench.scene[0]["origin_world"]
+    bench.publish(controller=Controller.WORLD_PD, target=R.T @ (curve.point(0.0)[0] - origin))
+    return bench
+
+
+def pointer_bench(**kwargs: Any) -> Bench:
+    """A pointing device in a straight tunnel of 40 mm along the world's x."""
+    return bench_of(build_device(Robot(device="pointer"), seed=3), **kwargs)
