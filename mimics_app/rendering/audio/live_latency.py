@@ -54,8 +54,9 @@ def measure_live_latency(seconds: float = 10.0, period: int = 128, seed: int = 1
         seed: Of the random times of the contacts.
 
     Returns:
-        `events` pushed, `heard`, `p50_ms`, `p95_ms`, `max_ms` from the tick's time to the sample at the monitor,
-        `modelled_p95_ms` as the session's report has it, and `device, sink, hrtf, rate, period`.
+        `events` pushed, `played` by the mixer, `heard` at the monitor, `stale` ones that were read too late to be
+        played; `p50_ms`, `p95_ms`, `max_ms` from the tick's time to the sample at the monitor; `modelled_p95_ms` as
+        the session's report has it; and `device, sink, hrtf, rate, period`.
 
     Raises:
         DeviceError: PulseAudio is not installed, or its server or our device did not come up.
@@ -65,11 +66,13 @@ def measure_live_latency(seconds: float = 10.0, period: int = 128, seed: int = 1
         raise DeviceError(why)
     with private_pulse_server() as environment, _Recorder(environment) as recorder:
         pushed, report = _play_contacts(environment, seconds, period, seed)
-    latencies = _match(pushed, recorder.onsets())
+    latencies = _match(pushed, recorder.onsets()) if pushed else []
     modelled = report.latency_ms()["p95"]
     return {
         "events": len(pushed),
+        "played": len(report.rows),
         "heard": len(latencies),
+        "stale": report.stale,
         **{f"{name}_ms": _rank(latencies, share) for name, share in (("p50", 0.5), ("p95", 0.95), ("max", 1.0))},
         "modelled_p95_ms": None if modelled is None else round(modelled, 2),
         "device": report.status.device,
@@ -217,9 +220,9 @@ def _match(pushed: list[int], onsets: list[int]) -> list[float]:
     """Latency [ms] of every event that was heard: the first onset after it, before the next event's turn."""
     latencies = []
     heard = np.asarray(onsets, np.int64)
-    for t in pushed:
+    for t, following in zip(pushed, [*pushed[1:], pushed[-1] + _LONGEST_NS], strict=True):
         k = int(np.searchsorted(heard, t))
-        if k < len(heard) and heard[k] - t < _LONGEST_NS:
+        if k < len(heard) and heard[k] < following:
             latencies.append((int(heard[k]) - t) * 1e-6)
     return sorted(latencies)
 

@@ -82,6 +82,8 @@ class OpenALContext:
         attributes = [ALC.FREQUENCY, rate, ALC.HRTF, int(hrtf), ALC.MONO_SOURCES, voices]
         if self.loopback:
             attributes += [ALC.FORMAT_CHANNELS, ALC.STEREO, ALC.FORMAT_TYPE, ALC.FLOAT, ALC.OUTPUT_LIMITER, 0]
+        if hrtf:
+            attributes += self._filters_for(rate)
         attributes.append(0)
         context = self._call.alcCreateContext(self._device, (ctypes.c_int * len(attributes))(*attributes))
         if not context or not self._call.alcMakeContextCurrent(context):
@@ -89,6 +91,14 @@ class OpenALContext:
         self._call.alDistanceModel(AL.INVERSE_DISTANCE_CLAMPED)
         self.library.check("set the distance model")
         return int(context)
+
+    def _filters_for(self, rate: int) -> list[int]:
+        """Attributes that choose filters made for this rate: a device takes the rate of its filters, not ours."""
+        for index in range(self._integer(ALC.NUM_HRTF_SPECIFIERS)):
+            name = self._call.alcGetStringiSOFT(self._device, ALC.HRTF_SPECIFIER, index)
+            if name and str(rate) in name.decode(errors="replace"):
+                return [ALC.HRTF_ID, index]
+        return []
 
     def _integer(self, name: int, default: int = 0) -> int:
         value = ctypes.c_int(default)

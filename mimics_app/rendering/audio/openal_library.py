@@ -39,6 +39,9 @@ class ALC:
     STEREO = 0x1501
     FLOAT = 0x1406
     HRTF = 0x1992
+    NUM_HRTF_SPECIFIERS = 0x1994
+    HRTF_SPECIFIER = 0x1995
+    HRTF_ID = 0x1996
     OUTPUT_LIMITER = 0x199A
     DEVICE_LATENCY = 0x1601
 
@@ -85,6 +88,7 @@ _SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
     "alcGetError": (_int, [_pointer]),
     "alcGetString": (_text, [_pointer, _int]),
     "alcGetIntegerv": (None, [_pointer, _int, _int, ctypes.POINTER(_int)]),
+    "alcGetStringiSOFT": (_text, [_pointer, _int, _int]),
     "alcGetInteger64vSOFT": (None, [_pointer, _int, _int, ctypes.POINTER(ctypes.c_int64)]),
     "alGetError": (_int, []),
     "alGetString": (_text, [_int]),
@@ -203,7 +207,6 @@ def _configuration_text(settings: AudioSettings) -> str:
         f"frequency = {settings.rate}",
         f"period_size = {settings.period}",
         "periods = 2",
-        f"sources = {settings.sources}",
         "stereo-encoding = panpot",
         "cf_level = 0",
         "resampler = cubic",

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.clock import Clock
+from mimics_app.contracts.errors import DeviceError
 from mimics_app.rendering.audio.bank import Sound, SoundBank
 from mimics_app.rendering.audio.openal_context import OpenALContext
 from mimics_app.rendering.audio.openal_library import AL
@@ -104,10 +105,14 @@ class OpenALMixer:
         self._handles = 0
         self._changes: list[tuple[Callable[..., Any], tuple[Any, ...]]] = []
         self._due: list[tuple[int, int, _Voice]] = []
-        context.activate()
-        self._buffers = self._upload()
-        self._voices = [_Voice(source) for source in self._generate_sources(settings.sources)]
         self._by_handle: dict[int, _Voice] = {}
+        try:
+            context.activate()
+            self._buffers = self._upload()
+            self._voices = [_Voice(source) for source in self._generate_sources(settings.sources)]
+        except DeviceError:
+            context.close()
+            raise
 
     def start(self, sound: str, t_ns: int, position_world: Vec3 | None, gain: float) -> int:
         """Start a sound; return its handle, 0 when no voice was free for it. KeyError: no such sound."""

@@ -101,6 +101,8 @@ class AudioSettings:
             raise ValueError(
                 f"a period of {self.period} frames is not between 64 and 512: the 20 ms bound would be lost"
             )
+        if not 1 <= self.voices <= 200:
+            raise ValueError(f"{self.voices} voices are not between 1 and 200")
         for name in filter(None, (self.contact, self.contact_end, self.scrape, *self.cues.values(), *self.emitters)):
             if name not in self.sounds:
                 raise ValueError(f'sound "{name}" is used but not among the sounds: {", ".join(self.sounds)}')
