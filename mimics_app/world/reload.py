@@ -1,10 +1,8 @@
-"""Live reload: files watched by time and size, and a newly loaded scene laid over the running world by entity id."""
+"""Live reload: a newly loaded scene laid over the running world, entity by entity."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
@@ -14,28 +12,7 @@ from mimics_app.world.scene import Scene, SceneEntity
 from mimics_app.world.scene_file import load_scene
 from mimics_app.world.world import World
 
-__all__ = ["Changes", "SceneWatcher", "apply_scene", "reload_scene"]
-
-
-class SceneWatcher:
-    """Tells when one of some files was saved. Costs one `stat` per file; ask a few times a second."""
-
-    def __init__(self, paths: Iterable[Path]) -> None:
-        self._paths = list(paths)
-        self._seen = [_stamp(path) for path in self._paths]
-
-    def changed(self) -> bool:
-        """True once after each save (other time of change, or other size), removal or return of a file."""
-        now = [_stamp(path) for path in self._paths]
-        changed = now != self._seen
-        self._seen = now
-        return changed
-
-    def watch(self, paths: Iterable[Path]) -> None:
-        """Watch these files instead; those watched already keep what was seen of them."""
-        known = dict(zip(self._paths, self._seen, strict=True))
-        self._paths = list(paths)
-        self._seen = [known.get(path, _stamp(path)) for path in self._paths]
+__all__ = ["Changes", "apply_scene", "reload_scene"]
 
 
 @dataclass(frozen=True)
@@ -184,11 +161,3 @@ def _reparent(world: World, new: Scene, before: dict[str, SceneEntity]) -> None:
         wanted = world.root if entity.parent is None else world.find(entity.parent)
         if not stays or (node.parent == world.root and wanted != world.root):
             wanted.attach(node)
-
-
-def _stamp(path: Path) -> tuple[int, int] | None:
-    try:
-        stat = path.stat()
-    except OSError:
-        return None
-    return stat.st_mtime_ns, stat.st_size

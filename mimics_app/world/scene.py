@@ -51,6 +51,8 @@ class Scene:
         path: The scene file.
         root: Folder all its files are in.
         document: The whole scene in one plain object, includes and prefabs resolved.
+        title, description, picture: For the launcher; a picture file, or None.
+        scenario: Name of the scenario that runs it.
         hash: SHA-256 of that object and of every asset's bytes, in hexadecimal.
         entities: In the order of the files.
         materials: By id; `base_texture` is an asset id.
@@ -71,6 +73,7 @@ class Scene:
     title: str = ""
     description: str = ""
     scenario: str = ""
+    picture: Path | None = None
     hash: str = ""
     entities: list[SceneEntity] = field(default_factory=list)
     materials: dict[str, Material] = field(default_factory=dict)

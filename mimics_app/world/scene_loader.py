@@ -11,6 +11,7 @@ from mimics_app.contracts.errors import Issue, SceneError, nearest
 from mimics_app.world.json_text import escape
 from mimics_app.world.material import Material
 from mimics_app.world.model_unfolding import unfold_model
+from mimics_app.world.paths import PathFault, find_file
 from mimics_app.world.registry import component_types, section_of, system_types
 from mimics_app.world.scene import Scene, SceneEntity
 from mimics_app.world.scene_assets import read_asset
@@ -118,7 +119,10 @@ class SceneLoader:
     def _check_picture(self, main: SceneSource) -> None:
         picture = _text(main, "picture")
         if picture:
-            self._issues += self._scene.check_file("/picture", picture)
+            try:
+                self._scene.picture = find_file(picture, main.layer.folder, self._scene.root)
+            except PathFault as fault:
+                self._report("/picture", fault.what, fault.fix)
 
     def _resolved(self, main: SceneSource) -> dict[str, Any]:
         """The scene as one plain object."""
@@ -126,7 +130,6 @@ class SceneLoader:
         result: dict[str, Any] = {
             key: main.document[key] for key in ("format", "version", "units", "up") if key in main.document
         }
-        result |= {"name": self._scene.name, "title": self._scene.title, "description": self._scene.description}
         result |= {
             table: {name: layer.value for name, layer in document.tables[table].items()}
             for table in ("assets", "materials")

@@ -1,0 +1,68 @@
+"""`mimics check`: read scene and model files as `run` would, and tell every error of all of them."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from mimics_app.contracts.errors import Issue, MimicsError, SceneError
+
+__all__ = ["add_arguments", "run"]
+
+_MODELS = (".glb", ".gltf")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="scene (.json) or model (.glb, .gltf)")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Check the files; 0 when all are right, 3 when one is not, with one line for each error."""
+    findings: list[dict[str, Any]] = []
+    issues: list[Issue] = []
+    for file in args.files:
+        try:
+            findings.append(_examine(file))
+        except MimicsError as error:
+            findings.append({"file": str(file), "ok": False})
+            issues += [issue if issue.file else Issue(str(file), "", issue.what, issue.fix) for issue in error.issues]
+    if args.json:
+        from mimics_app.app.output import write_object
+
+        errors = [{"file": i.file, "pointer": i.pointer, "what": i.what, "fix": i.fix} for i in issues]
+        write_object("check", {"files": findings, "errors": errors})
+        return SceneError.exit_code if issues else 0
+    for finding in findings:
+        sys.stdout.writelines(_lines(finding))
+    if issues:
+        raise SceneError(issues)
+    return 0
+
+
+def _examine(file: Path) -> dict[str, Any]:
+    """What a file holds.
+
+    Raises:
+        MimicsError: it is wrong; the error carries every issue.
+    """
+    if file.suffix.lower() in _MODELS:
+        from mimics_app.world.gltf_file import load_gltf
+
+        model = load_gltf(file)
+        holds = {"nodes": len(model.nodes), "meshes": len(model.meshes), "materials": len(model.materials)}
+        return {"file": str(file), "ok": True, "kind": "model", "holds": holds, "notes": model.notes}
+    from mimics_app.app.scene_loading import load_checked_scene
+
+    scene = load_checked_scene(file)
+    holds = {"entities": len(scene.entities), "materials": len(scene.materials), "assets": len(scene.assets)}
+    return {"file": str(file), "ok": True, "kind": "scene", "hash": scene.hash, "holds": holds, "notes": scene.notes}
+
+
+def _lines(finding: dict[str, Any]) -> list[str]:
+    if not finding["ok"]:
+        return []
+    holds = ", ".join(f"{count} {what}" for what, count in finding["holds"].items())
+    return [f"{finding['file']}: right ({holds})\n", *(f"  {note}\n" for note in finding["notes"])]

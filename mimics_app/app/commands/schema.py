@@ -1,0 +1,38 @@
+"""`mimics schema`: the JSON Schema of scene files, so that an editor completes keys and shows units."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from mimics_app.contracts.errors import UsageError
+
+__all__ = ["add_arguments", "run"]
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("--out", type=Path, metavar="FILE", help="write it there instead of to stdout")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Write the schema; the plain one, or inside the object of `--json`."""
+    import mimics_app.app.scene_loading  # noqa: F401  makes every stage's types known
+    from mimics_app.world.scene_schema import scene_schema
+
+    schema = scene_schema()
+    text = json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
+    if args.out is not None:
+        try:
+            args.out.write_text(text, encoding="utf-8")
+        except OSError as error:
+            raise UsageError(f'"{args.out}" cannot be written: {error.strerror}') from None
+    if args.json:
+        from mimics_app.app.output import write_object
+
+        write_object("schema", {"json_schema": schema})
+    elif args.out is None:
+        sys.stdout.write(text)
+    return 0
