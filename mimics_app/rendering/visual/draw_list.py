@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -25,12 +24,21 @@ Rows = NDArray[np.intp]
 
 @dataclass(frozen=True, slots=True)
 class DrawRun:
-    """Consecutive indirect draws that share a look: one call to the driver."""
+    """Consecutive indirect draws that share a look: one call to the driver.
+
+    Attributes:
+        look: Material and shaders.
+        first: Index of the first command.
+        count: Number of commands.
+        triangles: In all of them.
+        mirrored: True where a negative scale turned the faces over, so that clockwise ones are outside.
+    """
 
     look: Look
     first: int
     count: int
     triangles: int
+    mirrored: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +98,7 @@ class FrameBuffers:
         import moderngl
 
         assert self.buffer is not None, "runs are drawn after upload"
+        self.ctx.front_face = "cw" if run.mirrored else "ccw"
         array = arena.vertex_array(run.look.shadow_shader if shadow else run.look.shader)
         array.render_indirect(self.buffer, moderngl.TRIANGLES, run.count, first=run.first)
 
@@ -121,6 +130,7 @@ class DrawList:
             self._revision = listed.revision
         self._visible = np.asarray(listed.visible, np.bool_) & self._drawable
         self._matrices = world.transforms.world[self._node_rows]
+        self._mirrored = np.linalg.det(self._matrices[:, :3, :3]) < 0.0
         turned = np.einsum("nij,nj->ni", self._matrices[:, :3, :3], self._local_centres)
         self._centres = turned + self._matrices[:, :3, 3]
         # The Frobenius norm bounds the largest stretch also where parents' scales shear their children.
@@ -140,8 +150,9 @@ class DrawList:
 
     def batch_casters(self, frame: FrameBuffers, casters: Casters, origin: F8) -> list[DrawRun]:
         """Queue the shadow pass: instances relative to `origin` [m], grouped by look and mesh."""
-        order = casters.rows[np.lexsort((self._mesh_ids[casters.rows], self._look_ids[casters.rows]))]
-        return self._queue(frame, order, origin, split=False)
+        rows = casters.rows
+        order = np.lexsort((self._mesh_ids[rows], self._mirrored[rows], self._look_ids[rows]))
+        return self._queue(frame, rows[order], origin, split=False)
 
     def batch_view(self, frame: FrameBuffers, view: View) -> tuple[list[DrawRun], list[DrawRun]]:
         """Queue what is in a view's frustum.
@@ -157,7 +168,7 @@ class DrawList:
         nearest = np.full(len(self._looks), np.inf)
         np.minimum.at(nearest, self._look_ids[solid], away)
         looks = self._look_ids[solid]
-        near_first = solid[np.lexsort((away, self._mesh_ids[solid], looks, nearest[looks]))]
+        near_first = solid[np.lexsort((away, self._mesh_ids[solid], self._mirrored[solid], looks, nearest[looks]))]
         opaque = self._queue(frame, near_first, view.eye_world, split=False)
         return opaque, self._queue(frame, far_first, view.eye_world, split=True)
 
@@ -196,14 +207,14 @@ class DrawList:
             return []
         instances = self._matrices[order, :3, :]
         instances[:, :, 3] -= origin
-        looks, meshes = self._look_ids[order], self._mesh_ids[order]
+        states, meshes = 2 * self._look_ids[order] + self._mirrored[order], self._mesh_ids[order]
         new = np.ones(len(order), np.bool_)
         if not split:
-            new[1:] = (looks[1:] != looks[:-1]) | (meshes[1:] != meshes[:-1])
+            new[1:] = (states[1:] != states[:-1]) | (meshes[1:] != meshes[:-1])
         starts = np.flatnonzero(new)
         commands = self._commands(starts, meshes[starts], len(order))
         first = frame.add(instances.astype(np.float32), commands)
-        return _group(first, commands, [self._looks[index] for index in looks[starts]], split=split)
+        return self._group(first, commands, states[starts], split=split)
 
     def _commands(self, starts: Rows, meshes: Rows, total: int) -> NDArray[np.void]:
         commands = np.zeros(len(starts), COMMAND)
@@ -216,14 +227,15 @@ class DrawList:
                 commands[index]["base_vertex"] = place.base_vertex
         return commands
 
-
-def _group(first: int, commands: NDArray[np.void], looks: Sequence[Look], *, split: bool) -> list[DrawRun]:
-    runs: list[DrawRun] = []
-    triangles = commands["count"].astype(np.int64) * commands["instances"] // 3
-    begin = 0
-    for index in range(1, len(looks) + 1):
-        if index < len(looks) and not split and looks[index] is looks[begin]:
-            continue
-        runs.append(DrawRun(looks[begin], first + begin, index - begin, int(triangles[begin:index].sum())))
-        begin = index
-    return runs
+    def _group(self, first: int, commands: NDArray[np.void], states: Rows, *, split: bool) -> list[DrawRun]:
+        """Runs of commands whose state (look and winding) is one."""
+        runs: list[DrawRun] = []
+        triangles = commands["count"].astype(np.int64) * commands["instances"] // 3
+        begin = 0
+        for index in range(1, len(states) + 1):
+            if index < len(states) and not split and states[index] == states[begin]:
+                continue
+            look, mirrored = self._looks[states[begin] // 2], bool(states[begin] % 2)
+            runs.append(DrawRun(look, first + begin, index - begin, int(triangles[begin:index].sum()), mirrored))
+            begin = index
+        return runs
