@@ -127,7 +127,8 @@ ensure_venv_module() {
         fi
     fi
     say "$python cannot make virtual environments"
-    line_to_type "python$version-venv $("$python" $needs run)"
+    # shellcheck disable=SC2086
+    line_to_type "python$version-venv $("$python" $needs $kinds)"
     exit 69
 }
 
@@ -213,6 +214,7 @@ lock() {
 }
 
 prepare() { # the kinds of system packages this word needs: run, test
+    kinds=$*
     if ! ready; then
         lock
         ready || build 1>&2

@@ -48,6 +48,13 @@ class _Parser(argparse.ArgumentParser):
         raise UsageError(message, f"see {self.prog} --help")
 
 
+class _Help(argparse.ArgumentDefaultsHelpFormatter):
+    """Tells defaults that say something."""
+
+    def _get_help_string(self, action: argparse.Action) -> str | None:
+        return action.help if action.default in (None, False, "") else super()._get_help_string(action)
+
+
 def build_parser(command: str | None = None) -> argparse.ArgumentParser:
     """The parser of the whole command line, with the arguments of one command filled in.
 
@@ -66,7 +73,7 @@ def build_parser(command: str | None = None) -> argparse.ArgumentParser:
             name,
             help=description,
             description=f"{description[0].upper()}{description[1:]}.",
-            formatter_class=argparse.ArgumentDefaultsHelpFormatter,
+            formatter_class=_Help,
         )
         if name == command:
             _fill(one, name)
