@@ -112,6 +112,7 @@ class _Session:
         self._next_sync = self._next_pair = self._retry_at = 0
         self._offset_s: float | None = None
         self._now = 0
+        self._alone = False
         self.over = False
         self._keep_reserve()
         self._load_kernels()
@@ -159,10 +160,11 @@ class _Session:
     def step(self, now_ns: int) -> bool:
         """Move what is there; True when there was so much that the next pass should come soon."""
         self._now = now_ns
-        parent = parent_process()
-        alone = parent is not None and not parent.is_alive()  # asked first: what it sent before is read below
+        if now_ns >= self._next_sync:  # the end of the channel says so at once, unless somebody inherited the channel
+            parent = parent_process()
+            self._alone = parent is not None and not parent.is_alive()
         self._take_messages()
-        ending = alone or self._inbox.ended or self._close_message is not None
+        ending = self._alone or self._inbox.ended or self._close_message is not None
         backlog = ring.waiting(self._memory.sample_words)
         self._drain_events()
         self._drain_samples(everything=ending)

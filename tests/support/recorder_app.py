@@ -1,14 +1,12 @@
 """Stands in for the app in the recorder's kill tests: a fake loop at 1 kHz, trial rows, frames, and a record of it all.
 
-    python -m tests.support.recorder_app FOLDER WORDS SECONDS
-
-WORDS is a file of four int64 the test maps: last tick pushed, trials handed over, recorder's pid, 1 when closed.
+It shares a file of four int64 with the test: last tick pushed, trials handed over, recorder's pid, 1 when closed.
 """
 
 from __future__ import annotations
 
 import mmap
-import sys
+import os
 import threading
 import time
 from pathlib import Path
@@ -54,6 +52,8 @@ def scene_block(sequence: int = 1, trial: int = 0) -> np.ndarray:
 
 
 def main(folder: Path, words_path: Path, seconds: float) -> None:
+    """The body of the stand-in's process."""
+    os.setsid()  # one group with its recorder, so that both can be killed at once
     with words_path.open("r+b") as file:
         words = np.ndarray(4, np.int64, buffer=mmap.mmap(file.fileno(), 32))
     memory = SessionMemory()
@@ -88,7 +88,3 @@ def main(folder: Path, words_path: Path, seconds: float) -> None:
     thread.join()
     recorder.close({"seed": 1})
     words[CLOSED] = 1
-
-
-if __name__ == "__main__":
-    main(Path(sys.argv[1]), Path(sys.argv[2]), float(sys.argv[3]))
