@@ -23,7 +23,7 @@ _ON_ACCENT: Colour = (0.03, 0.09, 0.13, 1.0)
 _MARGIN = 40.0
 _GAP = 20.0
 _HEAD = 118.0
-_SIDE = 340.0
+_SIDE, _SIDE_SHARE = 340.0, 0.42
 _FOOT = 56.0
 _ROW = 62.0
 _PICTURE_SHAPE = 16.0 / 9.0
@@ -127,7 +127,11 @@ class LauncherPage:
 
     @property
     def _cards_width(self) -> float:
-        return self._hud.width - 2.0 * _MARGIN - _GAP - _SIDE
+        return self._hud.width - 2.0 * _MARGIN - _GAP - self._side_width
+
+    @property
+    def _side_width(self) -> float:
+        return min(_SIDE, _SIDE_SHARE * (self._hud.width - 2.0 * _MARGIN))
 
     @property
     def _card_size(self) -> tuple[float, float]:
@@ -136,15 +140,15 @@ class LauncherPage:
 
     @property
     def _side_x(self) -> float:
-        return self._hud.width - _MARGIN - _SIDE
+        return self._hud.width - _MARGIN - self._side_width
 
     @property
     def _start_box(self) -> Box:
-        return (self._side_x, _FOOT + 4.0, _SIDE, 60.0)
+        return (self._side_x, _FOOT + 4.0, self._side_width, 60.0)
 
     def _option_box(self, index: int) -> Box:
         top = CANVAS_HEIGHT - _HEAD - index * (_ROW + 12.0)
-        return (self._side_x, top - _ROW, _SIDE, _ROW)
+        return (self._side_x, top - _ROW, self._side_width, _ROW)
 
     def _draw_card(self, index: int, state: PageState) -> None:
         hud, card, box = self._hud, self._cards[index], self.card_box(index, state.scroll)

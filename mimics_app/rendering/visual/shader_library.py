@@ -20,11 +20,11 @@ __all__ = ["ShaderLibrary", "ShaderProgram"]
 
 _INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"\s*$')
 _DRIVER_LINES = (
-    re.compile(r"^(\d+):(\d+)\((\d+)\): (error|warning): (.*)$"),  # Mesa
-    re.compile(r"^(?:ERROR: )?(\d+):(\d+): ()(error: |)(.*)$"),  # Apple, ANGLE
-    re.compile(r"^(\d+)\((\d+)\) : ()(error|warning) (.*)$"),  # NVIDIA
+    re.compile(r"^\d+:(\d+)\(\d+\): (error|warning): (.*)$"),  # Mesa
+    re.compile(r"^(?:ERROR: )?\d+:(\d+): ()(.*)$"),  # Apple, ANGLE
+    re.compile(r"^\d+\((\d+)\) : (error|warning) (.*)$"),  # NVIDIA
 )
-_HEADER = "#version 430 core\n"
+_VERSION = "#version 430 core"
 
 
 @dataclass(eq=False)
@@ -120,28 +120,48 @@ class ShaderLibrary:
 
 
 class _Source:
-    """One shader's text with its includes pasted in and marked by `#line`."""
+    """One shader's text with its includes pasted in, and where each of its lines comes from.
+
+    Not by `#line`: Mesa counts the lines it says but forgets the file.
+
+    Attributes:
+        files: Every file read, the shader's own first.
+        text: What the driver compiles.
+    """
 
     def __init__(self, folder: Path, name: str, defines: tuple[str, ...]) -> None:
-        self.folder = folder
+        self._folder = folder
+        self._places: list[tuple[Path, int]] = []
+        self._lines: list[str] = []
         self.files: list[Path] = []
-        self.text = _HEADER + "".join(f"#define {define} 1\n" for define in defines) + self._paste(name, name)
+        for line in (_VERSION, *(f"#define {define} 1" for define in defines)):
+            self._add(line, folder / name, 1)
+        self._paste(name, name)
+        self.text = "\n".join(self._lines) + "\n"
 
-    def _paste(self, name: str, asked_by: str) -> str:
-        path = self.folder / name
+    def place(self, line: int) -> tuple[Path, int]:
+        """File and line of a line of the text, counted from 1."""
+        return self._places[min(max(line, 1), len(self._places)) - 1]
+
+    def _paste(self, name: str, asked_by: str) -> None:
+        path = self._folder / name
         if path in self.files:
-            return ""
+            return
         try:
             lines = path.read_text(encoding="utf-8").splitlines()
         except OSError as error:
             raise SceneError(Issue(str(path), "", f"cannot be read for {asked_by}: {error.strerror}")) from error
-        number = len(self.files)
         self.files.append(path)
-        out = [f"#line 1 {number}"]
-        for index, line in enumerate(lines, start=1):
+        for number, line in enumerate(lines, start=1):
             match = _INCLUDE.match(line)
-            out += [self._paste(match[1], name), f"#line {index + 1} {number}"] if match else [line]
-        return "\n".join(out) + "\n"
+            if match:
+                self._paste(match[1], name)
+            else:
+                self._add(line, path, number)
+
+    def _add(self, line: str, path: Path, number: int) -> None:
+        self._lines.append(line)
+        self._places.append((path, number))
 
 
 def _stamp(path: Path) -> int:
@@ -160,6 +180,7 @@ def _read_driver_log(log: str, sources: list[_Source]) -> list[Issue]:
 def _read_driver_line(line: str, source: _Source) -> Issue | None:
     for pattern in _DRIVER_LINES:
         match = pattern.match(line)
-        if match and match[4].strip(": ") != "warning" and int(match[1]) < len(source.files):
-            return Issue(str(source.files[int(match[1])]), f"line {match[2]}", match[5])
+        if match and match[2].strip(": ") != "warning":
+            path, number = source.place(int(match[1]))
+            return Issue(str(path), f"line {number}", match[3])
     return None

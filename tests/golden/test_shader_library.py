@@ -1,0 +1,142 @@
+"""Shaders from files: faults name the file and line a person edits, and a running picture survives them."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mimics_app.contracts.errors import SceneError
+from mimics_app.rendering.visual.contexts import create_surface
+from mimics_app.rendering.visual.displays.desktop import desktop_views
+from mimics_app.rendering.visual.headless import read_pixels
+from mimics_app.rendering.visual.renderer import Renderer
+from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.shader_library import ShaderLibrary
+from mimics_app.world.material import Material
+from mimics_app.world.primitives import sphere
+from tests.golden.demo_world import make_tunnel_world
+
+_SHADERS = Path(__file__).parents[2] / "shaders"
+_SMALL = RenderSettings(msaa=0, shadow_size=64)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    return Path(shutil.copytree(_SHADERS, tmp_path / "shaders"))
+
+
+def rewrite(file: Path, old: str, new: str) -> None:
+    text = file.read_text()
+    assert old in text
+    file.write_text(text.replace(old, new))
+    stamp = file.stat().st_mtime_ns + 1_000_000_000  # file systems with coarse clocks
+    os.utime(file, ns=(stamp, stamp))
+
+
+def line_of(file: Path, text: str) -> int:
+    return next(i for i, line in enumerate(file.read_text().splitlines(), start=1) if text in line)
+
+
+def test_a_fault_in_an_included_file_names_that_file_and_line(folder):
+    file = folder / "common" / "sky.glsl"
+    rewrite(file, "float low = 1.0 - up;", "float low = 1.0 - upp;")
+    with create_surface("egl", (16, 16)) as surface, pytest.raises(SceneError) as caught:
+        ShaderLibrary(surface.ctx, folder).program("common/mesh.vert", "lit/lit.frag")
+    first = caught.value.issues[0]
+    assert Path(first.file) == file
+    assert first.pointer == f"line {line_of(file, 'upp')}"
+    assert "upp" in first.what
+
+
+def test_a_fault_after_an_include_keeps_its_own_line(folder):
+    file = folder / "lit" / "lit.frag"
+    rewrite(file, "void main() {", "void main() {\n    nonsense;")
+    with create_surface("egl", (16, 16)) as surface, pytest.raises(SceneError) as caught:
+        ShaderLibrary(surface.ctx, folder).program("common/mesh.vert", "lit/lit.frag")
+    assert (Path(caught.value.issues[0].file), caught.value.issues[0].pointer) == (
+        file,
+        f"line {line_of(file, 'nonsense')}",
+    )
+
+
+def test_a_missing_include_is_named(folder):
+    (folder / "common" / "grid.glsl").unlink()
+    with create_surface("egl", (16, 16)) as surface, pytest.raises(SceneError, match=r"grid\.glsl"):
+        ShaderLibrary(surface.ctx, folder).program("common/mesh.vert", "lit/lit.frag")
+
+
+def test_a_reload_takes_good_shaders_and_keeps_the_old_one_for_bad(folder):
+    world = make_tunnel_world()
+    with create_surface("egl", (160, 90)) as surface:
+        renderer = Renderer(surface, world, _SMALL, shader_folder=folder)
+        views = desktop_views(world.cameras[0], surface.size)
+        renderer.draw(views)
+        before = read_pixels(surface)
+        assert renderer.reload_shaders() == []
+        rewrite(folder / "sky" / "sky.frag", "encode_output(light)", "encode_output(lihgt)")
+        issues = renderer.reload_shaders()
+        assert {Path(issue.file).name for issue in issues} == {"sky.frag"}
+        assert "lihgt" in issues[0].what
+        renderer.draw(views)
+        assert np.array_equal(read_pixels(surface), before), "a broken shader must not change the picture"
+        assert renderer.reload_shaders() == [], "a fault is told once, not every frame"
+        rewrite(folder / "sky" / "sky.frag", "encode_output(lihgt)", "vec3(1.0, 0.0, 1.0)")
+        assert renderer.reload_shaders() == []
+        renderer.draw(views)
+        after = read_pixels(surface)
+        assert surface.ctx.error == "GL_NO_ERROR"
+    assert tuple(after[0, 80, :3]) == (255, 0, 255)
+    assert np.array_equal(after[60:], before[60:]), "only the sky changed"
+
+
+def test_meshes_materials_and_visibility_follow_the_world():
+    """What changes between frames is seen in the next one: the same picture as of a world built so from the start."""
+
+    def draw_new(world) -> np.ndarray:
+        with create_surface("egl", (160, 90)) as surface:
+            Renderer(surface, world, _SMALL).draw(desktop_views(world.cameras[0], surface.size))
+            return read_pixels(surface)
+
+    def change(world) -> None:
+        world.replace_mesh("ball", sphere(0.03, 20))
+        world.set_material(Material("goal", "lit", (0.9, 0.1, 0.7, 1.0)))
+        world.find("line").entity.visible = False
+        world.find("goal").translate((0.0, 0.05, 0.0))
+        world.meshes["more"] = sphere(0.02)
+        world.root.create_child("more", (0.0, 0.3, 0.1)).create_entity("more", "ball")
+        world.update()
+
+    world = make_tunnel_world()
+    with create_surface("egl", (160, 90)) as surface:
+        renderer = Renderer(surface, world, _SMALL)
+        views = desktop_views(world.cameras[0], surface.size)
+        renderer.draw(views)
+        first = read_pixels(surface)
+        change(world)
+        renderer.draw(views)
+        assert surface.ctx.error == "GL_NO_ERROR"
+        changed = read_pixels(surface)
+    fresh = make_tunnel_world()
+    change(fresh)
+    assert not np.array_equal(first, changed)
+    assert np.array_equal(changed, draw_new(fresh))
+
+
+def test_frame_statistics_count_what_is_drawn():
+    world = make_tunnel_world()
+    with create_surface("egl", (160, 90)) as surface:
+        renderer = Renderer(surface, world, RenderSettings(msaa=0, shadow_size=64, timer=True))
+        views = desktop_views(world.cameras[0], surface.size)
+        whole = renderer.draw(views)
+        assert whole.cpu_ms > 0.0
+        assert whole.gpu_ms is not None and whole.gpu_ms > 0.0
+        world.find("ball").entity.visible = False
+        world.update()
+        without = renderer.draw(views)
+    ball = world.meshes["ball"].triangle_count
+    assert whole.triangles - without.triangles == 2 * ball, "once in the picture, once in the shadow map"
+    assert whole.draws - without.draws == 2
