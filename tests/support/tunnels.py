@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mimics_app.contracts.haptic import TUNNEL
 from mimics_app.contracts.kernel import kernel
-from mimics_app.maths.bspline_fit import fit_spline
+from mimics_app.maths.bspline import basis_functions
 from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE, tunnel_force
 from mimics_app.rendering.haptic.tunnel import TunnelCurve, build_tunnel
 
@@ -81,6 +81,10 @@ def coil(radius: ArrayLike = 0.015) -> TunnelCurve:
 @cache
 def ring(bend_radius: float = 0.1, radius: float = 0.03, angle: float = 4.5) -> tuple[TunnelCurve, float]:
     """(part of a torus in the plane z = 0 from (R, 0, 0) counter-clockwise, how far its bisector is off the circle)."""
-    phi = np.linspace(0.0, angle, 1500)
-    fit = fit_spline(bend_radius * np.column_stack([np.cos(phi), np.sin(phi), 0.0 * phi]), 60)
-    return build_tunnel(fit.control_points, radius), fit.residual_max
+    count = 60
+    s = np.linspace(0.0, count - 3.0, 1000)
+    basis = basis_functions(count, s)
+    phi = angle * s / s[-1]
+    circle = bend_radius * np.column_stack([np.cos(phi), np.sin(phi), 0.0 * phi])
+    curve = build_tunnel(np.linalg.lstsq(basis, circle, rcond=None)[0], radius)
+    return curve, float(np.max(np.abs(np.linalg.norm(curve.point(s), axis=1) - bend_radius)))

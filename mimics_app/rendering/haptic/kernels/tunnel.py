@@ -1,6 +1,6 @@
 """Forces of the haptic tunnel (D2.1 4.2.10) for one tick: wall, end caps, drag along the tunnel, assistance.
 
-D2.1 gives words and figures only; the form used is derived in docs/decisions/tunnel.md. With s* the closest bisector
+D2.1 gives words and figures only; the form used is derived in docs/decisions/010-haptic-tunnel.md. With s* the closest bisector
 point, e = p - C(s*), rho = |e|, u = e/rho, t the tangent, kappa the curvature vector and c = max(0, r_t - r_k) the room
 the ball of radius r_k has in the tunnel of radius r_t:
 

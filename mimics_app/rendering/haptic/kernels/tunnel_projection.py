@@ -38,7 +38,7 @@ _TIE = 0.005
 """At a fresh start the earliest branch wins against one nearer by less than this [m]: closed tunnels begin at s = 0."""
 
 _SWITCH_MARGIN = 0.01
-"""Another branch must be nearer by the tunnel radius plus this [m] before a tracked ball is given to it."""
+"""Another branch must be nearer by the tunnel radius, and by this [m], before a tracked ball is given to it."""
 
 _SLICES = 16
 """Ticks in which the whole bisector is looked over once."""
@@ -179,7 +179,7 @@ def track(tunnel: Any, px: float, py: float, pz: float, state: Any) -> float:
 
     The point stays on the branch it is on, so that crossing and closed tunnels keep their progress, until the branch
     is lost: Newton ends in no minimum, the distance grew by more than the ball moved (a distance cannot), the ball
-    moved more than a tick allows, or another branch is nearer by the tunnel radius and 10 mm.
+    moved more than a tick allows, or another branch is nearer by the tunnel radius and by 10 mm at least.
 
     Args:
         tunnel: TUNNEL record with pieces > 0.
@@ -204,7 +204,7 @@ def track(tunnel: Any, px: float, py: float, pz: float, state: Any) -> float:
         part = state.ticks % _SLICES
         first = tunnel.pieces * part // _SLICES
         stop = tunnel.pieces * (part + 1) // _SLICES
-        bound = distance - _SWITCH_MARGIN - _radius_here(tunnel, s)
+        bound = distance - max(_SWITCH_MARGIN, _radius_here(tunnel, s))
         if bound > 0.0 and stop > first:
             s, _ = _look_over(tunnel, px, py, pz, first, stop, s, bound, 0.0)
     piece, u = locate(tunnel, s)
