@@ -1,8 +1,8 @@
 """Forces of the haptic tunnel (D2.1 4.2.10) for one tick: wall, end caps, drag along the tunnel, assistance.
 
-D2.1 gives words and figures only; the form used is derived in docs/decisions/010-haptic-tunnel.md. With s* the closest bisector
-point, e = p - C(s*), rho = |e|, u = e/rho, t the tangent, kappa the curvature vector and c = max(0, r_t - r_k) the room
-the ball of radius r_k has in the tunnel of radius r_t:
+D2.1 gives words and figures only; the form used is derived in docs/decisions/010-haptic-tunnel.md. With s* the closest
+bisector point, e = p - C(s*), rho = |e|, u = e/rho, t the tangent, kappa the curvature vector and c = max(0, r_t - r_k)
+the room the ball of radius r_k has in the tunnel of radius r_t:
 
     depth      d  = rho - c                       d' = u.v + r_k' - c' s',   s' = t.v / (1 - kappa.e)
     wall       F_t = -max(0, k d + b d') (u - c'/(1 - kappa.e) t)            while d > 0
