@@ -37,10 +37,10 @@ from mimics_app.scenarios.scenario import Scenario
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.task_manager import TaskContext, TaskManager
 from mimics_app.tasks.trial_file import resolve_trials
-from mimics_app.world.build import build_world
 from mimics_app.world.components import Sound, SoundEmitter
 from mimics_app.world.components_haptic import Patient, Robot
 from mimics_app.world.scene import Scene
+from mimics_app.world.scene_file import build_world
 from mimics_app.world.world import World
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
         stack.callback(haptics.stop)
         desk = ParameterDesk(scenario.scene_block(), recorder.parameters, haptics.publish)
         tasks = TaskManager(
-            resolve_trials(_task_of(scene), Path(scene.file).parent, scene.root),
+            resolve_trials(_task_of(scene), scene.path.parent, scene.root),
             TaskContext(scenario.start_joints),
             settings.seed,
             on_trial=recorder.trial,
@@ -126,7 +126,7 @@ def _clock(*, live: bool) -> Clock:
 
 
 def _task_of(scene: Scene) -> TaskSpec:
-    task = scene.section("task")
+    task = scene.sections.get("task")
     return task if isinstance(task, TaskSpec) else TaskSpec()
 
 
@@ -168,7 +168,12 @@ def _open_audio(
 
     sink = "file" if settings.sound == "file" or not live else "device"
     chosen = settings_from_components(
-        sounds, scene.components(SoundEmitter), scene.asset_path, scene.file, sink=sink, file=folder / "sound.wav"
+        sounds,
+        scene.components(SoundEmitter),
+        lambda name: scene.assets[name].path,
+        str(scene.path),
+        sink=sink,
+        file=folder / "sound.wav",
     )
     if chosen is None:
         return None
@@ -181,7 +186,7 @@ def _header(settings: RunSettings, scene: Scene, scenario: Scenario, *, live: bo
     """What the recording keeps about the session."""
     chosen = {name: str(value) if isinstance(value, Path) else value for name, value in asdict(settings).items()}
     return {
-        "scene": {"name": scene.name, "file": scene.file, "hash": scene.hash, "document": scene.document},
+        "scene": {"name": scene.name, "file": str(scene.path), "hash": scene.hash, "document": scene.document},
         "seed": settings.seed,
         "profile": settings.profile,
         "live": live,

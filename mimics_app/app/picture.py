@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from mimics_app.app.board import draw_board
-from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.input_port import Ray
 from mimics_app.rendering.visual.displays.desktop import desktop_views
 from mimics_app.rendering.visual.frame_stats import FrameStats
@@ -50,7 +50,7 @@ class Picture:
     def show(self, scene: Scene, world: World) -> None:
         """Draw this scene from now on (the first one, or a reloaded one)."""
         if not world.cameras:
-            raise SceneError(Issue(scene.file, "/entities", "has no camera", 'give an entity a "camera" component'))
+            raise SceneError(scene.issue("/entities", "has no camera", 'give an entity a "camera" component'))
         self.renderer.world = world
         board = scene.components(HudComponent)
         self._board = board[0][1] if board else None

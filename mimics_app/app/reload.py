@@ -8,7 +8,7 @@ from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.app.session import Session
 from mimics_app.contracts.errors import SceneError
 from mimics_app.scenarios.catalogue import open_scenario
-from mimics_app.world.build import build_world
+from mimics_app.world.scene_file import build_world
 from mimics_app.world.watcher import SceneWatcher
 
 __all__ = ["SceneReload"]

@@ -31,5 +31,17 @@ def summarise(session: Session, frames: Frames, sound: AudioReport | None, wall_
         "missed": late.missed,
         "recipe": late.recipe,
         "audio": {"device": "none", "sink": "off"} if sound is None else sound.summary(),
-        "unread": sorted(session.scene.unread()),
+        "unread": _unread(session),
     }
+
+
+_READ = frozenset(
+    "admittance ball camera environment hud joint_pd light mesh patient robot safety sound sound_emitter tunnel "
+    "tunnel_view".split()
+)
+"""Component types that a run makes use of."""
+
+
+def _unread(session: Session) -> list[str]:
+    """Component types of the scene that nothing in this run looked at."""
+    return sorted({name for entity in session.scene.entities for name in entity.components} - _READ)

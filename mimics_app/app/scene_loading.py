@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import mimics_app.rendering.haptic.scene_checks
-import mimics_app.tasks.scene_section  # noqa: F401  registers the task block
+import mimics_app.rendering.haptic.scene_tunnel
+import mimics_app.tasks.scene_section  # noqa: F401  both register their checks
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.resources import root
 from mimics_app.world.scene import Scene

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.errors import SceneError
 from mimics_app.scenarios.scenario import Scenario
 from mimics_app.scenarios.wavy_tunnel import WavyTunnel
 from mimics_app.world.components_haptic import Tunnel
@@ -25,4 +25,4 @@ def open_scenario(scene: Scene, world: World) -> Scenario:
     for component, scenario in _SCENARIOS.items():
         if scene.components(component):
             return scenario(scene, world)
-    raise SceneError(Issue(scene.file, "/entities", "there is nothing to do in it", 'give an entity a "tunnel"'))
+    raise SceneError(scene.issue("/entities", "there is nothing to do in it", 'give an entity a "tunnel"'))

@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.errors import Issue, SceneError, nearest
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
 from mimics_app.maths.quat import from_matrix
 from mimics_app.rendering.haptic.kernels.kinematics import inverse
 from mimics_app.rendering.haptic.scene_block import axis_offset, robot_from_world, scene_from_components
-from mimics_app.rendering.haptic.tunnel_source import tunnel_from_component
+from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
 from mimics_app.world.components import TunnelView
 from mimics_app.world.components_haptic import Admittance, Ball, JointPd, Robot, Safety, Tunnel
 from mimics_app.world.mesh import MeshData
@@ -50,12 +49,11 @@ class WavyTunnel:
     def __init__(self, scene: Scene, world: World) -> None:
         self._scene = scene
         self._world = world
-        entity, tunnel, pointer = _the_one(scene, Tunnel, "tunnel")
-        self._view: TunnelView = _the_one(scene, TunnelView, "tunnel_view")[1]
-        self._robot: Robot = _the_one(scene, Robot, "robot")[1]
-        self._curve, self._residual = tunnel_from_component(tunnel, scene.root, scene.file, pointer)
-        self._tunnel: Tunnel = tunnel
-        self._scale = tunnel.radius_scale
+        entity, self._tunnel, _ = scene.one(Tunnel)
+        self._view = scene.one(TunnelView)[1]
+        self._robot = scene.one(Robot)[1]
+        self._curve, self._residual = tunnel_of_scene(scene)
+        self._scale = self._tunnel.radius_scale
         self._wall_node = world.find(entity)
         self._ball = world.find("ball")
         self._touching: bool | None = None
@@ -115,7 +113,7 @@ class WavyTunnel:
 
     def _show_tunnel(self) -> None:
         self._world.replace_mesh(_TUNNEL_MESH, self._build_wall())
-        self._world.show(self._wall_node, [(_TUNNEL_MESH, self._view.material)]).subentities[0].casts_shadow = False
+        self._world.show(self._wall_node, [(_TUNNEL_MESH, self._view.material)])
         if self._view.bisector_material is not None:
             radii = np.full(self._stations().size, self._view.bisector_radius)
             self._world.replace_mesh(_BISECTOR_MESH, self._build_tube(radii, _BISECTOR_SIDES))
@@ -168,11 +166,3 @@ def _perhaps(scene: Scene, kind: type[Any]) -> Any:
     """The scene's first component of a type, or None."""
     found = scene.components(kind)
     return found[0][1] if found else None
-
-
-def _the_one(scene: Scene, kind: type[Any], name: str) -> tuple[str, Any, str]:
-    found = scene.components(kind)
-    if len(found) != 1:
-        what = f'the wavy tunnel needs one entity with a "{name}", not {len(found)}'
-        raise SceneError(Issue(scene.file, "/entities", what, nearest(name, ["tunnel", "tunnel_view", "robot"])))
-    return found[0]

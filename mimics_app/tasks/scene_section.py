@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mimics_app.contracts.errors import Issue, SceneError, nearest
@@ -41,7 +40,7 @@ def _check_sounds(spec: TaskSpec, scene: Scene) -> list[Issue]:
 
 def _check_trial_file(spec: TaskSpec, scene: Scene) -> list[Issue]:
     try:
-        resolve_trials(spec, Path(scene.file).parent, scene.root)
+        resolve_trials(spec, scene.path.parent, scene.root)
     except SceneError as error:
         return [
             issue if issue.file != spec.trials else scene.issue("/task/trials", issue.what, issue.fix)

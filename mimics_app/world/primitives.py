@@ -1,4 +1,4 @@
-"""Meshes made by formula: plane, box, sphere, icosphere, cylinder, ring, and a tube along a curve.
+"""Meshes made by formula: plane, box, sphere, icosphere, cylinder, ring, torus, and a tube along a curve.
 
 All are counter-clockwise from outside, with texture coordinates, in metres.
 """
@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.world.mesh import MeshData
-from mimics_app.world.shapes import BoxShape, CylinderShape, PlaneShape, RingShape, Shape, SphereShape
+from mimics_app.world.shapes import BoxShape, CylinderShape, PlaneShape, RingShape, Shape, SphereShape, TorusShape
 
-__all__ = ["box", "build_shape", "cylinder", "icosphere", "plane", "ring", "sphere", "tube"]
+__all__ = ["box", "build_shape", "cylinder", "icosphere", "plane", "ring", "sphere", "torus", "tube"]
 
 F8 = NDArray[np.float64]
 _GOLDEN = 0.5 * (1.0 + math.sqrt(5.0))
@@ -33,6 +33,8 @@ def build_shape(shape: Shape) -> MeshData:
             return cylinder(shape.radius, shape.height, top_radius=top, segments=shape.segments)
         case RingShape():
             return ring(shape.inner_radius, shape.outer_radius, shape.start, shape.sweep, shape.segments)
+        case TorusShape():
+            return torus(shape.radius, shape.bar_radius, shape.segments)
 
 
 def plane(width: float = 1.0, depth: float = 1.0, *, segments: int = 1) -> MeshData:
@@ -143,6 +145,15 @@ def ring(
         indices = indices.reshape(-1, 2, 3)[:, 0].ravel()  # the other triangle of each facet is a point
     normals = np.broadcast_to([0.0, 1.0, 0.0], positions.shape)
     return _mesh(positions, normals, indices[::-1], np.stack([u.ravel(), v.ravel()], axis=1))
+
+
+def torus(radius: float = 0.5, bar_radius: float = 0.05, segments: int = 64) -> MeshData:
+    """Round bar of `bar_radius` bent about the y axis, its middle at `radius` [m]."""
+    angle = np.linspace(0.0, 2.0 * math.pi, segments + 1)
+    out = np.stack([np.cos(angle), np.zeros_like(angle), -np.sin(angle)], axis=1)
+    up = np.broadcast_to([0.0, 1.0, 0.0], out.shape)
+    # The bar runs towards growing angle; normal x binormal must point along it.
+    return tube(radius * out, up, out, np.full(segments + 1, bar_radius), sides=max(8, segments // 3))
 
 
 def tube(centres: F8, normals: F8, binormals: F8, radii: F8, *, sides: int = 32, inward: bool = False) -> MeshData:

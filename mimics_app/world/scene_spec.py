@@ -105,6 +105,7 @@ class MaterialSpec(Component, frozen=True):
     alpha_mode: Annotated[AlphaMode, Meta(description="What alpha does")] = "opaque"
     alpha_cutoff: Annotated[float, Meta(ge=0, le=1, description="Where mask cuts")] = 0.5
     double_sided: Annotated[bool, Meta(description="Back faces are drawn too")] = False
+    grid: Annotated[float, Meta(ge=0, description="Spacing of lines drawn over it [m]; 0: none")] = 0.0
 
 
 class SceneSpec(Component, frozen=True):

@@ -8,7 +8,7 @@ from msgspec import Meta
 
 from mimics_app.world.registry import Component
 
-__all__ = ["BoxShape", "CylinderShape", "PlaneShape", "RingShape", "Shape", "SphereShape"]
+__all__ = ["BoxShape", "CylinderShape", "PlaneShape", "RingShape", "Shape", "SphereShape", "TorusShape"]
 
 Length = Annotated[float, Meta(gt=0)]
 
@@ -54,4 +54,12 @@ class RingShape(Component, frozen=True, tag="ring", tag_field="shape"):
     segments: Annotated[int, Meta(ge=3, le=512, description="Facets along the arc")] = 48
 
 
-Shape = PlaneShape | BoxShape | SphereShape | CylinderShape | RingShape
+class TorusShape(Component, tag="torus", tag_field="shape"):
+    """Round bar bent to a ring about the y axis."""
+
+    radius: Annotated[float, Meta(gt=0, description="Of the bar's middle [m]; beyond bar_radius")] = 0.5
+    bar_radius: Annotated[float, Meta(gt=0, description="Of the bar [m]")] = 0.05
+    segments: Annotated[int, Meta(ge=3, le=512, description="Facets round the ring")] = 64
+
+
+Shape = PlaneShape | BoxShape | SphereShape | CylinderShape | RingShape | TorusShape

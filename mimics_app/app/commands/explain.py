@@ -34,7 +34,9 @@ def run(args: argparse.Namespace) -> int:
 def _say(answer: dict[str, Any]) -> None:
     print(f"profile {answer['profile']}; costs measured on this machine now\n")
     for part in answer["parts"]:
-        error = "" if part["error"] is None else f", error {part['error']:.2g} of {part['tolerance']:.2g} {part['unit']}"
+        error = (
+            "" if part["error"] is None else f", error {part['error']:.2g} of {part['tolerance']:.2g} {part['unit']}"
+        )
         print(f"runs      {part['part']}: {part['method']}, {part['cost_us']:.3f} us{error}")
         refused = part["next_cheaper"]
         if refused:

@@ -83,8 +83,8 @@ def _cards() -> list[ScenarioCard]:
         picture = root() / "assets" / "pictures" / f"{scene.stem}.png"
         cards.append(
             ScenarioCard(
-                title=document.get("x-title", scene.stem),
-                description=document.get("x-description", ""),
+                title=document.get("title", scene.stem),
+                description=document.get("description", ""),
                 picture=picture if picture.is_file() else None,
                 scene=scene,
             )

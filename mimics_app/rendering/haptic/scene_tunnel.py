@@ -1,0 +1,39 @@
+"""The tunnel of a scene: built from its component, and refused at load where it cannot be travelled."""
+
+from __future__ import annotations
+
+from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.rendering.haptic.tunnel import TunnelCurve
+from mimics_app.rendering.haptic.tunnel_source import tunnel_from_component
+from mimics_app.world.components_haptic import Tunnel
+from mimics_app.world.registry import register_check
+from mimics_app.world.scene import Scene
+
+__all__ = ["check_tunnel", "tunnel_of_scene"]
+
+
+def tunnel_of_scene(scene: Scene) -> tuple[TunnelCurve, float | None]:
+    """The curve of the scene's tunnel, and the residual of the recorded path it was fitted to [m] or None.
+
+    Raises:
+        SceneError: the scene has no tunnel, or one that cannot be built.
+    """
+    _, tunnel, pointer = scene.one(Tunnel)
+    return tunnel_from_component(tunnel, scene.origins.locate(pointer).folder, str(scene.path), pointer)
+
+
+def check_tunnel(tunnel: Tunnel, pointer: str, scene: Scene) -> list[Issue]:
+    """Faults of a tunnel: build it and see (hairpins, coincident points, a path file that cannot be fitted)."""
+    try:
+        tunnel_from_component(tunnel, scene.origins.locate(pointer).folder, str(scene.path), pointer)
+    except SceneError as error:
+        return [_placed(issue, scene) for issue in error.issues]
+    return []
+
+
+def _placed(issue: Issue, scene: Scene) -> Issue:
+    """An issue of the component where it was written; one of a path file as it is."""
+    return scene.issue(issue.pointer, issue.what, issue.fix) if issue.file == str(scene.path) else issue
+
+
+register_check("tunnel", check_tunnel)
