@@ -257,7 +257,7 @@ def _record(run: Run) -> str:
     text = key_table(made) if made else ""
     if run.manifest:
         rows = [(name, sealed["bytes"], sealed["sha256"]) for name, sealed in run.manifest.files.items()]
-        text += "<h3>Files</h3>" + table(["file", "bytes", "SHA-256"], rows)
+        text += "<h3>Files</h3>" + table(["file", "bytes", "SHA-256"], rows, "keys")
         text += f"<p>State hash <code>{escape(run.manifest.state_hash)}</code></p>"
     text += _soft(
         "Research software: an independent hardware stop and limits in the device are required; "

@@ -17,6 +17,7 @@ Values = NDArray[np.float64]
 
 _LEAST_LATENESS_US = 0.1
 _MISS_US = 1000.0
+_AROUND_ROWS = 1000
 
 
 def draw_path(attempt: Attempt, events: NDArray[Any]) -> str:
@@ -90,6 +91,7 @@ def draw_traces(attempt: Attempt) -> list[str]:
                 "normal": ("normal (n)", samples["f_tunnel"][:, 1]),
                 "binormal": ("binormal (b)", samples["f_tunnel"][:, 2]),
             },
+            only_free=True,
         ),
         _trace_plot(attempt, "velocity [m/s]", {"robot": ("speed of the robot", _norm(samples["v_world"]))}),
         _trace_plot(
@@ -102,21 +104,43 @@ def draw_traces(attempt: Attempt) -> list[str]:
                     1000.0 * np.maximum(samples["tunnel_radius"] - samples["ball_radius"], 0.0),
                 ),
             },
+            only_free=True,
         ),
     ]
 
 
-def _trace_plot(attempt: Attempt, label: str, lines: dict[str, tuple[str, Values]]) -> str:
-    t = attempt.samples["t"]
-    drawn = {kind: (name, *envelope(t, values)) for kind, (name, values) in lines.items()}
+def _trace_plot(attempt: Attempt, label: str, lines: dict[str, tuple[str, Values]], *, only_free: bool = False) -> str:
+    """Traces around the time the person moved; `only_free` leaves out what means nothing while the robot drives."""
+    near = _near_free(attempt)
+    t, free = attempt.samples["t"][near], attempt.free[near]
+    parts = _runs(free) if only_free and free.any() else [slice(0, len(t))]
+    drawn = [
+        (kind, name if i == 0 else "", *envelope(t[part], values[near][part]))
+        for kind, (name, values) in lines.items()
+        for i, part in enumerate(parts)
+    ]
     x = Axis.of("time [s]", t, margin=0.0)
-    y = Axis.of(label, *[values for _, _, values in drawn.values()], zero=True)
+    y = Axis.of(label, *[values for *_, values in drawn], zero=True)
     plot = Plot(x, y, f"{label} over time, {attempt.title}", height=170.0)
-    plot.spans(*_stretches(t, ~attempt.free), "driven", "driven by the robot")
-    plot.spans(*_stretches(t, attempt.samples["penetration"] > 0.0), "touch", "ball in the wall")
-    for kind, (name, when, values) in drawn.items():
+    plot.spans(*_stretches(t, ~free), "driven", "driven by the robot")
+    plot.spans(*_stretches(t, free & (attempt.samples["penetration"][near] > 0.0)), "touch", "ball in the wall")
+    for kind, name, when, values in drawn:
         plot.line(when, values, kind, name)
     return plot.svg()
+
+
+def _near_free(attempt: Attempt) -> slice:
+    """Rows from a second before the person moves the robot to a second after; all where that never happens."""
+    moves = np.flatnonzero(attempt.free)
+    if len(moves) == 0:
+        return slice(0, len(attempt.free))
+    return slice(max(int(moves[0]) - _AROUND_ROWS, 0), int(moves[-1]) + _AROUND_ROWS)
+
+
+def _runs(inside: NDArray[np.bool_]) -> list[slice]:
+    edges = np.diff(np.concatenate([[0], inside.astype(np.int8), [0]]))
+    pairs = zip(np.flatnonzero(edges == 1).tolist(), np.flatnonzero(edges == -1).tolist(), strict=True)
+    return [slice(start, end) for start, end in pairs]
 
 
 def _norm(vectors: Values) -> Values:
@@ -125,9 +149,8 @@ def _norm(vectors: Values) -> Values:
 
 def _stretches(t: Values, inside: NDArray[np.bool_]) -> tuple[Values, Values]:
     """Begin and end of each stretch where `inside` holds."""
-    edges = np.diff(np.concatenate([[0], inside.astype(np.int8), [0]]))
-    starts, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
-    return t[starts], t[ends]
+    runs = _runs(inside)
+    return t[[run.start for run in runs]], t[[run.stop - 1 for run in runs]]
 
 
 def draw_lateness(samples: NDArray[Any], marks: dict[str, float]) -> str:

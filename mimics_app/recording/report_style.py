@@ -14,7 +14,7 @@ STYLE = """
 @media print { :root { color-scheme: light; --paper: #ffffff; --card: #f5f7fa; --ink: #1a2230; --soft: #566173;
   --rule: #d5dbe4; --robot: #1559c9; --bisector: #c62828; --wall: #1f8a3b; --second: #b45f06; --third: #6a3fb5;
   --contact: #7a3b00; --touch: #e8590c33; --driven: #8894a733; --good: #1f7a3b; --warn: #9a5b00; --bad: #b3261e; }
-  main { max-width: none; padding: 0; } figure, tr, .cards > div { break-inside: avoid; } h2 { break-after: avoid; }
+  main { max-width: none; padding: 0; } table { font-size: 10px; } th, td { padding: 3px 4px; } figure, tr, .cards > div { break-inside: avoid; } h2 { break-after: avoid; }
   * { print-color-adjust: exact; } }
 * { box-sizing: border-box; }
 body { margin: 0; background: var(--paper); color: var(--ink); font: 15px/1.5 system-ui, "Segoe UI", sans-serif; }
@@ -36,7 +36,7 @@ p { margin: 6px 0 12px; max-width: 76ch; } .soft { color: var(--soft); }
 table { border-collapse: collapse; width: 100%; font-size: 13px; font-variant-numeric: tabular-nums; }
 th, td { padding: 4px 8px; border-bottom: 1px solid var(--rule); text-align: left; vertical-align: top; }
 th { color: var(--soft); font-weight: 600; line-height: 1.3; } td.number, th.number { text-align: right; }
-td { overflow-wrap: anywhere; } td.number { white-space: nowrap; }
+.keys td { overflow-wrap: anywhere; } .keys td:first-child { width: 34%; } td.number { white-space: nowrap; }
 details { margin: 10px 0; } summary { cursor: pointer; font-weight: 600; padding: 6px 0; }
 code { font: 13px ui-monospace, "DejaVu Sans Mono", monospace; overflow-wrap: anywhere; }
 pre { font: 12px/1.4 ui-monospace, "DejaVu Sans Mono", monospace; white-space: pre-wrap; overflow-wrap: anywhere; }

@@ -17,7 +17,8 @@ __all__ = ["contact_rows", "contact_table", "event_table", "key_table", "plan_ta
 _MOST_ROWS = 300
 _SHORT = 20
 _LONG_LIST = 12
-_HIDDEN = ("begin_ns", "end_ns")
+_HIDDEN = ("begin_ns", "end_ns")  # session clock, for programs
+_PARAMETER = "parameter."
 
 
 def value(item: Any) -> str:
@@ -37,9 +38,10 @@ def value(item: Any) -> str:
     return escape(str(item))
 
 
-def table(names: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    """An HTML table; columns of numbers are aligned to the right."""
+def table(names: Sequence[str], rows: Iterable[Sequence[Any]], kind: str = "") -> str:
+    """An HTML table; columns of numbers are aligned to the right. `kind` is its class in the style sheet."""
     rows = list(rows)
+    kind_of_table = f' class="{kind}"' if kind else ""
     numeric = [all(_is_number(row[i]) for row in rows) for i in range(len(names))]
     kinds = [' class="number"' if n else "" for n in numeric]
     head = "".join(f"<th{kind}>{escape(name)}</th>" for kind, name in zip(kinds, names, strict=True))
@@ -47,7 +49,9 @@ def table(names: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
         "<tr>" + "".join(f"<td{kind}>{value(cell)}</td>" for kind, cell in zip(kinds, row, strict=True)) + "</tr>"
         for row in rows
     )
-    return f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
+    return (
+        f'<div class="scroll"><table{kind_of_table}><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
+    )
 
 
 def _is_number(cell: Any) -> bool:
@@ -56,7 +60,7 @@ def _is_number(cell: Any) -> bool:
 
 def key_table(content: Mapping[str, Any]) -> str:
     """Names and values below each other; nested mappings are shown as "outer.inner"."""
-    return table(["setting", "value"], _flat(content))
+    return table(["setting", "value"], _flat(content), "keys")
 
 
 def _flat(content: Mapping[str, Any], before: str = "") -> list[tuple[str, Any]]:
@@ -74,16 +78,31 @@ def _flat(content: Mapping[str, Any], before: str = "") -> list[tuple[str, Any]]
 
 
 def score_table(trials: Sequence[Mapping[str, Any]]) -> str:
-    """Every column of trials.csv that a person can use, one row per attempt."""
-    names = [n for n in dict.fromkeys(name for row in trials for name in row) if n not in _HIDDEN]
+    """What trials.csv says to a person, one row per attempt."""
     trials = [{**row, "trial": row["trial"] + 1} if isinstance(row.get("trial"), int) else row for row in trials]
-    return table([_column(name) for name in names], [[row.get(name) for name in names] for row in trials])
+    names = [n for n in dict.fromkeys(name for row in trials for name in row) if _says_something(n, trials)]
+    if "outcome" in names and "score" in names:  # what people look for first
+        names.remove("score")
+        names.insert(names.index("outcome") + 1, "score")
+    given = [name for name in names if name.startswith(_PARAMETER)]
+    measured = [name for name in names if name not in given]
+    text = table([_column(name) for name in measured], _cells(trials, measured))
+    if given:
+        text += "<h3>Parameters of the trials</h3>"
+        text += table([_column(name) for name in ("trial", *given)], _cells(trials, ["trial", *given]))
+    return text
+
+
+def _says_something(name: str, trials: Sequence[Mapping[str, Any]]) -> bool:
+    """Whether a column of the trials is more than its usual value."""
+    usual = {"attempt": 1, "repetition": 0}.get(name)
+    return name not in _HIDDEN and any(row.get(name) not in (None, "", usual) for row in trials)
 
 
 def _column(name: str) -> str:
     """The name of a column for people: time_s becomes time [s]."""
-    if name.startswith("parameter."):
-        return name.removeprefix("parameter.").replace("_", " ")
+    if name.startswith(_PARAMETER):
+        return name.removeprefix(_PARAMETER).replace("_", " ")
     for ending, unit in (("_m_s", "m/s"), ("_s", "s"), ("_m", "m"), ("_n", "N")):
         if name.endswith(ending):
             return f"{name[: -len(ending)].replace('_', ' ')} [{unit}]"
@@ -156,16 +175,16 @@ def contact_table(rows: Sequence[Mapping[str, Any]]) -> str:
 
 
 def event_table(events: NDArray[Any]) -> str:
-    """Trips and changes of state, in words."""
-    rows = []
-    for event in events:
-        if event["kind"] == EventKind.TRIP:
-            rows.append((float(event["tick"]) / 1000.0, int(event["tick"]), "trip", _word(TripCause, event["force"])))
-        elif event["kind"] == EventKind.STATE:
-            rows.append(
-                (float(event["tick"]) / 1000.0, int(event["tick"]), "state", _word(SafetyState, event["force"]))
-            )
-    return table(["time [s]", "tick", "what", "which"], rows) if rows else ""
+    """Trips with their causes, and below them every change of state."""
+    text = ""
+    trips = [(int(e["tick"]), _word(TripCause, e["force"])) for e in events[events["kind"] == EventKind.TRIP]]
+    if trips:
+        text += table(["trip at tick", "cause"], trips)
+    states = [(int(e["tick"]), _word(SafetyState, e["force"])) for e in events[events["kind"] == EventKind.STATE]]
+    if states:
+        listed = table(["tick", "state from then on"], states[:_MOST_ROWS])
+        text += f"<details><summary>Every change of state ({len(states)})</summary>{listed}</details>"
+    return text
 
 
 def _word(kinds: type[SafetyState] | type[TripCause], number: float) -> str:

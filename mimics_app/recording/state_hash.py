@@ -50,7 +50,7 @@ class StateHash:
 
     def add_trial(self, row: Mapping[str, object]) -> None:
         """Take in one finished trial, as plain JSON values; neither the order of its keys nor empty cells matter."""
-        filled = {name: value for name, value in row.items() if value is not None}
+        filled = {name: value for name, value in row.items() if value is not None and value != ""}
         text = json.dumps(filled, sort_keys=True, separators=(",", ":"))
         self._trials.update(text.encode() + b"\n")
         self._counts[2] += 1

@@ -1,6 +1,7 @@
 """trials.csv: one row per finished trial, on the medium before the next trial starts.
 
-A cell is the JSON text of its value; strings stand as they are unless that would read back as something else.
+A cell is the JSON text of its value; strings stand as they are unless that would read back as something else. Empty
+strings and None are empty cells.
 """
 
 from __future__ import annotations
@@ -94,9 +95,9 @@ def _line(cells: list[str]) -> bytes:
 
 
 def _cell(value: object) -> str:
-    if value is None:
+    if value is None or value == "":
         return ""
-    if isinstance(value, str) and value and _value(value) is value:
+    if isinstance(value, str) and _value(value) is value:
         return value
     return json.dumps(value)
 

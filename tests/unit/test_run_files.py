@@ -257,7 +257,7 @@ def test_trial_rows_read_back_as_they_were(tmp_path: Path) -> None:
     table = TrialTable(tmp_path / "trials.csv")
     rows: list[dict[str, object]] = [
         {"trial": 0, "score": 0.1 + 0.2, "name": 'a "b", c', "done": True},
-        {"trial": 1, "score": -0.0, "name": "12", "done": False, "note": "", "list": [1, 2.5]},
+        {"trial": 1, "score": -0.0, "name": "12", "done": False, "list": [1, 2.5]},
         {"trial": 2, "score": 1e-300, "name": "true", "done": True, "note": "line\nbreak"},
     ]
     for row in rows:
