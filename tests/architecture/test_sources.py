@@ -160,15 +160,17 @@ def _inherits_docstring(owner: ast.ClassDef, method: str) -> bool:
     return False
 
 
-def _is_setter(node: ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef) -> bool:
-    return any(isinstance(mark, ast.Attribute) and mark.attr == "setter" for mark in node.decorator_list)
+def _is_told_elsewhere(node: ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef) -> bool:
+    """A setter has its getter's docstring, an @overload that of the function itself."""
+    marks = [ast.unparse(mark).rsplit(".", 1)[-1] for mark in node.decorator_list]
+    return "setter" in marks or "overload" in marks
 
 
 def _undocumented(body: list[ast.stmt], owner: ast.ClassDef | None = None) -> Iterator[str]:
     for node in body:
         if not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)) or node.name.startswith("_"):
             continue
-        if _is_setter(node):
+        if _is_told_elsewhere(node):
             continue
         if not ast.get_docstring(node) and not (owner and _inherits_docstring(owner, node.name)):
             yield f"{node.name} (line {node.lineno})"

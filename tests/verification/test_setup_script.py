@@ -271,6 +271,12 @@ def test_unknown_word_lists_the_words(bench: Bench) -> None:
     assert not bench.called
 
 
+needs_make = pytest.mark.skipif(
+    shutil.which("make") is None, reason="make is not installed; sh .ci/dev.sh works without"
+)
+
+
+@needs_make
 def test_makefile_has_every_word() -> None:
     words = "setup run test test-long check bench clean".split()
     text = (ROOT / "Makefile").read_text()
@@ -282,6 +288,7 @@ def test_makefile_has_every_word() -> None:
         assert done.stdout.strip() == f"sh .ci/dev.sh {word} --seed 7"
 
 
+@needs_make
 @pytest.mark.parametrize(
     ("output", "code", "last"),
     [
