@@ -160,7 +160,7 @@ def test_chatter_is_merged_and_old_contacts_are_not_played(tmp_path):
 def test_contact_level_reaches_the_file(tmp_path):
     report = run_offline(tmp_path, [contact(10**8, speed=0.05, force=0.2), contact(10**9, speed=1.0, force=20.0)])
     soft, hard = report.rows
-    assert hard.gain > 4 * soft.gain
+    assert hard.gain > 3 * soft.gain
     assert soft.sound != hard.sound
 
 

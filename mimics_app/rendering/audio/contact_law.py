@@ -9,7 +9,7 @@ __all__ = ["REFRACTORY_NS", "ContactGate", "contact_gain", "scrape_gain"]
 REFRACTORY_NS = 40_000_000
 """Pause after a contact of the same two bodies [ns]: a chattering wall knocks 25 times a second at most."""
 
-_FULL_SPEED = 0.5
+_FULL_SPEED = 0.3
 _KNEE = 1.5
 _QUIETEST = 0.05
 _LOUDER = 2.0
@@ -22,7 +22,7 @@ _SCRAPE_SPEED = 0.12
 def contact_gain(speed: float, force: float, full_force: float = 10.0) -> float:
     """Linear gain in [0.05, 1] of a contact: rising with approach speed [m/s] and force [N], saturating smoothly.
 
-    0.5 m/s alone or `full_force` alone give 0.91, half of it 0.65. A contact's first force is that of one tick, so the
+    0.3 m/s alone or `full_force` alone give 0.91, half of it 0.65. A contact's first force is that of one tick, so the
     speed says more about a hit and the force about a press. Values that are not finite count as 0.
     """
     strength = hypot(_finite(speed) / _FULL_SPEED, _finite(force) / full_force)

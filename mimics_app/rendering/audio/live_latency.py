@@ -35,6 +35,7 @@ _FRAME_BYTES = 8
 _SINK = "mimics"
 _THRESHOLD = 0.02
 _QUIET_FRAMES = 1500
+_SETTLE_NS = 2_500_000_000  # a young recording loses stretches of sound; the player's stream does not
 _LONGEST_NS = 200_000_000
 _START_TIMEOUT_NS = 10_000_000_000
 
@@ -146,6 +147,8 @@ class _Recorder:
         )
         self._thread = threading.Thread(target=self._read, name="monitor", daemon=True)
         self._thread.start()
+        clock = MonotonicClock()
+        clock.sleep_until_ns(clock.now_ns() + _SETTLE_NS)
         return self
 
     def __exit__(self, *exception: object) -> None:
