@@ -1,0 +1,136 @@
+"""Transforms against numpy's general products and inverses, and projections against their definition."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mimics_app.maths import mat, quat
+
+SETTINGS = settings(max_examples=150, deadline=None)
+EPS = np.finfo(float).eps
+
+numbers = st.floats(-10, 10)
+rotations = (
+    st.tuples(*[st.floats(-1, 1)] * 4)
+    .filter(lambda q: np.linalg.norm(q) > 1e-3)
+    .map(lambda q: quat.normalise_rows(np.array(q)))
+)
+rigid = st.builds(lambda t, q: mat.compose(t, q), st.tuples(numbers, numbers, numbers), rotations)
+affine = st.builds(
+    mat.compose, st.tuples(numbers, numbers, numbers), rotations, st.tuples(*[st.floats(0.1, 10)] * 3)
+)
+
+
+@SETTINGS
+@given(affine, affine)
+def test_affine_product_is_the_general_product(a, b):
+    out = np.full((4, 4), np.nan)
+    mat.multiply_affine(a, b, out)
+    assert np.abs(out - a @ b).max() <= 10 * EPS * np.abs(a).max() * np.abs(b).max()
+
+
+@SETTINGS
+@given(rigid)
+def test_rigid_inverse_undoes_a_pose(m):
+    out = np.empty((4, 4))
+    mat.rigid_inverse(m, out)
+    assert np.abs(out @ m - np.eye(4)).max() <= 100 * EPS * max(1.0, np.abs(m).max())
+
+
+@SETTINGS
+@given(affine)
+def test_affine_inverse_undoes_a_transform_and_gives_its_determinant(m):
+    out = np.empty((4, 4))
+    determinant = mat.affine_inverse(m, out)
+    assert determinant == pytest.approx(np.linalg.det(m[:3, :3]), rel=1e-12)
+    # Condition number up to 100, translations up to 10 / 0.1.
+    assert np.abs(out @ m - np.eye(4)).max() <= 1e4 * EPS * np.abs(m).max() * np.abs(out).max()
+
+
+def test_affine_inverse_of_a_flat_matrix_has_determinant_zero():
+    out = np.empty((4, 4))
+    assert mat.affine_inverse(mat.compose((1, 2, 3), quat.IDENTITY, (1, 0, 1)), out) == 0.0
+    assert not np.isfinite(out).all()
+
+
+@SETTINGS
+@given(affine, st.tuples(numbers, numbers, numbers).map(np.array))
+def test_points_are_shifted_and_directions_are_not(m, p):
+    out = np.empty(3)
+    size = 20 * EPS * np.abs(m).max() * max(1.0, np.abs(p).max())
+    mat.transform_point(m, p, out)
+    assert np.abs(out - (m @ [*p, 1.0])[:3]).max() <= size
+    mat.transform_direction(m, p, out)
+    assert np.abs(out - (m @ [*p, 0.0])[:3]).max() <= size
+
+
+def test_out_may_be_the_vector_that_is_transformed():
+    m, p = mat.compose((1, 2, 3), quat.about_axis((0, 0, 1), math.pi / 2)), np.array([1.0, 0, 0])
+    mat.transform_point(m, p, p)
+    assert p == pytest.approx([1, 3, 3], abs=4 * EPS)
+
+
+@SETTINGS
+@given(st.tuples(numbers, numbers, numbers), st.tuples(numbers, numbers, numbers))
+def test_look_at_puts_the_target_straight_ahead(eye, target):
+    distance = math.dist(eye, target)
+    if distance < 1e-6:
+        return
+    pose, inverse = mat.look_at(eye, target), np.empty((4, 4))
+    mat.rigid_inverse(pose, inverse)
+    seen = inverse @ [*target, 1.0]
+    assert seen[:3] == pytest.approx([0, 0, -distance], abs=1e-12)
+    assert pose[1, 1] >= -1e-12  # the eye's own +y leans up
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_look_at_straight_up_or_down_is_a_rotation(way):
+    pose = mat.look_at((0, 0, 0), (0, way, 0))
+    assert np.abs(pose[:3, :3] @ pose[:3, :3].T - np.eye(3)).max() <= 10 * EPS
+    assert np.linalg.det(pose[:3, :3]) == pytest.approx(1.0)
+    assert -pose[:3, 2] == pytest.approx([0, way, 0])
+
+
+def test_look_at_its_own_place_is_refused():
+    with pytest.raises(ValueError, match="no direction"):
+        mat.look_at((1, 2, 3), (1, 2, 3))
+
+
+def clip(projection, point):
+    x, y, z, w = projection @ [*point, 1.0]
+    return np.array([x, y, z]) / w
+
+
+@SETTINGS
+@given(st.floats(-3, 1), st.floats(0.1, 3), st.floats(-3, 1), st.floats(0.1, 3), st.floats(0.01, 1), st.floats(2, 1e4))
+def test_off_axis_borders_land_on_the_borders_of_clip_space(left, width, bottom, height, near, far):
+    right, top = left + width, bottom + height
+    projection = mat.perspective_from_tangents(left, right, bottom, top, near, far)
+    scale = 1e3 * EPS * (1 + max(abs(left), abs(right)) / width + max(abs(bottom), abs(top)) / height)
+    for depth, z in ((near, -1.0), (far, 1.0)):
+        assert clip(projection, (left * depth, bottom * depth, -depth)) == pytest.approx([-1, -1, z], abs=scale + 1e-9)
+        assert clip(projection, (right * depth, top * depth, -depth)) == pytest.approx([1, 1, z], abs=scale + 1e-9)
+
+
+def test_an_infinite_far_plane_keeps_far_points_inside():
+    projection = mat.perspective_from_tangents(-1, 1, -1, 1, 0.1, math.inf)
+    assert clip(projection, (0, 0, -0.1))[2] == pytest.approx(-1.0)
+    assert 0.999 < clip(projection, (0, 0, -1e5))[2] <= 1.0
+
+
+@pytest.mark.parametrize(
+    "borders", [(1, 1, -1, 1, 0.1, 1), (1, -1, -1, 1, 0.1, 1), (-1, 1, 1, 1, 0.1, 1), (-1, 1, -1, 1, 0, 1), (-1, 1, -1, 1, 2, 1)]
+)
+def test_an_empty_view_is_refused(borders):
+    with pytest.raises(ValueError, match="no view"):
+        mat.perspective_from_tangents(*borders)
+
+
+def test_a_nan_border_is_refused():
+    with pytest.raises(ValueError, match="no view"):
+        mat.perspective_from_tangents(-1, math.nan, -1, 1, 0.1, 1)
