@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import wave
 
 import numpy as np
 import pytest
@@ -105,6 +106,12 @@ def test_more_sounds_than_voices_keeps_the_loudest():
     assert onsets.count(-1) == 1
 
 
+def read_file(path: str) -> np.ndarray:
+    """The frames of a 16-bit file in [-1, 1], shape [n, 2]."""
+    with wave.open(path) as file:
+        return np.frombuffer(file.readframes(file.getnframes()), "<i2").reshape(-1, 2) / 32767
+
+
 def run_offline(folder, contacts, seconds=2.0, frame_ns=16_666_667, **changes):
     """A headless session: contacts appear in the ring at their tick, the frame advances the sound."""
     memory = SessionMemory()
@@ -127,10 +134,7 @@ def test_contacts_of_a_headless_session_stand_at_their_sample_in_the_file(tmp_pa
     report = run_offline(tmp_path, [contact(t) for t in times], 5.5, sounds=TICK, contact="tick", scrape="")
     assert [row.t_ns for row in report.rows] == times
     assert not any(row.late for row in report.rows)
-    import wave
-
-    with wave.open(report.file) as file:
-        mix = np.frombuffer(file.readframes(file.getnframes()), "<i2").reshape(-1, 2).astype(float)
+    mix = read_file(report.file)
     for row in report.rows:
         assert row.onset_sample - nearest_frame(row.t_ns) == 10
         # 16 bit hides the filter's first, smallest sample at most
@@ -178,10 +182,7 @@ def test_rub_sounds_while_the_wall_is_pressed_and_the_hand_slides(tmp_path):
         triple_buffer.publish(memory.audio_words)
         audio.advance(now)
     report = audio.stop()
-    import wave
-
-    with wave.open(report.file) as file:
-        mix = np.frombuffer(file.readframes(file.getnframes()), "<i2").reshape(-1, 2) / 32767
+    mix = read_file(report.file)
     rms = [
         float(np.sqrt(np.mean(mix[int(a * RATE) : int(b * RATE)] ** 2))) for a, b in ((0, 0.49), (0.6, 0.9), (1.1, 1.4))
     ]
@@ -226,3 +227,25 @@ def test_stopping_a_sounding_voice_does_not_click(tmp_path, hrtf):
     assert np.abs(after[-960:]).max() == 0.0
     # -60 dBFS; the library's own stop measures -23
     assert high_band_peak(np.concatenate([before, after])[:, 0].astype(float)) < 1e-3
+
+
+def test_emitter_follows_its_place_its_gain_and_the_master(tmp_path):
+    sounds = {"sea": SoundSpec(recipe="scrape")}
+    settings = AudioSettings(sink="file", file=tmp_path / "sea.wav", sounds=sounds, contact="", scrape="")
+    audio = OfflineAudio(SessionMemory(), settings)
+    audio.start()
+    plan = [(-1.0, 0.5, 1.0), (1.0, 0.5, 1.0), (1.0, 0.5, 0.5), (1.0, 0.0, 1.0)]
+    for second, (x, gain, master) in enumerate(plan, 1):
+        place = (x, 0.0, 0.0)
+        audio.emitter("sea", place, gain)
+        audio.emitter("unheard of", place, gain)
+        audio.master(master)
+        audio.advance(second * 1_000_000_000)
+    mix = read_file(audio.stop().file)
+    # the second half of each second: the ramps are over
+    level = np.array([np.sqrt(np.mean(mix[int((k + 0.5) * RATE) : (k + 1) * RATE] ** 2, axis=0)) for k in range(4)])
+    assert level[0, 0] > 1.4 * level[0, 1]
+    assert level[1, 1] > 1.4 * level[1, 0]
+    # the loop repeats every 2 s, so half a second of it is like another within a few decibels of noise
+    assert level[2, 1] == pytest.approx(0.5 * level[1, 1], rel=0.3)
+    assert level[3].max() == 0.0

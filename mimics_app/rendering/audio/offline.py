@@ -27,7 +27,7 @@ Vec3 = tuple[float, float, float]
 Pose = tuple[Vec3, Vec3, Vec3]
 
 _BLOCK = 1024
-_TAIL_S = 1.0
+_TAIL_S = 1.5
 
 
 class OfflineAudio:

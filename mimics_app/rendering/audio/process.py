@@ -45,6 +45,7 @@ class AudioProcess:
         self._orders_dropped = 0
         self._pose: tuple[Vec3, Vec3, Vec3] | None = None
         self._given_up = False
+        self._hung_up = False
 
     def start(self) -> None:
         """Spawn the process and return at once; a session without sound starts none."""
@@ -166,7 +167,7 @@ class AudioProcess:
         message = self._receive(timeout_s)
         if isinstance(message, AudioStatus):
             self._status = message
-        elif not self._given_up and self._process is not None and not self._process.is_alive():
+        elif not self._given_up and self._process is not None and (self._hung_up or not self._process.is_alive()):
             self._give_up("the audio process has ended: sound is dropped; picture and touch run on")
 
     def _receive(self, timeout_s: float) -> Any:
@@ -176,6 +177,7 @@ class AudioProcess:
         try:
             return self._results.recv() if self._results.poll(timeout_s) else None
         except (EOFError, OSError):
+            self._hung_up = True  # its end of the pipe is closed: it is gone, or about to be
             return None
 
     def _tell(self, what: str, content: object) -> bool:

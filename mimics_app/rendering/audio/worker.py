@@ -91,7 +91,7 @@ class _LiveSession:
             mixer.master(0.0)
             self._clock.sleep_until_ns(self._clock.now_ns() + _FADE_NS)
         elif mixer is not None:
-            self.engine.render_to(mixer.position + self._settings.rate // 2, self._settings.block)
+            self.engine.render_to(mixer.position + self._settings.rate * 3 // 2, self._settings.block)
         return self.report()
 
     def send(self, message: object) -> None:
