@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import os
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import UsageError
 from mimics_app.recording.append_file import AppendFile
@@ -17,13 +20,14 @@ from mimics_app.recording.arrow_format import (
     samples_schema,
     schema_bytes,
 )
-from mimics_app.recording.arrow_scan import Found, read_index, read_schema, scan_stream
+from mimics_app.recording.arrow_scan import Damage, Found, read_index, read_schema, scan_stream
 from mimics_app.recording.environment import clock_pair
 from mimics_app.recording.event_log import whole_length
 from mimics_app.recording.manifest import Manifest, hash_files, write_manifest
 from mimics_app.recording.recorder_process import RESERVE
-from mimics_app.recording.run import Run
+from mimics_app.recording.run import Run, find_gaps
 from mimics_app.recording.run_folder import FILES, write_atomically
+from mimics_app.recording.state_hash import StateHash
 
 __all__ = ["recover"]
 
@@ -40,20 +44,24 @@ def recover(folder: Path) -> Manifest:
     run = Run.open(folder)
     if run.manifest is not None and not run.damages:
         raise UsageError(f"{folder} was closed ({run.status}) and is whole", "there is nothing to recover")
-    _mend_haptic(folder, keep_original=bool(run.damages))
+    mended = _mend_haptic(folder)
     _mend_parameters(folder)
     _cut_lines(folder)
     (folder / RESERVE).unlink(missing_ok=True)
-    mended = Run.open(folder)
+    run = Run(folder)
+    mended.state.add_events(run.events)
+    for row in run.trials:
+        mended.state.add_trial(row)
+    gaps = find_gaps(np.concatenate(mended.ticks), np.concatenate(mended.numbers), run.known_gaps())
     manifest = Manifest(
         status="recovered",
-        state_hash=mended.state_hash(),
-        rows=len(mended.haptic),
-        events=len(mended.events),
-        trials=len(mended.trials),
-        parameters=len(mended.parameters),
-        gaps=[{"after_tick": gap.after_tick, "rows": gap.ticks, "reason": gap.why} for gap in mended.gaps]
-        + [{"reason": f"{d.length} damaged bytes at {d.offset}: {d.why}", "rows": 0} for d in run.damages],
+        state_hash=mended.state.hexdigest(),
+        rows=mended.state.rows,
+        events=len(run.events),
+        trials=len(run.trials),
+        parameters=len(run.parameters),
+        gaps=[{"after_tick": gap.after_tick, "rows": gap.ticks, "reason": gap.why} for gap in gaps]
+        + [{"reason": f"{d.length} damaged bytes at {d.offset}: {d.why}", "rows": 0} for d in mended.damages],
         clock=clock_pair(),
         files=hash_files(folder),
     )
@@ -61,24 +69,43 @@ def recover(folder: Path) -> Manifest:
     return manifest
 
 
-def _mend_haptic(folder: Path, *, keep_original: bool) -> None:
+@dataclass
+class _Mended:
+    """What went through while haptic.arrows was written anew."""
+
+    state: StateHash = field(default_factory=StateHash)
+    ticks: list[NDArray[np.float64]] = field(default_factory=lambda: [np.empty(0)])
+    numbers: list[NDArray[np.int64]] = field(default_factory=lambda: [np.empty(0, np.int64)])
+    damages: list[Damage] = field(default_factory=list)
+    index: list[tuple[int, int, int]] = field(default_factory=list)
+
+
+def _mend_haptic(folder: Path) -> _Mended:
+    """Write haptic.arrows and its sidecar anew in one pass; an hour of it never is in memory at once."""
     path = folder / FILES["haptic"]
     scratch = path.with_suffix(".part")
     scratch.unlink(missing_ok=True)
-    mended = AppendFile(scratch)
-    mended.append(schema_bytes(samples_schema()))
-    index: list[tuple[int, int, int]] = []
-    data = path.read_bytes() if path.exists() else b""
+    mended, file = _Mended(), AppendFile(scratch)
+    file.append(schema_bytes(samples_schema()))
+    source = os.open(path, os.O_RDONLY | os.O_CREAT, 0o644)
     for piece in scan_stream(path, decode_samples, samples_schema(), read_index(folder / FILES["index"])):
-        if isinstance(piece, Found):
-            index.append((piece.block.seq, mended.length, piece.length))
-            mended.append(data[piece.offset : piece.offset + piece.length])
-    mended.append(END_OF_STREAM)
-    mended.close()
-    if keep_original:
+        if isinstance(piece, Damage):
+            mended.damages.append(piece)
+            continue
+        block = piece.block
+        mended.index.append((block.seq, file.length, piece.length))
+        mended.state.add_samples(block.records)
+        mended.ticks.append(block.records["tick"].copy())
+        mended.numbers.append(block.first + np.arange(len(block.records)))
+        file.append(os.pread(source, piece.length, piece.offset))
+    os.close(source)
+    file.append(END_OF_STREAM)
+    file.close()
+    if mended.damages:
         path.replace(path.with_name(path.name + ".damaged"))
     scratch.replace(path)
-    write_atomically(folder / FILES["index"], np.array(index, INDEX_ROW).tobytes())
+    write_atomically(folder / FILES["index"], np.array(mended.index, INDEX_ROW).tobytes())
+    return mended
 
 
 def _mend_parameters(folder: Path) -> None:

@@ -14,11 +14,12 @@ STYLE = """
 @media print { :root { color-scheme: light; --paper: #ffffff; --card: #f5f7fa; --ink: #1a2230; --soft: #566173;
   --rule: #d5dbe4; --robot: #1559c9; --bisector: #c62828; --wall: #1f8a3b; --second: #b45f06; --third: #6a3fb5;
   --contact: #7a3b00; --touch: #e8590c33; --driven: #8894a733; --good: #1f7a3b; --warn: #9a5b00; --bad: #b3261e; }
-  main { max-width: none; padding: 0; } table { font-size: 10px; } th, td { padding: 3px 4px; } figure, tr, .cards > div { break-inside: avoid; } h2 { break-after: avoid; }
+  main { max-width: none; padding: 0; } table { font-size: 10px; } th, td { padding: 3px 4px; }
+  figure, tr, .cards > div { break-inside: avoid; } h2 { break-after: avoid; }
   * { print-color-adjust: exact; } }
 * { box-sizing: border-box; }
 body { margin: 0; background: var(--paper); color: var(--ink); font: 15px/1.5 system-ui, "Segoe UI", sans-serif; }
-main { max-width: 980px; margin: 0 auto; padding: 32px 28px 64px; }
+main { max-width: 1040px; margin: 0 auto; padding: 32px 28px 64px; }
 h1 { font-size: 28px; line-height: 1.2; margin: 0 0 4px; letter-spacing: -0.01em; }
 h2 { font-size: 20px; margin: 44px 0 12px; padding-top: 14px; border-top: 1px solid var(--rule); }
 h3 { font-size: 16px; margin: 26px 0 8px; }

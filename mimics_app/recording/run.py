@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -27,7 +28,9 @@ from mimics_app.recording.run_folder import FILES
 from mimics_app.recording.state_hash import StateHash
 from mimics_app.recording.trial_table import read_trials
 
-__all__ = ["Gap", "Run"]
+__all__ = ["Gap", "Run", "find_gaps"]
+
+_UNKNOWN = "rows are missing"
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,18 +86,16 @@ class Run:
         return self.manifest.status if self.manifest else "open"
 
     @cached_property
-    def _scan(self) -> tuple[list[Block], list[Damage], int]:
+    def _scan(self) -> tuple[list[Block], list[Damage]]:
         path = self.folder / FILES["haptic"]
         blocks: list[Block] = []
         damages: list[Damage] = []
-        end = 0
         for piece in scan_stream(path, decode_samples, samples_schema(), read_index(self.folder / FILES["index"])):
             if isinstance(piece, Found):
                 blocks.append(piece.block)
-                end = piece.offset + piece.length
             else:
                 damages.append(piece)
-        return blocks, damages, end
+        return blocks, damages
 
     @cached_property
     def haptic(self) -> NDArray[Any]:
@@ -107,31 +108,15 @@ class Run:
         """Bytes of haptic.arrows that are no good block."""
         return self._scan[1]
 
-    @property
-    def good_bytes(self) -> int:
-        """Where the last good block of haptic.arrows ends."""
-        return self._scan[2]
-
     @cached_property
     def gaps(self) -> list[Gap]:
         """Where ticks are missing, in order; a cut end cannot be seen from the ticks and stands in `damages`."""
-        ticks = self.haptic["tick"]
-        known = {int(line["after_row"]): str(line["reason"]) for line in self.lines_of("recorder", "gap")}
-        gaps: list[Gap] = []
-        if len(ticks) and ticks[0] > 0:
-            gaps.append(Gap(-1, int(ticks[0]), known.get(0, "rows are missing")))
-        for i in np.flatnonzero(np.diff(ticks) != 1.0):
-            why = known.get(self._row_number(int(i)) + 1, "rows are missing")
-            gaps.append(Gap(int(ticks[i]), int(ticks[i + 1] - ticks[i]) - 1, why))
-        return gaps
+        numbers = [block.first + np.arange(len(block.records)) for block in self._scan[0]]
+        return find_gaps(self.haptic["tick"], np.concatenate(numbers) if numbers else np.empty(0), self.known_gaps())
 
-    def _row_number(self, position: int) -> int:
-        """Place of a row since the session's start, counting the ones that were lost from the ring on."""
-        for block in self._scan[0]:
-            if position < len(block.records):
-                return block.first + position
-            position -= len(block.records)
-        return -1
+    def known_gaps(self) -> dict[int, str]:
+        """Why rows are missing, by the number of the first row after them, as the recorder wrote it down."""
+        return {int(line["after_row"]): str(line["reason"]) for line in self.lines_of("recorder", "gap")}
 
     @cached_property
     def _lines(self) -> tuple[list[dict[str, Any]], int]:
@@ -202,6 +187,23 @@ class Run:
         if self.state_hash() != self.manifest.state_hash:
             found.append("the state hash of the files is not that of the manifest")
         return found
+
+
+def find_gaps(ticks: NDArray[np.float64], numbers: NDArray[Any], known: Mapping[int, str]) -> list[Gap]:
+    """Where ticks are missing.
+
+    Args:
+        ticks: Of the rows that are there, shape [n].
+        numbers: Places of these rows since the session's start, shape [n].
+        known: See `Run.known_gaps`.
+    """
+    gaps: list[Gap] = []
+    if len(ticks) and ticks[0] > 0:
+        gaps.append(Gap(-1, int(ticks[0]), known.get(0, _UNKNOWN)))
+    for i in np.flatnonzero(np.diff(ticks) != 1.0):
+        why = known.get(int(numbers[i]) + 1, _UNKNOWN)
+        gaps.append(Gap(int(ticks[i]), int(ticks[i + 1] - ticks[i]) - 1, why))
+    return gaps
 
 
 def _read_session(path: Path) -> dict[str, Any]:

@@ -196,3 +196,13 @@ def test_flat_and_empty_data_have_an_axis() -> None:
         axis = Axis.of("a", data, zero=True)
         assert axis.high > axis.low
         assert len(axis.ticks()) > 1
+
+
+def test_snippets_of_the_guide_run(folder: Path) -> None:
+    guide = (Path(__file__).parents[2] / "docs" / "recording.md").read_text()
+    names: dict[str, object] = {"run": str(folder)}
+    for snippet in re.findall(r"```python\n(.*?)```", guide, re.DOTALL):
+        exec(compile(snippet, "docs/recording.md", "exec"), names)
+    assert np.array_equal(names["height"], Run.open(folder).haptic["hip_world"][:, 1])
+    assert len(names["contacts"]) > 20
+    assert f"a list of {Run.open(folder).haptic.itemsize // 8 - 1} numbers" in guide
