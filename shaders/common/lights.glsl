@@ -1,5 +1,6 @@
 // Everything that shines on an opaque surface: sun, lights at places, sky.
 
+#ifdef PLACED_LIGHTS
 vec3 shine_of_light(int i, vec3 position_eye, Surface s) {
     vec3 to_light = light_position[i].xyz - position_eye;
     float distance2 = max(dot(to_light, to_light), 1e-4);
@@ -12,6 +13,7 @@ vec3 shine_of_light(int i, vec3 position_eye, Surface s) {
     float strength = window * window / distance2 * (outer < -1.5 ? 1.0 : cone);
     return strength * light_colour[i].rgb * reflect_light(s, direction);
 }
+#endif
 
 vec3 shine_of_sky(Surface s, float roughness) {
 #ifdef MATT
@@ -26,9 +28,12 @@ vec3 shine_of_sky(Surface s, float roughness) {
 
 vec3 shine(Surface s, float roughness, vec3 position_eye, float sun_share) {
     vec3 light = sun_share * sun_colour.rgb * reflect_light(s, sun_direction.xyz);
+#ifdef PLACED_LIGHTS
+    // A variant and not a loop of none: software renderers go through a loop's body once whatever its count.
     int count = int(ambient.w);
     for (int i = 0; i < count; ++i) {
         light += shine_of_light(i, position_eye, s);
     }
+#endif
     return light + shine_of_sky(s, roughness);
 }

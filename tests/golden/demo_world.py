@@ -38,7 +38,7 @@ def make_torus(major: float, minor: float, segments: int = 64, sides: int = 24) 
 def make_tunnel_world() -> World:
     """What the wavy tunnel looks like from the patient's seat: tube, ball, goal ring, floor with the workspace."""
     world = World()
-    world.environment = Sky((0.10, 0.16, 0.27), (0.42, 0.50, 0.58), (0.16, 0.16, 0.17), 0.8)
+    world.environment = Sky((0.07, 0.12, 0.22), (0.24, 0.31, 0.39), (0.10, 0.10, 0.11), 0.9)
     for material in _tunnel_materials():
         world.set_material(material)
     x = np.linspace(-0.18, 0.18, 121)
@@ -68,7 +68,7 @@ def make_tunnel_world() -> World:
             part.casts_shadow = False
     sun = root.create_child("sun")
     sun.look_at((-0.18, -1.0, -0.12))
-    sun.create_light("directional", colour=(1.0, 0.96, 0.90), intensity=1.15, casts_shadow=1)
+    sun.create_light("directional", colour=(1.0, 0.96, 0.90), intensity=1.3, casts_shadow=1)
     eye = root.create_child("eye", (0.0, 0.58, 0.72))
     eye.look_at((0.0, 0.29, 0.0))
     eye.create_camera(0.80, 0.05, 60.0)
@@ -78,13 +78,13 @@ def make_tunnel_world() -> World:
 
 def _tunnel_materials() -> list[Material]:
     return [
-        Material("floor", base_colour=(0.16, 0.18, 0.205, 1.0), roughness=1.0, grid=0.1),
-        Material("area", "unlit", (0.05, 0.45, 0.62, 0.16), alpha_mode="blend"),
-        Material("edge", "unlit", (0.10, 0.62, 0.85, 1.0)),
-        Material("glass", "glass", (0.35, 0.75, 0.95, 0.16), roughness=0.12, grid=0.05),
-        Material("line", "unlit", (0.85, 0.10, 0.08, 1.0)),
-        Material("ball", "lit", (0.95, 0.26, 0.02, 1.0), roughness=0.32, emission=(0.18, 0.04, 0.0)),
-        Material("goal", "lit", (0.15, 0.62, 0.20, 1.0), roughness=0.35),
+        Material("floor", base_colour=(0.10, 0.12, 0.15, 1.0), roughness=1.0, grid=0.1),
+        Material("area", "unlit", (0.04, 0.42, 0.60, 0.18), alpha_mode="blend"),
+        Material("edge", "unlit", (0.08, 0.55, 0.78, 1.0)),
+        Material("glass", "glass", (0.36, 0.76, 0.96, 0.10), roughness=0.14, grid=0.05),
+        Material("line", "unlit", (0.80, 0.06, 0.04, 1.0)),
+        Material("ball", "lit", (1.0, 0.27, 0.02, 1.0), roughness=0.30, emission=(0.30, 0.06, 0.0)),
+        Material("goal", "lit", (0.08, 0.70, 0.18, 1.0), roughness=0.45, emission=(0.01, 0.12, 0.03)),
     ]
 
 

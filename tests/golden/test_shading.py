@@ -161,3 +161,40 @@ def test_a_texture_lies_the_right_way_up():
         (0, 0, 255),
         (188, 188, 188),
     ]
+
+
+@pytest.mark.parametrize("kind", ["point", "spot"])
+def test_a_placed_light_falls_off_with_the_square_of_distance(kind):
+    """A matt floor under a lamp 0.8 m up: albedo intensity cos / d^2, and nothing outside a spot's cone."""
+    world = World()
+    world.environment = BLACK
+    world.set_material(Material("m", base_colour=(0.5, 0.5, 0.5, 1.0), roughness=1.0))
+    world.meshes["floor"] = plane(4.0, 4.0)
+    world.root.create_child("floor").create_entity("floor", "m")
+    lamp = world.root.create_child("lamp", (0.0, 0.8, 0.0))
+    lamp.look_at((0.0, 0.0, 0.0), (0.0, 0.0, -1.0))
+    cone = {"inner_cone": 0.3, "outer_cone": 0.4} if kind == "spot" else {}
+    lamp.create_light(kind, colour=(1.0, 1.0, 1.0), intensity=0.9, **cone)
+    world.update()
+    pose = compose_look_at((0.0, 2.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, -1.0))
+    picture = draw_offscreen(world, [View(pose, (-0.4, 0.4, -0.3, 0.3), (0, 0, *SIZE))], SIZE, PLAIN)
+    x = 2.0 * 0.4 * (2.0 * (np.arange(SIZE[0]) + 0.5) / SIZE[0] - 1.0)
+    y = 2.0 * 0.3 * (2.0 * (np.arange(SIZE[1]) + 0.5) / SIZE[1] - 1.0)
+    aside = np.hypot(x[None, :], y[:, None])
+    distance = np.hypot(aside, 0.8)
+    expected = encode(0.5 * 0.9 * 0.8 / distance**3)
+    seen = picture[..., 0].astype(float)
+    angle = np.arctan2(aside, 0.8)
+    inside = angle < (0.29 if kind == "spot" else 2.0)
+    assert np.abs(seen - expected)[inside].max() <= CODE_TOLERANCE
+    if kind == "spot":
+        assert seen[angle > 0.41].max() == 0
+
+
+def test_a_light_that_comes_and_goes_is_seen():
+    world = make_ball(Material("m", roughness=1.0))
+    dark = draw_offscreen(world, [front_view()], SIZE, PLAIN)
+    world.root.create_child("lamp", (0.0, 0.0, 2.0)).create_light("point", intensity=1.0)
+    world.update()
+    lit = draw_offscreen(world, [front_view()], SIZE, PLAIN)
+    assert dark[60, 80, :3].max() == 0 and lit[60, 80, :3].min() > 100

@@ -121,9 +121,15 @@ class DrawList:
         self._centres: F8 = np.zeros((0, 3))
         self._radii: F8 = np.zeros(0)
 
-    def update(self, world: World) -> None:
-        """Take over structure where it changed, and this frame's transforms always."""
-        meshes, materials = self._arena.update(world), self._materials.update(world)
+    def update(self, world: World, *, placed_lights: bool) -> None:
+        """Take over structure where it changed, and this frame's transforms always.
+
+        Args:
+            world: What is drawn.
+            placed_lights: True when a point or spot light shines.
+        """
+        meshes = self._arena.update(world)
+        materials = self._materials.update(world, placed_lights=placed_lights)
         listed = world.subentities()
         if meshes or materials or listed.revision != self._revision:
             self._take_structure(world)

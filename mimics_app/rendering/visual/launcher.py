@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,12 +41,11 @@ _BEGIN = {"space", "start"}
 _LEAVE = {"escape", "b", "back"}
 
 
-@dataclass(frozen=True)
-class LauncherChoice:
+class LauncherChoice(NamedTuple):
     """What the person wants to run: the scene file, and one value per setting."""
 
     scene: Path
-    settings: Mapping[str, str]
+    settings: dict[str, str]
 
 
 class Launcher:

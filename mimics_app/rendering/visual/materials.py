@@ -64,14 +64,21 @@ class MaterialStore:
         self._shaders = shaders
         self._looks: dict[str, Look] = {}
         self._textures: dict[str, tuple[TextureData, moderngl.Texture]] = {}
+        self._placed_lights = False
 
-    def update(self, world: World) -> bool:
+    def update(self, world: World, *, placed_lights: bool) -> bool:
         """Bring the looks up to the world's materials.
+
+        Args:
+            world: Whose materials.
+            placed_lights: True when a point or spot light shines; without one the shaders leave them out.
 
         Returns:
             True when one came, went or changed.
         """
-        stale = [name for name, look in self._looks.items() if name and name not in world.materials]
+        all_stale = placed_lights != self._placed_lights
+        self._placed_lights = placed_lights
+        stale = [name for name in self._looks if all_stale or (name and name not in world.materials)]
         for name in stale:
             self._looks.pop(name).block.release()
         changed = bool(stale)
@@ -119,6 +126,8 @@ class MaterialStore:
             defines.append("TEXTURED")
         if material.alpha_mode == "mask" and material.technique != "glass":
             defines.append("MASKED")
+        if material.technique == "lit" and self._placed_lights:
+            defines.append("PLACED_LIGHTS")
         if material.technique == "lit" and material.roughness >= _MATT and material.metallic == 0.0:
             defines.append("MATT")
         if material.grid > 0.0 and material.technique != "unlit":

@@ -120,7 +120,7 @@ class Renderer:
 
     def _draw(self, views: Sequence[View]) -> tuple[int, int]:
         lighting = gather_lighting(self.world)
-        self._list.update(self.world)
+        self._list.update(self.world, placed_lights=lighting.place_count > 0)
         self._frame.begin()
         shadow_runs: list[DrawRun] = []
         if lighting.sun_casts_shadow and self.settings.shadow_size:
