@@ -15,22 +15,14 @@ class HapticSettings(Component, frozen=True):
     """The haptic loop."""
 
     projection: Annotated[
-        str, Meta(description='Method of the closest point on the tunnel, or "auto": the cheapest inside the tolerance')
-    ] = "auto"
-    projection_tolerance: Annotated[float, Meta(gt=0, description="Error of the closest point allowed [m]")] = 1e-5
-    frames: Annotated[
-        Literal["rotation_minimising", "frenet"],
-        Meta(description="Frames along the tunnel; Frenet flips at inflections"),
-    ] = "rotation_minimising"
+        Literal["newton warm", "golden section", "brute force"],
+        Meta(description="How the closest point of a tunnel's bisector is found; see mimics explain"),
+    ] = "newton warm"
 
 
 class VisualSettings(Component, frozen=True):
     """The picture."""
 
-    size: Annotated[
-        tuple[Annotated[int, Meta(ge=16, le=8192)], Annotated[int, Meta(ge=16, le=8192)]],
-        Meta(description="Width and height [pixels]"),
-    ] = (1280, 720)
     samples: Annotated[Literal[0, 2, 4, 8], Meta(description="Of multisample anti-aliasing; 0: none")] = 4
     shadow_size: Annotated[int, Meta(ge=0, le=8192, description="Side of the shadow map [pixels]; 0: no shadows")] = (
         1024

@@ -26,8 +26,8 @@ class ModelPrefab:
     def instantiate(self, world: World, node: SceneNode) -> list[SceneNode]:
         """Put an instance on a node; returns it and all new nodes.
 
-        A single node of a model becomes `node` itself (its own placement in the file is left out); several hang
-        below it. Nodes below are named "node/Name"; those without a name, or with one that is taken, have none.
+        A node that is meant itself becomes `node` (its own placement in the file is left out); those of a whole
+        model hang below it. Nodes below are named "node/Name"; those without a name, or with one that is taken, have none.
         """
         self._load(world)
         part, model = self._part, self._part.model
@@ -35,10 +35,10 @@ class ModelPrefab:
             self._show(world, node, part.mesh)
             return [node]
         made: dict[int, SceneNode] = {}
-        if len(part.nodes) == 1:
-            made[part.nodes[0]] = node
-            self._fill(world, node, part.nodes[0])
-        for top in part.nodes:
+        if part.node is not None:
+            made[part.node] = node
+            self._fill(world, node, part.node)
+        for top in part.nodes if part.node is None else (part.node,):
             for index in model.subtree(top):
                 if index not in made:
                     above = model.nodes[index].parent

@@ -28,8 +28,8 @@ def unfold_model(
     part = _part(draft, assets)
     if part is not None:
         nodes = _layers(part)
-        if len(part.nodes) == 1:
-            draft.layers.append(_layer(part, part.nodes[0]))
+        if part.node is not None:
+            draft.layers.append(_layer(part, part.node))
     for name, layer in nodes.items():
         over = draft.overrides.pop(name, None)
         if over is not None or layer.value["components"]:
@@ -50,10 +50,10 @@ def _part(draft: EntityDraft, assets: dict[str, SceneAsset]) -> ModelPart | None
 
 
 def _layers(part: ModelPart) -> dict[str, Layer]:
-    """Nodes below the one that is shown, or all below the root, by name."""
+    """Nodes below the one that is meant, or all of the model, by name."""
     model = part.model
-    shown = part.nodes if len(part.nodes) == 1 else ()
-    below = [index for top in part.nodes for index in model.subtree(top) if index not in shown]
+    tops = part.nodes if part.node is None else (part.node,)
+    below = [index for top in tops for index in model.subtree(top) if index != part.node]
     return {model.nodes[index].name: _layer(part, index) for index in below if model.nodes[index].name}
 
 

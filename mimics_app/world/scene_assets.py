@@ -59,11 +59,18 @@ class SceneAsset:
 
 @dataclass(frozen=True, eq=False)
 class ModelPart:
-    """What a reference into a model means: nodes with all below them, or one mesh."""
+    """What a reference into a model means.
+
+    Attributes:
+        nodes: Top nodes of the whole model; each brings all below it.
+        node: One node that is meant itself, with all below it, or None.
+        mesh: One mesh, or None.
+    """
 
     asset: SceneAsset
     model: GltfDocument
     nodes: tuple[int, ...] = ()
+    node: int | None = None
     mesh: int | None = None
 
 
@@ -121,7 +128,7 @@ def find_in_model(assets: dict[str, SceneAsset], reference: str) -> ModelPart:
     _, table, item = (fragment.split("/", 2) + ["", "", ""])[:3]
     item = item.replace("~1", "/").replace("~0", "~")
     if table == "nodes":
-        return ModelPart(asset, model, (model.find_node(item),))
+        return ModelPart(asset, model, node=model.find_node(item))
     if table == "meshes":
         return ModelPart(asset, model, mesh=model.find_mesh(item))
     raise KeyError(f'"#{fragment}" refers to nothing; write {escape(name)}#/nodes/Name or {escape(name)}#/meshes/Name')

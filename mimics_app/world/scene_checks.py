@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 
 from mimics_app.contracts.errors import Issue, nearest
 from mimics_app.world.registry import checks_of, section_of
@@ -11,7 +10,6 @@ from mimics_app.world.scene import Scene, SceneEntity
 
 __all__ = ["check_meaning"]
 
-_ID = re.compile(r"[A-Za-z0-9_.-]+")
 _QUATERNION_TOLERANCE = 1e-3
 """Farthest a written quaternion's length may be from 1: four decimals are enough, a forgotten one is not."""
 
@@ -45,10 +43,7 @@ def _check_id(scene: Scene, entity: SceneEntity, first: dict[str, SceneEntity]) 
         earlier = scene.place(f"{first[entity.id].pointer}/id")
         return [scene.issue(pointer, f'the id "{entity.id}" is taken by {earlier}', "choose another id")]
     first[entity.id] = entity
-    own = entity.id.rpartition("/")[2]
-    if entity.in_model or _ID.fullmatch(own):
-        return []
-    return [scene.issue(pointer, f'"{own}" is no id', "use letters, digits, _ - and .")]
+    return []
 
 
 def _check_transform(scene: Scene, entity: SceneEntity) -> list[Issue]:

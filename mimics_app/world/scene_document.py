@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
@@ -17,6 +18,8 @@ __all__ = ["MAX_ENTITIES", "EntityDraft", "SceneDocument", "resolve"]
 
 MAX_ENTITIES = 100_000
 """Most entities of one scene, prefabs unfolded."""
+
+_ID = re.compile(r"[A-Za-z0-9_.-]+")
 
 _MAX_NESTING = 32
 """Most prefabs inside each other."""
@@ -144,6 +147,9 @@ class _Unfolding:
         """
         if self._is_full(own):
             return
+        if not _ID.fullmatch(own.value["id"]):
+            what = f'"{own.value["id"]}" is no id'
+            self._issues.append(Issue(own.file, f"{own.pointer}/id", what, "use letters, digits, _ - and ."))
         bodies = list(self._bodies(own, inside))
         overrides = {
             path: own.child(f"overrides/{escape(path)}", value)

@@ -89,6 +89,8 @@ class SceneLoader:
             if name not in types:
                 self._report(place, f'unknown component "{name}"', nearest(name, types))
                 continue
+            if not isinstance(value, dict):
+                continue  # told with the file's shape
             struct: Any = read_struct(types[name], value, self._report, place)
             if struct is not FAILED:
                 components[name] = struct

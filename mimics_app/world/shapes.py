@@ -54,7 +54,7 @@ class RingShape(Component, frozen=True, tag="ring", tag_field="shape"):
     segments: Annotated[int, Meta(ge=3, le=512, description="Facets along the arc")] = 48
 
 
-class TorusShape(Component, tag="torus", tag_field="shape"):
+class TorusShape(Component, tag="torus", tag_field="shape", frozen=True):
     """Round bar bent to a ring about the y axis."""
 
     radius: Annotated[float, Meta(gt=0, description="Of the bar's middle [m]; beyond bar_radius")] = 0.5

@@ -21,9 +21,7 @@ rotations = (
     .map(lambda q: quat.normalise_rows(np.array(q)))
 )
 rigid = st.builds(lambda t, q: mat.compose(t, q), st.tuples(numbers, numbers, numbers), rotations)
-affine = st.builds(
-    mat.compose, st.tuples(numbers, numbers, numbers), rotations, st.tuples(*[st.floats(0.1, 10)] * 3)
-)
+affine = st.builds(mat.compose, st.tuples(numbers, numbers, numbers), rotations, st.tuples(*[st.floats(0.1, 10)] * 3))
 
 
 @SETTINGS
@@ -124,7 +122,8 @@ def test_an_infinite_far_plane_keeps_far_points_inside():
 
 
 @pytest.mark.parametrize(
-    "borders", [(1, 1, -1, 1, 0.1, 1), (1, -1, -1, 1, 0.1, 1), (-1, 1, 1, 1, 0.1, 1), (-1, 1, -1, 1, 0, 1), (-1, 1, -1, 1, 2, 1)]
+    "borders",
+    [(1, 1, -1, 1, 0.1, 1), (1, -1, -1, 1, 0.1, 1), (-1, 1, 1, 1, 0.1, 1), (-1, 1, -1, 1, 0, 1), (-1, 1, -1, 1, 2, 1)],
 )
 def test_an_empty_view_is_refused(borders):
     with pytest.raises(ValueError, match="no view"):

@@ -255,7 +255,11 @@ def test_two_nodes_of_one_name_and_two_bodies_on_one_node_are_refused():
 def test_numbers_that_are_not_finite_never_reach_the_table(bad):
     world = World()
     node = world.create_node()
-    for setter, values in ((node.set_position, (bad, 0, 0)), (node.set_scale, (1, bad, 1)), (node.set_orientation, (0, 0, 0, bad))):
+    for setter, values in (
+        (node.set_position, (bad, 0, 0)),
+        (node.set_scale, (1, bad, 1)),
+        (node.set_orientation, (0, 0, 0, bad)),
+    ):
         with pytest.raises(ValueError, match=r"finite|rotation"):
             setter(values)
     world.update()

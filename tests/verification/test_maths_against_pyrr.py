@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import pytest
 import pyrr
+import pytest
 
 from mimics_app.maths import mat, quat
 
@@ -31,7 +31,9 @@ def test_product_of_quaternions_is_the_one_of_pyrr():
     assert out == pytest.approx(pyrr.quaternion.cross(a, b), abs=TOLERANCE)
 
 
-@pytest.mark.parametrize(("fov", "aspect", "near", "far"), [(60, 16 / 9, 0.05, 100), (100, 1.0, 0.1, 10), (20, 0.5, 1, 1e4)])
+@pytest.mark.parametrize(
+    ("fov", "aspect", "near", "far"), [(60, 16 / 9, 0.05, 100), (100, 1.0, 0.1, 10), (20, 0.5, 1, 1e4)]
+)
 def test_projection_is_the_transpose_of_pyrr(fov, aspect, near, far):
     theirs = pyrr.matrix44.create_perspective_projection(fov, aspect, near, far, dtype=np.float64)
     ours = mat.perspective(math.radians(fov), aspect, near, far)
