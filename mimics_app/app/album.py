@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from mimics_app.app.frame import Frames
-from mimics_app.app.picture import Picture
+from mimics_app.app.picture import Picture, picture_quality
 from mimics_app.app.session import Session
 
 __all__ = ["Album"]
@@ -48,11 +48,12 @@ class Album:
         self._files.append(file)
 
     def _open(self) -> Picture:
-        from mimics_app.app.play import render_settings
         from mimics_app.rendering.visual.headless import open_offscreen
 
         session = self._session
         self._folder.mkdir(parents=True, exist_ok=True)
         surface = open_offscreen("auto", session.settings.size)
-        session.picture = Picture(surface, session.scene, session.world, render_settings(session.settings))
+        session.picture = Picture(
+            surface, session.scene, session.world, picture_quality(session.scene, session.settings.profile)
+        )
         return session.picture

@@ -39,6 +39,7 @@ from mimics_app.tasks.task_manager import TaskContext, TaskManager
 from mimics_app.tasks.trial_file import resolve_trials
 from mimics_app.world.components import Sound, SoundEmitter
 from mimics_app.world.components_haptic import Patient, Robot
+from mimics_app.world.components_systems import AudioSettings as AudioSystem
 from mimics_app.world.scene import Scene
 from mimics_app.world.scene_file import build_world
 from mimics_app.world.world import World
@@ -160,7 +161,9 @@ def _open_audio(
 ) -> AudioOutput | None:
     """The scene's sound, opening; None without imports where there is none."""
     sounds = scene.components(Sound)
-    if not sounds or settings.sound == "off":
+    wanted = scene.systems.get("audio")
+    wanted = wanted if isinstance(wanted, AudioSystem) else AudioSystem()
+    if not sounds or not wanted.enabled or settings.sound == "off":
         return None
     from mimics_app.rendering.audio.offline import OfflineAudio
     from mimics_app.rendering.audio.process import AudioProcess
@@ -174,11 +177,13 @@ def _open_audio(
         str(scene.path),
         sink=sink,
         file=folder / "sound.wav",
+        hrtf=wanted.hrtf,
     )
     if chosen is None:
         return None
     audio: AudioOutput = AudioProcess(memory, chosen) if live else OfflineAudio(memory, chosen)
     audio.start()
+    audio.master(wanted.gain)
     return audio
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from mimics_app.app.board import draw_board
+from mimics_app.app.settings import Profile
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.input_port import Ray
 from mimics_app.rendering.visual.displays.desktop import desktop_views
@@ -19,10 +20,20 @@ from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surface import Surface
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.components import Hud as HudComponent
+from mimics_app.world.components_systems import VisualSettings
 from mimics_app.world.scene import Scene
 from mimics_app.world.world import World
 
-__all__ = ["Picture"]
+__all__ = ["Picture", "picture_quality"]
+
+
+def picture_quality(scene: Scene, profile: Profile) -> RenderSettings:
+    """Quality of the picture: what the scene's `systems.visual` says; a draft gives up smooth edges and fine shadows."""
+    wanted = scene.systems.get("visual")
+    visual = wanted if isinstance(wanted, VisualSettings) else VisualSettings()
+    if profile == "draft":
+        return RenderSettings(msaa=0, shadow_size=min(512, visual.shadow_size))
+    return RenderSettings(msaa=visual.samples, shadow_size=visual.shadow_size)
 
 
 class Picture:

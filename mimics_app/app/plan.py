@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -105,8 +104,9 @@ def explain_scene(scene: Scene, profile: str) -> dict[str, Any]:
 
 def _register_methods() -> None:
     """Stages register their methods when their `methods` modules are imported."""
-    for module in ("methods_tunnel", "methods_admittance"):
-        importlib.import_module(f"mimics_app.rendering.haptic.{module}")
+    import mimics_app.rendering.audio.methods
+    import mimics_app.rendering.haptic.methods_admittance
+    import mimics_app.rendering.haptic.methods_tunnel  # noqa: F401
 
 
 def _method_part(group: str, tolerances: dict[str, float]) -> Part:

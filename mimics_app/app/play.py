@@ -11,7 +11,7 @@ from mimics_app.app.album import Album
 from mimics_app.app.build import build_session, has_display, start_loop
 from mimics_app.app.frame import Frames
 from mimics_app.app.pace import run_live, run_virtual
-from mimics_app.app.picture import Picture
+from mimics_app.app.picture import Picture, picture_quality
 from mimics_app.app.progress import ProgressLine
 from mimics_app.app.result import summarise
 from mimics_app.app.session import Session
@@ -60,7 +60,9 @@ def _play_in_window(session: Session, frames: Frames) -> None:
 
     start_loop(session)
     surface = create_surface("window", session.settings.size, session.scene.name)
-    session.picture = Picture(surface, session.scene, session.world, render_settings(session.settings))
+    session.picture = Picture(
+        surface, session.scene, session.world, picture_quality(session.scene, session.settings.profile)
+    )
     session.inputs = person_inputs(session)
     _tell_notice(session)
     run_live(session, frames, lambda _: None)
@@ -79,15 +81,6 @@ def _play_headless(session: Session, frames: Frames) -> list[Path]:
     run_virtual(session, frames, after_frame)
     progress.end()
     return album.finish(frames)
-
-
-def render_settings(settings: RunSettings) -> Any:
-    """Quality of the picture for a profile."""
-    from mimics_app.rendering.visual.settings import RenderSettings
-
-    if settings.profile == "draft":
-        return RenderSettings(msaa=0, shadow_size=512)
-    return RenderSettings(msaa=4, shadow_size=2048 if settings.profile == "study" else 1024)
 
 
 def _tell_notice(session: Session) -> None:

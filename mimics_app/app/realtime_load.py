@@ -17,8 +17,7 @@ import numpy as np
 
 from mimics_app.app.build import build_session, start_loop
 from mimics_app.app.frame import Frames
-from mimics_app.app.picture import Picture
-from mimics_app.app.play import render_settings
+from mimics_app.app.picture import Picture, picture_quality
 from mimics_app.app.rehearsal import Rehearsal
 from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.app.settings import RunSettings
@@ -49,7 +48,10 @@ def _measure_product(scene: Path, seconds: float, recipe: str) -> Row:
         with build_session(settings, live=True) as session:
             start_loop(session)
             session.picture = Picture(
-                create_surface("egl", _SIZE), session.scene, session.world, render_settings(settings)
+                create_surface("egl", _SIZE),
+                session.scene,
+                session.world,
+                picture_quality(session.scene, settings.profile),
             )
             frames = Frames(session)
 
@@ -70,7 +72,7 @@ def _measure_python_thread(scene_file: Path, seconds: float) -> Row:
     rehearsal = Rehearsal(scene)
     rehearsal.advance(10)
     settings = RunSettings(scene_file)
-    picture = Picture(create_surface("egl", _SIZE), scene, rehearsal.world, render_settings(settings))
+    picture = Picture(create_surface("egl", _SIZE), scene, rehearsal.world, picture_quality(scene, settings.profile))
     rehearsal.world.update()
     quit_event, late_us, ended_late = threading.Event(), list[float](), list[bool]()
 

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mimics_app.app.picture import Picture
-from mimics_app.app.play import render_settings
+from mimics_app.app.picture import Picture, picture_quality
 from mimics_app.app.rehearsal import Rehearsal
 from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.app.settings import RunSettings
@@ -51,7 +50,9 @@ def draw_stills(
     """
     scene = load_checked_scene(settings.scene)
     play = _Play(Rehearsal(scene, settings.seed), frames, seconds)
-    picture = Picture(open_offscreen(backend, settings.size), scene, play.world, render_settings(settings))
+    picture = Picture(
+        open_offscreen(backend, settings.size), scene, play.world, picture_quality(scene, settings.profile)
+    )
 
     def views(number: int) -> list[View]:
         picture.lay_out(play.to(number))

@@ -30,6 +30,7 @@ __all__ = [
     "Controller",
     "DeviceStatus",
     "EventKind",
+    "Projection",
     "SafetyState",
     "TripCause",
 ]
@@ -83,6 +84,14 @@ class AdmittanceForm(IntEnum):
     CARTESIAN = 2
 
 
+class Projection(IntEnum):
+    """How the closest point of a tunnel's bisector is found; names as in the method registry."""
+
+    NEWTON_WARM = 0
+    GOLDEN_SECTION = 1
+    BRUTE_FORCE = 2
+
+
 class Button(IntFlag):
     """Bits of a device's buttons word."""
 
@@ -111,6 +120,7 @@ class EventKind(IntEnum):
 TUNNEL = np.dtype(
     [
         ("pieces", "i8"),  # cubic pieces in use; 0: no tunnel
+        ("projection", "i8"),  # Projection
         ("centre", "f8", (MAX_PIECES, 3, 4)),  # world [m]: a0 + a1 u + a2 u^2 + a3 u^3, u in [0, 1), per axis
         ("radius", "f8", (MAX_PIECES, 4)),  # [m], same parameter
         ("arc_length", "f8", (MAX_PIECES + 1,)),  # [m] at piece starts and the end

@@ -8,13 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.haptic import Projection
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
 from mimics_app.maths.quat import from_matrix
 from mimics_app.rendering.haptic.kernels.kinematics import inverse
 from mimics_app.rendering.haptic.scene_block import axis_offset, robot_from_world, scene_from_components
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
+from mimics_app.scenarios.scenario import Scenario
 from mimics_app.world.components import TunnelView
 from mimics_app.world.components_haptic import Admittance, Ball, JointPd, Robot, Safety, Tunnel
+from mimics_app.world.components_systems import HapticSettings
 from mimics_app.world.mesh import MeshData
 from mimics_app.world.primitives import tube
 from mimics_app.world.scene import Scene
@@ -35,7 +38,7 @@ _SCALE_STEP = 0.01
 """The wall is built anew when its radius scale changed by this much [-]; less is not seen."""
 
 
-class WavyTunnel:
+class WavyTunnel(Scenario):
     """Tunnel, ball and rings of the scene.
 
     Args:
@@ -97,6 +100,9 @@ class WavyTunnel:
         self._curve.fill(record)
         for name in _FORCES:
             record[name] = getattr(self._tunnel, name)
+        settings = self._scene.systems.get("haptic")
+        if isinstance(settings, HapticSettings):
+            record["projection"] = Projection[settings.projection.upper().replace(" ", "_")]
         return block
 
     def apply(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:

@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.tunnel_projection import axis, locate, track
+from mimics_app.rendering.haptic.kernels.tunnel_projection import axis, locate, project
 
 __all__ = ["TUNNEL_STATE", "TunnelStatus", "restart_tracking", "tunnel_force"]
 
@@ -236,7 +236,7 @@ def tunnel_force(tunnel: Any, p: Vec, v: Vec, ball_radius: float, state: Any) ->
         _release(state, _NOT_FINITE)
         return
     state.status = _FOLLOWING
-    s = track(tunnel, p[0], p[1], p[2], state)
+    s = project(tunnel, p[0], p[1], p[2], state)
     piece, u = locate(tunnel, s)
     x, x1, x2 = axis(tunnel, piece, 0, u)
     y, y1, y2 = axis(tunnel, piece, 1, u)

@@ -12,11 +12,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from mimics_app.contracts.haptic import Projection
 from mimics_app.contracts.kernel import kernel
 
 __all__ = [
     "axis",
     "locate",
+    "project",
     "project_brute_force",
     "project_golden_section",
     "refine",
@@ -24,6 +26,9 @@ __all__ = [
     "slope",
     "track",
 ]
+
+_GOLDEN_SECTION = int(Projection.GOLDEN_SECTION)
+_BRUTE_FORCE = int(Projection.BRUTE_FORCE)
 
 _CONVERGED = 1e-12
 """Newton stops when its step is shorter than this along the bisector [m]."""
@@ -213,6 +218,22 @@ def track(tunnel: Any, px: float, py: float, pz: float, state: Any) -> float:
     state.tracked[0] = px
     state.tracked[1] = py
     state.tracked[2] = pz
+    return s
+
+
+@kernel
+def project(tunnel: Any, px: float, py: float, pz: float, state: Any) -> float:
+    """The closest point by the method the parameter block names (contracts.haptic.Projection)."""
+    if tunnel.projection == _GOLDEN_SECTION:
+        s = project_golden_section(tunnel, px, py, pz, state)
+    elif tunnel.projection == _BRUTE_FORCE:
+        s = project_brute_force(tunnel, px, py, pz, state)
+    else:
+        return track(tunnel, px, py, pz, state)
+    piece, u = locate(tunnel, s)
+    state.s = s
+    state.distance = math.sqrt(_distance2(tunnel, px, py, pz, piece, u))
+    state.tracking = 0  # a change back to tracking begins afresh
     return s
 
 
