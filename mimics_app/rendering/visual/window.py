@@ -28,18 +28,16 @@ class WindowSurface(Surface):
         DeviceError: no display, or no OpenGL 4.3 on it.
     """
 
+    _events: list[InputEvent]
+
     def __init__(self, size: Size, title: str, *, vsync: bool = True) -> None:
         import glfw
         import moderngl
 
-        self._glfw: Any = glfw
+        self._read_library(glfw)
         self._window = _open_window(glfw, size, title)
         glfw.make_context_current(self._window)
         glfw.swap_interval(1 if vsync else 0)
-        self._key_names = _constant_names(glfw, "KEY_")
-        self._pad_buttons = _constant_names(glfw, "GAMEPAD_BUTTON_")
-        self._pad_axes = _constant_names(glfw, "GAMEPAD_AXIS_")
-        self._events: list[InputEvent] = []
         self._pointer: tuple[float, float] | None = None
         self._windowed: tuple[int, int, int, int] | None = None
         context = moderngl.create_context(require=430)
@@ -100,6 +98,13 @@ class WindowSurface(Surface):
         super().close()
         self._glfw.destroy_window(self._window)
         self._glfw.terminate()
+
+    def _read_library(self, glfw: Any) -> None:
+        self._glfw = glfw
+        self._key_names = _constant_names(glfw, "KEY_")
+        self._pad_buttons = _constant_names(glfw, "GAMEPAD_BUTTON_")
+        self._pad_axes = _constant_names(glfw, "GAMEPAD_AXIS_")
+        self._events = []
 
     def _listen(self) -> None:
         glfw, window = self._glfw, self._window
