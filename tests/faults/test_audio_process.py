@@ -143,10 +143,21 @@ def test_missing_library_is_one_line_with_the_package(started):
     assert not audio.stop().crashed
 
 
+@pytest.fixture
+def no_openal_modules():
+    """No trace of PyOpenAL among the imported modules during the test, and none of a false one after it."""
+
+    def take() -> dict:
+        return {name: sys.modules.pop(name) for name in list(sys.modules) if name.split(".")[0] == "openal"}
+
+    real = take()
+    yield
+    take()
+    sys.modules.update(real)
+
+
 @pytest.mark.parametrize("pyopenal", ["absent", "finds nothing"])
-def test_library_that_nobody_finds_is_a_device_error(monkeypatch, tmp_path, pyopenal):
-    for name in [name for name in sys.modules if name.split(".")[0] == "openal"]:
-        monkeypatch.delitem(sys.modules, name)
+def test_library_that_nobody_finds_is_a_device_error(monkeypatch, tmp_path, no_openal_modules, pyopenal):
     if pyopenal == "absent":
         monkeypatch.setitem(sys.modules, "openal", None)
     else:
