@@ -14,7 +14,10 @@ from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.loop_ports import DATA_LENGTH, READ, WRITE, DevicePlugin
 from mimics_app.contracts.session_memory import Capacities, SessionMemory
 from mimics_app.rendering.haptic.devices.registry import build_device
+from mimics_app.rendering.haptic.devices.request import DeviceRequest
+from mimics_app.rendering.haptic.devices.simulated_hapticmaster import write_robot, write_robot_memory
 from mimics_app.rendering.haptic.engine import HapticEngine
+from mimics_app.rendering.haptic.kernels.robot import ROBOT_LENGTH, sense, step_robot
 from mimics_app.rendering.haptic.scene_block import default_scene
 from mimics_app.rendering.haptic.tunnel import build_tunnel
 from mimics_app.world.components_haptic import Patient, Robot
@@ -39,6 +42,20 @@ def ignore(memory, command, tick):
 def script(ticks: int) -> NDArray[np.float64]:
     """Rows of a device at rest in the middle of its workspace; change what the test is about."""
     return np.zeros((ticks, ROW))
+
+
+PUSH = ROBOT_LENGTH
+"""Place of the constant force [N], robot frame, in a pushed robot's memory; zero until the test sets it."""
+
+
+@typed_kernel(READ)
+def read_pushed(memory, inbox, data, tick):
+    machine = memory[:ROBOT_LENGTH]
+    if tick > 0:
+        step_robot(machine)
+    data[9] = 20.0
+    sense(machine, memory[PUSH : PUSH + 3], data)
+    return 0
 
 
 @dataclass
@@ -104,11 +121,20 @@ def wavy() -> Any:
     return build_tunnel(points, 0.03)
 
 
-def patient_bench(preset: str = "healthy", seed: int = 1, *, intent: bool = True, **kwargs: Any) -> Bench:
+def pushed_bench(robot: Robot, **kwargs: Any) -> Bench:
+    """The simulated robot pulled by a constant force and by nothing else: no hand to steady it."""
+    memory = np.zeros(ROBOT_LENGTH + 3)
+    write_robot_memory(memory[:ROBOT_LENGTH], DeviceRequest(robot=robot))
+    return bench_of(DevicePlugin("pushed", read_pushed, write_robot, memory), **kwargs)
+
+
+def patient_bench(
+    preset: str = "healthy", seed: int = 1, *, intent: bool = True, robot: Robot | None = None, **kwargs: Any
+) -> Bench:
     """The simulated person in the wavy tunnel, robot driven to its start by world PD."""
     curve = wavy()
     way = curve.point(np.linspace(0.0, len(curve.pieces), 200))
-    plugin = build_device(Robot(), Patient(preset=preset, intent=intent), way, seed)
+    plugin = build_device(robot or Robot(), Patient(preset=preset, intent=intent), way, seed)
     bench = bench_of(plugin, straight=None, **kwargs)
     curve.fill(bench.scene[0]["tunnel"])
     R, origin = bench.scene[0]["R_world_from_robot"], bench.scene[0]["origin_world"]

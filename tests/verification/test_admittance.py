@@ -32,7 +32,7 @@ SEED, POLAR, CARTESIAN = (int(form) for form in AdmittanceForm)
 
 @kernel
 def _move(form, q, v, dq, f_robot, damping, ticks, dt, a_max, v_max):
-    """A robot that follows at once (q is integrated by the midpoint of J^-1 v or by dq); force constant in the world."""
+    """A robot that follows at once (q by the midpoint of J^-1 v, or by dq); force constant in the world."""
     f = np.zeros(3)
     scratch = np.zeros(3)
     half = np.zeros(3)

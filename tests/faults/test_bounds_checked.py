@@ -1,0 +1,59 @@
+"""Bounds checks: a run of the loop with them finds nothing, and they do find a planted index out of range.
+
+numba's cache does not know about NUMBA_BOUNDSCHECK; ours does, by the name of its folder. Each child has its own.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+
+PLANTED = """
+import numpy as np
+from mimics_app.contracts.kernel import kernel
+
+@kernel
+def planted(a, i):
+    return a[i]
+
+print(planted(np.zeros(3), 3))
+"""
+
+RUN = """
+from tests.support.haptic_bench import patient_bench
+from mimics_app.contracts.haptic import Controller
+bench = patient_bench("severe", 3)
+bench.advance(1600)
+bench.publish(controller=Controller.ADMITTANCE, trial=1)
+bench.tell(active=1, trial=1)
+samples = bench.advance(8000)
+bench.engine.replay_ticks(samples, {1: bench.blocks[1], 2: bench.blocks[2]})
+print(int((samples["penetration"] > 0).sum()))
+"""
+
+
+def _child(text: str, cache: Path) -> subprocess.CompletedProcess[str]:
+    environment = os.environ | {
+        "NUMBA_BOUNDSCHECK": "1",
+        "NUMBA_CACHE_DIR": str(cache),
+        "PYTHONPATH": str(ROOT),
+    }
+    script = cache / "child.py"
+    script.write_text(text)
+    command = [sys.executable, str(script)]
+    return subprocess.run(command, env=environment, cwd=ROOT, capture_output=True, text=True, timeout=400, check=False)
+
+
+def test_planted_index_is_caught(tmp_path: Path):
+    done = _child(PLANTED, tmp_path)
+    assert done.returncode != 0 and "IndexError" in done.stderr
+
+
+def test_a_run_of_the_whole_loop_stays_in_bounds(tmp_path: Path):
+    done = _child(RUN, tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert int(done.stdout) > 100

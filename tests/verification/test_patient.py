@@ -1,0 +1,95 @@
+"""The simulated person: minimum-jerk intent, presets in order, tremor, grasp, and a wall that is really met."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mimics_app.contracts.haptic import Controller, SafetyState
+from mimics_app.rendering.haptic.devices.patients import PRESETS, impairment_of, lay_way
+from mimics_app.rendering.haptic.kernels import arm
+from mimics_app.rendering.haptic.kernels.noise import gauss, seed_noise, uniform
+from mimics_app.world.components_haptic import Patient
+from tests.support.haptic_bench import patient_bench
+
+SEEDS = (1, 2, 3)
+
+
+def _travel(preset: str, seed: int) -> dict[str, float]:
+    """Drive to the start, let the person go, until 98 % of the way or 60 s."""
+    bench = patient_bench(preset, seed, samples=1 << 17)
+    while bench.engine.snapshot().state != SafetyState.READY:
+        bench.engine.advance(100)
+    bench.publish(controller=Controller.ADMITTANCE, trial=1)
+    bench.tell(active=1, trial=1)
+    start = bench.engine.ticks
+    while bench.engine.snapshot().progress < 0.98 and bench.engine.ticks < start + 60_000:
+        bench.engine.advance(100)
+    samples = bench.samples()[start:]
+    snapshot = bench.engine.snapshot()
+    return {
+        "time": samples.shape[0] / 1000.0,
+        "error": float(np.sqrt(np.mean(samples["distance"] ** 2))),
+        "contacts": float(snapshot.contacts),
+        "progress": snapshot.progress,
+        "state": snapshot.state,
+    }
+
+
+@pytest.fixture(scope="module")
+def runs() -> dict[str, list[dict[str, float]]]:
+    return {preset: [_travel(preset, seed) for seed in SEEDS] for preset in PRESETS}
+
+
+def test_everybody_completes_and_touches_the_wall(runs):
+    for preset, rows in runs.items():
+        for row in rows:
+            assert row["progress"] >= 0.98, preset
+            assert row["state"] == SafetyState.ACTIVE, preset
+            assert row["contacts"] >= 1, preset
+
+
+@pytest.mark.parametrize("measure", ["time", "error", "contacts"])
+def test_presets_are_in_order(runs, measure: str):
+    healthy, moderate, severe = (np.mean([row[measure] for row in runs[preset]]) for preset in PRESETS)
+    assert healthy < moderate < severe
+
+
+def test_seeds_differ_and_repeat(runs):
+    assert len({row["error"] for row in runs["healthy"]}) == len(SEEDS)
+    assert _travel("healthy", 2) == runs["healthy"][1]
+
+
+def test_minimum_jerk_profile():
+    """Flash and Hogan: rest to rest, peak speed 1.875 of the mean, half way at half time."""
+    u = np.linspace(0.0, 1.0, 10_001)
+    way = np.array([arm.min_jerk(x) for x in u])
+    speed = np.gradient(way, u)
+    assert way[0] == 0.0 and way[-1] == 1.0 and arm.min_jerk(0.5) == 0.5
+    assert speed.max() == pytest.approx(1.875, rel=1e-6) and speed[[0, -1]] == pytest.approx(0.0, abs=1e-3)
+    assert arm.min_jerk(-1.0) == 0.0 and arm.min_jerk(2.0) == 1.0
+
+
+def test_way_is_evenly_spaced_and_goes_a_little_beyond_the_end():
+    corners = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.1, 0.2, 0.0]])
+    way, step = lay_way(corners)
+    assert np.allclose(np.linalg.norm(np.diff(way, axis=0), axis=1)[:120], step, rtol=1e-9)
+    assert way[-1] == pytest.approx([0.1, 0.212, 0.0]) and np.all(way[0] == 0.0)
+    assert lay_way(corners[:1])[0].shape == (0, 3)
+
+
+def test_component_values_go_over_the_preset():
+    person = impairment_of(Patient(preset="severe", tremor=0.0, speed=0.15))
+    assert (person.tremor, person.speed, person.reach) == (0.0, 0.15, PRESETS["severe"].reach)
+
+
+def test_random_numbers_are_uniform_normal_and_depend_on_every_seed():
+    memory = np.zeros(1)
+    firsts = set()
+    for seed in range(200):
+        seed_noise(memory, 0, seed)
+        firsts.add(uniform(memory, 0))
+    assert len(firsts) == 200 and np.std(list(firsts)) == pytest.approx(np.sqrt(1 / 12), rel=0.2)
+    draws = np.array([gauss(memory, 0) for _ in range(20_000)])
+    assert abs(draws.mean()) < 5 / np.sqrt(20_000) and draws.std() == pytest.approx(1.0, rel=0.03)
+    assert np.mean(draws**4) == pytest.approx(3.0, rel=0.1)
