@@ -24,7 +24,7 @@ _BLOCK = np.dtype(
 _BLOCK_BINDING, _TEXTURE_BINDING = 1, 0
 _SRGB8_ALPHA8 = 0x8C43
 _MATT = 0.95
-"""Roughness from which a dielectric's mirroring is left out: it would add less than 1 % of the light."""
+"""Roughness from which a dielectric's mirroring is left out: it is spread out to about 2 % of what shines on it."""
 _FALLBACK = Material("")
 
 
@@ -36,7 +36,8 @@ class Look:
         material: What it shows.
         shader: Draws it to the picture.
         shadow_shader: Draws its depth seen from the sun.
-        transparent: True when it is blended and has to be sorted.
+        block: The material's numbers.
+        texture: Its picture, or None.
     """
 
     material: Material
@@ -47,6 +48,7 @@ class Look:
 
     @property
     def transparent(self) -> bool:
+        """True when it is blended and has to be sorted."""
         return self.material.technique == "glass" or self.material.alpha_mode == "blend"
 
     def bind(self) -> None:
