@@ -1,6 +1,6 @@
 """Bounds checks: a run of the loop with them finds nothing, and they do find a planted index out of range.
 
-numba's cache does not know about NUMBA_BOUNDSCHECK; ours does, by the name of its folder. Each child has its own.
+numba's cache does not know about NUMBA_BOUNDSCHECK; ours does, by the name of its folder.
 """
 
 from __future__ import annotations
@@ -9,6 +9,8 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+
+from mimics_app.contracts.kernel import cache_folder
 
 ROOT = Path(__file__).parents[2]
 
@@ -24,25 +26,31 @@ print(planted(np.zeros(3), 3))
 """
 
 RUN = """
+import numpy as np
 from tests.support.haptic_bench import patient_bench
 from mimics_app.contracts.haptic import Controller
 bench = patient_bench("severe", 3)
-bench.advance(1600)
+samples = bench.advance(2200)
 bench.publish(controller=Controller.ADMITTANCE, trial=1)
 bench.tell(active=1, trial=1)
-samples = bench.advance(8000)
-bench.engine.replay_ticks(samples, {1: bench.blocks[1], 2: bench.blocks[2]})
+samples = np.concatenate([samples, bench.advance(8000)])
+bench.engine.replay_ticks(samples, bench.blocks)
 print(int((samples["penetration"] > 0).sum()))
 """
 
 
-def _child(text: str, cache: Path) -> subprocess.CompletedProcess[str]:
+def _checked_cache() -> Path | None:
+    """A folder beside the ordinary one, kept from run to run: compiling the loop with checks takes half a minute."""
+    return None if cache_folder is None else cache_folder.parent / "bounds-checked"
+
+
+def _child(text: str, folder: Path) -> subprocess.CompletedProcess[str]:
     environment = os.environ | {
         "NUMBA_BOUNDSCHECK": "1",
-        "NUMBA_CACHE_DIR": str(cache),
+        "NUMBA_CACHE_DIR": str(_checked_cache() or folder),
         "PYTHONPATH": str(ROOT),
     }
-    script = cache / "child.py"
+    script = folder / "child.py"
     script.write_text(text)
     command = [sys.executable, str(script)]
     return subprocess.run(command, env=environment, cwd=ROOT, capture_output=True, text=True, timeout=400, check=False)

@@ -70,7 +70,7 @@ def test_light_virtual_mass_is_unstable_in_a_hand():
     shaking = {}
     for mass in (3.0, 1.0, 0.5):
         bench = patient_bench(seed=1, robot=Robot(delay_ticks=10))
-        bench.advance(1600)
+        bench.advance(2200)
         bench.publish(controller=Controller.ADMITTANCE, trial=1, virtual_mass=mass, virtual_damping=0.0)
         bench.publish(tunnel__pieces=0, max_acceleration=1e3, velocity_limit=50.0, workspace_margin=1.0)
         bench.tell(active=1, trial=1)

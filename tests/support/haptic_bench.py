@@ -118,7 +118,7 @@ def wavy() -> Any:
     """A tunnel with two bends in the frontal plane."""
     x = np.linspace(-0.16, 0.16, 14)
     points = np.stack([x, 0.05 * np.sin((x + 0.16) / 0.32 * 2.5 * np.pi), np.zeros_like(x)], axis=1)
-    return build_tunnel(points, 0.03)
+    return build_tunnel(points, 0.022)
 
 
 def pushed_bench(robot: Robot, **kwargs: Any) -> Bench:
@@ -138,6 +138,7 @@ def patient_bench(
     bench = bench_of(plugin, straight=None, **kwargs)
     curve.fill(bench.scene[0]["tunnel"])
     R, origin = bench.scene[0]["R_world_from_robot"], bench.scene[0]["origin_world"]
+    bench.scene[0]["ball_radius_min"], bench.scene[0]["ball_radius_max"] = 0.008, 0.016
     bench.publish(controller=Controller.WORLD_PD, target=R.T @ (curve.point(0.0)[0] - origin))
     return bench
 

@@ -90,7 +90,7 @@ def test_patient_reaches_the_robot_only_through_the_force_sensor():
     moved = []
     for gain in (1.0, 0.0):
         bench = patient_bench("severe")
-        bench.advance(1600)
+        bench.advance(2200)
         plugin = bench.engine.plugin
         plugin.memory[place.SENSOR_GAIN] = gain
         plugin.memory[place.SENSOR_NOISE] = 0.0
@@ -123,9 +123,19 @@ def test_no_person_no_motion():
     assert np.all(samples["hip_world"] == 0.0) and samples["state"][-1] == SafetyState.ACTIVE
 
 
+def test_drive_to_the_start_is_slow_and_does_not_overshoot():
+    bench = patient_bench()
+    samples = bench.advance(2500)
+    goal = samples["hip_world"][-1]
+    gap = np.linalg.norm(samples["hip_world"] - goal, axis=1)
+    assert np.linalg.norm(samples["v_world"], axis=1).max() < 0.31
+    assert gap[0] > 0.15 and np.all(np.diff(gap) < 1e-4)
+    assert samples["state"][-1] == SafetyState.READY and np.all(samples["f_user_world"] == 0.0)
+
+
 def test_intent_off_never_completes():
     bench = patient_bench(intent=False)
-    bench.advance(1600)
+    bench.advance(2200)
     bench.publish(controller=Controller.ADMITTANCE, trial=1)
     bench.tell(active=1, trial=1)
     bench.engine.advance(20_000)

@@ -23,7 +23,7 @@ def _session(frames: list[int], seed: int = 1) -> tuple[Bench, np.ndarray]:
     bench = patient_bench("moderate", seed)
     rows = []
     for i, ticks in enumerate(frames):
-        if sum(frames[:i]) == 1600:
+        if sum(frames[:i]) == 2200:
             bench.publish(controller=Controller.ADMITTANCE, trial=1)
             bench.tell(active=1, trial=1)
         rows.append(bench.advance(ticks))
@@ -31,19 +31,19 @@ def _session(frames: list[int], seed: int = 1) -> tuple[Bench, np.ndarray]:
 
 
 def test_one_call_equals_frames_equals_single_ticks():
-    frames = [ticks_until_frame(f + 1) - ticks_until_frame(f) for f in range(96)]
-    assert set(frames) == {16, 17} and sum(frames) == 1600
-    whole = _bits(_session([1600, 3000])[1])
+    frames = [ticks_until_frame(f + 1) - ticks_until_frame(f) for f in range(132)]
+    assert set(frames) == {16, 17} and sum(frames) == 2200
+    whole = _bits(_session([2200, 3000])[1])
     assert _bits(_session([*frames, *[17] * 176, 8])[1]) == whole
-    assert _bits(_session([1600, *[1] * 3000])[1]) == whole
+    assert _bits(_session([2200, *[1] * 3000])[1]) == whole
 
 
 def test_the_seed_and_one_ulp_of_stiffness_change_the_run():
-    whole = _session([1600, 4000])[1]
+    whole = _session([2200, 4000])[1]
     assert np.any(whole["penetration"] > 0.0)
-    assert _bits(_session([1600, 4000], seed=2)[1]) != _bits(whole)
+    assert _bits(_session([2200, 4000], seed=2)[1]) != _bits(whole)
     bench = patient_bench("moderate", 1)
-    first = bench.advance(1600)
+    first = bench.advance(2200)
     stiffness = np.nextafter(bench.scene[0]["tunnel"]["stiffness"], np.inf)
     bench.publish(controller=Controller.ADMITTANCE, trial=1, tunnel__stiffness=stiffness)
     bench.tell(active=1, trial=1)
@@ -51,18 +51,18 @@ def test_the_seed_and_one_ulp_of_stiffness_change_the_run():
 
 
 def test_replay_of_recorded_inputs_is_bit_equal():
-    bench, samples = _session([1600, 4000])
+    bench, samples = _session([2200, 4000])
     assert np.any(samples["penetration"] > 0.0)
     assert _bits(bench.engine.replay_ticks(samples, bench.blocks)) == _bits(samples)
 
 
 @pytest.mark.parametrize("name", ["q", "dq", "f_meas", "grasp"])
 def test_one_flipped_bit_of_a_recorded_input_is_found(name: str):
-    bench, samples = _session([1600, 3000])
+    bench, samples = _session([2200, 3000])
     flipped = samples.copy()
-    word = flipped[name][4000:4001].view(np.uint64).reshape(-1)
+    word = flipped[name][4400:4401].view(np.uint64).reshape(-1)
     word[0] ^= np.uint64(1 << 40)
-    flipped[name][4000] = word.view(np.float64) if flipped[name].ndim == 2 else word.view(np.float64)[0]
+    flipped[name][4400] = word.view(np.float64) if flipped[name].ndim == 2 else word.view(np.float64)[0]
     replayed = bench.engine.replay_ticks(flipped, bench.blocks)
     outputs = [n for n in SAMPLE.names if n not in TIMING and n != name]
     assert any(not np.array_equal(replayed[n], samples[n], equal_nan=True) for n in outputs)
@@ -70,7 +70,7 @@ def test_one_flipped_bit_of_a_recorded_input_is_found(name: str):
 
 def test_one_tick_of_delay_is_found():
     """Planted fault: inputs shifted by one tick give another run."""
-    bench, samples = _session([1600, 3000])
+    bench, samples = _session([2200, 3000])
     late = samples.copy()
     for name in ("q", "dq", "f_meas", "grasp"):
         late[name][1:] = samples[name][:-1]
@@ -124,7 +124,7 @@ def test_live_and_virtual_loop_give_the_same_device_the_same_run():
 
 
 def test_events_carry_the_tick_they_belong_to():
-    bench, samples = _session([1600, 4000])
+    bench, samples = _session([2200, 4000])
     events = bench.engine.events()
     begins = events[events["kind"] == EventKind.CONTACT_BEGIN]
     ends = events[events["kind"] == EventKind.CONTACT_END]

@@ -69,6 +69,7 @@ class HapticEngine:
             )
         self._drained = np.zeros(memory.main_events.shape[0], EVENT)
         self._resets = 0
+        self._closed = False
         self._granted: scheduler.Granted | None = None
         self._arranged = threading.Event()
         self._thread: threading.Thread | None = None
@@ -169,7 +170,7 @@ class HapticEngine:
         return self.granted
 
     def stop(self) -> None:
-        """End the live loop, if it runs, and close the device.
+        """End the live loop, if it runs, and close the device; a second call does nothing more.
 
         Raises:
             DeviceError: The loop did not end, or ended with an error.
@@ -179,7 +180,9 @@ class HapticEngine:
             self._thread.join(_JOIN_S)
             if self._thread.is_alive():
                 raise DeviceError("the haptic loop does not end", "switch the robot off at its own switch")
-        self._plugin.close()
+        if not self._closed:
+            self._closed = True
+            self._plugin.close()
         if self._failure is not None:
             raise DeviceError(f"the haptic loop ended with an error: {self._failure}")
 

@@ -59,6 +59,9 @@ _EXTRA_DAMPING = 30.0
 _ABSURD = 1e6
 """Beyond this a number from a device counts as not finite."""
 
+_DRIVE_SPEED = 0.3
+"""Largest speed of a PD controller [m/s]."""
+
 _ARRIVED_DISTANCE = 1e-3
 _ARRIVED_SPEED = 5e-3
 
@@ -161,7 +164,10 @@ def _limit(scene: Any, state: Any, held: int, dt: float) -> None:
 
 @kernel
 def _drive_to_target(scene: Any, state: Any, dt: float) -> None:
-    """PD controller towards SCENE.target, limited in acceleration and speed as a whole vector."""
+    """PD controller towards SCENE.target, limited in acceleration and speed as a whole vector.
+
+    A person's hand is on the handle: the drive is slow, and starts no harder than twice what it brakes with.
+    """
     d1 = scene.axis_offset
     wish = state.work_b
     if scene.controller == _JOINT_PD:
@@ -171,7 +177,9 @@ def _drive_to_target(scene: Any, state: Any, dt: float) -> None:
     else:
         world_pd_straight(state.q, state.dq, scene.target, scene.kp, scene.kd, d1, state.work_a, wish)
     apply_jacobian(state.q, d1, wish, state.work_a)
-    limit_motion(state.v_virtual, scene.max_acceleration, scene.max_velocity, dt, state.work_a)
+    speed = min(scene.max_velocity, _DRIVE_SPEED)
+    gentle = 2.0 * speed * max(scene.kp[0], scene.kp[1], scene.kp[2])
+    limit_motion(state.v_virtual, min(scene.max_acceleration, gentle), speed, dt, state.work_a)
     copy(state.work_a, state.v_virtual)
     apply_inverse_jacobian(state.q, d1, state.v_virtual, state.dq_virtual)
 
