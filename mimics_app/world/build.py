@@ -15,9 +15,10 @@ from mimics_app.world.scene import Scene, SceneEntity
 from mimics_app.world.scene_assets import find_in_model
 from mimics_app.world.scene_node import SceneNode
 from mimics_app.world.scene_spec import TransformSpec
+from mimics_app.world.shapes import Shape
 from mimics_app.world.world import DEFAULT_MATERIAL, World
 
-__all__ = ["build", "build_entity", "light_up", "load_library", "place", "show_mesh", "turn_to_targets"]
+__all__ = ["build", "build_entity", "light_up", "load_library", "place", "shape_key", "show_mesh", "turn_to_targets"]
 
 
 def build(scene: Scene) -> World:
@@ -104,8 +105,9 @@ def turn_to_targets(world: World, scene: Scene, only: Container[str] | None = No
 def show_mesh(world: World, scene: Scene, node: SceneNode, mesh: MeshComponent) -> None:
     """Show a mesh component on a node."""
     if mesh.primitive is not None:
-        key = f"{node.name}#primitive"
-        world.replace_mesh(key, build_shape(mesh.primitive))
+        key = shape_key(mesh.primitive)
+        if key not in world.meshes:
+            world.set_mesh(key, build_shape(mesh.primitive))
         node.create_entity(key, mesh.material or DEFAULT_MATERIAL)
         bodies = [node]
     elif mesh.source is not None:
@@ -117,6 +119,11 @@ def show_mesh(world: World, scene: Scene, node: SceneNode, mesh: MeshComponent) 
             for piece in body.subentities:
                 piece.visible = mesh.visible
                 piece.casts_shadow = mesh.casts_shadow
+
+
+def shape_key(shape: Shape) -> str:
+    """Key of a primitive's mesh; equal shapes share one."""
+    return f"#{shape!r}"
 
 
 def light_up(node: SceneNode, light: LightComponent) -> None:

@@ -46,7 +46,9 @@ def read_picture(stream: IO[bytes]) -> NDArray[np.uint8]:
                 return _decoded(picture)
         except PictureFault:
             raise
-        except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
+        except Image.DecompressionBombError:
+            raise PictureFault(f"has far more pixels than {MAX_SIDE} x {MAX_SIDE}") from None
+        except (OSError, ValueError, SyntaxError) as error:
             text = "is neither PNG nor JPEG" if isinstance(error, UnidentifiedImageError) else f"is damaged: {error}"
             raise PictureFault(text) from None
 

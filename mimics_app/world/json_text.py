@@ -4,14 +4,29 @@ from __future__ import annotations
 
 import json
 import math
+import re
+from collections import Counter
 from typing import Any
+
+import numpy as np
 
 from mimics_app.contracts.errors import Issue, SceneError
 
-__all__ = ["MAX_DEPTH", "escape", "parse_json"]
+__all__ = ["MAX_DEPTH", "NOT_FINITE", "escape", "parse_json"]
 
 MAX_DEPTH = 128
 """Deepest nesting of lists and objects; scene and glTF files need about ten."""
+
+
+NOT_FINITE = "is not a finite number"
+"""What is said of NaN and infinities."""
+
+_HUGE = re.compile(rb"[0-9.][eE]\+?\d{3}|\d{300}")
+"""Numbers that may be beyond the greatest float, 1.8e308."""
+
+_STEPS = np.zeros(256, np.int8)
+_STEPS[[ord("["), ord("{")]] = 1
+_STEPS[[ord("]"), ord("}")]] = -1
 
 
 class _RepeatedKeys(dict[str, Any]):
@@ -36,8 +51,11 @@ def parse_json(text: bytes, file: str) -> tuple[Any, list[Issue]]:
     """
     if not text.strip():
         raise SceneError(Issue(file, "", "the file is empty"))
+    suspicious = _Suspicion(text)
     try:
-        document = json.loads(text.decode("utf-8-sig"), object_pairs_hook=_object)
+        document = json.loads(
+            text.decode("utf-8-sig"), object_pairs_hook=suspicious.object, parse_constant=suspicious.constant
+        )
     except UnicodeDecodeError as error:
         raise SceneError(Issue(file, "", f"byte {error.start} is not UTF-8", "save the file as UTF-8")) from None
     except json.JSONDecodeError as error:
@@ -47,7 +65,7 @@ def parse_json(text: bytes, file: str) -> tuple[Any, list[Issue]]:
         raise SceneError(Issue(file, "", f"is nested deeper than {MAX_DEPTH} levels")) from None
     except ValueError as error:  # a whole number of thousands of digits
         raise SceneError(Issue(file, "", f"is not JSON: {error}")) from None
-    return document, _faults(document, file)
+    return document, _faults(document, file) if suspicious.found else []
 
 
 def escape(name: str) -> str:
@@ -55,14 +73,34 @@ def escape(name: str) -> str:
     return name.replace("~", "~0").replace("/", "~1")
 
 
-def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    names = dict(pairs)
-    if len(names) == len(pairs):
-        return names
-    marked = _RepeatedKeys(names)
-    counts = [name for name, _ in pairs]
-    marked.repeated = tuple(sorted(name for name in names if counts.count(name) > 1))
-    return marked
+class _Suspicion:
+    """Whether a text may hold something that has to be looked for: nearly all do not, and looking takes long."""
+
+    def __init__(self, text: bytes) -> None:
+        self.found = _HUGE.search(text) is not None or _deepest(text) > MAX_DEPTH
+
+    def constant(self, token: str) -> float:
+        """NaN, Infinity or -Infinity."""
+        self.found = True
+        return float(token)
+
+    def object(self, pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        """An object, marked where keys stood more than once."""
+        names = dict(pairs)
+        if len(names) == len(pairs):
+            return names
+        self.found = True
+        marked = _RepeatedKeys(names)
+        counts = Counter(name for name, _ in pairs)
+        marked.repeated = tuple(sorted(name for name, count in counts.items() if count > 1))
+        return marked
+
+
+def _deepest(text: bytes) -> int:
+    """Deepest nesting, or more where texts hold brackets."""
+    codes = np.frombuffer(text, np.uint8)
+    steps = _STEPS[codes]
+    return int(np.cumsum(steps[steps != 0], dtype=np.int64).max(initial=0))
 
 
 def _faults(document: Any, file: str) -> list[Issue]:
@@ -85,5 +123,5 @@ def _faults(document: Any, file: str) -> list[Issue]:
                 if type(value[i]) in (float, dict, list, _RepeatedKeys)
             ]
         elif isinstance(value, float) and not math.isfinite(value):
-            issues.append(Issue(file, pointer, f"{value} is not a finite number", "write a number"))
+            issues.append(Issue(file, pointer, f"{value} {NOT_FINITE}", "write a number"))
     return issues

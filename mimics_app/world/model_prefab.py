@@ -27,7 +27,8 @@ class ModelPrefab:
         """Put an instance on a node; returns it and all new nodes.
 
         A node that is meant itself becomes `node` (its own placement in the file is left out); those of a whole
-        model hang below it. Nodes below are named "node/Name"; those without a name, or with one that is taken, have none.
+        model hang below it. Nodes below are named "node/Name"; without a name of their own, or with
+        one that is taken, they have none.
         """
         self._load(world)
         part, model = self._part, self._part.model

@@ -41,7 +41,7 @@ def unfold_model(
 
 
 def _part(draft: EntityDraft, assets: dict[str, SceneAsset]) -> ModelPart | None:
-    mesh = draft.part("components").get("mesh")
+    mesh = draft.part("components").get("mesh") if draft.mentions("mesh") else None
     source = mesh.get("source") if isinstance(mesh, dict) else None
     try:
         return find_in_model(assets, source) if isinstance(source, str) else None

@@ -47,12 +47,15 @@ class EntityDraft:
 
     def part(self, key: str) -> dict[str, Any]:
         """`transform` or `components`, all layers merged."""
-        result: Any = {}
-        for layer in reversed(self.layers):
-            value = layer.value.get(key)
-            if isinstance(value, dict):
-                result = merged(result, {name: item for name, item in value.items() if not is_comment(name)})
-        return dict(result)
+        values = [_dict(layer.value.get(key)) for layer in reversed(self.layers)]
+        result: dict[str, Any] = values[0] if len(values) == 1 and None not in values[0].values() else {}
+        for value in values if not result else ():
+            result = merged(result, value)
+        return result
+
+    def mentions(self, component: str) -> bool:
+        """True when a layer says something about a component."""
+        return any(component in _dict(layer.value.get("components")) for layer in self.layers)
 
 
 @dataclass(eq=False)

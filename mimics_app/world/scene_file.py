@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.world import components, components_haptic, components_systems, haptic_checks
+from mimics_app.world.json_text import NOT_FINITE
 from mimics_app.world.paths import find_root
 from mimics_app.world.scene import Scene
 from mimics_app.world.scene_checks import check_meaning
@@ -42,9 +43,12 @@ def load_scene(path: Path, root: Path | None = None) -> Scene:
     folder = find_root(path) if root is None else root
     sources = read_sources(path, folder, issues)
     scene = SceneLoader(sources, folder, issues).load()
-    issues += check_meaning(scene)
+    unusable = [issue for issue in issues if NOT_FINITE in issue.what]
+    issues += [issue for issue in check_meaning(scene) if not _is_about(issue, unusable)]
     if issues:
-        raise SceneError(_distinct(issues))
+        places = {(issue.file, issue.pointer) for issue in unusable}
+        told = [issue for issue in issues if issue in unusable or (issue.file, issue.pointer) not in places]
+        raise SceneError(list(dict.fromkeys(told)))
     scene.hash = _hash(scene)
     return scene
 
@@ -56,14 +60,9 @@ def build_world(scene: Scene) -> World:
     return build(scene)
 
 
-def _distinct(issues: list[Issue]) -> list[Issue]:
-    """Each fault once, and nothing further about a value that is no number at all."""
-    unusable = {(issue.file, issue.pointer) for issue in issues if "is not a finite number" in issue.what}
-    kept: dict[Issue, None] = {}
-    for issue in issues:
-        if (issue.file, issue.pointer) not in unusable or "is not a finite number" in issue.what:
-            kept[issue] = None
-    return list(kept)
+def _is_about(issue: Issue, unusable: list[Issue]) -> bool:
+    """True for a fault of a value that holds a number that is none: what follows from that is not told again."""
+    return any(issue.file == one.file and f"{one.pointer}/".startswith(f"{issue.pointer}/") for one in unusable)
 
 
 def _hash(scene: Scene) -> str:
@@ -71,13 +70,19 @@ def _hash(scene: Scene) -> str:
 
     The scene files themselves are left out: how a scene is spread over them, or laid out, changes nothing.
     """
-    plain = _without_comments(scene.document)
-    digest = hashlib.sha256(json.dumps(plain, sort_keys=True, separators=(",", ":"), allow_nan=False).encode())
+    text = _canonical(scene.document)
+    if '"x-' in text:
+        text = _canonical(_without_comments(scene.document))
+    digest = hashlib.sha256(text.encode())
     for name in sorted(scene.assets):
         digest.update(f"{name}:{scene.assets[name].digest}".encode())
     for path in scene.named_files:
         digest.update(hashlib.sha256(path.read_bytes()).digest())
     return digest.hexdigest()
+
+
+def _canonical(document: dict[str, Any]) -> str:
+    return json.dumps(document, sort_keys=True, separators=(",", ":"), allow_nan=False)
 
 
 def _without_comments(value: Any) -> Any:

@@ -46,7 +46,7 @@ class SceneLoader:
             unfold_model(draft, self._document, scene.assets, self._issues)
         scene.document = self._resolved(main)
         for i, draft in enumerate(self._document.entities):
-            scene.entities.append(self._entity(draft, f"/entities/{i}"))
+            scene.entities.append(self._entity(draft, scene.document["entities"][i], f"/entities/{i}"))
         self._load_sections()
         self._check_picture(main)
         return scene
@@ -80,11 +80,11 @@ class SceneLoader:
                 self._issues.append(Issue(layer.file, place, f'asset "{texture}" is a {asset.kind}, not a picture'))
             self._scene.materials[name] = Material(name, **{key: getattr(spec, key) for key in spec.__struct_fields__})
 
-    def _entity(self, draft: EntityDraft, pointer: str) -> SceneEntity:
+    def _entity(self, draft: EntityDraft, plain: dict[str, Any], pointer: str) -> SceneEntity:
         types = component_types()
-        transform: Any = read_struct(TransformSpec, draft.part("transform"), self._report, f"{pointer}/transform")
+        transform: Any = read_struct(TransformSpec, plain["transform"], self._report, f"{pointer}/transform")
         components: dict[str, msgspec.Struct] = {}
-        for name, value in draft.part("components").items():
+        for name, value in plain["components"].items():
             place = f"{pointer}/components/{escape(name)}"
             if name not in types:
                 self._report(place, f'unknown component "{name}"', nearest(name, types))

@@ -1,0 +1,101 @@
+"""`mimics check` and `mimics schema`: one line an error, exit 3, one object with --json; one schema for all types."""
+
+from __future__ import annotations
+
+import json
+
+import msgspec
+import pytest
+
+from mimics_app.app.cli import main
+from mimics_app.world.registry import component_types, system_types
+from mimics_app.world.scene_schema import scene_schema
+from tests.support.gltf_maker import square, write_gltf
+from tests.support.scenes import scene, thing, write
+
+
+def test_right_files_exit_0_and_say_what_they_hold(tmp_path, capsys):
+    files = [write(tmp_path, scene(thing("a"))), write_gltf(tmp_path / "m.gltf", square())]
+    assert main(["check", *map(str, files)]) == 0
+    told = capsys.readouterr()
+    assert "scene.json: right (1 entities" in told.out
+    assert "m.gltf: right (1 nodes" in told.out
+    assert told.err == ""
+
+
+def test_every_error_of_every_file_is_one_line_and_the_exit_is_3(tmp_path, capsys):
+    document = square()
+    document["nodes"][0]["mesh"] = 4
+    wrong = write(tmp_path, scene(thing("a", bal={}, ball={"radius_min": -1})))
+    model = write_gltf(tmp_path / "m.gltf", document)
+    right = write(tmp_path, scene(), "right.json")
+    assert main(["check", str(wrong), str(right), str(model), str(tmp_path / "none.json")]) == 3
+    told = capsys.readouterr()
+    lines = told.err.strip().splitlines()
+    assert len(lines) == 4
+    assert 'scene.json#/entities/0/components/bal: unknown component "bal"; did you mean "ball"' in lines[0]
+    assert "#/entities/0/components/ball/radius_min: expected a number > 0.0" in lines[1]
+    assert "m.gltf#/nodes/0/mesh: meshes 4 does not exist" in lines[2]
+    assert "none.json" in lines[3]
+    assert "right.json: right" in told.out
+
+
+def test_with_json_there_is_one_object_with_files_and_errors(tmp_path, capsys):
+    wrong, right = write(tmp_path, scene(thing("a", bal={}))), write(tmp_path, scene(), "right.json")
+    assert main(["check", str(wrong), str(right), "--json"]) == 3
+    answer = json.loads(capsys.readouterr().out)
+    assert list(answer)[:2] == ["schema", "command"]
+    assert [(entry["file"], entry["ok"]) for entry in answer["files"]] == [(str(wrong), False), (str(right), True)]
+    assert answer["errors"] == [
+        {
+            "file": str(wrong),
+            "pointer": "/entities/0/components/bal",
+            "what": 'unknown component "bal"',
+            "fix": 'did you mean "ball"',
+        }
+    ]
+
+
+def test_a_hairpin_is_refused_by_check_as_by_run(tmp_path, capsys):
+    bend = [[0, 0, 0], [0.1, 0, 0], [0.2, 0, 0], [0.2, 0.01, 0], [0.1, 0.01, 0], [0, 0.01, 0]]
+    wrong = write(tmp_path, scene(thing("t", tunnel={"control_points": bend, "radius": 0.05})))
+    assert main(["check", str(wrong)]) == 3
+    assert "scene.json#/entities/0/components/tunnel" in capsys.readouterr().err
+
+
+def test_the_schema_names_every_component_and_system_with_units(capsys):
+    assert main(["schema"]) == 0
+    schema = json.loads(capsys.readouterr().out)
+    definitions = schema["$defs"]
+    whole = definitions["EntitySpec"]["then"]["properties"]["components"]["properties"]
+    assert set(whole) == set(component_types())
+    assert set(definitions["SceneSpec"]["properties"]["systems"]["properties"]) == set(system_types())
+    assert definitions["Tunnel"]["properties"]["stiffness"]["description"].endswith("[N/m]")
+    assert definitions["Tunnel"]["description"].startswith("The tunnel of D2.1")
+    assert "task" in definitions["SceneSpec"]["properties"]
+
+
+def test_the_schema_can_be_written_to_a_file_or_not_at_all(tmp_path, capsys):
+    assert main(["schema", "--out", str(tmp_path / "s.json")]) == 0
+    assert capsys.readouterr().out == ""
+    assert json.loads((tmp_path / "s.json").read_text()) == json.loads(json.dumps(scene_schema()))
+    assert main(["schema", "--out", str(tmp_path / "no" / "s.json")]) == 2
+
+
+def test_the_schema_has_no_dangling_reference():
+    schema = scene_schema()
+    text = json.dumps(schema)
+    references = {part.split('"')[0] for part in text.split('"#/$defs/')[1:]}
+    assert references <= set(schema["$defs"])
+    assert len(references) > 30
+
+
+@pytest.mark.parametrize("name", sorted(component_types()))
+def test_every_component_says_what_each_field_means(name):
+    struct = component_types()[name]
+    assert struct.__doc__
+    schema = msgspec.json.schema_components([struct])[1][struct.__name__]
+    for field, definition in schema["properties"].items():
+        assert definition.get("description") or any("description" in part for part in definition.get("anyOf", [])), (
+            field
+        )
