@@ -15,10 +15,13 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 
 from mimics_app.app.parameter_desk import ParameterDesk
+from mimics_app.app.plan import saved_plan
 from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.app.session import Session
 from mimics_app.app.settings import RunSettings
-from mimics_app.contracts.clock import Clock, MonotonicClock, VirtualClock
+from mimics_app.app.sound_stage import SoundStage
+from mimics_app.contracts.clock import MonotonicClock, VirtualClock
+from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.contracts.stages import Learning
 from mimics_app.dsp.stage import NullDsp
@@ -34,6 +37,7 @@ from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.scenarios.catalogue import open_scenario
 from mimics_app.scenarios.scenario import Scenario
+from mimics_app.tasks.actions import build_action_space, fill_defaults
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.task_manager import TaskContext, TaskManager
 from mimics_app.tasks.trial_file import resolve_trials
@@ -42,7 +46,6 @@ from mimics_app.world.components_haptic import Patient, Robot
 from mimics_app.world.components_systems import AudioSettings as AudioSystem
 from mimics_app.world.scene import Scene
 from mimics_app.world.scene_file import build_world
-from mimics_app.world.world import World
 
 if TYPE_CHECKING:
     from mimics_app.contracts.audio_port import AudioOutput
@@ -60,7 +63,9 @@ def has_display() -> bool:
 
 
 def build_session(settings: RunSettings, *, live: bool) -> Session:
-    """Load the scene, start the recorder and the sound, build the loop and the stages. Nothing moves yet.
+    """Load the scene, build the loop and the stages, start the recorder and the sound. Nothing moves yet.
+
+    What can be wrong with files and devices is found before the first process starts and the run folder is made.
 
     Raises:
         SceneError: the scene or the action file is wrong.
@@ -70,25 +75,23 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
     scene = load_checked_scene(settings.scene)
     world = build_world(scene)
     scenario = open_scenario(scene, world)
+    desk = ParameterDesk(scenario.scene_block())
+    spec = fill_defaults(resolve_trials(_task_of(scene), scene.path.parent, scene.root), desk.value)
+    learning = _learning(settings, spec)
+    plugin = _build_device(settings, scene, scenario, live=live)
     with ExitStack() as stack:
         memory = SessionMemory()
         folder = create_run_folder(settings.runs, settings.seconds or 0.0)
         recorder = Recorder(memory, folder, _header(settings, scene, scenario, live=live))
-        recorder.start()
+        recorder.start(wait=False)
         stack.callback(recorder.abandon)
-        audio = _open_audio(settings, scene, memory, folder, live=live)
-        if audio is not None:
-            stack.callback(audio.stop)
-        haptics = _build_haptics(settings, scene, scenario, memory, live=live)
+        sound = _open_sound(settings, scene, memory, folder, live=live)
+        if sound is not None:
+            stack.callback(sound.stop)
+        haptics = HapticEngine(memory, plugin, recipe=settings.recipe)
         stack.callback(haptics.stop)
-        desk = ParameterDesk(scenario.scene_block(), recorder.parameters, haptics.publish)
-        tasks = TaskManager(
-            resolve_trials(_task_of(scene), scene.path.parent, scene.root),
-            TaskContext(scenario.start_joints),
-            settings.seed,
-            on_trial=recorder.trial,
-            on_event=recorder.journal,
-        )
+        context = TaskContext(scenario.start_joints)
+        tasks = TaskManager(spec, context, settings.seed, on_trial=recorder.trial, on_event=recorder.journal)
         session = Session(
             settings=settings,
             live=live,
@@ -96,20 +99,21 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
             world=world,
             scenario=scenario,
             memory=memory,
-            clock=_clock(live=live),
+            clock=MonotonicClock() if live else VirtualClock(),
             desk=desk,
             haptics=haptics,
             tasks=tasks,
             inputs=Inputs([SimulatedPatient(intent=_intent(scene))]),
             dsp=NullDsp(),
             estimation=NullEstimation(),
-            learning=_learning(settings, tasks),
+            learning=learning,
             recorder=recorder,
             folder=folder,
-            audio=audio,
+            sound=sound,
         )
+        recorder.wait_until_ready()
         session.on_close = stack.pop_all()
-    desk.announce()
+    desk.hand_to(recorder.parameters, haptics.publish)
     return session
 
 
@@ -122,10 +126,6 @@ def start_loop(session: Session) -> str:
     return granted.recipe
 
 
-def _clock(*, live: bool) -> Clock:
-    return MonotonicClock() if live else VirtualClock()
-
-
 def _task_of(scene: Scene) -> TaskSpec:
     task = scene.sections.get("task")
     return task if isinstance(task, TaskSpec) else TaskSpec()
@@ -136,15 +136,13 @@ def _intent(scene: Scene) -> bool:
     return patients[0][1].intent if patients else True
 
 
-def _learning(settings: RunSettings, tasks: TaskManager) -> Learning:
+def _learning(settings: RunSettings, spec: TaskSpec) -> Learning:
     if settings.action is None:
         return NullLearning()
-    return load_action_sequence(settings.action, tasks.action_space)
+    return load_action_sequence(settings.action, build_action_space(spec))
 
 
-def _build_haptics(
-    settings: RunSettings, scene: Scene, scenario: Scenario, memory: SessionMemory, *, live: bool
-) -> HapticEngine:
+def _build_device(settings: RunSettings, scene: Scene, scenario: Scenario, *, live: bool) -> DevicePlugin:
     robots, patients = scene.components(Robot), scene.components(Patient)
     robot = robots[0][1] if robots else Robot()
     patient = patients[0][1] if patients else Patient()
@@ -152,18 +150,17 @@ def _build_haptics(
         patient = msgspec.structs.replace(patient, preset=settings.patient)
     device = settings.device or (_POINTER if live and robot.device == _SIMULATED else robot.device)
     robot = msgspec.structs.replace(robot, device=device)
-    plugin = build_device(robot, patient, scenario.via_points_world, settings.seed)
-    return HapticEngine(memory, plugin, recipe=settings.recipe)
+    return build_device(robot, patient, scenario.via_points_world, settings.seed)
 
 
-def _open_audio(
+def _open_sound(
     settings: RunSettings, scene: Scene, memory: SessionMemory, folder: Path, *, live: bool
-) -> AudioOutput | None:
+) -> SoundStage | None:
     """The scene's sound, opening; None without imports where there is none."""
     sounds = scene.components(Sound)
     wanted = scene.systems.get("audio")
-    wanted = wanted if isinstance(wanted, AudioSystem) else AudioSystem()
-    if not sounds or not wanted.enabled or settings.sound == "off":
+    system = wanted if isinstance(wanted, AudioSystem) else AudioSystem()
+    if not sounds or not system.enabled or settings.sound == "off":
         return None
     from mimics_app.rendering.audio.offline import OfflineAudio
     from mimics_app.rendering.audio.process import AudioProcess
@@ -177,14 +174,13 @@ def _open_audio(
         str(scene.path),
         sink=sink,
         file=folder / "sound.wav",
-        hrtf=wanted.hrtf,
+        hrtf=system.hrtf,
     )
     if chosen is None:
         return None
-    audio: AudioOutput = AudioProcess(memory, chosen) if live else OfflineAudio(memory, chosen)
-    audio.start()
-    audio.master(wanted.gain)
-    return audio
+    output: AudioOutput = AudioProcess(memory, chosen) if live else OfflineAudio(memory, chosen)
+    output.start()
+    return SoundStage(output, chosen.cues, chosen.emitters, system.gain)
 
 
 def _header(settings: RunSettings, scene: Scene, scenario: Scenario, *, live: bool) -> dict[str, Any]:
@@ -197,4 +193,5 @@ def _header(settings: RunSettings, scene: Scene, scenario: Scenario, *, live: bo
         "live": live,
         "settings": chosen,
         "facts": scenario.facts,
+        "plan": saved_plan(scene, settings.profile),
     }

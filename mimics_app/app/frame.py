@@ -46,7 +46,8 @@ class Frames:
         self._touch(vr, orders, snapshot)
         session.scenario.apply(orders, snapshot)
         session.world.update()
-        self._sound(orders, now_ns)
+        if session.sound is not None:
+            session.sound.step(orders, session.world, now_ns)
         session.recorder.journal("frame", {"frame": self.number, "tick": snapshot.tick, "t_ns": now_ns})
         self.number, self.orders, self.snapshot = self.number + 1, orders, snapshot
 
@@ -73,14 +74,3 @@ class Frames:
             record["target_world"] = pointer.target_world
             record["grasp"] = pointer.grasp
         self._session.haptics.tell(self._inbox)
-
-    def _sound(self, orders: TaskOrders, now_ns: int) -> None:
-        audio = self._session.audio
-        if audio is None:
-            return
-        gain = orders.audio.get("gain")
-        if isinstance(gain, int | float):
-            audio.master(float(gain))
-        for sound in orders.sounds:
-            audio.play(sound)
-        audio.advance(now_ns)

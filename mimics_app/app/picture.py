@@ -28,12 +28,14 @@ __all__ = ["Picture", "picture_quality"]
 
 
 def picture_quality(scene: Scene, profile: Profile) -> RenderSettings:
-    """Quality of the picture: what the scene's `systems.visual` says; a draft gives up smooth edges and fine shadows."""
+    """Quality of the picture: what the scene's `systems.visual` says; a draft gives up smooth edges."""
     wanted = scene.systems.get("visual")
     visual = wanted if isinstance(wanted, VisualSettings) else VisualSettings()
+    boards = scene.components(HudComponent)
+    depth = boards[0][1].depth if boards else RenderSettings().hud_depth
     if profile == "draft":
-        return RenderSettings(msaa=0, shadow_size=min(512, visual.shadow_size))
-    return RenderSettings(msaa=visual.samples, shadow_size=visual.shadow_size)
+        return RenderSettings(msaa=0, shadow_size=min(512, visual.shadow_size), hud_depth=depth)
+    return RenderSettings(msaa=visual.samples, shadow_size=visual.shadow_size, hud_depth=depth)
 
 
 class Picture:

@@ -64,7 +64,6 @@ def _play_in_window(session: Session, frames: Frames) -> None:
         surface, session.scene, session.world, picture_quality(session.scene, session.settings.profile)
     )
     session.inputs = person_inputs(session)
-    _tell_notice(session)
     run_live(session, frames, lambda _: None)
 
 
@@ -72,7 +71,6 @@ def _play_headless(session: Session, frames: Frames) -> list[Path]:
     """The simulated patient plays on the virtual clock; only the frames that are kept are drawn."""
     album = Album(session)
     progress = ProgressLine(sys.stderr, session)
-    _tell_notice(session)
 
     def after_frame(frames: Frames) -> None:
         album.look(frames)
@@ -81,13 +79,6 @@ def _play_headless(session: Session, frames: Frames) -> list[Path]:
     run_virtual(session, frames, after_frame)
     progress.end()
     return album.finish(frames)
-
-
-def _tell_notice(session: Session) -> None:
-    """One line where sound is not what was asked for."""
-    status = None if session.audio is None else session.audio.ready
-    if status is not None and status.notice:
-        sys.stderr.write(f"mimics: {status.notice}\n")
 
 
 def _say(answer: dict[str, Any]) -> None:

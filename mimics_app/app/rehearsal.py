@@ -10,9 +10,9 @@ from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.scenarios.catalogue import open_scenario
-from mimics_app.world.scene_file import build_world
 from mimics_app.world.components_haptic import Patient, Robot
 from mimics_app.world.scene import Scene
+from mimics_app.world.scene_file import build_world
 
 __all__ = ["Rehearsal", "rehearse"]
 

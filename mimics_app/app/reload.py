@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.app.session import Session
 from mimics_app.contracts.errors import SceneError
 from mimics_app.scenarios.catalogue import open_scenario
-from mimics_app.world.scene_file import build_world
+from mimics_app.world.reload import reload_scene
 from mimics_app.world.watcher import SceneWatcher
 
 __all__ = ["SceneReload"]
@@ -45,19 +44,18 @@ class SceneReload:
     def _take(self, now_ns: int) -> None:
         session = self._session
         try:
-            scene = load_checked_scene(session.settings.scene)
-            world = build_world(scene)
-            scenario = open_scenario(scene, world)
+            scene, changes = reload_scene(session.world, session.scene)
         except SceneError as error:
             self._say(now_ns, str(error.issues[0]))
             session.recorder.journal("reload", {"taken": False, "issues": [str(issue) for issue in error.issues]})
             return
-        session.scene, session.world, session.scenario = scene, world, scenario
+        session.scene, session.scenario = scene, open_scenario(scene, session.world)
         if session.picture is not None:
-            session.picture.show(scene, world)
-        session.desk.replace(scenario.scene_block())
-        self._watcher = SceneWatcher(scene.files)
-        self._say(now_ns, "scene reloaded")
+            session.picture.show(scene, session.world)
+        session.desk.replace(session.scenario.scene_block())
+        self._watcher.watch(scene.files)
+        later = changes.sections | changes.systems
+        self._say(now_ns, "scene reloaded" + (f"; {', '.join(sorted(later))} at the next start" if later else ""))
         session.recorder.journal("reload", {"taken": True, "hash": scene.hash})
 
     def _say(self, now_ns: int, text: str) -> None:

@@ -1,4 +1,4 @@
-"""Scenes as the application reads them: one validator, with every stage's own checks, for `check`, `run` and the rest."""
+"""Scenes as the application reads them: one validator with every stage's own checks, for `check` and `run` alike."""
 
 from __future__ import annotations
 

@@ -10,7 +10,8 @@ from typing import Any
 from mimics_app.app.parameter_desk import ParameterDesk
 from mimics_app.app.picture import Picture
 from mimics_app.app.settings import RunSettings
-from mimics_app.contracts.audio_port import AudioOutput, AudioReport
+from mimics_app.app.sound_stage import SoundStage
+from mimics_app.contracts.audio_port import AudioReport
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.contracts.stages import Dsp, Estimation, Learning
@@ -33,7 +34,7 @@ class Session:
     Attributes:
         live: True when the haptic loop runs in real time; False on the virtual clock.
         picture: None while nothing is drawn.
-        audio: None in a scene without sound.
+        sound: None in a scene without sound.
         on_close: What must be released if the run ends before `finish`.
     """
 
@@ -53,7 +54,7 @@ class Session:
     learning: Learning
     recorder: Recorder
     folder: Path
-    audio: AudioOutput | None = None
+    sound: SoundStage | None = None
     picture: Picture | None = None
     on_close: ExitStack = field(default_factory=ExitStack)
 
@@ -64,20 +65,14 @@ class Session:
         if self.picture is not None:
             self.picture.close()
             self.picture = None
-        if self.audio is None:
+        if self.sound is None:
             return None
-        report = self.audio.stop()
+        report = self.sound.stop()
+        status = report.status
+        self.recorder.journal("audio", {"device": status.device, "sink": status.sink, "hrtf": status.hrtf})
         for row in report.rows:
-            self.recorder.journal(
-                "sound",
-                {
-                    "sound": row.sound,
-                    "tick": row.tick,
-                    "t_ns": row.t_ns,
-                    "sample": row.onset_sample,
-                    "latency_ms": row.latency_ms,
-                },
-            )
+            heard = {"sample": row.onset_sample, "latency_ms": row.latency_ms}
+            self.recorder.journal("sound", {"sound": row.sound, "tick": row.tick, "t_ns": row.t_ns, **heard})
         return report
 
     def finish(self, summary: dict[str, Any]) -> Manifest:

@@ -21,6 +21,7 @@ from mimics_app.world.components_systems import HapticSettings
 from mimics_app.world.mesh import MeshData
 from mimics_app.world.primitives import tube
 from mimics_app.world.scene import Scene
+from mimics_app.world.scene_node import SceneNode
 from mimics_app.world.world import World
 
 __all__ = ["WavyTunnel"]
@@ -119,12 +120,22 @@ class WavyTunnel(Scenario):
 
     def _show_tunnel(self) -> None:
         self._world.replace_mesh(_TUNNEL_MESH, self._build_wall())
-        self._world.show(self._wall_node, [(_TUNNEL_MESH, self._view.material)])
-        if self._view.bisector_material is not None:
-            radii = np.full(self._stations().size, self._view.bisector_radius)
-            self._world.replace_mesh(_BISECTOR_MESH, self._build_tube(radii, _BISECTOR_SIDES))
-            node = self._wall_node.create_child("tunnel_bisector")
-            self._world.show(node, [(_BISECTOR_MESH, self._view.bisector_material)]).subentities[0].casts_shadow = False
+        self._show(self._wall_node, _TUNNEL_MESH, self._view.material)
+        if self._view.bisector_material is None:
+            return
+        radii = np.full(self._stations().size, self._view.bisector_radius)
+        self._world.replace_mesh(_BISECTOR_MESH, self._build_tube(radii, _BISECTOR_SIDES))
+        known = _BISECTOR_MESH in self._world
+        node = self._world.find(_BISECTOR_MESH) if known else self._wall_node.create_child(_BISECTOR_MESH)
+        self._show(node, _BISECTOR_MESH, self._view.bisector_material, casts_shadow=False)
+
+    def _show(self, node: SceneNode, mesh: str, material: str, *, casts_shadow: bool = True) -> None:
+        """Show a mesh on a node, which has it already when the scene was reloaded."""
+        if node.entity is not None:
+            node.entity.set_material(material)
+            return
+        for part in self._world.show(node, [(mesh, material)]).subentities:
+            part.casts_shadow = casts_shadow
 
     def _stations(self) -> NDArray[np.float64]:
         pieces = len(self._curve.pieces)

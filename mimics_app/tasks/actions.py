@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
+
+import msgspec
 
 from mimics_app.contracts.action_space import ActionSpace, Parameter
 from mimics_app.tasks.task import MapSpec, ParameterSpec, TaskSpec
@@ -15,6 +17,8 @@ __all__ = [
     "ActionSpace",
     "Settings",
     "build_action_space",
+    "fill_defaults",
+    "haptic_field",
     "map_value",
     "settings_for",
 ]
@@ -37,10 +41,34 @@ class Settings:
 
 
 def build_action_space(spec: TaskSpec) -> ActionSpace:
-    """The limits of a scene's parameters, as learning sees them."""
+    """The limits of a scene's parameters, as learning sees them; defaults have been filled in (`fill_defaults`)."""
     return ActionSpace(
-        Parameter(name, p.default, p.min, p.max, p.step, p.rate, p.unit) for name, p in spec.parameters.items()
+        Parameter(name, p.min if p.default is None else p.default, p.min, p.max, p.step, p.rate, p.unit)
+        for name, p in spec.parameters.items()
     )
+
+
+def haptic_field(target: MapSpec) -> str:
+    """Dotted name of the haptic field a map writes without a table, "" where it does not."""
+    group, _, name = target.to.partition(".")
+    return name if group == "haptic" and target.table is None and target.scale != 0.0 else ""
+
+
+def fill_defaults(spec: TaskSpec, value_of: Callable[[str], float]) -> TaskSpec:
+    """Give every parameter without a default the value the scene itself has, drawn into its limits.
+
+    Args:
+        spec: The task.
+        value_of: The scene's value of a haptic field by dotted name, e.g. "tunnel.stiffness".
+    """
+    parameters = dict(spec.parameters)
+    for name, parameter in parameters.items():
+        target = next((target for target in parameter.maps if haptic_field(target)), None)
+        if parameter.default is None and target is not None:
+            own = (value_of(haptic_field(target)) - target.offset) / target.scale
+            default = min(max(own, parameter.min), parameter.max)
+            parameters[name] = msgspec.structs.replace(parameter, default=default)
+    return msgspec.structs.replace(spec, parameters=parameters)
 
 
 def map_value(value: float, parameter: ParameterSpec, target: MapSpec) -> float | str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from mimics_app.contracts.errors import Issue, nearest
 from mimics_app.contracts.haptic import SCENE
-from mimics_app.tasks.actions import TARGET_GROUPS, TASK_TARGETS
+from mimics_app.tasks.actions import TARGET_GROUPS, TASK_TARGETS, haptic_field
 from mimics_app.tasks.task import ActionDeed, BlockSpec, MapSpec, ParameterSpec, ScorePartSpec, TaskSpec
 from mimics_app.world.json_text import escape
 
@@ -77,7 +77,9 @@ def _check_finite(value: object, pointer: str) -> Iterator[_Fault]:
 def _check_parameter(parameter: ParameterSpec, pointer: str) -> Iterator[_Fault]:
     if parameter.max < parameter.min:
         yield f"{pointer}/max", f"{parameter.max:g} is below min, {parameter.min:g}", "exchange the two"
-    elif not parameter.min <= parameter.default <= parameter.max:
+    elif parameter.default is None and not any(haptic_field(target) for target in parameter.maps):
+        yield f"{pointer}/default", "is missing, and no haptic field gives one", "write a number from min to max"
+    elif parameter.default is not None and not parameter.min <= parameter.default <= parameter.max:
         yield f"{pointer}/default", _outside(parameter.default, parameter), "choose a default inside the limits"
     for i, target in enumerate(parameter.maps):
         yield from _check_map(target, parameter, f"{pointer}/maps/{i}")

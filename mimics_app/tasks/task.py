@@ -70,10 +70,13 @@ class MapSpec(Component, frozen=True):
 class ParameterSpec(Component, frozen=True):
     """One adaptable parameter of the task; all numbers in `unit`."""
 
-    default: Annotated[float, Meta(description="Value at the session's start.")]
     min: Annotated[float, Meta(description="Smallest value.")]
     max: Annotated[float, Meta(description="Largest value.")]
     maps: Annotated[list[MapSpec], Meta(description="What it changes.")]
+    default: Annotated[
+        float | None,
+        Meta(description="Value at the session's start; absent: what the scene says of the haptic field it maps to."),
+    ] = None
     step: Annotated[NotNegative, Meta(description="Grid on which values lie, counted from min; 0: any value.")] = 0.0
     rate: Annotated[
         NotNegative,

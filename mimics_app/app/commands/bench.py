@@ -68,9 +68,11 @@ def _median_round(rows: list[dict[str, Any]]) -> dict[str, Any]:
 
 def _measure_methods(args: argparse.Namespace) -> dict[str, Any]:
     """Cost and error of every registered method."""
-    from mimics_app.app.plan import measured_groups
+    from dataclasses import asdict
 
-    return {"groups": measured_groups()}
+    from mimics_app.app.plan import measure_groups
+
+    return {"groups": {group: [asdict(row) for row in rows] for group, rows in measure_groups().items()}}
 
 
 def _measure_sound(args: argparse.Namespace) -> dict[str, Any]:

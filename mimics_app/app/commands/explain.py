@@ -38,6 +38,8 @@ def _say(answer: dict[str, Any]) -> None:
             "" if part["error"] is None else f", error {part['error']:.2g} of {part['tolerance']:.2g} {part['unit']}"
         )
         print(f"runs      {part['part']}: {part['method']}, {part['cost_us']:.3f} us{error}")
+        if part["planner"]:
+            print(f"          the scene names it; the planner would take {part['planner']}")
         refused = part["next_cheaper"]
         if refused:
             print(f"          cheaper but refused: {refused['method']}, error {refused['error']:.2g} {part['unit']}")

@@ -80,13 +80,22 @@ def _cards() -> list[ScenarioCard]:
     cards = []
     for scene in sorted((root() / "scenes").glob("*.json")):
         document = json.loads(scene.read_text(encoding="utf-8"))
-        picture = root() / "assets" / "pictures" / f"{scene.stem}.png"
         cards.append(
             ScenarioCard(
                 title=document.get("title", scene.stem),
                 description=document.get("description", ""),
-                picture=picture if picture.is_file() else None,
+                picture=_picture(document.get("picture", ""), scene.parent),
                 scene=scene,
             )
         )
     return cards
+
+
+def _picture(uri: str, folder: Path) -> Path | None:
+    """The picture a scene names, None where it is not there."""
+    from mimics_app.world.paths import PathFault, find_file
+
+    try:
+        return find_file(uri, folder, folder.parent)
+    except PathFault:
+        return None

@@ -1,0 +1,51 @@
+"""The simulated patients in the wavy tunnel: who is more impaired is slower, farther off and touches more."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.support.tunnel_play import travel
+
+SEEDS = range(1, 21)
+PRESETS = ("healthy", "moderate", "severe")
+
+
+@pytest.fixture(scope="module")
+def outcomes() -> dict[str, list[dict[str, float]]]:
+    return {preset: [dict(travel(preset, seed).rows[0]) for seed in SEEDS] for preset in PRESETS}
+
+
+@pytest.mark.parametrize("measure", ["time_s", "path_error_rms_m", "contacts"])
+def test_healthy_beats_moderate_beats_severe(outcomes, measure):
+    means = [np.mean([row[measure] for row in outcomes[preset]]) for preset in PRESETS]
+    assert means[0] < means[1] < means[2], f"{measure}: {means}"
+
+
+@pytest.mark.parametrize("measure", ["time_s", "path_error_rms_m", "contacts"])
+def test_the_order_holds_for_most_single_seeds_too(outcomes, measure):
+    """A difference of means that one outlier makes would be worth nothing: 15 of 20 pairs must agree (p < 0.03)."""
+    for better, worse in (("healthy", "moderate"), ("moderate", "severe")):
+        agree = sum(a[measure] <= b[measure] for a, b in zip(outcomes[better], outcomes[worse], strict=True))
+        assert agree >= 15, f"{measure}: only {agree} of 20 {better} runs are no worse than the {worse} one"
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+def test_every_run_touches_the_wall_and_reaches_the_end(outcomes, preset):
+    for seed, row in zip(SEEDS, outcomes[preset], strict=True):
+        assert row["outcome"] == "finished", f"{preset}, seed {seed}: {row['outcome']}"
+        assert row["contacts"] >= 1, f"{preset}, seed {seed} never touched the wall"
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+def test_without_intent_nobody_arrives(preset):
+    play = travel(preset, seed=1, intent=False, seconds=75.0)
+    assert [row["outcome"] for row in play.rows] == ["timeout"]
+    travelled = play.samples[-50_000:]  # before it the robot was on its way to the start
+    assert travelled["progress"].max() < 0.2
+
+
+def test_two_seeds_differ_and_one_repeats_itself():
+    one, again, other = travel("moderate", 3), travel("moderate", 3), travel("moderate", 4)
+    assert one.samples.tobytes() == again.samples.tobytes()
+    assert one.samples.tobytes() != other.samples.tobytes()

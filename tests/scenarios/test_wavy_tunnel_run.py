@@ -1,0 +1,158 @@
+"""`mimics run scenes/wavy_tunnel.json` as a script meets it: one object, a run folder, a report, a repeatable hash."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pyarrow.ipc
+import pytest
+
+from mimics_app.contracts.resources import root
+
+SCENE = root() / "scenes" / "wavy_tunnel.json"
+
+
+def mimics(*arguments: object) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "mimics_app.app.cli", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=240, check=False)
+
+
+def run(folder: Path, *arguments: object, scene: Path = SCENE, seed: int = 7) -> dict[str, Any]:
+    options = ("--headless", "--seconds", 20, "--seed", seed, "--json", "--runs", folder)
+    done = mimics("run", scene, *options, *arguments)
+    assert done.returncode == 0, done.stderr
+    answer: dict[str, Any] = json.loads(done.stdout)
+    return answer
+
+
+def changed_scene(folder: Path, change: Any) -> Path:
+    document = json.loads(SCENE.read_text())
+    change(document)
+    path = folder / "wavy_tunnel.json"
+    path.write_text(json.dumps(document))
+    return path
+
+
+def entity(document: dict[str, Any], name: str) -> dict[str, Any]:
+    found: dict[str, Any] = next(e for e in document["entities"] if e["id"] == name)
+    return found["components"]
+
+
+@pytest.fixture(scope="module")
+def answer(tmp_path_factory) -> dict[str, Any]:
+    return run(tmp_path_factory.mktemp("runs"), "--pictures", 2)
+
+
+def test_answer_has_the_keys_scripts_rely_on(answer):
+    assert list(answer)[:2] == ["schema", "command"]
+    wanted = {"seed", "simulated_s", "wall_s", "ticks", "frames", "state_hash", "scene_hash", "run_dir", "report"}
+    assert wanted | {"task", "safety", "lateness_us", "missed", "recipe", "audio", "unread"} <= set(answer)
+    assert {"completed", "trials", "score", "time_s", "path_error_m", "contacts", "placed"} <= set(answer["task"])
+    assert set(answer["safety"]) == {"state", "trips"}
+    assert {"p50", "p99", "p99_9", "max"} == set(answer["lateness_us"])
+    assert {"device", "sink"} <= set(answer["audio"])
+    assert (answer["ticks"], answer["frames"], answer["unread"]) == (20_000, 1200, [])
+
+
+def test_the_patient_travels_the_tunnel(answer):
+    assert answer["task"]["completed"] >= 1
+    assert answer["safety"] == {"state": answer["safety"]["state"], "trips": 0}
+
+
+def test_run_folder_can_be_read_by_anyone(answer):
+    folder = Path(answer["run_dir"])
+    for file in ("haptic.arrows", "parameters.arrows"):
+        with pyarrow.ipc.open_stream(folder / file) as stream:
+            assert stream.read_all().num_rows > 0
+    assert json.loads((folder / "manifest.json").read_text())["state_hash"] == answer["state_hash"]
+    report = Path(answer["report"]).read_text()
+    assert "http://" not in report.replace("http://www.w3.org", "")
+    assert len(list((folder / "pictures").glob("*.png"))) == 2
+
+
+def test_replay_is_equal_bit_for_bit_and_one_flipped_bit_is_seen(answer, tmp_path):
+    done = mimics("replay", answer["run_dir"], "--json")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["ticks"] == 20_000
+    spoilt = tmp_path / "spoilt"
+    spoilt.mkdir()
+    for file in Path(answer["run_dir"]).iterdir():
+        if file.is_file():
+            (spoilt / file.name).write_bytes(file.read_bytes())
+    content = bytearray((spoilt / "haptic.arrows").read_bytes())
+    content[len(content) // 2] ^= 1
+    (spoilt / "haptic.arrows").write_bytes(content)
+    assert mimics("replay", spoilt).returncode == 6
+
+
+def test_same_seed_same_hash_another_seed_another(answer, tmp_path):
+    assert run(tmp_path, "--pictures", 0)["state_hash"] == answer["state_hash"]
+    assert run(tmp_path, "--pictures", 0, seed=8)["state_hash"] != answer["state_hash"]
+
+
+def test_one_ulp_of_wall_stiffness_changes_the_hash(answer, tmp_path):
+    """The scene's stiffness reaches the wall through the task's parameter, whose default is the scene's own."""
+
+    def one_ulp(document: dict[str, Any]) -> None:
+        tunnel = entity(document, "tunnel")["tunnel"]
+        tunnel["stiffness"] = math.nextafter(tunnel["stiffness"], math.inf)
+
+    other = run(tmp_path, "--pictures", 0, scene=changed_scene(tmp_path, one_ulp))
+    assert other["state_hash"] != answer["state_hash"]
+
+
+def test_action_file_changes_the_task_and_is_checked(tmp_path):
+    actions = tmp_path / "actions.json"
+    actions.write_text(json.dumps([{"t": 0.5, "values": {"assistance": 1.0}}]))
+    helped = run(tmp_path, "--action", actions, "--pictures", 0)
+    lines = [json.loads(line) for line in (Path(helped["run_dir"]) / "events.jsonl").read_text().splitlines()]
+    assert any(line.get("kind") == "action" for line in lines)
+    actions.write_text(json.dumps([{"t": 0.5, "values": {"asistance": 1.0}}]))
+    refused = mimics("run", SCENE, "--headless", "--action", actions, "--runs", tmp_path)
+    assert refused.returncode == 3
+    assert "#/0/values/asistance" in refused.stderr and '"assistance"' in refused.stderr
+
+
+def misspell(document: dict[str, Any]) -> None:
+    tunnel = entity(document, "tunnel")["tunnel"]
+    tunnel["stifness"] = tunnel.pop("stiffness")
+
+
+def put_nan(document: dict[str, Any]) -> None:
+    entity(document, "robot")["admittance"]["mass"] = math.nan
+
+
+def bend_to_a_hairpin(document: dict[str, Any]) -> None:
+    points = entity(document, "tunnel")["tunnel"]["control_points"]
+    points[6:6] = [[0.002, 0.10, 0.0], [0.004, 0.10, 0.0]]
+
+
+def lose_a_texture(document: dict[str, Any]) -> None:
+    document["assets"] = {"planks": {"uri": "no_such_planks.png"}}
+    document["materials"]["floor"]["base_texture"] = "planks"
+
+
+@pytest.mark.parametrize(
+    ("change", "place"),
+    [
+        (misspell, "/components/tunnel/stifness"),
+        (put_nan, "/components/admittance/mass"),
+        (bend_to_a_hairpin, "/components/tunnel/radius"),
+        (lose_a_texture, "#/assets/planks/uri"),
+    ],
+)
+def test_broken_scene_is_refused_with_one_line_that_names_the_place(tmp_path, change, place):
+    scene = changed_scene(tmp_path, change)
+    for command in (("run", scene, "--headless", "--runs", tmp_path), ("check", scene)):
+        done = mimics(*command)
+        lines = [line for line in done.stderr.splitlines() if line.strip()]
+        assert done.returncode == 3, done.stderr
+        assert len(lines) == 1, done.stderr
+        assert "wavy_tunnel.json#/" in lines[0]
+        assert place in lines[0], lines[0]
+    assert not list(tmp_path.glob("2*")), "a refused scene must leave no run folder"
