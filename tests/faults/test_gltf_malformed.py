@@ -273,6 +273,16 @@ CORPUS = {
         "/accessors/0/sparse/indices",
         "must rise",
     ),
+    "sparse_values_past_their_view": (
+        setting("/accessors/0/sparse", {**SPARSE, "count": 2, "values": {"bufferView": 1}}),
+        "/accessors/0/sparse/values",
+        "needs 24 bytes, its buffer view has 12",
+    ),
+    "sparse_indices_past_their_view": (
+        setting("/accessors/0/sparse", {**SPARSE, "count": 4, "indices": {"bufferView": 1, "componentType": 5125}}),
+        "/accessors/0/sparse/indices",
+        "needs 16 bytes, its buffer view has 12",
+    ),
     "sparse_signed": (
         setting("/accessors/0/sparse", {**SPARSE, "indices": {"bufferView": 1, "componentType": 5122}}),
         "/accessors/0/sparse/indices/componentType",
