@@ -1,11 +1,11 @@
 """The tree of errors a person can meet, each with the exit code the command line gives it.
 
-    MimicsError                 what happened, and what to do
-    |- UsageError         2     a command or an argument that cannot be
-    |- SceneError         3     a scene, glTF, texture or action file; carries every issue found, not only the first
-    |- DeviceError        4     a device, display or sound output that cannot be had
-    |- SafetyStop         5     the haptic loop latched SAFE_STOP or E_STOP
-    `- PartialDataError   6     a recording that ends early or does not agree with itself
+MimicsError                 what happened, and what to do
+|- UsageError         2     a command or an argument that cannot be
+|- SceneError         3     a scene, glTF, texture or action file; carries every issue found, not only the first
+|- DeviceError        4     a device, display or sound output that cannot be had
+|- SafetyStop         5     the haptic loop latched SAFE_STOP or E_STOP
+`- PartialDataError   6     a recording that ends early or does not agree with itself
 """
 
 from __future__ import annotations
