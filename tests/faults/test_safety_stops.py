@@ -224,7 +224,7 @@ def test_damp_class_ramps_down_and_returns_by_soft_start():
     assert np.all(np.diff(ramp[749:801]) <= 0.0) and ramp[801] == 0.0
     assert np.all(np.diff(force[749:799]) <= 1e-12)
     back = 750 + int(np.argmax(states[750:] == SafetyState.ACTIVE))
-    assert back == 850  # 100 quiet ticks after the late one
+    assert back == 850 and out["cause"][back] == TripCause.NONE  # 100 quiet ticks after the late one
     assert ramp[back] == pytest.approx(0.002, rel=1e-9) and ramp[back + 499] == pytest.approx(1.0)
 
 

@@ -155,6 +155,7 @@ def _stay_active(scene: Any, state: Any, quiet: bool, held: int) -> None:
         state.tripped = 1
     elif state.safety == _DEGRADED and state.ramp == 0.0 and quiet:
         state.safety = _ACTIVE
+        state.cause = _NONE
 
 
 @kernel

@@ -17,7 +17,7 @@ STATE = np.dtype(
         # safety
         ("tick", "i8"),  # ticks done
         ("safety", "i8"),  # SafetyState
-        ("cause", "i8"),  # TripCause of the newest trip
+        ("cause", "i8"),  # TripCause of the stop or the degraded state it is in
         ("resets", "i8"),  # SCENE.resets as last seen
         ("sequence", "i8"),  # SCENE.sequence as last seen
         ("trial", "i8"),  # SCENE.trial as last seen
