@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +25,17 @@ from mimics_app.world.components_systems import VisualSettings
 from mimics_app.world.scene import Scene
 from mimics_app.world.world import World
 
-__all__ = ["Picture", "picture_quality"]
+__all__ = ["Picture", "live_quality", "picture_quality"]
+
+_SOFTWARE = ("llvmpipe", "softpipe", "SwiftShader")
+"""Renderers that draw on the processor, which the haptic loop needs too."""
+
+
+def live_quality(scene: Scene, profile: Profile, surface: Surface) -> RenderSettings:
+    """Quality of a picture that must keep up: on a software renderer only a study keeps its smooth edges."""
+    quality = picture_quality(scene, profile)
+    software = any(name in surface.ctx.info["GL_RENDERER"] for name in _SOFTWARE)
+    return replace(quality, msaa=0) if software and profile != "study" else quality
 
 
 def picture_quality(scene: Scene, profile: Profile) -> RenderSettings:

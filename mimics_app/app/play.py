@@ -11,7 +11,7 @@ from mimics_app.app.album import Album
 from mimics_app.app.build import build_session, has_display, start_loop
 from mimics_app.app.frame import Frames
 from mimics_app.app.pace import run_live, run_virtual
-from mimics_app.app.picture import Picture, picture_quality
+from mimics_app.app.picture import Picture, live_quality
 from mimics_app.app.progress import ProgressLine
 from mimics_app.app.result import summarise
 from mimics_app.app.session import Session
@@ -60,9 +60,8 @@ def _play_in_window(session: Session, frames: Frames) -> None:
 
     start_loop(session)
     surface = create_surface("window", session.settings.size, session.scene.name)
-    session.picture = Picture(
-        surface, session.scene, session.world, picture_quality(session.scene, session.settings.profile)
-    )
+    quality = live_quality(session.scene, session.settings.profile, surface)
+    session.picture = Picture(surface, session.scene, session.world, quality)
     session.inputs = person_inputs(session)
     run_live(session, frames, lambda _: None)
 

@@ -17,12 +17,14 @@ import numpy as np
 
 from mimics_app.app.build import build_session, start_loop
 from mimics_app.app.frame import Frames
-from mimics_app.app.picture import Picture, picture_quality
+from mimics_app.app.picture import Picture, live_quality
 from mimics_app.app.rehearsal import Rehearsal
 from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.rendering.visual.contexts import create_surface
+from mimics_app.world.scene import Scene
+from mimics_app.world.world import World
 
 __all__ = ["main"]
 
@@ -47,12 +49,7 @@ def _measure_product(scene: Path, seconds: float, recipe: str) -> Row:
         settings = RunSettings(scene, device=_SIMULATED, recipe=recipe, runs=Path(runs), size=_SIZE)
         with build_session(settings, live=True) as session:
             start_loop(session)
-            session.picture = Picture(
-                create_surface("egl", _SIZE),
-                session.scene,
-                session.world,
-                picture_quality(session.scene, settings.profile),
-            )
+            session.picture = _open_picture(session.scene, session.world)
             frames = Frames(session)
 
             def draw() -> None:
@@ -71,8 +68,7 @@ def _measure_python_thread(scene_file: Path, seconds: float) -> Row:
     scene = load_checked_scene(scene_file)
     rehearsal = Rehearsal(scene)
     rehearsal.advance(10)
-    settings = RunSettings(scene_file)
-    picture = Picture(create_surface("egl", _SIZE), scene, rehearsal.world, picture_quality(scene, settings.profile))
+    picture = _open_picture(scene, rehearsal.world)
     rehearsal.world.update()
     quit_event, late_us, ended_late = threading.Event(), list[float](), list[bool]()
 
@@ -95,6 +91,11 @@ def _measure_python_thread(scene_file: Path, seconds: float) -> Row:
     counted = np.array(late_us[1000:] or [0.0])
     percentiles = tuple(float(np.percentile(counted, share)) for share in (50, 99, 99.9, 100))
     return _row("python thread", len(late_us), count, percentiles, int(sum(ended_late[1000:])))
+
+
+def _open_picture(scene: Scene, world: World) -> Picture:
+    surface = create_surface("egl", _SIZE)
+    return Picture(surface, scene, world, live_quality(scene, "training", surface))
 
 
 def _load(draw: Callable[[], object], picture: Picture, seconds: float) -> int:

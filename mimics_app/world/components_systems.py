@@ -24,9 +24,7 @@ class VisualSettings(Component, frozen=True):
     """The picture."""
 
     samples: Annotated[Literal[0, 2, 4, 8], Meta(description="Of multisample anti-aliasing; 0: none")] = 4
-    shadow_size: Annotated[int, Meta(ge=0, le=8192, description="Side of the shadow map [pixels]; 0: no shadows")] = (
-        512
-    )
+    shadow_size: Annotated[int, Meta(ge=0, le=8192, description="Side of the shadow map [pixels]; 0: no shadows")] = 512
 
 
 class AudioSettings(Component, frozen=True):
