@@ -39,7 +39,7 @@ from mimics_app.scenarios.catalogue import open_scenario
 from mimics_app.scenarios.scenario import Scenario
 from mimics_app.tasks.actions import build_action_space, fill_defaults
 from mimics_app.tasks.task import TaskSpec
-from mimics_app.tasks.task_manager import TaskContext, TaskManager
+from mimics_app.tasks.task_manager import TaskManager
 from mimics_app.tasks.trial_file import resolve_trials
 from mimics_app.world.components import Sound, SoundEmitter
 from mimics_app.world.components_haptic import Patient, Robot
@@ -90,8 +90,9 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
             stack.callback(sound.stop)
         haptics = HapticEngine(memory, plugin, recipe=settings.recipe)
         stack.callback(haptics.stop)
-        context = TaskContext(scenario.start_joints)
-        tasks = TaskManager(spec, context, settings.seed, on_trial=recorder.trial, on_event=recorder.journal)
+        tasks = TaskManager(
+            spec, scenario.task_context, settings.seed, on_trial=recorder.trial, on_event=recorder.journal
+        )
         session = Session(
             settings=settings,
             live=live,

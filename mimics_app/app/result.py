@@ -37,7 +37,7 @@ def summarise(session: Session, frames: Frames, sound: AudioReport | None, wall_
 
 _READ = frozenset(
     "admittance ball camera environment hud joint_pd light mesh patient robot safety sound sound_emitter tunnel "
-    "tunnel_view".split()
+    "tunnel_view world_pd".split()
 )
 """Component types that a run makes use of."""
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
+from mimics_app.tasks.task_manager import TaskContext
 
 __all__ = ["Scenario"]
 
@@ -17,8 +18,8 @@ class Scenario(Protocol):
     """A scene brought to life. Built anew when its scene file is reloaded."""
 
     @property
-    def start_joints(self) -> tuple[float, float, float]:
-        """Where the robot begins a trial [m, rad, m]."""
+    def task_context(self) -> TaskContext:
+        """Where the robot begins a trial, and how it gets there."""
         ...
 
     @property

@@ -8,15 +8,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import Projection
+from mimics_app.contracts.haptic import Controller, Projection
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
 from mimics_app.maths.quat import from_matrix
 from mimics_app.rendering.haptic.kernels.kinematics import inverse
 from mimics_app.rendering.haptic.scene_block import axis_offset, robot_from_world, scene_from_components
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
 from mimics_app.scenarios.scenario import Scenario
+from mimics_app.tasks.control import Home
+from mimics_app.tasks.task_manager import TaskContext
 from mimics_app.world.components import TunnelView
-from mimics_app.world.components_haptic import Admittance, Ball, JointPd, Robot, Safety, Tunnel
+from mimics_app.world.components_haptic import Admittance, Ball, JointPd, Robot, Safety, Tunnel, WorldPd
 from mimics_app.world.components_systems import HapticSettings
 from mimics_app.world.mesh import MeshData
 from mimics_app.world.primitives import tube
@@ -65,11 +67,12 @@ class WavyTunnel(Scenario):
         self._place_rings()
 
     @property
-    def start_joints(self) -> tuple[float, float, float]:
+    def task_context(self) -> TaskContext:
         start = robot_from_world(self._robot, self._curve.point(0.0))[0]
         q = np.zeros(3)
         inverse(start, axis_offset(self._robot), q)
-        return float(q[0]), float(q[1]), float(q[2])
+        straight = Home(_triple(start), Controller.WORLD_PD)
+        return TaskContext(_triple(q), straight if self._scene.components(WorldPd) else None)
 
     @property
     def via_points_world(self) -> NDArray[np.float64]:
@@ -94,9 +97,9 @@ class WavyTunnel(Scenario):
     def scene_block(self) -> NDArray[Any]:
         parts = (_perhaps(self._scene, kind) for kind in (Admittance, Ball, Safety))
         block = scene_from_components(self._robot, *parts)
-        joint_pd = _perhaps(self._scene, JointPd)
-        if joint_pd is not None:
-            block[0]["kp"], block[0]["kd"] = joint_pd.kp, joint_pd.kd
+        gains = _perhaps(self._scene, WorldPd) or _perhaps(self._scene, JointPd)
+        if gains is not None:
+            block[0]["kp"], block[0]["kd"] = gains.kp, gains.kd
         record = block[0]["tunnel"]
         self._curve.fill(record)
         for name in _FORCES:
@@ -183,3 +186,7 @@ def _perhaps(scene: Scene, kind: type[Any]) -> Any:
     """The scene's first component of a type, or None."""
     found = scene.components(kind)
     return found[0][1] if found else None
+
+
+def _triple(values: NDArray[np.float64]) -> tuple[float, float, float]:
+    return float(values[0]), float(values[1]), float(values[2])

@@ -17,7 +17,7 @@ from mimics_app.tasks.actions import ActionSpace, Settings, build_action_space, 
 from mimics_app.tasks.adaptation import Adaptation
 from mimics_app.tasks.arrival import Arrival
 from mimics_app.tasks.attempts import ABORTED, FINISHED, SESSION_ENDED, TIMEOUT, Attempts, Row
-from mimics_app.tasks.control import RobotControl
+from mimics_app.tasks.control import Home, RobotControl
 from mimics_app.tasks.goals import Goals
 from mimics_app.tasks.hud import Board, cause_words, state_message
 from mimics_app.tasks.observation import Observation, observe
@@ -36,9 +36,11 @@ class TaskContext:
 
     Attributes:
         start_joints: Where the robot begins a trial [m, rad, m].
+        home: How it gets there; None: by joint PD.
     """
 
     start_joints: tuple[float, float, float]
+    home: Home | None = None
 
 
 def _ignore(*_: object) -> None:
@@ -70,7 +72,7 @@ class TaskManager:
         self._adaptation = Adaptation(self._space)
         self._attempts = Attempts(plan_trials(trial_blocks(spec), seed), spec.score, spec.start.attempts, on_trial)
         self._arrival = Arrival(spec.start, context.start_joints)
-        self._control = RobotControl(context.start_joints)
+        self._control = RobotControl(context.home or Home(context.start_joints))
         self._goals = Goals(spec.goals)
         self._triggers = Triggers(spec.triggers)
         self._board = Board()

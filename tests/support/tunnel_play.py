@@ -20,7 +20,7 @@ from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.scenarios.catalogue import open_scenario
 from mimics_app.tasks.actions import fill_defaults
-from mimics_app.tasks.task_manager import TaskContext, TaskManager
+from mimics_app.tasks.task_manager import TaskManager
 from mimics_app.world.components_haptic import Patient, Robot
 from mimics_app.world.scene_file import build_world
 
@@ -52,7 +52,7 @@ class Play:
         spec: Any = scene.sections["task"]
         one_trial = msgspec.structs.replace(spec, trials=[spec.trials[-1]])
         one_trial.trials[0] = msgspec.structs.replace(one_trial.trials[0], trials=[spec.trials[-1].trials[0]])
-        self.tasks = TaskManager(fill_defaults(one_trial, self.desk.value), TaskContext(scenario.start_joints), seed)
+        self.tasks = TaskManager(fill_defaults(one_trial, self.desk.value), scenario.task_context, seed)
         self._out = np.zeros(len(self.memory.samples), SAMPLE)
         self._kept: list[Any] = []
         self.desk.hand_to(self.haptics.publish)
