@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
+from mimics_app.app.catalogue import open_scenario
 from mimics_app.app.parameter_desk import ParameterDesk
 from mimics_app.app.plan import saved_plan
 from mimics_app.app.scene_loading import load_checked_scene
@@ -22,6 +23,7 @@ from mimics_app.app.settings import RunSettings
 from mimics_app.app.sound_stage import SoundStage
 from mimics_app.contracts.clock import MonotonicClock, VirtualClock
 from mimics_app.contracts.loop_ports import DevicePlugin
+from mimics_app.contracts.scenario_port import Scenario
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.contracts.stages import Learning
 from mimics_app.dsp.stage import NullDsp
@@ -35,8 +37,6 @@ from mimics_app.recording.run_folder import create_run_folder
 from mimics_app.rendering.haptic import scheduler
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.engine import HapticEngine
-from mimics_app.scenarios.catalogue import open_scenario
-from mimics_app.scenarios.scenario import Scenario
 from mimics_app.tasks.actions import build_action_space, fill_defaults
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.task_manager import TaskManager

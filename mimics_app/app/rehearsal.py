@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from mimics_app.app.catalogue import open_scenario
 from mimics_app.contracts import ring
 from mimics_app.contracts.haptic import INBOX, SAMPLE
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.engine import HapticEngine
-from mimics_app.scenarios.catalogue import open_scenario
 from mimics_app.world.components_haptic import Patient, Robot
 from mimics_app.world.scene import Scene
 from mimics_app.world.scene_file import build_world

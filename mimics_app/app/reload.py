@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from mimics_app.app.catalogue import open_scenario
 from mimics_app.app.session import Session
 from mimics_app.contracts.errors import SceneError
-from mimics_app.scenarios.catalogue import open_scenario
 from mimics_app.world.reload import reload_scene
 from mimics_app.world.watcher import SceneWatcher
 

@@ -13,13 +13,13 @@ from mimics_app.app.settings import RunSettings
 from mimics_app.app.sound_stage import SoundStage
 from mimics_app.contracts.audio_port import AudioReport
 from mimics_app.contracts.clock import Clock
+from mimics_app.contracts.scenario_port import Scenario
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.contracts.stages import Dsp, Estimation, Learning
 from mimics_app.inputs.stage import Inputs
 from mimics_app.recording.manifest import Manifest
 from mimics_app.recording.recorder import Recorder
 from mimics_app.rendering.haptic.engine import HapticEngine
-from mimics_app.scenarios.scenario import Scenario
 from mimics_app.tasks.task_manager import TaskManager
 from mimics_app.world.scene import Scene
 from mimics_app.world.world import World

@@ -10,13 +10,11 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import Controller, Projection
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
+from mimics_app.contracts.scenario_port import Home, Scenario, TaskContext
 from mimics_app.maths.quat import from_matrix
 from mimics_app.rendering.haptic.kernels.kinematics import inverse
 from mimics_app.rendering.haptic.scene_block import axis_offset, robot_from_world, scene_from_components
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
-from mimics_app.scenarios.scenario import Scenario
-from mimics_app.tasks.control import Home
-from mimics_app.tasks.task_manager import TaskContext
 from mimics_app.world.components import TunnelView
 from mimics_app.world.components_haptic import Admittance, Ball, JointPd, Robot, Safety, Tunnel, WorldPd
 from mimics_app.world.components_systems import HapticSettings

@@ -3,28 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from mimics_app.contracts.haptic import Controller
+from mimics_app.contracts.scenario_port import Home
 from mimics_app.tasks.state_machine import State
 
-__all__ = ["Home", "RobotControl"]
+__all__ = ["RobotControl"]
 
 Vec3 = tuple[float, float, float]
 _FREE = (State.READY, State.TRAVEL)
-
-
-@dataclass(frozen=True, slots=True)
-class Home:
-    """How the robot gets to the start of a trial.
-
-    Attributes:
-        target: SCENE.target: joints [m, rad, m] for JOINT_PD, robot frame [m] for WORLD_PD.
-        controller: Either of the two.
-    """
-
-    target: Vec3
-    controller: Controller = Controller.JOINT_PD
 
 
 class RobotControl:

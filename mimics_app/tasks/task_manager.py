@@ -7,17 +7,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from numpy.typing import NDArray
 
 from mimics_app.contracts.messages import HapticSnapshot, SoundEvent, TaskAction, TaskOrders, VRInput
+from mimics_app.contracts.scenario_port import Home, TaskContext
 from mimics_app.tasks.actions import ActionSpace, Settings, build_action_space, settings_for
 from mimics_app.tasks.adaptation import Adaptation
 from mimics_app.tasks.arrival import Arrival
 from mimics_app.tasks.attempts import ABORTED, FINISHED, SESSION_ENDED, TIMEOUT, Attempts, Row
-from mimics_app.tasks.control import Home, RobotControl
+from mimics_app.tasks.control import RobotControl
 from mimics_app.tasks.goals import Goals
 from mimics_app.tasks.hud import Board, cause_words, state_message
 from mimics_app.tasks.observation import Observation, observe
@@ -27,20 +27,7 @@ from mimics_app.tasks.task import ActionDeed, Deed, MessageDeed, SoundDeed, Task
 from mimics_app.tasks.trials import Trial, plan_trials, trial_blocks
 from mimics_app.tasks.triggers import Moment, Triggers
 
-__all__ = ["TaskContext", "TaskManager"]
-
-
-@dataclass(frozen=True, slots=True)
-class TaskContext:
-    """What a task must know of its scene.
-
-    Attributes:
-        start_joints: Where the robot begins a trial [m, rad, m].
-        home: How it gets there; None: by joint PD.
-    """
-
-    start_joints: tuple[float, float, float]
-    home: Home | None = None
+__all__ = ["TaskManager"]
 
 
 def _ignore(*_: object) -> None:

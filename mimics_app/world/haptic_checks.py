@@ -14,13 +14,14 @@ from mimics_app.world.registry import register_check
 if TYPE_CHECKING:
     from mimics_app.world.scene import Scene
 
-__all__: list[str] = []
+__all__ = ["check_tunnel_component"]
 
 _DEGREE = 3
 _ROTATION_TOLERANCE = 1e-6
 
 
-def _check_tunnel(tunnel: Tunnel, pointer: str, scene: Scene) -> list[Issue]:
+def check_tunnel_component(tunnel: Tunnel, pointer: str, scene: Scene) -> list[Issue]:
+    """Faults of the component itself; whether the tunnel can be travelled is the haptic stage's to say."""
     if (tunnel.control_points is None) == (tunnel.path_file is None):
         return [scene.issue(pointer, "needs either control_points or a path_file", "give exactly one of the two")]
     issues = []
@@ -85,7 +86,7 @@ def _check_safety(safety: Safety, pointer: str, scene: Scene) -> list[Issue]:
     ]
 
 
-register_check("tunnel", _check_tunnel)
+register_check("tunnel", check_tunnel_component)
 register_check("robot", _check_robot)
 register_check("joint_pd", _check_pd)
 register_check("world_pd", _check_pd)

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.support.tunnel_play import travel
 
 from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.contracts.haptic import Controller
 from mimics_app.contracts.resources import root
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
+from tests.support.tunnel_play import travel
 
 SCENES = root() / "scenes"
 PLAYED = sorted([*SCENES.glob("*.json"), *(SCENES / "examples").glob("*.json")])
@@ -29,7 +29,7 @@ def test_simulated_patient_reaches_the_end(file: Path):
 
 
 def test_radius_zero_keeps_the_ball_on_the_bisector():
-    """A wall of 1500 N/m: never farther from the bisector than the strongest pull of the hand stretches it, and 1 mm."""
+    """A wall of 1500 N/m: never farther from the bisector than the strongest pull of the hand, and 1 mm."""
     play = travel("healthy", seed=2, scene=SCENES / "examples" / "bisector_only.json")
     begin, end = (int(play.rows[0][key] // 1_000_000) for key in ("begin_ns", "end_ns"))
     way = play.samples[begin:end]

@@ -10,7 +10,8 @@ import numpy as np
 
 from mimics_app.contracts.haptic import EVENT, Controller, EventKind, SafetyState, TripCause
 from mimics_app.contracts.messages import HapticSnapshot, TaskAction, TaskOrders, VRInput
-from mimics_app.tasks.task_manager import TaskContext, TaskManager
+from mimics_app.contracts.scenario_port import TaskContext
+from mimics_app.tasks.task_manager import TaskManager
 
 START = (0.01, -0.2, 0.05)
 FRAME_NS = 16_666_667

@@ -8,6 +8,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from mimics_app.app.catalogue import open_scenario
 from mimics_app.app.parameter_desk import ParameterDesk
 from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.contracts import ring
@@ -18,7 +19,6 @@ from mimics_app.contracts.resources import root
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.engine import HapticEngine
-from mimics_app.scenarios.catalogue import open_scenario
 from mimics_app.tasks.actions import fill_defaults
 from mimics_app.tasks.task_manager import TaskManager
 from mimics_app.world.components_haptic import Patient, Robot

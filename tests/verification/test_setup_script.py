@@ -283,7 +283,11 @@ def test_makefile_has_every_word() -> None:
     assert all(word in text for word in words)
     for word in words:
         done = subprocess.run(
-            ["make", "-n", word, "ARGS=--seed 7"], cwd=ROOT, capture_output=True, text=True, check=True
+            ["make", "--no-print-directory", "-n", word, "ARGS=--seed 7"],
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
+            check=True,
         )
         assert done.stdout.strip() == f"sh .ci/dev.sh {word} --seed 7"
 

@@ -6,6 +6,7 @@ from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.rendering.haptic.tunnel import TunnelCurve
 from mimics_app.rendering.haptic.tunnel_source import tunnel_from_component
 from mimics_app.world.components_haptic import Tunnel
+from mimics_app.world.haptic_checks import check_tunnel_component
 from mimics_app.world.registry import register_check
 from mimics_app.world.scene import Scene
 
@@ -23,7 +24,12 @@ def tunnel_of_scene(scene: Scene) -> tuple[TunnelCurve, float | None]:
 
 
 def check_tunnel(tunnel: Tunnel, pointer: str, scene: Scene) -> list[Issue]:
-    """Faults of a tunnel: build it and see (hairpins, coincident points, a path file that cannot be fitted)."""
+    """Faults of a tunnel: build it and see (hairpins, coincident points, a path file that cannot be fitted).
+
+    One whose component is wrong already is not built: its faults were told.
+    """
+    if check_tunnel_component(tunnel, pointer, scene):
+        return []
     try:
         tunnel_from_component(tunnel, scene.origins.locate(pointer).folder, str(scene.path), pointer)
     except SceneError as error:

@@ -1,21 +1,50 @@
-"""What the application needs of a scenario: the haptic parameters of its scene, and its picture, frame by frame."""
+"""What the application needs of a scenario, and what a scenario tells the task about its scene."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.haptic import Controller
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
-from mimics_app.tasks.task_manager import TaskContext
 
-__all__ = ["Scenario"]
+__all__ = ["Home", "Scenario", "TaskContext"]
+
+Vec3 = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Home:
+    """How the robot gets to the start of a trial.
+
+    Attributes:
+        target: SCENE.target: joints [m, rad, m] for JOINT_PD, robot frame [m] for WORLD_PD.
+        controller: Either of the two.
+    """
+
+    target: Vec3
+    controller: Controller = Controller.JOINT_PD
+
+
+@dataclass(frozen=True, slots=True)
+class TaskContext:
+    """What a task must know of its scene.
+
+    Attributes:
+        start_joints: Where the robot begins a trial [m, rad, m].
+        home: How it gets there; None: by joint PD.
+    """
+
+    start_joints: Vec3
+    home: Home | None = None
 
 
 class Scenario(Protocol):
-    """A scene brought to life. Built anew when its scene file is reloaded."""
+    """A scene brought to life; made with (scene, world), anew when the scene file is reloaded."""
 
     @property
     def task_context(self) -> TaskContext:

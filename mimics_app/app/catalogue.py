@@ -1,0 +1,45 @@
+"""Which scenario plays which scene: the one it names, an installed plug-in, else one that knows its components."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib.metadata import entry_points
+
+from mimics_app.contracts.errors import SceneError, nearest
+from mimics_app.contracts.scenario_port import Scenario
+from mimics_app.scenarios.wavy_tunnel import WavyTunnel
+from mimics_app.world.components_haptic import Tunnel
+from mimics_app.world.scene import Scene
+from mimics_app.world.world import World
+
+__all__ = ["ENTRY_POINT_GROUP", "open_scenario"]
+
+ENTRY_POINT_GROUP = "mimics_app.scenarios"
+
+_Builder = Callable[[Scene, World], Scenario]
+
+_BUILT_IN: dict[str, _Builder] = {"wavy_tunnel": WavyTunnel}
+_BY_COMPONENT: dict[type, _Builder] = {Tunnel: WavyTunnel}
+
+
+def open_scenario(scene: Scene, world: World) -> Scenario:
+    """Bring a scene to life in the world built from it.
+
+    Raises:
+        SceneError: no scenario can play it, or the one that would misses a part.
+    """
+    return _find_builder(scene)(scene, world)
+
+
+def _find_builder(scene: Scene) -> _Builder:
+    if scene.scenario in _BUILT_IN:
+        return _BUILT_IN[scene.scenario]
+    installed = {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
+    if scene.scenario in installed:
+        builder: _Builder = installed[scene.scenario].load()
+        return builder
+    for component, builder in _BY_COMPONENT.items():
+        if scene.components(component):
+            return builder
+    hint = nearest(scene.scenario, [*_BUILT_IN, *installed])
+    raise SceneError(scene.issue("/scenario", f'no scenario "{scene.scenario}", and no component tells another', hint))
