@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import mimics_app.rendering.haptic.scene_tunnel
-import mimics_app.tasks.scene_section  # noqa: F401  both register their checks
-from mimics_app.contracts.errors import UsageError
+import mimics_app.tasks.scene_section  # noqa: F401  registers the task block
+from mimics_app.contracts.errors import Issue, SceneError, UsageError
 from mimics_app.contracts.resources import root
+from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
+from mimics_app.tasks.actions import haptic_field
+from mimics_app.tasks.task import TaskSpec
+from mimics_app.world.components_haptic import Tunnel
 from mimics_app.world.scene import Scene
 from mimics_app.world.scene_file import load_scene
 
@@ -15,12 +18,34 @@ __all__ = ["find_scene", "load_checked_scene"]
 
 
 def load_checked_scene(path: Path) -> Scene:
-    """Read a scene and everything it names.
+    """Read a scene and everything it names, and check what no single stage can.
 
     Raises:
         SceneError: every fault found, each with file and JSON pointer.
     """
-    return load_scene(find_scene(path))
+    scene = load_scene(find_scene(path))
+    issues = _check_widest_tunnel(scene)
+    if issues:
+        raise SceneError(issues)
+    return scene
+
+
+def _check_widest_tunnel(scene: Scene) -> list[Issue]:
+    """The task may widen the tunnel only as far as its tightest bend allows (radius x curvature below 1)."""
+    task = scene.sections.get("task")
+    if not isinstance(task, TaskSpec) or not scene.components(Tunnel):
+        return []
+    limit = tunnel_of_scene(scene)[0].max_radius_scale
+    issues = []
+    for name, parameter in task.parameters.items():
+        for target in parameter.maps:
+            if haptic_field(target) != "tunnel.radius_scale":
+                continue
+            widest = max(target.offset + target.scale * value for value in (parameter.min, parameter.max))
+            if widest >= limit:
+                what = f"makes the tunnel {widest:g} times as wide: its walls fold over in the tightest bend"
+                issues.append(scene.issue(f"/task/parameters/{name}/max", what, f"stay below {limit:.3f}"))
+    return issues
 
 
 def find_scene(path: Path) -> Path:

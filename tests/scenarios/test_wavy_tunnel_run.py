@@ -134,12 +134,17 @@ def bend_to_a_hairpin(document: dict[str, Any]) -> None:
 
 def lose_a_texture(document: dict[str, Any]) -> None:
     document["assets"] = {"planks": {"uri": "no_such_planks.png"}}
-    document["materials"]["floor"]["base_texture"] = "planks"
+    document["materials"] = {"planks": {"base_texture": "planks"}}
+
+
+def let_the_task_fold_the_walls(document: dict[str, Any]) -> None:
+    document["task"]["parameters"]["radius"]["max"] = 1.5
 
 
 @pytest.mark.parametrize(
     ("change", "place"),
     [
+        (let_the_task_fold_the_walls, "#/task/parameters/radius/max"),
         (misspell, "/components/tunnel/stifness"),
         (put_nan, "/components/admittance/mass"),
         (bend_to_a_hairpin, "/components/tunnel/radius"),
