@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["Method", "Registry", "registry"]
+__all__ = ["Group", "Method", "Registry", "registry"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +26,9 @@ class Method:
         unit: Unit of the error, e.g. "m".
         valid_range: One line: where the method may be used.
         run: The function the product calls.
+        default: What the product uses unless a scene or the planner says otherwise; at most one of a group.
+        growth: Probe of the cost [us per call] when the work has a given size; None where it does not grow.
+        sizes: Sizes of the work to measure the growth at, ascending; what they count is the group's `work`.
     """
 
     group: str
@@ -36,17 +39,50 @@ class Method:
     unit: str
     valid_range: str
     run: Callable[..., Any]
+    default: bool = False
+    growth: Callable[[int], float] | None = None
+    sizes: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """What the rivals of a group are for, and the yardstick their costs are told against.
+
+    Attributes:
+        name: As in `Method.group`.
+        what: One line: the job all of them do, and on which input they are measured.
+        unit: Unit of the error, as in `Method.unit`.
+        work: What a size counts, e.g. "pieces of the tunnel"; "" where the cost does not grow.
+        reference: Probe of the group's reference loop [us per call], run right before the rivals so that the ratio
+            holds on any machine.
+    """
+
+    name: str
+    what: str
+    unit: str
+    work: str
+    reference: Callable[[], float]
 
 
 class Registry:
-    """Methods by group, in the order they were registered."""
+    """Methods by group, in the order they were registered; imports nothing: `lab.catalogue` loads the stages' ones."""
 
     def __init__(self) -> None:
         self._groups: dict[str, dict[str, Method]] = {}
+        self._described: dict[str, Group] = {}
+
+    def describe(self, group: Group) -> Group:
+        """Say what a group is for; ValueError when it has been said already."""
+        if group.name in self._described:
+            raise ValueError(f'group "{group.name}" is described twice')
+        self._described[group.name] = group
+        return group
 
     def register(self, method: Method) -> Method:
         """Add a method; ValueError when its group has one of that name already."""
         group = self._groups.setdefault(method.group, {})
+        if method.default and any(rival.default for rival in group.values()):
+            raise ValueError(f'group "{method.group}" has two defaults, the second is "{method.name}"')
         if method.name in group:
             raise ValueError(f'method "{method.name}" is registered twice in group "{method.group}"')
         group[method.name] = method
@@ -59,6 +95,14 @@ class Registry:
     def rivals(self, group: str) -> list[Method]:
         """The methods of a group; KeyError when there is none."""
         return list(self._groups[group].values())
+
+    def described(self, group: str) -> Group:
+        """The description of a group; KeyError when there is none."""
+        return self._described[group]
+
+    def default(self, group: str) -> Method | None:
+        """The method of a group that the product uses by itself, None where none is marked; KeyError: no group."""
+        return next((method for method in self._groups[group].values() if method.default), None)
 
 
 registry = Registry()

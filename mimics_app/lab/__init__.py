@@ -1,0 +1,3 @@
+"""The laboratory: speed charted against accuracy, and stability where methods fail."""
+
+__all__: list[str] = []

@@ -1,0 +1,46 @@
+"""Where the methods are: importing a module of this table registers its groups. No list of methods is kept here."""
+
+# ruff: noqa: F401  to import is to register
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+from mimics_app.contracts.errors import UsageError, nearest
+from mimics_app.contracts.methods import Registry, registry
+
+__all__ = ["GROUPS", "load_methods"]
+
+
+def _tunnel() -> None:
+    import mimics_app.rendering.haptic.methods_tunnel
+
+
+def _admittance() -> None:
+    import mimics_app.rendering.haptic.methods_admittance
+
+
+def _sound() -> None:
+    import mimics_app.rendering.audio.methods
+
+
+GROUPS: dict[str, Callable[[], None]] = {
+    "tunnel projection": _tunnel,
+    "tunnel frame": _tunnel,
+    "admittance form": _admittance,
+    "spatialiser": _sound,
+}
+"""Group -> what imports the module that registers it."""
+
+
+def load_methods(groups: Iterable[str] | None = None) -> Registry:
+    """Register the methods of some groups, or of all, and return the registry; modules of others stay unimported.
+
+    Raises:
+        UsageError: There is no such group.
+    """
+    for group in GROUPS if groups is None else groups:
+        if group not in GROUPS:
+            raise UsageError(f'there is no group of methods "{group}"', nearest(group, GROUPS))
+        GROUPS[group]()
+    return registry
