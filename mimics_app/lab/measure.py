@@ -1,0 +1,167 @@
+"""Measures the rivals of a group: cost beside the group's reference loop, error, and growth with the work."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from mimics_app.contracts.errors import MimicsError
+from mimics_app.contracts.methods import Group, Method, Registry
+from mimics_app.lab.machine import describe_machine
+from mimics_app.lab.table import Row, Table
+
+__all__ = ["Growth", "Measured", "MeasuredGroup", "as_dict", "count_probes", "fit_exponent", "measure", "to_table"]
+
+Step = Callable[[str], None]
+"""Told what is measured next."""
+
+
+@dataclass(frozen=True, slots=True)
+class Growth:
+    """How a method's cost grows.
+
+    Attributes:
+        sizes: Sizes of the work, ascending.
+        cost_us: Cost at each [us per call].
+        exponent: p of cost ~ size^p by least squares of the logarithms.
+    """
+
+    sizes: tuple[int, ...]
+    cost_us: tuple[float, ...]
+    exponent: float
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """What one method was found to cost and to err.
+
+    Attributes:
+        method: The entry of the registry.
+        cost_us: [us per call].
+        ratio: Cost as a multiple of the reference loop timed right before and after.
+        error: In the method's unit; infinite where it fails.
+        growth: None where none is probed.
+    """
+
+    method: Method
+    cost_us: float
+    ratio: float
+    error: float
+    growth: Growth | None
+
+
+@dataclass(frozen=True, slots=True)
+class MeasuredGroup:
+    """One group, measured.
+
+    Attributes:
+        group: What it is for.
+        reference_us: Cost of the reference loop [us per call], the shortest of the run.
+        rows: One for each method that could be measured, in the order of the registry.
+        skipped: Method -> why it could not be measured here.
+    """
+
+    group: Group
+    reference_us: float
+    rows: list[Measured]
+    skipped: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def default(self) -> str:
+        """Name of the method the product uses by itself; "" where none is marked."""
+        return next((row.method.name for row in self.rows if row.method.default), "")
+
+
+def count_probes(registry: Registry, groups: Sequence[str]) -> int:
+    """How many times `measure` will call its `step` for these groups."""
+    return sum(1 + len(method.sizes) for group in groups for method in registry.rivals(group))
+
+
+def measure(group: str, registry: Registry, step: Step = lambda _: None) -> MeasuredGroup:
+    """Measure every method of a group, the reference loop around each.
+
+    A method that cannot run on this machine (a MimicsError of its probes) is skipped, and the reason is kept.
+
+    Args:
+        group: Name of the group; its module is imported already.
+        registry: Where it is registered.
+        step: Called with a word before each probe.
+
+    Raises:
+        KeyError: There is no such group, or nobody described it.
+    """
+    described = registry.described(group)
+    measured, skipped = list[Measured](), dict[str, str]()
+    before = shortest = described.reference()
+    for method in registry.rivals(group):
+        step(f"{group}: {method.name}")
+        try:
+            cost, error = method.cost(), method.error()
+            after = described.reference()
+            growth = _growth(method, step)
+        except MimicsError as failure:
+            skipped[method.name] = str(failure)
+            continue
+        measured.append(Measured(method, cost, cost / min(before, after), _size_of(error), growth))
+        shortest, before = min(shortest, before, after), after
+    return MeasuredGroup(described, shortest, measured, skipped)
+
+
+def _size_of(error: float) -> float:
+    """An error's size; not-a-number is a failure."""
+    return math.inf if math.isnan(error) else abs(float(error))
+
+
+def _growth(method: Method, step: Step) -> Growth | None:
+    if method.growth is None or len(method.sizes) < 2:
+        return None
+    costs = []
+    for size in method.sizes:
+        step(f"{method.group}: {method.name}, {size}")
+        costs.append(method.growth(size))
+    return Growth(method.sizes, tuple(costs), fit_exponent(method.sizes, costs))
+
+
+def fit_exponent(sizes: Sequence[float], costs: Sequence[float]) -> float:
+    """p of cost = c * size^p by least squares of the logarithms.
+
+    Raises:
+        ValueError: Fewer than two different sizes, or a value that is not positive.
+    """
+    if len(set(sizes)) < 2 or min(*sizes, *costs) <= 0.0:
+        raise ValueError(f"no exponent from sizes {list(sizes)} and costs {list(costs)}")
+    x, y = [math.log(size) for size in sizes], [math.log(cost) for cost in costs]
+    middle = sum(x) / len(x)
+    return sum((a - middle) * b for a, b in zip(x, y, strict=True)) / sum((a - middle) ** 2 for a in x)
+
+
+def to_table(groups: Sequence[MeasuredGroup]) -> Table:
+    """The figures as the planner reads them."""
+    return Table(
+        groups={
+            one.group.name: [Row(r.method.name, r.cost_us, r.ratio, r.error, r.method.unit) for r in one.rows]
+            for one in groups
+        },
+        machine=describe_machine().as_dict(),
+        reference_us={one.group.name: one.reference_us for one in groups},
+    )
+
+
+def as_dict(measured: MeasuredGroup) -> dict[str, Any]:
+    """Plain values for `--json`."""
+    rows = [
+        {
+            "method": row.method.name,
+            "cost_us": row.cost_us,
+            "ratio": row.ratio,
+            "error": row.error,
+            "unit": row.method.unit,
+            "default": row.method.default,
+            "exponent": row.growth.exponent if row.growth else None,
+            "growth": list(zip(row.growth.sizes, row.growth.cost_us, strict=True)) if row.growth else [],
+        }
+        for row in measured.rows
+    ]
+    return {"reference_us": measured.reference_us, "rows": rows, "skipped": measured.skipped}
