@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--patient", choices=("healthy", "moderate", "severe"), default="", help="instead of the scene's"
     )
     parser.add_argument("--sound", choices=SOUNDS, default="auto", help="where sound goes")
-    parser.add_argument("--size", type=picture_size, default=(1280, 720), metavar="WxH", help="of the picture [px]")
+    parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="of the picture [px]")
     parser.add_argument("--pictures", type=int, default=4, help="frames a headless run draws and keeps")
     parser.add_argument("--video", type=Path, help="folder for every frame of a headless run, as PNG")
     parser.add_argument("--action", type=Path, metavar="FILE", help="replay task actions from a JSON file")
