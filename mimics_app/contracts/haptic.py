@@ -90,6 +90,7 @@ class Projection(IntEnum):
     NEWTON_WARM = 0
     GOLDEN_SECTION = 1
     BRUTE_FORCE = 2
+    NEWTON_ONE_STEP = 3
 
 
 class Button(IntFlag):
@@ -115,6 +116,7 @@ class EventKind(IntEnum):
     STATE = 3
     TRIP = 4
     PARAMETERS = 5
+    MARGIN = 6
 
 
 TUNNEL = np.dtype(
@@ -151,6 +153,8 @@ SCENE = np.dtype(
         ("virtual_damping", "f8"),  # [N s/m]
         ("max_acceleration", "f8"),  # [m/s^2] of the virtual mass
         ("max_velocity", "f8"),  # [m/s] of the command
+        ("device_delay", "f8"),  # from command to motion [s]; as the device plug-in states it
+        ("arm_damping", "f8"),  # of the person's arm [N s/m], counted on in the stability limit
         ("axis_offset", "f8"),  # d1 [m] of (1)
         ("joint_min", "f8", (3,)),  # q1 [m], q2 [rad], q3 [m]
         ("joint_max", "f8", (3,)),
@@ -204,6 +208,7 @@ SAMPLE = np.dtype(
         ("sequence", "f8"),  # SCENE block this tick used
         ("stop_word", "f8"),  # stop key as this tick saw it
         ("held", "f8"),  # late-tick class: 0 in time, 1 hold, 2 damp, 3 stop, 4 missed in a row
+        ("period_s", "f8"),  # measured period, mean weighted by length [s]; nominal on a virtual clock
         # outputs
         ("hip_world", "f8", (3,)),  # haptic interaction point [m]
         ("v_world", "f8", (3,)),  # its velocity [m/s]
@@ -223,6 +228,9 @@ SAMPLE = np.dtype(
         ("ramp", "f8"),  # soft-start factor 0-1
         ("state", "f8"),  # SafetyState
         ("cause", "f8"),  # TripCause
+        ("stiffness_limit", "f8"),  # largest stable stiffness of a contact for this period and delay [N/m]
+        ("margin", "f8"),  # stiffness_limit / stiffness of the wall - 1 [-]; below 0 it may swing up
+        ("energy", "f8"),  # the wall took from the person since the contact began [J]; below 0 it gave
         # timing of the live loop; not part of the state hash
         ("lateness_ns", "f8"),  # wake-up after the release
         ("duration_ns", "f8"),  # work of the tick
@@ -252,6 +260,10 @@ SNAPSHOT = np.dtype(
         ("penetration", "f8"),
         ("tunnel_radius", "f8"),
         ("ramp", "f8"),
+        ("period_s", "f8"),  # these four as in SAMPLE
+        ("stiffness_limit", "f8"),
+        ("margin", "f8"),
+        ("energy", "f8"),
     ],
     align=True,
 )
@@ -272,7 +284,7 @@ EVENT = np.dtype(
         ("position_world", "f4", (3,)),  # [m]
         ("normal_world", "f4", (3,)),  # out of the touched surface
         ("speed", "f4"),  # approach speed [m/s]
-        ("force", "f4"),  # [N]; STATE, TRIP, PARAMETERS: the new state, cause or sequence
+        ("force", "f4"),  # [N]; STATE, TRIP, PARAMETERS, MARGIN: the new state, cause, sequence or margin
         ("value", "f4"),  # kind-specific: tunnel parameter s of a contact
     ]
 )

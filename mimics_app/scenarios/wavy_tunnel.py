@@ -102,10 +102,16 @@ class WavyTunnel(Scenario):
         self._curve.fill(record)
         for name in _FORCES:
             record[name] = getattr(self._tunnel, name)
-        settings = self._scene.systems.get("haptic")
-        if isinstance(settings, HapticSettings):
-            record["projection"] = Projection[settings.projection.upper().replace(" ", "_")]
+        record["projection"] = Projection[self._projection.upper().replace(" ", "_")]
         return block
+
+    @property
+    def _projection(self) -> str:
+        """As the scene names it, else as planned; without a plan the one that is always right."""
+        settings = self._scene.systems.get("haptic")
+        if isinstance(settings, HapticSettings) and settings.projection != "auto":
+            return settings.projection
+        return self._scene.methods.get("tunnel projection", "newton warm")
 
     def apply(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         self._ball.set_position(snapshot.hip_world)

@@ -8,16 +8,16 @@ from msgspec import Meta
 
 from mimics_app.world.registry import Component, register_system
 
-__all__ = ["AudioSettings", "HapticSettings", "VisualSettings"]
+__all__ = ["AudioSettings", "HapticSettings", "Tolerances", "VisualSettings"]
 
 
 class HapticSettings(Component, frozen=True):
     """The haptic loop."""
 
     projection: Annotated[
-        Literal["newton warm", "golden section", "brute force"],
-        Meta(description="How the closest point of a tunnel's bisector is found; see mimics explain"),
-    ] = "newton warm"
+        Literal["auto", "newton one step", "newton warm", "golden section", "brute force"],
+        Meta(description="How the closest point of a tunnel's bisector is found; auto: the planner (mimics explain)"),
+    ] = "auto"
 
 
 class VisualSettings(Component, frozen=True):
@@ -31,10 +31,27 @@ class AudioSettings(Component, frozen=True):
     """The sound."""
 
     enabled: Annotated[bool, Meta(description="False: no audio process at all")] = True
-    hrtf: Annotated[bool, Meta(description="Place sounds about the head (headphones)")] = True
+    hrtf: Annotated[
+        bool | Literal["auto"],
+        Meta(description="Place sounds about the head (headphones); auto: as systems.tolerances.itd_us asks"),
+    ] = "auto"
     gain: Annotated[float, Meta(ge=0, le=4, description="Of everything, linear")] = 1.0
 
 
+_Limit = Annotated[float, Meta(gt=0)]
+
+
+class Tolerances(Component, frozen=True):
+    """Largest errors the scene accepts. What is left out is the profile's (draft, training, study)."""
+
+    force_N: Annotated[_Limit | None, Meta(description="Of a force on the hand [N]")] = None
+    position_m: Annotated[_Limit | None, Meta(description="Of a point on a surface or curve that is touched [m]")] = None
+    angle_rad: Annotated[_Limit | None, Meta(description="Of a direction or frame [rad]")] = None
+    itd_us: Annotated[_Limit | None, Meta(description="Of the delay of a sound between the ears [us]")] = None
+    frame_ms: Annotated[_Limit | None, Meta(description="Longest a frame of the picture may take [ms]")] = None
+
+
+register_system("tolerances", Tolerances)
 register_system("haptic", HapticSettings)
 register_system("visual", VisualSettings)
 register_system("audio", AudioSettings)

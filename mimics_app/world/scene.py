@@ -62,6 +62,7 @@ class Scene:
         sections: Registered sections, decoded ("task"), by name.
         files: Every file read, the scene file first.
         named_files: Those that components name, in the order they were asked for.
+        methods: What the planner chose where the files leave the choice to it, by group of methods; {} before it ran.
         notes: What was left out of models or repaired, for people.
     """
 
@@ -84,6 +85,7 @@ class Scene:
     files: list[Path] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     named_files: list[Path] = field(default_factory=list)
+    methods: dict[str, str] = field(default_factory=dict)
 
     @property
     def file(self) -> str:

@@ -22,6 +22,7 @@ from mimics_app.rendering.haptic.kernels.tunnel_projection import (
     project_brute_force,
     project_golden_section,
     track,
+    track_one_step,
 )
 from mimics_app.rendering.haptic.tunnel import TunnelCurve, build_tunnel
 
@@ -83,6 +84,12 @@ def _probe_tunnel() -> tuple[TunnelCurve, NDArray[Any], Array]:
 def _walk_newton(tunnels: Any, path: Array, states: Any, out: Array) -> None:
     for i in range(path.shape[0]):
         out[i] = track(tunnels[0], path[i, 0], path[i, 1], path[i, 2], states[0])
+
+
+@kernel
+def _walk_one_step(tunnels: Any, path: Array, states: Any, out: Array) -> None:
+    for i in range(path.shape[0]):
+        out[i] = track_one_step(tunnels[0], path[i, 0], path[i, 1], path[i, 2], states[0])
 
 
 @kernel
@@ -207,6 +214,18 @@ registry.register(
         unit="m",
         valid_range="radius x curvature < 1; stays on its branch where the tunnel crosses or meets itself",
         run=track,
+    )
+)
+registry.register(
+    Method(
+        group=PROJECTION_GROUP,
+        name="newton one step",
+        source="one Newton step a tick from the last tick's point; the guards of newton warm",
+        cost=lambda: _projection_cost(_walk_one_step, _TICKS),
+        error=lambda: _projection_error(_walk_one_step),
+        unit="m",
+        valid_range="as newton warm; errs by about the square of a tick's motion over the bend's radius",
+        run=track_one_step,
     )
 )
 registry.register(

@@ -1,4 +1,4 @@
-"""Closest point of the tunnel's bisector: the tracked Newton of the tick, and its two rivals.
+"""Closest point of the tunnel's bisector: the tracked Newton of the tick, and its rivals.
 
 The square distance to a cubic piece is a polynomial of degree six, so there is no closed form. The tick therefore keeps
 the parameter of the last tick and corrects it with a guarded Newton step or two; a search over all pieces replaces it
@@ -25,10 +25,12 @@ __all__ = [
     "search",
     "slope",
     "track",
+    "track_one_step",
 ]
 
 _GOLDEN_SECTION = int(Projection.GOLDEN_SECTION)
 _BRUTE_FORCE = int(Projection.BRUTE_FORCE)
+_NEWTON_ONE_STEP = int(Projection.NEWTON_ONE_STEP)
 
 _CONVERGED = 1e-12
 """Newton stops when its step is shorter than this along the bisector [m]."""
@@ -196,8 +198,33 @@ def track(tunnel: Any, px: float, py: float, pz: float, state: Any) -> float:
     Returns:
         Tunnel parameter s of the closest point [pieces], 0 to tunnel.pieces.
     """
-    moved = math.sqrt((px - state.tracked[0]) ** 2 + (py - state.tracked[1]) ** 2 + (pz - state.tracked[2]) ** 2)
     s, distance2, found = refine(tunnel, px, py, pz, state.s)
+    return _keep_branch(tunnel, px, py, pz, state, s, distance2, found)
+
+
+@kernel
+def track_one_step(tunnel: Any, px: float, py: float, pz: float, state: Any) -> float:
+    """Rival: `track` with a single Newton step a tick; its error is of the order of the square of a tick's motion.
+
+    The step that leads uphill or starts where the distance is not convex is given to the guarded search of `track`.
+    """
+    last = float(tunnel.pieces)
+    before2, gradient, bend, speed2 = slope(tunnel, px, py, pz, state.s)
+    s = min(max(state.s + _newton_step(gradient, bend, speed2), 0.0), last)
+    piece, u = locate(tunnel, s)
+    distance2 = _distance2(tunnel, px, py, pz, piece, u)
+    found = bend > 0.1 * speed2
+    if not found or distance2 > before2 * (1.0 + 1e-12):
+        s, distance2, found = refine(tunnel, px, py, pz, state.s)
+    return _keep_branch(tunnel, px, py, pz, state, s, distance2, found)
+
+
+@kernel
+def _keep_branch(
+    tunnel: Any, px: float, py: float, pz: float, state: Any, s: float, distance2: float, found: bool
+) -> float:
+    """Take s as the tracked point, unless the branch is lost; see `track`."""
+    moved = math.sqrt((px - state.tracked[0]) ** 2 + (py - state.tracked[1]) ** 2 + (pz - state.tracked[2]) ** 2)
     distance = math.sqrt(distance2)
     state.ticks += 1
     if state.tracking == 0 or moved > _TELEPORT or not found or distance > state.distance + moved + 1e-9:
@@ -224,6 +251,8 @@ def track(tunnel: Any, px: float, py: float, pz: float, state: Any) -> float:
 @kernel
 def project(tunnel: Any, px: float, py: float, pz: float, state: Any) -> float:
     """The closest point by the method the parameter block names (contracts.haptic.Projection)."""
+    if tunnel.projection == _NEWTON_ONE_STEP:
+        return track_one_step(tunnel, px, py, pz, state)
     if tunnel.projection == _GOLDEN_SECTION:
         s = project_golden_section(tunnel, px, py, pz, state)
     elif tunnel.projection == _BRUTE_FORCE:
