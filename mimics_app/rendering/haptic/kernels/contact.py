@@ -1,0 +1,331 @@
+"""Shape tests of one point (HIP) in the frame of one object (D2.1 equations 8, 13, 14, 16), with their memory.
+
+Each test fills a `CONTACT` record: depth d > 0 inside, unit outward normal, the feature that was entered. The record is
+the memory of one (HIP, object) pair; `forget` it on teleport, disabling, or a changed shape. Degenerate normals are the
+last good ones, never NaN.
+
+What is printed and why it is changed:
+
+- (8) gives the position only; the rate of depth needs the velocity too, including the object's turning.
+- (13) `|HIP'| - r` and (16) `HIP'(z)` are negative inside: their springs would pull in.
+- (14) `min(HIP' - dim/2)` has no absolute value, the wrong sign and the wrong end: inside all differences are negative
+  and the least one belongs to the FARTHEST face. Nor does it remember the face of entry that Figure 27 asks for.
+- The rule of Figure 27, "force cannot change direction", holds for flat faces; on a sphere the feature is held and its
+  normal follows the HIP.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.contact_law import pair_force
+
+__all__ = [
+    "CONTACT",
+    "cube",
+    "cube_nearest_face",
+    "cube_printed",
+    "forget",
+    "pair_spheres",
+    "rate_of_depth",
+    "sphere",
+    "sphere_nearest",
+    "to_object",
+    "wall",
+]
+
+Vec = NDArray[np.float64]
+Mat = NDArray[np.float64]
+
+_CENTRE = 1e-12
+"""Distance [m] from a sphere's centre below which the direction to it means nothing."""
+
+CONTACT = np.dtype(
+    [
+        ("depth", np.float64),  # [m], 0 outside
+        ("normal", np.float64, 3),  # unit, outward, object frame
+        ("previous", np.float64, 3),  # HIP' of the last call [m]
+        ("feature", np.int32),  # cube: +-1, +-2, +-3 for the face; wall, sphere: 1; 0 outside
+        ("inside", np.uint8),
+        ("known", np.uint8),  # `previous` holds a point
+    ],
+    align=True,
+)
+"""What one shape test says, and what it remembers until the next tick."""
+
+
+@kernel
+def forget(contact: Any) -> None:
+    """Drop the memory of a contact: the next call starts as if the point had never been seen."""
+    contact.depth = 0.0
+    contact.feature = 0
+    contact.inside = 0
+    contact.known = 0
+
+
+@kernel
+def _leave(p: Vec, contact: Any) -> None:
+    contact.depth = 0.0
+    contact.feature = 0
+    contact.inside = 0
+    _remember(p, contact)
+
+
+@kernel
+def _remember(p: Vec, contact: Any) -> None:
+    for i in range(3):
+        contact.previous[i] = p[i]
+    contact.known = 1
+
+
+@kernel
+def to_object(R: Mat, centre: Vec, v_object: Vec, omega: Vec, hip: Vec, v_hip: Vec, p: Vec, v: Vec) -> None:
+    """Position and velocity of the HIP in the object's frame, (8): HIP' = R^T (HIP - centre).
+
+    Args:
+        R: World from object, shape [3, 3], orthogonal.
+        centre: Object's position [m], world.
+        v_object: Object's velocity [m/s], world.
+        omega: Object's angular velocity [rad/s], world.
+        hip: HIP [m], world.
+        v_hip: Velocity of the HIP [m/s], world.
+        p: Receives HIP' [m].
+        v: Receives R^T (v_hip - v_object - omega x (HIP - centre)) [m/s]: 0 when the HIP is carried along.
+    """
+    x, y, z = hip[0] - centre[0], hip[1] - centre[1], hip[2] - centre[2]
+    vx = v_hip[0] - v_object[0] - (omega[1] * z - omega[2] * y)
+    vy = v_hip[1] - v_object[1] - (omega[2] * x - omega[0] * z)
+    vz = v_hip[2] - v_object[2] - (omega[0] * y - omega[1] * x)
+    for i in range(3):
+        p[i] = R[0, i] * x + R[1, i] * y + R[2, i] * z
+        v[i] = R[0, i] * vx + R[1, i] * vy + R[2, i] * vz
+
+
+@kernel
+def rate_of_depth(v: Vec, contact: Any) -> float:
+    """Rate of depth d' = -v.n [m/s], positive going in; v is the HIP's velocity in the object's frame (`to_object`)."""
+    return -(v[0] * contact.normal[0] + v[1] * contact.normal[1] + v[2] * contact.normal[2])
+
+
+@kernel
+def wall(p: Vec, contact: Any) -> None:
+    """Half-space z < 0 with its free side at +z, (16): d = -HIP'(z), n = +e_z. Any depth is inside."""
+    if p[2] >= 0.0:
+        _leave(p, contact)
+        return
+    contact.depth = -p[2]
+    _flat(2, 1.0, contact)
+    contact.feature = 1
+    _remember(p, contact)
+
+
+@kernel
+def _flat(axis: int, sign: float, contact: Any) -> None:
+    for i in range(3):
+        contact.normal[i] = 0.0
+    contact.normal[axis] = sign
+    contact.inside = 1
+
+
+@kernel
+def sphere(p: Vec, v: Vec, radius: float, contact: Any) -> None:
+    """Sphere, (13): d = r - |HIP'|, n = HIP' / |HIP'|, with a memory at the centre.
+
+    A point that crosses the centre within one tick keeps its last normal, and d = r - HIP'.n goes on growing: without
+    that a mass faster than r sqrt(k/m) would be pushed out behind (1.29 m/s at 50 mm, 2 kN/m, 3 kg); with it on the way
+    through the centre it takes twice that speed. A path that rounds the centre is followed by the normal, as it should.
+
+    Args:
+        p: HIP' [m].
+        v: Velocity of the HIP [m/s] in the object's frame, which gives a first normal at the centre.
+        radius: r [m] (plus the radius of the HIP when it is a ball).
+        contact: Record of `CONTACT`, updated.
+    """
+    distance = math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])
+    if distance >= radius:
+        _leave(p, contact)
+        return
+    n = contact.normal
+    along = p[0] * n[0] + p[1] * n[1] + p[2] * n[2]
+    if contact.inside and along < 0.0:
+        contact.depth = radius - along
+    else:
+        if distance > _CENTRE:
+            for i in range(3):
+                n[i] = p[i] / distance
+        elif not contact.inside:
+            _against(v, n)
+        contact.depth = radius - distance
+    contact.inside = 1
+    contact.feature = 1
+    _remember(p, contact)
+
+
+@kernel
+def _against(v: Vec, n: Vec) -> None:
+    """Set n = -v / |v|, or +z when nothing moves."""
+    speed = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+    for i in range(3):
+        n[i] = -v[i] / speed if speed > 0.0 else 0.0
+    if speed == 0.0:
+        n[2] = 1.0
+
+
+@kernel
+def sphere_nearest(p: Vec, radius: float, contact: Any) -> None:
+    """Sphere, (13) with the right sign but no memory: rival of `sphere` that lets fast points through its centre."""
+    distance = math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])
+    if distance >= radius:
+        _leave(p, contact)
+        return
+    if distance > _CENTRE:
+        for i in range(3):
+            contact.normal[i] = p[i] / distance
+    contact.depth = radius - distance
+    contact.inside = 1
+    contact.feature = 1
+    _remember(p, contact)
+
+
+@kernel
+def cube(p: Vec, v: Vec, dimensions: Vec, contact: Any) -> None:
+    """Box, (14) with the face of entry held while the HIP is inside (Figure 27): d = dim_i/2 - s HIP'_i, n = s e_i.
+
+    The face is the last of the slab planes that the segment from the last HIP' to this one crosses; on an edge or
+    corner the axis with the larger inward speed; when the first point seen is inside, the nearest face.
+
+    Args:
+        p: HIP' [m].
+        v: Velocity of the HIP [m/s] in the object's frame; decides ties.
+        dimensions: Edge lengths [m], shape [3], > 0.
+        contact: Record of `CONTACT`, updated. Depth may pass half the edge.
+    """
+    if not _in_box(p, dimensions):
+        _leave(p, contact)
+        return
+    if not contact.inside:
+        contact.feature = _entered_face(p, v, dimensions, contact.previous) if contact.known else 0
+        if contact.feature == 0:
+            contact.feature = _nearest_face(p, dimensions)
+    _hold(p, dimensions, contact)
+
+
+@kernel
+def cube_nearest_face(p: Vec, dimensions: Vec, contact: Any) -> None:
+    """Box with the nearest face of every tick: rival of `cube` whose force flips where two faces are equally near.
+
+    At 3 mm on 2 kN/m the force turns by sqrt(2) k d = 8.485 N within one tick.
+    """
+    if not _in_box(p, dimensions):
+        _leave(p, contact)
+        return
+    contact.feature = _nearest_face(p, dimensions)
+    _hold(p, dimensions, contact)
+
+
+@kernel
+def cube_printed(p: Vec, dimensions: Vec, contact: Any) -> None:
+    """Box with the face that (14) names: least of |HIP'_i| - dim_i/2, which inside is the farthest. Demonstration."""
+    if not _in_box(p, dimensions):
+        _leave(p, contact)
+        return
+    farthest = 0
+    for i in range(1, 3):
+        if abs(p[i]) - 0.5 * dimensions[i] < abs(p[farthest]) - 0.5 * dimensions[farthest]:
+            farthest = i
+    contact.feature = farthest + 1 if p[farthest] >= 0.0 else -farthest - 1
+    _hold(p, dimensions, contact)
+
+
+@kernel
+def _in_box(p: Vec, dimensions: Vec) -> bool:
+    for i in range(3):
+        if not abs(p[i]) < 0.5 * dimensions[i]:
+            return False
+    return True
+
+
+@kernel
+def _hold(p: Vec, dimensions: Vec, contact: Any) -> None:
+    """Depth and normal of the contact's face."""
+    face = contact.feature
+    axis = abs(face) - 1
+    sign = 1.0 if face > 0 else -1.0
+    contact.depth = 0.5 * dimensions[axis] - sign * p[axis]
+    _flat(axis, sign, contact)
+    _remember(p, contact)
+
+
+@kernel
+def _nearest_face(p: Vec, dimensions: Vec) -> int:
+    nearest = 0
+    for i in range(1, 3):
+        if 0.5 * dimensions[i] - abs(p[i]) < 0.5 * dimensions[nearest] - abs(p[nearest]):
+            nearest = i
+    return nearest + 1 if p[nearest] >= 0.0 else -nearest - 1
+
+
+@kernel
+def _entered_face(p: Vec, v: Vec, dimensions: Vec, previous: Vec) -> int:
+    """Face whose plane the segment previous -> p crosses last; 0 when it starts inside all slabs."""
+    face = 0
+    latest = -1.0
+    speed = 0.0
+    for i in range(3):
+        half = 0.5 * dimensions[i]
+        if abs(previous[i]) < half:
+            continue
+        sign = 1.0 if previous[i] > 0.0 else -1.0
+        crossing = (sign * half - previous[i]) / (p[i] - previous[i])
+        inward = -sign * v[i]
+        if crossing > latest or (crossing == latest and inward > speed):
+            face = i + 1 if sign > 0.0 else -i - 1
+            latest = crossing
+            speed = inward
+    return face
+
+
+@kernel
+def pair_spheres(
+    p1: Vec, v1: Vec, r1: float, p2: Vec, v2: Vec, r2: float, k: float, b: float, contact: Any, force: Vec
+) -> bool:
+    """Contact of two spheres, (17) corrected: force on body 1 is -f n, on body 2 +f n, n from 1 to 2.
+
+    For frictionless spheres neither torque nor spin counts. A sphere on a wall is `wall` of its lowest point.
+
+    Args:
+        p1: Centre of body 1 [m]; p2 that of body 2, same frame.
+        v1: Velocity of body 1 [m/s]; v2 that of body 2.
+        r1: Radius of body 1 [m]; r2 that of body 2.
+        p2: See p1.
+        v2: See v1.
+        r2: See r1.
+        k: `contact_law.pair_stiffness` [N/m].
+        b: `contact_law.pair_damping` [N s/m].
+        contact: Record of `CONTACT` of the pair, updated; its normal is n. Keeps the last n for coinciding centres.
+        force: Receives the force [N] on body 2; body 1 gets its negative.
+
+    Returns:
+        True while they touch.
+    """
+    n = contact.normal
+    x, y, z = p2[0] - p1[0], p2[1] - p1[1], p2[2] - p1[2]
+    distance = math.sqrt(x * x + y * y + z * z)
+    depth = r1 + r2 - distance
+    contact.inside = depth > 0.0
+    contact.feature = contact.inside
+    contact.depth = max(0.0, depth)
+    if distance > _CENTRE:
+        n[0] = x / distance
+        n[1] = y / distance
+        n[2] = z / distance
+    approach = (v1[0] - v2[0]) * n[0] + (v1[1] - v2[1]) * n[1] + (v1[2] - v2[2]) * n[2]
+    f = pair_force(depth, approach, k, b)
+    for i in range(3):
+        force[i] = f * n[i]
+    return depth > 0.0

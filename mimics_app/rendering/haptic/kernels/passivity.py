@@ -1,0 +1,61 @@
+"""Passivity observer: the energy a rendered object has taken from the user (Hannaford & Ryu 2002).
+
+The device holds each force for a whole tick, so the work of a tick is exactly F_{k-1}.(x_k - x_{k-1}), whatever the
+hand did in between; T F v would err by what the velocity changed. Nothing here acts: what to do about an energy below
+zero is the passivity controller's.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+
+__all__ = ["OBSERVER", "observe", "reset_observer"]
+
+Vec = NDArray[np.float64]
+
+OBSERVER = np.dtype(
+    [
+        ("energy", np.float64),  # taken from the user since the reset [J]; below 0: the object has given energy away
+        ("lowest", np.float64),  # least energy so far [J]
+        ("position", np.float64, 3),  # of the last tick [m]
+        ("force", np.float64, 3),  # on the user, held since the last tick [N]
+        ("known", np.uint8),
+    ],
+    align=True,
+)
+"""State of one observer; zeros are a fresh one."""
+
+
+@kernel
+def reset_observer(observer: Any) -> None:
+    """Start again at 0 J, as in free motion."""
+    observer.energy = 0.0
+    observer.lowest = 0.0
+    observer.known = 0
+
+
+@kernel
+def observe(observer: Any, position: Vec, force_on_user: Vec) -> float:
+    """Count one tick and return the energy [J] taken from the user so far: E += (-F_{k-1}).(x_k - x_{k-1}).
+
+    Args:
+        observer: Record of `OBSERVER`, updated.
+        position: Where the device is at this tick [m], shape [3].
+        force_on_user: What it shows from this tick to the next [N], shape [3], same frame.
+    """
+    if observer.known:
+        work = 0.0
+        for i in range(3):
+            work -= observer.force[i] * (position[i] - observer.position[i])
+        observer.energy += work
+        observer.lowest = min(observer.lowest, observer.energy)
+    for i in range(3):
+        observer.position[i] = position[i]
+        observer.force[i] = force_on_user[i]
+    observer.known = 1
+    return observer.energy

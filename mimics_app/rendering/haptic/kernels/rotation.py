@@ -1,0 +1,221 @@
+"""One step of a free or pushed rigid body's orientation from its angular momentum (D2.1 equation 12), five rivals.
+
+State: quaternion q (xyzw, world from body, unit) and angular momentum L [kg m^2/s] in the WORLD frame. The caller adds
+torque times dt to L; a step then turns q, so that |L| of a free body is constant whatever the rival. The body frame is
+that of the principal axes; `inverse_inertia` are the reciprocals of the principal moments [1/(kg m^2)], 0 for an axis
+that is not free to turn.
+
+Equation 12 as printed has four faults:
+
+- `dR = rot(x) rot(y) rot(y)`: the last factor must be rot(z); as printed a body never turns about z.
+- `phi' = I^-1 L` with a constant I is right for spheres and equal-sided cubes only; in the world frame it is
+  R I^-1 R^T L. With the constant form a free asymmetric top never tumbles (173 degrees off after 10 s).
+- A product of axis rotations depends on the order of its factors: it drifts (h/2) |wx wy wz|/|w| rad/s from the turn
+  about the axis of omega, 2.4 degrees in 10 s at (3, 4, 5) rad/s and 1 ms.
+- The side is not said: an omega in the world frame multiplies from the left, R <- dR R. Nor is phi a vector of angles.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+
+__all__ = [
+    "angular_velocity",
+    "kinetic_energy",
+    "rotate_axes",
+    "rotate_exponential",
+    "rotate_printed",
+    "rotate_rk4",
+    "rotate_start",
+    "turn_axes",
+    "turn_exponential",
+    "turn_printed",
+]
+
+Vec = NDArray[np.float64]
+Quat = NDArray[np.float64]
+Four = tuple[float, float, float, float]
+Three = tuple[float, float, float]
+
+_SERIES_ANGLE = 1e-4
+"""Half angle [rad] below which sin(a)/a is its series: the next term, a^4/120, is under 1e-18."""
+
+
+@kernel
+def _product(a: Four, b: Four) -> Four:
+    """Quaternion a b: turn by b, then by a."""
+    return (
+        a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1],
+        a[3] * b[1] - a[0] * b[2] + a[1] * b[3] + a[2] * b[0],
+        a[3] * b[2] + a[0] * b[1] - a[1] * b[0] + a[2] * b[3],
+        a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2],
+    )
+
+
+@kernel
+def _turned(q: Four, v: Three) -> Three:
+    """R(q) v, also for a q that is not quite of unit length (then scaled by its square)."""
+    x, y, z, w = q
+    tx = y * v[2] - z * v[1]
+    ty = z * v[0] - x * v[2]
+    tz = x * v[1] - y * v[0]
+    square = x * x + y * y + z * z + w * w
+    return (
+        square * v[0] + 2.0 * (w * tx + y * tz - z * ty),
+        square * v[1] + 2.0 * (w * ty + z * tx - x * tz),
+        square * v[2] + 2.0 * (w * tz + x * ty - y * tx),
+    )
+
+
+@kernel
+def _rate(q: Four, momentum: Vec, inverse_inertia: Vec) -> Three:
+    """World omega = R I^-1 R^T L [rad/s], world frame."""
+    lx, ly, lz = _turned((-q[0], -q[1], -q[2], q[3]), (momentum[0], momentum[1], momentum[2]))
+    return _turned(q, (inverse_inertia[0] * lx, inverse_inertia[1] * ly, inverse_inertia[2] * lz))
+
+
+@kernel
+def _exponential(omega: Three, dt: float) -> Four:
+    """Quaternion of the rotation by |omega| dt about omega; its series near zero."""
+    x, y, z = 0.5 * dt * omega[0], 0.5 * dt * omega[1], 0.5 * dt * omega[2]
+    square = x * x + y * y + z * z
+    half = math.sqrt(square)
+    sinc = 1.0 - square / 6.0 if half < _SERIES_ANGLE else math.sin(half) / half
+    return sinc * x, sinc * y, sinc * z, math.cos(half)
+
+
+@kernel
+def _store(value: Four, q: Quat) -> None:
+    """Write a quaternion, brought back to unit length: R^T must stay R^-1 after a million steps."""
+    scale = 1.0 / math.sqrt(value[0] * value[0] + value[1] * value[1] + value[2] * value[2] + value[3] * value[3])
+    for i in range(4):
+        q[i] = scale * value[i]
+
+
+@kernel
+def angular_velocity(q: Quat, momentum: Vec, inverse_inertia: Vec, out: Vec) -> None:
+    """Set out = R I^-1 R^T L: angular velocity [rad/s], world frame, shape [3].
+
+    Args:
+        q: World from body, xyzw.
+        momentum: L [kg m^2/s], world.
+        inverse_inertia: Reciprocals of the principal moments [1/(kg m^2)].
+        out: Receives omega.
+    """
+    out[0], out[1], out[2] = _rate((q[0], q[1], q[2], q[3]), momentum, inverse_inertia)
+
+
+@kernel
+def kinetic_energy(q: Quat, momentum: Vec, inverse_inertia: Vec) -> float:
+    """Energy of the turning body, L.omega/2 [J]."""
+    wx, wy, wz = _rate((q[0], q[1], q[2], q[3]), momentum, inverse_inertia)
+    return 0.5 * (momentum[0] * wx + momentum[1] * wy + momentum[2] * wz)
+
+
+@kernel
+def turn_exponential(q: Quat, omega: Vec, dt: float) -> None:
+    """Turn q by omega [rad/s, world] for dt [s]: the exponential map, exact while omega is constant."""
+    _store(_product(_exponential((omega[0], omega[1], omega[2]), dt), (q[0], q[1], q[2], q[3])), q)
+
+
+@kernel
+def turn_axes(q: Quat, omega: Vec, dt: float) -> None:
+    """Turn q by rot(x) rot(y) rot(z), (12) with its last factor corrected: first order in dt."""
+    _store(_product(_three_turns(dt * omega[0], dt * omega[1], dt * omega[2], True), (q[0], q[1], q[2], q[3])), q)
+
+
+@kernel
+def turn_printed(q: Quat, omega: Vec, dt: float) -> None:
+    """Turn q by rot(x) rot(y) rot(y) with the y angle twice, (12) as printed: nothing turns about z. Demonstration."""
+    _store(_product(_three_turns(dt * omega[0], dt * omega[1], dt * omega[1], False), (q[0], q[1], q[2], q[3])), q)
+
+
+@kernel
+def _three_turns(x: float, y: float, last: float, last_about_z: bool) -> Four:
+    about_x = (math.sin(0.5 * x), 0.0, 0.0, math.cos(0.5 * x))
+    about_y = (0.0, math.sin(0.5 * y), 0.0, math.cos(0.5 * y))
+    s, c = math.sin(0.5 * last), math.cos(0.5 * last)
+    third = (0.0, 0.0, s, c) if last_about_z else (0.0, s, 0.0, c)
+    return _product(about_x, _product(about_y, third))
+
+
+@kernel
+def rotate_exponential(q: Quat, momentum: Vec, inverse_inertia: Vec, dt: float) -> None:
+    """Turn q by the exponential map of the angular velocity at the half step: the default.
+
+    R_m = exp([omega h/2]x) R, omega_m = R_m I^-1 R_m^T L, R <- exp([omega_m h]x) R: second order. Of a free top with
+    moments (.01, .02, .03) kg m^2 at 7 rad/s it keeps the energy to 2e-6 in 10 s at 1 ms.
+
+    Args:
+        q: World from body, xyzw, unit; updated.
+        momentum: L [kg m^2/s], world, with this step's torque times dt added already.
+        inverse_inertia: Reciprocals of the principal moments [1/(kg m^2)], 0 for a locked axis.
+        dt: Step [s].
+    """
+    start = (q[0], q[1], q[2], q[3])
+    middle = _product(_exponential(_rate(start, momentum, inverse_inertia), 0.5 * dt), start)
+    _store(_product(_exponential(_rate(middle, momentum, inverse_inertia), dt), start), q)
+
+
+@kernel
+def rotate_start(q: Quat, momentum: Vec, inverse_inertia: Vec, dt: float) -> None:
+    """The exponential map of the angular velocity at the start of the step: first order, 6 % of energy in 10 s.
+
+    Arguments as `rotate_exponential`.
+    """
+    start = (q[0], q[1], q[2], q[3])
+    _store(_product(_exponential(_rate(start, momentum, inverse_inertia), dt), start), q)
+
+
+@kernel
+def rotate_axes(q: Quat, momentum: Vec, inverse_inertia: Vec, dt: float) -> None:
+    """(12) with its last factor and its inertia corrected: axis product of omega at the start of the step.
+
+    Arguments as `rotate_exponential`.
+    """
+    start = (q[0], q[1], q[2], q[3])
+    x, y, z = _rate(start, momentum, inverse_inertia)
+    _store(_product(_three_turns(dt * x, dt * y, dt * z, True), start), q)
+
+
+@kernel
+def rotate_printed(q: Quat, momentum: Vec, inverse_inertia: Vec, dt: float) -> None:
+    """(12) as printed: phi' = I^-1 L with a constant I, and dR = rot(x) rot(y) rot(y). For demonstration.
+
+    Arguments as `rotate_exponential`.
+    """
+    x = dt * inverse_inertia[0] * momentum[0]
+    y = dt * inverse_inertia[1] * momentum[1]
+    _store(_product(_three_turns(x, y, y, False), (q[0], q[1], q[2], q[3])), q)
+
+
+@kernel
+def _slope(q: Four, momentum: Vec, inverse_inertia: Vec) -> Four:
+    """dq/dt = omega q / 2 with omega as a quaternion without a real part."""
+    wx, wy, wz = _rate(q, momentum, inverse_inertia)
+    return _product((0.5 * wx, 0.5 * wy, 0.5 * wz, 0.0), q)
+
+
+@kernel
+def _along(q: Four, slope: Four, dt: float) -> Four:
+    return q[0] + dt * slope[0], q[1] + dt * slope[1], q[2] + dt * slope[2], q[3] + dt * slope[3]
+
+
+@kernel
+def rotate_rk4(q: Quat, momentum: Vec, inverse_inertia: Vec, dt: float) -> None:
+    """Runge and Kutta's method of order 4 on the quaternion, brought back to unit length.
+
+    Arguments as `rotate_exponential`.
+    """
+    start = (q[0], q[1], q[2], q[3])
+    s1 = _slope(start, momentum, inverse_inertia)
+    s2 = _slope(_along(start, s1, 0.5 * dt), momentum, inverse_inertia)
+    s3 = _slope(_along(start, s2, 0.5 * dt), momentum, inverse_inertia)
+    s4 = _slope(_along(start, s3, dt), momentum, inverse_inertia)
+    end = _along(_along(start, s1, dt / 6.0), s2, dt / 3.0)
+    _store(_along(_along(end, s3, dt / 3.0), s4, dt / 6.0), q)
