@@ -31,6 +31,7 @@ COMMANDS: dict[str, str] = {
     "report": "write the report of a run as one HTML file",
     "record": "say what a recording holds, mend it, or verify it",
     "bench": "measure the product against rivals on this machine",
+    "lab": "chart speed against accuracy, and show where methods fail",
     "warmup": "compile the kernels now instead of at the first run",
 }
 """Each is a module of `app.commands` with `add_arguments(parser)` and `run(args)`; with none given `launch` runs."""

@@ -125,7 +125,7 @@ def _growth(method: Method, step: Step) -> Growth | None:
 
 
 def fit_exponent(sizes: Sequence[float], costs: Sequence[float]) -> float:
-    """p of cost = c * size^p by least squares of the logarithms.
+    """The p of cost = c * size^p by least squares of the logarithms.
 
     Raises:
         ValueError: Fewer than two different sizes, or a value that is not positive.

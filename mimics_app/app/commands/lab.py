@@ -1,0 +1,160 @@
+"""`mimics lab ACTION [NAME]`: charts of speed against accuracy, and experiments that show where methods fail."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mimics_app.lab.figure import Figure
+    from mimics_app.lab.measure import MeasuredGroup
+
+__all__ = ["add_arguments", "run"]
+
+_EXIT_FAILED = 6
+_POINTS = 24
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `mimics lab`."""
+    parser.add_argument(
+        "action",
+        choices=("measure", "chart", "stability"),
+        help="measure: cost and error as a table; chart: as figures; stability: experiments as figures",
+    )
+    parser.add_argument("name", nargs="*", help="groups of methods, or experiments such as S3; none: all of them")
+    parser.add_argument("--all", action="store_true", help="all groups or experiments, as without a name")
+    parser.add_argument("--save", action="store_true", help="measure: keep the figures for the planner of this machine")
+    parser.add_argument("--points", type=_grid, default=_POINTS, help="stability: how fine the grid is")
+    parser.add_argument("--out", type=Path, default=Path("docs/charts"), help="folder of the figures")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Measure, chart or experiment; exit code 6 where an experiment is outside its tolerance."""
+    from mimics_app.contracts.errors import UsageError
+
+    if args.all and args.name:
+        raise UsageError("both a name and --all", "leave one of them away")
+    if args.action == "stability":
+        return _stability(args)
+    groups = _groups(args.name)
+    measured = _measure(groups)
+    return _show_table(args, measured) if args.action == "measure" else _chart(args, measured)
+
+
+def _grid(text: str) -> int:
+    points = int(text)
+    if not 2 <= points <= 2000:
+        raise argparse.ArgumentTypeError(f"{text} is not a number of points between 2 and 2000")
+    return points
+
+
+def _groups(words: list[str]) -> list[str]:
+    """Names of groups as given: with blanks, hyphens or underscores; several words may be one name."""
+    from mimics_app.lab.catalogue import GROUPS
+
+    names = [word.replace("_", " ").replace("-", " ").lower() for word in words]
+    if len(names) > 1 and " ".join(names) in GROUPS:
+        return [" ".join(names)]
+    known = {group.replace("-", " ").lower(): group for group in GROUPS}
+    return [known.get(name, name) for name in names] or list(GROUPS)
+
+
+def _measure(groups: list[str]) -> list[MeasuredGroup]:
+    from mimics_app.app.progress import ProgressBar
+    from mimics_app.lab.catalogue import load_methods
+    from mimics_app.lab.measure import count_probes, measure
+
+    registry = load_methods(groups)
+    with ProgressBar(sys.stderr, count_probes(registry, groups)) as bar:
+        return [measure(group, registry, bar.step) for group in groups]
+
+
+def _show_table(args: argparse.Namespace, measured: list[MeasuredGroup]) -> int:
+    from mimics_app.app import output
+    from mimics_app.lab.machine import describe_machine
+    from mimics_app.lab.measure import as_dict, to_table
+    from mimics_app.lab.table import Table
+
+    saved = None
+    if args.save:
+        newer, older = to_table(measured), Table.load_saved()
+        saved = (older.with_groups(newer) if older else newer).save()
+    if args.json:
+        groups = {one.group.name: as_dict(one) for one in measured}
+        output.write_object("lab", {"machine": describe_machine().as_dict(), "groups": groups, "saved": saved})
+        return 0
+    print(f"{describe_machine()}\n")
+    for one in measured:
+        _say_group(one)
+    if args.save:
+        print(f"saved in {saved}" if saved else "not saved: no folder of this user can be written")
+    return 0
+
+
+def _say_group(one: MeasuredGroup) -> None:
+    print(f"{one.group.name}: {one.group.what}")
+    print(f"  {'':2}{'method':24} {'cost':>13} {'x reference':>12} {'error':>10} {one.group.unit}")
+    for row in one.rows:
+        growth = f"   n^{row.growth.exponent:.2f}" if row.growth else ""
+        mark = "*" if row.method.default else " "
+        print(f"  {mark} {row.method.name:24} {row.cost_us:10.4f} us {row.ratio:12.3f} {row.error:10.3g}{growth}")
+    for name, why in one.skipped.items():
+        print(f"    {name:24} not measured: {why}")
+    print()
+
+
+def _chart(args: argparse.Namespace, measured: list[MeasuredGroup]) -> int:
+    from mimics_app.lab.chart import draw_chart
+
+    return _write(args, [draw_chart(one) for one in measured])
+
+
+def _stability(args: argparse.Namespace) -> int:
+    from mimics_app.app.progress import ProgressBar
+    from mimics_app.lab.stability.catalogue import load_experiments
+    from mimics_app.lab.stability_chart import draw_outcome
+
+    experiments = load_experiments(tuple(args.name))
+    figures = []
+    with ProgressBar(sys.stderr, len(experiments)) as bar:
+        for experiment in experiments:
+            bar.step(f"{experiment.name}: {experiment.title}")
+            figures.append(draw_outcome(experiment, experiment.run(args.points), args.points))
+    code = _write(args, figures)
+    return code if all(figure.more["passed"] for figure in figures) else _EXIT_FAILED
+
+
+def _write(args: argparse.Namespace, figures: list[Figure]) -> int:
+    """Write the figures and the gallery, and say where."""
+    from mimics_app.app import output
+    from mimics_app.lab.figure import write_figure
+    from mimics_app.lab.gallery import write_gallery
+
+    files = [write_figure(figure, args.out) for figure in figures]
+    page = write_gallery(args.out)
+    if args.json:
+        rows = [_said(figure, *pair) for figure, pair in zip(figures, files, strict=True)]
+        output.write_object("lab", {"figures": rows, "gallery": page})
+        return 0
+    for figure, (_, drawing) in zip(figures, files, strict=True):
+        print(f"{drawing}: {_summary(figure)}")
+    print(f"{page}: all figures")
+    return 0
+
+
+def _said(figure: Figure, numbers: Path, drawing: Path) -> dict[str, Any]:
+    said: dict[str, Any] = {"kind": figure.kind, "name": figure.name, "json": numbers, "svg": drawing}
+    if figure.kind == "chart":
+        return {**said, "front": figure.front, "default": figure.default, "skipped": figure.more["skipped"]}
+    more = {key: figure.more[key] for key in ("tolerance", "passed", "note")}
+    return {**said, "disagreement": figure.boundary["disagreement"], **more}
+
+
+def _summary(figure: Figure) -> str:
+    if figure.kind == "chart":
+        return f"front {', '.join(figure.front) or 'empty'}; default {figure.default or 'none'}"
+    found, allowed = figure.boundary["disagreement"], figure.more["tolerance"]
+    return f"{'passed' if figure.more['passed'] else 'FAILED'}, {found:.3g} of {allowed:.3g}: {figure.more['title']}"

@@ -1,0 +1,163 @@
+"""The chart of a group: cost against error with its Pareto front, and cost against the size of the work."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+from mimics_app.lab.figure import Figure, no_boundary
+from mimics_app.lab.front import pareto_front
+from mimics_app.lab.machine import describe_machine
+from mimics_app.lab.measure import Measured, MeasuredGroup
+from mimics_app.lab.scale import Scale, format_number, scale_for
+from mimics_app.lab.svg import SERIES, Label, Panel, document, legend
+
+__all__ = ["draw_chart"]
+
+_WIDTH = 1000.0
+_PANELS = 370.0
+_HEAD = 66.0
+_FOOT = 44.0
+_LEAST_ERROR = 1e-17
+"""Smaller errors, 0 among them, stand at the lower edge of their axis."""
+
+
+def draw_chart(measured: MeasuredGroup) -> Figure:
+    """The figure of a measured group."""
+    rows = measured.rows
+    front = [rows[i].method.name for i in pareto_front([(row.cost_us, row.error) for row in rows])]
+    machine = str(describe_machine())
+    name = measured.group.name
+    command = f'mimics lab chart "{name}"'
+    return Figure(
+        kind="chart",
+        name=name,
+        command=command,
+        machine=machine,
+        rows=[_row(row) for row in rows],
+        front=front,
+        default=measured.default,
+        boundary=no_boundary(),
+        svg=_draw(measured, front, f"{command}   on   {machine}"),
+        more={
+            "what": measured.group.what,
+            "unit": measured.group.unit,
+            "work": measured.group.work,
+            "reference_ns": measured.reference_us * 1e3,
+            "growth": [_growth(row) for row in rows if row.growth],
+            "methods": [
+                {"method": r.method.name, "source": r.method.source, "valid_range": r.method.valid_range} for r in rows
+            ],
+            "skipped": measured.skipped,
+        },
+    )
+
+
+def _row(row: Measured) -> dict[str, object]:
+    return {
+        "method": row.method.name,
+        "x": row.ratio,
+        "cost_ns": row.cost_us * 1e3,
+        "error": row.error if math.isfinite(row.error) else None,
+        "valid": math.isfinite(row.error),
+    }
+
+
+def _growth(row: Measured) -> dict[str, object]:
+    assert row.growth is not None
+    return {
+        "method": row.method.name,
+        "sizes": list(row.growth.sizes),
+        "cost_ns": [cost * 1e3 for cost in row.growth.cost_us],
+        "exponent": row.growth.exponent,
+    }
+
+
+def _draw(measured: MeasuredGroup, front: list[str], foot: str) -> str:
+    grows = any(row.growth for row in measured.rows)
+    width = 0.56 * _WIDTH if grows else _WIDTH - 20.0
+    panels = [_error_panel(measured, front, width)]
+    if grows:
+        panels.append(_growth_panel(measured, 0.56 * _WIDTH + 6.0, 0.44 * _WIDTH - 20.0))
+    entries = [
+        ("dot", "dot", "on the Pareto front"),
+        ("dot", "open", "beaten by another"),
+        ("ring", "dot", "default"),
+    ]
+    if any(not math.isfinite(row.error) for row in measured.rows):
+        entries.append(("cross", "cross", "fails"))
+    parts = [legend(20.0, 48.0, entries), *(panel.svg() for panel in panels)]
+    return document(
+        _WIDTH,
+        _HEAD + _PANELS + _FOOT,
+        f"{measured.group.name}: cost against error",
+        parts,
+        [measured.group.what, foot],
+    )
+
+
+def _error_scale(measured: MeasuredGroup) -> Scale:
+    unit = measured.group.unit
+    errors = [row.error for row in measured.rows]
+    positive = [max(error, _LEAST_ERROR) for error in errors if 0.0 < error < math.inf]
+    scale = scale_for(f"error [{unit}]", positive, log=True)
+    low = scale.low / 10.0 if any(error < _LEAST_ERROR for error in errors) else scale.low
+    high = scale.high * 10.0 if any(error == math.inf for error in errors) else scale.high
+    return Scale(scale.label, low, high, True)
+
+
+def _error_panel(measured: MeasuredGroup, front: list[str], width: float) -> Panel:
+    x = scale_for("cost [ns per call]", [row.cost_us * 1e3 for row in measured.rows], log=True)
+    panel = Panel(6.0, _HEAD, width, _PANELS, x, _error_scale(measured))
+    drawn = [(row.cost_us * 1e3, max(row.error, panel.y.low)) for row in measured.rows if row.method.name in front]
+    panel.line(_steps(sorted(drawn), panel), "front", "Pareto front: nothing is cheaper and as accurate")
+    for row in measured.rows:
+        _mark(panel, row, row.method.name in front)
+    return panel
+
+
+def _steps(points: list[tuple[float, float]], panel: Panel) -> list[tuple[float, float]]:
+    """The front as a staircase: what lies above and right of it is beaten."""
+    if not points:
+        return []
+    stairs = [(points[0][0], panel.y.high)]
+    for before, after in pairwise(points):
+        stairs += [before, (after[0], before[1])]
+    return [*stairs, points[-1], (panel.x.high, points[-1][1])]
+
+
+def _mark(panel: Panel, row: Measured, on_front: bool) -> None:
+    name, cost, method = row.method.name, row.cost_us * 1e3, row.method
+    told = "fails" if row.error == math.inf else f"{format_number(row.error)} {method.unit}"
+    hover = (
+        f"{name}\ncost {format_number(cost)} ns, {format_number(row.ratio)} x the reference loop\nerror {told}\n"
+        f"{method.source}\nvalid: {method.valid_range}"
+    )
+    if row.error == math.inf:
+        panel.cross(cost, panel.y.high, hover)
+        panel.label(Label(cost, panel.y.high, f"{name} (fails)", "bad"))
+        return
+    error = max(row.error, panel.y.low)
+    if method.default:
+        panel.dot(cost, error, "ring", hover, 9.0)
+    panel.dot(cost, error, "dot" if on_front else "open", hover)
+    exact = " (error 0)" if row.error < panel.y.low else ""
+    panel.label(Label(cost, error, name + exact, "name strong" if method.default else "name"))
+
+
+def _growth_panel(measured: MeasuredGroup, left: float, width: float) -> Panel:
+    growing = [row for row in measured.rows if row.growth]
+    sizes = [float(size) for row in growing for size in row.growth.sizes]  # type: ignore[union-attr]
+    costs = [cost * 1e3 for row in growing for cost in row.growth.cost_us]  # type: ignore[union-attr]
+    x = scale_for(measured.group.work, sizes, log=True)
+    panel = Panel(left, _HEAD, width, _PANELS, x, scale_for("cost [ns per call]", costs, log=True))
+    for i, row in enumerate(growing):
+        assert row.growth is not None
+        name, colour = row.method.name, f"s{i % SERIES}"
+        points = [(float(n), cost * 1e3) for n, cost in zip(row.growth.sizes, row.growth.cost_us, strict=True)]
+        grows = f"{name}: n^{row.growth.exponent:.2f}".replace("-", "−")
+        panel.line(points, f"line {colour}", grows)
+        for n, cost in points:
+            panel.dot(n, cost, f"dot {colour}", f"{name}, n = {n:g}: {format_number(cost)} ns", 3.5)
+        panel.label(Label(*points[len(points) // 2], grows, "name strong" if row.method.default else "name"))
+    return panel

@@ -1,0 +1,156 @@
+"""The whole haptic tick, simulated robot and patient included, by the projection that runs in it.
+
+The planner tells a scene's tick cost from these figures. Importing this module registers them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache, partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts import ring
+from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.contracts.haptic import INBOX, SAMPLE, Projection
+from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.rendering.haptic.devices.registry import build_device
+from mimics_app.rendering.haptic.engine import HapticEngine
+from mimics_app.rendering.haptic.scene_block import scene_from_components
+from mimics_app.rendering.haptic.tunnel import TunnelCurve, build_tunnel
+from mimics_app.world.components_haptic import Patient, Robot
+
+__all__ = ["GROUP", "NO_TUNNEL", "REFERENCE_CALLS", "reference_us", "tick_us"]
+
+Array = NDArray[np.float64]
+
+GROUP = "haptic tick"
+NO_TUNNEL = "no tunnel"
+REFERENCE_CALLS = 20_000
+
+_TICKS = 2000
+_REPEATS = 5
+_SEED = 1
+_REACH = 0.15
+"""Half the length of the tunnel [m]; it waves by 30 mm in the frontal plane."""
+
+
+@kernel
+def _turn_often(R: Array, p: Array, calls: int) -> None:
+    for _ in range(calls):
+        x = R[0, 0] * p[0] + R[0, 1] * p[1] + R[0, 2] * p[2]
+        y = R[1, 0] * p[0] + R[1, 1] * p[1] + R[1, 2] * p[2]
+        z = R[2, 0] * p[0] + R[2, 1] * p[1] + R[2, 2] * p[2]
+        length = np.sqrt(x * x + y * y + z * z)
+        p[0] = x / length
+        p[1] = y / length
+        p[2] = z / length
+
+
+def reference_us() -> float:
+    """Cost of turning a vector and making it a unit again [us], the shortest of a few runs."""
+    R = np.array([[0.8, -0.6, 0.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0]])
+    return _shortest_us(lambda: _turn_often(R, np.ones(3), REFERENCE_CALLS), REFERENCE_CALLS)
+
+
+def _shortest_us(work: Callable[[], object], calls: int) -> float:
+    clock = MonotonicClock()
+    work()
+    shortest = 1 << 62
+    for _ in range(_REPEATS):
+        started = clock.now_ns()
+        work()
+        shortest = min(shortest, clock.now_ns() - started)
+    return shortest * 1e-3 / calls
+
+
+@cache
+def _curve() -> TunnelCurve:
+    x = np.linspace(-_REACH, _REACH, 13)
+    return build_tunnel(np.column_stack([x, 0.03 * np.sin(2.0 * np.pi * x / _REACH), np.zeros(13)]), 0.022)
+
+
+class _Bench:
+    """A session without processes: the loop, a simulated robot, a patient who travels the tunnel."""
+
+    def __init__(self, projection: Projection | None) -> None:
+        curve, robot = _curve(), Robot()
+        via = curve.point(np.linspace(0.0, len(curve.pieces), 61))
+        self._memory = SessionMemory()
+        self._engine = HapticEngine(self._memory, build_device(robot, Patient(), via, _SEED))
+        block = scene_from_components(robot)
+        if projection is not None:
+            record = block[0]["tunnel"]
+            curve.fill(record)
+            record["stiffness"], record["damping"], record["projection"] = 1500.0, 10.0, projection
+        self._engine.publish(block)
+        inbox = np.zeros(1, INBOX)
+        inbox["active"] = 1
+        self._engine.tell(inbox)
+        self._rows: NDArray[Any] = np.zeros(len(self._memory.samples), SAMPLE)
+
+    def advance(self, ticks: int) -> NDArray[Any]:
+        """Run ticks; their samples."""
+        self._engine.advance(ticks)
+        count = ring.drain(self._memory.sample_words, self._memory.samples, self._rows)
+        self._engine.events()
+        return self._rows[:count]
+
+
+def tick_us(projection: Projection | None) -> float:
+    """Cost of a tick [us], the shortest of a few runs of 2000; None: without a tunnel."""
+    bench = _Bench(projection)
+    return _shortest_us(lambda: bench.advance(_TICKS), _TICKS)
+
+
+@cache
+def _path(projection: Projection | None) -> Array:
+    """Where the ball went in the first ticks [m], shape [ticks, 3]."""
+    return _Bench(projection).advance(_TICKS)["hip_world"].copy()
+
+
+def _parted_m(projection: Projection | None) -> float:
+    """How far the same travel is led astray [m], against the projection that shares least with it."""
+    other = Projection.NEWTON_WARM if projection is Projection.GOLDEN_SECTION else Projection.GOLDEN_SECTION
+    return float(np.max(np.linalg.norm(_path(projection) - _path(other), axis=1)))
+
+
+def _register(name: str, projection: Projection | None) -> None:
+    registry.register(
+        Method(
+            group=GROUP,
+            name=name,
+            source="kernels.tick with this projection of the tunnel"
+            if projection is not None
+            else "kernels.tick alone",
+            cost=partial(tick_us, projection),
+            error=partial(_parted_m, projection),
+            unit="m",
+            valid_range="one tunnel, one ball, the simulated robot",
+            run=HapticEngine.advance,
+            default=projection is Projection.NEWTON_WARM,
+        )
+    )
+
+
+registry.describe(
+    Group(
+        name=GROUP,
+        what="one tick of the loop with simulated robot and patient in a wavy tunnel; error: how far 2 s of travel part",
+        unit="m",
+        work="",
+        reference=reference_us,
+    )
+)
+for _projection in (
+    Projection.NEWTON_WARM,
+    Projection.NEWTON_ONE_STEP,
+    Projection.GOLDEN_SECTION,
+    Projection.BRUTE_FORCE,
+):
+    _register(_projection.name.lower().replace("_", " "), _projection)
+_register(NO_TUNNEL, None)

@@ -1,0 +1,141 @@
+"""The map of a stability experiment: simulated points, the exact boundary, and the rules people use beside it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mimics_app.lab.experiment import Experiment, Outcome, Points
+from mimics_app.lab.figure import Figure
+from mimics_app.lab.machine import describe_machine
+from mimics_app.lab.scale import format_number, scale_for
+from mimics_app.lab.svg import SERIES, Panel, document, legend, text_width
+
+__all__ = ["draw_outcome"]
+
+_WIDTH = 1000.0
+_PANEL = 400.0
+_HEAD = 56.0
+_LINE = 22.0
+_RULES = ("dashed", "dotted")
+
+
+def draw_outcome(experiment: Experiment, outcome: Outcome, points: int) -> Figure:
+    """The figure of an experiment that was run with `points` points."""
+    machine = str(describe_machine())
+    command = f"mimics lab stability {experiment.name} --points {points}"
+    return Figure(
+        kind="stability",
+        name=experiment.name,
+        command=command,
+        machine=machine,
+        rows=_rows(outcome),
+        front=[],
+        default="",
+        boundary={
+            "simulated": outcome.simulated,
+            "exact": outcome.exact,
+            "rule": outcome.rules,
+            "disagreement": outcome.disagreement,
+        },
+        svg=_draw(experiment, outcome, f"{command}   on   {machine}"),
+        more={
+            "title": experiment.title,
+            "claim": experiment.claim,
+            "decided_by": experiment.kind,
+            "x_label": experiment.x_label,
+            "y_label": experiment.y_label,
+            "tolerance": experiment.tolerance,
+            "passed": outcome.passed,
+            "note": outcome.note,
+            "table": outcome.rows,
+        },
+    )
+
+
+def _rows(outcome: Outcome) -> list[dict[str, Any]]:
+    """One row a point; the error of a simulated one is its relative difference from the exact one at the same x."""
+    exact = {x: y for x, y in outcome.exact} if len({x for x, _ in outcome.exact}) == len(outcome.exact) else {}
+    rows = []
+    for method, points in (("simulated", outcome.simulated), ("exact", outcome.exact), *outcome.rules.items()):
+        for x, y in points:
+            known = exact.get(x)
+            error = abs(y - known) / abs(known) if known else None
+            rows.append({"method": method, "x": x, "y": y, "cost_ns": None, "error": error, "valid": True})
+    return rows
+
+
+def _draw(experiment: Experiment, outcome: Outcome, foot: str) -> str:
+    series = [outcome.simulated, outcome.exact, *outcome.rules.values()]
+    x = scale_for(experiment.x_label, [p[0] for s in series for p in s], log=experiment.log_x)
+    y = scale_for(experiment.y_label, [p[1] for s in series for p in s], log=experiment.log_y)
+    entries = _entries(experiment, outcome)
+    legends = _wrapped(entries)
+    top = _HEAD + _LINE * (len(legends) - 1)
+    panel = Panel(6.0, top, _WIDTH - 20.0, _PANEL, x, y)
+    for i, (name, points) in enumerate(outcome.rules.items()):
+        for part in _runs(points):
+            panel.line(part, _rule_kind(i), name)
+    for part in _runs(outcome.exact):
+        panel.line(part, "line s0", "exact")
+    for x_, y_ in outcome.simulated:
+        hover = f"simulated: {format_number(x_)}, {format_number(y_)}"
+        panel.dot(x_, y_, "open s1", hover, 4.0)
+    words = [*_lines(outcome.note), _verdict(experiment, outcome), foot]
+    height = top + _PANEL + 15.0 * len(words) + 12.0
+    parts = [*(legend(20.0, 46.0 + _LINE * i, row) for i, row in enumerate(legends)), panel.svg()]
+    return document(_WIDTH, height, f"{experiment.name}: {experiment.title}", parts, words)
+
+
+def _rule_kind(i: int) -> str:
+    return f"line s{(i + 2) % SERIES} {_RULES[i // SERIES % 2]}"
+
+
+def _verdict(experiment: Experiment, outcome: Outcome) -> str:
+    found = "within" if outcome.passed else "OUTSIDE"
+    if experiment.kind == "boundary":
+        said = f"simulation against exact boundary: {100.0 * outcome.disagreement:.3g} % apart at most"
+        return f"{said}, {found} the {100.0 * experiment.tolerance:.3g} % allowed"
+    error, allowed = format_number(outcome.disagreement), format_number(experiment.tolerance)
+    return f"error of the invariant: {error}, {found} the {allowed} allowed"
+
+
+def _entries(experiment: Experiment, outcome: Outcome) -> list[tuple[str, str, str]]:
+    exact = "exact: eigenvalues or closed form"
+    entries = [("dot", "open s1", "simulated with the loop's functions")] if outcome.simulated else []
+    entries += [("line", "line s0", exact)] if outcome.exact else []
+    return entries + [("line", _rule_kind(i), name) for i, name in enumerate(outcome.rules)]
+
+
+def _wrapped(entries: list[tuple[str, str, str]]) -> list[list[tuple[str, str, str]]]:
+    """The legend in rows that fit the drawing."""
+    rows: list[list[tuple[str, str, str]]] = [[]]
+    used = 0.0
+    for entry in entries:
+        width = 54.0 + 0.92 * text_width(entry[2])
+        if rows[-1] and used + width > _WIDTH - 40.0:
+            rows.append([])
+            used = 0.0
+        rows[-1].append(entry)
+        used += width
+    return rows
+
+
+def _runs(points: Points) -> list[Points]:
+    """A list of points in runs of ascending x: several curves may stand one behind the other."""
+    runs: list[Points] = []
+    for point in points:
+        if not runs or point[0] < runs[-1][-1][0]:
+            runs.append([])
+        runs[-1].append(point)
+    return runs
+
+
+def _lines(text: str, letters: int = 150) -> list[str]:
+    """A text in lines of at most so many letters."""
+    lines: list[str] = []
+    for word in text.split():
+        if lines and len(lines[-1]) + 1 + len(word) <= letters:
+            lines[-1] += " " + word
+        else:
+            lines.append(word)
+    return lines
