@@ -25,7 +25,7 @@ _PAGE_STYLE = """
 * { box-sizing: border-box; }
 body { margin: 0; background: var(--page); color: var(--text); font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; }
 main { max-width: 1100px; margin: 0 auto; padding: 32px 24px 80px; }
-h1 { font-size: 28px; margin: 0 0 6px; } h2 { font-size: 21px; margin: 44px 0 12px; } 
+h1 { font-size: 28px; margin: 0 0 6px; } h2 { font-size: 21px; margin: 44px 0 12px; }
 p { max-width: 80ch; margin: 6px 0; }
 a { color: var(--link); text-decoration: none; } a:hover { text-decoration: underline; }
 nav { display: flex; flex-wrap: wrap; gap: 6px 10px; margin: 14px 0; }

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.haptic import AdmittanceForm
 from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.methods import Method, registry
+from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.probe import reference_us, shortest_us
 from mimics_app.rendering.haptic.control.admittance import admit
 from mimics_app.rendering.haptic.kernels.kinematics import apply_inverse_jacobian, apply_jacobian
 
@@ -26,7 +26,6 @@ _MASS = 3.0
 _DT = 1e-6
 _FREE = 1e9
 _CALLS = 20_000
-_REPEATS = 3
 
 _SOURCES = {
     AdmittanceForm.CARTESIAN: "Newton's law in the robot frame, joints through the inverse Jacobian",
@@ -64,15 +63,8 @@ def false_force(form: AdmittanceForm) -> float:
 
 
 def _cost_us(form: AdmittanceForm) -> float:
-    clock = MonotonicClock()
-    shortest = 1 << 62
-    for calls in (1, *[_CALLS] * _REPEATS):
-        q, v, dq = _moving()
-        started = clock.now_ns()
-        _run(int(form), calls, 0.0, q, v, dq, np.zeros(3))
-        if calls > 1:
-            shortest = min(shortest, clock.now_ns() - started)
-    return shortest * 1e-3 / _CALLS
+    q, v, dq = _moving()
+    return shortest_us(lambda: _run(int(form), _CALLS, 0.0, q, v, dq, np.zeros(3)), _CALLS)
 
 
 def _register(form: AdmittanceForm) -> None:
@@ -86,9 +78,19 @@ def _register(form: AdmittanceForm) -> None:
             unit="N",
             valid_range="r > 0" if form is not AdmittanceForm.SEED else "demonstration: no rotation, or no speed",
             run=admit,
+            default=form is AdmittanceForm.CARTESIAN,
         )
     )
 
 
+registry.describe(
+    Group(
+        name=GROUP,
+        what="a free virtual mass of 3 kg that moves and turns; error: the force a form invents on it",
+        unit="N",
+        work="",
+        reference=reference_us,
+    )
+)
 for _form in (AdmittanceForm.CARTESIAN, AdmittanceForm.POLAR, AdmittanceForm.SEED):
     _register(_form)

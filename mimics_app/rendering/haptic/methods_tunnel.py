@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.contracts.haptic import TUNNEL
+from mimics_app.contracts.haptic import MAX_PIECES, TUNNEL
 from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.methods import Method, registry
+from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.probe import reference_us, shortest_us
 from mimics_app.maths import frames
 from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE
 from mimics_app.rendering.haptic.kernels.tunnel_projection import (
@@ -34,9 +34,10 @@ Projection = Callable[[Any, float, float, float, Any], float]
 PROJECTION_GROUP = "tunnel projection"
 FRAME_GROUP = "tunnel frame"
 
+_PIECES = 16
+_SIZES = (6, 12, 24, 48, MAX_PIECES)
 _TICKS = 4000
 _EVERY = 20
-_REPEATS = 3
 _HELIX_POINTS = 385  # two turns of a tunnel of 24 pieces, 16 steps each
 _UP = np.array([0.0, 1.0, 0.0])
 
@@ -64,9 +65,9 @@ def closest_by_roots(pieces: Array, p: Array) -> tuple[float, float]:
 
 
 @cache
-def _probe_tunnel() -> tuple[TunnelCurve, NDArray[Any], Array]:
-    """A wavy tunnel of 16 pieces, its record (shape [1]), and a ball's path in it at 0.3 m/s, shape [4000, 3]."""
-    i = np.arange(19)
+def _probe_tunnel(pieces: int = _PIECES) -> tuple[TunnelCurve, NDArray[Any], Array]:
+    """A wavy tunnel, its record (shape [1]), and a ball's path in it at 0.3 m/s, shape [4000, 3]."""
+    i = np.arange(pieces + 3)
     points = np.column_stack([0.03 * i - 0.27, 0.05 * np.sin(0.9 * i), 0.02 * np.cos(0.7 * i)])
     curve = build_tunnel(points, 0.02)
     record = np.zeros(1, TUNNEL)
@@ -107,22 +108,10 @@ def _walk_golden_section(tunnels: Any, path: Array, states: Any, out: Array) -> 
 Walk = Callable[[Any, Array, Any, Array], None]
 
 
-def _shortest_us(work: Callable[[], object], calls: int) -> float:
-    """Shortest of a few runs of `work`, after one to compile it, divided by its calls [us]."""
-    clock = MonotonicClock()
-    work()
-    shortest = float("inf")
-    for _ in range(_REPEATS):
-        start = clock.now_ns()
-        work()
-        shortest = min(shortest, clock.now_ns() - start)
-    return shortest * 1e-3 / calls
-
-
-def _projection_cost(walk: Walk, ticks: int) -> float:
-    _, record, path = _probe_tunnel()
+def _projection_cost(walk: Walk, ticks: int, pieces: int = _PIECES) -> float:
+    _, record, path = _probe_tunnel(pieces)
     out = np.empty(ticks)
-    return _shortest_us(lambda: walk(record, path[:ticks], np.zeros(1, TUNNEL_STATE), out), ticks)
+    return shortest_us(lambda: walk(record, path[:ticks], np.zeros(1, TUNNEL_STATE), out), ticks)
 
 
 @cache
@@ -198,12 +187,30 @@ def _frame_error(normals: Array) -> float:
 def _frame_cost(run: Callable[..., Array]) -> float:
     points, first, second, tangents, normals = helix(_HELIX_POINTS)
     if run is frames.frenet_normals:
-        return _shortest_us(lambda: run(first, second), _HELIX_POINTS)
+        return shortest_us(lambda: run(first, second), _HELIX_POINTS)
     if run is frames.projected_up_normals:
-        return _shortest_us(lambda: run(tangents, _UP), _HELIX_POINTS)
-    return _shortest_us(lambda: run(points, tangents, normals[0]), _HELIX_POINTS)
+        return shortest_us(lambda: run(tangents, _UP), _HELIX_POINTS)
+    return shortest_us(lambda: run(points, tangents, normals[0]), _HELIX_POINTS)
 
 
+registry.describe(
+    Group(
+        name=PROJECTION_GROUP,
+        what="closest point of a wavy tunnel's bisector for a ball that travels it at 0.3 m/s, tick by tick",
+        unit="m",
+        work="pieces of the tunnel",
+        reference=reference_us,
+    )
+)
+registry.describe(
+    Group(
+        name=FRAME_GROUP,
+        what=f"normals along two turns of a helix at {_HELIX_POINTS} points, against the closed form; cost per point",
+        unit="rad",
+        work="",
+        reference=reference_us,
+    )
+)
 registry.register(
     Method(
         group=PROJECTION_GROUP,
@@ -214,6 +221,9 @@ registry.register(
         unit="m",
         valid_range="radius x curvature < 1; stays on its branch where the tunnel crosses or meets itself",
         run=track,
+        default=True,
+        growth=lambda pieces: _projection_cost(_walk_newton, _TICKS, pieces),
+        sizes=_SIZES,
     )
 )
 registry.register(
@@ -226,6 +236,8 @@ registry.register(
         unit="m",
         valid_range="as newton warm; errs by about the square of a tick's motion over the bend's radius",
         run=track_one_step,
+        growth=lambda pieces: _projection_cost(_walk_one_step, _TICKS, pieces),
+        sizes=_SIZES,
     )
 )
 registry.register(
@@ -238,6 +250,8 @@ registry.register(
         unit="m",
         valid_range="any curve; jumps between branches where the tunnel crosses itself",
         run=project_brute_force,
+        growth=lambda pieces: _projection_cost(_walk_brute_force, 40, pieces),
+        sizes=_SIZES,
     )
 )
 registry.register(
@@ -250,6 +264,8 @@ registry.register(
         unit="m",
         valid_range="any curve; to the square root of machine precision; jumps between branches",
         run=project_golden_section,
+        growth=lambda pieces: _projection_cost(_walk_golden_section, 400, pieces),
+        sizes=_SIZES,
     )
 )
 registry.register(
@@ -262,6 +278,7 @@ registry.register(
         unit="rad",
         valid_range="any smooth curve; error of order 4 in the step",
         run=frames.rotation_minimising_normals,
+        default=True,
     )
 )
 registry.register(
