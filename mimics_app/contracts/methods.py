@@ -27,6 +27,7 @@ class Method:
         valid_range: One line: where the method may be used.
         run: The function the product calls.
         default: What the product uses unless a scene or the planner says otherwise; at most one of a group.
+        yardstick: Measured and drawn beside the others, never chosen: the product cannot run it.
         growth: Probe of the cost [us per call] when the work has a given size; None where it does not grow.
         sizes: Sizes of the work to measure the growth at, ascending; what they count is the group's `work`.
     """
@@ -40,6 +41,7 @@ class Method:
     valid_range: str
     run: Callable[..., Any]
     default: bool = False
+    yardstick: bool = False
     growth: Callable[[int], float] | None = None
     sizes: tuple[int, ...] = ()
 

@@ -1,4 +1,4 @@
-"""The rivals of sound, measured: head-related filters against stereo panning."""
+"""The rivals of sound, measured: head-related filters, a rigid sphere for a head, and stereo panning."""
 
 from __future__ import annotations
 
@@ -10,13 +10,17 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.clock import MonotonicClock, VirtualClock
 from mimics_app.contracts.messages import SoundEvent
-from mimics_app.contracts.methods import Method, registry
+from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.probe import reference_us, shortest_us
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.engine import open_loopback
 from mimics_app.rendering.audio.offline import render_offline
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
+from mimics_app.rendering.audio.spherical_head import add_at_sphere
 
-__all__ = ["KEMAR_DELAYS_US", "interaural_delay_us", "measure_block_us", "measure_delay_error_us"]
+__all__ = ["GROUP", "KEMAR_DELAYS_US", "interaural_delay_us", "measure_block_us", "measure_delay_error_us"]
+
+GROUP = "spatialiser"
 
 KEMAR_DELAYS_US = {5: 47.0, 15: 139.0, 30: 275.0, 45: 396.0, 60: 528.0, 90: 706.0}
 """Delay between the ears of the KEMAR dummy head by azimuth [degrees to us], below 1.5 kHz, from the responses of
@@ -25,16 +29,18 @@ Gardner and Martin (MIT Media Lab, 1994)."""
 _RATE = 48_000
 _BLOCK = 240
 _SOURCES = 16
+_SIZES = (4, 8, 16, 32)
+_UNIT = "us of interaural delay"
 _CLICK = {"tick": SoundSpec(recipe="tick")}
 
 
-def measure_block_us(hrtf: bool, blocks: int = 200) -> float:
-    """Cost of a 5 ms block with 16 moving sources [us], median."""
+def measure_block_us(hrtf: bool, blocks: int = 200, sources: int = _SOURCES) -> float:
+    """Cost of a 5 ms block with moving sources [us], median."""
     specs = {"rub": SoundSpec(recipe="scrape")}
     settings = AudioSettings(sounds=specs, contact="", scrape="", hrtf=hrtf)
     mixer = open_loopback(settings, SoundBank(specs, _RATE), VirtualClock(), None, latency=0, origin_ns=0).mixer
     assert mixer is not None
-    handles = [mixer.start("rub", 0, (1.0, 0.0, 0.0), 0.1) for _ in range(_SOURCES)]
+    handles = [mixer.start("rub", 0, (1.0, 0.0, 0.0), 0.1) for _ in range(sources)]
     clock, costs = MonotonicClock(), []
     for block in range(blocks):
         for k, handle in enumerate(handles):
@@ -74,19 +80,70 @@ def _rendered_delay_us(hrtf: bool, azimuth_deg: float) -> float:
     return interaural_delay_us(right, left, _RATE) if np.any(left) else 0.0
 
 
+def _measure_sphere_us(sources: int = _SOURCES) -> float:
+    """Cost of a 5 ms block with moving sources on the ear of a rigid sphere [us]."""
+    noise = np.random.default_rng(1).standard_normal(_RATE).astype(np.float32)
+    mix = np.zeros((_BLOCK, 2), np.float32)
+
+    def block() -> None:
+        for k in range(sources):
+            add_at_sphere(noise, 1000.0 + 7.3 * k, 0.1 * k, _RATE, 0.1, mix)
+
+    return shortest_us(block)
+
+
+def _sphere_delay_error_us() -> float:
+    """Median error of the sphere's delay between the ears against the measured head [us]."""
+    click = SoundBank(_CLICK, _RATE)["tick"].samples
+    errors = []
+    for azimuth, delay in KEMAR_DELAYS_US.items():
+        mix = np.zeros((2048, 2), np.float32)
+        add_at_sphere(click, -64.0, math.radians(azimuth), _RATE, 1.0, mix)
+        left, right = mix.astype(np.float64).T
+        errors.append(abs(interaural_delay_us(right, left, _RATE) - delay))
+    return float(np.median(errors))
+
+
+registry.describe(
+    Group(
+        name=GROUP,
+        what=f"a block of 5 ms with {_SOURCES} moving sources; error: delay between the ears against a measured head",
+        unit=_UNIT,
+        work="moving sources",
+        reference=reference_us,
+    )
+)
 for _name, _hrtf, _source, _valid in (
     ("hrtf", True, "OpenAL Soft, measured head, 32 taps", "headphones"),
     ("stereo", False, "OpenAL Soft, panning of level only", "loudspeakers, and headphones without direction"),
 ):
     registry.register(
         Method(
-            group="spatialiser",
+            group=GROUP,
             name=_name,
             source=_source,
             cost=partial(measure_block_us, _hrtf),
             error=partial(measure_delay_error_us, _hrtf),
-            unit="us of interaural delay",
+            unit=_UNIT,
             valid_range=_valid,
             run=partial(render_offline, hrtf=_hrtf),
+            default=_hrtf,
+            growth=partial(measure_block_us, _hrtf, 60),
+            sizes=_SIZES,
         )
     )
+registry.register(
+    Method(
+        group=GROUP,
+        name="spherical head",
+        source="delay of a rigid sphere (Woodworth & Schlosberg 1954) and panning of level, compiled",
+        cost=_measure_sphere_us,
+        error=_sphere_delay_error_us,
+        unit=_UNIT,
+        valid_range="headphones, sources in front in the plane of the ears",
+        run=add_at_sphere,
+        yardstick=True,
+        growth=_measure_sphere_us,
+        sizes=_SIZES,
+    )
+)
