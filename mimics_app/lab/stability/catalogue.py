@@ -1,18 +1,24 @@
-"""The experiments, one function each: a module `sNN_noun` holds one `EXPERIMENT` and is imported when asked for."""
+"""The experiments, one line each: a module `sNN_noun` holds one `EXPERIMENT` and is imported when asked for."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from importlib import import_module
 
 from mimics_app.contracts.errors import UsageError, nearest
 from mimics_app.lab.experiment import Experiment
 
 __all__ = ["NAMES", "load_experiment", "load_experiments"]
 
-_EXPERIMENTS: dict[str, Callable[[], Experiment]] = {}
-"""By name, in the order of their numbers."""
+_MODULES = {
+    "S1": "s01_integrators",
+    "S2": "s02_free_mass",
+    "S3": "s03_stiffest_wall",
+    "S3R": "s03_wall_rate",
+    "S7": "s07_joint_pd",
+}
+"""Modules of this folder by the name of their experiment, in the order of their numbers."""
 
-NAMES = tuple(_EXPERIMENTS)
+NAMES = tuple(_MODULES)
 
 
 def load_experiment(name: str) -> Experiment:
@@ -22,9 +28,11 @@ def load_experiment(name: str) -> Experiment:
         UsageError: There is none.
     """
     key = name.upper()
-    if key not in _EXPERIMENTS:
+    if key not in _MODULES:
         raise UsageError(f'there is no experiment "{name}"', nearest(key, NAMES))
-    return _EXPERIMENTS[key]()
+    module = import_module(f"{__package__}.{_MODULES[key]}")
+    experiment: Experiment = module.EXPERIMENT
+    return experiment
 
 
 def load_experiments(names: tuple[str, ...] = ()) -> list[Experiment]:

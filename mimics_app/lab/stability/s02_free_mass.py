@@ -1,0 +1,115 @@
+"""S2: a free mass on a sampled spring without damping gains energy at every rate, 60 to 4000 Hz.
+
+The force of each tick is held until the next, so the spring pushes a little too long on the way out. The growth per
+tick has a closed form, |lambda| = sqrt(1 + K T^2 / 2 m) > 1. Below 500 Hz the rendering "can become unstable"
+(D2.1 4.3.1); nothing changes at 500 Hz: without damping the wall is unstable at any rate, only ever more slowly.
+Where damping makes it stable is S3.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
+from mimics_app.lab.stability.growth import largest_exponent, square_up
+from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
+from mimics_app.rendering.haptic.kernels.integrators import step_free
+
+__all__ = ["EXPERIMENT", "exact_growth_rate", "simulated_growth_rate"]
+
+Vec = NDArray[np.float64]
+
+_MASS = 3.0
+_STIFFNESSES = (500.0, 2000.0, 5000.0)
+_LOWEST_RATE = 60.0
+_HIGHEST_RATE = 4000.0
+_TICKS = 20_000
+_DEPTH = 1.0
+"""Rest inside the wall [m], so deep that the surface is never reached."""
+
+_APART = 1e-3
+"""Distance of the neighbours from rest [m, m/s]."""
+
+
+@kernel
+def _tick(x: float, v: float, m: float, k: float, b: float, dt: float) -> tuple[float, float]:
+    """One tick of a mass on the wall z < 0 under a push that holds it at _DEPTH; x is its depth."""
+    force = k * _DEPTH - spring_damper(x, v, k, b)
+    return step_free(x, v, force, m, 0.0, dt)
+
+
+@kernel
+def _follow(m: float, k: float, b: float, dt: float, ticks: int, sums: Vec) -> None:
+    first = np.array([1.0, 0.0])
+    second = np.array([0.0, 1.0])
+    w = math.sqrt(k / m)
+    for _ in range(ticks):
+        for neighbour in (first, second):
+            x, v = _tick(_DEPTH + _APART * neighbour[0], _APART * w * neighbour[1], m, k, b, dt)
+            neighbour[0] = (x - _DEPTH) / _APART
+            neighbour[1] = v / (_APART * w)
+        square_up(first, second, sums)
+
+
+def simulated_growth_rate(stiffness: float, rate: float, damping: float = 0.0, mass: float = _MASS) -> float:
+    """Growth [1/s] of a free mass [kg] on a wall [N/m, N s/m] sampled at a rate [Hz]."""
+    sums = np.zeros(2)
+    _follow(mass, stiffness, damping, 1.0 / rate, _TICKS, sums)
+    return largest_exponent(sums, _TICKS) * rate
+
+
+def exact_growth_rate(stiffness: float, rate: float, mass: float = _MASS) -> float:
+    """The same in closed form, for no damping: ln(1 + K T^2 / 2 m) / 2 T."""
+    return 0.5 * rate * math.log1p(stiffness / (2.0 * mass * rate**2))
+
+
+def _row(stiffness: float, rate: float) -> dict[str, Any]:
+    simulated, exact = simulated_growth_rate(stiffness, rate), exact_growth_rate(stiffness, rate)
+    return {
+        "stiffness_n_m": stiffness,
+        "rate_hz": rate,
+        "simulated_1_s": simulated,
+        "exact_1_s": exact,
+        "lambda": math.exp(exact / rate),
+        "doubling_time_s": math.log(2.0) / exact,
+        "difference": abs(simulated / exact - 1.0),
+    }
+
+
+def _run(points: int) -> Outcome:
+    rates = np.geomspace(_LOWEST_RATE, _HIGHEST_RATE, points)
+    rows = [_row(stiffness, float(rate)) for stiffness in _STIFFNESSES for rate in rates]
+    simulated: Points = [(row["rate_hz"], row["simulated_1_s"]) for row in rows]
+    exact: Points = [(row["rate_hz"], row["exact_1_s"]) for row in rows]
+    disagreement = largest_disagreement(simulated, exact)
+    low, high = min(y for _, y in exact), max(y for _, y in exact)
+    first_order = [(float(rate), 2000.0 / (4.0 * _MASS * float(rate))) for rate in rates]
+    return Outcome(
+        rows=rows,
+        simulated=simulated,
+        exact=exact,
+        rules={"K T / 4 m at 2000 N/m": first_order, "500 Hz (D2.1 4.3.1)": [(500.0, low), (500.0, high)]},
+        disagreement=disagreement,
+        passed=disagreement <= EXPERIMENT.tolerance,
+        note=f"A mass of {_MASS:g} kg on 500, 2000 and 5000 N/m (lowest to highest curve). Without damping no rate is "
+        "fast enough; at 500 Hz nothing changes but the time it takes.",
+    )
+
+
+EXPERIMENT = Experiment(
+    name="S2",
+    title="Sampled wall without damping: growth of a free mass",
+    claim="A free mass on a sampled undamped wall grows by sqrt(1 + K T^2 / 2 m) per tick, at every rate.",
+    x_label="rate of the wall [Hz]",
+    y_label="growth of the swing [1/s]",
+    kind="invariant",
+    run=_run,
+    tolerance=1e-4,
+    log_x=True,
+    log_y=True,
+)

@@ -1,0 +1,120 @@
+"""The sampled wall with delay, simulated and exact: what S3 and the rate experiment sweep.
+
+A device of mass m and own damping b is pressed into a wall. Each tick its position is sampled, the wall's law gives a
+force from depth and differenced depth, and that force acts, held, n ticks later.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.lab.stability.growth import dies_away, note_peak
+from mimics_app.lab.stability.linear import find_limit, hold, is_contracting
+from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
+from mimics_app.rendering.haptic.kernels.integrators import step_free
+
+__all__ = ["Wall", "exact_limit", "exact_matrix", "rule_limit", "simulated_limit"]
+
+Vec = NDArray[np.float64]
+Mat = NDArray[np.float64]
+
+_DEPTH = 1000.0
+"""Rest inside the wall [m], absurdly deep, so that the surface is never reached and the law is never clamped."""
+
+_APART = 1e-3
+"""First distance from rest [m]."""
+
+_LARGE = 1.0
+"""A swing [m] from which a motion does not come back; the law is still linear there."""
+
+_SHORTEST = 8_000
+_LONGEST = 1_000_000
+_PRECISION = 4e-3
+_SOFT = 1.0
+_HARD = 1e7
+
+
+@dataclass(frozen=True, slots=True)
+class Wall:
+    """A device in front of a wall.
+
+    Attributes:
+        mass: Of the device and what hangs on it [kg].
+        device_damping: Its own damping b, physical, together with the hand's [N s/m].
+        wall_damping: Damping B of the wall's law [N s/m].
+        rate: Ticks per second [Hz].
+        delay: Whole ticks between sampling and acting, n.
+    """
+
+    mass: float = 3.0
+    device_damping: float = 5.0
+    wall_damping: float = 0.0
+    rate: float = 1000.0
+    delay: int = 0
+
+
+@kernel
+def _press(k: float, B: float, m: float, b: float, dt: float, delay: int, ticks: int, peaks: Vec) -> None:
+    """Simulate a wall of stiffness k and damping B; peaks of |depth - rest| by quarter, shape [4]."""
+    line = np.full(delay + 1, k * _DEPTH)
+    x = _DEPTH + _APART
+    last = x
+    v = 0.0
+    for i in range(ticks):
+        line[i % (delay + 1)] = spring_damper(x, (x - last) / dt, k, B)
+        last = x
+        x, v = step_free(x, v, k * _DEPTH - line[(i + 1) % (delay + 1)], m, b, dt)
+        size = abs(x - _DEPTH)
+        note_peak(size, i, ticks, peaks)
+        if not size < _LARGE:
+            peaks[3] = np.inf
+            return
+
+
+def simulated_limit(wall: Wall, extra_delay: int = 0) -> float:
+    """Largest stable stiffness [N/m] by simulation; `extra_delay` ticks are a fault the exact side does not know."""
+
+    def is_stable(stiffness: float) -> bool:
+        def run(ticks: int) -> Vec:
+            peaks = np.zeros(4)
+            delay = wall.delay + extra_delay
+            _press(stiffness, wall.wall_damping, wall.mass, wall.device_damping, 1.0 / wall.rate, delay, ticks, peaks)
+            return peaks
+
+        return dies_away(run, _SHORTEST, _LONGEST)
+
+    return find_limit(is_stable, _SOFT, _HARD, _PRECISION)
+
+
+def exact_matrix(wall: Wall, stiffness: float) -> Mat:
+    """One tick of the loop as a matrix: depth, velocity, last depth and the forces under way, shape [3 + n, 3 + n]."""
+    m, b, B, n = wall.mass, wall.device_damping, wall.wall_damping, wall.delay
+    dt = 1.0 / wall.rate
+    A, held = hold(np.array([[0.0, 1.0], [0.0, -b / m]]), np.array([[0.0], [1.0 / m]]), dt)
+    law = np.zeros(3 + n)
+    law[0], law[2] = -(stiffness + B / dt), B / dt
+    step = np.zeros((3 + n, 3 + n))
+    step[:2, :2] = A
+    step[2, 0] = 1.0
+    if n == 0:
+        step[:2] += np.outer(held[:, 0], law)
+    else:
+        step[:2, 2 + n] += held[:, 0]
+        step[3] = law
+        for i in range(4, 3 + n):
+            step[i, i - 1] = 1.0
+    return step
+
+
+def exact_limit(wall: Wall) -> float:
+    """Largest stable stiffness [N/m] by eigenvalues."""
+    return find_limit(lambda stiffness: is_contracting(exact_matrix(wall, stiffness)), _SOFT, _HARD)
+
+
+def rule_limit(wall: Wall) -> float:
+    """What is commonly used instead [N/m]: (b + B) / (T/2 + n T) (Gil et al. 2004, Hulin et al. 2008)."""
+    return (wall.device_damping + wall.wall_damping) * wall.rate / (0.5 + wall.delay)
