@@ -20,15 +20,51 @@ def _admittance() -> None:
     import mimics_app.rendering.haptic.methods_admittance
 
 
+def _integrators() -> None:
+    import mimics_app.rendering.haptic.methods_integrators
+
+
+def _rotation() -> None:
+    import mimics_app.rendering.haptic.methods_rotation
+
+
+def _contact() -> None:
+    import mimics_app.rendering.haptic.methods_contact
+
+
+def _friction() -> None:
+    import mimics_app.rendering.haptic.methods_friction
+
+
 def _sound() -> None:
     import mimics_app.rendering.audio.methods
+
+
+def _tick() -> None:
+    import mimics_app.lab.methods_tick
+
+
+def _rate() -> None:
+    import mimics_app.lab.methods_rate
+
+
+def _scheduling() -> None:
+    import mimics_app.lab.methods_scheduling
 
 
 GROUPS: dict[str, Callable[[], None]] = {
     "tunnel projection": _tunnel,
     "tunnel frame": _tunnel,
     "admittance form": _admittance,
+    "integrator": _integrators,
+    "rotation update": _rotation,
+    "contact law": _contact,
+    "box face": _contact,
+    "friction": _friction,
+    "haptic rate": _rate,
+    "loop scheduling": _scheduling,
     "spatialiser": _sound,
+    "haptic tick": _tick,
 }
 """Group -> what imports the module that registers it."""
 

@@ -25,7 +25,8 @@ _LEAST_ERROR = 1e-17
 def draw_chart(measured: MeasuredGroup) -> Figure:
     """The figure of a measured group."""
     rows = measured.rows
-    front = [rows[i].method.name for i in pareto_front([(row.cost_us, row.error) for row in rows])]
+    chosen_from = [row for row in rows if not row.method.yardstick]
+    front = [chosen_from[i].method.name for i in pareto_front([(row.cost_us, row.error) for row in chosen_from])]
     machine = str(describe_machine())
     name = measured.group.name
     command = f'mimics lab chart "{name}"'
@@ -84,6 +85,8 @@ def _draw(measured: MeasuredGroup, front: list[str], foot: str) -> str:
         ("dot", "open", "beaten by another"),
         ("ring", "dot", "default"),
     ]
+    if any(row.method.yardstick for row in measured.rows):
+        entries.append(("dot", "open yardstick", "yardstick: drawn, never chosen"))
     if any(not math.isfinite(row.error) for row in measured.rows):
         entries.append(("cross", "cross", "fails"))
     parts = [legend(20.0, 48.0, entries), *(panel.svg() for panel in panels)]
@@ -140,7 +143,7 @@ def _mark(panel: Panel, row: Measured, on_front: bool) -> None:
     error = max(row.error, panel.y.low)
     if method.default:
         panel.dot(cost, error, "ring", hover, 9.0)
-    panel.dot(cost, error, "dot" if on_front else "open", hover)
+    panel.dot(cost, error, "dot" if on_front else "open yardstick" if method.yardstick else "open", hover)
     exact = " (error 0)" if row.error < panel.y.low else ""
     panel.label(Label(cost, error, name + exact, "name strong" if method.default else "name"))
 

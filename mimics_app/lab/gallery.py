@@ -73,8 +73,9 @@ def write_gallery(folder: Path) -> Path:
 
 
 def _inline(numbers: Path) -> str:
-    """The drawing without its own style sheet, which the page has once."""
+    """The drawing without its own style sheet, which the page has once, and without the line the caption repeats."""
     drawing = numbers.with_suffix(".svg").read_text(encoding="utf-8")
+    drawing = re.sub(r'<text class="small made"[^>]*>[^<]*</text>', "", drawing)
     return re.sub(r"<style>.*?</style>\n?", "", drawing, count=1, flags=re.DOTALL)
 
 

@@ -74,7 +74,7 @@ def format_number(value: float) -> str:
         return "0"
     exponent = math.floor(math.log10(abs(value)) + 1e-12)
     if -4 < exponent < 5:
-        text = f"{value:.4g}"
+        text = f"{float(f'{value:.4g}'):g}"
     else:
         mantissa = value / 10.0**exponent
         power = f"10{_superscript(exponent)}"

@@ -35,6 +35,7 @@ STYLE = """
 .lab .dashed { stroke-dasharray: 7 5; stroke-width: 1.7; } .lab .dotted { stroke-dasharray: 2 4; stroke-width: 1.7; }
 .lab .dot { fill: var(--c, var(--front)); stroke: var(--paper); stroke-width: 1; }
 .lab .open { fill: var(--paper); stroke: var(--c, var(--soft)); stroke-width: 2; }
+.lab .yardstick { stroke-dasharray: 2.2 2.2; }
 .lab .ring { fill: none; stroke: var(--ink); stroke-width: 1.8; } .lab .cross { stroke: var(--bad); stroke-width: 2.4; }
 .lab .s0 { --c: var(--s0); } .lab .s1 { --c: var(--s1); } .lab .s2 { --c: var(--s2); } .lab .s3 { --c: var(--s3); }
 .lab .s4 { --c: var(--s4); } .lab .s5 { --c: var(--s5); } .lab .s6 { --c: var(--s6); } .lab .s7 { --c: var(--s7); }
@@ -254,10 +255,11 @@ def document(width: float, height: float, title: str, parts: Sequence[str], foot
         height: [px].
         title: Above the drawing, and for people who cannot see it.
         parts: What is drawn.
-        foot: Small lines below the drawing.
+        foot: Small lines below the drawing; the last one says how it was made.
     """
+    kinds = ["small"] * (len(foot) - 1) + ["small made"]
     lines = "".join(
-        _word(14, height - 10 - 15 * (len(foot) - 1 - i), line, "small", "start") for i, line in enumerate(foot)
+        _word(14, height - 10 - 15 * (len(foot) - 1 - i), line, kinds[i], "start") for i, line in enumerate(foot)
     )
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" class="lab" viewBox="0 0 {width:g} {height:g}" '

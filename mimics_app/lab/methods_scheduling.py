@@ -1,0 +1,191 @@
+"""How the 1 kHz loop gets the processor: lateness against the share of a core, beside a thread that is busy.
+
+Every recipe runs the same tick for a few seconds while another thread burns Python as main does, lowered where the
+recipe asks main for it. A recipe that the system does not
+grant here is skipped. Importing this module registers the group.
+"""
+
+from __future__ import annotations
+
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache, partial
+from pathlib import Path
+
+import numpy as np
+
+from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.probe import reference_us
+from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.rendering.haptic.devices.registry import build_device
+from mimics_app.rendering.haptic.engine import HapticEngine
+from mimics_app.rendering.haptic.scheduler import lower_this_thread
+from mimics_app.rendering.haptic.scene_block import scene_from_components
+from mimics_app.world.components_haptic import Robot
+
+__all__ = ["GROUP", "SECONDS", "measure_recipe", "measure_thread"]
+
+GROUP = "loop scheduling"
+
+SECONDS = 2.0
+"""Of each run [s], after the first second that does not count."""
+
+_WARM_UP_S = 1.0
+_PERIOD_NS = 1_000_000
+_THREAD = "python thread"
+
+Figures = tuple[float, float]
+"""Lateness at the 99th percentile [us], time on the processor per second [us]."""
+
+
+def _engine(recipe: str) -> HapticEngine:
+    robot = Robot()
+    engine = HapticEngine(SessionMemory(), build_device(robot), recipe=recipe)
+    engine.publish(scene_from_components(robot))
+    return engine
+
+
+@cache
+def measure_recipe(recipe: str) -> Figures:
+    """Run the product's loop under a recipe of `scheduler.RECIPES`.
+
+    Raises:
+        DeviceError: The system does not grant it.
+    """
+    engine = _engine(recipe)
+    granted = engine.start()
+    try:
+        if not granted.recipe.startswith(recipe):
+            raise DeviceError(f"the system grants {granted.recipe} instead", "see mimics doctor")
+        thread = next(one for one in threading.enumerate() if one.name == "haptic" and one.is_alive())
+        share = _busy_beside(thread, granted.lower_main)
+        return engine.histogram().p99, share
+    finally:
+        engine.stop()
+
+
+@cache
+def measure_thread() -> Figures:
+    """Run the same tick in a plain Python thread that sleeps to the same deadlines."""
+    engine = _engine("plain")
+    late_us: list[float] = []
+    with _running(engine, late_us) as thread:
+        share = _busy_beside(thread, False)
+    engine.stop()
+    counted = late_us[round(_WARM_UP_S * 1e9 / _PERIOD_NS) :]
+    return float(np.percentile(counted, 99)), share
+
+
+@contextmanager
+def _running(engine: HapticEngine, late_us: list[float]) -> Iterator[threading.Thread]:
+    over = threading.Event()
+
+    def loop() -> None:
+        clock = MonotonicClock()
+        due = clock.now_ns() + _PERIOD_NS
+        while not over.is_set():
+            clock.sleep_until_ns(due)
+            late_us.append((clock.now_ns() - due) * 1e-3)
+            engine.advance(1)
+            due += _PERIOD_NS
+
+    thread = threading.Thread(target=loop, name=_THREAD)
+    thread.start()
+    try:
+        yield thread
+    finally:
+        over.set()
+        thread.join()
+
+
+def _busy_beside(thread: threading.Thread, lower: bool) -> float:
+    """Burn Python in a thread that stands for main; the time the loop's spends on a processor per second [us]."""
+    used = list[float]()
+
+    def burn() -> None:
+        clock = MonotonicClock()
+        if lower:
+            lower_this_thread()
+        _burn(clock, _WARM_UP_S)
+        before, started = _on_processor_ns(thread), clock.now_ns()
+        _burn(clock, SECONDS)
+        used.append((_on_processor_ns(thread) - before) * 1e6 / (clock.now_ns() - started))
+
+    _on_processor_ns(thread)  # where the system does not tell, say so here
+    busy = threading.Thread(target=burn, name="busy")
+    busy.start()
+    busy.join()
+    return used[0]
+
+
+def _burn(clock: MonotonicClock, seconds: float) -> None:
+    """Half of each 16 ms of work, half of sleep."""
+    end = clock.now_ns() + round(seconds * 1e9)
+    while clock.now_ns() < end:
+        until, work = clock.now_ns() + 8_000_000, 0
+        while clock.now_ns() < until:
+            work += sum(k * k for k in range(200))
+        clock.sleep_until_ns(until + 8_000_000)
+
+
+def _on_processor_ns(thread: threading.Thread) -> int:
+    """Time a thread of this process has spent running [ns].
+
+    Raises:
+        DeviceError: The system does not tell.
+    """
+    told = Path(f"/proc/self/task/{thread.native_id}/schedstat")
+    try:
+        return int(told.read_text(encoding="ascii").split()[0])
+    except OSError as failure:
+        raise DeviceError(f"{sys.platform} does not tell the time of one thread", "measure on Linux") from failure
+
+
+registry.describe(
+    Group(
+        name=GROUP,
+        what="the 1 kHz loop beside a Python thread that works half of the time; cost: processor time per second",
+        unit="us late at the 99th percentile",
+        work="",
+        reference=reference_us,
+    )
+)
+for _recipe, _source, _valid in (
+    ("fifo", "compiled loop, SCHED_FIFO, timer slack 1 ns, spin of 60 us before each deadline", "where it is granted"),
+    (
+        "ordinary",
+        "compiled loop, timer slack 1 ns, short slices of the fair scheduler, main thread at nice 19",
+        "Linux, any user",
+    ),
+    ("plain", "compiled loop without any wish to the system", "everywhere"),
+):
+    registry.register(
+        Method(
+            group=GROUP,
+            name=_recipe,
+            source=_source,
+            cost=lambda recipe=_recipe: measure_recipe(recipe)[1],  # type: ignore[misc]
+            error=lambda recipe=_recipe: measure_recipe(recipe)[0],  # type: ignore[misc]
+            unit="us late at the 99th percentile",
+            valid_range=_valid,
+            run=partial(HapticEngine, recipe=_recipe),
+            default=_recipe == "fifo",
+        )
+    )
+registry.register(
+    Method(
+        group=GROUP,
+        name=_THREAD,
+        source="time.sleep to each deadline, then the same compiled tick; holds the interpreter's lock",
+        cost=lambda: measure_thread()[1],
+        error=lambda: measure_thread()[0],
+        unit="us late at the 99th percentile",
+        valid_range="demonstration",
+        run=HapticEngine.advance,
+        yardstick=True,
+    )
+)
