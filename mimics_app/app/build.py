@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 
 from mimics_app.app.catalogue import open_scenario
+from mimics_app.app.explain import describe_plan
 from mimics_app.app.parameter_desk import ParameterDesk
-from mimics_app.app.plan import saved_plan
+from mimics_app.app.plan import Plan, settle
 from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.app.session import Session
 from mimics_app.app.settings import RunSettings
@@ -73,6 +74,7 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
         UsageError: no room for the recording.
     """
     scene = load_checked_scene(settings.scene)
+    plan = settle(scene, settings.profile)
     world = build_world(scene)
     scenario = open_scenario(scene, world)
     desk = ParameterDesk(scenario.scene_block())
@@ -82,7 +84,7 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
     with ExitStack() as stack:
         memory = SessionMemory()
         folder = create_run_folder(settings.runs, settings.seconds or 0.0)
-        recorder = Recorder(memory, folder, _header(settings, scene, scenario, live=live))
+        recorder = Recorder(memory, folder, _header(settings, scene, scenario, plan, live=live))
         recorder.start(wait=False)
         stack.callback(recorder.abandon)
         sound = _open_sound(settings, scene, memory, folder, live=live)
@@ -175,7 +177,7 @@ def _open_sound(
         str(scene.path),
         sink=sink,
         file=folder / "sound.wav",
-        hrtf=system.hrtf,
+        hrtf=_heard_about_the_head(scene, system),
     )
     if chosen is None:
         return None
@@ -184,7 +186,12 @@ def _open_sound(
     return SoundStage(output, chosen.cues, chosen.emitters, system.gain)
 
 
-def _header(settings: RunSettings, scene: Scene, scenario: Scenario, *, live: bool) -> dict[str, Any]:
+def _heard_about_the_head(scene: Scene, system: AudioSystem) -> bool:
+    """Whether sounds are placed about the head: as the scene says, else as planned."""
+    return scene.methods.get("spatialiser", "hrtf") == "hrtf" if system.hrtf == "auto" else system.hrtf
+
+
+def _header(settings: RunSettings, scene: Scene, scenario: Scenario, plan: Plan, *, live: bool) -> dict[str, Any]:
     """What the recording keeps about the session."""
     chosen = {name: str(value) if isinstance(value, Path) else value for name, value in asdict(settings).items()}
     return {
@@ -194,5 +201,5 @@ def _header(settings: RunSettings, scene: Scene, scenario: Scenario, *, live: bo
         "live": live,
         "settings": chosen,
         "facts": scenario.facts,
-        "plan": saved_plan(scene, settings.profile),
+        "plan": describe_plan(scene, plan),
     }

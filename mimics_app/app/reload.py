@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from mimics_app.app.catalogue import open_scenario
+from mimics_app.app.plan import settle
 from mimics_app.app.session import Session
 from mimics_app.contracts.errors import SceneError
 from mimics_app.world.reload import reload_scene
@@ -49,6 +50,7 @@ class SceneReload:
             self._say(now_ns, str(error.issues[0]))
             session.recorder.journal("reload", {"taken": False, "issues": [str(issue) for issue in error.issues]})
             return
+        settle(scene, session.settings.profile)
         session.scene, session.scenario = scene, open_scenario(scene, session.world)
         if session.picture is not None:
             session.picture.show(scene, session.world)

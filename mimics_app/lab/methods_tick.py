@@ -36,7 +36,7 @@ _TICKS = 2000
 _REPEATS = 5
 _SEED = 1
 _REACH = 0.15
-"""Half the length of the tunnel [m]; it waves by 30 mm in the frontal plane."""
+"""Half the length of the tunnel [m]; it waves by 20 mm in the frontal plane."""
 
 
 @kernel
@@ -71,7 +71,7 @@ def _shortest_us(work: Callable[[], object], calls: int) -> float:
 @cache
 def _curve() -> TunnelCurve:
     x = np.linspace(-_REACH, _REACH, 13)
-    return build_tunnel(np.column_stack([x, 0.03 * np.sin(2.0 * np.pi * x / _REACH), np.zeros(13)]), 0.022)
+    return build_tunnel(np.column_stack([x, 0.02 * np.sin(2.0 * np.pi * x / _REACH), np.zeros(13)]), 0.022)
 
 
 class _Bench:
@@ -140,7 +140,7 @@ def _register(name: str, projection: Projection | None) -> None:
 registry.describe(
     Group(
         name=GROUP,
-        what="one tick of the loop with simulated robot and patient in a wavy tunnel; error: how far 2 s of travel part",
+        what="one tick of the loop, simulated robot and patient in a wavy tunnel; error: how far 2 s of travel part",
         unit="m",
         work="",
         reference=reference_us,

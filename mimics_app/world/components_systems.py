@@ -44,8 +44,8 @@ _Limit = Annotated[float, Meta(gt=0)]
 class Tolerances(Component, frozen=True):
     """Largest errors the scene accepts. What is left out is the profile's (draft, training, study)."""
 
-    force_N: Annotated[_Limit | None, Meta(description="Of a force on the hand [N]")] = None
-    position_m: Annotated[_Limit | None, Meta(description="Of a point on a surface or curve that is touched [m]")] = None
+    force_N: Annotated[_Limit | None, Meta(description="Of a force on the hand [N]")] = None  # noqa: N815  the unit
+    position_m: Annotated[_Limit | None, Meta(description="Of a point that is touched, or its path [m]")] = None
     angle_rad: Annotated[_Limit | None, Meta(description="Of a direction or frame [rad]")] = None
     itd_us: Annotated[_Limit | None, Meta(description="Of the delay of a sound between the ears [us]")] = None
     frame_ms: Annotated[_Limit | None, Meta(description="Longest a frame of the picture may take [ms]")] = None

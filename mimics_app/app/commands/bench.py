@@ -68,11 +68,11 @@ def _median_round(rows: list[dict[str, Any]]) -> dict[str, Any]:
 
 def _measure_methods(args: argparse.Namespace) -> dict[str, Any]:
     """Cost and error of every registered method."""
-    from dataclasses import asdict
+    from mimics_app.lab.catalogue import GROUPS, load_methods
+    from mimics_app.lab.measure import as_dict, measure
 
-    from mimics_app.app.plan import measure_groups
-
-    return {"groups": {group: [asdict(row) for row in rows] for group, rows in measure_groups().items()}}
+    registry = load_methods()
+    return {"groups": {group: as_dict(measure(group, registry)) for group in GROUPS}}
 
 
 def _measure_sound(args: argparse.Namespace) -> dict[str, Any]:

@@ -33,12 +33,10 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _compile_everything() -> None:
-    """Run a short session in memory (loop, devices, world), then measure the methods and keep their figures."""
+    """Run a short session in memory: loop, devices, world."""
     from pathlib import Path
 
-    from mimics_app.app.plan import save_figures
     from mimics_app.app.rehearsal import rehearse
     from mimics_app.app.scene_loading import load_checked_scene
 
     rehearse(load_checked_scene(Path("scenes/wavy_tunnel.json")), ticks=100)
-    save_figures()

@@ -1,0 +1,197 @@
+"""The planner with planted tables: what is within the tolerance and cheapest runs, and nothing else moves."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from typing import get_args, get_type_hints
+
+import pytest
+
+from mimics_app.app.catalogue import open_scenario
+from mimics_app.app.explain import describe_plan, explain_plan
+from mimics_app.app.plan import USES, choose, load_table, plan_scene, settle
+from mimics_app.app.scene_loading import load_checked_scene
+from mimics_app.app.settings import PROFILES
+from mimics_app.app.tolerances import BY_PROFILE, FIELD_OF_UNIT, tolerances_of
+from mimics_app.contracts.haptic import Projection
+from mimics_app.contracts.resources import root
+from mimics_app.lab.table import Row, Table
+from mimics_app.world.components_systems import HapticSettings, Tolerances
+from mimics_app.world.scene_file import build_world
+
+SCENE = root() / "scenes" / "wavy_tunnel.json"
+PART_KEYS = ["part", "group", "method", "cost_us", "error", "unit", "tolerance", "next_cheaper"]
+
+
+def row(method: str, cost_us: float, error: float, unit: str) -> Row:
+    return Row(method, cost_us, cost_us, error, unit)
+
+
+def planted(**changed: list[Row]) -> Table:
+    """Two methods a group: a quick one that is wrong by 1e-4 of the unit (200 us), a slow one by 1e-9 (10 us)."""
+    groups = {
+        "tunnel projection": [row("newton one step", 1.0, 1e-4, "m"), row("newton warm", 2.0, 1e-9, "m")],
+        "tunnel frame": [row("frenet", 1.0, 1.5, "rad"), row("double reflection", 2.0, 1e-9, "rad")],
+        "admittance form": [row("seed", 1.0, 2.0, "N"), row("cartesian", 2.0, 1e-9, "N")],
+        "spatialiser": [
+            row("stereo", 10.0, 200.0, "us of interaural delay"),
+            row("hrtf", 40.0, 10.0, "us of interaural delay"),
+        ],
+    }
+    return Table({**groups, **{name.replace("_", " "): rows for name, rows in changed.items()}}, {}, {})
+
+
+@pytest.fixture
+def scene():
+    return load_checked_scene(SCENE)
+
+
+def accepting(scene, **tolerances: float):
+    scene.systems["tolerances"] = Tolerances(**tolerances)
+    return scene
+
+
+def test_a_rival_at_half_the_cost_and_equal_error_is_taken_and_at_ten_times_the_error_dropped():
+    ours = row("ours", 2.0, 5e-7, "m")
+    assert choose([ours, row("rival", 1.0, 5e-7, "m")], 1e-6).method == "rival"
+    assert choose([ours, row("rival", 1.0, 5e-6, "m")], 1e-6).method == "ours"
+
+
+def test_of_nothing_within_the_tolerance_the_most_accurate_is_taken():
+    rivals = [row("a", 1.0, 1e-2, "m"), row("b", 9.0, 1e-3, "m"), row("failed", 0.1, float("inf"), "m")]
+    assert choose(rivals, 1e-9).method == "b"
+
+
+def test_the_order_of_the_table_decides_nothing():
+    rivals = [row("b", 1.0, 1e-7, "m"), row("a", 1.0, 1e-7, "m"), row("c", 1.0, 1e-8, "m")]
+    assert choose(rivals, 1e-6) == choose(rivals[::-1], 1e-6)
+    assert choose(rivals, 1e-6).method == "c"
+
+
+LOOSE = {"force_N": 10.0, "position_m": 1e-3, "angle_rad": 1e-2, "itd_us": 700.0, "frame_ms": 17.0}
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "moved"),
+    [
+        ("position_m", 1e-6, {"tunnel projection": "newton warm"}),
+        ("itd_us", 50.0, {"spatialiser": "hrtf"}),
+        ("force_N", 1e-3, {}),  # the form is the scene's own word
+        ("frame_ms", 1.0, {}),
+    ],
+)
+def test_tightening_one_tolerance_moves_exactly_the_methods_that_must_move(scene, field, value, moved):
+    loose = plan_scene(accepting(scene, **LOOSE), "draft", planted()).methods
+    assert loose["tunnel projection"] == "newton one step" and loose["spatialiser"] == "stereo"
+    tight = plan_scene(accepting(scene, **{**LOOSE, field: value}), "draft", planted()).methods
+    assert {group: method for group, method in tight.items() if loose[group] != method} == moved
+
+
+def test_scene_wins_over_planner_and_is_told(scene):
+    scene.systems["haptic"] = HapticSettings(projection="newton warm")
+    plan = plan_scene(accepting(scene, **LOOSE), "draft", planted())
+    choice = plan.choices[0]
+    assert (choice.taken.method, choice.planner.method) == ("newton warm", "newton one step")
+    assert choice.refused is None, "the cheaper one is within the tolerance: it was overruled, not refused"
+
+
+def test_a_method_the_scene_names_runs_although_the_table_lacks_it(scene):
+    scene.systems["haptic"] = HapticSettings(projection="brute force")
+    plan = plan_scene(scene, "training", planted())
+    assert plan.methods["tunnel projection"] == "brute force"
+    json.dumps(describe_plan(scene, plan))
+
+
+@pytest.mark.parametrize("name", ["newton one step", "newton warm"])
+def test_what_is_chosen_is_what_runs(scene, name, monkeypatch):
+    table = planted(tunnel_projection=[row(name, 1.0, 1e-12, "m"), row("golden section", 2.0, 1e-12, "m")])
+    monkeypatch.setattr("mimics_app.app.plan.load_table", lambda: (table, "planted"))
+    settle(scene, "study")
+    block = open_scenario(scene, build_world(scene)).scene_block()
+    assert Projection(block[0]["tunnel"]["projection"]) is Projection[name.upper().replace(" ", "_")]
+
+
+def test_without_a_plan_the_tunnel_runs_the_tracked_newton(scene):
+    block = open_scenario(scene, build_world(scene)).scene_block()
+    assert Projection(block[0]["tunnel"]["projection"]) is Projection.NEWTON_WARM
+
+
+def test_shipped_table_draft_and_study_choose_differently(scene):
+    table = Table.load_shipped()
+    draft, study = (plan_scene(scene, profile, table).methods for profile in ("draft", "study"))
+    assert draft["tunnel projection"] == "newton one step" and study["tunnel projection"] == "newton warm"
+    assert draft["spatialiser"] == "stereo" and study["spatialiser"] == "hrtf"
+    same = ("tunnel frame", "admittance form")
+    assert [draft[group] for group in same] == [study[group] for group in same]
+
+
+def test_shipped_table_knows_every_method_a_scene_may_name():
+    groups = Table.load_shipped().groups
+    names = get_args(get_args(get_type_hints(HapticSettings, include_extras=True)["projection"])[0])
+    assert set(names) - {"auto"} == {r.method for r in groups["tunnel projection"]}
+    assert {"cartesian", "polar", "seed"} <= {r.method for r in groups["admittance form"]}
+    assert {"hrtf", "stereo"} <= {r.method for r in groups["spatialiser"]}
+    for group in USES:
+        assert len({FIELD_OF_UNIT[r.unit] for r in groups[group]}) == 1, group
+
+
+def test_every_profile_bounds_every_error_and_each_is_stricter_than_the_one_before(scene):
+    fields = set(Tolerances.__struct_fields__)
+    assert all(set(BY_PROFILE[profile]) == fields for profile in PROFILES)
+    for looser, stricter in pairwise(PROFILES):
+        assert all(BY_PROFILE[stricter][field] <= BY_PROFILE[looser][field] for field in fields)
+    assert tolerances_of(accepting(scene, itd_us=12.5), "draft") == {**BY_PROFILE["draft"], "itd_us": 12.5}
+
+
+def test_explained_object_has_the_keys_scripts_rely_on(scene):
+    answer = explain_plan(scene, plan_scene(scene, "training", Table.load_shipped()))
+    assert {"profile", "parts", "left_out"} <= set(answer)
+    for part in answer["parts"]:
+        assert list(part) == PART_KEYS
+        assert part["next_cheaper"] is None or list(part["next_cheaper"]) == ["method", "error"]
+    assert all(list(left) == ["part", "why", "saved_us"] for left in answer["left_out"])
+    refused = {part["group"]: part["next_cheaper"] for part in answer["parts"]}["tunnel projection"]
+    assert refused["method"] == "newton one step" and refused["error"] > 1e-6
+
+
+def test_sound_that_is_not_there_is_left_out_with_its_cost(scene):
+    silent = replace(
+        scene,
+        entities=[
+            replace(one, components={k: v for k, v in one.components.items() if not k.startswith("sound")})
+            for one in scene.entities
+        ],
+    )
+    answer = explain_plan(silent, plan_scene(silent, "training", planted()))
+    left = {item["part"]: item["saved_us"] for item in answer["left_out"]}
+    assert left["sound process, per block of 5 ms"] == 10.0
+    assert "spatialiser" not in {part["group"] for part in answer["parts"]}
+
+
+def test_shadow_is_measured_only_where_none_is_cast(scene):
+    asked = []
+    explain_plan(scene, plan_scene(scene, "training", planted()), lambda: asked.append(1) or 1.0)
+    assert not asked, "a light of this scene casts a shadow"
+
+
+def test_saved_table_stands_before_the_shipped_one_and_is_named(monkeypatch):
+    newer = [row("newton warm", 1.0, 1e-9, "m")]
+    monkeypatch.setattr(Table, "load_saved", classmethod(lambda cls: Table({"tunnel projection": newer}, {"m": 1}, {})))
+    table, origin = load_table()
+    assert origin == "saved"
+    assert table.groups["tunnel projection"] == newer
+    assert table.groups["spatialiser"] == Table.load_shipped().groups["spatialiser"]
+    monkeypatch.setattr(Table, "load_saved", classmethod(lambda cls: None))
+    assert load_table()[1] == "shipped"
+
+
+def test_tolerance_of_zero_is_refused_with_its_place(tmp_path: Path):
+    document = json.loads(SCENE.read_text())
+    document["systems"] = {"tolerances": {"position_m": 0.0}}
+    file = tmp_path / "scene.json"
+    file.write_text(json.dumps(document))
+    with pytest.raises(Exception, match="/systems/tolerances/position_m"):
+        load_checked_scene(file)
