@@ -15,6 +15,14 @@ _MODULES = {
     "S3": "s03_stiffest_wall",
     "S3R": "s03_wall_rate",
     "S7": "s07_joint_pd",
+    "S9": "s09_admittance_forms",
+    "S10": "s10_corner_slide",
+    "S11": "s11_held_object",
+    "S11B": "s11b_lugre_step",
+    "S12": "s12_rotation_drift",
+    "S12B": "s12b_free_top",
+    "S13": "s13_mass_ratio",
+    "S13B": "s13b_stack",
 }
 """Modules of this folder by the name of their experiment, in the order of their numbers."""
 

@@ -1,0 +1,41 @@
+"""Signatures by which experiments take a law as an argument: the loop's own function, a rival, or a planted fault.
+
+Taken from the module's names when an experiment runs, so that a test may put a faulty law in the place of a right one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import from_dtype, types
+from numpy.typing import NDArray
+
+from mimics_app.rendering.haptic.kernels.contact import CONTACT
+
+__all__ = ["NORMAL_LAW", "ROTATION", "SHAPE", "identified_rate"]
+
+Vec = NDArray[np.float64]
+
+NORMAL_LAW = types.FunctionType(types.float64(types.float64, types.float64, types.float64, types.float64))
+"""force [N] = law(depth [m], rate [m/s], k [N/m], b [N s/m])."""
+
+SHAPE = types.FunctionType(types.void(types.float64[::1], types.float64[::1], types.float64[::1], from_dtype(CONTACT)))
+"""shape(position [m], velocity [m/s], dimensions [m], contact record)."""
+
+ROTATION = types.FunctionType(types.void(types.float64[::1], types.float64[::1], types.float64[::1], types.float64))
+"""rotation(quaternion xyzw, momentum [kg m^2/s], inverse inertia [1/(kg m^2)], step [s])."""
+
+
+def identified_rate(motion: Vec, dt: float) -> float:
+    """Growth rate [1/s] of a simulated motion: the larger of the two multipliers that explain it (Prony 1795).
+
+    Args:
+        motion: Distance from rest at successive ticks, shape [n], n >= 4, of a linear system of order two.
+        dt: Tick [s].
+
+    Returns:
+        ln|z| / dt of the multiplier z of greatest magnitude; > 0: it grows.
+    """
+    past = np.column_stack([motion[1:-1], motion[:-2]])
+    scale = np.linalg.norm(past, axis=1, keepdims=True)  # every tick counts alike, however far it has grown
+    trace, product = np.linalg.lstsq(past / scale, motion[2:] / scale[:, 0], rcond=None)[0]
+    return float(np.log(np.max(np.abs(np.roots([1.0, -trace, -product])))) / dt)

@@ -1,0 +1,187 @@
+"""S11: an object that friction holds for a minute: does it stay, and does friction stay in its cone?
+
+The load stays below mu F_N and trembles by a tenth. Regularised friction (4.3.2 with the right sign) is a damper of
+mu F_N / v_th below its threshold, hence creeps v_th F / (mu F_N): F for the mean load. Karnopp and the anchor of
+Hayward and Armstrong hold. LuGre holds a constant load, and creeps under a trembling one.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
+from mimics_app.rendering.haptic.kernels.friction import (
+    FRICTION,
+    hayward_armstrong,
+    karnopp,
+    lugre_explicit,
+    lugre_implicit,
+    regularised,
+)
+from mimics_app.rendering.haptic.kernels.integrators import step_semi_implicit
+
+__all__ = ["EXPERIMENT", "MODELS", "cone_excess", "exact_creep", "hold"]
+
+Vec = NDArray[np.float64]
+
+MODELS = ("regularised", "Karnopp", "Hayward-Armstrong", "LuGre explicit", "LuGre implicit")
+
+_MASS = 3.0
+_MU = 0.4
+_NORMAL = 30.0
+_CONE = _MU * _NORMAL
+_THRESHOLD = 0.01
+_STIFFNESS = 2e4
+_BRISTLE_DAMPING = 100.0
+_DT = 1e-3
+_SETTLED = 1.0
+_SECONDS = 61.0
+_TREMOR = 0.1
+_TREMOR_HZ = 2.0
+_HELD_M = 1e-6
+_CONE_ROUNDING = 1e-12
+
+
+@kernel
+def _friction(model: int, x: Vec, v: Vec, load: Vec, dt: float, state: Any, out: Vec) -> None:
+    """One of `MODELS`, by its place, with the coefficients of this experiment."""
+    if model == 0:
+        regularised(v, _NORMAL, _MU, _THRESHOLD, out)
+    elif model == 1:
+        karnopp(v, load, _NORMAL, _MU, _MU, _THRESHOLD, state, out)
+    elif model == 2:
+        hayward_armstrong(x, _NORMAL, _MU, _STIFFNESS, state, out)
+    elif model == 3:
+        lugre_explicit(v, _NORMAL, _MU, _MU, _THRESHOLD, _STIFFNESS, _BRISTLE_DAMPING, dt, state, out)
+    else:
+        lugre_implicit(v, _NORMAL, _MU, _MU, _THRESHOLD, _STIFFNESS, _BRISTLE_DAMPING, dt, state, out)
+
+
+@kernel
+def _hold(model: int, share: float, seconds: float, dt: float, states: Any, out: Vec) -> None:
+    """out: mean place in the last second less that in the first after settling [m], largest friction / cone - 1."""
+    x, v, load, force = np.zeros(1), np.zeros(1), np.zeros(1), np.zeros(1)
+    settled = round(_SETTLED / dt)
+    ticks = settled + round(seconds / dt)
+    window = round(1.0 / dt)
+    way = 0.0
+    for i in range(ticks):
+        t = i * dt
+        rise = 0.5 * (1.0 - math.cos(math.pi * t / _SETTLED)) if i < settled else 1.0
+        tremor = _TREMOR * math.sin(2.0 * math.pi * _TREMOR_HZ * t) if i >= settled else 0.0
+        load[0] = share * _CONE * (rise + tremor)
+        _friction(model, x, v, load, dt, states[0], force)
+        out[1] = max(out[1], abs(force[0]) / _CONE - 1.0)
+        if model == 1 and states[0].sticking:
+            v[0] = 0.0
+        x[0], v[0] = step_semi_implicit(x[0], v[0], load[0] + force[0], _MASS, 0.0, 0.0, dt)
+        if i >= ticks - window:
+            way += x[0] / window
+        if settled <= i < settled + window:
+            way -= x[0] / window
+    out[0] = way
+
+
+@kernel
+def _excess(model: int, ticks: int, dt: float, path: Vec, states: Any) -> float:
+    """Largest friction as a share of the cone - 1 along a prescribed path [m]."""
+    v, load, force = np.zeros(1), np.zeros(1), np.zeros(1)
+    worst = -1.0
+    for i in range(1, ticks):
+        v[0] = (path[i] - path[i - 1]) / dt
+        load[0] = 1e3 * v[0]
+        _friction(model, path[i : i + 1], v, load, dt, states[0], force)
+        worst = max(worst, abs(force[0]) / _CONE - 1.0)
+    return worst
+
+
+def hold(model: str, share: float, seconds: float = _SECONDS) -> tuple[float, float]:
+    """Hold 3 kg against a mean load of `share` mu F_N, once settled for a second.
+
+    Returns:
+        (way crept from the mean of the first second to that of the last [m], how far the friction left its cone at
+        most, as a share of mu F_N).
+    """
+    out = np.array([0.0, -1.0])
+    _hold(MODELS.index(model), share, seconds, _DT, np.zeros(1, FRICTION), out)
+    return float(out[0]), max(0.0, float(out[1]))
+
+
+def cone_excess(model: str) -> float:
+    """How far friction leaves its cone along a path of many reversals of up to 0.5 m/s, as a share of mu F_N."""
+    t = _DT * np.arange(20_000)
+    path = 0.05 * np.sin(2.0 * np.pi * 1.0 * t) + 0.01 * np.sin(2.0 * np.pi * 3.7 * t)
+    return max(0.0, float(_excess(MODELS.index(model), len(path), _DT, path, np.zeros(1, FRICTION))))
+
+
+def exact_creep(share: float, seconds: float) -> float:
+    """Way [m] that the regularised law creeps under a mean load of `share` mu F_N: v_th share (seconds - 1)."""
+    return _THRESHOLD * share * (seconds - 1.0)
+
+
+def _run(points: int) -> Outcome:
+    shares = [float(share) for share in np.linspace(0.1, 0.85, max(points, 2))]
+    crept = {model: [hold(model, share) for share in shares] for model in MODELS}
+    cones = {model: cone_excess(model) for model in MODELS}
+    rows = [
+        {
+            "load_share": share,
+            "method": model,
+            "crept_mm": 1e3 * crept[model][i][0],
+            "exact_mm": 1e3 * exact_creep(share, _SECONDS) if model == "regularised" else None,
+            "cone_excess_held": crept[model][i][1],
+            "cone_excess_sliding": cones[model],
+        }
+        for i, share in enumerate(shares)
+        for model in MODELS
+    ]
+
+    def curve(model: str) -> Points:
+        # 1 nm stands for nothing at all: the axis is logarithmic.
+        return [(share, max(1e-6, 1e3 * abs(way))) for share, (way, _) in zip(shares, crept[model], strict=True)]
+
+    simulated = curve("regularised")
+    exact = [(share, 1e3 * exact_creep(share, _SECONDS)) for share in shares]
+    disagreement = largest_disagreement(simulated, exact)
+    stays = all(abs(way) < _HELD_M for model in ("Karnopp", "Hayward-Armstrong") for way, _ in crept[model])
+    inside = all(
+        max(cones[model], *(excess for _, excess in crept[model])) <= _CONE_ROUNDING
+        for model in ("regularised", "Karnopp", "Hayward-Armstrong")
+    )
+    half = min(range(len(shares)), key=lambda i: abs(shares[i] - 0.5))
+    return Outcome(
+        rows=rows,
+        simulated=simulated,
+        exact=exact,
+        rules={model: curve(model) for model in MODELS[1:]},
+        disagreement=disagreement,
+        passed=disagreement <= EXPERIMENT.tolerance and stays and inside,
+        note=(
+            f"In a minute at {100 * shares[half]:.0f} % of the cone: regularised "
+            f"{1e3 * crept['regularised'][half][0]:.0f} mm, LuGre {1e3 * crept['LuGre implicit'][half][0]:.2g} mm, "
+            f"Hayward-Armstrong {1e3 * abs(crept['Hayward-Armstrong'][half][0]):.1g} mm, Karnopp 0 mm. Sliding, "
+            f"explicit LuGre leaves the cone by {100 * cones['LuGre explicit']:.3g} %, implicit by "
+            f"{100 * cones['LuGre implicit']:.3g} %."
+        ),
+    )
+
+
+EXPERIMENT = Experiment(
+    name="S11",
+    title="An object held by friction: who lets it creep",
+    claim=(
+        "Regularised friction creeps v_th F/(mu F_N) (to 0.5 %); Karnopp and Hayward-Armstrong hold within 1 um and "
+        "never leave the cone."
+    ),
+    x_label="mean load / (mu F_N)",
+    y_label="crept in a minute [mm]",
+    kind="invariant",
+    run=_run,
+    tolerance=5e-3,
+    log_y=True,
+)

@@ -1,0 +1,113 @@
+"""S11B: explicit LuGre friction blows up when it slides fast: h < 2 g(v) / (sigma0 |v|).
+
+At constant speed the bristle's deflection is multiplied by 1 - h sigma0 |v| / g(v) every tick, with g the friction of
+steady sliding. The implicit form divides instead, and settles at g / sigma0 in any tick.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
+from mimics_app.lab.stability.linear import find_limit
+from mimics_app.rendering.haptic.kernels.friction import FRICTION, lugre_explicit, lugre_implicit
+
+__all__ = ["EXPERIMENT", "deflection", "exact_limit", "largest_tick"]
+
+Vec = NDArray[np.float64]
+
+_NORMAL = 2.5
+_MU = 0.4
+_MU_STATIC = 0.6
+_STRIBECK = 0.05
+_STIFFNESS = 1e5
+_TICKS = 20_000
+_LOST = 3.0
+
+
+@kernel
+def _slide(implicit: bool, speed: float, dt: float, ticks: int, states: Any) -> float:
+    """Greatest deflection of the bristles [m] in the last tenth of a slide at constant speed."""
+    v, force = np.full(1, speed), np.zeros(1)
+    worst = 0.0
+    for i in range(ticks):
+        if implicit:
+            lugre_implicit(v, _NORMAL, _MU, _MU_STATIC, _STRIBECK, _STIFFNESS, 0.0, dt, states[0], force)
+        else:
+            lugre_explicit(v, _NORMAL, _MU, _MU_STATIC, _STRIBECK, _STIFFNESS, 0.0, dt, states[0], force)
+        if i >= 9 * ticks // 10:
+            worst = max(worst, abs(states[0].bristle[0]))
+        if not abs(states[0].bristle[0]) < 1e6:
+            return math.inf
+    return worst
+
+
+def _steady_friction(speed: float) -> float:
+    """g(v) [N]."""
+    return _NORMAL * (_MU + (_MU_STATIC - _MU) * math.exp(-((speed / _STRIBECK) ** 2)))
+
+
+def deflection(implicit: bool, speed: float, dt: float) -> float:
+    """Deflection after a long slide as a multiple of the steady one, g / sigma0; 1 where it settled."""
+    states = np.zeros(1, FRICTION)
+    return float(_slide(implicit, speed, dt, _TICKS, states)) * _STIFFNESS / _steady_friction(speed)
+
+
+def exact_limit(speed: float) -> float:
+    """2 g(v) / (sigma0 |v|) [s]."""
+    return 2.0 * _steady_friction(speed) / (_STIFFNESS * speed)
+
+
+def largest_tick(speed: float) -> float:
+    """Largest tick [s] in which the explicit form settles, by bisection."""
+    around = exact_limit(speed)
+    return find_limit(lambda dt: deflection(False, speed, dt) < _LOST, 0.1 * around, 10.0 * around)
+
+
+def _run(points: int) -> Outcome:
+    speeds = [float(speed) for speed in np.geomspace(0.01, 1.0, max(points, 2))]
+    simulated: Points = [(speed, 1e6 * largest_tick(speed)) for speed in speeds]
+    exact: Points = [(speed, 1e6 * exact_limit(speed)) for speed in speeds]
+    disagreement = largest_disagreement(simulated, exact)
+    rows = [
+        {
+            "speed_m_s": speed,
+            "simulated_us": simulated[i][1],
+            "exact_us": exact[i][1],
+            "explicit_at_1_ms": min(deflection(False, speed, 1e-3), 1e300),
+            "implicit_at_1_ms": deflection(True, speed, 1e-3),
+        }
+        for i, speed in enumerate(speeds)
+    ]
+    settled = all(abs(row["implicit_at_1_ms"] - 1.0) < 1e-9 for row in rows)
+    return Outcome(
+        rows=rows,
+        simulated=simulated,
+        exact=exact,
+        rules={"tick of the loop": [(speed, 1e3) for speed in speeds]},
+        disagreement=disagreement,
+        passed=disagreement <= EXPERIMENT.tolerance and settled,
+        note=(
+            f"sigma0 = 100 kN/m, 1 N of friction: at {speeds[-1]:g} m/s the explicit form needs a tick below "
+            f"{exact[-1][1]:.1f} us; the implicit one settles at 1 ms at every speed."
+        ),
+    )
+
+
+EXPERIMENT = Experiment(
+    name="S11B",
+    title="LuGre friction: the tick in which it blows up",
+    claim="Explicit LuGre settles exactly for h < 2 g(v)/(sigma0 |v|); the implicit form settles at 1 ms at any speed.",
+    x_label="sliding speed [m/s]",
+    y_label="largest tick that settles [us]",
+    kind="boundary",
+    run=_run,
+    tolerance=0.02,
+    log_x=True,
+    log_y=True,
+)
