@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -33,8 +35,8 @@ def play(settings: RunSettings, *, as_json: bool) -> int:
         0, or 5 when the run ended in a latched stop.
     """
     started = MonotonicClock().now_ns()
-    windowed = not settings.headless and settings.display != "none" and has_display()
-    with build_session(settings, live=windowed) as session:
+    windowed = not settings.headless and has_display()
+    with build_session(settings, live=windowed) as session, _told_where(session):
         frames = Frames(session)
         if windowed:
             _play_in_window(session, frames)
@@ -51,6 +53,16 @@ def play(settings: RunSettings, *, as_json: bool) -> int:
     else:
         _say(answer)
     return _EXIT_SAFETY if summary["safety"]["state"] in _STOPS else 0
+
+
+@contextmanager
+def _told_where(session: Session) -> Iterator[None]:
+    """Say where the recording of a run is that somebody broke off: its report is not written by itself."""
+    try:
+        yield
+    except (KeyboardInterrupt, SystemExit):
+        sys.stderr.write(f"mimics: broken off; mimics report {session.folder} tells what was recorded\n")
+        raise
 
 
 def _play_in_window(session: Session, frames: Frames) -> None:

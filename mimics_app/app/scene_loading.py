@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import mimics_app.tasks.scene_section  # noqa: F401  registers the task block
-from mimics_app.contracts.errors import Issue, SceneError, UsageError
+from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.resources import root
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
 from mimics_app.tasks.actions import haptic_field
@@ -52,14 +52,14 @@ def find_scene(path: Path) -> Path:
     """The scene file itself, or the installation's one of that name (scenes/wavy_tunnel.json, wavy_tunnel).
 
     Raises:
-        UsageError: neither is there.
+        SceneError: neither is there.
     """
     if path.is_file():
         return path
     shipped = root() / "scenes" / path.with_suffix(".json").name
     if shipped.is_file() and path.parent.name in ("", "scenes"):
         return shipped
-    raise UsageError(f'there is no scene "{path}"', f"shipped: {', '.join(_shipped())}")
+    raise SceneError(Issue(str(path), "", "there is no such scene", f"shipped: {', '.join(_shipped())}"))
 
 
 def _shipped() -> list[str]:

@@ -6,15 +6,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-__all__ = ["DISPLAYS", "PROFILES", "SOUNDS", "Display", "Profile", "RunSettings", "SoundChoice"]
+__all__ = ["PROFILES", "RECIPES", "SOUNDS", "Profile", "RunSettings", "SoundChoice"]
 
-Display = Literal["auto", "window", "none"]
 Profile = Literal["draft", "training", "study"]
 SoundChoice = Literal["auto", "device", "file", "off"]
 
-DISPLAYS: tuple[Display, ...] = ("auto", "window", "none")
 PROFILES: tuple[Profile, ...] = ("draft", "training", "study")
 SOUNDS: tuple[SoundChoice, ...] = ("auto", "device", "file", "off")
+RECIPES = ("auto", "fifo", "ordinary", "plain")
+"""What `rendering.haptic.scheduler` knows; named here too so that --help imports no haptics (a test compares them)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,14 +29,13 @@ class RunSettings:
         profile: How much the picture and the tolerances may give up.
         device: Instead of the scene's robot device; "" keeps it (a window takes "pointer").
         patient: Preset instead of the scene's; "" keeps it.
-        display: "auto" opens a window where there is a display.
         sound: "auto": device when live, file when headless; "off": none.
         size: Of the picture [px].
         pictures: Frames a headless run draws and keeps.
-        video: Folder or file for every frame, or None.
+        video: Folder for every frame, or None.
         action: File of task actions to replay, or None.
         runs: Folder the run folder is made in.
-        recipe: Scheduler recipe of the haptic loop: "auto", "fifo" or "nice".
+        recipe: Scheduler of the live haptic loop, one of RECIPES.
     """
 
     scene: Path
@@ -46,7 +45,6 @@ class RunSettings:
     profile: Profile = "training"
     device: str = ""
     patient: str = ""
-    display: Display = "auto"
     sound: SoundChoice = "auto"
     size: tuple[int, int] = (1280, 720)
     pictures: int = 4

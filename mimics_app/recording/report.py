@@ -34,6 +34,7 @@ __all__ = ["Punctuality", "punctuality", "write_report"]
 _OPEN_ATTEMPTS = 3
 _WARM_UP_TICKS = 1000
 _OWN_KEYS = ("format", "version", "versions", "machine", "clock", "plan")
+_COUNTED = "Score, time, path error and wall contacts tell of ended trials; practice counts only where it is all."
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,12 +146,13 @@ def _cards(run: Run, attempts: list[Attempt]) -> str:
     free = [attempt.samples[attempt.free] for attempt in attempts]
     felt = [_largest(rows["f_user_world"]) for rows in free]
     real_time = punctuality(run.haptic)
+    finished = sum(row.get("outcome") == "finished" for row in run.trials)
     cards = {
-        "trials finished": f"{task.get('completed', len(run.trials))} of {task.get('trials', len(run.trials))}",
+        "trials finished": f"{task.get('completed', finished)} of {task.get('trials', len(run.trials))}",
         "score": _one(task.get("score")),
         "time": _one(task.get("time_s"), "s"),
         "path error": _one(_scaled(task.get("path_error_m"), 1000.0), "mm"),
-        "wall contacts": value(int((run.events["kind"] == EventKind.CONTACT_BEGIN).sum())),
+        "wall contacts": value(task.get("contacts")),
         "largest force felt": _one(max(felt, default=None), "N"),
         "ticks missed": f"{real_time.missed} of {real_time.ticks:,}".replace(",", "\u2009")
         if real_time
@@ -158,7 +160,8 @@ def _cards(run: Run, attempts: list[Attempt]) -> str:
         "trips": value(int((run.events["kind"] == EventKind.TRIP).sum())),
     }
     items = "".join(f"<div><b>{text}</b><span>{name}</span></div>" for name, text in cards.items() if text != "–")
-    return f'<div class="cards">{items}</div>'
+    note = _soft(_COUNTED) if task else ""
+    return f'<div class="cards">{items}</div>{note}'
 
 
 def _largest(vectors: NDArray[np.float64]) -> float:

@@ -36,14 +36,22 @@ def draw_path(attempt: Attempt, events: NDArray[Any]) -> str:
             plot.line(side[:, 0], side[:, 1], "wall", "" if i else "walls of the tunnel")
         bisector = 1000.0 * attempt.tunnel.bisector_world
         plot.line(bisector[:, 0], bisector[:, 1], "bisector", "bisector of the tunnel")
-        for name, end, side in (("start", 0, walls[0][0]), ("goal", -1, walls[0][-1])):
-            opposite = 2.0 * bisector[end, :2] - side
-            top = side if side[1] > opposite[1] else opposite
-            plot.word(float(top[0]), float(top[1]) + 0.012 * (plot.y.high - plot.y.low), name)
+        _name_ends(plot, bisector[:, :2])
     moved = np.where(attempt.free[:, None], path, np.nan)
     plot.line(moved[:, 0], moved[:, 1], "robot", "path of the robot")
     _mark_contacts(plot, attempt, events)
     return plot.svg()
+
+
+def _name_ends(plot: Plot, bisector: Values) -> None:
+    """Write "start" and "goal" before the tunnel's mouths, where neither wall nor path runs."""
+    gap = 0.008 * (plot.x.high - plot.x.low)
+    for name, end, inner in (("start", 0, 1), ("goal", -1, -2)):
+        outward = bisector[end] - bisector[inner]
+        outward = outward / max(float(np.hypot(*outward)), 1e-12)
+        x, y = bisector[end] + gap * outward
+        anchor = "middle" if abs(outward[0]) < 0.3 else "end" if outward[0] < 0.0 else "start"
+        plot.word(float(x), float(y) - 0.5 * gap, name, anchor)
 
 
 def _walls(tunnel: TunnelShape) -> list[Values]:

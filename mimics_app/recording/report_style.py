@@ -19,7 +19,7 @@ STYLE = """
   * { print-color-adjust: exact; } }
 * { box-sizing: border-box; }
 body { margin: 0; background: var(--paper); color: var(--ink); font: 15px/1.5 system-ui, "Segoe UI", sans-serif; }
-main { max-width: 1040px; margin: 0 auto; padding: 32px 28px 64px; }
+main { max-width: 1120px; margin: 0 auto; padding: 32px 28px 64px; }
 h1 { font-size: 28px; line-height: 1.2; margin: 0 0 4px; letter-spacing: -0.01em; }
 h2 { font-size: 20px; margin: 44px 0 12px; padding-top: 14px; border-top: 1px solid var(--rule); }
 h3 { font-size: 16px; margin: 26px 0 8px; }
@@ -35,7 +35,7 @@ p { margin: 6px 0 12px; max-width: 76ch; } .soft { color: var(--soft); }
 .note ul { margin: 4px 0; padding-left: 20px; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; width: 100%; font-size: 13px; font-variant-numeric: tabular-nums; }
-th, td { padding: 4px 8px; border-bottom: 1px solid var(--rule); text-align: left; vertical-align: top; }
+th, td { padding: 4px 6px; border-bottom: 1px solid var(--rule); text-align: left; vertical-align: top; }
 th { color: var(--soft); font-weight: 600; line-height: 1.3; } td.number, th.number { text-align: right; }
 .keys td { overflow-wrap: anywhere; } .keys td:first-child { width: 34%; } td.number { white-space: nowrap; }
 details { margin: 10px 0; } summary { cursor: pointer; font-weight: 600; padding: 6px 0; }

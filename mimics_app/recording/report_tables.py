@@ -19,6 +19,7 @@ _SHORT = 20
 _LONG_LIST = 12
 _HIDDEN = ("begin_ns", "end_ns")  # session clock, for programs
 _PARAMETER = "parameter."
+_METRES = "_m"
 
 
 def value(item: Any) -> str:
@@ -86,11 +87,19 @@ def score_table(trials: Sequence[Mapping[str, Any]]) -> str:
         names.insert(names.index("outcome") + 1, "score")
     given = [name for name in names if name.startswith(_PARAMETER)]
     measured = [name for name in names if name not in given]
-    text = table([_column(name) for name in measured], _cells(trials, measured))
+    text = table([_column(name) for name in measured], _cells([_in_mm(row) for row in trials], measured))
     if given:
         text += "<h3>Parameters of the trials</h3>"
         text += table([_column(name) for name in ("trial", *given)], _cells(trials, ["trial", *given]))
     return text
+
+
+def _in_mm(row: Mapping[str, Any]) -> dict[str, Any]:
+    """The row with its lengths in mm."""
+    return {
+        name: 1000.0 * item if name.endswith(_METRES) and isinstance(item, (int, float)) else item
+        for name, item in row.items()
+    }
 
 
 def _says_something(name: str, trials: Sequence[Mapping[str, Any]]) -> bool:
@@ -100,10 +109,10 @@ def _says_something(name: str, trials: Sequence[Mapping[str, Any]]) -> bool:
 
 
 def _column(name: str) -> str:
-    """The name of a column for people: time_s becomes time [s]."""
+    """The name of a column for people: time_s becomes time [s]; lengths are told in mm."""
     if name.startswith(_PARAMETER):
         return name.removeprefix(_PARAMETER).replace("_", " ")
-    for ending, unit in (("_m_s", "m/s"), ("_s", "s"), ("_m", "m"), ("_n", "N")):
+    for ending, unit in (("_m_s", "m/s"), ("_s", "s"), (_METRES, "mm"), ("_n", "N")):
         if name.endswith(ending):
             return f"{name[: -len(ending)].replace('_', ' ')} [{unit}]"
     return name.replace("_", " ")
@@ -165,7 +174,8 @@ def contact_table(rows: Sequence[Mapping[str, Any]]) -> str:
         taken = np.array([row[name] for row in rows if row[name] is not None], np.float64)
         if len(taken):
             text += f" {what} after {np.median(taken):.1f} ms in the median, {taken.max():.1f} ms at most;"
-    summary = f"<p>{len(rows)} contacts{':' + text.rstrip(';') if text else ''}.</p>"
+    count = f"{len(rows)} contact{'' if len(rows) == 1 else 's'}"
+    summary = f"<p>{count}{':' + text.rstrip(';') if text else ''}.</p>"
     listed = table(list(rows[0]), [list(row.values()) for row in rows[:_MOST_ROWS]])
     if len(rows) > _MOST_ROWS:
         listed += f'<p class="soft">The first {_MOST_ROWS} are listed.</p>'

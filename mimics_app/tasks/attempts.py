@@ -104,16 +104,16 @@ class Attempts:
     def result(self, now_ns: int) -> dict[str, float]:
         """Totals of the session, see `tasks.score.session_result`.
 
-        A travel under way, or cut off by the session's end, counts as it stands. Practice counts only where there is
-        nothing else.
+        Travels that came to their goal or their time count; practice only where there is nothing else. Where none has
+        ended yet, the one under way, or cut off by the session's end, counts as it stands.
         """
-        rows = [row for row in self.rows if row["outcome"] != ABORTED or row["cause"] == SESSION_ENDED]
+        ended = [row for row in self.rows if row["outcome"] != ABORTED]
+        cut_off = [row for row in self.rows if row["cause"] == SESSION_ENDED and row["time_s"] > 0.0]
         if self._open and self.tally is not None:
-            rows.append(self._row(ABORTED, SESSION_ENDED, {}, now_ns))
-        travelled = [row for row in rows if row["time_s"] > 0.0]
-        counted = [row for row in travelled if not row["practice"]]
+            cut_off.append(self._row(ABORTED, SESSION_ENDED, {}, now_ns))
+        counted = [row for row in ended if not row["practice"]]
         completed = sum(row["outcome"] == FINISHED for row in self.rows)
-        return session_result(counted or travelled, trials=self.number + self.trial_over, completed=completed)
+        return session_result(counted or ended or cut_off, trials=self.number + self.trial_over, completed=completed)
 
     def _row(self, outcome: str, cause: str, parameters: Mapping[str, float], now_ns: int) -> Row:
         measures = self.tally.measures() if self.tally else Measures()

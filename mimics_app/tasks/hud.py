@@ -17,7 +17,7 @@ BUILT_IN: Mapping[State, str] = {
     State.FINISHED: "Well done: {score} points",
     State.TIMEOUT: "Time is over: {score} points",
     State.ABORTED: "The start was not reached",
-    State.STOPPED: "Stopped: {cause}. The operator resets it when it is safe",
+    State.STOPPED: "Stopped: {cause}. When it is safe, the operator resets it: R",
     State.REST: "Rest: {seconds} s",
     State.DONE: "Finished: {score} points",
 }

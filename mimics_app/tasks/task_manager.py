@@ -123,7 +123,7 @@ class TaskManager:
         self._state = State.DONE
 
     def result(self) -> dict[str, float]:
-        """Totals under the keys of `mimics run --json`; a travel under way counts as it stands."""
+        """Totals under the keys of `mimics run --json`, see `Attempts.result`."""
         return self._attempts.result(self._last_ns)
 
     def _advance(self, seen: Observation) -> tuple[State | None, State | None]:

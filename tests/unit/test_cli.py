@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from mimics_app.app import cli, output
+from mimics_app.app import cli, output, settings
 from mimics_app.contracts.errors import (
     DeviceError,
     Issue,
@@ -22,6 +22,7 @@ from mimics_app.contracts.errors import (
     SceneError,
     UsageError,
 )
+from mimics_app.rendering.haptic import scheduler
 
 Body = Callable[[Any], int]
 
@@ -210,3 +211,33 @@ def test_reader_that_leaves_early_is_no_error() -> None:
     assert child.stderr.read() == b""
     assert child.wait(timeout=30) == 141
     child.stderr.close()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["run", "--seconds", "long"], "long is not a time"),
+        (["run", "--seconds", "nan"], "nan is not a time"),
+        (["run", "--pictures", "-1"], "-1 is no number of pictures"),
+        (["run", "--recipe", "faster"], "invalid choice: 'faster'"),
+        (["render", "scene.json", "--frames", "few"], "few is no number of frames"),
+        (["render", "scene.json", "--seconds", "-2"], "-2 is not a time"),
+    ],
+)
+def test_value_that_cannot_be_is_named_without_names_of_the_code(
+    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(arguments) == 2
+    line = capsys.readouterr().err
+    assert said in line
+    assert "_" not in line
+
+
+@pytest.mark.parametrize("name", ["run", "check", "explain", "render"])
+def test_scene_that_is_not_there_is_a_fault_of_the_file(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main([name, "nowhere/none.json"]) == 3
+    assert "there is no such scene; shipped: scenes/wavy_tunnel.json" in capsys.readouterr().err
+
+
+def test_recipes_offered_are_those_the_scheduler_knows() -> None:
+    assert settings.RECIPES == scheduler.RECIPES

@@ -69,7 +69,7 @@ def test_page_holds_every_part(page: str) -> None:
     for words in (
         "path of the robot", "bisector of the tunnel", "walls of the tunnel", "lateral [mm]", "vertical [mm]",
         "force [N]", "tunnel force [N]", "velocity [m/s]", "from bisector [mm]",
-        "Scores", "path error rms [m]", "Contacts: touch, picture and sound", "first frame", "sound after [ms]",
+        "Scores", "path error rms [mm]", "Contacts: touch, picture and sound", "first frame", "sound after [ms]",
         "Safety", "E_STOP", "stop key", "Real time", "p99.9", "fifo", "ticks that ended more than 1 ms late",
         "Settings", "settings.safety.force_limit", "scene.hash",
         "200 values",

@@ -304,6 +304,20 @@ def test_practice_is_left_out_of_the_result():
     assert player.manager.result()["completed"] == player.manager.result()["trials"] == 2
 
 
+def test_trial_cut_off_does_not_dilute_those_that_ended():
+    player = Player(make_manager(two_trials()))
+    player.until("rest")
+    whole = player.manager.result()
+    player.speed = 0.1
+    player.until("travel")
+    for _ in range(60):
+        player.step()
+    assert player.manager.result() == whole
+    player.manager.end_session(player.now_ns)
+    assert player.manager.rows[-1]["cause"] == "session ended"
+    assert player.manager.result() == whole
+
+
 def test_result_has_the_keys_of_the_contract():
     assert list(make_manager(task()).result()) == [
         "completed",

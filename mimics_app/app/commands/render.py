@@ -17,11 +17,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", type=Path, help="scene file")
     parser.add_argument("--backend", choices=("auto", "egl", "osmesa", "window"), default="auto", help="GL context")
     parser.add_argument("--frames", type=_count, default=1, help="how many, spread over --seconds of simulated play")
-    parser.add_argument("--seconds", type=float, default=0.0, help="simulated time played by the patient [s]")
+    parser.add_argument("--seconds", type=_seconds, default=0.0, help="simulated time played by the patient [s]")
     parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="of the picture [px]")
     parser.add_argument("--seed", type=int, default=1, help="of the simulated patient")
     parser.add_argument("--profile", choices=PROFILES, default="training", help="quality of the picture")
-    parser.add_argument("--output", type=Path, default=Path("."), help="folder of the PNG files")
+    parser.add_argument("--output", type=Path, default=Path("."), metavar="DIR", help="folder of the PNG files")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -44,7 +44,16 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _count(text: str) -> int:
-    number = int(text)
-    if not 1 <= number <= 100_000:
+    if not (text.isdecimal() and 1 <= int(text) <= 100_000):
         raise argparse.ArgumentTypeError(f"{text} is no number of frames from 1 to 100000")
-    return number
+    return int(text)
+
+
+def _seconds(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0.0 <= value < 1e6:
+        raise argparse.ArgumentTypeError(f"{text} is not a time from 0 to 1e6 s")
+    return value

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from mimics_app.app.settings import PROFILES, SOUNDS, RunSettings
+from mimics_app.app.settings import PROFILES, RECIPES, SOUNDS, RunSettings
 
 __all__ = ["add_arguments", "picture_size", "run"]
 
@@ -25,11 +25,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--sound", choices=SOUNDS, default="auto", help="where sound goes")
     parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="of the picture [px]")
-    parser.add_argument("--pictures", type=int, default=4, help="frames a headless run draws and keeps")
-    parser.add_argument("--video", type=Path, help="folder for every frame of a headless run, as PNG")
+    parser.add_argument("--pictures", type=_count, default=4, metavar="N", help="frames a headless run draws and keeps")
+    parser.add_argument("--video", type=Path, metavar="DIR", help="folder for every frame of a headless run, as PNG")
     parser.add_argument("--action", type=Path, metavar="FILE", help="replay task actions from a JSON file")
-    parser.add_argument("--runs", type=Path, default=Path("runs"), help="folder the run folder is made in")
-    parser.add_argument("--recipe", default="auto", help="scheduler of the haptic loop: auto, fifo, ordinary, plain")
+    parser.add_argument("--runs", type=Path, default=Path("runs"), metavar="DIR", help="where the run folder is made")
+    parser.add_argument("--recipe", choices=RECIPES, default="auto", help="scheduler of the live haptic loop")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -42,10 +42,19 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _positive(text: str) -> float:
-    value = float(text)
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
     if not 0.0 < value < 1e6:
         raise argparse.ArgumentTypeError(f"{text} is not a time between 0 and 1e6 s")
     return value
+
+
+def _count(text: str) -> int:
+    if not (text.isdecimal() and int(text) <= 100_000):
+        raise argparse.ArgumentTypeError(f"{text} is no number of pictures from 0 to 100000")
+    return int(text)
 
 
 def picture_size(text: str) -> tuple[int, int]:
