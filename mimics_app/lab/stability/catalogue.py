@@ -1,32 +1,111 @@
-"""The experiments, one line each: a module `sNN_noun` holds one `EXPERIMENT` and is imported when asked for."""
+"""The experiments: a module `sNN_noun` holds one `EXPERIMENT` and is imported when it is asked for."""
 
 from __future__ import annotations
 
-from importlib import import_module
+from collections.abc import Callable
 
 from mimics_app.contracts.errors import UsageError, nearest
 from mimics_app.lab.experiment import Experiment
 
 __all__ = ["NAMES", "load_experiment", "load_experiments"]
 
-_MODULES = {
-    "S1": "s01_integrators",
-    "S2": "s02_free_mass",
-    "S3": "s03_stiffest_wall",
-    "S3R": "s03_wall_rate",
-    "S7": "s07_joint_pd",
-    "S9": "s09_admittance_forms",
-    "S10": "s10_corner_slide",
-    "S11": "s11_held_object",
-    "S11B": "s11b_lugre_step",
-    "S12": "s12_rotation_drift",
-    "S12B": "s12b_free_top",
-    "S13": "s13_mass_ratio",
-    "S13B": "s13b_stack",
-}
-"""Modules of this folder by the name of their experiment, in the order of their numbers."""
 
-NAMES = tuple(_MODULES)
+def _s1() -> Experiment:
+    from mimics_app.lab.stability.s01_integrators import EXPERIMENT
+
+    return EXPERIMENT
+
+
+def _s2() -> Experiment:
+    from mimics_app.lab.stability.s02_free_mass import EXPERIMENT
+
+    return EXPERIMENT
+
+
+def _s3() -> Experiment:
+    from mimics_app.lab.stability.s03_stiffest_wall import EXPERIMENT
+
+    return EXPERIMENT
+
+
+def _s3r() -> Experiment:
+    from mimics_app.lab.stability.s03_wall_rate import EXPERIMENT
+
+    return EXPERIMENT
+
+
+def _s7() -> Experiment:
+    from mimics_app.lab.stability.s07_joint_pd import EXPERIMENT
+
+    return EXPERIMENT
+
+
+def _s9() -> Experiment:
+    from mimics_app.lab.stability.s09_admittance_forms import EXPERIMENT
+
+    return EXPERIMENT
+
+
+def _s10() -> Experiment:
+    from mimics_app.lab.stability.s10_corner_slide import EXPERIMENT
+
+    return EXPERIMENT
+
+
+def _s11() -> Experiment:
+    from mimics_app.lab.stability.s11_held_object import EXPERIMENT
+
+    return EXPERIMENT
+
+
+def _s11b() -> Experiment:
+    from mimics_app.lab.stability.s11b_lugre_step import EXPERIMENT
+
+    return EXPERIMENT
+
+
+def _s12() -> Experiment:
+    from mimics_app.lab.stability.s12_rotation_drift import EXPERIMENT
+
+    return EXPERIMENT
+
+
+def _s12b() -> Experiment:
+    from mimics_app.lab.stability.s12b_free_top import EXPERIMENT
+
+    return EXPERIMENT
+
+
+def _s13() -> Experiment:
+    from mimics_app.lab.stability.s13_mass_ratio import EXPERIMENT
+
+    return EXPERIMENT
+
+
+def _s13b() -> Experiment:
+    from mimics_app.lab.stability.s13b_stack import EXPERIMENT
+
+    return EXPERIMENT
+
+
+_EXPERIMENTS: dict[str, Callable[[], Experiment]] = {
+    "S1": _s1,
+    "S2": _s2,
+    "S3": _s3,
+    "S3R": _s3r,
+    "S7": _s7,
+    "S9": _s9,
+    "S10": _s10,
+    "S11": _s11,
+    "S11B": _s11b,
+    "S12": _s12,
+    "S12B": _s12b,
+    "S13": _s13,
+    "S13B": _s13b,
+}
+"""By name, in the order of their numbers."""
+
+NAMES = tuple(_EXPERIMENTS)
 
 
 def load_experiment(name: str) -> Experiment:
@@ -36,11 +115,9 @@ def load_experiment(name: str) -> Experiment:
         UsageError: There is none.
     """
     key = name.upper()
-    if key not in _MODULES:
+    if key not in _EXPERIMENTS:
         raise UsageError(f'there is no experiment "{name}"', nearest(key, NAMES))
-    module = import_module(f"{__package__}.{_MODULES[key]}")
-    experiment: Experiment = module.EXPERIMENT
-    return experiment
+    return _EXPERIMENTS[key]()
 
 
 def load_experiments(names: tuple[str, ...] = ()) -> list[Experiment]:
