@@ -38,7 +38,9 @@ class Rehearsal:
         self.memory = SessionMemory()
         self.haptics = HapticEngine(self.memory, plugin)
         self._rows = np.zeros(len(self.memory.samples), SAMPLE)
-        self.haptics.publish(self.scenario.scene_block())
+        block = self.scenario.scene_block()
+        block["device_delay"] = plugin.delay
+        self.haptics.publish(block)
         inbox = np.zeros(1, INBOX)
         inbox["active"] = 1
         self.haptics.tell(inbox)

@@ -28,6 +28,7 @@ def summarise(session: Session, frames: Frames, sound: AudioReport | None, wall_
         "safety": {"state": state.name, "trips": late.trips},
         "lateness_us": {"p50": late.p50, "p99": late.p99, "p99_9": late.p99_9, "max": late.max},
         "lateness": late.as_dict(),
+        "stability": session.haptics.stability().as_dict(),
         "missed": late.missed,
         "recipe": late.recipe,
         "audio": {"device": "none", "sink": "off"} if sound is None else sound.summary(),

@@ -103,6 +103,7 @@ class DevicePlugin:
         write: Function compiled with `typed_kernel(WRITE)`.
         memory: All the plug-in remembers, float64, shape [n]; changed in place by `read` and `write`.
         close: Called once after the loop has ended.
+        delay: From a command to the motion it makes [s], for the stability limit: transport and servo lag.
     """
 
     name: str
@@ -110,3 +111,4 @@ class DevicePlugin:
     write: Callable[..., Any]
     memory: NDArray[np.float64]
     close: Callable[[], None] = _nothing
+    delay: float = 0.0

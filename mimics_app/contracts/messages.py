@@ -130,6 +130,10 @@ class HapticSnapshot:
     penetration: float
     tunnel_radius: float
     ramp: float
+    period_s: float
+    stiffness_limit: float
+    margin: float
+    energy: float
     poses: NDArray[np.float64]
 
 

@@ -44,6 +44,7 @@ _UNITS: dict[str, str | tuple[str, ...]] = {
     "f_meas": "N",
     "grasp": "N",
     "age": "s",
+    "period_s": "s",
     "hip_world": "m",
     "v_world": "m/s",
     "f_virt_world": "N",
@@ -58,6 +59,8 @@ _UNITS: dict[str, str | tuple[str, ...]] = {
     "tunnel_radius": "m",
     "v_virtual": "m/s",
     "command": ("m/s", "rad/s", "m/s"),
+    "stiffness_limit": "N/m",
+    "energy": "J",
     "lateness_ns": "ns",
     "duration_ns": "ns",
 }

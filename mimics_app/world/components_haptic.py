@@ -182,3 +182,6 @@ class Safety(Component, frozen=True):
     missed_stop: Annotated[int, Meta(ge=1, description="Missed ticks in a row that latch SAFE_STOP")] = 20
     stale_warn_s: Annotated[float, Meta(gt=0, description="Device data older than this is counted [s]")] = 0.003
     stale_stop_s: Annotated[float, Meta(gt=0, description="Older: SAFE_STOP [s]")] = 0.020
+    arm_damping: Annotated[
+        float, Meta(ge=0, description="Of the arm, counted on in the live stability limit [N s/m]; 0: a limp hand")
+    ] = 0.0

@@ -84,7 +84,7 @@ def _walk(seed, ticks, scenes, states, data, command, rows, broken, visits):
         held = 0
         if _chance(noise, 0.002):
             held = 1 + int(uniform(noise, 0) * (4.0 if _chance(noise, 0.05) else 2.0))
-        tick(scene, state, data, status, stop, held, 1e-3, command, rows[0])
+        tick(scene, state, data, status, stop, held, 1e-3, 1e-3, command, rows[0])
 
         force = norm(state.f_user_world)
         after = state.safety

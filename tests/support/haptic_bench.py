@@ -15,7 +15,7 @@ from mimics_app.contracts.loop_ports import DATA_LENGTH, READ, WRITE, DevicePlug
 from mimics_app.contracts.session_memory import Capacities, SessionMemory
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
-from mimics_app.rendering.haptic.devices.simulated_hapticmaster import write_robot, write_robot_memory
+from mimics_app.rendering.haptic.devices.simulated_hapticmaster import robot_delay, write_robot, write_robot_memory
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.kernels.robot import ROBOT_LENGTH, sense, step_robot
 from mimics_app.rendering.haptic.scene_block import default_scene
@@ -100,6 +100,7 @@ def bench_of(plugin: DevicePlugin, *, straight: float | None = 0.04, samples: in
     """An engine over a plug-in. `straight`: radius of a straight tunnel along the world's x, None: no tunnel."""
     memory = SessionMemory(Capacities(samples=samples, **kwargs.pop("capacities", {})))
     bench = Bench(memory, HapticEngine(memory, plugin, **kwargs), default_scene())
+    bench.scene[0]["device_delay"] = plugin.delay
     record = bench.scene[0]["tunnel"]
     if straight is not None:
         build_tunnel([[-0.15, 0.0, 0.0], [0.15, 0.0, 0.0]], straight).fill(record)
@@ -124,8 +125,9 @@ def wavy() -> Any:
 def pushed_bench(robot: Robot, **kwargs: Any) -> Bench:
     """The simulated robot pulled by a constant force and by nothing else: no hand to steady it."""
     memory = np.zeros(ROBOT_LENGTH + 3)
-    write_robot_memory(memory[:ROBOT_LENGTH], DeviceRequest(robot=robot))
-    return bench_of(DevicePlugin("pushed", read_pushed, write_robot, memory), **kwargs)
+    request = DeviceRequest(robot=robot)
+    write_robot_memory(memory[:ROBOT_LENGTH], request)
+    return bench_of(DevicePlugin("pushed", read_pushed, write_robot, memory, delay=robot_delay(request)), **kwargs)
 
 
 def patient_bench(

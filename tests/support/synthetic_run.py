@@ -76,6 +76,9 @@ def samples_of_session(seconds: float, seed: int = 3, live: bool = True) -> np.n
     samples["state"][tick < 300] = SafetyState.HOMED
     samples["state"][(tick >= 300) & (tick < 500)] = SafetyState.READY
     samples["state"][count - 400 :], samples["cause"][count - 400 :] = SafetyState.E_STOP, TripCause.STOP_KEY
+    samples["period_s"], samples["stiffness_limit"] = 1e-3, 3200.0
+    samples["margin"] = 3200.0 / np.where(tick < half, 2000.0, 2400.0) - 1.0
+    samples["energy"] = 0.5e-3 * np.cumsum(samples["penetration"] > 0) / 1000
     if live:
         samples["lateness_ns"] = chance.lognormal(np.log(14e3), 0.5, count)
         samples["lateness_ns"][chance.integers(1000, count, 7)] = chance.uniform(0.3e6, 3e6, 7)

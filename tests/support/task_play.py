@@ -39,6 +39,10 @@ def make_snapshot(now_ns: int = 0, **changes: Any) -> HapticSnapshot:
         "penetration": 0.0,
         "tunnel_radius": 0.04,
         "ramp": 1.0,
+        "period_s": 1e-3,
+        "stiffness_limit": 6000.0,
+        "margin": 2.0,
+        "energy": 0.0,
         "poses": np.zeros((1, 7)),
     }
     return HapticSnapshot(**(values | changes))

@@ -13,9 +13,10 @@ from tests.support.haptic_bench import Bench, patient_bench, pointer_bench
 TIMING = {"lateness_ns", "duration_ns"}
 
 
-def _bits(samples: np.ndarray) -> bytes:
+def _bits(samples: np.ndarray, without: tuple[str, ...] = ()) -> bytes:
     """Every field but the timing of the live loop, as bytes: NaN and the sign of zero count."""
-    return b"".join(np.ascontiguousarray(samples[name]).tobytes() for name in SAMPLE.names if name not in TIMING)
+    names = [name for name in SAMPLE.names if name not in (*TIMING, *without)]
+    return b"".join(np.ascontiguousarray(samples[name]).tobytes() for name in names)
 
 
 def _session(frames: list[int], seed: int = 1) -> tuple[Bench, np.ndarray]:
@@ -120,7 +121,11 @@ def test_live_and_virtual_loop_give_the_same_device_the_same_run():
     samples = live.samples()
     in_time = int(np.argmax(samples["held"] != 0.0)) if np.any(samples["held"]) else samples.shape[0]
     assert in_time > 0
-    assert _bits(samples[:in_time]) == _bits(virtual.advance(in_time))
+    measured = ("period_s", "stiffness_limit", "margin")
+    assert _bits(samples[:in_time], measured) == _bits(virtual.advance(in_time), measured)
+    assert np.all(samples["period_s"] > 0.9e-3), "a live period is measured, its mean is nominal, its jitter adds"
+    replayed = live.engine.replay_ticks(samples, live.blocks)
+    assert _bits(replayed) == _bits(samples), "the measured period is an input of the replay"
 
 
 def test_events_carry_the_tick_they_belong_to():

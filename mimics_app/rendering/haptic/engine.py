@@ -20,6 +20,7 @@ from mimics_app.rendering.haptic.channels import channels_of, new_work
 from mimics_app.rendering.haptic.histogram import LatenessReport, percentile_us
 from mimics_app.rendering.haptic.kernels.state import new_state
 from mimics_app.rendering.haptic.loop import advance_ticks, replay_recorded, run_live
+from mimics_app.rendering.haptic.stability_report import StabilityReport, stability_of
 
 __all__ = ["HapticEngine", "replay_ticks"]
 
@@ -208,6 +209,10 @@ class HapticEngine:
             ticks=self.ticks,
             recipe=self.granted.recipe,
         )
+
+    def stability(self) -> StabilityReport:
+        """What the stability monitor saw so far."""
+        return stability_of(self._work.state)
 
     def replay_ticks(self, inputs: Records, scenes: Mapping[int, Records]) -> Records:
         """See `replay_ticks`; with this engine's rate."""

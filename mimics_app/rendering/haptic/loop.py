@@ -36,6 +36,7 @@ from mimics_app.rendering.haptic.channels import CHANNELS, WORK, Channels, Work
 from mimics_app.rendering.haptic.histogram import count
 from mimics_app.rendering.haptic.kernels.bodies import move_bodies, write_poses
 from mimics_app.rendering.haptic.kernels.safety import HOLD, IN_TIME, LATE_DAMP, LATE_STOP, MISSED_STOP
+from mimics_app.rendering.haptic.kernels.stability import follow_period
 from mimics_app.rendering.haptic.kernels.state import CONTACT_BEGAN, CONTACT_ENDED, STATE
 from mimics_app.rendering.haptic.kernels.tick import tick
 from mimics_app.rendering.haptic.kernels.vectors import norm, rotate_back
@@ -60,6 +61,7 @@ _CONTACT_END = int(EventKind.CONTACT_END)
 _STATE = int(EventKind.STATE)
 _TRIP = int(EventKind.TRIP)
 _PARAMETERS = int(EventKind.PARAMETERS)
+_MARGIN = int(EventKind.MARGIN)
 
 
 @kernel
@@ -121,6 +123,10 @@ def _publish_snapshot(channels: Channels, work: Work, t_ns: int, dt: float) -> N
     out.penetration = state.tunnel.penetration
     out.tunnel_radius = state.tunnel.radius
     out.ramp = state.ramp
+    out.period_s = state.period
+    out.stiffness_limit = state.stiffness_limit
+    out.margin = state.margin
+    out.energy = state.observer.energy
     move_bodies(work.bodies, dt)
     write_poses(state.hip_world, work.bodies, channels.poses[slot])
     channels.audio_snapshots[back_slot(channels.audio_words)] = channels.snapshots[slot]
@@ -140,9 +146,9 @@ def _tell(channels: Channels, work: Work, kind: int, force: float) -> None:
 
 @kernel
 def _tell_events(channels: Channels, work: Work, t_ns: int) -> None:
-    """Events of this tick, in the order parameters, state, trip, contact."""
+    """Events of this tick, in the order parameters, state, trip, margin, contact."""
     state = work.state[0]
-    if state.parameters_taken + state.state_changed + state.tripped + state.contact_change == 0:
+    if state.parameters_taken + state.state_changed + state.tripped + state.margin_lost + state.contact_change == 0:
         return
     event = work.event[0]
     event.t_ns = t_ns
@@ -163,6 +169,8 @@ def _tell_events(channels: Channels, work: Work, t_ns: int) -> None:
         _tell(channels, work, _STATE, float(state.safety))
     if state.tripped == 1:
         _tell(channels, work, _TRIP, float(state.cause))
+    if state.margin_lost == 1:
+        _tell(channels, work, _MARGIN, state.margin)
     if state.contact_change == CONTACT_BEGAN:
         _tell(channels, work, _CONTACT_BEGIN, norm(state.f_user_world))
     elif state.contact_change == CONTACT_ENDED:
@@ -178,6 +186,7 @@ def _run_tick(
     memory: Vec,
     late_ns: int,
     missed_in_row: int,
+    period: float,
     t_ns: int,
     dt: float,
 ) -> int:
@@ -189,7 +198,7 @@ def _run_tick(
     status = read(memory, work.inbox, work.data, state.tick)
     stop_word = load_acquire(channels.control, _STOP)
     held = late_class(scene, late_ns, missed_in_row)
-    tick(scene, state, work.data, status, stop_word, held, dt, work.command, work.sample[0])
+    tick(scene, state, work.data, status, stop_word, held, period, dt, work.command, work.sample[0])
     write(memory, work.command, state.tick - 1)
     control = channels.control
     control[_HELD] += 1 if held != IN_TIME else 0
@@ -212,7 +221,7 @@ def advance_ticks(
     sample = work.sample[0]
     dt = period_ns * 1e-9
     for _ in range(ticks):
-        _run_tick(channels, work, read, write, memory, 0, 0, state.tick * period_ns, dt)
+        _run_tick(channels, work, read, write, memory, 0, 0, dt, state.tick * period_ns, dt)
         sample.lateness_ns = 0.0
         sample.duration_ns = 0.0
         push(channels.sample_words, channels.samples, work.sample)
@@ -239,14 +248,17 @@ def run_live(
     control[_START_NS] = due - state.tick * period_ns
     ended = due
     missed_in_row = 0
+    total, squares, last_woke = dt, dt * dt, due - period_ns
     while load_acquire(control, _QUIT) == 0:
         sleep_until_ns(timespec, due - spin_ns)
         woke = now_ns(timespec)
         while woke < due:
             woke = now_ns(timespec)
         late = woke - due
+        total, squares = follow_period(total, squares, float(woke - last_woke) * 1e-9, dt)
+        last_woke = woke
         catching_up = ended > due
-        late_stop_ns = _run_tick(channels, work, read, write, memory, late, missed_in_row, due, dt)
+        late_stop_ns = _run_tick(channels, work, read, write, memory, late, missed_in_row, squares / total, due, dt)
         ended = now_ns(timespec)
         sample.lateness_ns = float(late)
         sample.duration_ns = float(ended - woke)
@@ -316,7 +328,8 @@ def replay_recorded(
         data[11] = row.age
         out = outputs[k]
         status = int(row.status)
-        tick(scenes[which[k]], states[0], data, status, int(row.stop_word), int(row.held), dt, command, out)
+        stop_word, held = int(row.stop_word), int(row.held)
+        tick(scenes[which[k]], states[0], data, status, stop_word, held, row.period_s, dt, command, out)
         out.lateness_ns = 0.0
         out.duration_ns = 0.0
     return inputs.shape[0]

@@ -141,6 +141,7 @@ def apply_safety(block: Block, safety: Safety) -> None:
     record["missed_stop"] = safety.missed_stop
     record["stale_warn_ns"] = round(safety.stale_warn_s * _NS)
     record["stale_stop_ns"] = round(safety.stale_stop_s * _NS)
+    record["arm_damping"] = safety.arm_damping
 
 
 def scene_from_components(

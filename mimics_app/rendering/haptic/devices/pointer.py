@@ -18,7 +18,7 @@ from mimics_app.contracts.loop_ports import (
     DevicePlugin,
 )
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
-from mimics_app.rendering.haptic.devices.simulated_hapticmaster import write_robot, write_robot_memory
+from mimics_app.rendering.haptic.devices.simulated_hapticmaster import robot_delay, write_robot, write_robot_memory
 from mimics_app.rendering.haptic.kernels import hand
 from mimics_app.rendering.haptic.kernels.hand import HAND_FORCE, HAND_LENGTH, step_hand
 from mimics_app.rendering.haptic.kernels.robot import HANDLE, ROBOT_LENGTH, TICK, sense, step_robot
@@ -69,4 +69,4 @@ def build_pointer(request: DeviceRequest) -> DevicePlugin:
         if not isinstance(value, int | float) or not 0.0 < value < 1e5:
             raise DeviceError(f'the pointer\'s setting "{name}" is {value!r}', "give a positive number")
         own[_SETTINGS[name][0]] = value
-    return DevicePlugin("pointer", read_pointer, write_robot, memory)
+    return DevicePlugin("pointer", read_pointer, write_robot, memory, delay=robot_delay(request))

@@ -26,7 +26,7 @@ from mimics_app.rendering.haptic.kernels.arm import ARM_LENGTH, GRIP_FORCE, step
 from mimics_app.rendering.haptic.kernels.noise import seed_noise, uniform
 from mimics_app.rendering.haptic.kernels.robot import HANDLE, ROBOT_LENGTH, TICK, command_robot, sense, step_robot
 
-__all__ = ["build_simulated_hapticmaster", "read_patient", "write_robot", "write_robot_memory"]
+__all__ = ["build_simulated_hapticmaster", "read_patient", "robot_delay", "write_robot", "write_robot_memory"]
 
 Vec = NDArray[np.float64]
 
@@ -79,6 +79,12 @@ def write_robot_memory(memory: Vec, request: DeviceRequest) -> None:
     robot.place_handle(memory)
 
 
+def robot_delay(request: DeviceRequest) -> float:
+    """From a command to the motion it makes [s]: the delay line, and the servo's lag at low frequency."""
+    robot = request.robot
+    return robot.delay_ticks / request.rate + 1.0 / (2.0 * math.pi * robot.servo_bandwidth_hz)
+
+
 def build_simulated_hapticmaster(request: DeviceRequest) -> DevicePlugin:
     """The simulated robot, held by the request's patient, or by a relaxed arm when there is none."""
     memory = np.zeros(ROBOT_LENGTH + ARM_LENGTH)
@@ -91,4 +97,4 @@ def build_simulated_hapticmaster(request: DeviceRequest) -> DevicePlugin:
         write_arm(person, impairment_of(request.patient), request.way_robot, request.patient.intent)
         for axis in range(3):
             person[arm.TREMOR_PHASE + axis] = 2.0 * math.pi * uniform(person, arm.GENERATOR)
-    return DevicePlugin("simulated_hapticmaster", read_patient, write_robot, memory)
+    return DevicePlugin("simulated_hapticmaster", read_patient, write_robot, memory, delay=robot_delay(request))

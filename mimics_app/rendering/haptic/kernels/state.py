@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from mimics_app.rendering.haptic.kernels.passivity import OBSERVER
 from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE
 
 __all__ = ["BODY_MOTION", "CONTACT_BEGAN", "CONTACT_ENDED", "CONTACT_UNCHANGED", "STATE", "new_state"]
@@ -32,6 +33,7 @@ STATE = np.dtype(
         ("tripped", "i8"),
         ("parameters_taken", "i8"),
         ("contact_change", "i8"),  # CONTACT_...
+        ("margin_lost", "i8"),  # 1: the margin fell below 0
         # motion, last good data
         ("q", "f8", (3,)),
         ("dq", "f8", (3,)),
@@ -53,6 +55,17 @@ STATE = np.dtype(
         ("clear_ticks", "i8"),  # ticks in a row without touching
         ("contacts", "i8"),
         ("contact_tick", "i8"),
+        # stability
+        ("period", "f8"),  # measured [s]
+        ("stiffness_limit", "f8"),  # [N/m]
+        ("margin", "f8"),  # [-]
+        ("f_wall_world", "f8", (3,)),  # share of the wall in f_user_world
+        ("observer", OBSERVER),  # of the wall, since the contact began
+        ("warned", "i8"),  # 1 until the margin is well above 0 again
+        ("touched", "i8"),  # 1 once there was a contact: the next three hold
+        ("least_margin", "f8"),  # of all contacts
+        ("least_limit", "f8"),
+        ("least_energy", "f8"),
         # controller
         ("v_virtual", "f8", (3,)),  # robot frame [m/s]
         ("dq_virtual", "f8", (3,)),

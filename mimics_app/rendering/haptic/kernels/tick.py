@@ -1,9 +1,9 @@
 """The tick: device data in, command out. Live, un-timed and replayed runs call this very function.
 
-    data -> motion -> ball -> tunnel -> safety -> limiter -> controller -> command, sample row
+    data -> motion -> ball -> tunnel -> safety -> limiter -> stability -> controller -> command, sample row
 
-Everything that a tick depends on is in its arguments: the device's data and status, the stop word, the late-tick class
-and the parameter block. All of them are recorded, so a recording can be simulated again bit for bit.
+Everything that a tick depends on is in its arguments: the device's data and status, the stop word, the late-tick class,
+the measured period and the parameter block. All are recorded, so that a recording can be simulated again bit for bit.
 """
 
 from __future__ import annotations
@@ -38,7 +38,9 @@ from mimics_app.rendering.haptic.kernels.kinematics import (
     tool_to_robot,
 )
 from mimics_app.rendering.haptic.kernels.limiter import brake_at_limits, limit_force, settle
+from mimics_app.rendering.haptic.kernels.passivity import observe, reset_observer
 from mimics_app.rendering.haptic.kernels.safety import HOLD, is_stopped, latch, step_safety
+from mimics_app.rendering.haptic.kernels.stability import LARGEST_MARGIN, margin_of, stiffness_limit
 from mimics_app.rendering.haptic.kernels.state import CONTACT_BEGAN, CONTACT_ENDED, CONTACT_UNCHANGED
 from mimics_app.rendering.haptic.kernels.tunnel import restart_tracking, tunnel_force
 from mimics_app.rendering.haptic.kernels.vectors import all_finite, copy, fill, norm, rotate, rotate_back
@@ -64,6 +66,9 @@ _DRIVE_SPEED = 0.3
 
 _ARRIVED_DISTANCE = 1e-3
 _ARRIVED_SPEED = 5e-3
+
+_CALM_MARGIN = 0.05
+"""A margin that fell below 0 must rise above this before it is told again."""
 
 _READY = int(SafetyState.READY)
 _HOMED = int(SafetyState.HOMED)
@@ -160,6 +165,52 @@ def _limit(scene: Any, state: Any, held: int, dt: float) -> None:
     ):
         latch(state, _SAFE_STOP, _NOT_FINITE)
     rotate_back(scene.R_world_from_robot, state.f_user_world, state.f_user)
+
+
+@kernel
+def _share_of_wall(state: Any, held: int) -> None:
+    """The wall's part of the force the user feels: the limiter scales the whole, a held tick holds it too."""
+    if held == HOLD and not is_stopped(state):
+        return
+    wanted = norm(state.f_virt_world)
+    scale = state.tunnel.wall_force * norm(state.f_user_world) / wanted if wanted > 0.0 else 0.0
+    for i in range(3):
+        state.f_wall_world[i] = scale * state.tunnel.normal_world[i]
+
+
+@kernel
+def _watch_margin(scene: Any, state: Any, period: float) -> None:
+    """Stability limit and margin of the wall for the measured period; tells when it is lost, and does not act."""
+    tunnel = scene.tunnel
+    damping = scene.virtual_damping + scene.arm_damping + tunnel.damping
+    state.period = period
+    state.stiffness_limit = stiffness_limit(damping, period, scene.device_delay)
+    stiffness = tunnel.stiffness + tunnel.centring if tunnel.pieces > 0 else 0.0
+    state.margin = margin_of(state.stiffness_limit, stiffness)
+    felt = state.safety == _ACTIVE or state.safety == _DEGRADED
+    state.margin_lost = 1 if felt and state.margin < 0.0 and state.warned == 0 else 0
+    if state.margin_lost == 1:
+        state.warned = 1
+    elif state.margin > _CALM_MARGIN:
+        state.warned = 0
+
+
+@kernel
+def _watch_contact(state: Any) -> None:
+    """Energy of the contact by the passivity observer, and the worst of all contacts."""
+    observer = state.observer
+    if state.contact_change == CONTACT_BEGAN:
+        reset_observer(observer)
+    observe(observer, state.hip_world, state.f_wall_world)
+    state.least_energy = min(state.least_energy, observer.lowest)
+    if state.in_contact == 0:
+        return
+    if state.touched == 0:
+        state.touched = 1
+        state.least_margin = LARGEST_MARGIN
+        state.least_limit = state.stiffness_limit
+    state.least_margin = min(state.least_margin, state.margin)
+    state.least_limit = min(state.least_limit, state.stiffness_limit)
 
 
 @kernel
@@ -268,7 +319,9 @@ def _write_command(state: Any, command: Vec) -> None:
 
 
 @kernel
-def _write_inputs(data: Vec, status: int, stop_word: int, held: int, state: Any, dt: float, row: Any) -> None:
+def _write_inputs(
+    data: Vec, status: int, stop_word: int, held: int, period: float, state: Any, dt: float, row: Any
+) -> None:
     """The part of the sample row that a replay needs, exactly as the device gave it."""
     row.t = state.tick * dt
     row.tick = float(state.tick)
@@ -283,6 +336,7 @@ def _write_inputs(data: Vec, status: int, stop_word: int, held: int, state: Any,
     row.sequence = float(state.sequence)
     row.stop_word = float(stop_word)
     row.held = float(held)
+    row.period_s = period
 
 
 @kernel
@@ -307,11 +361,23 @@ def _write_outputs(state: Any, row: Any) -> None:
     row.ramp = state.ramp
     row.state = float(state.safety)
     row.cause = float(state.cause)
+    row.stiffness_limit = state.stiffness_limit
+    row.margin = state.margin
+    row.energy = state.observer.energy
 
 
 @kernel
 def tick(
-    scene: Any, state: Any, data: Vec, status: int, stop_word: int, held: int, dt: float, command: Vec, row: Any
+    scene: Any,
+    state: Any,
+    data: Vec,
+    status: int,
+    stop_word: int,
+    held: int,
+    period: float,
+    dt: float,
+    command: Vec,
+    row: Any,
 ) -> None:
     """One tick.
 
@@ -322,6 +388,7 @@ def tick(
         status: DeviceStatus of that read.
         stop_word: Not 0 while the stop key asks for E_STOP.
         held: Late-tick class of this tick (safety.IN_TIME .. MISSED_STOP).
+        period: Measured period [s]; dt where nothing can be late.
         dt: Tick [s].
         command: What the device's write takes, shape [COMMAND_LENGTH], filled here.
         row: SAMPLE record, filled here except for the timing fields.
@@ -332,7 +399,7 @@ def tick(
     if scene.trial != state.trial:
         state.trial = scene.trial
         restart_tracking(state.tunnel)
-    _write_inputs(data, status, stop_word, held, state, dt, row)
+    _write_inputs(data, status, stop_word, held, period, state, dt, row)
 
     _take_data(scene, state, data, status, dt)
     _find_motion(scene, state)
@@ -344,7 +411,10 @@ def tick(
     step_safety(scene, state, status, stop_word, held, dt)
     before = state.safety
     _limit(scene, state, held, dt)
+    _share_of_wall(state, held)
     _follow_contact(state, dt)
+    _watch_margin(scene, state, period)
+    _watch_contact(state)
     _control(scene, state, held, dt)
     if state.safety != before:
         state.state_changed = 1

@@ -1,0 +1,51 @@
+"""How stiff a wall may be for the period and delay the loop really has: the live stability limit.
+
+A wall of stiffness K and damping B, touched through a device with damping b of its own, is stable while (linear
+condition of Gil et al. 2004, Hulin et al. 2014)
+
+    K < (b + B) / (T / 2 + delay)
+
+T / 2 is the mean age of a force that is held for a period T. Where periods differ, a force held for T_i is T_i / 2 old
+on average and is felt for the share T_i / sum(T) of the time, so that T is the mean weighted by length,
+sum(T_i^2) / sum(T_i): a stall counts although the ticks that catch up after it bring the plain mean back to nominal.
+"""
+
+from __future__ import annotations
+
+from mimics_app.contracts.kernel import kernel
+
+__all__ = ["LARGEST_MARGIN", "follow_period", "margin_of", "stiffness_limit"]
+
+LARGEST_MARGIN = 99.0
+"""A margin beyond this says no more; it also stands where there is nothing stiff."""
+
+_MEMORY = 0.25
+"""Time over which the measured period forgets [s]."""
+
+
+@kernel
+def follow_period(total: float, squares: float, length: float, nominal: float) -> tuple[float, float]:
+    """Count one hold in the running sums; the measured period [s] is squares / total.
+
+    Args:
+        total: Decaying sum of the lengths [s]; nominal at first.
+        squares: Decaying sum of their squares [s^2]; nominal^2 at first.
+        length: From the last wake-up to this one [s].
+        nominal: Period asked for [s].
+    """
+    keep = 1.0 - nominal / _MEMORY
+    return keep * total + (1.0 - keep) * length, keep * squares + (1.0 - keep) * length * length
+
+
+@kernel
+def stiffness_limit(damping: float, period: float, delay: float) -> float:
+    """Largest stable stiffness [N/m] for the damping of wall and device together [N s/m], period and delay [s] > 0."""
+    return damping / (0.5 * period + delay)
+
+
+@kernel
+def margin_of(limit: float, stiffness: float) -> float:
+    """Stability margin limit / stiffness - 1 [-], at most LARGEST_MARGIN; below 0 the contact may swing up."""
+    if stiffness * (1.0 + LARGEST_MARGIN) <= limit or stiffness <= 0.0:
+        return LARGEST_MARGIN
+    return limit / stiffness - 1.0
