@@ -36,6 +36,22 @@ def _friction() -> None:
     import mimics_app.rendering.haptic.methods_friction
 
 
+def _integrators() -> None:
+    import mimics_app.rendering.haptic.methods_integrators
+
+
+def _rotation() -> None:
+    import mimics_app.rendering.haptic.methods_rotation
+
+
+def _contact() -> None:
+    import mimics_app.rendering.haptic.methods_contact
+
+
+def _friction() -> None:
+    import mimics_app.rendering.haptic.methods_friction
+
+
 def _sound() -> None:
     import mimics_app.rendering.audio.methods
 
@@ -53,6 +69,11 @@ def _scheduling() -> None:
 
 
 GROUPS: dict[str, Callable[[], None]] = {
+    "integrator": _integrators,
+    "rotation update": _rotation,
+    "contact law": _contact,
+    "box face": _contact,
+    "friction": _friction,
     "tunnel projection": _tunnel,
     "tunnel frame": _tunnel,
     "admittance form": _admittance,
