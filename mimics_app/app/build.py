@@ -81,6 +81,7 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
     spec = fill_defaults(resolve_trials(_task_of(scene), scene.path.parent, scene.root), desk.value)
     learning = _learning(settings, spec)
     plugin = _build_device(settings, scene, scenario, live=live)
+    desk.change({"device_delay": plugin.delay})
     with ExitStack() as stack:
         memory = SessionMemory()
         folder = create_run_folder(settings.runs, settings.seconds or 0.0)
