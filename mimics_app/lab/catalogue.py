@@ -36,22 +36,6 @@ def _friction() -> None:
     import mimics_app.rendering.haptic.methods_friction
 
 
-def _integrators() -> None:
-    import mimics_app.rendering.haptic.methods_integrators
-
-
-def _rotation() -> None:
-    import mimics_app.rendering.haptic.methods_rotation
-
-
-def _contact() -> None:
-    import mimics_app.rendering.haptic.methods_contact
-
-
-def _friction() -> None:
-    import mimics_app.rendering.haptic.methods_friction
-
-
 def _sound() -> None:
     import mimics_app.rendering.audio.methods
 
@@ -77,11 +61,6 @@ GROUPS: dict[str, Callable[[], None]] = {
     "tunnel projection": _tunnel,
     "tunnel frame": _tunnel,
     "admittance form": _admittance,
-    "integrator": _integrators,
-    "rotation update": _rotation,
-    "contact law": _contact,
-    "box face": _contact,
-    "friction": _friction,
     "haptic rate": _rate,
     "loop scheduling": _scheduling,
     "spatialiser": _sound,

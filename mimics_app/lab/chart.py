@@ -18,6 +18,11 @@ _WIDTH = 1000.0
 _PANELS = 370.0
 _HEAD = 66.0
 _FOOT = 44.0
+_CROWDED = 480.0
+_BESIDE = 9
+"""Methods of a group from which on the growth is drawn below, not beside."""
+
+_LIST_LINE = 16.0
 _LEAST_ERROR = 1e-17
 """Smaller errors, 0 among them, stand at the lower edge of their axis."""
 
@@ -76,10 +81,21 @@ def _growth(row: Measured) -> dict[str, object]:
 
 def _draw(measured: MeasuredGroup, front: list[str], foot: str) -> str:
     grows = any(row.growth for row in measured.rows)
-    width = 0.56 * _WIDTH if grows else _WIDTH - 20.0
-    panels = [_error_panel(measured, front, width)]
-    if grows:
-        panels.append(_growth_panel(measured, 0.56 * _WIDTH + 6.0, 0.44 * _WIDTH - 20.0))
+    crowded = len(measured.rows) > _BESIDE
+    high = _CROWDED if crowded else _PANELS
+    panels = [_error_panel(measured, front, 0.56 * _WIDTH if grows and not crowded else _WIDTH - 20.0, high)]
+    if grows and crowded:
+        panels.append(_growth_panel(measured, 6.0, _HEAD + high + 6.0, _WIDTH - 20.0))
+        high += 6.0 + _PANELS
+    elif grows:
+        panels.append(_growth_panel(measured, 0.56 * _WIDTH + 6.0, _HEAD, 0.44 * _WIDTH - 20.0))
+    parts = [legend(20.0, 48.0, _entries(measured)), *(panel.svg() for panel in panels)]
+    title = f"{measured.group.name}: cost against error"
+    return document(_WIDTH, _HEAD + high + _FOOT, title, parts, [measured.group.what, foot])
+
+
+def _entries(measured: MeasuredGroup) -> list[tuple[str, str, str]]:
+    """The legend."""
     entries = [
         ("dot", "dot", "on the Pareto front"),
         ("dot", "open", "beaten by another"),
@@ -89,14 +105,7 @@ def _draw(measured: MeasuredGroup, front: list[str], foot: str) -> str:
         entries.append(("dot", "open yardstick", "yardstick: drawn, never chosen"))
     if any(not math.isfinite(row.error) for row in measured.rows):
         entries.append(("cross", "cross", "fails"))
-    parts = [legend(20.0, 48.0, entries), *(panel.svg() for panel in panels)]
-    return document(
-        _WIDTH,
-        _HEAD + _PANELS + _FOOT,
-        f"{measured.group.name}: cost against error",
-        parts,
-        [measured.group.what, foot],
-    )
+    return entries
 
 
 def _error_scale(measured: MeasuredGroup) -> Scale:
@@ -109,9 +118,9 @@ def _error_scale(measured: MeasuredGroup) -> Scale:
     return Scale(scale.label, low, high, True)
 
 
-def _error_panel(measured: MeasuredGroup, front: list[str], width: float) -> Panel:
+def _error_panel(measured: MeasuredGroup, front: list[str], width: float, height: float) -> Panel:
     x = scale_for("cost [ns per call]", [row.cost_us * 1e3 for row in measured.rows], log=True)
-    panel = Panel(6.0, _HEAD, width, _PANELS, x, _error_scale(measured))
+    panel = Panel(6.0, _HEAD, width, height, x, _error_scale(measured))
     drawn = [(row.cost_us * 1e3, max(row.error, panel.y.low)) for row in measured.rows if row.method.name in front]
     panel.line(_steps(sorted(drawn), panel), "front", "Pareto front: nothing is cheaper and as accurate")
     for row in measured.rows:
@@ -148,19 +157,21 @@ def _mark(panel: Panel, row: Measured, on_front: bool) -> None:
     panel.label(Label(cost, error, name + exact, "name strong" if method.default else "name"))
 
 
-def _growth_panel(measured: MeasuredGroup, left: float, width: float) -> Panel:
-    growing = [row for row in measured.rows if row.growth]
-    sizes = [float(size) for row in growing for size in row.growth.sizes]  # type: ignore[union-attr]
-    costs = [cost * 1e3 for row in growing for cost in row.growth.cost_us]  # type: ignore[union-attr]
-    x = scale_for(measured.group.work, sizes, log=True)
-    panel = Panel(left, _HEAD, width, _PANELS, x, scale_for("cost [ns per call]", costs, log=True))
-    for i, row in enumerate(growing):
-        assert row.growth is not None
-        name, colour = row.method.name, f"s{i % SERIES}"
-        points = [(float(n), cost * 1e3) for n, cost in zip(row.growth.sizes, row.growth.cost_us, strict=True)]
-        grows = f"{name}: n^{row.growth.exponent:.2f}".replace("-", "−")
+def _growth_panel(measured: MeasuredGroup, left: float, top: float, width: float) -> Panel:
+    growing = [(row.method, row.growth) for row in measured.rows if row.growth]
+    growing.sort(key=lambda pair: -pair[1].cost_us[-1])
+    sizes = [float(size) for _, growth in growing for size in growth.sizes]
+    costs = [cost * 1e3 for _, growth in growing for cost in growth.cost_us]
+    y = scale_for("cost [ns per call]", costs, log=True)
+    room = min(_LIST_LINE * (len(growing) + 0.5) / (_PANELS - 60.0), 0.6)
+    y = Scale(y.label, y.low, y.low * (y.high / y.low) ** (1.0 / (1.0 - room)), True)
+    panel = Panel(left, top, width, _PANELS, scale_for(measured.group.work, sizes, log=True), y)
+    for i, (method, growth) in enumerate(growing):
+        colour = f"s{i % SERIES}"
+        grows = f"{method.name}: cost ∼ n^{format_number(round(growth.exponent, 2))}"
+        points = [(float(n), cost * 1e3) for n, cost in zip(growth.sizes, growth.cost_us, strict=True)]
         panel.line(points, f"line {colour}", grows)
         for n, cost in points:
-            panel.dot(n, cost, f"dot {colour}", f"{name}, n = {n:g}: {format_number(cost)} ns", 3.5)
-        panel.label(Label(*points[len(points) // 2], grows, "name strong" if row.method.default else "name"))
+            panel.dot(n, cost, f"dot {colour}", f"{method.name}, n = {n:g}: {format_number(cost)} ns", 3.5)
+        panel.entry(f"line {colour}", grows, "name strong" if method.default else "name")
     return panel

@@ -45,7 +45,7 @@ _LEFT, _RIGHT, _TOP, _BOTTOM = 78.0, 14.0, 8.0, 46.0
 _LETTER = 6.75
 _LINE = 15.0
 _DIRECTIONS = ((1, 0), (-1, 0), (0, -1), (0, 1), (0.8, -0.8), (-0.8, -0.8), (0.8, 0.8), (-0.8, 0.8))
-_DISTANCES = (8.0, 16.0, 26.0, 40.0, 58.0, 80.0)
+_DISTANCES = (8.0, 14.0, 26.0, 40.0, 58.0, 80.0, 105.0)
 
 Box = tuple[float, float, float, float]
 """Left, top, right, bottom [px]."""
@@ -91,6 +91,7 @@ class Panel:
     title: str = ""
     _parts: list[str] = field(default_factory=list)
     _labels: list[Label] = field(default_factory=list)
+    _entries: list[tuple[str, str, str]] = field(default_factory=list)
     _marks: list[tuple[float, float]] = field(default_factory=list)
     _paths: list[list[tuple[float, float]]] = field(default_factory=list)
 
@@ -140,6 +141,10 @@ class Panel:
         """A word to be put near its place."""
         self._labels.append(label)
 
+    def entry(self, kind: str, text: str, words: str = "name") -> None:
+        """A line of the list in the panel's upper left corner: the classes of what is drawn, and of the words."""
+        self._entries.append((kind, text, words))
+
     def _can_show(self, point: tuple[float, float]) -> bool:
         x, y = point
         if not (math.isfinite(x) and math.isfinite(y)):
@@ -148,7 +153,14 @@ class Panel:
 
     def svg(self) -> str:
         """The panel's part of the drawing."""
-        return self._axes() + "".join(self._parts) + self._words()
+        return self._axes() + "".join(self._parts) + self._words() + self._list()
+
+    def _list(self) -> str:
+        left, top = self._frame[0] + 10.0, self._frame[1] + 14.0
+        return "".join(
+            _swatch("line", kind, left, top + 16.0 * i) + _word(left + 32, top + 4 + 16.0 * i, text, words, "start")
+            for i, (kind, text, words) in enumerate(self._entries)
+        )
 
     def _axes(self) -> str:
         left, top, right, bottom = self._frame
@@ -175,8 +187,8 @@ class Panel:
             px, py = self.place(label.x, label.y)
             box = min(_candidates(px, py, label), key=lambda box: self._badness(box, taken, px, py))
             taken.append(box)
-            near = (min(max(px, box[0]), box[2]), min(max(py, box[1]), box[3]))
-            if math.dist(near, (px, py)) > 13.0:
+            near = _nearest_in(box, (px, py))
+            if math.dist(near, (px, py)) > 13.0 or self._doubtful(box, px, py):
                 text.append(f'<path class="lead" d="M{px:.1f} {py:.1f}L{near[0]:.1f} {near[1]:.1f}"/>')
             text.append(_word(box[0], box[3] - 4, label.text, label.kind, "start"))
         return "".join(text)
@@ -189,7 +201,14 @@ class Panel:
         crossings = sum(_inside(box, point, 1.0) for path in self._paths for point in _along(path))
         distance = math.dist(((box[0] + box[2]) / 2, (box[1] + box[3]) / 2), (px, py))
         words = sum(_overlap(box, other) for other in taken)
-        return 60.0 * outside + 20.0 * words + 400.0 * points + 6.0 * crossings + 0.5 * distance
+        doubt = 90.0 if self._doubtful(box, px, py) else 0.0
+        return 60.0 * outside + 20.0 * words + 400.0 * points + 6.0 * crossings + doubt + 0.5 * distance
+
+    def _doubtful(self, box: Box, px: float, py: float) -> bool:
+        """A word that stands about as near to another point as to its own."""
+        own = math.dist(_nearest_in(box, (px, py)), (px, py))
+        others = (math.dist(_nearest_in(box, mark), mark) for mark in self._marks if mark != (px, py))
+        return min(others, default=math.inf) < 1.5 * own + 4.0
 
 
 def _candidates(px: float, py: float, label: Label) -> Iterable[Box]:
@@ -199,6 +218,11 @@ def _candidates(px: float, py: float, label: Label) -> Iterable[Box]:
             x = px + along * distance - width * (0.0 if along > 0 else 1.0 if along < 0 else 0.5)
             y = py + down * distance - _LINE * (0.0 if down > 0 else 1.0 if down < 0 else 0.5)
             yield x, y, x + width, y + _LINE
+
+
+def _nearest_in(box: Box, point: tuple[float, float]) -> tuple[float, float]:
+    """The point of a box nearest to another one."""
+    return min(max(point[0], box[0]), box[2]), min(max(point[1], box[1]), box[3])
 
 
 def _inside(box: Box, point: tuple[float, float], room: float) -> bool:
