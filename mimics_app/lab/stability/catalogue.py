@@ -34,6 +34,24 @@ def _s3r() -> Experiment:
     return EXPERIMENT
 
 
+def _s4() -> Experiment:
+    from mimics_app.lab.stability.s04_quantised_wall import EXPERIMENT
+
+    return EXPERIMENT
+
+
+def _s5() -> Experiment:
+    from mimics_app.lab.stability.s05_energy_leak import EXPERIMENT
+
+    return EXPERIMENT
+
+
+def _s6() -> Experiment:
+    from mimics_app.lab.stability.s06_virtual_mass import EXPERIMENT
+
+    return EXPERIMENT
+
+
 def _s7() -> Experiment:
     from mimics_app.lab.stability.s07_joint_pd import EXPERIMENT
 
@@ -93,6 +111,9 @@ _EXPERIMENTS: dict[str, Callable[[], Experiment]] = {
     "S2": _s2,
     "S3": _s3,
     "S3R": _s3r,
+    "S4": _s4,
+    "S5": _s5,
+    "S6": _s6,
     "S7": _s7,
     "S9": _s9,
     "S10": _s10,
