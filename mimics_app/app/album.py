@@ -42,7 +42,7 @@ class Album:
 
     def _keep(self, frames: Frames) -> None:
         picture = self._session.picture or self._open()
-        picture.draw(frames.orders.hud)
+        picture.draw(frames.figures)
         file = self._folder / f"frame_{frames.number:06d}.png"
         picture.save(file)
         self._files.append(file)

@@ -20,13 +20,20 @@ _MARGIN = 22.0
 _HEIGHT = 62.0
 _STOPPED = "stopped"
 
+_MOST_SHOWN = 9.99
+_NARROW = 0.25
+"""Below this margin a wall is near its limit: the rule itself may be off by as much."""
+_LEAK = 1e-4
+"""Energy [J] a contact may give before it is shown as a fault: less cannot be felt."""
+
 
 def draw_board(hud: Hud, figures: Mapping[str, object], show: Sequence[str], force_full: float) -> None:
     """Lay the task's figures over the picture.
 
     Args:
         hud: What to draw on; cleared first.
-        figures: `TaskOrders.hud`: title, message, state, trial, progress, time, time_limit, contacts, force, score.
+        figures: `TaskOrders.hud`: title, message, state, trial, progress, time, time_limit, contacts, force, score;
+            and margin [-] with energy [J] of the haptic loop's stability monitor.
         show: Names of the figures wanted, in the order of the scene.
         force_full: Force that fills the bar [N].
     """
@@ -41,7 +48,15 @@ def draw_board(hud: Hud, figures: Mapping[str, object], show: Sequence[str], for
     _draw_message(hud, str(figures.get("message", "")), alarm=figures.get("state") == _STOPPED)
 
 
-_WIDTHS = {"progress": 330.0, "force": 330.0, "time": 150.0, "contacts": 150.0, "score": 130.0, "state": 170.0}
+_WIDTHS = {
+    "progress": 330.0,
+    "force": 330.0,
+    "time": 150.0,
+    "contacts": 150.0,
+    "score": 130.0,
+    "state": 170.0,
+    "margin": 250.0,
+}
 
 
 def _draw_figure(
@@ -50,6 +65,9 @@ def _draw_figure(
     x, y, width = place
     label, text = _LABELS.get(name, name.capitalize()), _text(name, figures)
     hud.text(x, y + 27.0, label, 15.0, _FAINT)
+    if name == "margin":
+        _draw_margin(hud, figures, place)
+        return
     if name not in ("progress", "force"):
         hud.text(x, y, text, 25.0, _INK, bold=True, width=width)
         return
@@ -58,7 +76,13 @@ def _draw_figure(
     hud.bar((x, y + 4.0, width, 11.0), share, _ACCENT if name == "progress" else _force_colour(share))
 
 
-_LABELS = {"progress": "Tunnel", "time": "Time", "contacts": "Wall contacts", "force": "Force on the hand"}
+_LABELS = {
+    "progress": "Tunnel",
+    "time": "Time",
+    "contacts": "Wall contacts",
+    "force": "Force on the hand",
+    "margin": "Stability",
+}
 
 
 def _text(name: str, figures: Mapping[str, object]) -> str:
@@ -72,6 +96,21 @@ def _text(name: str, figures: Mapping[str, object]) -> str:
     if name == "contacts" or name == "score":
         return f"{value:.0f}"
     return str(figures.get(name, ""))
+
+
+def _draw_margin(hud: Hud, figures: Mapping[str, object], place: tuple[float, float, float]) -> None:
+    """How much stiffer the wall might be before it may swing up, and the energy of the newest contact."""
+    x, y, width = place
+    margin, energy = _number(figures, "margin"), _number(figures, "energy")
+    text = f"{100.0 * min(margin, _MOST_SHOWN):+.0f} %" if margin < _MOST_SHOWN else f"> {100.0 * _MOST_SHOWN:.0f} %"
+    hud.text(x, y, text, 25.0, _margin_colour(margin), bold=True, width=0.62 * width)
+    hud.text(x + width, y + 4.0, f"{1e3 * energy:.1f} mJ", 17.0, _ALARM if energy < -_LEAK else _FAINT, align="right")
+
+
+def _margin_colour(margin: float) -> Colour:
+    if margin < 0.0:
+        return _ALARM
+    return _WARN if margin < _NARROW else _CALM
 
 
 def _number(figures: Mapping[str, object], name: str) -> float:

@@ -33,6 +33,14 @@ class Frames:
         self.orders = TaskOrders()
         self.snapshot: HapticSnapshot | None = None
 
+    @property
+    def figures(self) -> dict[str, object]:
+        """What may stand over the picture: the task's figures, and the stability margin with the contact's energy."""
+        figures = dict(self.orders.hud)
+        if self.snapshot is not None:
+            figures["margin"], figures["energy"] = self.snapshot.margin, self.snapshot.energy
+        return figures
+
     def step(self) -> None:
         """Do one frame at the session's present time."""
         session = self._session

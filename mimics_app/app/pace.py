@@ -47,7 +47,7 @@ def run_live(session: Session, frames: Frames, after_frame: Progress) -> None:
         reload.look()
         frames.step()
         if picture is not None:
-            picture.draw({**frames.orders.hud, **reload.message})
+            picture.draw({**frames.figures, **reload.message})
             picture.surface.swap()
         after_frame(frames)
         due = max(due + _FRAME_NS, session.clock.now_ns() - _FRAME_NS)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.haptic import EventKind
 from mimics_app.recording.attempts import Attempt, find_attempts
 from mimics_app.recording.report_figures import draw_lateness, draw_path, draw_states, draw_traces
+from mimics_app.recording.report_stability import smallest_margin, stability_text
 from mimics_app.recording.report_style import STYLE
 from mimics_app.recording.report_tables import (
     contact_rows,
@@ -154,6 +155,7 @@ def _cards(run: Run, attempts: list[Attempt]) -> str:
         "path error": _one(_scaled(task.get("path_error_m"), 1000.0), "mm"),
         "wall contacts": value(task.get("contacts")),
         "largest force felt": _one(max(felt, default=None), "N"),
+        "smallest stability margin": _one(_scaled(smallest_margin(run.haptic), 100.0), "%"),
         "ticks missed": f"{real_time.missed} of {real_time.ticks:,}".replace(",", "\u2009")
         if real_time
         else "virtual clock",
@@ -206,7 +208,7 @@ def _safety(run: Run) -> str:
         return ""
     trips = int((run.events["kind"] == EventKind.TRIP).sum())
     words = f"{trips} trip{'' if trips == 1 else 's'}." if trips else "No trip."
-    return _section("Safety", f"{_soft(words)}{draw_states(run.haptic)}{event_table(run.events)}")
+    return _section("Safety", f"{_soft(words)}{draw_states(run.haptic)}{event_table(run.events)}{stability_text(run)}")
 
 
 def _real_time(run: Run) -> str:

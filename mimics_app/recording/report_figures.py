@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.haptic import EventKind, SafetyState
 from mimics_app.recording.attempts import Attempt, TunnelShape
 from mimics_app.recording.plot import Axis, Plot, envelope
+from mimics_app.recording.report_stability import stability_lines
 
 __all__ = ["draw_lateness", "draw_path", "draw_states", "draw_traces"]
 
@@ -78,7 +79,7 @@ def _contacts_of(attempt: Attempt, events: NDArray[Any]) -> NDArray[Any]:
 
 
 def draw_traces(attempt: Attempt) -> list[str]:
-    """Force, velocity and distance over time; peaks are kept however long the attempt is."""
+    """Force, velocity, distance and stability over time; peaks are kept however long the attempt is."""
     samples = attempt.samples
     if len(samples) < 2:
         return []
@@ -114,6 +115,7 @@ def draw_traces(attempt: Attempt) -> list[str]:
             },
             only_free=True,
         ),
+        *(_trace_plot(attempt, label, lines, only_free=True) for label, lines in stability_lines(attempt).items()),
     ]
 
 

@@ -51,6 +51,7 @@ svg text { fill: var(--soft); font: 12px system-ui, "Segoe UI", sans-serif; }
   stroke-dasharray: 7 4; } .line.wall { stroke: var(--wall); stroke-width: 2.2; }
 .line.felt { stroke: var(--robot); } .line.measured { stroke: var(--second); }
 .line.tangent { stroke: var(--robot); } .line.normal { stroke: var(--second); } .line.binormal { stroke: var(--third); }
+.line.margin { stroke: var(--wall); } .line.energy { stroke: var(--second); }
 svg text.name { fill: var(--ink); font-weight: 600; }
 .line.mark { stroke: var(--bad); stroke-dasharray: 3 3; }
 .point.contact { fill: var(--paper); stroke: var(--contact); stroke-width: 2; }

@@ -133,7 +133,7 @@ class Hud(Component, frozen=True):
     """Figures and bars laid over the picture."""
 
     show: Annotated[
-        tuple[Literal["progress", "time", "contacts", "force", "score", "state", "trial"], ...],
+        tuple[Literal["progress", "time", "contacts", "force", "score", "state", "trial", "margin"], ...],
         Meta(description="What is shown, in order"),
     ] = ("progress", "time", "contacts", "force")
     depth: Annotated[float, Meta(gt=0, description="Distance before the eyes [m]")] = 1.0

@@ -68,7 +68,8 @@ def test_page_is_well_formed_and_offline(page: str) -> None:
 def test_page_holds_every_part(page: str) -> None:
     for words in (
         "path of the robot", "bisector of the tunnel", "walls of the tunnel", "lateral [mm]", "vertical [mm]",
-        "force [N]", "tunnel force [N]", "velocity [m/s]", "from bisector [mm]",
+        "force [N]", "tunnel force [N]", "velocity [m/s]", "from bisector [mm]", "stability margin [%]", "energy [mJ]",
+        "smallest stability margin", "smallest stable stiffness then [N/m]",
         "Scores", "path error rms [mm]", "Contacts: touch, picture and sound", "first frame", "sound after [ms]",
         "Safety", "E_STOP", "stop key", "Real time", "p99.9", "fifo", "ticks that ended more than 1 ms late",
         "Settings", "settings.safety.force_limit", "scene.hash",

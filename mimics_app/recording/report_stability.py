@@ -1,0 +1,72 @@
+"""What a report says about stability: the margin of the wall touched, and the energy of each contact."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic import EventKind
+from mimics_app.recording.attempts import Attempt
+from mimics_app.recording.report_tables import table
+from mimics_app.recording.run import Run
+
+__all__ = ["smallest_margin", "stability_lines", "stability_text"]
+
+_MOST_SHOWN = 10.0
+_MOST_LOSSES = 20
+
+Values = NDArray[np.float64]
+
+
+def _touching(samples: NDArray[Any]) -> NDArray[np.bool_]:
+    """Ticks in which the person felt the wall."""
+    return np.asarray((samples["penetration"] > 0.0) & samples["f_user_world"].any(axis=1))
+
+
+def smallest_margin(samples: NDArray[Any]) -> float | None:
+    """Smallest stability margin of a wall that was touched [-], or None where none was."""
+    margins = samples["margin"][_touching(samples)]
+    return float(margins.min()) if len(margins) else None
+
+
+def stability_lines(attempt: Attempt) -> dict[str, dict[str, tuple[str, Values]]]:
+    """The traces of an attempt: label of the axis -> kind of line -> its name and values, shape [n]."""
+    samples = attempt.samples
+    return {
+        "stability margin [%]": {
+            "margin": ("how much stiffer the wall might be", 100.0 * np.minimum(samples["margin"], _MOST_SHOWN)),
+        },
+        "energy [mJ]": {
+            "energy": ("taken by the wall since the contact began", 1000.0 * samples["energy"]),
+        },
+    }
+
+
+def stability_text(run: Run) -> str:
+    """The worst of the run as a table, and when the margin was lost; "" where nothing was recorded."""
+    samples = run.haptic
+    if len(samples) == 0:
+        return ""
+    touching = samples[_touching(samples)]
+    lost = run.events[run.events["kind"] == EventKind.MARGIN]
+    rows: list[tuple[str, Any]] = [
+        ("mean period, weighted by length [ms]", 1e3 * float(samples["period_s"].mean())),
+        ("longest it was [ms]", 1e3 * float(samples["period_s"].max())),
+        ("times the margin was lost", len(lost)),
+    ]
+    if len(touching):
+        limit, margin = float(touching["stiffness_limit"].min()), 100.0 * float(touching["margin"].min())
+        energy = 1e3 * min(0.0, float(touching["energy"].min()))
+        rows = [
+            ("smallest margin while touching [%]", margin),
+            ("smallest stable stiffness then [N/m]", limit),
+            ("most that one contact gave away [mJ]", -energy),
+            *rows,
+        ]
+    text = "<h3>Stability</h3>" + table(["", "value"], rows)
+    if len(lost):
+        listed = [(int(event["tick"]), 100.0 * float(event["force"])) for event in lost[:_MOST_LOSSES]]
+        text += table(["margin lost at tick", "margin [%]"], listed)
+    return text
