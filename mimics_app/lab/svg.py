@@ -188,7 +188,7 @@ class Panel:
             box = min(_candidates(px, py, label), key=lambda box: self._badness(box, taken, px, py))
             taken.append(box)
             near = _nearest_in(box, (px, py))
-            if math.dist(near, (px, py)) > 13.0 or self._doubtful(box, px, py):
+            if math.dist(near, (px, py)) > 13.0 or self._doubt(box, px, py) > 0.4:
                 text.append(f'<path class="lead" d="M{px:.1f} {py:.1f}L{near[0]:.1f} {near[1]:.1f}"/>')
             text.append(_word(box[0], box[3] - 4, label.text, label.kind, "start"))
         return "".join(text)
@@ -199,16 +199,16 @@ class Panel:
         outside = max(0.0, left - box[0], box[2] - right) + max(0.0, top - box[1], box[3] - bottom)
         points = sum(_inside(box, mark, 5.0) for mark in self._marks if mark != (px, py))
         crossings = sum(_inside(box, point, 1.0) for path in self._paths for point in _along(path))
-        distance = math.dist(((box[0] + box[2]) / 2, (box[1] + box[3]) / 2), (px, py))
+        distance = math.dist(_nearest_in(box, (px, py)), (px, py))
         words = sum(_overlap(box, other) for other in taken)
-        doubt = 90.0 if self._doubtful(box, px, py) else 0.0
-        return 60.0 * outside + 20.0 * words + 400.0 * points + 6.0 * crossings + doubt + 0.5 * distance
+        doubt = 90.0 * self._doubt(box, px, py)
+        return 60.0 * outside + 20.0 * words + 400.0 * points + 6.0 * crossings + doubt + distance
 
-    def _doubtful(self, box: Box, px: float, py: float) -> bool:
-        """A word that stands about as near to another point as to its own."""
-        own = math.dist(_nearest_in(box, (px, py)), (px, py))
+    def _doubt(self, box: Box, px: float, py: float) -> float:
+        """0 for a word that stands much nearer to its own point than to any other, rising to 1."""
+        own = 1.5 * math.dist(_nearest_in(box, (px, py)), (px, py)) + 4.0
         others = (math.dist(_nearest_in(box, mark), mark) for mark in self._marks if mark != (px, py))
-        return min(others, default=math.inf) < 1.5 * own + 4.0
+        return max(0.0, 1.0 - min(others, default=math.inf) / own)
 
 
 def _candidates(px: float, py: float, label: Label) -> Iterable[Box]:
