@@ -95,10 +95,15 @@ def _play_headless(session: Session, frames: Frames) -> list[Path]:
 def _say(answer: dict[str, Any]) -> None:
     task, safety = answer["task"], answer["safety"]
     done = "completed" if task["completed"] else "not completed"
-    print(f"task      {done}: {task['trials']} trials, score {task['score']:.0f}, {task['time_s']:.1f} s under way")
-    print(f"path      error {1e3 * task['path_error_m']:.1f} mm, {task['contacts']} wall contacts")
+    trials = _count(task["trials"], "trial")
+    print(f"task      {done}: {trials}, score {task['score']:.0f}, {task['time_s']:.1f} s under way")
+    print(f"path      error {1e3 * task['path_error_m']:.1f} mm, {_count(task['contacts'], 'wall contact')}")
     print(f"touch     {answer['ticks']} ticks ({answer['recipe']}), {answer['missed']} missed, {safety['state']}")
     print(f"run       {answer['run_dir']}")
     for picture in answer["pictures"]:
         print(f"picture   {picture}")
     print(f"report    {answer['report']}")
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"

@@ -8,11 +8,13 @@ import subprocess
 import sys
 import types
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from mimics_app.app import cli, output, settings
+from mimics_app.app.first_start import is_cold
 from mimics_app.contracts.errors import (
     DeviceError,
     Issue,
@@ -241,3 +243,13 @@ def test_scene_that_is_not_there_is_a_fault_of_the_file(name: str, capsys: pytes
 
 def test_recipes_offered_are_those_the_scheduler_knows() -> None:
     assert settings.RECIPES == scheduler.RECIPES
+
+
+def test_first_start_is_known_by_a_folder_without_machine_code(tmp_path: Path) -> None:
+    assert is_cold(None)
+    assert is_cold(tmp_path)
+    (tmp_path / "tick.nbi").touch()
+    assert is_cold(tmp_path)
+    (tmp_path / "kernels").mkdir()
+    (tmp_path / "kernels" / "tick.1.nbc").touch()
+    assert not is_cold(tmp_path)

@@ -20,6 +20,9 @@ def run(args: argparse.Namespace) -> int:
         PartialDataError: a tick comes out differently, or the run misses ticks or parameters.
     """
     from mimics_app.app import output
+    from mimics_app.app.first_start import say_if_cold
+
+    say_if_cold()
     from mimics_app.contracts.errors import PartialDataError
     from mimics_app.recording.replay import compare, gather
     from mimics_app.recording.run import Run
