@@ -1,0 +1,87 @@
+"""The rivals of the single-contact kernels: registered with the functions that run, measured, ranked as they must."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from mimics_app.contracts.methods import registry
+from mimics_app.rendering.haptic import methods_contact, methods_friction, methods_integrators, methods_rotation
+from mimics_app.rendering.haptic.kernels.contact import cube
+from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
+from mimics_app.rendering.haptic.kernels.friction import hayward_armstrong
+from mimics_app.rendering.haptic.kernels.integrators import step_semi_implicit
+from mimics_app.rendering.haptic.kernels.rotation import rotate_exponential
+from mimics_app.rendering.haptic.probe import SIZES
+
+DEFAULTS = {
+    methods_integrators.GROUP: step_semi_implicit,
+    methods_rotation.GROUP: rotate_exponential,
+    methods_contact.LAW_GROUP: spring_damper,
+    methods_contact.BOX_GROUP: cube,
+    methods_friction.GROUP: hayward_armstrong,
+}
+
+
+def errors(group):
+    return {method.name: method.error() for method in registry.rivals(group)}
+
+
+@pytest.mark.parametrize("group", DEFAULTS)
+def test_group_has_rivals_a_default_and_a_description(group):
+    assert len(registry.rivals(group)) >= 3
+    default = registry.default(group)
+    assert default is not None
+    assert default.run is DEFAULTS[group]
+    assert {method.unit for method in registry.rivals(group)} == {registry.described(group).unit}
+
+
+@pytest.mark.parametrize("group", DEFAULTS)
+def test_costs_are_measured(group):
+    assert registry.described(group).reference() > 0.0
+    for method in registry.rivals(group):
+        assert 0.0 < method.cost() < 1e3, method.name
+
+
+@pytest.mark.parametrize("group", [group for group in DEFAULTS if group != methods_contact.BOX_GROUP])
+def test_cost_grows_with_the_work(group):
+    method = registry.default(group)
+    assert method.sizes == SIZES
+    assert method.growth(1000) > 10.0 * method.growth(1)
+
+
+def test_integrators_rank_as_their_orders():
+    found = errors(methods_integrators.GROUP)
+    at_1_khz = [found[f"{name}, 1 kHz"] for name in ("exact", "rk4", "implicit midpoint", "semi-implicit", "explicit")]
+    assert at_1_khz == sorted(at_1_khz)
+    for name in methods_integrators.STEPS:
+        if name != "exact":
+            assert found[f"{name}, 16 kHz"] < found[f"{name}, 4 kHz"] < found[f"{name}, 1 kHz"]
+
+
+def test_rotations_rank_as_their_orders():
+    found = errors(methods_rotation.GROUP)
+    assert found["rk4"] < 1e-7 < found["exponential, half step"] < 0.01
+    assert min(found[name] for name in ("printed", "axis product", "exponential, start")) > 1.0
+
+
+def test_contact_laws_err_by_their_touch_step_and_the_printed_one_by_its_pull():
+    """(9) printed: 0.451 - exp(-pi zeta/root) = 0.079 beside what a tick is worth; without touch step less than .01."""
+    found = errors(methods_contact.LAW_GROUP)
+    assert found["(9) printed"] > 0.079 > found["(9) clamped"] > found["Hunt-Crossley, n = 1"] > 0.0
+    assert found["Hunt-Crossley, n = 1.5"] < 0.01
+
+
+def test_box_faces_err_by_the_corner():
+    found = errors(methods_contact.BOX_GROUP)
+    assert found["face of entry"] == 0.0
+    assert found["nearest face"] == pytest.approx(8.485, abs=0.01)
+    assert found["(14) printed"] > 10.0
+
+
+def test_friction_drifts_in_the_order_known():
+    found = errors(methods_friction.GROUP)
+    assert found["Karnopp"] == 0.0
+    assert found["Hayward-Armstrong"] < found["LuGre implicit"] < found["regularised"] < found["4.3.2 printed"]
+    assert math.isinf(found["LuGre explicit"])
