@@ -1,0 +1,172 @@
+"""Figures: the keys others read, finite numbers, well-formed drawings, one page that fetches nothing."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from mimics_app.app.cli import main
+from mimics_app.contracts.methods import Group, Method
+from mimics_app.lab.chart import draw_chart
+from mimics_app.lab.experiment import Experiment, Outcome, largest_disagreement
+from mimics_app.lab.figure import write_figure
+from mimics_app.lab.gallery import write_gallery
+from mimics_app.lab.measure import Growth, Measured, MeasuredGroup
+from mimics_app.lab.scale import Scale, format_number, scale_for
+from mimics_app.lab.stability_chart import draw_outcome
+from mimics_app.lab.svg import Label, Panel
+
+KEYS = ["kind", "name", "command", "machine", "rows", "front", "default", "boundary"]
+ROW_KEYS = {"method", "x", "cost_ns", "error", "valid"}
+BOUNDARY_KEYS = {"simulated", "exact", "rule", "disagreement"}
+
+
+def row(name: str, cost: float, error: float, *, default: bool = False, growth: Growth | None = None) -> Measured:
+    one = Method("two <words>", name, "a & b", lambda: cost, lambda: error, "m", "x < 1", sum, default=default)
+    return Measured(one, cost, cost / 0.5, error, growth)
+
+
+@pytest.fixture
+def chart():
+    growth = Growth((1, 10), (1.0, 10.0), 1.0)
+    rows = [
+        row("quick", 0.1, 1e-2, growth=growth),
+        row("exact", 1.0, 0.0, default=True, growth=growth),
+        row("beaten", 2.0, 1e-2),
+        row("fails", 0.5, math.inf),
+    ]
+    group = Group("two <words>", "what it is", "m", "pieces", lambda: 0.5)
+    return draw_chart(MeasuredGroup(group, 0.5, rows, {"absent": "no device"}))
+
+
+def outcome(simulated: float = 1.0, *, passed: bool = True) -> tuple[Experiment, Outcome]:
+    points = [(0.1, 2.0 * simulated), (1.0, 20.0 * simulated), (0.1, 3.0), (1.0, 30.0)]
+    exact = [(0.1, 2.0), (1.0, 20.0), (0.1, 3.0), (1.0, 30.0)]
+    rows = [{"rate_Hz": 60.0, "stable": True, "limit": None}, {"rate_Hz": 1000.0, "stable": False, "limit": 2.0}]
+    found = Outcome(rows, points, exact, {"a < b": exact[:2]}, abs(simulated - 1.0), passed, "What is to be seen.")
+    made = Experiment("S99", "planted", "Claims.", "x", "y", "boundary", lambda _: found, 0.02, log_x=True, log_y=True)
+    return made, found
+
+
+def _read(folder: Path, stem: str) -> dict:
+    def refuse(token: str) -> float:
+        raise AssertionError(f"{token} in {stem}.json")
+
+    return json.loads((folder / f"{stem}.json").read_text(encoding="utf-8"), parse_constant=refuse)
+
+
+def test_chart_file_has_the_keys_in_order_and_finite_numbers(chart, tmp_path):
+    write_figure(chart, tmp_path)
+    data = _read(tmp_path, "two_<words>")
+    assert list(data)[: len(KEYS)] == KEYS
+    assert data["kind"] == "chart" and data["name"] == "two <words>"
+    assert all(set(one) == ROW_KEYS for one in data["rows"])
+    assert set(data["boundary"]) == BOUNDARY_KEYS
+    assert data["front"] == ["quick", "exact"] and data["default"] == "exact"
+    assert [one["valid"] for one in data["rows"]] == [True, True, True, False]
+    assert data["rows"][0]["cost_ns"] == pytest.approx(100.0) and data["rows"][3]["error"] is None
+
+
+def test_stability_file_has_the_keys_and_both_boundaries(tmp_path):
+    write_figure(draw_outcome(*outcome(1.01), 4), tmp_path)
+    data = _read(tmp_path, "S99")
+    assert list(data)[: len(KEYS)] == KEYS and data["kind"] == "stability"
+    assert set(data["boundary"]) == BOUNDARY_KEYS
+    assert data["boundary"]["exact"][0] == [0.1, 2.0] and data["boundary"]["rule"]["a < b"]
+    assert data["boundary"]["disagreement"] == pytest.approx(0.01)
+    assert all(set(one) >= ROW_KEYS for one in data["rows"])
+    assert "--points 4" in data["command"]
+
+
+def test_drawings_are_well_formed_and_hold_every_mark_with_its_words(chart):
+    for figure, marks in ((chart, 4), (draw_outcome(*outcome(), 4), 4)):
+        tree = ElementTree.fromstring(figure.svg)
+        titles = [node.text or "" for node in tree.iter("{http://www.w3.org/2000/svg}title")]
+        assert len(titles) >= marks
+        places = [float(v) for v in re.findall(r' (?:cx|cy|x|y)="([^"]+)"', figure.svg)]
+        assert all(math.isfinite(value) for value in places)
+    assert any("a & b" in title for title in [n.text or "" for n in ElementTree.fromstring(chart.svg).iter()])
+
+
+def test_caption_tells_the_disagreement_and_whether_it_is_allowed():
+    assert "within the 2 % allowed" in draw_outcome(*outcome(1.01), 4).svg
+    assert "OUTSIDE" in draw_outcome(*outcome(1.5, passed=False), 4).svg
+
+
+def test_gallery_shows_every_figure_and_fetches_nothing(chart, tmp_path):
+    write_figure(chart, tmp_path)
+    write_figure(draw_outcome(*outcome(), 4), tmp_path)
+    page = write_gallery(tmp_path).read_text(encoding="utf-8")
+    assert page.count("<figure") == page.count("<svg") == 2
+    assert page.index("two &lt;words&gt;") < page.index("S99")
+    assert 'mimics lab chart "two' in page.replace("&quot;", '"') and "mimics lab stability S99" in page
+    assert "no device" in page
+    addresses = re.findall(r'(?:src|href|url)\s*[=(]\s*["\']?([^"\')\s>]+)', page)
+    assert all(address.startswith("#") for address in addresses)
+    assert not re.findall(r"https?://(?!www\.w3\.org/2000/svg)", page)
+    assert "prefers-color-scheme: dark" in page and "<script" not in page
+
+
+def test_words_keep_off_each_other_and_inside_the_frame():
+    axis = Scale("", 0.0, 1.0)
+    panel = Panel(0.0, 0.0, 600.0, 300.0, axis, axis)
+    for i in range(8):  # all on one spot, in the corner
+        panel.dot(0.97, 0.97 - 0.01 * i, "dot")
+        panel.label(Label(0.97, 0.97 - 0.01 * i, f"method {i}"))
+    words = re.findall(r'<text class="name" x="([\d.]+)" y="([\d.]+)"', panel.svg())
+    boxes = [(float(x), float(y) - 11.0, float(x) + 54.0, float(y) + 4.0) for x, y in words]
+    assert len(boxes) == 8
+    for i, a in enumerate(boxes):
+        assert a[0] > 78.0 and a[2] < 600.0 and a[1] > 0.0
+        for b in boxes[i + 1 :]:
+            assert a[2] <= b[0] or b[2] <= a[0] or a[3] <= b[1] or b[3] <= a[1]
+
+
+def test_scales_have_few_ticks_inside_and_numbers_read_well():
+    for low, high in ((1e-16, 1e-2), (3.0, 8.0), (1.0, 900.0), (40.0, 45.0)):
+        scale = scale_for("", [low, high], log=True)
+        ticks = scale.ticks()
+        assert 2 <= len(ticks) <= 12 and all(0.0 <= scale.share(tick) <= 1.0 for tick in ticks)
+        assert scale.low < low and scale.high > high
+    assert [format_number(v) for v in (0.0, 12000.0, -0.5, 1e-7, 2.5e-9)] == ["0", "12000", "−0.5", "10⁻⁷", "2.5·10⁻⁹"]
+
+
+def test_disagreement_is_by_the_exact_value_at_the_same_place():
+    assert largest_disagreement([(1.0, 9.0), (2.0, 5.0)], [(1.0, 10.0), (2.0, 5.0)]) == pytest.approx(0.1)
+    for wrong in ([], [(1.0, 1.0), (2.0, 1.0)], [(3.0, 1.0)]):
+        with pytest.raises(ValueError, match="points"):
+            largest_disagreement(wrong, [(1.0, 1.0)])
+
+
+def _planted_catalogue(monkeypatch, *, passed: bool) -> None:
+    experiment, _ = outcome(1.0 if passed else 1.5, passed=passed)
+    monkeypatch.setattr("mimics_app.lab.stability.catalogue._EXPERIMENTS", {"S99": lambda: experiment})
+
+
+@pytest.mark.parametrize(("passed", "code"), [(True, 0), (False, 6)])
+def test_command_says_by_its_exit_code_whether_an_experiment_passed(monkeypatch, tmp_path, capsys, passed, code):
+    _planted_catalogue(monkeypatch, passed=passed)
+    assert main(["lab", "stability", "s99", "--out", str(tmp_path), "--json"]) == code
+    answer = json.loads(capsys.readouterr().out)
+    assert list(answer)[:2] == ["schema", "command"] and answer["figures"][0]["passed"] is passed
+    assert (tmp_path / "S99.svg").is_file() and (tmp_path / "index.html").is_file()
+
+
+def test_command_refuses_what_is_not_there(tmp_path, capsys):
+    for words in (["stability", "S77"], ["chart", "no such group"], ["measure", "friction", "--all"]):
+        assert main(["lab", *words, "--out", str(tmp_path)]) == 2
+    assert not list(tmp_path.iterdir())
+
+
+def test_measure_prints_one_object_and_saves_where_it_is_asked_to(monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr("mimics_app.lab.table.saved_file", lambda: tmp_path / "methods.json")
+    assert main(["lab", "measure", "admittance_form", "--save", "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    group = answer["groups"]["admittance form"]
+    assert {one["method"] for one in group["rows"]} == {"cartesian", "polar", "seed"}
+    assert group["reference_us"] > 0.0 and (tmp_path / "methods.json").is_file()
