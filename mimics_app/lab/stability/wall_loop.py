@@ -6,7 +6,7 @@ force from depth and differenced depth, and that force acts, held, n ticks later
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from mimics_app.lab.stability.linear import find_limit, hold, is_contracting
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.integrators import step_free
 
-__all__ = ["Wall", "exact_limit", "exact_matrix", "rule_limit", "simulated_limit"]
+__all__ = ["Wall", "exact_limit", "exact_matrix", "is_stable", "rule_limit", "simulated_limit"]
 
 Vec = NDArray[np.float64]
 Mat = NDArray[np.float64]
@@ -75,19 +75,22 @@ def _press(k: float, B: float, m: float, b: float, dt: float, delay: int, ticks:
             return
 
 
+def is_stable(wall: Wall, stiffness: float) -> bool:
+    """Whether a wall of a stiffness [N/m] lets the device come to rest, by simulation."""
+
+    def run(ticks: int) -> Vec:
+        peaks = np.zeros(4)
+        m, b, B, dt = wall.mass, wall.device_damping, wall.wall_damping, 1.0 / wall.rate
+        _press(stiffness, B, m, b, dt, wall.delay, ticks, peaks)
+        return peaks
+
+    return dies_away(run, _SHORTEST, _LONGEST)
+
+
 def simulated_limit(wall: Wall, extra_delay: int = 0) -> float:
     """Largest stable stiffness [N/m] by simulation; `extra_delay` ticks are a fault the exact side does not know."""
-
-    def is_stable(stiffness: float) -> bool:
-        def run(ticks: int) -> Vec:
-            peaks = np.zeros(4)
-            delay = wall.delay + extra_delay
-            _press(stiffness, wall.wall_damping, wall.mass, wall.device_damping, 1.0 / wall.rate, delay, ticks, peaks)
-            return peaks
-
-        return dies_away(run, _SHORTEST, _LONGEST)
-
-    return find_limit(is_stable, _SOFT, _HARD, _PRECISION)
+    late = replace(wall, delay=wall.delay + extra_delay)
+    return find_limit(lambda stiffness: is_stable(late, stiffness), _SOFT, _HARD, _PRECISION)
 
 
 def exact_matrix(wall: Wall, stiffness: float) -> Mat:
