@@ -52,12 +52,12 @@ _SOURCES = {
     "exact": "matrix exponential under a held force (zero-order hold) in closed form",
 }
 _RANGES = {
-    "explicit": "h < b/k; gains energy without a damper",
-    "semi-implicit": "h^2 k/m + 2 h b/m < 4",
-    "implicit": "any step; damps what has no damper",
-    "implicit midpoint": "any step; the phase lags",
-    "rk4": "h w < 2.8",
-    "exact": "any step while m, b, k and the force are constant within it",
+    "explicit": "any force law; h < b/k, and gains energy without a damper",
+    "semi-implicit": "any force law; h^2 k/m + 2 h b/m < 4",
+    "implicit": "linear contact, b and k known; any step, but damps what has no damper",
+    "implicit midpoint": "linear contact, b and k known; any step, the phase lags",
+    "rk4": "any force law that may be asked four times; h w < 2.8",
+    "exact": "linear contact, b and k known and constant within the step; any step",
 }
 _NUMBERS = {name: number for number, name in enumerate(STEPS)}
 
