@@ -142,8 +142,10 @@ def _map(one: _Shown) -> str:
     keys = list(table[0]) if table else []
     rows = [[_cell(row.get(key)) for key in keys] for row in table[:_MOST_ROWS]]
     left = len(table) - _MOST_ROWS
-    more = f"<p>{left} further rows stand in {escape(data['name'])}.json.</p>" if left > 0 else ""
-    return _figure(one, f"{caption}{_details('Numbers', keys, rows)}{more}</figcaption>")
+    title = (
+        f"Numbers (the first {_MOST_ROWS} rows; {left} more in {escape(data['name'])}.json)" if left > 0 else "Numbers"
+    )
+    return _figure(one, f"{caption}{_details(title, keys, rows)}</figcaption>")
 
 
 def _summary(maps: Sequence[_Shown]) -> str:

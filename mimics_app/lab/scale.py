@@ -69,11 +69,11 @@ def scale_for(label: str, values: Sequence[float], *, log: bool = False, zero: b
 
 
 def format_number(value: float) -> str:
-    """A number for people: three digits, powers of ten as such, a true minus sign."""
+    """A number for people: three or four digits, powers of ten as such, a true minus sign."""
     if value == 0.0:
         return "0"
     exponent = math.floor(math.log10(abs(value)) + 1e-12)
-    if -4 < exponent < 5:
+    if -4 < exponent < 6:
         text = f"{float(f'{value:.4g}'):g}"
     else:
         mantissa = value / 10.0**exponent
