@@ -12,7 +12,7 @@ from mimics_app.world.components_haptic import Tunnel
 from mimics_app.world.scene import Scene
 from mimics_app.world.world import World
 
-__all__ = ["ENTRY_POINT_GROUP", "open_scenario"]
+__all__ = ["ENTRY_POINT_GROUP", "is_playable", "open_scenario"]
 
 ENTRY_POINT_GROUP = "mimics_app.scenarios"
 
@@ -29,6 +29,15 @@ def open_scenario(scene: Scene, world: World) -> Scenario:
         SceneError: no scenario can play it, or the one that would misses a part.
     """
     return _find_builder(scene)(scene, world)
+
+
+def is_playable(scene: Scene) -> bool:
+    """Whether a scenario takes the scene; it may still miss a part of it."""
+    try:
+        _find_builder(scene)
+    except SceneError:
+        return False
+    return True
 
 
 def _find_builder(scene: Scene) -> _Builder:

@@ -6,9 +6,11 @@ from collections.abc import Mapping
 
 from mimics_app.app.catalogue import open_scenario
 from mimics_app.app.plan import settle
+from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.app.session import Session
 from mimics_app.contracts.errors import SceneError
 from mimics_app.world.reload import reload_scene
+from mimics_app.world.scene_file import build_world
 from mimics_app.world.watcher import SceneWatcher
 
 __all__ = ["SceneReload"]
@@ -45,6 +47,8 @@ class SceneReload:
     def _take(self, now_ns: int) -> None:
         session = self._session
         try:
+            candidate = load_checked_scene(session.scene.path)
+            open_scenario(candidate, build_world(candidate))  # in a world of its own: its faults must not end this one
             scene, changes = reload_scene(session.world, session.scene)
         except SceneError as error:
             self._say(now_ns, str(error.issues[0]))

@@ -43,7 +43,7 @@ class WavyTunnel(Scenario):
     """Tunnel, ball and rings of the scene.
 
     Args:
-        scene: The checked scene; needs entities with `tunnel` and `tunnel_view`, `robot`, and a node called "ball".
+        scene: The checked scene; needs entities with `tunnel` and `tunnel_view`, `robot`, and `ball`.
         world: The world built from it; the tunnel's wall is added here.
 
     Raises:
@@ -59,7 +59,7 @@ class WavyTunnel(Scenario):
         self._curve, self._residual = tunnel_of_scene(scene)
         self._scale = self._tunnel.radius_scale
         self._wall_node = world.find(entity)
-        self._ball = world.find("ball")
+        self._ball = world.find(scene.one(Ball)[0])
         self._touching: bool | None = None
         self._show_tunnel()
         self._place_rings()

@@ -157,11 +157,15 @@ def test_saved_scene_is_taken_while_running_and_a_broken_one_changes_nothing(tmp
             window.wait("run folder", lambda: any(window.runs.glob("*/haptic.arrows")))
             window.wait("frames", lambda: len(window.lines("frame")) > 5)
             document = json.loads(SCENE.read_text())
-            document["entities"][7]["components"]["tunnel"]["damping"] = 33.0
+            parts = {entity["id"]: entity["components"] for entity in document["entities"]}
+            parts["tunnel"]["tunnel"]["damping"] = 33.0
             copy.write_text(json.dumps(document))
             window.wait("reload", lambda: any(line["taken"] for line in window.lines("reload")))
             copy.write_text(json.dumps(document)[:-20])
             window.wait("refusal", lambda: any(not line["taken"] for line in window.lines("reload")))
+            del parts["ball"]["ball"]
+            copy.write_text(json.dumps(document))
+            window.wait("another", lambda: sum(not line["taken"] for line in window.lines("reload")) == 2)
             assert process.poll() is None
             blocks = Run.open(next(window.runs.iterdir())).parameters
             assert any(block["tunnel"]["damping"][0] == 33.0 for block in blocks.values())

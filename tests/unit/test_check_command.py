@@ -8,6 +8,7 @@ import msgspec
 import pytest
 
 from mimics_app.app.cli import main
+from mimics_app.contracts.resources import root
 from mimics_app.world.registry import component_types, system_types
 from mimics_app.world.scene_schema import scene_schema
 from tests.support.gltf_maker import square, write_gltf
@@ -99,3 +100,24 @@ def test_every_component_says_what_each_field_means(name):
         assert definition.get("description") or any("description" in part for part in definition.get("anyOf", [])), (
             field
         )
+
+
+def test_part_that_the_scenario_misses_is_told_by_check_as_by_run(tmp_path, capsys):
+    document = json.loads((root() / "scenes" / "wavy_tunnel.json").read_text())
+    del next(entity for entity in document["entities"] if entity["id"] == "ball")["components"]["ball"]
+    file = write(tmp_path, document, "wavy_tunnel.json")
+    for words in (["check", str(file)], ["run", str(file), "--headless", "--runs", str(tmp_path)]):
+        assert main(words) == 3
+        assert 'wavy_tunnel.json#/entities: no entity has a "ball"' in capsys.readouterr().err
+
+
+def test_ball_may_have_any_name(tmp_path, capsys):
+    text = (root() / "scenes" / "wavy_tunnel.json").read_text()
+    file = tmp_path / "mine.json"
+    file.write_text(text.replace('"id": "ball"', '"id": "my_ball"'))
+    assert main(["check", str(file)]) == 0
+
+
+def test_scene_that_no_scenario_plays_is_right_and_noted(tmp_path, capsys):
+    assert main(["check", str(write(tmp_path, scene(thing("a"))))]) == 0
+    assert "no scenario plays this scene" in capsys.readouterr().out

@@ -54,11 +54,18 @@ def _examine(file: Path) -> dict[str, Any]:
         model = load_gltf(file)
         holds = {"nodes": len(model.nodes), "meshes": len(model.meshes), "materials": len(model.materials)}
         return {"file": str(file), "ok": True, "kind": "model", "holds": holds, "notes": model.notes}
+    from mimics_app.app.catalogue import is_playable, open_scenario
     from mimics_app.app.scene_loading import load_checked_scene
+    from mimics_app.world.scene_file import build_world
 
     scene = load_checked_scene(file)
+    notes = list(scene.notes)
+    if is_playable(scene):
+        open_scenario(scene, build_world(scene))
+    else:
+        notes.append("no scenario plays this scene: mimics run refuses it")
     holds = {"entities": len(scene.entities), "materials": len(scene.materials), "assets": len(scene.assets)}
-    return {"file": str(file), "ok": True, "kind": "scene", "hash": scene.hash, "holds": holds, "notes": scene.notes}
+    return {"file": str(file), "ok": True, "kind": "scene", "hash": scene.hash, "holds": holds, "notes": notes}
 
 
 def _lines(finding: dict[str, Any]) -> list[str]:
