@@ -52,8 +52,20 @@ def _s6() -> Experiment:
     return EXPERIMENT
 
 
+def _s6b() -> Experiment:
+    from mimics_app.lab.stability.s06_virtual_damping import EXPERIMENT
+
+    return EXPERIMENT
+
+
 def _s7() -> Experiment:
     from mimics_app.lab.stability.s07_joint_pd import EXPERIMENT
+
+    return EXPERIMENT
+
+
+def _s8() -> Experiment:
+    from mimics_app.lab.stability.s08_printed_equations import EXPERIMENT
 
     return EXPERIMENT
 
@@ -106,6 +118,30 @@ def _s13b() -> Experiment:
     return EXPERIMENT
 
 
+def _s14() -> Experiment:
+    from mimics_app.lab.stability.s14_tunnel_frame import EXPERIMENT
+
+    return EXPERIMENT
+
+
+def _s14b() -> Experiment:
+    from mimics_app.lab.stability.s14b_closest_point import EXPERIMENT
+
+    return EXPERIMENT
+
+
+def _s15() -> Experiment:
+    from mimics_app.lab.stability.s15_late_ticks import EXPERIMENT
+
+    return EXPERIMENT
+
+
+def _s15b() -> Experiment:
+    from mimics_app.lab.stability.s15b_dropped_ticks import EXPERIMENT
+
+    return EXPERIMENT
+
+
 _EXPERIMENTS: dict[str, Callable[[], Experiment]] = {
     "S1": _s1,
     "S2": _s2,
@@ -114,7 +150,9 @@ _EXPERIMENTS: dict[str, Callable[[], Experiment]] = {
     "S4": _s4,
     "S5": _s5,
     "S6": _s6,
+    "S6B": _s6b,
     "S7": _s7,
+    "S8": _s8,
     "S9": _s9,
     "S10": _s10,
     "S11": _s11,
@@ -123,6 +161,10 @@ _EXPERIMENTS: dict[str, Callable[[], Experiment]] = {
     "S12B": _s12b,
     "S13": _s13,
     "S13B": _s13b,
+    "S14": _s14,
+    "S14B": _s14b,
+    "S15": _s15,
+    "S15B": _s15b,
 }
 """By name, in the order of their numbers."""
 

@@ -1,0 +1,214 @@
+"""A wall stroked at constant speed while ticks come late or not at all: the energy it gives away, by the loop's tick.
+
+Between ticks the force is held, so that a stroke through depths x_i costs sum f_i (x_{i+1} - x_i): a spring gives away
+K/2 sum (x_{i+1} - x_i)^2 and a damper takes b v |x_{i+1} - x_i|. At constant speed both sums are of holds h_i, and
+
+    b needed = K/2 sum(h_i^2) / sum(h_i)
+
+the mean hold weighted by its own length, not K T/2. The tick that is run is the product's, with its late-tick policy
+(hold beyond 2 ms, ramp down beyond 10 ms) on or off; energy is counted by the passivity observer.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic import SAMPLE
+from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_DQ, DATA_LENGTH, DATA_Q
+from mimics_app.lab.stability.linear import find_limit
+from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe
+from mimics_app.rendering.haptic.kernels.safety import HOLD, IN_TIME, LATE_DAMP
+from mimics_app.rendering.haptic.kernels.state import new_state
+from mimics_app.rendering.haptic.kernels.tick import tick
+from mimics_app.rendering.haptic.loop import late_class
+from mimics_app.rendering.haptic.scene_block import default_scene
+from mimics_app.rendering.haptic.tunnel import build_tunnel
+
+__all__ = [
+    "PERIOD",
+    "STIFFNESS",
+    "Stroke",
+    "Wakes",
+    "classes_of",
+    "energy_of",
+    "exact_energy",
+    "exact_needed",
+    "needed_damping",
+    "wakes_with",
+    "wakes_without",
+    "weighted_period",
+]
+
+Vec = NDArray[np.float64]
+
+PERIOD = 1e-3
+STIFFNESS = 2000.0
+
+_TUNNEL = 0.04
+_BALL = 0.01
+_ROOM = _TUNNEL - _BALL
+_QUIET = 1.0
+_UNLIMITED = 1e9
+_LEAST, _MOST = 0.05, 1000.0
+_FINE = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class Stroke:
+    """A hand that goes in and out of the wall at constant speed, from `gap` before to `depth` behind its surface.
+
+    Attributes:
+        speed: [m/s].
+        depth: [m].
+        gap: [m].
+        count: Strokes in and out.
+    """
+
+    speed: float = 0.1
+    depth: float = 0.02
+    gap: float = 0.005
+    count: int = 12
+
+    @property
+    def seconds(self) -> float:
+        """Length of the run [s], with the time at rest at its start in which the force is ramped up."""
+        return _QUIET + 2.0 * self.count * (self.depth + self.gap) / self.speed + 0.1
+
+    def at(self, t: Vec) -> tuple[Vec, Vec]:
+        """(depth behind the surface [m], its rate [m/s]) at times t [s]."""
+        half = (self.depth + self.gap) / self.speed
+        phase = (t - _QUIET) / half
+        moving = (phase >= 0.0) & (phase < 2 * self.count)
+        inward = np.floor(phase) % 2 == 0
+        share = np.where(inward, phase % 1.0, 1.0 - phase % 1.0)
+        way = np.where(moving, share, 0.0) * (self.depth + self.gap)
+        rate = np.where(moving, np.where(inward, self.speed, -self.speed), 0.0)
+        return way - self.gap, rate
+
+
+@dataclass(frozen=True, slots=True)
+class Wakes:
+    """When the ticks of a loop ran.
+
+    Attributes:
+        t: Time of each [s], shape [n], rising.
+        late_ns: After its release [ns], shape [n].
+    """
+
+    t: Vec
+    late_ns: NDArray[np.int64]
+
+
+def wakes_with(lateness: Vec, seconds: float) -> Wakes:
+    """Ticks of a loop that wakes `lateness` [s] after each release; repeated as often as `seconds` need.
+
+    Ticks behind a late one follow back to back, 10 us each. The first second, in which the hand rests, is in time: the
+    soft start of the loop would wait for ever for a loop that is never in time.
+    """
+    ticks = round(seconds / PERIOD)
+    due = PERIOD * np.arange(ticks)
+    late = np.where(due < _QUIET, 0.0, np.resize(np.maximum(lateness, 0.0), ticks))
+    after = 1e-5 * np.arange(ticks)
+    t = np.asarray(np.maximum.accumulate(due + late - after) + after, np.float64)
+    return Wakes(t, np.round((t - due) * 1e9).astype(np.int64))
+
+
+def wakes_without(dropped: NDArray[np.bool_], seconds: float) -> Wakes:
+    """Ticks of a loop of which some never run; the pattern is repeated as often as `seconds` need."""
+    ticks = round(seconds / PERIOD)
+    due = PERIOD * np.arange(ticks)
+    t = np.asarray(due, np.float64)[~np.resize(dropped, ticks) | (due < _QUIET)]
+    return Wakes(t, np.zeros(len(t), np.int64))
+
+
+def weighted_period(wakes: Wakes) -> float:
+    """Mean hold [s] weighted by its length, sum(h^2) / sum(h): what the live stiffness limit takes for T."""
+    hold = np.diff(wakes.t[wakes.t >= _QUIET])
+    return float(np.sum(hold**2) / np.sum(hold))
+
+
+@kernel
+def _classes(scenes: Any, late_ns: Any, held: Any) -> None:
+    """Late-tick class of every tick, as `run_live` counts misses in a row (ticks of no length)."""
+    period_ns = 1_000_000
+    in_row = 0
+    before = 0
+    for i in range(late_ns.shape[0]):
+        held[i] = late_class(scenes[0], late_ns[i], in_row)
+        if late_ns[i] <= period_ns:
+            in_row = 0
+        elif before <= period_ns:
+            in_row += 1
+        before = late_ns[i]
+
+
+@kernel
+def _stroke(
+    scenes: Any, depth: Vec, rate: Vec, held: Any, period: float, states: Any, samples: Any, observers: Any, out: Vec
+) -> None:
+    """Run the product's tick over a prescribed motion; energy taken from the user after each tick [J]."""
+    data, command = np.zeros(DATA_LENGTH), np.zeros(COMMAND_LENGTH)
+    for i in range(depth.shape[0]):
+        data[DATA_Q + 2] = _ROOM + depth[i]
+        data[DATA_DQ + 2] = rate[i]
+        tick(scenes[0], states[0], data, 0, 0, held[i], period, period, command, samples[0])
+        out[i] = observe(observers[0], states[0].hip_world, states[0].f_user_world)
+
+
+def _scene(damping: float) -> NDArray[Any]:
+    scene = default_scene()
+    record = scene[0]
+    build_tunnel([[-0.15, 0.0, 0.0], [0.15, 0.0, 0.0]], _TUNNEL).fill(record["tunnel"])
+    record["tunnel"]["stiffness"], record["tunnel"]["damping"] = STIFFNESS, damping
+    record["ball_radius_min"] = record["ball_radius_max"] = _BALL
+    record["force_limit"] = record["force_rate_limit"] = _UNLIMITED
+    record["ramp_force"], record["ramp_time"] = 0.1, PERIOD
+    return scene
+
+
+def classes_of(wakes: Wakes, policy: bool) -> NDArray[np.int64]:
+    """Late-tick class of every tick; all in time with the policy off."""
+    held = np.full(len(wakes.t), IN_TIME, np.int64)
+    if policy:
+        _classes(_scene(0.0), wakes.late_ns, held)
+    return held
+
+
+def energy_of(wakes: Wakes, damping: float, policy: bool, stroke: Stroke = Stroke()) -> float:
+    """Energy [J] that the wall has taken from the user in the end, by the tick and the observer; < 0: given away."""
+    depth, rate = stroke.at(wakes.t)
+    out = np.zeros(len(wakes.t))
+    held = classes_of(wakes, policy)
+    samples, observers = np.zeros(1, SAMPLE), np.zeros(1, OBSERVER)
+    _stroke(_scene(damping), depth, rate, held, PERIOD, new_state(), samples, observers, out)
+    return float(out[-1])
+
+
+def exact_energy(wakes: Wakes, damping: float, policy: bool, stroke: Stroke = Stroke()) -> float:
+    """The same as a sum of held forces times ways, without any loop.
+
+    Raises:
+        ValueError: The policy would ramp the force down, which this sum does not know.
+    """
+    depth, rate = stroke.at(wakes.t)
+    force = np.where(depth > 0.0, np.maximum(0.0, STIFFNESS * depth + damping * rate), 0.0)
+    held = classes_of(wakes, policy)
+    if np.any(held >= LATE_DAMP):
+        raise ValueError("the policy ramps the force down: no closed form")
+    last_fresh = np.maximum.accumulate(np.where(held == HOLD, 0, np.arange(len(held))))
+    return float(np.sum(force[last_fresh][:-1] * np.diff(depth)))
+
+
+def needed_damping(wakes: Wakes, policy: bool, stroke: Stroke = Stroke()) -> float:
+    """Damping [N s/m] at which the wall gives nothing away in the end, by simulation."""
+    return find_limit(lambda b: energy_of(wakes, b, policy, stroke) > 0.0, _MOST, _LEAST)
+
+
+def exact_needed(wakes: Wakes, policy: bool, stroke: Stroke = Stroke()) -> float:
+    """The same by `exact_energy`."""
+    return find_limit(lambda b: exact_energy(wakes, b, policy, stroke) > 0.0, _MOST, _LEAST, _FINE)

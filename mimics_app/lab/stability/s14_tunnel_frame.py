@@ -1,0 +1,147 @@
+"""S14: which way is n? At an inflection Frenet's normal turns over, and with it every force told along n and b.
+
+A ball is carried along a wavy tunnel, pressed into the same wall all the way. What the wall does is the same in any
+frame; what a task tells or records along n and b is not: along Frenet's normal the force changes sign at every
+inflection of the bisector, by twice its size in one tick. In the frame of the tick it stays as it is.
+
+The inflections are the roots of x'y'' - y'x'' of every piece, computed apart from the walk.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic import TUNNEL
+from mimics_app.contracts.kernel import kernel
+from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
+from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE, tunnel_force
+from mimics_app.rendering.haptic.tunnel import TunnelCurve, build_tunnel
+
+__all__ = ["EXPERIMENT", "inflections", "walk_wall", "wavy_tunnel"]
+
+Array = NDArray[np.float64]
+
+_RADIUS = 0.01
+_DEPTH = 0.002
+_STIFFNESS = 1000.0
+_STEP = 0.2e-3
+_MARGIN = 0.01
+_STEADY = 0.05
+
+
+def wavy_tunnel(height: float) -> TunnelCurve:
+    """A planar wave along x in z = 0; its control points lie up to `height` [m] to either side."""
+    i = np.arange(12)
+    return build_tunnel(np.column_stack([0.06 * i - 0.33, height * np.sin(1.2 * i), 0.0 * i]), _RADIUS)
+
+
+def inflections(curve: TunnelCurve) -> Array:
+    """Arc lengths [m] at which a planar bisector (z = 0) changes its bend, in order."""
+    found: list[float] = []
+    for i, (x, y, _) in enumerate(curve.pieces):
+        # With x = x0 + x1 u + x2 u^2 + x3 u^3 the u^3 of x'y'' - y'x'' cancels.
+        bend = [
+            6.0 * (x[2] * y[3] - y[2] * x[3]),
+            6.0 * (x[1] * y[3] - y[1] * x[3]),
+            2.0 * (x[1] * y[2] - y[1] * x[2]),
+        ]
+        roots = np.roots(bend)
+        real = roots.real[np.abs(roots.imag) < 1e-9]
+        found += [i + float(u) for u in real if 0.0 <= u < 1.0]
+    arcs: Array = curve.arc_at(np.sort(found))
+    return arcs
+
+
+@kernel
+def _walk(tunnels: Any, path: Array, states: Any, force_world: Array, along_n: Array, s: Array) -> None:
+    still = np.zeros(3)
+    for i in range(path.shape[0]):
+        tunnel_force(tunnels[0], path[i], still, 0.0, states[0])
+        for k in range(3):
+            force_world[i, k] = states[0].force_world[k]
+        along_n[i] = states[0].force_tnb[1]
+        s[i] = states[0].s
+
+
+def walk_wall(curve: TunnelCurve) -> tuple[Array, Array, Array]:
+    """Carry a point along the tunnel, 2 mm deep in the wall to the left of the way, 0.2 mm a tick.
+
+    Returns:
+        (arc length [m], force along the tick's n [N], force along Frenet's n [N]), each of shape [ticks].
+    """
+    record = np.zeros(1, TUNNEL)
+    curve.fill(record[0])
+    record["radius_scale"], record["stiffness"] = 1.0, _STIFFNESS
+    s = curve.parameter_at(np.arange(_MARGIN, curve.length - _MARGIN, _STEP))
+    left = np.cross([0.0, 0.0, 1.0], curve.tangent(s))
+    path = np.ascontiguousarray(curve.point(s) + (_RADIUS + _DEPTH) * left)
+    force_world, along_n, found = np.empty_like(path), np.empty(len(s)), np.empty(len(s))
+    _walk(record, path, np.zeros(1, TUNNEL_STATE), force_world, along_n, found)
+    return curve.arc_at(found), along_n, np.sum(force_world * curve.frame(found, "frenet")[1], axis=1)
+
+
+def _turns(arc: Array, force: Array) -> Array:
+    """Arc lengths at which a force changes its sign."""
+    i = np.flatnonzero(force[1:] * force[:-1] < 0.0)
+    return 0.5 * (arc[i] + arc[i + 1])
+
+
+def _row(height: float) -> tuple[dict[str, Any], Points, Points]:
+    curve = wavy_tunnel(height)
+    arc, own, frenet = walk_wall(curve)
+    exact = inflections(curve)
+    exact = exact[(exact > arc[0]) & (exact < arc[-1])]
+    turns = _turns(arc, frenet)
+    row = {
+        "height_mm": 1e3 * height,
+        "inflections": len(exact),
+        "frenet_turns": len(turns),
+        "frenet_jump_N": float(np.max(np.abs(np.diff(frenet)))),
+        "own_turns": len(_turns(arc, own)),
+        "own_jump_N": float(np.max(np.abs(np.diff(own)))),
+        "wall_force_N": _STIFFNESS * _DEPTH,
+    }
+    return row, [(1e3 * height, float(a)) for a in turns], [(1e3 * height, float(a)) for a in exact]
+
+
+def _run(points: int) -> Outcome:
+    rows: list[dict[str, Any]] = []
+    simulated: Points = []
+    exact: Points = []
+    for height in np.linspace(0.02, 0.08, max(points, 2)):
+        row, turns, bends = _row(float(height))
+        rows.append(row)
+        simulated += turns
+        exact += bends
+    disagreement = largest_disagreement(simulated, exact) if len(simulated) == len(exact) else 1.0
+    steady = all(row["own_turns"] == 0 and row["own_jump_N"] < _STEADY * row["wall_force_N"] for row in rows)
+    return Outcome(
+        rows=rows,
+        simulated=simulated,
+        exact=exact,
+        disagreement=disagreement,
+        passed=disagreement <= EXPERIMENT.tolerance and steady and len(exact) > 0,
+        note=(
+            f"Pressed into one wall with {rows[-1]['wall_force_N']:.1f} N all the way: along Frenet's normal the force "
+            f"jumps by {rows[-1]['frenet_jump_N']:.1f} N at each of {rows[-1]['inflections']} inflections, along the "
+            f"tick's normal by {rows[-1]['own_jump_N']:.1g} N at most."
+        ),
+    )
+
+
+EXPERIMENT = Experiment(
+    name="S14",
+    title="Wavy tunnel: Frenet's frame turns over at inflections",
+    claim=(
+        "Along Frenet's normal the force of one wall turns over at every inflection and nowhere else (place within "
+        "1 %); along the tick's normal it never does, and changes by less than 5 % a tick."
+    ),
+    x_label="height of the wave's control points [mm]",
+    y_label="arc length where the force turns over [m]",
+    kind="invariant",
+    run=_run,
+    tolerance=0.01,
+)

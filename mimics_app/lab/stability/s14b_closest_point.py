@@ -1,0 +1,170 @@
+"""S14B: radius times curvature near 1: Newton's closest point is lost where the ball passes the centre of the bend.
+
+Seen from a point at distance a from the centre of a bend of radius R, the slope of the distance goes like the sine of
+the angle between ball and closest point, and Newton's step like its tangent: from an angle beyond the root of
+tan(x) = 2 x, 1.1656 rad, each step ends farther away than it began. A ball that crosses at speed v turns by
+2 atan(v T / 2 a) within the tick that passes the centre, so that textbook Newton from the last tick's point is lost for
+
+    a < v T / (2 tan(0.5828)) = 0.758 v T,     with a / R = 1 - r kappa for a ball on a wall of radius r.
+
+The tick's `track` halves steps that do not go downhill and searches when it must: it is not lost.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic import TUNNEL
+from mimics_app.contracts.kernel import kernel
+from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
+from mimics_app.lab.stability.linear import find_limit
+from mimics_app.maths.bspline import basis_functions
+from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE
+from mimics_app.rendering.haptic.kernels.tunnel_projection import slope, track
+from mimics_app.rendering.haptic.tunnel import TunnelCurve, build_tunnel
+
+__all__ = ["BEND", "EXPERIMENT", "exact_clearance", "newton_miss", "smallest_clearance", "track_miss"]
+
+Array = NDArray[np.float64]
+
+BEND = 0.05
+"""Radius of the bend [m]."""
+
+_DT = 1e-3
+_CONTROL_POINTS = 90
+_ANGLE = 4.5
+_ITERATIONS = 24
+_TICKS = 60
+_LOST = 1e-5
+_KEPT = 1e-7
+
+
+@cache
+def _bend() -> tuple[TunnelCurve, NDArray[Any]]:
+    """An arc of a circle about the origin in the plane z = 0, symmetrical about +y, and its record, shape [1]."""
+    s = np.linspace(0.0, _CONTROL_POINTS - 3.0, 2000)
+    angle = 0.5 * np.pi + _ANGLE * (s / s[-1] - 0.5)
+    circle = BEND * np.column_stack([np.cos(angle), np.sin(angle), 0.0 * angle])
+    points = np.linalg.lstsq(basis_functions(_CONTROL_POINTS, s), circle, rcond=None)[0]
+    curve = build_tunnel(points, 1e-3)
+    record = np.zeros(1, TUNNEL)
+    curve.fill(record[0])
+    record["radius_scale"] = 1.0
+    return curve, record
+
+
+@kernel
+def _newton(tunnel: Any, p: Array, s: float) -> float:
+    """Textbook Newton on the slope of the square distance, kept inside the tunnel: no halving, no search."""
+    for _ in range(_ITERATIONS):
+        _, gradient, bend, _ = slope(tunnel, p[0], p[1], p[2], s)
+        s = min(max(s - gradient / bend, 0.0), float(tunnel.pieces))
+    return s
+
+
+@kernel
+def _follow(tunnels: Any, path: Array, s: float, by_track: bool, states: Any) -> float:
+    """Greatest distance [m] by which the point found is farther than the closest one, along a path."""
+    tunnel = tunnels[0]
+    worst = 0.0
+    for i in range(path.shape[0]):
+        if by_track:
+            s = track(tunnel, path[i, 0], path[i, 1], path[i, 2], states[0])
+        else:
+            s = _newton(tunnel, path[i], s)
+        square, _, _, _ = slope(tunnel, path[i, 0], path[i, 1], path[i, 2], s)
+        centre = math.sqrt(path[i, 0] ** 2 + path[i, 1] ** 2)
+        worst = max(worst, math.sqrt(square) - (BEND - centre))
+    return worst
+
+
+def _miss(speed: float, clearance: float, by_track: bool) -> float:
+    curve, record = _bend()
+    x = speed * _DT * (np.arange(_TICKS) - 0.5 * (_TICKS - 1))
+    x = x[np.hypot(x, clearance) < BEND]
+    path = np.column_stack([x, np.full(len(x), clearance), 0.0 * x])
+    angle = math.atan2(clearance, path[0, 0])
+    start = len(curve.pieces) * (0.5 + (angle - 0.5 * math.pi) / _ANGLE)
+    return float(_follow(record, path, start, by_track, np.zeros(1, TUNNEL_STATE)))
+
+
+def newton_miss(speed: float, clearance: float) -> float:
+    """How far off [m] textbook Newton gets when a ball crosses at `speed` [m/s], `clearance` [m] from the centre."""
+    return _miss(speed, clearance, by_track=False)
+
+
+def track_miss(speed: float, clearance: float) -> float:
+    """The same of the tick's `track`."""
+    return _miss(speed, clearance, by_track=True)
+
+
+def _basin() -> float:
+    """The root of tan(x) = 2 x in (0, pi/2) [rad]."""
+    x = 1.2
+    for _ in range(50):
+        x -= (math.tan(x) - 2.0 * x) / (1.0 / math.cos(x) ** 2 - 2.0)
+    return x
+
+
+def exact_clearance(speed: float) -> float:
+    """Clearance [m] below which textbook Newton is lost, tick and centre as unlucky as can be."""
+    return speed * _DT / (2.0 * math.tan(0.5 * _basin()))
+
+
+def smallest_clearance(speed: float) -> float:
+    """The same by simulation."""
+    around = exact_clearance(speed)
+    return find_limit(lambda a: newton_miss(speed, a) < _LOST, 2.0 * around, 0.8 * around)
+
+
+def _run(points: int) -> Outcome:
+    speeds = [float(speed) for speed in np.geomspace(0.1, 5.0, max(points, 2))]
+    simulated: Points = [(speed, smallest_clearance(speed) / BEND) for speed in speeds]
+    exact: Points = [(speed, exact_clearance(speed) / BEND) for speed in speeds]
+    disagreement = largest_disagreement(simulated, exact)
+    rows = [
+        {
+            "speed_m_s": speed,
+            "simulated_clearance_share": simulated[i][1],
+            "exact_clearance_share": exact[i][1],
+            "newton_miss_mm": 1e3 * newton_miss(speed, 0.9 * exact_clearance(speed)),
+            "track_miss_mm": 1e3 * max(track_miss(speed, share * exact_clearance(speed)) for share in (0.1, 0.5, 0.9)),
+        }
+        for i, speed in enumerate(speeds)
+    ]
+    kept = all(1e-3 * row["track_miss_mm"] < _KEPT for row in rows)
+    return Outcome(
+        rows=rows,
+        simulated=simulated,
+        exact=exact,
+        rules={"1 - r kappa = 0.1": [(speed, 0.1) for speed in speeds]},
+        disagreement=disagreement,
+        passed=disagreement <= EXPERIMENT.tolerance and kept,
+        note=(
+            f"A bend of {1e3 * BEND:.0f} mm. Below the line textbook Newton from the last tick's point misses by up to "
+            f"{max(row['newton_miss_mm'] for row in rows):.0f} mm; the tick's tracking by "
+            f"{max(row['track_miss_mm'] for row in rows):.0e} mm."
+        ),
+    )
+
+
+EXPERIMENT = Experiment(
+    name="S14B",
+    title="Closest point near the centre of a bend",
+    claim=(
+        "Newton without halving or search is lost exactly for 1 - r kappa < 0.758 v T/R; the tick's tracking stays "
+        "within 0.1 um of the closest point."
+    ),
+    x_label="speed of the ball [m/s]",
+    y_label="1 - radius x curvature where Newton is lost",
+    kind="boundary",
+    run=_run,
+    tolerance=0.02,
+    log_x=True,
+    log_y=True,
+)

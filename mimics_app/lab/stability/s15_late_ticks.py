@@ -1,0 +1,120 @@
+"""S15: ticks that come late: how much damping a wall needs so that it gives no energy away.
+
+Every 50 ms one tick wakes late and the ones behind it follow back to back, so that the mean period stays 1 ms and a
+rule with the mean sees nothing. What counts is the mean hold weighted by its own length. Policy on, the late tick's
+output is held until the loop has caught up, 10 us a tick: hardly worse. From 10 ms on the policy ramps the force down
+instead, and no wall is left that could give anything. The lateness of a live loop is replayed the same way.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
+from mimics_app.lab.stability.measured_lateness import measure_lateness
+from mimics_app.lab.stability.replayed_wall import (
+    PERIOD,
+    STIFFNESS,
+    Stroke,
+    Wakes,
+    energy_of,
+    exact_needed,
+    needed_damping,
+    wakes_with,
+    weighted_period,
+)
+
+__all__ = ["EXPERIMENT", "stalls"]
+
+Vec = NDArray[np.float64]
+
+_STROKE = Stroke()
+_BETWEEN = 50
+_LONGEST = 9e-3
+_RAMPED_DOWN = 12e-3
+_USUAL_DAMPING = 2.0
+_LIVE_SECONDS = 3.0
+_LIVE_POINTS = 5
+
+
+def stalls(length: float) -> Wakes:
+    """A loop in which every 50th tick wakes `length` [s] late, beside ones in time."""
+    pattern = np.zeros(_BETWEEN)
+    pattern[-1] = length
+    return wakes_with(pattern, _STROKE.seconds)
+
+
+def _row(source: str, length: float, wakes: Wakes) -> dict[str, Any]:
+    return {
+        "source": source,
+        "late_ms": 1e3 * length,
+        "weighted_period_ms": 1e3 * weighted_period(wakes),
+        "needed_N_s_m": needed_damping(wakes, False),
+        "exact_N_s_m": exact_needed(wakes, False),
+        "live_limit_N_s_m": 0.5 * STIFFNESS * weighted_period(wakes),
+        "energy_at_2_N_s_m_policy_off_J": energy_of(wakes, _USUAL_DAMPING, False),
+        "energy_at_2_N_s_m_policy_on_J": energy_of(wakes, _USUAL_DAMPING, True),
+    }
+
+
+def _run(points: int) -> Outcome:
+    lengths = [float(length) for length in np.linspace(0.0, _LONGEST, max(points, 2))]
+    rows = [_row("every 50th tick", length, stalls(length)) for length in lengths]
+    held: Points = [(1e3 * length, needed_damping(stalls(length), True)) for length in lengths]
+    held_exact: Points = [(1e3 * length, exact_needed(stalls(length), True)) for length in lengths]
+
+    def curve(column: str) -> Points:
+        return [(row["late_ms"], row[column]) for row in rows]
+
+    simulated, exact, live = curve("needed_N_s_m"), curve("exact_N_s_m"), curve("live_limit_N_s_m")
+    down = _row("every 50th tick", _RAMPED_DOWN, stalls(_RAMPED_DOWN))
+    rows.append(down)
+    note = (
+        f"K = {STIFFNESS:.0f} N/m. One tick in 50 late by 9 ms asks for {exact[-1][1]:.1f} times the damping of a loop "
+        f"in time, though the mean period is the same. At 12 ms and 2 N s/m the wall gives away "
+        f"{-1e3 * down['energy_at_2_N_s_m_policy_off_J']:.0f} mJ with the policy off; on, it takes "
+        f"{1e3 * down['energy_at_2_N_s_m_policy_on_J']:.0f} mJ."
+    )
+    if points >= _LIVE_POINTS:
+        lateness = measure_lateness(_LIVE_SECONDS)
+        rows.append(_row("measured live", float(np.max(lateness)), wakes_with(lateness, _STROKE.seconds)))
+        note += (
+            f" Lateness measured here, {1e3 * np.max(lateness):.2f} ms at most: {rows[-1]['needed_N_s_m']:.2f} N s/m."
+        )
+    disagreement = max(
+        largest_disagreement(simulated, exact),
+        largest_disagreement(held, held_exact),
+        *(abs(row["needed_N_s_m"] / row["exact_N_s_m"] - 1.0) for row in rows),
+    )
+    safe = down["energy_at_2_N_s_m_policy_on_J"] >= 0.0 > down["energy_at_2_N_s_m_policy_off_J"]
+    return Outcome(
+        rows=rows,
+        simulated=simulated,
+        exact=exact,
+        rules={
+            "policy on (held beyond 2 ms)": held,
+            "K T_w / 2, hold weighted by length (live limit)": live,
+            "K T / 2, mean period": [(x, 0.5 * STIFFNESS * PERIOD) for x, _ in exact],
+        },
+        disagreement=disagreement,
+        passed=disagreement <= EXPERIMENT.tolerance and safe,
+        note=note,
+    )
+
+
+EXPERIMENT = Experiment(
+    name="S15",
+    title="Late ticks: the damping a wall needs",
+    claim=(
+        "The wall gives energy away exactly below the damping that the sum of its held forces gives; beyond 10 ms the "
+        "late-tick policy makes it give nothing."
+    ),
+    x_label="every 50th tick is late by [ms]",
+    y_label="damping that takes as much as the hold gives [N s/m]",
+    kind="boundary",
+    run=_run,
+    tolerance=0.02,
+)
