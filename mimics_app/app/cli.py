@@ -30,6 +30,7 @@ COMMANDS: dict[str, str] = {
     "replay": "simulate a recorded run again and compare every output",
     "report": "write the report of a run as one HTML file",
     "record": "say what a recording holds, mend it, or verify it",
+    "sweep": "run an experiment over a grid or sample of parameters, scenes and simulated patients",
     "bench": "measure the product against rivals on this machine",
     "lab": "chart speed against accuracy, and show where methods fail",
     "warmup": "compile the kernels now instead of at the first run",

@@ -1,0 +1,104 @@
+"""`mimics sweep SPEC.json`: an experiment over many points, in pieces that survive a crash, into one Parquet file."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, TextIO
+
+if TYPE_CHECKING:
+    from mimics_app.app.sweep.worker import SweepJob
+    from mimics_app.lab.sweep.store import Piece
+
+__all__ = ["add_arguments", "run"]
+
+_WIDTH = 30
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `mimics sweep`."""
+    parser.add_argument("spec", type=Path, help="sweep file, such as docs/sweeps/wall_stability.json")
+    parser.add_argument("--out", type=Path, help="Parquet file to write; without it runs/sweeps/NAME.parquet")
+    parser.add_argument("--workers", type=_count, help="processes of this machine; without it one for each core")
+    parser.add_argument("--scheduler", metavar="ADDRESS", default="", help="of a Dask scheduler, instead of processes")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Compute what is missing, and join all of it."""
+    from mimics_app.app import output
+    from mimics_app.app.sweep.experiments import NAMES, find_experiment
+    from mimics_app.app.sweep.worker import SweepJob
+    from mimics_app.contracts.errors import SceneError
+    from mimics_app.lab.sweep.points import count_points
+    from mimics_app.lab.sweep.spec import load_sweep, span_of
+    from mimics_app.lab.sweep.store import PieceStore, pieces_of, source_digest
+
+    sweep = load_sweep(args.spec, find_experiment, NAMES)
+    sources = source_digest()
+    job = SweepJob(sweep.canonical, str(args.spec.resolve().parent), sources)
+    issues, files = job.experiment.check(span_of(sweep), args.spec)
+    if issues:
+        raise SceneError(issues)
+    out = args.out or Path("runs") / "sweeps" / args.spec.with_suffix(".parquet").name
+    points = count_points(sweep)
+    pieces = pieces_of(points, sweep.chunk or job.experiment.chunk)
+    store = PieceStore(out, f"{sweep.digest}/{sources}/{files}")
+    missing = [piece for piece in pieces if not store.has(piece)]
+    bar = _Bar(sys.stderr, len(pieces), len(pieces) - len(missing))
+    for piece, data in _compute(missing, job, args):
+        store.put(piece, data)
+        bar.step()
+    bar.end()
+    store.finish(pieces, sweep)
+    if args.json:
+        answer = {"experiment": sweep.experiment, "points": points, "pieces": len(pieces), "computed": len(missing)}
+        output.write_object("sweep", {**answer, "out": out})
+    else:
+        print(f"{points} points of {sweep.experiment} in {out}")
+    return 0
+
+
+def _compute(missing: list[Piece], job: SweepJob, args: argparse.Namespace) -> Iterator[tuple[Piece, bytes]]:
+    from mimics_app.lab.sweep import executors
+
+    if args.scheduler:
+        return executors.compute_on_scheduler(missing, job, args.scheduler)
+    workers = min(args.workers or os.cpu_count() or 1, len(missing))
+    if workers <= 1:
+        return executors.compute_here(missing, job)
+    return executors.compute_in_processes(missing, job, workers)
+
+
+def _count(text: str) -> int:
+    if not (text.isdigit() and 1 <= int(text) <= 1024):
+        raise argparse.ArgumentTypeError(f"{text} is not a number of processes between 1 and 1024")
+    return int(text)
+
+
+class _Bar:
+    """One line on a terminal that says how far a sweep is; nothing where nobody watches."""
+
+    def __init__(self, stream: TextIO, total: int, done: int) -> None:
+        self._stream, self._total, self._done = stream, total, done
+        self._shown = stream.isatty()
+        self._show()
+
+    def step(self) -> None:
+        """One more piece is done."""
+        self._done += 1
+        self._show()
+
+    def _show(self) -> None:
+        if self._shown:
+            filled = round(_WIDTH * self._done / self._total)
+            bar = "#" * filled + "." * (_WIDTH - filled)
+            self._stream.write(f"\r[{bar}] {self._done} of {self._total} pieces ")
+            self._stream.flush()
+
+    def end(self) -> None:
+        """Leave the line."""
+        if self._shown:
+            self._stream.write("\n")

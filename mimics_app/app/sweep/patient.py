@@ -1,0 +1,195 @@
+"""Sweep experiment: a simulated patient travels a scene's trial, through the real loop and task manager.
+
+Every point is one trial (the last one of the scene's list) on the virtual clock, without processes, picture or sound.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from mimics_app.app.catalogue import open_scenario
+from mimics_app.app.parameter_desk import ParameterDesk
+from mimics_app.app.plan import settle
+from mimics_app.app.scene_loading import find_scene, load_checked_scene
+from mimics_app.app.settings import PROFILES
+from mimics_app.contracts import ring
+from mimics_app.contracts.clock import ticks_until_frame
+from mimics_app.contracts.errors import Issue, MimicsError, nearest
+from mimics_app.contracts.haptic import INBOX, SAMPLE
+from mimics_app.contracts.messages import PointerState, TaskAction, VRInput
+from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.lab.sweep.quantity import Columns, Quantity, SweepExperiment
+from mimics_app.rendering.haptic.devices.registry import build_device
+from mimics_app.rendering.haptic.engine import HapticEngine
+from mimics_app.tasks.actions import build_action_space, fill_defaults
+from mimics_app.tasks.task import BlockSpec, TaskSpec
+from mimics_app.tasks.task_manager import TaskManager
+from mimics_app.tasks.trial_file import resolve_trials
+from mimics_app.world.components_haptic import Patient, Robot
+from mimics_app.world.scene import Scene
+from mimics_app.world.scene_file import build_world
+
+__all__ = ["EXPERIMENT", "travel"]
+
+_ACTION = "action."
+_TICK_NS = 1_000_000
+
+
+@lru_cache(maxsize=8)
+def _load(file: Path) -> Scene:
+    return load_checked_scene(file)
+
+
+def _scene_file(name: str, folder: Path) -> Path:
+    """A scene beside the sweep file, else one as every command finds it."""
+    beside = folder / name
+    return beside.resolve() if beside.is_file() else find_scene(Path(name))
+
+
+def _task_of(scene: Scene) -> TaskSpec:
+    """The scene's task with its last trial alone."""
+    task = scene.sections.get("task")
+    spec = resolve_trials(task if isinstance(task, TaskSpec) else TaskSpec(), scene.path.parent, scene.root)
+    blocks = [block for block in spec.trials if isinstance(block, BlockSpec)]
+    if not blocks:
+        return spec
+    return msgspec.structs.replace(spec, trials=[msgspec.structs.replace(blocks[-1], trials=blocks[-1].trials[-1:])])
+
+
+def travel(
+    scene: Scene, preset: str, seed: int, action: Mapping[str, float], *, profile: Any, seconds: float
+) -> dict[str, Any]:
+    """One trial of a scene by one simulated patient.
+
+    Args:
+        scene: Checked.
+        preset: Of the patient; "" keeps the scene's.
+        seed: Of patient, sensor and trial order.
+        action: Values of the task's parameters from the trial's beginning on.
+        profile: Whose tolerances hold.
+        seconds: Longest simulated time [s].
+
+    Returns:
+        The row of the trial: `outcome`, `time_s`, `path_error_rms_m`, `contacts`, `smoothness`, `score` ...; {} where
+        it had not ended in time.
+    """
+    settle(scene, profile)
+    scenario = open_scenario(scene, build_world(scene))
+    robots, patients = scene.components(Robot), scene.components(Patient)
+    patient = patients[0][1] if patients else Patient()
+    if preset:
+        patient = msgspec.structs.replace(patient, preset=preset)
+    plugin = build_device(robots[0][1] if robots else Robot(), patient, scenario.via_points_world, seed)
+    memory, desk = SessionMemory(), ParameterDesk(scenario.scene_block())
+    haptics = HapticEngine(memory, plugin)
+    tasks = TaskManager(fill_defaults(_task_of(scene), desk.value), scenario.task_context, seed)
+    desk.hand_to(haptics.publish)
+    first = TaskAction(dict(action), at_trial=0) if action else None
+    inbox: Any = np.zeros(1, INBOX)
+    drained = np.zeros(len(memory.samples), SAMPLE)
+    for frame in range(round(seconds * 60.0)):
+        begin, end = ticks_until_frame(frame), ticks_until_frame(frame + 1)
+        haptics.advance(end - begin)
+        ring.drain(memory.sample_words, memory.samples, drained)
+        vr = VRInput(pointer=PointerState((0.0, 0.0, 0.0), 0.0, active=True))
+        orders = tasks.step(vr, first, haptics.snapshot(), haptics.events(), end * _TICK_NS)
+        first = None
+        if tasks.done:
+            break
+        desk.change(orders.haptic)
+        inbox[0]["active"] = int(orders.person_may_act)
+        inbox[0]["trial"] = desk.block["trial"][0]
+        haptics.tell(inbox)
+    return dict(tasks.rows[-1]) if tasks.rows else {}
+
+
+def _run(values: Columns, folder: Path) -> Columns:
+    names = [name for name in values if name.startswith(_ACTION)]
+    columns: dict[str, list[Any]] = {name: [] for name in EXPERIMENT.results}
+    for i in range(len(values["scene"])):
+        row = travel(
+            _load(_scene_file(values["scene"][i], folder)),
+            values["preset"][i],
+            values["seed"][i],
+            {name.removeprefix(_ACTION): values[name][i] for name in names},
+            profile=values["profile"][i],
+            seconds=values["seconds"][i],
+        )
+        for name, value in _results(row).items():
+            columns[name].append(value)
+    return columns
+
+
+def _results(row: Mapping[str, Any]) -> dict[str, Any]:
+    return {
+        "outcome": str(row.get("outcome", "unfinished")),
+        "time_s": row.get("time_s"),
+        "path_error_m": row.get("path_error_rms_m"),
+        "contacts": row.get("contacts"),
+        "smoothness": row.get("smoothness"),
+        "score": row.get("score"),
+    }
+
+
+def _check(values: Columns, file: Path) -> tuple[list[Issue], str]:
+    """Every scene is right and knows every action; the digest is that of the scenes."""
+    issues, digest = list[Issue](), hashlib.sha256()
+    for i, name in enumerate(values["scene"]):
+        try:
+            scene = _load(_scene_file(name, file.parent))
+        except MimicsError as error:
+            issues.append(Issue(str(file), f"/parameters/scene/{i}", f'"{name}" cannot be played: {error}'))
+            continue
+        digest.update(scene.hash.encode())
+        issues += _action_faults(scene, values, str(file))
+    return issues, digest.hexdigest()
+
+
+def _action_faults(scene: Scene, values: Columns, file: str) -> list[Issue]:
+    desk = ParameterDesk(open_scenario(scene, build_world(scene)).scene_block())
+    space = build_action_space(fill_defaults(_task_of(scene), desk.value))
+    issues = []
+    for name in (name for name in values if name.startswith(_ACTION)):
+        pointer, key = f"/parameters/{name}", name.removeprefix(_ACTION)
+        if key not in space:
+            issues.append(Issue(file, pointer, f'the task of "{scene.name}" has no "{key}"', nearest(key, space.names)))
+            continue
+        parameter = space[key]
+        issues += [
+            Issue(file, pointer, f"{value:g} is outside {parameter.low:g} to {parameter.high:g} {parameter.unit}")
+            for value in values[name]
+            if not parameter.fits(value)
+        ]
+    return issues
+
+
+EXPERIMENT = SweepExperiment(
+    name="patient",
+    what="one trial of a scene by a simulated patient, through the real loop and task manager",
+    parameters={
+        "scene": Quantity("text", "", "scenes/wavy_tunnel.json"),
+        "preset": Quantity("text", "", "", choices=("", "healthy", "moderate", "severe")),
+        "seed": Quantity("int", "", 1, 0, 2**31 - 1),
+        "profile": Quantity("text", "", "training", choices=PROFILES),
+        "seconds": Quantity("float", "s", 240.0, 1.0, 3600.0),
+    },
+    results={
+        "outcome": "text",
+        "time_s": "float",
+        "path_error_m": "float",
+        "contacts": "int",
+        "smoothness": "float",
+        "score": "float",
+    },
+    chunk=1,
+    run=_run,
+    open_prefix=_ACTION,
+    check=_check,
+)

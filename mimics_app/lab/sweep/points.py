@@ -1,0 +1,88 @@
+"""The points of a sweep by number: each is computed from its number alone, so any piece can be made anywhere."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from mimics_app.lab.sweep.quantity import Kind, SweepExperiment
+from mimics_app.lab.sweep.spec import Range, Sweep
+
+__all__ = ["count_points", "points_between"]
+
+
+def count_points(sweep: Sweep) -> int:
+    """How many points a sweep has."""
+    if sweep.sample is not None:
+        return sweep.sample.points
+    return math.prod(_count(values) for values in sweep.parameters.values())
+
+
+def points_between(sweep: Sweep, experiment: SweepExperiment, start: int, stop: int) -> dict[str, list[Any]]:
+    """Parameter values of points start .. stop - 1, by name.
+
+    Parameters count in the order of their names: on a grid the last one runs fastest, in a sample each takes its
+    share from the point's own stream of random numbers.
+    """
+    names = sorted(sweep.parameters)
+    kinds: dict[str, Kind] = {name: _kind(experiment, name) for name in names}
+    if sweep.sample is not None:
+        drawn = [_drawn(sweep, names, kinds, point, sweep.sample.seed) for point in range(start, stop)]
+    else:
+        drawn = [_on_grid(sweep, names, kinds, point) for point in range(start, stop)]
+    return {name: [row[name] for row in drawn] for name in names}
+
+
+def _kind(experiment: SweepExperiment, name: str) -> Kind:
+    quantity = experiment.quantity(name)
+    if quantity is None:
+        raise KeyError(f'"{experiment.name}" has no parameter "{name}"')
+    return quantity.kind
+
+
+def _count(values: Any) -> int:
+    return values.count if isinstance(values, Range) else len(values) if isinstance(values, list) else 1
+
+
+def _on_grid(sweep: Sweep, names: list[str], kinds: dict[str, Kind], point: int) -> dict[str, Any]:
+    row: dict[str, Any] = {}
+    for name in reversed(names):
+        values = sweep.parameters[name]
+        count = _count(values)
+        point, place = divmod(point, count)
+        share = place / (count - 1) if count > 1 else 0.0
+        row[name] = _typed(_between(values, share) if isinstance(values, Range) else _item(values, place), kinds[name])
+    return row
+
+
+def _drawn(sweep: Sweep, names: list[str], kinds: dict[str, Kind], point: int, seed: int) -> dict[str, Any]:
+    shares = np.random.Generator(np.random.Philox(key=np.array([seed, point], np.uint64))).random(len(names))
+    row: dict[str, Any] = {}
+    for name, share in zip(names, shares.tolist(), strict=True):
+        values = sweep.parameters[name]
+        if not isinstance(values, Range):
+            value = _item(values, min(int(share * _count(values)), _count(values) - 1))
+        elif kinds[name] == "int" and values.scale == "linear":
+            value = values.low + math.floor(share * (values.high - values.low + 1.0))
+        else:
+            value = _between(values, share)
+        row[name] = _typed(value, kinds[name])
+    return row
+
+
+def _item(values: Any, place: int) -> Any:
+    return values[place] if isinstance(values, list) else values
+
+
+def _between(values: Range, share: float) -> float:
+    if share >= 1.0:
+        return values.high
+    if values.scale == "log":
+        return values.low * (values.high / values.low) ** share
+    return values.low + share * (values.high - values.low)
+
+
+def _typed(value: Any, kind: Kind) -> Any:
+    return str(value) if kind == "text" else round(value) if kind == "int" else float(value)

@@ -1,0 +1,102 @@
+"""Sweep experiment: is a sampled, delayed wall stable? Simulated with the law and the integrator that the loop runs.
+
+A device of mass m and own damping b is pressed into a wall. Each tick its depth is sampled, the wall's law gives a
+force from depth and differenced depth, and that force acts, held, some ticks later.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.lab.stability.growth import note_peak
+from mimics_app.lab.sweep.quantity import Columns, Quantity, SweepExperiment
+from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
+from mimics_app.rendering.haptic.kernels.integrators import step_free
+
+__all__ = ["EXPERIMENT"]
+
+Vec = NDArray[np.float64]
+
+_MOST_DELAY = 64
+_DEPTH = 1000.0
+"""Rest inside the wall [m], absurdly deep, so that the surface is never reached and the law is never clamped."""
+_APART = 1e-3
+_LARGE = 1.0
+_PLAIN = 0.4
+_GONE = 1e-6
+_SHORTEST = 2_000
+_LONGEST = 128_000
+
+
+@kernel
+def _press(k: float, B: float, m: float, b: float, dt: float, delay: int, ticks: int, line: Vec, peaks: Vec) -> None:
+    """Peaks of |depth - rest| [m] by quarter of a run, shape [4]; infinite from where it does not come back."""
+    line[: delay + 1] = k * _DEPTH
+    peaks[:] = 0.0
+    x = _DEPTH + _APART
+    last = x
+    v = 0.0
+    for i in range(ticks):
+        line[i % (delay + 1)] = spring_damper(x, (x - last) / dt, k, B)
+        last = x
+        x, v = step_free(x, v, k * _DEPTH - line[(i + 1) % (delay + 1)], m, b, dt)
+        size = abs(x - _DEPTH)
+        if not size < _LARGE:
+            peaks[3] = np.inf
+            return
+        note_peak(size, i, ticks, peaks)
+
+
+@kernel
+def _decide(k: Vec, B: Vec, m: Vec, b: Vec, dt: Vec, delay: NDArray[np.int64], stable: NDArray[np.uint8]) -> None:
+    """Whether each point's motion dies away: runs are made longer until the answer is plain (see growth.dies_away)."""
+    line = np.zeros(_MOST_DELAY + 1)
+    peaks = np.zeros(4)
+    for i in range(k.shape[0]):
+        ticks = _SHORTEST
+        while True:
+            _press(k[i], B[i], m[i], b[i], dt[i], delay[i], ticks, line, peaks)
+            if not peaks[3] < np.inf:
+                stable[i] = 0
+                break
+            if peaks[3] < _GONE * peaks[0]:
+                stable[i] = 1
+                break
+            grown = math.log(peaks[3] / peaks[1])
+            still = math.log(peaks[3] / peaks[2])
+            if ticks >= _LONGEST or (abs(grown) > _PLAIN and grown * still > 0.0):
+                stable[i] = 1 if still < 0.0 else 0
+                break
+            ticks *= 4
+
+
+def _run(values: Columns, folder: Path) -> Columns:
+    k, B, m, b, dt = (np.array(values[name], np.float64) for name in _ORDER)
+    delay = np.array(values["delay_ticks"], np.int64)
+    stable = np.zeros(len(delay), np.uint8)
+    _decide(k, B, m, b, dt, delay, stable)
+    return {"stable": stable.astype(bool).tolist()}
+
+
+_ORDER = ("stiffness", "wall_damping", "mass", "device_damping", "period")
+
+EXPERIMENT = SweepExperiment(
+    name="wall_stability",
+    what="whether a wall is stable: law and integrator of the loop, sampled and delayed",
+    parameters={
+        "stiffness": Quantity("float", "N/m", 1000.0, 0.0, 1e9),
+        "wall_damping": Quantity("float", "N s/m", 0.0, 0.0, 1e6),
+        "mass": Quantity("float", "kg", 3.0, 1e-6, 1e6),
+        "device_damping": Quantity("float", "N s/m", 5.0, 0.0, 1e6),
+        "period": Quantity("float", "s", 1e-3, 1e-6, 1.0),
+        "delay_ticks": Quantity("int", "ticks", 0, 0, _MOST_DELAY),
+    },
+    results={"stable": "bool"},
+    chunk=1000,
+    run=_run,
+)
