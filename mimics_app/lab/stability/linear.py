@@ -17,7 +17,7 @@ __all__ = ["exponential", "find_limit", "hold", "is_contracting", "spectral_radi
 Mat = NDArray[np.float64]
 
 _TAYLOR_TERMS = 18
-_PRECISION = 1e-3
+_PRECISION = 1e-5
 _MARGIN = 1e-12
 
 

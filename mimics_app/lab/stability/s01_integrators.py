@@ -32,6 +32,7 @@ METHODS = ("explicit", "semi-implicit", "implicit", "midpoint", "rk4", "exact")
 
 _TICKS = 20_000
 _NEUTRAL = 1e-9
+_PRECISION = 1e-3
 _SMALLEST_GROWTH = 1e-6
 """Growths per step below this are compared as they are, larger ones in proportion."""
 
@@ -97,7 +98,7 @@ def exact_growth(method: str, zeta: float, h_w: float) -> float:
 
 def simulated_limit(method: str, zeta: float) -> float:
     """Largest stable h w by simulation."""
-    return find_limit(lambda h: simulated_growth(method, zeta, h) < _NEUTRAL, 0.08, 20.0)
+    return find_limit(lambda h: simulated_growth(method, zeta, h) < _NEUTRAL, 0.08, 20.0, _PRECISION)
 
 
 def exact_limit(method: str, zeta: float) -> float:

@@ -40,6 +40,7 @@ _SLIVER = 1e-5
 _MOST_STEPS = 100_000
 _INSIDE = 0.95
 _BEYOND = 20.0
+_PRECISION = 1e-3
 _NEGLIGIBLE = 1e-6
 """A swing of this share of an encoder step is rest."""
 
@@ -116,7 +117,7 @@ def simulated_limit(device: Device) -> float:
         observer = np.zeros(1, OBSERVER)[0]
         return bool(_is_passive(stiffness, device.quantum, device.friction, device.damping, memory, observer))
 
-    return find_limit(is_passive, 1e-3, 1e9)
+    return find_limit(is_passive, 1e-3, 1e9, _PRECISION)
 
 
 def closed_limit(device: Device) -> float:

@@ -34,6 +34,9 @@ _DRAWN = ("relaxed", "typical", "stiff grip")
 _SEED_MASS = 3.0
 _LONGEST_DELAY = 20
 _PRECISION = 4e-3
+_EXACT_PRECISION = 1e-5
+_DAMPINGS = (200.0, 0.01)
+"""Virtual damping [N s/m] that is enough, and that is none."""
 
 _MASSES = tuple(float(mass) for mass in np.geomspace(0.005, 60.0, 60))
 """Virtual masses [kg] among which the stable ones are looked for."""
@@ -73,22 +76,26 @@ def _edge(loop: Hold, masses: tuple[float, ...], extra_delay: int) -> tuple[floa
     inwards = masses[1] / masses[0]
     starts = (exact * inwards ** (0.3 * i) for i in range(1, _STARTS))
     start = next((mass for mass in starts if is_stable(late, mass)), None)
-    simulated = None if start is None else _limit(lambda mass: is_stable(late, mass), start, masses[0])
+    simulated = None if start is None else _limit(lambda mass: is_stable(late, mass), start, masses[0], _PRECISION)
     return simulated, exact
 
 
 def least_damping(loop: Hold, mass: float = _SEED_MASS) -> tuple[float | None, float | None]:
     """Least total damping b_v + b_h [N s/m] for a virtual mass [kg], simulated and exact; None where none is needed."""
-    simulated = _limit(lambda damping: is_stable(replace(loop, virtual_damping=damping), mass), 200.0, 0.01)
-    exact = _limit(lambda damping: is_exactly_stable(replace(loop, virtual_damping=damping), mass), 200.0, 0.01)
+
+    def damped(damping: float) -> Hold:
+        return replace(loop, virtual_damping=damping)
+
+    simulated = _limit(lambda damping: is_stable(damped(damping), mass), *_DAMPINGS, _PRECISION)
+    exact = _limit(lambda damping: is_exactly_stable(damped(damping), mass), *_DAMPINGS, _EXACT_PRECISION)
     own = loop.arm.damping
     return None if simulated is None else own + simulated, None if exact is None else own + exact
 
 
-def _limit(decide: Callable[[float], bool], stable: float, unstable: float) -> float | None:
+def _limit(decide: Callable[[float], bool], stable: float, unstable: float, precision: float) -> float | None:
     if not decide(stable) or decide(unstable):
         return None
-    return find_limit(decide, stable, unstable, _PRECISION)
+    return find_limit(decide, stable, unstable, precision)
 
 
 def damping_rule(loop: Hold) -> float:
@@ -126,8 +133,8 @@ def _row(sweep: str, who: str, loop: Hold, what: str = "mass") -> dict[str, Any]
 
 
 def _rows(points: int) -> list[dict[str, Any]]:
-    few = max(2, points // 4)
-    delays = sorted({round(float(n)) for n in np.linspace(0.0, _LONGEST_DELAY, points)})
+    few = max(2, points // 6)
+    delays = sorted({round(float(n)) for n in np.linspace(0.0, _LONGEST_DELAY, max(3, points // 2))})
     stiff = ARMS["stiff, little damped"]
     rows = [_row("delay", who, Hold(ARMS[who], delay=n)) for who in _DRAWN for n in delays]
     rows += [

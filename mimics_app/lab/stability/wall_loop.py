@@ -32,7 +32,7 @@ _LARGE = 1.0
 """A swing [m] from which a motion does not come back; the law is still linear there."""
 
 _SHORTEST = 8_000
-_LONGEST = 1_000_000
+_LONGEST = 400_000
 _PRECISION = 4e-3
 _SOFT = 1.0
 _HARD = 1e7
