@@ -121,13 +121,24 @@ def _wrapped(entries: list[tuple[str, str, str]]) -> list[list[tuple[str, str, s
 
 
 def _runs(points: Points) -> list[Points]:
-    """A list of points in runs of ascending x: several curves may stand one behind the other."""
+    """A list of points as curves: they may stand one behind the other, or take turns at every x."""
     runs: list[Points] = []
     for point in points:
         if not runs or point[0] < runs[-1][-1][0]:
             runs.append([])
         runs[-1].append(point)
-    return runs
+    return [curve for run in runs for curve in _unravelled(run)]
+
+
+def _unravelled(run: Points) -> list[Points]:
+    """Points of ascending x with as many at every x as there are curves; all others are one curve."""
+    by_x: dict[float, Points] = {}
+    for point in run:
+        by_x.setdefault(point[0], []).append(point)
+    counts = {len(group) for group in by_x.values()}
+    if len(by_x) < 2 or len(counts) > 1:
+        return [run]
+    return [list(curve) for curve in zip(*by_x.values(), strict=True)]
 
 
 def _lines(text: str, letters: int = 150) -> list[str]:

@@ -93,6 +93,18 @@ def test_drawings_are_well_formed_and_hold_every_mark_with_its_words(chart):
     assert any("a & b" in title for title in [n.text or "" for n in ElementTree.fromstring(chart.svg).iter()])
 
 
+def test_curves_that_follow_or_take_turns_are_not_joined():
+    """Each curve is one line: 2 of three points each; a line straight up stays one."""
+    followed = [(1.0, 1.0), (2.0, 2.0), (3.0, 3.0), (1.0, 10.0), (2.0, 20.0), (3.0, 30.0)]
+    turns = [point for pair in zip(followed[:3], followed[3:], strict=True) for point in pair]
+    for exact in (followed, turns):
+        experiment, _ = outcome()
+        svg = draw_outcome(experiment, Outcome([], [], exact, {"up": [(2.0, 1.0), (2.0, 30.0)]}), 4).svg
+        curves = re.findall(r'<path class="line s0" d="(M[^"]*)"', svg)[1:]  # the first is the legend's
+        assert len(curves) == 2 and all(curve.count("L") == 2 for curve in curves)
+        assert len(re.findall(r'<path class="line s2 dashed"', svg)) == 2
+
+
 def test_caption_tells_the_disagreement_and_whether_it_is_allowed():
     assert "within the 2 % allowed" in draw_outcome(*outcome(1.01), 4).svg
     assert "OUTSIDE" in draw_outcome(*outcome(1.5, passed=False), 4).svg

@@ -1,0 +1,54 @@
+"""The groups as the product registers them, and the laboratory's own ones against theory."""
+
+from __future__ import annotations
+
+import pytest
+
+from mimics_app.contracts.errors import UsageError
+from mimics_app.lab import methods_rate
+from mimics_app.lab.catalogue import GROUPS, load_methods
+from mimics_app.lab.stability.catalogue import NAMES, load_experiments
+
+
+def test_every_group_of_the_catalogue_is_registered_described_and_has_rivals():
+    registry = load_methods()
+    assert set(registry.groups()) >= set(GROUPS)
+    for group in GROUPS:
+        described, rivals = registry.described(group), registry.rivals(group)
+        assert len(rivals) >= 3, group
+        assert {rival.unit for rival in rivals} == {described.unit}
+        assert registry.default(group) is not None
+        for rival in rivals:
+            assert rival.source and rival.valid_range
+            assert (rival.growth is None) == (rival.sizes == ())
+            assert list(rival.sizes) == sorted(set(rival.sizes))
+            assert rival.growth is None or described.work, f"{group}: {rival.name} grows with nothing"
+
+
+def test_a_group_that_is_not_there_is_named_with_the_nearest_one():
+    with pytest.raises(UsageError) as told:
+        load_methods(["tunel projection"])
+    assert "tunnel projection" in told.value.fix
+
+
+def test_all_fifteen_experiments_are_listed_and_each_knows_its_own_name():
+    assert {f"S{i}" for i in range(1, 16)} <= set(NAMES)
+    experiments = load_experiments()
+    assert [one.name for one in experiments] == list(NAMES)
+    for one in experiments:
+        assert one.title and one.claim and one.x_label and one.y_label and one.tolerance > 0.0
+        assert one.kind == "invariant" or one.tolerance <= 0.02, f"{one.name}: 2 % for boundaries, always"
+
+
+@pytest.mark.parametrize("rate", [500, 1000, 2500, 4000])
+def test_wall_gives_away_as_much_as_theory_says(rate: int):
+    """K T v d at whole ticks; the depth of the last tick and the tick of the turn take at most 2 T v off d."""
+    period = 1.0 / rate
+    theory = methods_rate.STIFFNESS * period * methods_rate.SPEED * methods_rate.DEPTH
+    short = 2.0 * period * methods_rate.SPEED / methods_rate.DEPTH
+    leak = methods_rate.tap_leak(rate)
+    assert theory * (1.0 - short) < leak < theory * (1.0 + 1e-9)
+
+
+def test_twice_the_rate_halves_the_leak():
+    assert methods_rate.tap_leak(2000) == pytest.approx(0.5 * methods_rate.tap_leak(1000), rel=0.02)
