@@ -71,7 +71,7 @@ def compute_on_scheduler(pieces: Sequence[Piece], compute: Compute, address: str
     except ImportError:
         raise UsageError("--scheduler needs Dask", 'install the extra: pip install "mimics_app[cluster]"') from None
     try:
-        client = distributed.Client(address, timeout="10s", set_as_default=False)
+        client = distributed.Client(address, timeout="10s")
     except (OSError, ValueError) as error:
         raise DeviceError(f'no Dask scheduler answers at "{address}": {error}', "write tcp://HOST:8786") from None
     with client:

@@ -10,6 +10,7 @@ import hashlib
 import os
 import shutil
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +28,7 @@ Piece = tuple[int, int]
 _ROWS_PER_GROUP = 1 << 16
 
 
+@cache
 def source_digest() -> str:
     """SHA-256 over every Python file of the package and the versions of what computes, in hexadecimal."""
     import numba
