@@ -62,6 +62,6 @@ def test_nothing_happens_at_500_hz():
 
 @pytest.mark.parametrize("delay", [0, 2])
 def test_one_tick_of_delay_more_than_thought_is_seen(delay: int):
-    """Planted fault: a loop one tick later than its matrix loses 29 % of the wall and more."""
+    """Planted fault: a loop one tick later than its matrix loses 28 % of the wall and more."""
     wall = Wall(delay=delay)
     assert simulated_limit(wall, extra_delay=1) < 0.75 * exact_limit(wall)

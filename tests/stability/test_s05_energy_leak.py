@@ -30,7 +30,7 @@ def test_leak_of_any_tap_longer_than_a_tick(speed: float, depth: float, stiffnes
 
 
 def test_summing_t_f_v_is_blind():
-    """The rival of the observer sees less than a hundredth of the leak, and may take it for a loss."""
+    """The rival of the observer sees less than a fiftieth of the leak, and may take it for a loss."""
     for speed in (0.05, 0.1, 0.23):
         observed, naive = observed_leak(speed, 3e-3)
         assert abs(naive) < 0.02 * observed

@@ -60,6 +60,6 @@ def test_stiff_arm_is_unstable_with_any_mass_until_damped():
 
 
 def test_one_tick_of_delay_more_than_thought_is_seen():
-    """Planted fault: at 2 ticks of delay a third needs 29 % more mass than the matrix of 2 says."""
+    """Planted fault: at 2 ticks of delay a third needs 22 % more mass than the matrix of 2 says."""
     simulated, exact = least_mass(Hold(ARMS["typical"], delay=2), extra_delay=1)
     assert simulated > 1.1 * exact
