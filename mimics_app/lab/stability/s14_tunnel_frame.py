@@ -89,7 +89,8 @@ def _turns(arc: Array, force: Array) -> Array:
     return 0.5 * (arc[i] + arc[i + 1])
 
 
-def _row(height: float) -> tuple[dict[str, Any], Points, Points]:
+def _row(height: float) -> tuple[dict[str, Any], Array, Array]:
+    """One row, and where the force along Frenet's n turns over and the bisector its bend: arc lengths [m]."""
     curve = wavy_tunnel(height)
     arc, own, frenet = walk_wall(curve)
     exact = inflections(curve)
@@ -104,19 +105,27 @@ def _row(height: float) -> tuple[dict[str, Any], Points, Points]:
         "own_jump_N": float(np.max(np.abs(np.diff(own)))),
         "wall_force_N": _STIFFNESS * _DEPTH,
     }
-    return row, [(1e3 * height, float(a)) for a in turns], [(1e3 * height, float(a)) for a in exact]
+    return row, turns, exact
+
+
+def _by_number(rows: list[dict[str, Any]], places: list[Array]) -> Points:
+    """Points of the map, all first ones of every tunnel, then all second ones: one line each."""
+    most = max(len(arcs) for arcs in places)
+    return [
+        (row["height_mm"], float(arcs[n]))
+        for n in range(most)
+        for row, arcs in zip(rows, places, strict=True)
+        if n < len(arcs)
+    ]
 
 
 def _run(points: int) -> Outcome:
-    rows: list[dict[str, Any]] = []
-    simulated: Points = []
-    exact: Points = []
-    for height in np.linspace(0.02, 0.08, max(points, 2)):
-        row, turns, bends = _row(float(height))
-        rows.append(row)
-        simulated += turns
-        exact += bends
-    disagreement = largest_disagreement(simulated, exact) if len(simulated) == len(exact) else 1.0
+    found = [_row(float(height)) for height in np.linspace(0.02, 0.08, max(points, 2))]
+    rows = [row for row, _, _ in found]
+    simulated = _by_number(rows, [turns for _, turns, _ in found])
+    exact = _by_number(rows, [bends for _, _, bends in found])
+    matched = all(row["frenet_turns"] == row["inflections"] for row in rows)
+    disagreement = largest_disagreement(simulated, exact) if matched else 1.0
     steady = all(row["own_turns"] == 0 and row["own_jump_N"] < _STEADY * row["wall_force_N"] for row in rows)
     return Outcome(
         rows=rows,
