@@ -14,7 +14,7 @@ from mimics_app.world.components import LightComponent, Sound, SoundEmitter
 from mimics_app.world.components_haptic import Tunnel
 from mimics_app.world.scene import Scene
 
-__all__ = ["TICK_GROUP", "LeftOut", "Part", "describe_plan", "explain_plan"]
+__all__ = ["TICK_GROUP", "UNUSED", "LeftOut", "Part", "describe_plan", "explain_plan"]
 
 TICK_GROUP = "haptic tick"
 """Group of the table that holds the whole tick, by the projection in it."""
@@ -118,15 +118,15 @@ def _left_out(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None]) -
     left = [LeftOut(part, why, saved) for kind, part, why, saved in absent if not scene.components(kind)]
     if not any(light.casts_shadow for _, light, _ in scene.components(LightComponent)):
         left.append(LeftOut("shadow pass, per frame", "no light casts a shadow", shadow_us()))
-    for group, (part, why) in _UNUSED.items():
+    for group, (part, why) in UNUSED.items():
         left.append(LeftOut(part, why, _cheapest(table, group)))
     left.append(LeftOut("body signals, estimation, learning", "no recorder of body signals is in the scene", None))
     return left
 
 
-_UNUSED: Mapping[str, tuple[str, str]] = {
-    "integrators": ("rigid bodies, per body and tick", "nothing but the ball moves, and the robot moves it"),
-    "rotation": ("rotation of bodies, per body and tick", "nothing turns"),
+UNUSED: Mapping[str, tuple[str, str]] = {
+    "integrator": ("rigid bodies, per body and tick", "nothing but the ball moves, and the robot moves it"),
+    "rotation update": ("rotation of bodies, per body and tick", "nothing turns"),
     "contact law": ("contact with shapes, per contact and tick", "there is no shape to touch but the tunnel"),
     "friction": ("friction, per contact and tick", "the wall of a tunnel is smooth; its drag is part of the tunnel"),
 }

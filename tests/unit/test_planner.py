@@ -11,7 +11,7 @@ from typing import get_args, get_type_hints
 import pytest
 
 from mimics_app.app.catalogue import open_scenario
-from mimics_app.app.explain import describe_plan, explain_plan
+from mimics_app.app.explain import TICK_GROUP, UNUSED, describe_plan, explain_plan
 from mimics_app.app.plan import USES, choose, load_table, plan_scene, settle
 from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.app.settings import PROFILES
@@ -134,6 +134,7 @@ def test_shipped_table_knows_every_method_a_scene_may_name():
     assert set(names) - {"auto"} == {r.method for r in groups["tunnel projection"]}
     assert {"cartesian", "polar", "seed"} <= {r.method for r in groups["admittance form"]}
     assert {"hrtf", "stereo"} <= {r.method for r in groups["spatialiser"]}
+    assert {*UNUSED, TICK_GROUP} <= set(groups)
     for group in USES:
         assert len({FIELD_OF_UNIT[r.unit] for r in groups[group]}) == 1, group
 

@@ -27,6 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("name", nargs="*", help="groups of methods, or experiments such as S3; none: all of them")
     parser.add_argument("--all", action="store_true", help="all groups or experiments, as without a name")
     parser.add_argument("--save", action="store_true", help="measure: keep the figures for the planner of this machine")
+    parser.add_argument("--shipped", action="store_true", help="measure: keep them as the table the product ships with")
     parser.add_argument("--points", type=_grid, default=_POINTS, help="stability: how fine the grid is")
     parser.add_argument("--out", type=Path, default=Path("docs/charts"), help="folder of the figures")
 
@@ -76,12 +77,12 @@ def _show_table(args: argparse.Namespace, measured: list[MeasuredGroup]) -> int:
     from mimics_app.app import output
     from mimics_app.lab.machine import describe_machine
     from mimics_app.lab.measure import as_dict, to_table
-    from mimics_app.lab.table import Table
+    from mimics_app.lab.table import Table, shipped_file
 
     saved = None
-    if args.save:
-        newer, older = to_table(measured), Table.load_saved()
-        saved = (older.with_groups(newer) if older else newer).save()
+    if args.save or args.shipped:
+        newer, older = to_table(measured), Table.load_shipped() if args.shipped else Table.load_saved()
+        saved = (older.with_groups(newer) if older else newer).save(shipped_file() if args.shipped else None)
     if args.json:
         groups = {one.group.name: as_dict(one) for one in measured}
         output.write_object("lab", {"machine": describe_machine().as_dict(), "groups": groups, "saved": saved})
@@ -89,7 +90,7 @@ def _show_table(args: argparse.Namespace, measured: list[MeasuredGroup]) -> int:
     print(f"{describe_machine()}\n")
     for one in measured:
         _say_group(one)
-    if args.save:
+    if args.save or args.shipped:
         print(f"saved in {saved}" if saved else "not saved: no folder of this user can be written")
     return 0
 
