@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from mimics_app.app.frame import Frames
+from mimics_app.app.governor import FrameGovernor
 from mimics_app.app.reload import SceneReload
 from mimics_app.app.session import Session
+from mimics_app.app.tolerances import tolerances_of
 from mimics_app.contracts.clock import TICKS_PER_SECOND, ticks_until_frame
 from mimics_app.contracts.haptic import SafetyState
+from mimics_app.rendering.visual.quality_steps import quality_steps
 
 __all__ = ["run_live", "run_virtual"]
 
@@ -41,17 +44,29 @@ def run_live(session: Session, frames: Frames, after_frame: Progress) -> None:
     """Frames beside the live loop until the window closes, Escape is pressed, or the run's time is over."""
     picture = session.picture
     reload = SceneReload(session)
+    governor = session.governor = _govern(session)
     limit = session.clock.now_ns() + _limit_ns(session)
     due = session.clock.now_ns()
     while session.clock.now_ns() < limit and not _left(session):
+        begun_ns = session.clock.now_ns()
         reload.look()
         frames.step()
-        if picture is not None:
-            picture.draw({**frames.figures, **reload.message})
-            picture.surface.swap()
+        if picture is not None and governor is not None:
+            done_ns = picture.show_frame({**frames.figures, **reload.message}, session.clock)
+            governor.note((done_ns - begun_ns) * 1e-6, done_ns)
         after_frame(frames)
         due = max(due + _FRAME_NS, session.clock.now_ns() - _FRAME_NS)
         session.clock.sleep_until_ns(due)
+
+
+def _govern(session: Session) -> FrameGovernor | None:
+    """The governor of a live picture; a study fixes all of its quality."""
+    if session.picture is None:
+        return None
+    steps = quality_steps(session.picture.renderer)
+    fixed = {step.name for step in steps} if session.settings.profile == "study" else ()
+    budget_ms = tolerances_of(session.scene, session.settings.profile)["frame_ms"]
+    return FrameGovernor(steps, budget_ms, fixed=fixed, log=session.recorder.journal)
 
 
 def _limit_ns(session: Session) -> int:

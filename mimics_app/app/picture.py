@@ -10,6 +10,7 @@ import numpy as np
 
 from mimics_app.app.board import draw_board
 from mimics_app.app.settings import Profile
+from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.input_port import Ray
 from mimics_app.rendering.visual.displays.desktop import desktop_views
@@ -25,7 +26,7 @@ from mimics_app.world.components_systems import VisualSettings
 from mimics_app.world.scene import Scene
 from mimics_app.world.world import World
 
-__all__ = ["Picture", "live_quality", "picture_quality"]
+__all__ = ["Picture", "draws_in_software", "live_quality", "picture_quality"]
 
 _SOFTWARE = ("llvmpipe", "softpipe", "SwiftShader")
 """Renderers that draw on the processor, which the haptic loop needs too."""
@@ -34,8 +35,12 @@ _SOFTWARE = ("llvmpipe", "softpipe", "SwiftShader")
 def live_quality(scene: Scene, profile: Profile, surface: Surface) -> RenderSettings:
     """Quality of a picture that must keep up: on a software renderer only a study keeps its smooth edges."""
     quality = picture_quality(scene, profile)
-    software = any(name in surface.ctx.info["GL_RENDERER"] for name in _SOFTWARE)
-    return replace(quality, msaa=0) if software and profile != "study" else quality
+    return replace(quality, msaa=0) if draws_in_software(surface) and profile != "study" else quality
+
+
+def draws_in_software(surface: Surface) -> bool:
+    """Whether the driver draws on the processor."""
+    return any(name in surface.ctx.info["GL_RENDERER"] for name in _SOFTWARE)
 
 
 def picture_quality(scene: Scene, profile: Profile) -> RenderSettings:
@@ -69,6 +74,7 @@ class Picture:
     def __init__(self, surface: Surface, scene: Scene, world: World, settings: RenderSettings) -> None:
         self.surface = surface
         self.renderer = Renderer(surface, world, settings)
+        self._software = draws_in_software(surface)
         self.show(scene, world)
 
     def show(self, scene: Scene, world: World) -> None:
@@ -88,6 +94,22 @@ class Picture:
         """Draw one frame with the task's figures over it."""
         self.lay_out(figures)
         return self.renderer.draw(self.views)
+
+    def show_frame(self, figures: Mapping[str, object], clock: Clock) -> int:
+        """Draw one frame, bring it to the glass, and tell when its work was done [ns].
+
+        A driver that draws on the processor has done it all when the frame is on the glass. Any other is waited for
+        before that, because the glass makes a frame wait for the display.
+        """
+        if self._software:
+            self.draw(figures)
+            self.surface.swap()
+            return clock.now_ns()
+        self.lay_out(figures)
+        self.renderer.draw_finished(self.views)
+        done_ns = clock.now_ns()
+        self.surface.swap()
+        return done_ns
 
     def lay_out(self, figures: Mapping[str, object]) -> None:
         """Put the task's figures over the picture."""

@@ -30,6 +30,7 @@ def summarise(session: Session, frames: Frames, sound: AudioReport | None, wall_
         "lateness": late.as_dict(),
         "stability": session.haptics.stability().as_dict(),
         "missed": late.missed,
+        **({} if session.governor is None else {"governor": session.governor.summary()}),
         "recipe": late.recipe,
         "audio": {"device": "none", "sink": "off"} if sound is None else sound.summary(),
         "unread": _unread(session),

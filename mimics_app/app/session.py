@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from mimics_app.app.governor import FrameGovernor
 from mimics_app.app.parameter_desk import ParameterDesk
 from mimics_app.app.picture import Picture
 from mimics_app.app.settings import RunSettings
@@ -35,6 +36,7 @@ class Session:
         live: True when the haptic loop runs in real time; False on the virtual clock.
         picture: None while nothing is drawn.
         sound: None in a scene without sound.
+        governor: None while no frame has to keep time.
         on_close: What must be released if the run ends before `finish`.
     """
 
@@ -56,6 +58,7 @@ class Session:
     folder: Path
     sound: SoundStage | None = None
     picture: Picture | None = None
+    governor: FrameGovernor | None = None
     on_close: ExitStack = field(default_factory=ExitStack)
 
     def end_stages(self) -> AudioReport | None:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.haptic import EventKind
 from mimics_app.recording.attempts import Attempt, find_attempts
 from mimics_app.recording.report_figures import draw_lateness, draw_path, draw_states, draw_traces
+from mimics_app.recording.report_governor import governor_text
 from mimics_app.recording.report_stability import smallest_margin, stability_text
 from mimics_app.recording.report_style import STYLE
 from mimics_app.recording.report_tables import (
@@ -99,6 +100,7 @@ def _page(run: Run) -> str:
             _section("Contacts: touch, picture and sound", contact_table(contact_rows(run))),
             _safety(run),
             _real_time(run),
+            _section("Picture", governor_text(run)),
             _settings(run),
             _record(run),
         ]

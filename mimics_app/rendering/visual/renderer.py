@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ from mimics_app.rendering.visual.hud import Hud
 from mimics_app.rendering.visual.lighting import fit_shadow_frustum, gather_lighting
 from mimics_app.rendering.visual.materials import MaterialStore
 from mimics_app.rendering.visual.mesh_arena import MeshArena
+from mimics_app.rendering.visual.passes.enlarge import EnlargePass
 from mimics_app.rendering.visual.passes.hud import HudPass, plane_of_views
 from mimics_app.rendering.visual.passes.opaque import draw_opaque
 from mimics_app.rendering.visual.passes.shadow import draw_shadow
@@ -44,7 +46,7 @@ class Renderer:
     Attributes:
         world: What is drawn; may be exchanged between frames.
         hud: The heads-up display; what is on it stays until `hud.clear()`.
-        settings: As given.
+        settings: The present quality: as given, until `set_quality` changes it.
 
     Args:
         surface: Where to draw; owned by the caller.
@@ -74,7 +76,8 @@ class Renderer:
         self._materials = MaterialStore(ctx, self._shaders)
         self._list = DrawList(self._arena, self._materials)
         self._frame = FrameBuffers(ctx)
-        self._picture = PictureTarget(surface, self.settings.msaa)
+        self._enlarge = EnlargePass(ctx, self._shaders)
+        self._picture = PictureTarget(surface, self.settings.msaa, self.settings.scale, self._enlarge)
         self._shadow = ShadowTarget(ctx, self.settings.shadow_size)
         self._block = ViewBlock(ctx, self.settings)
         self._sky = SkyPass(ctx, self._shaders)
@@ -97,13 +100,31 @@ class Renderer:
         """As `draw`, but return only when the driver has drawn all of it: `cpu_ms` is the frame's whole cost."""
         return self._measure(views, finish=True)
 
+    def set_quality(self, *, shadow_size: int | None = None, scale: float | None = None) -> None:
+        """Change what a governor may change, from the next frame on.
+
+        Args:
+            shadow_size: Width of the shadow map [texel], 0: no shadows; None: as it is.
+            scale: Of the world's picture, see `RenderSettings`; None: as it is.
+
+        Raises:
+            UsageError: a value that cannot be.
+        """
+        settings = self.settings
+        shadow_size = settings.shadow_size if shadow_size is None else shadow_size
+        self.settings = replace(settings, shadow_size=shadow_size, scale=settings.scale if scale is None else scale)
+        if shadow_size not in (0, self._shadow.size):
+            self._shadow.release()
+            self._shadow = ShadowTarget(self._surface.ctx, shadow_size)
+        self._picture.scale = self.settings.scale
+
     def reload_shaders(self) -> list[Issue]:
         """Compile changed shaders anew; returns what is wrong with them, old programs stay in use."""
         return self._shaders.reload()
 
     def release(self) -> None:
         """Free everything but the surface."""
-        parts = (self._hud_pass, self._sky, self._block, self._shadow, self._picture, self._frame)
+        parts = (self._hud_pass, self._sky, self._block, self._shadow, self._picture, self._enlarge, self._frame)
         for part in (*parts, self._materials, self._arena):
             part.release()
 
@@ -140,8 +161,7 @@ class Renderer:
         for view, (opaque, transparent) in zip(views, view_runs, strict=True):
             self._block.fill(view, lighting)
             draws += self._draw_view(target, view, opaque, transparent)
-        draws += self._draw_hud(views)
-        self._picture.end()
+        draws += self._draw_over(views)
         everything = [*shadow_runs, *(run for runs in view_runs for part in runs for run in part)]
         return sum(run.triangles for run in everything), draws
 
@@ -149,11 +169,20 @@ class Renderer:
         self, target: moderngl.Framebuffer, view: View, opaque: list[DrawRun], transparent: list[DrawRun]
     ) -> int:
         ctx = self._surface.ctx
-        target.viewport = view.rectangle
+        target.viewport = self._picture.rectangle(view.rectangle)
         self._block.bind()
         draws = draw_opaque(ctx, self._arena, self._frame, opaque)
         draws += self._sky.draw()
         draws += draw_transparent(target, self._arena, self._frame, transparent)
+        return draws
+
+    def _draw_over(self, views: Sequence[View]) -> int:
+        """Show the world's picture with the heads-up display, which is never drawn smaller."""
+        if self._picture.scale < 1.0:
+            self._picture.end()
+            return 1 + self._draw_hud(views)
+        draws = self._draw_hud(views)
+        self._picture.end()
         return draws
 
     def _draw_hud(self, views: Sequence[View]) -> int:

@@ -22,6 +22,7 @@ class RenderSettings:
         exposure: Factor on all light before the tone map.
         fog_density: Share of the horizon's colour mixed in per metre of distance [1/m]; 0 leaves fog out.
         hud_depth: Distance of the heads-up display from the eyes [m].
+        scale: Width and height of the world's picture as drawn over those shown, 0.25 to 1; figures stay sharp.
         timer: True asks the driver how long it drew, where it can tell.
     """
 
@@ -32,10 +33,13 @@ class RenderSettings:
     exposure: float = 1.0
     fog_density: float = 0.12
     hud_depth: float = 1.0
+    scale: float = 1.0
     timer: bool = False
 
     def __post_init__(self) -> None:
         if self.msaa not in (0, 2, 4, 8):
             raise UsageError(f"{self.msaa} samples per pixel cannot be", "give 0, 2, 4 or 8")
+        if not 0.25 <= self.scale <= 1.0:
+            raise UsageError(f"a picture drawn at {self.scale} of its size cannot be", "give 0.25 to 1")
         if not 0 <= self.shadow_size <= 8192:
             raise UsageError(f"a shadow map of {self.shadow_size} texels cannot be", "give 0 to 8192")

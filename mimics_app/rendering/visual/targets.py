@@ -1,10 +1,12 @@
-"""Where a frame is drawn before it reaches the surface: the multisampled picture and the sun's depth map."""
+"""Where a frame is drawn before it reaches the surface: the picture, and the depth map of the sun."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mimics_app.rendering.visual.passes.enlarge import EnlargePass
 from mimics_app.rendering.visual.surface import Size, Surface
+from mimics_app.rendering.visual.view import Rect
 
 if TYPE_CHECKING:
     import moderngl
@@ -13,53 +15,80 @@ __all__ = ["PictureTarget", "ShadowTarget"]
 
 
 class PictureTarget:
-    """The multisampled twin of a surface's framebuffer; the framebuffer itself where one sample is enough.
+    """Where the world is drawn: the surface's framebuffer itself, its multisampled twin, or a smaller one.
 
     Attributes:
         samples: Samples per pixel in use; what was asked for, or the most the driver has.
+        scale: Width and height of the picture drawn over those of the surface, in (0, 1].
     """
 
-    def __init__(self, surface: Surface, samples: int) -> None:
+    def __init__(self, surface: Surface, samples: int, scale: float, enlarge: EnlargePass) -> None:
         self._surface = surface
+        self._enlarge = enlarge
         self.samples = min(samples, surface.ctx.max_samples)
-        self._size: Size | None = None
+        self.scale = scale
+        self._made_for: tuple[Size, float] | None = None
         self._multisampled: moderngl.Framebuffer | None = None
+        self._small: moderngl.Framebuffer | None = None
         # The same buffers without depth: copying resolves every attachment both sides have, and depth is not wanted.
         self._colours: tuple[moderngl.Framebuffer, moderngl.Framebuffer] | None = None
 
+    @property
+    def size(self) -> Size:
+        """Of the picture drawn [px]."""
+        width, height = self._surface.size
+        return max(1, round(width * self.scale)), max(1, round(height * self.scale))
+
+    def rectangle(self, of_surface: Rect) -> Rect:
+        """Where a rectangle of the surface lies in the picture drawn [px]; neighbours stay neighbours."""
+        x, y, width, height = of_surface
+        (wide, high), (full_wide, full_high) = self.size, self._surface.size
+        left, right = round(x * wide / full_wide), round((x + width) * wide / full_wide)
+        bottom, top = round(y * high / full_high), round((y + height) * high / full_high)
+        return left, bottom, max(1, right - left), max(1, top - bottom)
+
     def begin(self) -> moderngl.Framebuffer:
-        """The framebuffer to draw into, of the surface's present size."""
-        if self.samples == 0:
-            return self._surface.framebuffer
-        if self._multisampled is None or self._size != self._surface.size:
+        """The framebuffer to draw into, for the surface's present size and the present scale."""
+        if self._made_for != (self._surface.size, self.scale):
             self.release()
-            self._size = self._surface.size
-            ctx = self._surface.ctx
-            colour = ctx.renderbuffer(self._size, 4, samples=self.samples)
-            depth = ctx.depth_renderbuffer(self._size, samples=self.samples)
-            self._multisampled = ctx.framebuffer([colour], depth)
-            shown = self._surface.framebuffer.color_attachments[0]
-            self._colours = (ctx.framebuffer([shown]), ctx.framebuffer([colour]))
-        return self._multisampled
+            self._make()
+            self._made_for = (self._surface.size, self.scale)
+        return self._multisampled or self._small or self._surface.framebuffer
 
     def end(self) -> None:
-        """Bring the picture to the surface's framebuffer, each pixel the mean of its samples."""
+        """Bring the picture to the surface's framebuffer: each pixel the mean of its samples, enlarged if need be."""
         if self._colours is not None:
             self._surface.ctx.copy_framebuffer(*self._colours)
         self._surface.framebuffer.use()
+        if self._small is not None:
+            self._surface.framebuffer.viewport = (0, 0, *self._surface.size)
+            self._enlarge.draw(self._small.color_attachments[0])  # type: ignore[arg-type]  # made with a texture
 
     def release(self) -> None:
-        """Free the multisampled buffers."""
-        if self._multisampled is None or self._colours is None:
-            return
-        for framebuffer in self._colours:
+        """Free the buffers."""
+        for framebuffer in self._colours or ():
             framebuffer.release()
-        attachments = [*self._multisampled.color_attachments, self._multisampled.depth_attachment]
-        self._multisampled.release()
-        for attachment in attachments:
-            if attachment is not None:
-                attachment.release()
-        self._multisampled = self._colours = None
+        for own in (self._multisampled, self._small):
+            if own is None:
+                continue
+            attachments = [*own.color_attachments, own.depth_attachment]
+            own.release()
+            for attachment in attachments:
+                if attachment is not None:
+                    attachment.release()
+        self._multisampled = self._small = self._colours = self._made_for = None
+
+    def _make(self) -> None:
+        ctx, size = self._surface.ctx, self.size
+        if self.scale < 1.0:
+            picture = ctx.texture(size, 4)
+            picture.repeat_x = picture.repeat_y = False
+            self._small = ctx.framebuffer([picture], None if self.samples else ctx.depth_renderbuffer(size))
+        if self.samples:
+            colour = ctx.renderbuffer(size, 4, samples=self.samples)
+            self._multisampled = ctx.framebuffer([colour], ctx.depth_renderbuffer(size, samples=self.samples))
+            shown = (self._small or self._surface.framebuffer).color_attachments[0]
+            self._colours = (ctx.framebuffer([shown]), ctx.framebuffer([colour]))
 
 
 class ShadowTarget:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import UsageError
 
-__all__ = ["Tangents", "View", "compose_clip_from_view", "compute_frustum_planes"]
+__all__ = ["Rect", "Tangents", "View", "compose_clip_from_view", "compute_frustum_planes"]
 
 F8 = NDArray[np.float64]
 Tangents = tuple[float, float, float, float]

@@ -1,0 +1,176 @@
+"""Holds the frame's time by giving up quality step by step, and takes it back when there is time again.
+
+It never touches the haptic loop, and nothing that a study has fixed. Down after half a second over the budget; up after
+three seconds in which the frame would have stayed within it one level up too, by what that level cost when it was left.
+That cost is doubted after half a minute of ease, since the load may have changed just then; doubts grow ever rarer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+from statistics import median
+from typing import Any
+
+from mimics_app.contracts.governor import QualityStep
+
+__all__ = ["FULL", "FrameGovernor"]
+
+FULL = "full"
+"""Name of the state in which nothing is given up."""
+
+_DOWN_NS = 500_000_000
+_UP_NS = 3_000_000_000
+_WINDOW_NS = 500_000_000
+"""Frames of this long back decide: their median, so that one slow frame does nothing."""
+_FEWEST = 3
+"""Very slow frames: so many of them decide, however far back they reach."""
+_ROOM = 0.9
+"""Share of the budget a frame may be expected to take one level up."""
+_EASE = 0.6
+"""Share of the budget below which a frame is at ease."""
+_DOUBT_NS = 30_000_000_000
+
+Log = Callable[[str, dict[str, object]], object]
+
+
+@dataclass(slots=True)
+class _Move:
+    """One level of one step: its place on the ladder below full quality.
+
+    Attributes:
+        growth: Frame time one level up over the one here, as found when it was last given up; >= 1.
+        patience_ns: How long frames must be at ease before that figure is doubted.
+    """
+
+    step: QualityStep
+    level: int
+    growth: float = 1.0
+    patience_ns: int = _DOUBT_NS
+
+    @property
+    def label(self) -> str:
+        return f"{self.step.name} {self.step.levels[self.level]}"
+
+
+class FrameGovernor:
+    """Decides after every frame.
+
+    Args:
+        steps: What stages registered.
+        budget_ms: Longest a frame may take [ms].
+        fixed: Names of steps that must stay as they are.
+        log: Called with "governor" and a journal line at every move.
+    """
+
+    def __init__(
+        self,
+        steps: Sequence[QualityStep],
+        budget_ms: float,
+        *,
+        fixed: Collection[str] = (),
+        log: Log = lambda kind, data: None,
+    ) -> None:
+        free = sorted((step for step in steps if step.name not in fixed), key=lambda step: step.order)
+        self._ladder = [_Move(step, level) for step in free for level in range(1, len(step.levels))]
+        self._budget_ms = budget_ms
+        self._log = log
+        self._given_up = 0
+        self._frames: list[tuple[int, float]] = []
+        self._moved_ns: int | None = None
+        self._since_over: int | None = None
+        self._since_under: int | None = None
+        self._since_ease: int | None = None
+        self._before_ms: float | None = None
+        self._times_ms: list[float] = []
+        self._counts: dict[str, int] = {FULL: 0}
+        self._moves = 0
+
+    @property
+    def state(self) -> str:
+        """What was given up last, e.g. "resolution scale 0.75"; FULL while nothing is."""
+        return self._ladder[self._given_up - 1].label if self._given_up else FULL
+
+    def note(self, frame_ms: float, now_ns: int) -> None:
+        """Count a frame that took `frame_ms` [ms] and ended at `now_ns`, and give up or take back one level."""
+        self._counts[self.state] = self._counts.get(self.state, 0) + 1
+        self._times_ms.append(frame_ms)
+        self._frames.append((now_ns, frame_ms))
+        while len(self._frames) > _FEWEST and self._frames[0][0] <= now_ns - _WINDOW_NS:
+            del self._frames[0]
+        if len(self._frames) < _FEWEST:
+            return
+        now_ms = median(frame[1] for frame in self._frames)
+        self._learn(now_ms, now_ns)
+        self._doubt(now_ms, now_ns)
+        over, room = now_ms > self._budget_ms, self._has_room(now_ms)
+        self._since_over = _since(self._since_over, now_ns, holds=over)
+        self._since_under = _since(self._since_under, now_ns, holds=room)
+        if self._since_over is not None and now_ns - self._since_over >= _DOWN_NS:
+            self._give_up(now_ms, now_ns)
+        elif self._since_under is not None and now_ns - self._since_under >= _UP_NS:
+            self._take_back(now_ms, now_ns)
+
+    def summary(self) -> dict[str, Any]:
+        """What the run came to: budget, median frame, moves, and the share of frames spent in each state."""
+        frames = max(1, len(self._times_ms))
+        times = sorted(self._times_ms) or [0.0]
+        return {
+            "budget_ms": self._budget_ms,
+            "frame_ms": {"p50": median(times), "p95": times[min(len(times) - 1, round(0.95 * len(times)))]},
+            "steps": [move.label for move in self._ladder],
+            "moves": self._moves,
+            "shares": {state: count / frames for state, count in self._counts.items()},
+        }
+
+    def _has_room(self, now_ms: float) -> bool:
+        if self._given_up == 0:
+            return False
+        return now_ms * self._ladder[self._given_up - 1].growth <= _ROOM * self._budget_ms
+
+    def _learn(self, now_ms: float, now_ns: int) -> None:
+        """What the level given up last had cost, once the frames since then fill the window."""
+        if self._before_ms is None or self._moved_ns is None or now_ns - self._moved_ns < _WINDOW_NS:
+            return
+        self._ladder[self._given_up - 1].growth = max(1.0, self._before_ms / max(now_ms, 1e-6))
+        self._before_ms = None
+
+    def _doubt(self, now_ms: float, now_ns: int) -> None:
+        """Forget what the level above cost, once frames have long been at ease below it."""
+        self._since_ease = _since(self._since_ease, now_ns, holds=now_ms <= _EASE * self._budget_ms)
+        if self._given_up == 0 or self._since_ease is None:
+            return
+        move = self._ladder[self._given_up - 1]
+        if now_ns - self._since_ease >= move.patience_ns:
+            move.growth, move.patience_ns = 1.0, 2 * move.patience_ns
+
+    def _give_up(self, now_ms: float, now_ns: int) -> None:
+        if self._given_up == len(self._ladder):
+            return
+        move = self._ladder[self._given_up]
+        move.step.apply(move.level)
+        self._given_up += 1
+        self._before_ms = now_ms
+        self._moved(move, move.level, "down", now_ms, now_ns)
+
+    def _take_back(self, now_ms: float, now_ns: int) -> None:
+        self._given_up -= 1
+        move = self._ladder[self._given_up]
+        move.step.apply(move.level - 1)
+        self._before_ms = None
+        self._moved(move, move.level - 1, "up", now_ms, now_ns)
+
+    def _moved(self, move: _Move, level: int, way: str, now_ms: float, now_ns: int) -> None:
+        self._moves += 1
+        self._frames.clear()
+        self._moved_ns = now_ns
+        self._since_over = self._since_under = self._since_ease = None
+        line = {"step": move.step.name, "level": move.step.levels[level], "way": way, "frame_ms": now_ms}
+        self._log("governor", {**line, "t_ns": now_ns})
+
+
+def _since(begun_ns: int | None, now_ns: int, *, holds: bool) -> int | None:
+    """Since when something has held without a break."""
+    if not holds:
+        return None
+    return now_ns if begun_ns is None else begun_ns

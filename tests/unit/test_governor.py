@@ -1,0 +1,177 @@
+"""The frame governor against a clock of paper: what is given up, when, in which order, and what never is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import pytest
+
+from mimics_app.app.governor import FULL, FrameGovernor
+
+BUDGET = 16.7
+
+
+@dataclass
+class Step:
+    """A step that remembers what it was told."""
+
+    name: str
+    order: int
+    levels: tuple[str, ...]
+    told: list[int] = field(default_factory=list)
+
+    def apply(self, level: int) -> None:
+        self.told.append(level)
+
+
+@dataclass
+class Play:
+    """Frames one after another; each takes what the quality costs."""
+
+    governor: FrameGovernor
+    now_ns: int = 0
+    frames: int = 0
+
+    def run(self, seconds: float, frame_ms) -> None:
+        end = self.now_ns + round(seconds * 1e9)
+        while self.now_ns < end:
+            ms = frame_ms() if callable(frame_ms) else frame_ms
+            self.now_ns += round(1e6 * max(ms, 1000.0 / 60.0))
+            self.governor.note(ms, self.now_ns)
+            self.frames += 1
+
+
+def _play(fixed=(), budget_ms: float = BUDGET) -> tuple[Play, dict[str, Step], list[dict[str, object]]]:
+    steps = [
+        Step("shadows", 3, ("on", "off")),
+        Step("resolution scale", 2, ("1", "0.75", "0.5")),
+        Step("shadow size", 1, ("512", "256")),
+    ]
+    lines: list[dict[str, object]] = []
+    governor = FrameGovernor(steps, budget_ms, fixed=fixed, log=lambda kind, data: lines.append({"kind": kind, **data}))
+    return Play(governor), {step.name: step for step in steps}, lines
+
+
+def test_a_fast_frame_loses_nothing():
+    play, steps, lines = _play()
+    play.run(20.0, 10.0)
+    assert not lines and all(not step.told for step in steps.values())
+    assert play.governor.summary()["shares"] == {FULL: 1.0}
+
+
+def test_steps_go_in_the_order_of_their_cost_to_the_eye():
+    play, _, lines = _play()
+    play.run(20.0, 40.0)
+    assert [(line["step"], line["level"], line["way"]) for line in lines] == [
+        ("shadow size", "256", "down"),
+        ("resolution scale", "0.75", "down"),
+        ("resolution scale", "0.5", "down"),
+        ("shadows", "off", "down"),
+    ]
+    assert all(line["kind"] == "governor" and line["frame_ms"] == 40.0 for line in lines)
+    assert play.governor.state == "shadows off"
+
+
+def test_half_a_second_over_the_budget_is_needed():
+    play, _, lines = _play()
+    play.run(5.0, 10.0)
+    play.run(0.45, 30.0)
+    assert not lines
+    play.run(0.5, 30.0)
+    assert len(lines) == 1
+
+
+def test_very_slow_frames_are_few_and_still_decide():
+    play, _, lines = _play()
+    play.run(8.0, 400.0)
+    assert len(lines) == 4
+
+
+@pytest.mark.parametrize("every", [2.5, 10])
+def test_single_slow_frames_do_nothing(every: float):
+    play, _, lines = _play()
+    count = 0
+
+    def frame_ms() -> float:
+        nonlocal count
+        count += 1
+        return 60.0 if count % every < 1 else 9.0
+
+    play.run(10.0, frame_ms)
+    assert not lines
+
+
+def test_quality_returns_after_three_seconds_with_room_and_not_before():
+    play, steps, lines = _play()
+    play.run(1.2, 20.0)
+    assert len(lines) >= 1
+    downs = len(lines)
+    play.run(0.5, 14.0)  # what it brought: a sixth
+    play.run(2.9, 5.0)
+    assert len(lines) == downs
+    play.run(4.0 * downs, 5.0)
+    assert play.governor.state == FULL and len(lines) == 2 * downs
+    assert [line["step"] for line in lines[downs:]] == [line["step"] for line in reversed(lines[:downs])]
+    assert steps["shadow size"].told == [1, 0]
+
+
+def test_a_level_that_would_not_fit_above_is_kept():
+    """20 ms full, 11 ms at 0.75: well under the budget, but full would be over it; no swing between the two."""
+    play, steps, lines = _play(fixed=("shadow size", "shadows"))
+    play.run(60.0, lambda: 11.0 if steps["resolution scale"].told[-1:] == [1] else 20.0)
+    assert len(lines) == 1 and play.governor.state == "resolution scale 0.75"
+
+
+def test_a_lighter_scene_lets_it_return():
+    play, steps, lines = _play(fixed=("shadow size", "shadows"))
+    load = 20.0
+
+    def frame_ms() -> float:
+        return load * (0.55 if steps["resolution scale"].told[-1:] == [1] else 1.0)
+
+    play.run(10.0, frame_ms)
+    load = 12.0
+    play.run(10.0, frame_ms)
+    assert [line["way"] for line in lines] == ["down", "up"] and play.governor.state == FULL
+
+
+def test_a_cost_learnt_while_the_load_fell_is_doubted_in_time():
+    """Frames fall from 40 to 8 ms just when a level was given up: as if it had cost five times as much."""
+    play, _, lines = _play(fixed=("shadow size", "shadows"))
+    play.run(0.7, 40.0)
+    assert len(lines) == 1
+    play.run(20.0, 8.0)
+    assert len(lines) == 1
+    play.run(20.0, 8.0)
+    assert play.governor.state == FULL
+
+
+def test_doubts_come_ever_more_rarely():
+    """9 ms below, 18 ms above: each doubt is a second too slow; ten minutes hold five of them at most."""
+    play, steps, lines = _play(fixed=("shadow size", "shadows"))
+    play.run(600.0, lambda: 9.0 if steps["resolution scale"].told[-1:] == [1] else 18.0)
+    ups = [line for line in lines if line["way"] == "up"]
+    assert 1 <= len(ups) <= 5 and play.governor.state == "resolution scale 0.75"
+
+
+def test_what_a_study_fixed_is_never_touched():
+    play, steps, lines = _play(fixed=("shadow size", "resolution scale", "shadows"))
+    play.run(20.0, 60.0)
+    assert not lines and all(not step.told for step in steps.values())
+    assert play.governor.summary()["steps"] == []
+    play, steps, lines = _play(fixed=("resolution scale",))
+    play.run(20.0, 60.0)
+    assert {line["step"] for line in lines} == {"shadow size", "shadows"} and not steps["resolution scale"].told
+
+
+def test_shares_count_every_frame_once():
+    play, _, lines = _play(fixed=("shadows",))
+    play.run(3.0, 10.0)
+    before = play.frames
+    play.run(10.0, 40.0)
+    summary = play.governor.summary()
+    assert sum(summary["shares"].values()) == pytest.approx(1.0) and summary["moves"] == len(lines) == 3
+    assert set(summary["shares"]) == {FULL, "shadow size 256", "resolution scale 0.75", "resolution scale 0.5"}
+    lost = (lines[0]["t_ns"] - 3e9) / 40e6  # frames until the first move: still at full quality
+    assert summary["shares"][FULL] == pytest.approx((before + lost) / play.frames, abs=1.5 / play.frames)
+    assert summary["frame_ms"]["p50"] == 40.0 or summary["frame_ms"]["p50"] == 10.0
