@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import msgspec
+from numpy.typing import NDArray
 
 from mimics_app.app.catalogue import open_scenario
 from mimics_app.app.explain import describe_plan
@@ -23,7 +24,6 @@ from mimics_app.app.session import Session
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.sound_stage import SoundStage
 from mimics_app.contracts.clock import MonotonicClock, VirtualClock
-from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.contracts.scenario_port import Scenario
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.contracts.stages import Learning
@@ -34,6 +34,7 @@ from mimics_app.inputs.stage import Inputs
 from mimics_app.learning.action_sequence import load_action_sequence
 from mimics_app.learning.stage import NullLearning
 from mimics_app.recording.recorder import Recorder
+from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import create_run_folder
 from mimics_app.rendering.haptic import scheduler
 from mimics_app.rendering.haptic.devices.registry import build_device
@@ -43,7 +44,7 @@ from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.task_manager import TaskManager
 from mimics_app.tasks.trial_file import resolve_trials
 from mimics_app.world.components import Sound, SoundEmitter
-from mimics_app.world.components_haptic import Patient, Robot
+from mimics_app.world.components_haptic import Patient, Robot, Safety
 from mimics_app.world.components_systems import AudioSettings as AudioSystem
 from mimics_app.world.scene import Scene
 from mimics_app.world.scene_file import build_world
@@ -80,12 +81,13 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
     desk = ParameterDesk(scenario.scene_block())
     spec = fill_defaults(resolve_trials(_task_of(scene), scene.path.parent, scene.root), desk.value)
     learning = _learning(settings, spec)
-    plugin = _build_device(settings, scene, scenario, live=live)
+    robot, patient = _who_moves(settings, scene, live=live)
+    plugin = build_device(robot, patient, scenario.via_points_world, settings.seed, samples=_recorded(settings))
     desk.change({"device_delay": plugin.delay})
     with ExitStack() as stack:
         memory = SessionMemory()
         folder = create_run_folder(settings.runs, settings.seconds or 0.0)
-        recorder = Recorder(memory, folder, _header(settings, scene, scenario, plan, live=live))
+        recorder = Recorder(memory, folder, _header(settings, scene, scenario, plan, robot, patient, live=live))
         recorder.start(wait=False)
         stack.callback(recorder.abandon)
         sound = _open_sound(settings, scene, memory, folder, live=live)
@@ -146,15 +148,20 @@ def _learning(settings: RunSettings, spec: TaskSpec) -> Learning:
     return load_action_sequence(settings.action, build_action_space(spec))
 
 
-def _build_device(settings: RunSettings, scene: Scene, scenario: Scenario, *, live: bool) -> DevicePlugin:
+def _who_moves(settings: RunSettings, scene: Scene, *, live: bool) -> tuple[Robot, Patient]:
+    """The robot and the simulated person of this run: the scene's, with what the settings say over it."""
     robots, patients = scene.components(Robot), scene.components(Patient)
     robot = robots[0][1] if robots else Robot()
     patient = patients[0][1] if patients else Patient()
     if settings.patient:
         patient = msgspec.structs.replace(patient, preset=settings.patient)
     device = settings.device or (_POINTER if live and robot.device == _SIMULATED else robot.device)
-    robot = msgspec.structs.replace(robot, device=device)
-    return build_device(robot, patient, scenario.via_points_world, settings.seed)
+    return msgspec.structs.replace(robot, device=device), patient
+
+
+def _recorded(settings: RunSettings) -> NDArray[Any] | None:
+    """Samples for the replay device, where a recording was named."""
+    return None if settings.recording is None else Run.open(settings.recording).haptic
 
 
 def _open_sound(
@@ -192,14 +199,29 @@ def _heard_about_the_head(scene: Scene, system: AudioSystem) -> bool:
     return scene.methods.get("spatialiser", "hrtf") == "hrtf" if system.hrtf == "auto" else system.hrtf
 
 
-def _header(settings: RunSettings, scene: Scene, scenario: Scenario, plan: Plan, *, live: bool) -> dict[str, Any]:
+def _header(
+    settings: RunSettings,
+    scene: Scene,
+    scenario: Scenario,
+    plan: Plan,
+    robot: Robot,
+    patient: Patient,
+    *,
+    live: bool,
+) -> dict[str, Any]:
     """What the recording keeps about the session."""
+    safety = scene.components(Safety)
+    person = (
+        {"person": "at the pointer"} if robot.device == _POINTER else {"person": "simulated", "preset": patient.preset}
+    )
     chosen = {name: str(value) if isinstance(value, Path) else value for name, value in asdict(settings).items()}
     return {
         "scene": {"name": scene.name, "file": str(scene.path), "hash": scene.hash, "document": scene.document},
         "seed": settings.seed,
         "profile": settings.profile,
         "live": live,
+        "moved_by": {"device": robot.device, **person},
+        "safety": msgspec.structs.asdict(safety[0][1] if safety else Safety()),
         "settings": chosen,
         "facts": scenario.facts,
         "plan": describe_plan(scene, plan),

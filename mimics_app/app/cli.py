@@ -128,6 +128,8 @@ def _guarded(arguments: list[str], as_json: bool) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         return _EXIT_BROKEN_PIPE
     except Exception as error:
+        if _Terminated.came:  # its exception was lost, and this one is what was left behind
+            return 128 + signal.SIGTERM
         if not as_json:
             raise
         sys.excepthook(type(error), error, error.__traceback__)
@@ -172,11 +174,19 @@ def _say(arguments: list[str], issues: Sequence[Issue], as_json: bool) -> None:
     output.write_object(command, {"errors": errors}, schema="errors")
 
 
+class _Terminated:
+    """Whether SIGTERM came: an exception raised inside a compiler's callback can be swallowed on its way up."""
+
+    came = False
+
+
 @contextmanager
 def _terminated_by_exception() -> Iterator[None]:
     """Let SIGTERM unwind the stack like Ctrl-C does, so that recordings are closed; the exit code is 143."""
+    _Terminated.came = False
 
     def leave(number: int, _frame: object) -> None:
+        _Terminated.came = True
         raise SystemExit(128 + number)
 
     try:

@@ -4,17 +4,23 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 import mimics_app.tasks.scene_section  # noqa: F401  registers the task block
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.resources import root
+from mimics_app.rendering.haptic.kernels.kinematics import inverse
+from mimics_app.rendering.haptic.scene_block import axis_offset, robot_from_world
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
 from mimics_app.tasks.actions import haptic_field
 from mimics_app.tasks.task import TaskSpec
-from mimics_app.world.components_haptic import Tunnel
+from mimics_app.world.components_haptic import Robot, Tunnel
 from mimics_app.world.scene import Scene
 from mimics_app.world.scene_file import load_scene
 
 __all__ = ["find_scene", "load_checked_scene"]
+
+_REACH_CHECKS = 100
 
 
 def load_checked_scene(path: Path) -> Scene:
@@ -24,7 +30,7 @@ def load_checked_scene(path: Path) -> Scene:
         SceneError: every fault found, each with file and JSON pointer.
     """
     scene = load_scene(find_scene(path))
-    issues = _check_widest_tunnel(scene)
+    issues = _check_widest_tunnel(scene) + _check_reach(scene)
     if issues:
         raise SceneError(issues)
     return scene
@@ -46,6 +52,23 @@ def _check_widest_tunnel(scene: Scene) -> list[Issue]:
                 what = f"makes the tunnel {widest:g} times as wide: its walls fold over in the tightest bend"
                 issues.append(scene.issue(f"/task/parameters/{name}/max", what, f"stay below {limit:.3f}"))
     return issues
+
+
+def _check_reach(scene: Scene) -> list[Issue]:
+    """The robot must reach the whole bisector, or the person would push against its end stops."""
+    if not scene.components(Tunnel) or not scene.components(Robot):
+        return []
+    _, robot, pointer = scene.one(Robot)
+    curve, _ = tunnel_of_scene(scene)
+    q = np.zeros(3)
+    for arc in np.linspace(0.0, curve.length, _REACH_CHECKS):
+        point = curve.point(curve.parameter_at(arc))
+        inverse(robot_from_world(robot, point)[0], axis_offset(robot), q)
+        if np.any(q < robot.joint_min) or np.any(q > robot.joint_max):
+            x, y, z = point[0]
+            what = f"the robot does not reach the tunnel {arc:.3f} m from its start, at ({x:.3f}, {y:.3f}, {z:.3f})"
+            return [scene.issue(f"{pointer}/robot_to_world", what, "move the robot or the tunnel")]
+    return []
 
 
 def find_scene(path: Path) -> Path:

@@ -28,6 +28,7 @@ class RunSettings:
         seed: Of everything random: trial order, patient, sensor noise.
         profile: How much the picture and the tolerances may give up.
         device: Instead of the scene's robot device; "" keeps it (a window takes "pointer").
+        recording: Run folder whose sensors the device "replay" plays, or None.
         patient: Preset instead of the scene's; "" keeps it.
         sound: "auto": device when live, file when headless; "off": none.
         size: Of the picture [px].
@@ -44,6 +45,7 @@ class RunSettings:
     seed: int = 1
     profile: Profile = "training"
     device: str = ""
+    recording: Path | None = None
     patient: str = ""
     sound: SoundChoice = "auto"
     size: tuple[int, int] = (1280, 720)

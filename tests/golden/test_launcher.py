@@ -73,7 +73,7 @@ def test_a_stick_makes_one_step_per_push(launcher):
     for push in (0.9, 1.0, 0.7, 0.1, 0.8, 0.0):
         surface.gamepad = GamepadState("pad", {"left_x": 0.0, "left_y": push})
         launcher.handle([])
-    launcher.handle(keys("space"))
+    launcher.handle([InputEvent("pad", "start", True)])
     assert launcher.choice.scene == Path(f"scene_{2 * launcher._page.columns}.json")
 
 
@@ -177,7 +177,7 @@ def test_a_real_window_obeys_mouse_and_keyboard():
             tell("click", "1")
             tell("mousemove", "100", "250")  # the first card
             tell("key", "Right")
-            tell("key", "space")
+            tell("key", "Return")
             out, _ = window.communicate(timeout=60)
         finally:
             window.kill()

@@ -22,6 +22,13 @@ def test_healthy_beats_moderate_beats_severe(outcomes, measure):
     assert means[0] < means[1] < means[2], f"{measure}: {means}"
 
 
+def test_smoothness_falls_with_impairment(outcomes):
+    """SPARC is negative and falls with every submovement; one minimum-jerk reach has about -1.4."""
+    means = [np.mean([row["smoothness"] for row in outcomes[preset]]) for preset in PRESETS]
+    assert means[0] > means[1] > means[2], str(means)
+    assert means[0] > -2.5, "a healthy person moves in one flow"
+
+
 @pytest.mark.parametrize("measure", ["time_s", "path_error_rms_m", "contacts"])
 def test_the_order_holds_for_most_single_seeds_too(outcomes, measure):
     """A difference of means that one outlier makes would be worth nothing: 15 of 20 pairs must agree (p < 0.03)."""

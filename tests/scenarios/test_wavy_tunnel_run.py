@@ -141,9 +141,14 @@ def let_the_task_fold_the_walls(document: dict[str, Any]) -> None:
     document["task"]["parameters"]["radius"]["max"] = 1.5
 
 
+def put_the_robot_out_of_reach(document: dict[str, Any]) -> None:
+    entity(document, "robot")["robot"]["robot_to_world"]["translation"] = [3.0, 0.3, 0.0]
+
+
 @pytest.mark.parametrize(
     ("change", "place"),
     [
+        (put_the_robot_out_of_reach, "/components/robot/robot_to_world"),
         (let_the_task_fold_the_walls, "#/task/parameters/radius/max"),
         (misspell, "/components/tunnel/stifness"),
         (put_nan, "/components/admittance/mass"),

@@ -33,7 +33,7 @@ def test_projection_errors_are_what_the_theory_says():
     methods = by_name(PROJECTION_GROUP)
     # Newton to 1e-12 m, by an amount that the reference's own roots may add to.
     assert methods["newton warm"].error() < 1e-10
-    # A tick moves the ball by 0.3 mm along and 0.12 mm around; Newton squares that over the bend's radius of centimetres.
+    # A tick moves the ball by 0.3 mm along and 0.12 mm around; Newton squares that over the bend's radius.
     assert 1e-8 < methods["newton one step"].error() < (0.42e-3) ** 2 / 0.01
     # Half a spacing of a piece of at most 0.1 m in 256 parts, times 1 / (1 - kappa rho) of at most 4.
     assert 1e-6 < methods["brute force"].error() < 0.5 * 0.1 / 256 * 4

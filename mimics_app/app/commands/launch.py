@@ -17,13 +17,9 @@ __all__ = ["run"]
 _SIZE = (1280, 720)
 _FRAME_NS = 1_000_000_000 // 60
 
-_OPTIONS = {
-    "profile": ["training", "draft", "study"],
-    "device": ["mouse, keys, gamepad", "simulated patient"],
-    "display": ["window", "headless"],
-    "patient": ["scene's own", "healthy", "moderate", "severe"],
-}
-_DEVICES = {"mouse, keys, gamepad": "pointer", "simulated patient": "simulated_hapticmaster"}
+_OWN = "scene's own"
+_WORDS = {"pointer": "mouse, keys, gamepad", "simulated_hapticmaster": "simulated patient"}
+"""Devices in a person's words; plug-ins are called by their names."""
 
 
 def run(args: argparse.Namespace) -> int:
@@ -48,10 +44,23 @@ def run(args: argparse.Namespace) -> int:
         scene=scene,
         headless=headless,
         profile=options["profile"],  # type: ignore[arg-type]
-        device="" if headless else _DEVICES[options["device"]],
-        patient="" if patient == "scene's own" else patient,
+        device="" if headless else next((d for d, w in _WORDS.items() if w == options["device"]), options["device"]),
+        patient="" if patient == _OWN else patient,
     )
     return play(settings, as_json=args.json)
+
+
+def _options() -> dict[str, list[str]]:
+    """Settings of the launcher: what is installed here."""
+    from mimics_app.rendering.haptic.devices.registry import device_names
+
+    devices = [_WORDS.get(name, name) for name in ("pointer", *device_names()) if name != "replay"]
+    return {
+        "profile": ["training", "draft", "study"],
+        "device": list(dict.fromkeys(devices)),
+        "display": ["window", "headless"],
+        "patient": [_OWN, "healthy", "moderate", "severe"],
+    }
 
 
 def _choose() -> tuple[Path, dict[str, str]] | None:
@@ -61,7 +70,7 @@ def _choose() -> tuple[Path, dict[str, str]] | None:
 
     clock = MonotonicClock()
     with create_surface("window", _SIZE, "mimics") as surface:
-        launcher = Launcher(surface, _cards(), _OPTIONS)
+        launcher = Launcher(surface, _cards(), _options())
         while not surface.should_close and not launcher.left:
             launcher.handle(surface.poll())
             if launcher.choice is not None:
@@ -73,18 +82,19 @@ def _choose() -> tuple[Path, dict[str, str]] | None:
 
 
 def _cards() -> list[ScenarioCard]:
-    """One card per shipped scene: its own title and words, and its picture where there is one."""
+    """One card per shipped scene, scenarios first: its own title and words, and its picture where there is one."""
     from mimics_app.contracts.resources import root
     from mimics_app.rendering.visual.launcher import ScenarioCard
 
     cards = []
-    for scene in sorted((root() / "scenes").glob("*.json")):
+    folder = root() / "scenes"
+    for scene in [*sorted(folder.glob("*.json")), *sorted((folder / "examples").glob("*.json"))]:
         document = json.loads(scene.read_text(encoding="utf-8"))
         cards.append(
             ScenarioCard(
                 title=document.get("title", scene.stem),
                 description=document.get("description", ""),
-                picture=_picture(document.get("picture", ""), scene.parent),
+                picture=_picture(document.get("picture", ""), folder),
                 scene=scene,
             )
         )

@@ -17,7 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", type=Path, help="scene file")
     parser.add_argument("--backend", choices=("auto", "egl", "osmesa", "window"), default="auto", help="GL context")
     parser.add_argument("--frames", type=_count, default=1, help="how many, spread over --seconds of simulated play")
-    parser.add_argument("--seconds", type=_seconds, default=0.0, help="simulated time played by the patient [s]")
+    parser.add_argument("--seconds", type=_seconds, default=2.0, help="simulated time played by the patient [s]")
     parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="of the picture [px]")
     parser.add_argument("--seed", type=int, default=1, help="of the simulated patient")
     parser.add_argument("--profile", choices=PROFILES, default="training", help="quality of the picture")

@@ -20,6 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=int, default=1, help="of trial order, patient and sensor noise")
     parser.add_argument("--profile", choices=PROFILES, default="training", help="what may be given up for speed")
     parser.add_argument("--device", default="", help="instead of the scene's robot (see mimics devices)")
+    parser.add_argument("--recording", type=Path, metavar="RUN", help="run folder that --device replay plays")
     parser.add_argument(
         "--patient", choices=("healthy", "moderate", "severe"), default="", help="instead of the scene's"
     )
@@ -39,7 +40,19 @@ def run(args: argparse.Namespace) -> int:
     say_if_cold()
     from mimics_app.app.play import play
 
-    names = ("scene", "seconds", "seed", "profile", "device", "patient", "sound", "size", "pictures", "video")
+    names = (
+        "scene",
+        "seconds",
+        "seed",
+        "profile",
+        "device",
+        "recording",
+        "patient",
+        "sound",
+        "size",
+        "pictures",
+        "video",
+    )
     chosen = {name: getattr(args, name) for name in (*names, "action", "runs", "recipe", "headless")}
     return play(RunSettings(**chosen), as_json=args.json)
 

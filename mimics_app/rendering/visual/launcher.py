@@ -37,7 +37,7 @@ _MOVES = {
     "dpad_right": (1, 0),
 }
 _CHOOSE = {"enter", "a"}
-_BEGIN = {"space", "start"}
+_BEGIN = {"start"}
 _LEAVE = {"escape", "b", "back"}
 
 

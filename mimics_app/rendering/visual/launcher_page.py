@@ -122,7 +122,7 @@ class LauncherPage:
         beside = _MARGIN + hud.measure("mimics", 38.0, bold=True) + 16.0
         hud.text(beside, CANVAS_HEIGHT - 66.0, "Choose a scene", 20.0, _FAINT)
         self._draw_settings(state)
-        hint = "Arrows or stick: move     Enter or A: choose     Space or Start: begin     Esc or B: leave"
+        hint = "Arrows or stick: move     Enter or A: choose     Start: begin     Esc or B: leave"
         hud.text(_MARGIN, 20.0, hint, 15.0, _FAINT, width=hud.width - 2.0 * _MARGIN)
 
     @property

@@ -53,11 +53,12 @@ class Impairment:
 
 
 PRESETS = {
-    "healthy": Impairment(1.5, 25.0, 350.0, 0.20, 0.095, 0.004, 0.05, 0.1, 8.0, 10.0, 0.8, 0.90),
+    "healthy": Impairment(1.5, 25.0, 350.0, 0.17, 0.40, 0.006, 0.0, 0.1, 8.0, 10.0, 0.8, 0.30),
     "moderate": Impairment(1.5, 25.0, 420.0, 0.13, 0.060, 0.011, 0.25, 1.2, 6.0, 9.0, 2.0, 0.45),
     "severe": Impairment(1.6, 28.0, 450.0, 0.09, 0.035, 0.018, 0.50, 3.0, 5.0, 7.5, 3.0, 0.55),
 }
-"""From mild to heavy: slower, shorter, less exact movements of a stiffer (spastic) arm, tremor, a weak grasp."""
+"""From mild to heavy: one flowing movement, then ever more, shorter and less exact ones (submovements after stroke:
+Krebs et al. 1999, Rohrer et al. 2002), a stiffer (spastic) arm, tremor, a weak grasp."""
 
 
 def impairment_of(patient: Patient) -> Impairment:

@@ -42,7 +42,7 @@ def build_replay(request: DeviceRequest) -> DevicePlugin:
     """
     samples = request.samples
     if samples is None or samples.shape[0] == 0:
-        raise DeviceError("the replay device needs a recording", "use `mimics replay RUN`")
+        raise DeviceError("the replay device needs a recording", "name a run folder with --recording")
     memory = np.zeros((samples.shape[0], _ROW))
     memory[:, 0:3] = samples["q"]
     memory[:, 3:6] = samples["dq"]
