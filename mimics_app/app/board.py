@@ -49,13 +49,13 @@ def draw_board(hud: Hud, figures: Mapping[str, object], show: Sequence[str], for
 
 
 _WIDTHS = {
-    "progress": 330.0,
-    "force": 330.0,
+    "progress": 290.0,
+    "force": 290.0,
     "time": 150.0,
     "contacts": 150.0,
     "score": 130.0,
     "state": 170.0,
-    "margin": 250.0,
+    "margin": 220.0,
 }
 
 

@@ -91,4 +91,11 @@ class _Play:
         self.world.update()
         force = float(np.linalg.norm(snapshot.f_user_world))
         seconds = self._done / TICKS_PER_SECOND
-        return {"progress": snapshot.progress, "contacts": snapshot.contacts, "time": seconds, "force": force}
+        stability = {"margin": snapshot.margin, "energy": snapshot.energy}
+        return {
+            "progress": snapshot.progress,
+            "contacts": snapshot.contacts,
+            "time": seconds,
+            "force": force,
+            **stability,
+        }

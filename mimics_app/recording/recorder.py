@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import signal
 from collections.abc import Mapping
+from contextlib import suppress
 from multiprocessing import get_context
 from multiprocessing.util import Finalize
 from pathlib import Path
@@ -34,6 +37,10 @@ _ROOM_STEP_NS = 200_000
 _STALLED_NS = 30_000_000_000
 _EVENT_ROOM = 256
 _BACKLOG = 8 << 20
+_WAKE_NS = 2_000_000_000
+_HUNG_NS = 5_000_000_000
+"""The ring holds 8 s; a recorder without a pass for so long is woken, then replaced."""
+_LONGEST_STEP_NS = 100_000_000
 
 
 def _record(*arguments: Any) -> None:
@@ -65,6 +72,8 @@ class Recorder:
         self._process: SpawnProcess | None = None
         self._clock: Clock = MonotonicClock()
         self._restarts = 0
+        self._passes = 0
+        self._looked_ns = self._still_ns = 0
         self._trials: list[bytes] = []
         self._last_parameters = b""
         self._closed = False
@@ -129,13 +138,32 @@ class Recorder:
         return self._outbox.dropped
 
     def supervise(self) -> None:
-        """Replace the process when it died, and pass on what waits; called by every `journal`, so once a frame."""
+        """Replace the process when it died or hangs, and pass on what waits; every `journal` calls it: once a frame."""
+        self._end_a_hanging_one()
         if not self._closed and self._process is not None and not self.alive and self._restarts <= _MOST_RESTARTS:
             self._restarts += 1
             if self._restarts <= _MOST_RESTARTS:
                 self._spawn()
                 self._say_again()
         self._outbox.flush()
+
+    def _end_a_hanging_one(self) -> None:
+        """Wake a recorder that makes no passes (somebody stopped it); one that does not wake is killed.
+
+        Only time between calls counts, and no more than a frame or two each: whoever stops the app too, or wakes a
+        machine from sleep, does not make the recorder look dead.
+        """
+        now_ns, passes = self._clock.now_ns(), int(self._status[StatusWord.PASSES])
+        step_ns, self._looked_ns = min(now_ns - self._looked_ns, _LONGEST_STEP_NS), now_ns
+        if passes != self._passes or not self._status[StatusWord.READY] or self._process is None:
+            self._passes, self._still_ns = passes, 0
+            return
+        before_ns, self._still_ns = self._still_ns, self._still_ns + step_ns
+        if before_ns < _WAKE_NS <= self._still_ns and hasattr(signal, "SIGCONT"):
+            with suppress(OSError):
+                os.kill(self._process.pid or 0, signal.SIGCONT)
+        elif before_ns < _HUNG_NS <= self._still_ns:
+            self._process.kill()
 
     def _say_again(self) -> None:
         """What the dead process may have read but not written; the new one knows what it has already."""
@@ -219,6 +247,7 @@ class Recorder:
         self._outbox.send(CLOSE, to_json({"summary": summary or {}, "dropped": self._outbox.dropped}))
         deadline = self._clock.now_ns() + int(timeout_s * 1e9)
         while self.alive and self._clock.now_ns() < deadline:
+            self._end_a_hanging_one()
             self._outbox.flush()
             self._clock.sleep_until_ns(self._clock.now_ns() + 1_000_000)
         manifest = None if self.alive else read_manifest(self.folder)

@@ -29,7 +29,7 @@ from tests.support.xvfb import display
 SCENE = root() / "scenes" / "wavy_tunnel.json"
 SIZE = (1280, 720)
 STIFFNESS = 2000.0
-FORCE_BAR = (700, 50, 1004, 76)
+FORCE_BAR = (660, 50, 926, 76)
 
 
 @dataclass

@@ -51,14 +51,21 @@ class Engine:
         return self.status.sink == "device"
 
     def render_to(self, frame: int, block: int) -> int:
-        """Render a loopback up to a frame in blocks, into the file; return how many blocks that took."""
+        """Render a loopback up to a frame in blocks, into the file; return how many blocks that took.
+
+        Raises:
+            DeviceError: The file takes no more.
+        """
         if self.mixer is None or self.live:
             return 0
         blocks = 0
         while self.mixer.position < frame:
             samples = self.mixer.render(min(block, frame - self.mixer.position))
             if self.writer is not None:
-                self.writer.append(samples)
+                try:
+                    self.writer.append(samples)
+                except OSError as error:
+                    raise DeviceError(f"{self.writer.path}: {error.strerror}") from error
             blocks += 1
         return blocks
 

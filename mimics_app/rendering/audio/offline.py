@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -47,6 +48,7 @@ class OfflineAudio:
         self._status: AudioStatus | None = None
         self._report: AudioReport | None = None
         self._blocks = 0
+        self._lost = False
 
     def start(self) -> None:
         """Open the loopback and the file; a missing library leaves the session without sound, and says so."""
@@ -55,7 +57,7 @@ class OfflineAudio:
             load_library(settings)
             bank = SoundBank(settings.sounds, settings.rate)
             engine = open_loopback(settings, bank, self._clock, settings.file, latency=0, origin_ns=0)
-        except DeviceError as error:
+        except (DeviceError, OSError) as error:
             notice = f"{error}: sound is dropped; picture and touch run on"
             self._status = AudioStatus("none", "null", hrtf=False, rate=0, latency_ms=0.0, notice=notice)
             return
@@ -97,7 +99,7 @@ class OfflineAudio:
             return
         self._director.take_contacts()
         self._director.follow_pressure()
-        self._blocks += self._engine.render_to(frame_at(now_ns, 0, self._mixer.context.rate), _BLOCK)
+        self._render(self._engine, frame_at(now_ns, 0, self._mixer.context.rate))
 
     def stop(self) -> AudioReport:
         """Let the last sounds ring out, close the file and return what was done."""
@@ -109,13 +111,24 @@ class OfflineAudio:
     def _mixer(self) -> OpenALMixer | None:
         return None if self._engine is None else self._engine.mixer
 
+    def _render(self, engine: Engine, frame: int) -> None:
+        """Mix up to a frame; a file that takes no more ends the sound, not the session."""
+        if self._lost:
+            return
+        try:
+            self._blocks += engine.render_to(frame, _BLOCK)
+        except DeviceError as error:
+            self._lost = True
+            notice = f"{error.what}: the rest of the sound is dropped; picture and touch run on"
+            engine.status = self._status = replace(engine.status, notice=notice)
+
     def _close(self) -> AudioReport:
         engine, director, mixer = self._engine, self._director, self._mixer
         silent = AudioStatus("none", "null", hrtf=False, rate=0, latency_ms=0.0)
         if engine is None or director is None or mixer is None or engine.writer is None:
             return AudioReport(self._status or silent)
         director.take_contacts()
-        self._blocks += engine.render_to(mixer.position + round(_TAIL_S * mixer.context.rate), _BLOCK)
+        self._render(engine, mixer.position + round(_TAIL_S * mixer.context.rate))
         engine.close()
         return AudioReport(
             engine.status,

@@ -10,7 +10,9 @@ from __future__ import annotations
 
 import ctypes
 import os
+import signal
 import tempfile
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -178,7 +180,8 @@ def load_library(settings: AudioSettings) -> OpenALLibrary:
 def _find() -> str:
     path_before = os.environ.get("PATH", "")
     try:
-        from openal.al_lib import lib
+        with _signals_held():
+            from openal.al_lib import lib
     except ImportError:
         found = _find_without_pyopenal()
     except Exception as error:  # PyOpenAL has a class of its own for this
@@ -188,6 +191,25 @@ def _find() -> str:
     finally:
         os.environ["PATH"] = path_before  # PyOpenAL appends the working directory to it
     return found
+
+
+@contextmanager
+def _signals_held() -> Iterator[None]:
+    """Let signals that end the program wait: PyOpenAL has bare `except:` clauses, which would swallow Ctrl-C."""
+    came: list[int] = []
+    names = ("SIGINT", "SIGTERM", "SIGHUP") if threading.current_thread() is threading.main_thread() else ()
+    numbers = [getattr(signal, name) for name in names if hasattr(signal, name)]
+    before = {number: signal.getsignal(number) for number in numbers}
+    ours = {number: handler for number, handler in before.items() if callable(handler)}
+    for number in ours:
+        signal.signal(number, lambda number, _frame: came.append(number))
+    try:
+        yield
+    finally:
+        for number, handler in ours.items():
+            signal.signal(number, handler)
+        for number in came[:1]:
+            signal.raise_signal(number)
 
 
 def _find_without_pyopenal() -> str:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import struct
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +19,7 @@ _HEADER_SIZE = 44
 _LARGEST_DATA = 0xFFFF_FFFF - _HEADER_SIZE
 _PCM, _FLOAT, _EXTENSIBLE = 1, 3, 0xFFFE
 _KNEE = 0.85
+_GIVEN_BACK = 2 << 20
 
 
 class WavWriter:
@@ -39,18 +43,41 @@ class WavWriter:
         self._file.write(_header(rate, 0))
 
     def append(self, block: NDArray[np.float32]) -> None:
-        """Write frames, shape [n, 2], full scale 1; past 4 GiB nothing more is written."""
+        """Write frames, shape [n, 2], full scale 1; past 4 GiB nothing more is written.
+
+        Raises:
+            OSError: The disk is full or failed. The file is closed; what it loses of its end gives the recording, which
+                has the same disk, room to be sealed.
+        """
         if (self.frames + len(block)) * 4 > _LARGEST_DATA:
             return
         soft, clipped = soften_peaks(block)
         self.clipped += clipped
-        self._file.write(np.rint(soft * 32767.0).astype("<i2").tobytes())
+        try:
+            self._write(np.rint(soft * 32767.0).astype("<i2").tobytes())
+        except OSError:
+            self._give_way()
+            raise
         self.frames += len(block)
+        self._write_sizes()
+
+    def _write(self, data: bytes) -> None:
+        if self._file.write(data) != len(data):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    def _write_sizes(self) -> None:
         size = self.frames * 4
         for place, value in ((4, _HEADER_SIZE - 8 + size), (40, size)):
             self._file.seek(place)
             self._file.write(struct.pack("<I", value))
         self._file.seek(_HEADER_SIZE + size)
+
+    def _give_way(self) -> None:
+        self.frames = max(0, self.frames - _GIVEN_BACK // 4)
+        with suppress(OSError):
+            self._file.truncate(_HEADER_SIZE + self.frames * 4)
+            self._write_sizes()
+        self._file.close()
 
     def close(self) -> None:
         """End the file; calling it again does nothing."""

@@ -6,6 +6,7 @@ import os
 import pickle
 import signal
 import threading
+from contextlib import suppress
 from dataclasses import replace
 from multiprocessing import connection, parent_process
 from multiprocessing.connection import Connection
@@ -35,7 +36,9 @@ _FIFO_PRIORITY = 10
 
 def run(memory: SessionMemory, settings: AudioSettings, orders: Connection, results: Connection) -> None:
     """Play the session until the app says stop, closes its end, or is gone; then send the report."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group; the app decides when sound ends
+    for name in ("SIGINT", "SIGHUP"):  # Ctrl-C and a closed terminal reach the whole group; only the app decides
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), signal.SIG_IGN)
     _die_with_parent()
     clock = MonotonicClock()
     if settings.realtime:
@@ -91,7 +94,8 @@ class _LiveSession:
             mixer.master(0.0)
             self._clock.sleep_until_ns(self._clock.now_ns() + _FADE_NS)
         elif mixer is not None:
-            self.engine.render_to(mixer.position + self._settings.rate * 3 // 2, self._settings.block)
+            with suppress(DeviceError):  # a file that takes no more ends where it ends
+                self.engine.render_to(mixer.position + self._settings.rate * 3 // 2, self._settings.block)
         return self.report()
 
     def send(self, message: object) -> None:
