@@ -38,7 +38,7 @@ _STALLED_NS = 30_000_000_000
 _EVENT_ROOM = 256
 _BACKLOG = 8 << 20
 _WAKE_NS = 2_000_000_000
-_HUNG_NS = 5_000_000_000
+_HUNG_NS = 7_000_000_000
 """The ring holds 8 s; a recorder without a pass for so long is woken, then replaced."""
 _LONGEST_STEP_NS = 100_000_000
 
@@ -139,16 +139,17 @@ class Recorder:
 
     def supervise(self) -> None:
         """Replace the process when it died or hangs, and pass on what waits; every `journal` calls it: once a frame."""
-        self._end_a_hanging_one()
+        self._look_for_passes(replace=True)
         if not self._closed and self._process is not None and not self.alive and self._restarts <= _MOST_RESTARTS:
             self._restarts += 1
             if self._restarts <= _MOST_RESTARTS:
+                self._status[StatusWord.READY] = 0
                 self._spawn()
                 self._say_again()
         self._outbox.flush()
 
-    def _end_a_hanging_one(self) -> None:
-        """Wake a recorder that makes no passes (somebody stopped it); one that does not wake is killed.
+    def _look_for_passes(self, *, replace: bool) -> None:
+        """Wake a recorder that makes no passes (somebody stopped it); one that does not wake is killed to be replaced.
 
         Only time between calls counts, and no more than a frame or two each: whoever stops the app too, or wakes a
         machine from sleep, does not make the recorder look dead.
@@ -162,7 +163,7 @@ class Recorder:
         if before_ns < _WAKE_NS <= self._still_ns and hasattr(signal, "SIGCONT"):
             with suppress(OSError):
                 os.kill(self._process.pid or 0, signal.SIGCONT)
-        elif before_ns < _HUNG_NS <= self._still_ns:
+        elif replace and before_ns < _HUNG_NS <= self._still_ns:
             self._process.kill()
 
     def _say_again(self) -> None:
@@ -247,7 +248,7 @@ class Recorder:
         self._outbox.send(CLOSE, to_json({"summary": summary or {}, "dropped": self._outbox.dropped}))
         deadline = self._clock.now_ns() + int(timeout_s * 1e9)
         while self.alive and self._clock.now_ns() < deadline:
-            self._end_a_hanging_one()
+            self._look_for_passes(replace=False)  # sealing a long run is one long pass
             self._outbox.flush()
             self._clock.sleep_until_ns(self._clock.now_ns() + 1_000_000)
         manifest = None if self.alive else read_manifest(self.folder)

@@ -201,6 +201,37 @@ def test_recorder_killed_is_replaced_and_says_so(tmp_path: Path, sign: int) -> N
         app.end()
 
 
+def test_recorder_stopped_for_good_is_woken(tmp_path: Path) -> None:
+    """SIGSTOP, and nobody to continue it: 2 s later the app does, and not one row is lost."""
+    app = App(tmp_path, seconds=5.0)
+    try:
+        app.wait_until(lambda: app.words[TICK] > 700)
+        os.kill(int(app.words[PID]), signal.SIGSTOP)
+        app.wait_until(lambda: bool(app.words[CLOSED]))
+        run = Run.open(app.folder)
+        assert run.manifest is not None and run.status == "clean" and run.manifest.restarts == 0
+        assert not run.gaps and run.haptic["tick"][-1] == app.words[TICK]
+    finally:
+        app.end()
+
+
+@pytest.mark.slow
+def test_recorder_that_cannot_be_woken_is_replaced(tmp_path: Path) -> None:
+    app = App(tmp_path, seconds=12.0)
+    try:
+        app.wait_until(lambda: app.words[TICK] > 700)
+        first = int(app.words[PID])
+        while _runs(first):
+            os.kill(first, signal.SIGSTOP)
+            time.sleep(0.002)
+            assert not app.words[CLOSED], "it was never replaced"
+        app.wait_until(lambda: bool(app.words[CLOSED]))
+        run = Run.open(app.folder)
+        assert run.manifest is not None and run.status == "clean" and run.manifest.restarts == 1
+    finally:
+        app.end()
+
+
 def test_interrupt_of_the_group_is_left_to_the_app(tmp_path: Path) -> None:
     """Ctrl-C reaches the recorder too; it must go on until the app has closed."""
     app = App(tmp_path, seconds=1.0)
