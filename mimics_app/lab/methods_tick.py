@@ -19,7 +19,7 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.rendering.haptic.devices.registry import build_device
-from mimics_app.rendering.haptic.engine import HapticEngine
+from mimics_app.rendering.haptic.engine import HapticEngine, replay_ticks
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.rendering.haptic.tunnel import TunnelCurve, build_tunnel
 from mimics_app.world.components_haptic import Patient, Robot
@@ -74,20 +74,25 @@ def _curve() -> TunnelCurve:
     return build_tunnel(np.column_stack([x, 0.02 * np.sin(2.0 * np.pi * x / _REACH), np.zeros(13)]), 0.022)
 
 
+def _block(projection: Projection | None) -> NDArray[Any]:
+    """Parameters of the tick with this projection, shape [1]; None: without a tunnel."""
+    block = scene_from_components(Robot())
+    if projection is not None:
+        record = block[0]["tunnel"]
+        _curve().fill(record)
+        record["stiffness"], record["damping"], record["projection"] = 1500.0, 10.0, projection
+    return block
+
+
 class _Bench:
     """A session without processes: the loop, a simulated robot, a patient who travels the tunnel."""
 
     def __init__(self, projection: Projection | None) -> None:
-        curve, robot = _curve(), Robot()
+        curve = _curve()
         via = curve.point(np.linspace(0.0, len(curve.pieces), 61))
         self._memory = SessionMemory()
-        self._engine = HapticEngine(self._memory, build_device(robot, Patient(), via, _SEED))
-        block = scene_from_components(robot)
-        if projection is not None:
-            record = block[0]["tunnel"]
-            curve.fill(record)
-            record["stiffness"], record["damping"], record["projection"] = 1500.0, 10.0, projection
-        self._engine.publish(block)
+        self._engine = HapticEngine(self._memory, build_device(Robot(), Patient(), via, _SEED))
+        self._engine.publish(_block(projection))
         inbox = np.zeros(1, INBOX)
         inbox["active"] = 1
         self._engine.tell(inbox)
@@ -108,15 +113,20 @@ def tick_us(projection: Projection | None) -> float:
 
 
 @cache
-def _path(projection: Projection | None) -> Array:
-    """Where the ball went in the first ticks [m], shape [ticks, 3]."""
-    return _Bench(projection).advance(_TICKS)["hip_world"].copy()
+def _inputs() -> NDArray[Any]:
+    """Sensors of one travel, SAMPLE rows [ticks]: every projection is asked about the same hand."""
+    return _Bench(Projection.NEWTON_WARM).advance(_TICKS).copy()
 
 
-def _parted_m(projection: Projection | None) -> float:
-    """How far the same travel is led astray [m], against the projection that shares least with it."""
-    other = Projection.NEWTON_WARM if projection is Projection.GOLDEN_SECTION else Projection.GOLDEN_SECTION
-    return float(np.max(np.linalg.norm(_path(projection) - _path(other), axis=1)))
+def _forces(projection: Projection | None) -> Array:
+    """Virtual force on the user in that travel [N], shape [ticks, 3]."""
+    return replay_ticks(_inputs(), {1: _block(projection)})["f_virt_world"].copy()
+
+
+def _false_force(projection: Projection | None) -> float:
+    """Greatest difference of the force [N] to that of tracked Newton; Newton's own to golden section."""
+    other = Projection.GOLDEN_SECTION if projection is Projection.NEWTON_WARM else Projection.NEWTON_WARM
+    return float(np.max(np.linalg.norm(_forces(projection) - _forces(other), axis=1)))
 
 
 def _register(name: str, projection: Projection | None) -> None:
@@ -128,8 +138,8 @@ def _register(name: str, projection: Projection | None) -> None:
             if projection is not None
             else "kernels.tick alone",
             cost=partial(tick_us, projection),
-            error=partial(_parted_m, projection),
-            unit="m",
+            error=partial(_false_force, projection),
+            unit="N",
             valid_range="one tunnel, one ball, the simulated robot",
             run=HapticEngine.advance,
             default=projection is Projection.NEWTON_WARM,
@@ -140,8 +150,8 @@ def _register(name: str, projection: Projection | None) -> None:
 registry.describe(
     Group(
         name=GROUP,
-        what="one tick of the loop, simulated robot and patient in a wavy tunnel; error: how far 2 s of travel part",
-        unit="m",
+        what="one tick of the loop, simulated robot and patient in a wavy tunnel; error: false force on the same hand",
+        unit="N",
         work="",
         reference=reference_us,
     )

@@ -10,6 +10,7 @@ import pytest
 
 from mimics_app.maths.bspline import evaluate
 from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE, restart_tracking
+from mimics_app.rendering.haptic.kernels.tunnel_projection import project_golden_section
 from mimics_app.rendering.haptic.methods_tunnel import closest_by_roots
 from mimics_app.rendering.haptic.tunnel import build_tunnel
 from tests.support.tunnels import afresh, coil, record_of, straight, walk, wavy
@@ -188,3 +189,13 @@ def test_ball_leaving_through_an_end_far_away_comes_back_to_it():
     assert out["progress"].max() == 1.0
     assert out["progress"][-1] == pytest.approx(0.39 / 0.4)
     np.testing.assert_allclose(out["distance"], np.maximum(x - 0.4, 0.0), atol=1e-12)
+
+
+@pytest.mark.parametrize("end", [0.0, 1.0])
+def test_golden_section_reaches_the_very_end(end):
+    """Short of it by the root of machine precision, a ball pushed out of the tunnel would not meet the cap."""
+    curve = wavy(0.03)
+    s = end * len(curve.pieces)
+    beyond = curve.point(s)[0] + (2.0 * end - 1.0) * 0.005 * curve.tangent(s)[0]
+    found = project_golden_section(record_of(curve)[0], *beyond, np.zeros(1, TUNNEL_STATE)[0])
+    assert found == s

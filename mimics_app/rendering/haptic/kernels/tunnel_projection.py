@@ -297,7 +297,14 @@ def project_golden_section(tunnel: Any, px: float, py: float, pz: float, state: 
             best = piece + u
     low = max(best - 1.0 / _GOLDEN_SAMPLES, 0.0)
     high = min(best + 1.0 / _GOLDEN_SAMPLES, float(tunnel.pieces))
-    return _golden_section(tunnel, px, py, pz, low, high)
+    s = _golden_section(tunnel, px, py, pz, low, high)
+    # Bracketing stops short of its own ends; at an end of the tunnel that would miss the cap.
+    found, _, _, _ = slope(tunnel, px, py, pz, s)
+    if low == 0.0 and slope(tunnel, px, py, pz, low)[0] <= found:
+        return low
+    if high == float(tunnel.pieces) and slope(tunnel, px, py, pz, high)[0] <= found:
+        return high
+    return s
 
 
 @kernel
