@@ -1,6 +1,7 @@
 """The command line: finds the command, imports its module alone, and turns errors into lines and exit codes.
 
-Exit codes: 0 ok, 2 usage, 3 scene or file, 4 device, 5 safety stop, 6 partial data, 130 Ctrl-C, 143 SIGTERM.
+Exit codes: 0 ok, 2 usage, 3 scene or file, 4 device, 5 safety stop, 6 partial data, 129 the terminal was closed, 130
+Ctrl-C, 143 SIGTERM.
 """
 
 from __future__ import annotations
@@ -39,8 +40,10 @@ COMMANDS: dict[str, str] = {
 
 _LAUNCHER = "launch"
 _EXIT_USAGE = 2
+_EXIT_FILE = 3
 _EXIT_INTERNAL = 1
 _EXIT_BROKEN_PIPE = 128 + 13
+_STDERR = 2
 
 
 class _Parser(argparse.ArgumentParser):
@@ -103,15 +106,32 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns:
         The exit code.
     """
+    _open_missing_streams()
     arguments = list(sys.argv[1:] if argv is None else argv)
     as_json = "--json" in arguments
-    with ExitStack() as stack:
-        stack.enter_context(_terminated_by_exception())
-        if as_json:
-            from mimics_app.app import output
+    try:
+        with ExitStack() as stack:
+            stack.enter_context(_terminated_by_exception())
+            if as_json:
+                from mimics_app.app import output
 
-            stack.enter_context(output.reserved_stdout())
-        return _guarded(arguments, as_json)
+                stack.enter_context(output.reserved_stdout())
+            return _guarded(arguments, as_json)
+    except KeyboardInterrupt:  # before or after the command itself
+        return 128 + signal.SIGINT
+    except BrokenPipeError:  # the reader was gone when the error was told
+        return _EXIT_BROKEN_PIPE
+
+
+def _open_missing_streams() -> None:
+    """Lead stdin, stdout and stderr that came closed to nowhere: a file opened in their place would be written to."""
+    while (descriptor := os.open(os.devnull, os.O_RDWR)) <= _STDERR:
+        os.set_inheritable(descriptor, True)
+    os.close(descriptor)
+    if sys.stdout is None:
+        sys.stdout = open(os.devnull, "w", encoding="utf-8")
+    if sys.stderr is None:
+        sys.stderr = open(os.devnull, "w", encoding="utf-8")
 
 
 def _guarded(arguments: list[str], as_json: bool) -> int:
@@ -125,16 +145,31 @@ def _guarded(arguments: list[str], as_json: bool) -> int:
         sys.stderr.write("mimics: interrupted\n")
         return 128 + signal.SIGINT
     except BrokenPipeError:  # the reader (head, less) has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        _silence_stdout()
         return _EXIT_BROKEN_PIPE
     except Exception as error:
         if _Terminated.came:  # its exception was lost, and this one is what was left behind
-            return 128 + signal.SIGTERM
+            return 128 + _Terminated.came
+        if isinstance(error, OSError) and error.strerror:  # a folder that is a file, a full disk: nobody's bug
+            return _say_file_trouble(arguments, error, as_json)
         if not as_json:
             raise
         sys.excepthook(type(error), error, error.__traceback__)
         _say(arguments, [Issue("", "", f"internal error: {type(error).__name__}: {error}")], as_json)
         return _EXIT_INTERNAL
+
+
+def _say_file_trouble(arguments: list[str], error: OSError, as_json: bool) -> int:
+    """One line that names the file, where the system does."""
+    file = os.fsdecode(error.filename) if isinstance(error.filename, str | bytes) else ""
+    if not file:  # perhaps stdout itself
+        _silence_stdout()
+    _say(arguments, [Issue(file, "", str(error.strerror))], as_json)
+    return _EXIT_FILE
+
+
+def _silence_stdout() -> None:
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
 
 
 def _dispatch(arguments: list[str]) -> int:
@@ -175,29 +210,37 @@ def _say(arguments: list[str], issues: Sequence[Issue], as_json: bool) -> None:
 
 
 class _Terminated:
-    """Whether SIGTERM came: an exception raised inside a compiler's callback can be swallowed on its way up."""
+    """The signal that came, or 0: an exception raised inside a compiler's callback can be swallowed on its way up."""
 
-    came = False
+    came = 0
 
 
 @contextmanager
 def _terminated_by_exception() -> Iterator[None]:
-    """Let SIGTERM unwind the stack like Ctrl-C does, so that recordings are closed; the exit code is 143."""
-    _Terminated.came = False
+    """Let SIGTERM, and SIGHUP of a closed terminal, unwind the stack like Ctrl-C, so that recordings are closed.
+
+    The exit code is 143 or 129. What nohup told to be ignored is ignored.
+    """
+    _Terminated.came = 0
 
     def leave(number: int, _frame: object) -> None:
-        _Terminated.came = True
+        _Terminated.came = number
         raise SystemExit(128 + number)
 
+    numbers = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    before = {number: signal.getsignal(number) for number in numbers}
+    ours = {number: handler for number, handler in before.items() if handler not in (None, signal.SIG_IGN)}
     try:
-        previous = signal.signal(signal.SIGTERM, leave)
+        for number in ours:
+            signal.signal(number, leave)
     except ValueError:  # not the main thread: somebody embeds us and owns the signals
         yield
         return
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, previous)
+        for number, handler in ours.items():
+            signal.signal(number, handler)
 
 
 if __name__ == "__main__":

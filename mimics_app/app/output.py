@@ -11,7 +11,7 @@ import math
 import os
 import sys
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, redirect_stdout
+from contextlib import contextmanager, redirect_stdout, suppress
 from pathlib import PurePath
 from typing import Any, TextIO
 
@@ -43,10 +43,12 @@ def reserved_stdout() -> Iterator[None]:
     finally:
         stream, _target.stream = _target.stream, None
         if saved is not None and stream is not None:
-            sys.stderr.flush()
-            stream.flush()
-            os.dup2(stream.fileno(), 1)
-            stream.close()
+            with suppress(OSError):  # its reader is gone or its disk full, which `write_object` told
+                sys.stderr.flush()
+                stream.flush()
+            os.dup2(saved, 1)
+            with suppress(OSError):
+                stream.close()
 
 
 def _divert_descriptor(real: TextIO) -> int | None:

@@ -79,7 +79,7 @@ def find_scene(path: Path) -> Path:
     """
     if path.is_file():
         return path
-    shipped = root() / "scenes" / path.with_suffix(".json").name
+    shipped = root() / "scenes" / f"{path.stem}.json"
     if shipped.is_file() and path.parent.name in ("", "scenes"):
         return shipped
     raise SceneError(Issue(str(path), "", "there is no such scene", f"shipped: {', '.join(_shipped())}"))

@@ -19,8 +19,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics bench`."""
     parser.add_argument("what", choices=("all", "realtime", "methods", "sound"), help="what to measure")
     parser.add_argument("--scene", type=Path, default=Path("scenes/wavy_tunnel.json"), help="scene of the load")
-    parser.add_argument("--seconds", type=float, default=60.0, help="length of each real-time measurement [s]")
-    parser.add_argument("--rounds", type=int, default=1, help="real-time measurements of each loop; medians are told")
+    parser.add_argument("--seconds", type=_positive, default=60.0, help="length of each real-time measurement [s]")
+    parser.add_argument(
+        "--rounds", type=_count, default=1, help="real-time measurements of each loop; medians are told"
+    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -81,6 +83,22 @@ def _measure_sound(args: argparse.Namespace) -> dict[str, Any]:
 
     missing = pulse_missing()
     return {"skipped": missing} if missing else measure_live_latency(min(args.seconds, _ALL_SECONDS))
+
+
+def _positive(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0.0 < value < 1e6:
+        raise argparse.ArgumentTypeError(f"{text} is not a time between 0 and 1e6 s")
+    return value
+
+
+def _count(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and 1 <= int(text) <= 1000):
+        raise argparse.ArgumentTypeError(f"{text} is no number of rounds from 1 to 1000")
+    return int(text)
 
 
 _MEASURES = {"realtime": _measure_realtime, "methods": _measure_methods, "sound": _measure_sound}

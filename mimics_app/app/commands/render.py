@@ -12,14 +12,14 @@ __all__ = ["add_arguments", "run"]
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics render`."""
-    from mimics_app.app.commands.run import picture_size
+    from mimics_app.app.commands.run import picture_size, random_seed
 
     parser.add_argument("scene", type=Path, help="scene file")
     parser.add_argument("--backend", choices=("auto", "egl", "osmesa", "window"), default="auto", help="GL context")
     parser.add_argument("--frames", type=_count, default=1, help="how many, spread over --seconds of simulated play")
     parser.add_argument("--seconds", type=_seconds, default=2.0, help="simulated time played by the patient [s]")
     parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="of the picture [px]")
-    parser.add_argument("--seed", type=int, default=1, help="of the simulated patient")
+    parser.add_argument("--seed", type=random_seed, default=1, help="of the simulated patient")
     parser.add_argument("--profile", choices=PROFILES, default="training", help="quality of the picture")
     parser.add_argument("--output", type=Path, default=Path("."), metavar="DIR", help="folder of the PNG files")
 

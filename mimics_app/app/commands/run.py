@@ -7,8 +7,9 @@ from pathlib import Path
 
 from mimics_app.app.settings import PROFILES, RECIPES, SOUNDS, RunSettings
 
-__all__ = ["add_arguments", "picture_size", "run"]
+__all__ = ["add_arguments", "picture_size", "random_seed", "run"]
 
+_LARGEST_SEED = 10**18 - 1
 _DEFAULT_SCENE = Path("scenes/wavy_tunnel.json")
 
 
@@ -17,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", type=Path, nargs="?", default=_DEFAULT_SCENE, help="scene file")
     parser.add_argument("--headless", action="store_true", help="no window: virtual clock and simulated patient")
     parser.add_argument("--seconds", type=_positive, help="end after this much simulated time [s]")
-    parser.add_argument("--seed", type=int, default=1, help="of trial order, patient and sensor noise")
+    parser.add_argument("--seed", type=random_seed, default=1, help="of trial order, patient and sensor noise")
     parser.add_argument("--profile", choices=PROFILES, default="training", help="what may be given up for speed")
     parser.add_argument("--device", default="", help="instead of the scene's robot (see mimics devices)")
     parser.add_argument("--recording", type=Path, metavar="RUN", help="run folder that --device replay plays")
@@ -55,6 +56,17 @@ def run(args: argparse.Namespace) -> int:
     )
     chosen = {name: getattr(args, name) for name in (*names, "action", "runs", "recipe", "headless")}
     return play(RunSettings(**chosen), as_json=args.json)
+
+
+def random_seed(text: str) -> int:
+    """A seed of everything random from the command line."""
+    try:
+        value = int(text)
+    except ValueError:
+        value = _LARGEST_SEED + 1
+    if not -_LARGEST_SEED <= value <= _LARGEST_SEED:
+        raise argparse.ArgumentTypeError(f"{text} is no seed; give a whole number of at most 18 digits")
+    return value
 
 
 def _positive(text: str) -> float:

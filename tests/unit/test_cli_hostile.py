@@ -1,0 +1,121 @@
+"""The command line under hostile conditions: closed and full streams, signals at bad moments, values beyond reason."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from mimics_app.app import cli
+
+COMMAND = [sys.executable, "-m", "mimics_app.app.cli"]
+STAND_IN = (
+    "import os, signal, sys, time, types; from mimics_app.app import cli, output\n"
+    "{body}\n"
+    "cli._command_module = lambda name: types.SimpleNamespace(add_arguments=lambda p: None, run=run)\n"
+    "sys.exit(cli.main(sys.argv[1:]))\n"
+)
+ANSWER = "def run(args):\n    output.write_object('run', {'text': 'x' * 100000}); return 0"
+WAIT = "def run(args):\n    try: print('up', flush=True); time.sleep(60)\n    finally: print('closed', flush=True)"
+
+
+def shell(line: str, body: str = ANSWER) -> subprocess.CompletedProcess[str]:
+    """Run a shell line in which $RUN is a stand-in for `mimics`."""
+    environment = {**os.environ, "PY": sys.executable, "SCRIPT": STAND_IN.format(body=body)}
+    line = line.replace("$RUN", '"$PY" -c "$SCRIPT" run')
+    return subprocess.run(
+        ["bash", "-c", line], env=environment, capture_output=True, text=True, timeout=60, check=False
+    )
+
+
+@pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-", ">&- 2>&-"])
+@pytest.mark.parametrize("option", ["", "--json"])
+def test_closed_streams_are_no_error(closed: str, option: str) -> None:
+    done = shell(f"$RUN {option} {closed}")
+    assert done.returncode == 0, done.stderr
+    assert not done.stderr
+
+
+def test_file_opened_after_a_closed_stderr_is_not_written_to(tmp_path: Path) -> None:
+    """Without a descriptor 2 the next file opened would take its place, and messages of libraries would land in it."""
+    path = tmp_path / "data"
+    body = f"def run(args):\n    f = open({str(path)!r}, 'wb'); os.write(2, b'AL lib: trouble'); return 0"
+    assert shell("$RUN 2>&-", body).returncode == 0
+    assert path.read_bytes() == b""
+
+
+def test_reader_of_json_that_leaves_is_no_error() -> None:
+    done = shell("$RUN --json | true; exit ${PIPESTATUS[0]}")
+    assert (done.returncode, done.stderr) == (141, "")
+
+
+def test_reader_of_a_json_error_that_leaves_is_no_error() -> None:
+    body = (
+        "from mimics_app.contracts.errors import UsageError\ndef run(args):\n    time.sleep(0.3); raise UsageError('x')"
+    )
+    done = shell("$RUN --json | true; exit ${PIPESTATUS[0]}", body)
+    assert (done.returncode, done.stderr) == (141, "")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
+@pytest.mark.parametrize("option", ["", "--json"])
+def test_stdout_on_a_full_disk_is_one_line(option: str) -> None:
+    body = ANSWER if option else "def run(args):\n    print('x' * 100000); return 0"
+    done = shell(f"$RUN {option} >/dev/full", body)
+    assert done.returncode == 3
+    assert done.stderr.splitlines() == ["mimics: No space left on device"]
+
+
+def test_file_trouble_names_the_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "session.json").write_text("{}")
+    (tmp_path / "haptic.arrows").mkdir()
+    assert cli.main(["replay", str(tmp_path)]) == 3
+    line = capsys.readouterr().err
+    assert "haptic.arrows: Is a directory" in line and "Traceback" not in line
+    assert cli.main(["replay", str(tmp_path), "--json"]) == 3
+    assert json.loads(capsys.readouterr().out)["errors"][0]["what"] == "Is a directory"
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGHUP, 129)])
+def test_signal_unwinds_the_stack(number: int, code: int) -> None:
+    child = subprocess.Popen(
+        [sys.executable, "-c", STAND_IN.format(body=WAIT), "run"], stdout=subprocess.PIPE, text=True
+    )
+    assert child.stdout is not None
+    assert child.stdout.readline() == "up\n"
+    child.send_signal(number)
+    rest, _ = child.communicate(timeout=30)
+    assert (rest, child.returncode) == ("closed\n", code)
+
+
+def test_nohup_is_respected() -> None:
+    script = "trap '' HUP; $RUN & sleep 2; kill -HUP $!; sleep 0.2; kill -TERM $!; wait $!"
+    done = shell(script, WAIT)
+    assert done.returncode == 143
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["run", "--seed", "9" * 30], "is no seed"),
+        (["run", "--seed", "1.5"], "1.5 is no seed"),
+        (["render", "scene.json", "--seed", str(2**63)], "is no seed"),
+        (["bench", "realtime", "--seconds", "nan"], "nan is not a time"),
+        (["bench", "realtime", "--seconds", "-1"], "-1 is not a time"),
+        (["bench", "realtime", "--rounds", "0"], "0 is no number of rounds"),
+    ],
+)
+def test_value_beyond_reason_is_refused(arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(arguments) == 2
+    assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["run", "check", "explain"])
+def test_empty_name_of_a_scene_is_a_fault_of_the_file(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main([name, ""]) == 3
+    assert "there is no such scene" in capsys.readouterr().err
