@@ -98,14 +98,21 @@ def finite(value: Any) -> Any:
     """
     if isinstance(value, float):  # numpy.float64 is one too
         return float(value) if math.isfinite(value) else None
-    if value is None or isinstance(value, (bool, int, str)):
+    if isinstance(value, str):
+        return _printable(value)
+    if value is None or isinstance(value, (bool, int)):
         return value
     if isinstance(value, Mapping):
-        return {str(key): finite(item) for key, item in value.items()}
+        return {_printable(str(key)): finite(item) for key, item in value.items()}
     if isinstance(value, (list, tuple, set, frozenset)):
         return [finite(item) for item in value]
     if isinstance(value, PurePath):
-        return str(value)
+        return _printable(str(value))
     if hasattr(value, "tolist"):  # numpy, without importing it
         return finite(value.tolist())
     raise TypeError(f"{type(value).__name__} cannot be written as JSON")
+
+
+def _printable(text: str) -> str:
+    """The text without half characters: names of files whose bytes are not UTF-8 have them."""
+    return text.encode("utf-8", "backslashreplace").decode()

@@ -40,7 +40,20 @@ _encoder = msgspec.json.Encoder(enc_hook=_plain)
 
 def to_json(value: object) -> bytes:
     """JSON text of plain values, numpy arrays and scalars; not-a-number and infinity become null."""
-    return _encoder.encode(value)
+    try:
+        return _encoder.encode(value)
+    except UnicodeEncodeError:  # names of files that are no text: bytes that are not UTF-8, or another encoding's
+        return _encoder.encode(_printable(value))
+
+
+def _printable(value: Any) -> Any:
+    if isinstance(value, str):
+        return value.encode("utf-8", "backslashreplace").decode()
+    if isinstance(value, Mapping):
+        return {_printable(name): _printable(item) for name, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_printable(item) for item in value]
+    return _printable(str(value)) if isinstance(value, Path) else value
 
 
 def encode_line(source: str, kind: str, data: Mapping[str, object]) -> bytes:

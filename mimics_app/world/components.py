@@ -146,7 +146,7 @@ class TunnelView(Component, frozen=True):
 
     material: Annotated[str, Meta(description="Of the wall; best a glass one, so that the ball is seen")]
     bisector_material: Annotated[str | None, Meta(description="Of a thin line along the middle; absent: none")] = None
-    bisector_radius: Annotated[float, Meta(gt=0, description="Of that line [m]")] = 0.0015
+    bisector_radius: Annotated[float, Meta(gt=0, le=1.0, description="Of that line [m]")] = 0.0015
     sides: Annotated[int, Meta(ge=6, le=128, description="Facets round the tunnel")] = 32
     rings_per_piece: Annotated[int, Meta(ge=2, le=128, description="Rings along each piece of the curve")] = 16
 

@@ -24,6 +24,9 @@ NOT_FINITE = "is not a finite number"
 _HUGE = re.compile(rb"[0-9.][eE]\+?\d{3}|\d{300}")
 """Numbers that may be beyond the greatest float, 1.8e308."""
 
+_HALF = re.compile(rb"\\u[dD][89a-fA-F]")
+"""Escapes of halves of a character; two in a row are one."""
+
 _STEPS = np.zeros(256, np.int8)
 _STEPS[[ord("["), ord("{")]] = 1
 _STEPS[[ord("]"), ord("}")]] = -1
@@ -77,7 +80,7 @@ class _Suspicion:
     """Whether a text may hold something that has to be looked for: nearly all do not, and looking takes long."""
 
     def __init__(self, text: bytes) -> None:
-        self.found = _HUGE.search(text) is not None or _deepest(text) > MAX_DEPTH
+        self.found = _HUGE.search(text) is not None or _HALF.search(text) is not None or _deepest(text) > MAX_DEPTH
 
     def constant(self, token: str) -> float:
         """NaN, Infinity or -Infinity."""
@@ -103,6 +106,15 @@ def _deepest(text: bytes) -> int:
     return int(np.cumsum(steps[steps != 0], dtype=np.int64).max(initial=0))
 
 
+def _is_torn(text: str) -> bool:
+    """Whether a text holds half of a character: JSON can write one, but no file, window or terminal can show it."""
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return True
+    return False
+
+
 def _faults(document: Any, file: str) -> list[Issue]:
     issues: list[Issue] = []
     waiting: list[tuple[Any, str, int]] = [(document, "", 0)]
@@ -111,6 +123,9 @@ def _faults(document: Any, file: str) -> list[Issue]:
         if depth > MAX_DEPTH:
             raise SceneError(Issue(file, pointer, f"is nested deeper than {MAX_DEPTH} levels"))
         if isinstance(value, dict):
+            if any(_is_torn(name) for name in value):
+                what = "a key holds half of a character (a lone surrogate)"
+                raise SceneError(Issue(file, pointer, what, "write the character"))
             repeated = getattr(value, "repeated", ())
             issues += [
                 Issue(file, f"{pointer}/{escape(name)}", f'the key "{name}" stands here twice') for name in repeated
@@ -120,8 +135,10 @@ def _faults(document: Any, file: str) -> list[Issue]:
             waiting += [
                 (value[i], f"{pointer}/{i}", depth + 1)
                 for i in range(len(value) - 1, -1, -1)
-                if type(value[i]) in (float, dict, list, _RepeatedKeys)
+                if type(value[i]) in (float, str, dict, list, _RepeatedKeys)
             ]
+        elif isinstance(value, str) and _is_torn(value):
+            issues.append(Issue(file, pointer, "holds half of a character (a lone surrogate)", "write the character"))
         elif isinstance(value, float) and not math.isfinite(value):
             issues.append(Issue(file, pointer, f"{value} {NOT_FINITE}", "write a number"))
     return issues

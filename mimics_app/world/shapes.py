@@ -10,7 +10,10 @@ from mimics_app.world.registry import Component
 
 __all__ = ["BoxShape", "CylinderShape", "PlaneShape", "RingShape", "Shape", "SphereShape", "TorusShape"]
 
-Length = Annotated[float, Meta(gt=0)]
+_LARGEST = 1e6
+"""A shape of more than this [m] has no finite numbers on a graphics card, or its squares have none."""
+
+Length = Annotated[float, Meta(gt=0, le=_LARGEST)]
 
 
 class PlaneShape(Component, frozen=True, tag="plane", tag_field="shape"):
@@ -29,26 +32,26 @@ class BoxShape(Component, frozen=True, tag="box", tag_field="shape"):
 class SphereShape(Component, frozen=True, tag="sphere", tag_field="shape"):
     """Sphere about the origin."""
 
-    radius: Annotated[float, Meta(gt=0, description="[m]")] = 0.5
+    radius: Annotated[float, Meta(gt=0, le=_LARGEST, description="[m]")] = 0.5
     segments: Annotated[int, Meta(ge=3, le=512, description="Facets round the equator; half as many pole to pole")] = 32
 
 
 class CylinderShape(Component, frozen=True, tag="cylinder", tag_field="shape"):
     """Closed cylinder about the y axis; a cone where `top_radius` is 0."""
 
-    radius: Annotated[float, Meta(gt=0, description="Of the lower end [m]")] = 0.5
+    radius: Annotated[float, Meta(gt=0, le=_LARGEST, description="Of the lower end [m]")] = 0.5
     top_radius: Annotated[
-        Annotated[float, Meta(ge=0)] | None, Meta(description="Of the upper end [m]; absent: as `radius`")
+        Annotated[float, Meta(ge=0, le=_LARGEST)] | None, Meta(description="Of the upper end [m]; absent: as `radius`")
     ] = None
-    height: Annotated[float, Meta(gt=0, description="[m]")] = 1.0
+    height: Annotated[float, Meta(gt=0, le=_LARGEST, description="[m]")] = 1.0
     segments: Annotated[int, Meta(ge=3, le=512, description="Facets round the axis")] = 32
 
 
 class RingShape(Component, frozen=True, tag="ring", tag_field="shape"):
     """Flat ring, or a sector of one, in the xz plane, facing +y; angle 0 is +x and pi/2 is -z."""
 
-    inner_radius: Annotated[float, Meta(ge=0, description="[m]; 0: a disc")] = 0.25
-    outer_radius: Annotated[float, Meta(gt=0, description="[m]")] = 0.5
+    inner_radius: Annotated[float, Meta(ge=0, le=_LARGEST, description="[m]; 0: a disc")] = 0.25
+    outer_radius: Annotated[float, Meta(gt=0, le=_LARGEST, description="[m]")] = 0.5
     start: Annotated[float, Meta(description="First angle [rad]")] = 0.0
     sweep: Annotated[float, Meta(gt=0, le=6.2832, description="Angle covered [rad]")] = 6.283185307179586
     segments: Annotated[int, Meta(ge=3, le=512, description="Facets along the arc")] = 48
@@ -57,8 +60,8 @@ class RingShape(Component, frozen=True, tag="ring", tag_field="shape"):
 class TorusShape(Component, tag="torus", tag_field="shape", frozen=True):
     """Round bar bent to a ring about the y axis."""
 
-    radius: Annotated[float, Meta(gt=0, description="Of the bar's middle [m]; beyond bar_radius")] = 0.5
-    bar_radius: Annotated[float, Meta(gt=0, description="Of the bar [m]")] = 0.05
+    radius: Annotated[float, Meta(gt=0, le=_LARGEST, description="Of the bar's middle [m]; beyond bar_radius")] = 0.5
+    bar_radius: Annotated[float, Meta(gt=0, le=_LARGEST, description="Of the bar [m]")] = 0.05
     segments: Annotated[int, Meta(ge=3, le=512, description="Facets round the ring")] = 64
 
 

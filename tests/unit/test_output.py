@@ -38,3 +38,9 @@ def test_schema_and_command_come_first(capsys: pytest.CaptureFixture[str]) -> No
     text = capsys.readouterr().out
     assert text.startswith('{"schema": "mimics.check/3", "command": "check", ')
     assert json.loads(text)["files"] == 2
+
+
+def test_names_of_files_that_are_no_text_are_written(capsys: pytest.CaptureFixture[str]) -> None:
+    write_object("run", {"run_dir": Path("/tmp/\udcff"), "\udc80": ["\udcfe"]})
+    answer = json.loads(capsys.readouterr().out)
+    assert (answer["run_dir"], answer["\\udc80"]) == ("/tmp/\\udcff", ["\\udcfe"])

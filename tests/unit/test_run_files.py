@@ -21,7 +21,7 @@ from mimics_app.recording.append_file import AppendFile
 from mimics_app.recording.arrow_format import decode_samples, encode_samples, parameters_dtype, parameters_schema
 from mimics_app.recording.channel import LINE, TRIAL, Inbox, Outbox
 from mimics_app.recording.columns import ROW, column_names, column_units, rows_of
-from mimics_app.recording.event_log import encode_event, events_of, read_lines
+from mimics_app.recording.event_log import encode_event, events_of, read_lines, to_json
 from mimics_app.recording.recorder import Recorder
 from mimics_app.recording.recover import recover
 from mimics_app.recording.run import Run
@@ -425,3 +425,9 @@ def test_abandoned_run_is_interrupted_and_whole(tmp_path: Path) -> None:
     run = Run.open(tmp_path)
     assert run.status == "interrupted" and len(run.haptic) == 333 and len(run.trials) == 1
     assert len(run.lines_of("app", "frame")) == 100 and run.disagreements() == []
+
+
+def test_names_of_files_that_are_no_text_are_recorded() -> None:
+    """A folder whose name is not UTF-8 reaches Python with half characters, which JSON encoders refuse."""
+    line = to_json({"file": "/tmp/\udcff", "rows": [float("nan"), ("\udc80", 1)], "at": Path("/a/\udcfe")})
+    assert json.loads(line) == {"file": "/tmp/\\udcff", "rows": [None, ["\\udc80", 1]], "at": "/a/\\udcfe"}

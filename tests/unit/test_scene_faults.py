@@ -333,3 +333,35 @@ def test_components_of_an_unknown_type_cannot_be_asked_for(tmp_path):
         loaded.one(Tunnel)
     with pytest.raises(KeyError, match='did you mean "ball"'):
         loaded.entity("bll")
+
+
+@pytest.mark.parametrize("shape", ["sphere", "cylinder", "torus"])
+def test_shape_too_large_for_finite_vertices_is_refused(tmp_path, shape):
+    document = scene(thing("a", mesh={"primitive": {"shape": shape, "radius": 1e308}}))
+    assert "/entities/0/components/mesh/primitive/radius: expected a number <= 1000000" in the_fault(tmp_path, document)
+
+
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        (r'{"title": "\ud800"}', "#/title"),
+        (r'{"entities": [{"id": "a", "x-note": ["b", "\udfff"]}]}', "#/entities/0/x-note/1"),
+        (r'{"include": ["\ud800.json"]}', "#/include/0"),
+        (r'{"\ud800": 1}', ""),
+    ],
+)
+def test_half_a_character_is_told_with_its_place(tmp_path, text, place):
+    """A lone surrogate passes JSON and then breaks whatever writes, shows or hashes the text."""
+    (tmp_path / "scene.json").write_text(text)
+    with pytest.raises(SceneError) as told:
+        load_scene(tmp_path / "scene.json")
+    said = [str(issue) for issue in told.value.issues if "half of a character" in str(issue)]
+    assert len(said) == 1
+    assert f"scene.json{place}: " in said[0]
+    assert said[0].encode()
+
+
+def test_a_whole_character_in_two_escapes_is_right(tmp_path):
+    document = {**scene(), "title": "\U0001f600"}
+    (tmp_path / "scene.json").write_text(json.dumps(document, ensure_ascii=True))
+    assert load_scene(tmp_path / "scene.json").name
