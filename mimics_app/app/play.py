@@ -20,11 +20,13 @@ from mimics_app.app.session import Session
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.haptic import SafetyState
+from mimics_app.recording.manifest import Manifest
 from mimics_app.recording.report import write_report
 
 __all__ = ["play"]
 
 _EXIT_SAFETY = 5
+_EXIT_PARTIAL = 6
 _STOPS = (SafetyState.SAFE_STOP.name, SafetyState.E_STOP.name)
 
 
@@ -32,7 +34,7 @@ def play(settings: RunSettings, *, as_json: bool) -> int:
     """Run a scene.
 
     Returns:
-        0, or 5 when the run ended in a latched stop.
+        0; 5 when the run ended in a latched stop; 6 when ticks of it could not be recorded or its report not written.
     """
     started = MonotonicClock().now_ns()
     windowed = not settings.headless and has_display()
@@ -46,13 +48,27 @@ def play(settings: RunSettings, *, as_json: bool) -> int:
         sound = session.end_stages()
         summary = summarise(session, frames, sound, (MonotonicClock().now_ns() - started) * 1e-9)
         manifest = session.finish(summary)
-    report = write_report(session.folder)
-    answer = {**summary, "state_hash": manifest.state_hash, "report": str(report), "pictures": pictures}
+    report, whole = _report(session, manifest)
+    answer = {**summary, "state_hash": manifest.state_hash, "report": str(report or ""), "pictures": pictures}
     if as_json:
         output.write_object("run", answer)
     else:
         _say(answer)
-    return _EXIT_SAFETY if summary["safety"]["state"] in _STOPS else 0
+    if summary["safety"]["state"] in _STOPS:
+        return _EXIT_SAFETY
+    return 0 if whole else _EXIT_PARTIAL
+
+
+def _report(session: Session, manifest: Manifest) -> tuple[Path | None, bool]:
+    """The report, and whether everything that happened is on disk; what is not is told."""
+    lost = manifest.dropped.get("samples", 0)
+    if lost:
+        sys.stderr.write(f"mimics: {session.folder}: {lost} ticks were not recorded; {manifest.problem}\n")
+    try:
+        return write_report(session.folder), not lost
+    except OSError as error:
+        sys.stderr.write(f"mimics: the report cannot be written: {error.strerror}; mimics report {session.folder}\n")
+        return None, False
 
 
 @contextmanager

@@ -161,6 +161,12 @@ class Run:
             state.add_trial(row)
         return state.hexdigest()
 
+    @property
+    def lost_at_end(self) -> int:
+        """Ticks the recorder counted as lost and no gap shows: after the last row there is."""
+        lost = self.manifest.dropped.get("samples", 0) if self.manifest else 0
+        return max(0, lost - sum(gap.ticks for gap in self.gaps))
+
     def problems(self) -> list[str]:
         """Everything that is not as it should be, one sentence each; [] for a whole run."""
         found: list[str] = []
@@ -170,6 +176,9 @@ class Run:
             found.append(f"the run is {self.manifest.status}")
         found += [f"{FILES['haptic']}: {d.length} bytes at {d.offset} are no good block: {d.why}" for d in self.damages]
         found += [f"{gap.ticks} ticks are missing after tick {gap.after_tick}: {gap.why}" for gap in self.gaps]
+        if self.lost_at_end:
+            why = f": {self.manifest.problem}" if self.manifest and self.manifest.problem else ""
+            found.append(f"the last {self.lost_at_end} ticks are missing{why}")
         if self._lines[1]:
             found.append(f"{FILES['events']}: {self._lines[1]} lines cannot be read")
         return found

@@ -75,6 +75,8 @@ def write_atomically(path: Path, content: bytes) -> None:
             file.flush()
             os.fsync(file.fileno())
         os.replace(scratch, path)
-    except OSError:
+    except OSError as error:
         scratch.unlink(missing_ok=True)
+        if error.filename is None and error.errno is not None:  # writing names no file, opening does
+            raise OSError(error.errno, error.strerror, str(path)) from error
         raise
