@@ -10,18 +10,18 @@ import json
 import struct
 import subprocess
 import sys
+import time
 import zlib
 from pathlib import Path
 
 import pytest
 
-from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import SceneError
 from mimics_app.world.gltf_file import load_gltf
 from tests.support.gltf_maker import glb, square
 
 SLOWEST_S = 2.0
-"""A hang is what is looked for: the slowest here takes a tenth of it."""
+"""Of processor time: a hang is what is looked for, whatever else the machine does; the slowest takes a tenth of it."""
 
 ROOT = Path(__file__).parents[2]
 
@@ -396,11 +396,11 @@ def place(folder: Path, name: str, data: bytes) -> Path:
 @pytest.mark.parametrize("name", CORPUS)
 def test_hostile_file_is_refused_with_its_place_and_soon(tmp_path, name):
     data, pointer, reason = CORPUS[name]
-    path, clock = place(tmp_path, name, data), MonotonicClock()
-    start = clock.now_ns()
+    path = place(tmp_path, name, data)
+    start = time.process_time()
     with pytest.raises(SceneError) as caught:
         load_gltf(path)
-    assert clock.now_ns() - start < SLOWEST_S * 1e9
+    assert time.process_time() - start < SLOWEST_S
     found = [(issue.pointer, issue.what) for issue in caught.value.issues]
     assert all(issue.file == str(path) for issue in caught.value.issues)
     assert any((not pointer or where.startswith(pointer)) and reason in what for where, what in found), found
