@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from mimics_app.app.frame import Frames
 from mimics_app.app.governor import FrameGovernor
@@ -41,18 +41,21 @@ def run_virtual(session: Session, frames: Frames, after_frame: Progress) -> None
 
 
 def run_live(session: Session, frames: Frames, after_frame: Progress) -> None:
-    """Frames beside the live loop until the window closes, Escape is pressed, or the run's time is over."""
+    """Frames beside the live loop until the window closes, Escape is pressed, or the run's time is over.
+
+    A haptic loop that ended by itself ends the run too; stopping the session then says why.
+    """
     picture = session.picture
     reload = SceneReload(session)
     governor = session.governor = _govern(session)
     limit = session.clock.now_ns() + _limit_ns(session)
     due = session.clock.now_ns()
-    while session.clock.now_ns() < limit and not _left(session):
+    while session.clock.now_ns() < limit and session.haptics.running and not _left(session):
         begun_ns = session.clock.now_ns()
         reload.look()
         frames.step()
         if picture is not None and governor is not None:
-            done_ns = picture.show_frame({**frames.figures, **reload.message}, session.clock)
+            done_ns = picture.show_frame({**frames.figures, **_message(session, reload)}, session.clock)
             governor.note((done_ns - begun_ns) * 1e-6, done_ns)
         after_frame(frames)
         due = max(due + _FRAME_NS, session.clock.now_ns() - _FRAME_NS)
@@ -67,6 +70,12 @@ def _govern(session: Session) -> FrameGovernor | None:
     fixed = {step.name for step in steps} if session.settings.profile == "study" else ()
     budget_ms = tolerances_of(session.scene, session.settings.profile)["frame_ms"]
     return FrameGovernor(steps, budget_ms, fixed=fixed, log=session.recorder.journal)
+
+
+def _message(session: Session, reload: SceneReload) -> Mapping[str, object]:
+    """What the person should read over the picture: trouble of the recorder before news of a reload."""
+    problem = session.recorder.problem
+    return {"message": problem} if problem else reload.message
 
 
 def _limit_ns(session: Session) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic import Button, Controller, DeviceStatus, EventKind, SafetyState, TripCause
+from mimics_app.contracts.haptic import MAX_PIECES, Button, Controller, DeviceStatus, EventKind, SafetyState, TripCause
 from mimics_app.contracts.session_memory import ControlWord
 from mimics_app.rendering.haptic.kernels.kinematics import inverse
 from mimics_app.rendering.haptic.loop import late_class, replay_recorded
@@ -246,6 +246,19 @@ def test_parameters_that_are_not_finite_are_refused_by_name():
     bench.scene[0]["tunnel"]["stiffness"] = 1.0
     bench.scene[0]["sequence"] = 0
     with pytest.raises(ValueError, match="sequence"):
+        bench.engine.publish(bench.scene)
+
+
+@pytest.mark.parametrize(
+    ("where", "name", "value"),
+    [("", "controller", 4), ("", "form", -1), ("tunnel", "projection", 9), ("tunnel", "pieces", MAX_PIECES + 1)],
+)
+def test_choices_and_counts_out_of_range_are_refused_by_name(where: str, name: str, value: int):
+    """A count of pieces beyond the array would make compiled code read foreign memory."""
+    bench = scripted(script(10))
+    record = bench.scene[0][where] if where else bench.scene[0]
+    record[name] = value
+    with pytest.raises(ValueError, match=rf"{name} is {value}; it must be within 0 and"):
         bench.engine.publish(bench.scene)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import signal
+import sys
 import threading
 from collections.abc import Mapping
 from typing import Any
@@ -11,7 +13,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts import ring, triple_buffer
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.haptic import EVENT, SAMPLE, SCENE
+from mimics_app.contracts.haptic import EVENT, MAX_PIECES, SAMPLE, SCENE, AdmittanceForm, Controller, Projection
 from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_LENGTH, DevicePlugin
 from mimics_app.contracts.messages import HapticSnapshot
 from mimics_app.contracts.session_memory import ControlWord, SessionMemory
@@ -27,6 +29,14 @@ __all__ = ["HapticEngine", "replay_ticks"]
 Records = NDArray[Any]
 
 _JOIN_S = 2.0
+
+_LARGEST = {
+    "controller": max(Controller),
+    "form": max(AdmittanceForm),
+    "tunnel.projection": max(Projection),
+    "tunnel.pieces": MAX_PIECES,
+}
+"""Largest value of the whole-number fields the tick branches or counts by; the least is 0."""
 
 
 class HapticEngine:
@@ -107,7 +117,7 @@ class HapticEngine:
             scene: SCENE record, shape [1]; `sequence` must count up from 1.
 
         Raises:
-            ValueError: A number in it is not finite, or `sequence` is not positive.
+            ValueError: A number in it is not finite, a choice or count is out of range, or `sequence` is not positive.
         """
         _check_block(scene)
         if int(scene[0]["resets"]) != self._resets:
@@ -161,6 +171,8 @@ class HapticEngine:
         """
         if self.running:
             raise RuntimeError("the live loop is running already")
+        if sys.platform.startswith("linux") and threading.current_thread() is threading.main_thread():
+            signal.signal(signal.SIGXCPU, self._demote)
         self._memory.control[ControlWord.QUIT] = 0
         self._arranged.clear()
         self._thread = threading.Thread(target=self._run, name="haptic", daemon=True)
@@ -218,6 +230,11 @@ class HapticEngine:
         """See `replay_ticks`; with this engine's rate."""
         return replay_ticks(inputs, scenes, period_ns=self._period_ns)
 
+    def _demote(self, *_: object) -> None:
+        """A loop that ran away under SCHED_FIFO (SIGXCPU) goes on as an ordinary thread; its late ticks stop it."""
+        if self._thread is not None and self._thread.native_id is not None and self.running:
+            self._granted = scheduler.demote(self._thread.native_id)
+
     def _run(self) -> None:
         """Body of the haptic thread: arrange the scheduler, then one compiled call until the quit word."""
         try:
@@ -269,15 +286,27 @@ def replay_ticks(inputs: Records, scenes: Mapping[int, Records], *, period_ns: i
 
 
 def _check_block(scene: Records) -> None:
-    """ValueError when a parameter block holds a number that is not finite, or no sequence."""
+    """ValueError for a parameter block with a number that is not finite, a choice out of range, or no sequence.
+
+    Compiled code checks no index: a count of pieces beyond the array would read foreign memory.
+    """
     if int(scene[0]["sequence"]) < 1:
         raise ValueError("SCENE.sequence must count up from 1")
+    for name, largest in _LARGEST.items():
+        value = int(_part(scene, name))
+        if not 0 <= value <= largest:
+            raise ValueError(f"SCENE.{name} is {value}; it must be within 0 and {int(largest)}")
     for name in _float_fields(scene.dtype):
-        part = scene[0]
-        for step in name.split("."):
-            part = part[step]
-        if not np.all(np.isfinite(part)):
+        if not np.all(np.isfinite(_part(scene, name))):
             raise ValueError(f"SCENE.{name} is not finite")
+
+
+def _part(scene: Records, name: str) -> Any:
+    """Value of a field of the first record, by its dotted name."""
+    part = scene[0]
+    for step in name.split("."):
+        part = part[step]
+    return part
 
 
 def _float_fields(dtype: np.dtype[Any], prefix: str = "") -> list[str]:

@@ -17,7 +17,7 @@ import sys
 import threading
 from dataclasses import dataclass
 
-__all__ = ["RECIPES", "Granted", "arrange_thread", "lower_this_thread", "spin_for"]
+__all__ = ["RECIPES", "Granted", "arrange_thread", "demote", "lower_this_thread", "spin_for"]
 
 RECIPES = ("auto", "fifo", "ordinary", "plain")
 """auto: fifo where allowed, else ordinary. fifo: SCHED_FIFO. ordinary: an unprivileged user's best. plain: nothing."""
@@ -80,8 +80,14 @@ def lower_this_thread() -> bool:
     return True
 
 
+def demote(thread_id: int) -> Granted:
+    """Take SCHED_FIFO from a thread of this process that ran away, so that the machine stays usable."""
+    os.sched_setscheduler(thread_id, os.SCHED_OTHER | os.SCHED_RESET_ON_FORK, os.sched_param(0))
+    return Granted("demoted", False)
+
+
 def _set_fifo() -> bool:
-    """SCHED_FIFO for this thread, not inherited, and a limit that ends the process should the loop run away."""
+    """SCHED_FIFO for this thread, not inherited, and a limit that sends SIGXCPU should the loop run away."""
     try:
         os.sched_setscheduler(0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(_FIFO_PRIORITY))
     except OSError:
@@ -91,7 +97,7 @@ def _set_fifo() -> bool:
 
 
 def _limit_runaway() -> None:
-    """RLIMIT_RTTIME: a real-time thread that does not sleep for half a second is ended by the kernel."""
+    """RLIMIT_RTTIME: for a real-time thread that does not sleep for half a second the kernel sends SIGXCPU."""
     import resource
 
     try:

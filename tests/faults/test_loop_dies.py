@@ -1,0 +1,74 @@
+"""A haptic loop that ends by itself ends the run; one that runs away loses its priority, not the session."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import time
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from mimics_app.app.pace import run_live
+from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.kernel import typed_kernel
+from mimics_app.contracts.loop_ports import READ, DevicePlugin
+from tests.support.haptic_bench import Bench, bench_of, ignore, script, scripted
+
+FAULT_TICK = 50
+PATIENCE_S = 60.0
+"""Far beyond the fault at tick 50: a run that lasts this long did not notice."""
+
+
+@typed_kernel(READ)
+def read_until_fault(memory, inbox, data, tick):
+    if tick >= FAULT_TICK:
+        raise ZeroDivisionError
+    return 0
+
+
+def _bench() -> Bench:
+    return bench_of(DevicePlugin("faulty", read_until_fault, ignore, script(1).ravel()))
+
+
+def _session(bench: Bench) -> Any:
+    return SimpleNamespace(
+        haptics=bench.engine,
+        clock=MonotonicClock(),
+        picture=None,
+        scene=SimpleNamespace(files=()),
+        settings=SimpleNamespace(seconds=PATIENCE_S),
+        inputs=SimpleNamespace(frame=SimpleNamespace(events=())),
+    )
+
+
+def test_a_fault_in_the_plugin_ends_the_run_and_is_told():
+    bench = _bench()
+    session = _session(bench)
+    begun = session.clock.now_ns()
+    bench.engine.start()
+    run_live(session, SimpleNamespace(step=lambda: None, figures={}), lambda _: None)  # type: ignore[arg-type]
+    assert session.clock.now_ns() - begun < PATIENCE_S * 1e9
+    assert not bench.engine.running
+    with pytest.raises(DeviceError, match="ended with an error"):
+        bench.engine.stop()
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="SCHED_FIFO is Linux")
+def test_a_loop_that_runs_away_is_demoted_and_goes_on():
+    """The kernel's signal for a real-time thread that never sleeps; its default would kill the process."""
+    bench = scripted(script(10))
+    before = signal.getsignal(signal.SIGXCPU)
+    try:
+        bench.engine.start()
+        signal.raise_signal(signal.SIGXCPU)
+        assert bench.engine.granted.recipe == "demoted"
+        assert bench.engine.running
+        ticks = bench.engine.ticks
+        time.sleep(0.2)
+        assert bench.engine.ticks > ticks
+    finally:
+        bench.engine.stop()
+        signal.signal(signal.SIGXCPU, before)
