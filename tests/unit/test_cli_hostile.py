@@ -84,7 +84,10 @@ def test_file_trouble_names_the_file(tmp_path: Path, capsys: pytest.CaptureFixtu
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGHUP, 129)])
 def test_signal_unwinds_the_stack(number: int, code: int) -> None:
     child = subprocess.Popen(
-        [sys.executable, "-c", STAND_IN.format(body=WAIT), "run"], stdout=subprocess.PIPE, text=True
+        [sys.executable, "-c", STAND_IN.format(body=WAIT), "run"],
+        stdout=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(number, signal.SIG_DFL),  # the tests themselves may run under nohup
     )
     assert child.stdout is not None
     assert child.stdout.readline() == "up\n"
