@@ -20,8 +20,8 @@ from mimics_app.contracts.errors import SceneError
 from mimics_app.world.gltf_file import load_gltf
 from tests.support.gltf_maker import glb, square
 
-SLOWEST_S = 2.0
-"""Of processor time: a hang is what is looked for, whatever else the machine does; the slowest takes a tenth of it."""
+HANG_S = 60.0
+"""Of processor time: a hang is what is looked for, not speed; work that grows with the square would take minutes."""
 
 ROOT = Path(__file__).parents[2]
 
@@ -400,7 +400,7 @@ def test_hostile_file_is_refused_with_its_place_and_soon(tmp_path, name):
     start = time.process_time()
     with pytest.raises(SceneError) as caught:
         load_gltf(path)
-    assert time.process_time() - start < SLOWEST_S
+    assert time.process_time() - start < HANG_S
     found = [(issue.pointer, issue.what) for issue in caught.value.issues]
     assert all(issue.file == str(path) for issue in caught.value.issues)
     assert any((not pointer or where.startswith(pointer)) and reason in what for where, what in found), found
