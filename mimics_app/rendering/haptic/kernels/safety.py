@@ -53,7 +53,6 @@ _DEVICE_FAULT = int(TripCause.DEVICE_FAULT)
 
 _TUNNEL_NOT_FINITE = int(TunnelStatus.NOT_FINITE)
 _FAULT = int(DeviceStatus.FAULT)
-_TUNNEL_NOT_FINITE = int(TunnelStatus.NOT_FINITE)
 _STOP_BUTTON = int(Button.STOP)
 _CONTROLLER_OFF = int(Controller.OFF)
 _ADMITTANCE = int(Controller.ADMITTANCE)
