@@ -1,0 +1,129 @@
+"""The haptic objects of a session as tuples of arrays that compiled code can take.
+
+    Rows          what the main thread wants: views into one slot of the parameter blocks, read only in the loop
+    ObjectWork    what the loop makes of it: motion, poses, contact memory, results
+
+Every kernel of the objects takes (rows, work, counts, ...), `counts` being SCENE.objects; rows beyond it mean nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import from_dtype, types
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic_objects import BODY, EFFECT, MAX_POINTS, MOTION, POINT, SHAPE, WIRE
+from mimics_app.rendering.haptic.kernels.objects.totals import TOTALS
+
+__all__ = ["OBJECT_WORK", "ROWS", "ObjectCapacities", "ObjectWork", "Rows", "new_object_work", "new_rows"]
+
+Records = NDArray[Any]
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectCapacities:
+    """Rows of each table, fixed when the session is built."""
+
+    shapes: int = 32
+    bodies: int = 8
+    effects: int = 16
+    wires: int = 32
+
+
+class Rows(NamedTuple):
+    """Rows of the main thread; dtypes of the same names in capitals."""
+
+    shapes: Records
+    bodies: Records
+    effects: Records
+    points: Records
+    wires: Records
+
+
+class ObjectWork(NamedTuple):
+    """Arrays of the loop alone.
+
+    Attributes:
+        motions: MOTION, shape [bodies].
+        point_positions: Interaction points of this tick, world [m], shape [MAX_POINTS, 3].
+        point_velocities: Likewise [m/s].
+        point_forces: What each point feels, without effects and grip, world [N], shape [MAX_POINTS, 3].
+        shape_rotations: World from shape, shape [shapes, 3, 3].
+        shape_positions: Origin of each shape, world [m], shape [shapes, 3].
+        bounds: Bounding spheres as rows x, y, z, radius [m], shape [4, shapes]; a radius < 0 is never touched (a
+            disabled shape), an infinite one always looked at (a wall).
+        aux_forces: F_aux of each body with what wires add, world [N], shape [bodies, 3].
+        aux_torques: T_aux likewise [N m].
+        totals: TOTALS, shape [1].
+    """
+
+    motions: Records
+    point_positions: NDArray[np.float64]
+    point_velocities: NDArray[np.float64]
+    point_forces: NDArray[np.float64]
+    shape_rotations: NDArray[np.float64]
+    shape_positions: NDArray[np.float64]
+    bounds: NDArray[np.float64]
+    aux_forces: NDArray[np.float64]
+    aux_torques: NDArray[np.float64]
+    totals: Records
+
+
+def new_rows(capacities: ObjectCapacities) -> Rows:
+    """Empty rows."""
+    return Rows(
+        shapes=np.zeros(capacities.shapes, SHAPE),
+        bodies=np.zeros(capacities.bodies, BODY),
+        effects=np.zeros(capacities.effects, EFFECT),
+        points=np.zeros(MAX_POINTS, POINT),
+        wires=np.zeros(capacities.wires, WIRE),
+    )
+
+
+def new_object_work(capacities: ObjectCapacities) -> ObjectWork:
+    """Fresh working arrays."""
+    shapes, bodies = capacities.shapes, capacities.bodies
+    return ObjectWork(
+        motions=np.zeros(bodies, MOTION),
+        point_positions=np.zeros((MAX_POINTS, 3)),
+        point_velocities=np.zeros((MAX_POINTS, 3)),
+        point_forces=np.zeros((MAX_POINTS, 3)),
+        shape_rotations=np.zeros((shapes, 3, 3)),
+        shape_positions=np.zeros((shapes, 3)),
+        bounds=np.zeros((4, shapes)),
+        aux_forces=np.zeros((bodies, 3)),
+        aux_torques=np.zeros((bodies, 3)),
+        totals=np.zeros(1, TOTALS),
+    )
+
+
+def _records(dtype: np.dtype[Any]) -> Any:
+    return from_dtype(dtype)[::1]
+
+
+_TABLE = types.float64[:, ::1]
+
+ROWS = types.NamedTuple(  # type: ignore[no-untyped-call]
+    [_records(SHAPE), _records(BODY), _records(EFFECT), _records(POINT), _records(WIRE)], Rows
+)
+"""Compiled type of `Rows`, field by field."""
+
+OBJECT_WORK = types.NamedTuple(  # type: ignore[no-untyped-call]
+    [
+        _records(MOTION),
+        _TABLE,
+        _TABLE,
+        _TABLE,
+        types.float64[:, :, ::1],
+        _TABLE,
+        _TABLE,
+        _TABLE,
+        _TABLE,
+        _records(TOTALS),
+    ],
+    ObjectWork,
+)
+"""Compiled type of `ObjectWork`, field by field."""
