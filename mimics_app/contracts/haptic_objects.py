@@ -25,6 +25,7 @@ __all__ = [
     "POINT",
     "SHAPE",
     "STATIC",
+    "WIRE",
     "BodyFlag",
     "EffectKind",
     "ForceLaw",
@@ -32,7 +33,6 @@ __all__ = [
     "ShapeKind",
     "SignalSource",
     "SignalTarget",
-    "WIRE",
 ]
 
 MAX_POINTS = 4
