@@ -1,8 +1,9 @@
 """Records of the haptic objects (D2.1 4.2.8-4.2.10): what the main thread tells the loop of them, and what they do.
 
-    SHAPE, BODY, EFFECT, POINT, WIRE   main -> loop   rows beside SCENE in the same triple buffer, so that all of one sequence
-                                                number are taken at one tick boundary; SCENE.objects counts rows in use
-    MOTION                       loop alone     how the bodies move; their poses travel beside the snapshot
+    SHAPE, BODY, EFFECT, POINT, WIRE
+              main -> loop   rows beside SCENE in the same triple buffer, so that all of one sequence number are taken
+                             at one tick boundary; SCENE.objects counts the rows in use
+    MOTION    loop alone     how the bodies move; their poses travel beside the snapshot
 
 A body is one haptic object; its shapes are what can be touched of it. A shape of no body belongs to the static scene.
 Shapes of kind WALL are half-spaces with their free side at local +z, as (16); the axis of a cylinder or capsule is
