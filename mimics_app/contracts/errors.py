@@ -85,9 +85,25 @@ class SceneError(MimicsError):
 
 
 class DeviceError(MimicsError):
-    """A device, a display or a sound output cannot be had."""
+    """A device, a display or a sound output cannot be had.
+
+    Args:
+        what: What is wrong.
+        fix: What to do.
+        file: Scene file that asks for the device, where one does.
+        pointer: JSON pointer of the place in it.
+    """
 
     exit_code = 4
+
+    def __init__(self, what: str, fix: str = "", file: str = "", pointer: str = "") -> None:
+        super().__init__(what, fix)
+        self._place = (file, pointer)
+
+    @property
+    def issues(self) -> list[Issue]:
+        """The error with the place that asked for the device."""
+        return [Issue(*self._place, self.what, self.fix)]
 
 
 class SafetyStop(MimicsError):

@@ -204,6 +204,7 @@ SAMPLE = np.dtype(
         ("grasp", "f8"),  # [N]
         ("buttons", "f8"),  # Button bits
         ("age", "f8"),  # of the device's data when read [s]
+        ("delay", "f8"),  # from a command to the data that shows it, as the device measures it [s]
         ("status", "f8"),  # DeviceStatus
         ("sequence", "f8"),  # SCENE block this tick used
         ("stop_word", "f8"),  # stop key as this tick saw it

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numba import types
@@ -28,6 +28,7 @@ __all__ = [
     "COMMAND_STATE",
     "DATA_AGE",
     "DATA_BUTTONS",
+    "DATA_DELAY",
     "DATA_DQ",
     "DATA_FORCE",
     "DATA_GRASP",
@@ -56,7 +57,10 @@ DATA_BUTTONS = 10
 """Button bits as a float."""
 DATA_AGE = 11
 """Age of this data when read [s]; 0 for data taken at the tick."""
-DATA_LENGTH = 12
+DATA_DELAY = 12
+"""Measured time from a command to the data that shows what it did, one tick less [s]; 0 where nothing is measured.
+The stability limit counts the larger of this and `DevicePlugin.delay`."""
+DATA_LENGTH = 13
 
 COMMAND_DQ = 0
 """Three joint velocities [m/s, rad/s, m/s]: what an admittance device follows."""
@@ -93,6 +97,10 @@ def _nothing() -> None:
     return None
 
 
+def _no_trouble() -> str:
+    return ""
+
+
 @dataclass(frozen=True, slots=True)
 class DevicePlugin:
     """A device as the loop sees it.
@@ -104,6 +112,9 @@ class DevicePlugin:
         memory: All the plug-in remembers, float64, shape [n]; changed in place by `read` and `write`.
         close: Called once after the loop has ended.
         delay: From a command to the motion it makes [s], for the stability limit: transport and servo lag.
+        follows: What in a command moves it: joint velocities (admittance), a force (impedance), or nothing.
+        real_time: True for a device with a time of its own: it cannot be run faster than the clock on the wall.
+        trouble: What is wrong with the device in words for a person, "" when nothing is; main thread only.
     """
 
     name: str
@@ -112,3 +123,6 @@ class DevicePlugin:
     memory: NDArray[np.float64]
     close: Callable[[], None] = _nothing
     delay: float = 0.0
+    follows: Literal["velocity", "force", "nothing"] = "velocity"
+    real_time: bool = False
+    trouble: Callable[[], str] = _no_trouble

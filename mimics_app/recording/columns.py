@@ -44,6 +44,7 @@ _UNITS: dict[str, str | tuple[str, ...]] = {
     "f_meas": "N",
     "grasp": "N",
     "age": "s",
+    "delay": "s",
     "period_s": "s",
     "hip_world": "m",
     "v_world": "m/s",

@@ -66,7 +66,7 @@ class Robot(Component, frozen=True):
     """The robot, or what stands in for it. Workspace figures are the HapticMaster's vendor demo constants."""
 
     device: Annotated[
-        str, Meta(description="simulated_hapticmaster, pointer, replay, or the name of an installed plug-in")
+        str, Meta(description="A name that mimics devices lists, with NAME:ADDRESS where it has an address")
     ] = "simulated_hapticmaster"
     settings: Annotated[dict[str, Any], Meta(description="Settings of a plug-in, as its own guide says")] = (
         msgspec.field(default_factory=dict)

@@ -72,3 +72,16 @@ def test_a_loop_that_runs_away_is_demoted_and_goes_on():
     finally:
         bench.engine.stop()
         signal.signal(signal.SIGXCPU, before)
+
+
+def test_a_stopped_engine_is_not_started_again_over_a_closed_device():
+    """Its descriptor may be another file's by now."""
+    closed: list[int] = []
+    bench = bench_of(DevicePlugin("once", read_until_fault, ignore, script(1).ravel(), lambda: closed.append(1)))
+    bench.engine.advance(3)
+    bench.engine.stop()
+    bench.engine.stop()
+    assert closed == [1]
+    for again in (bench.engine.start, lambda: bench.engine.advance(1)):
+        with pytest.raises(RuntimeError, match="closed"):
+            again()

@@ -121,3 +121,12 @@ def test_ball_may_have_any_name(tmp_path, capsys):
 def test_scene_that_no_scenario_plays_is_right_and_noted(tmp_path, capsys):
     assert main(["check", str(write(tmp_path, scene(thing("a"))))]) == 0
     assert "no scenario plays this scene" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("device", ["pointr", "pointer:somewhere"])
+def test_a_device_that_nobody_has_is_exit_code_4_with_its_place(tmp_path, capsys, device: str):
+    file = write(tmp_path, scene(thing("a", robot={"device": device})))
+    assert main(["check", str(file)]) == 4
+    told = capsys.readouterr().err
+    assert "scene.json#/entities/0/components/robot/device" in told
+    assert 'pointer"' in told

@@ -5,9 +5,12 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from mimics_app.contracts.errors import Issue, MimicsError, SceneError
+from mimics_app.contracts.errors import DeviceError, Issue, MimicsError
+
+if TYPE_CHECKING:
+    from mimics_app.world.scene import Scene
 
 __all__ = ["add_arguments", "run"]
 
@@ -20,26 +23,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Check the files; 0 when all are right, 3 when one is not, with one line for each error."""
+    """Check the files; 0 when all are right, 3 when one is not, 4 when only a device is; one line for each error."""
     findings: list[dict[str, Any]] = []
     issues: list[Issue] = []
+    code = 0
     for file in args.files:
         try:
             findings.append(_examine(file))
         except MimicsError as error:
             findings.append({"file": str(file), "ok": False})
+            code = error.exit_code if code in (0, DeviceError.exit_code) else code
             issues += [issue if issue.file else Issue(str(file), "", issue.what, issue.fix) for issue in error.issues]
     if args.json:
         from mimics_app.app.output import write_object
 
         errors = [{"file": i.file, "pointer": i.pointer, "what": i.what, "fix": i.fix} for i in issues]
         write_object("check", {"files": findings, "errors": errors})
-        return SceneError.exit_code if issues else 0
+        return code
     for finding in findings:
         sys.stdout.writelines(_lines(finding))
-    if issues:
-        raise SceneError(issues)
-    return 0
+    for issue in issues:
+        sys.stderr.write(f"mimics: {issue}\n")
+    return code
 
 
 def _examine(file: Path) -> dict[str, Any]:
@@ -59,6 +64,7 @@ def _examine(file: Path) -> dict[str, Any]:
     from mimics_app.world.scene_file import build_world
 
     scene = load_checked_scene(file)
+    _check_devices(scene)
     notes = list(scene.notes)
     if is_playable(scene):
         open_scenario(scene, build_world(scene))
@@ -66,6 +72,19 @@ def _examine(file: Path) -> dict[str, Any]:
         notes.append("no scenario plays this scene: mimics run refuses it")
     holds = {"entities": len(scene.entities), "materials": len(scene.materials), "assets": len(scene.assets)}
     return {"file": str(file), "ok": True, "kind": "scene", "hash": scene.hash, "holds": holds, "notes": notes}
+
+
+def _check_devices(scene: Scene) -> None:
+    """Raise the DeviceError of a robot whose device nobody has."""
+    from mimics_app.rendering.haptic.devices.registry import check_device_name
+    from mimics_app.world.components_haptic import Robot
+
+    for _, robot, pointer in scene.components(Robot):
+        try:
+            check_device_name(robot.device)
+        except DeviceError as error:
+            issue = scene.issue(f"{pointer}/device", error.what, error.fix)
+            raise DeviceError(issue.what, issue.fix, issue.file, issue.pointer) from error
 
 
 def _lines(finding: dict[str, Any]) -> list[str]:

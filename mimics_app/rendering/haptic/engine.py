@@ -153,10 +153,12 @@ class HapticEngine:
         """Run `ticks` ticks on the virtual clock, as fast as they go; return the ticks done in all.
 
         Raises:
-            RuntimeError: The live loop is running.
+            RuntimeError: The live loop is running, or the device is closed.
         """
         if self.running:
             raise RuntimeError("the live loop is running; stop() it before advance()")
+        if self._closed:
+            raise RuntimeError("the device is closed; build another engine")
         return int(advance_ticks(*self._loop_args, ticks, self._period_ns))
 
     def start(self) -> scheduler.Granted:
@@ -166,11 +168,13 @@ class HapticEngine:
         its GL context.
 
         Raises:
-            RuntimeError: Started already.
+            RuntimeError: Started already, or stopped for good: the device is closed.
             DeviceError: The thread could not be started.
         """
         if self.running:
             raise RuntimeError("the live loop is running already")
+        if self._closed:
+            raise RuntimeError("the device is closed; build another engine")
         if sys.platform.startswith("linux") and threading.current_thread() is threading.main_thread():
             signal.signal(signal.SIGXCPU, self._demote)
         self._memory.control[ControlWord.QUIT] = 0

@@ -326,6 +326,7 @@ def replay_recorded(
         data[9] = row.grasp
         data[10] = row.buttons
         data[11] = row.age
+        data[12] = row.delay
         out = outputs[k]
         status = int(row.status)
         stop_word, held = int(row.stop_word), int(row.held)

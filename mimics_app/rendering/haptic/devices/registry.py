@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import DeviceError, nearest
 from mimics_app.contracts.loop_ports import DevicePlugin
+from mimics_app.rendering.haptic.devices.address import split_device
 from mimics_app.rendering.haptic.devices.pointer import build_pointer
 from mimics_app.rendering.haptic.devices.replay import build_replay
 from mimics_app.rendering.haptic.devices.request import DeviceBuilder, DeviceRequest
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
     from mimics_app.world.components_haptic import Patient, Robot
 
-__all__ = ["BUILT_IN", "ENTRY_POINT_GROUP", "build_device", "device_names", "find_builder"]
+__all__ = ["BUILT_IN", "ENTRY_POINT_GROUP", "build_device", "check_device_name", "device_names", "find_builder"]
 
 ENTRY_POINT_GROUP = "mimics_app.devices"
 
@@ -30,6 +31,9 @@ BUILT_IN: dict[str, DeviceBuilder] = {
     "replay": build_replay,
 }
 """Devices that come with the product. A plug-in cannot take one of these names."""
+
+_ADDRESSES = {"simulated_hapticmaster": "", "pointer": "", "replay": ""}
+"""What stands behind the colon of a built-in device's name; "": nothing may. Plug-ins judge theirs themselves."""
 
 
 def _installed() -> dict[str, EntryPoint]:
@@ -61,6 +65,21 @@ def find_builder(name: str) -> DeviceBuilder:
     return builder
 
 
+def check_device_name(text: str) -> None:
+    """Whether NAME or NAME:ADDRESS, as `robot.device` and `--device` have it, can be asked for. Opens nothing.
+
+    Raises:
+        DeviceError: No device of that name, its plug-in cannot be imported, or the address is missing or one too many.
+    """
+    device = split_device(text)
+    find_builder(device.name)
+    wanted = _ADDRESSES.get(device.name)
+    if wanted == "" and device.address:
+        raise DeviceError(f'"{device.name}" is in this program: it has no address', f'write "{device.name}"')
+    if wanted and not device.address:
+        raise DeviceError(f'"{device.name}" needs an address', f"write {device.name}:{wanted}")
+
+
 def build_device(
     robot: Robot,
     patient: Patient | None = None,
@@ -74,7 +93,7 @@ def build_device(
     """Build the device a scene asks for.
 
     Args:
-        robot: The scene's robot component.
+        robot: The scene's robot component; `device` is NAME or NAME:ADDRESS.
         patient: The scene's patient component, for simulated robots.
         via_points_world: Points the simulated person means to pass, world [m], shape [n, 3]; dense enough that straight
             lines between them are good enough (the bisector at 50 or more parameters).
@@ -95,5 +114,7 @@ def build_device(
         rate=rate,
         start_joints=start_joints,
         samples=samples,
+        address=split_device(robot.device).address,
     )
-    return find_builder(robot.device)(request)
+    check_device_name(robot.device)
+    return find_builder(split_device(robot.device).name)(request)

@@ -47,6 +47,6 @@ def build_replay(request: DeviceRequest) -> DevicePlugin:
     memory[:, 0:3] = samples["q"]
     memory[:, 3:6] = samples["dq"]
     memory[:, 6:9] = samples["f_meas"]
-    for column, name in enumerate(("grasp", "buttons", "age", "status"), start=9):
+    for column, name in enumerate(("grasp", "buttons", "age", "delay", "status"), start=9):
         memory[:, column] = samples[name]
-    return DevicePlugin("replay", read_recorded, ignore_command, memory.ravel())
+    return DevicePlugin("replay", read_recorded, ignore_command, memory.ravel(), follows="nothing")

@@ -33,6 +33,7 @@ class DeviceRequest:
         rate: Ticks per second.
         start_joints: Where a simulated robot stands at first [m, rad, m].
         samples: SAMPLE rows for the replay device.
+        address: Where the device is, as the person wrote it after the name's colon; "" when nothing was said.
     """
 
     robot: Robot
@@ -42,6 +43,7 @@ class DeviceRequest:
     rate: int = 1000
     start_joints: tuple[float, float, float] = (0.0, 0.0, 0.0)
     samples: NDArray[Any] | None = None
+    address: str = ""
 
 
 DeviceBuilder = Callable[[DeviceRequest], DevicePlugin]

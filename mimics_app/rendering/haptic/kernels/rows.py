@@ -16,6 +16,7 @@ from mimics_app.contracts.loop_ports import (
     COMMAND_STATE,
     DATA_AGE,
     DATA_BUTTONS,
+    DATA_DELAY,
     DATA_DQ,
     DATA_FORCE,
     DATA_GRASP,
@@ -54,6 +55,7 @@ def write_inputs(
     row.grasp = data[DATA_GRASP]
     row.buttons = data[DATA_BUTTONS]
     row.age = data[DATA_AGE]
+    row.delay = data[DATA_DELAY]
     row.status = float(status)
     row.sequence = float(state.sequence)
     row.stop_word = float(stop_word)

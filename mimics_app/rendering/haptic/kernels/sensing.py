@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import DeviceStatus
 from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.loop_ports import DATA_AGE, DATA_BUTTONS, DATA_DQ, DATA_FORCE, DATA_GRASP, DATA_Q
+from mimics_app.contracts.loop_ports import DATA_AGE, DATA_BUTTONS, DATA_DELAY, DATA_DQ, DATA_FORCE, DATA_GRASP, DATA_Q
 from mimics_app.rendering.haptic.kernels.kinematics import apply_jacobian, forward, tool_to_robot
 from mimics_app.rendering.haptic.kernels.vectors import copy, fill, rotate
 
@@ -48,6 +48,7 @@ def take_data(scene: Any, state: Any, data: Vec, status: int, dt: float) -> None
         state.grasp = data[DATA_GRASP]
         state.buttons = int(data[DATA_BUTTONS])
         state.age = max(0.0, data[DATA_AGE])
+        state.delay = data[DATA_DELAY]
         state.answered = 1
     else:
         state.readable = 0

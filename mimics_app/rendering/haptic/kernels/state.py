@@ -28,6 +28,7 @@ STATE = np.dtype(
         ("stale", "i8"),  # 1 while the data is older than stale_warn
         ("ramp", "f8"),  # soft-start factor 0-1
         ("age", "f8"),  # of the device data [s]
+        ("delay", "f8"),  # from a command to the data that shows it, as last measured [s]
         # what changed in this tick
         ("state_changed", "i8"),
         ("tripped", "i8"),

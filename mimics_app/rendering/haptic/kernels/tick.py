@@ -88,7 +88,7 @@ def _watch_margin(scene: Any, state: Any, period: float) -> None:
     tunnel = scene.tunnel
     damping = scene.virtual_damping + scene.arm_damping + tunnel.damping
     state.period = period
-    state.stiffness_limit = stiffness_limit(damping, period, scene.device_delay)
+    state.stiffness_limit = stiffness_limit(damping, period, max(scene.device_delay, state.delay))
     stiffness = tunnel.stiffness + tunnel.centring if tunnel.pieces > 0 else 0.0
     state.margin = margin_of(state.stiffness_limit, stiffness)
     felt = state.safety == _ACTIVE or state.safety == _DEGRADED

@@ -1,0 +1,108 @@
+"""Bytes in and out of an open descriptor (serial line, socket) from compiled code, without waiting and without errno.
+
+As in `contracts.atomics` every function has a plain Python meaning and a machine meaning by the C library's symbol, so
+that what calls them can be cached on disk. The descriptor must be non-blocking. Whether the other end still exists is
+asked of `poll`: the result of a read alone does not tell a quiet line from a dead one on every system.
+"""
+
+from __future__ import annotations
+
+import os
+import select
+import socket
+
+import numpy as np
+from numba import types
+from numba.extending import overload
+from numpy.typing import NDArray
+
+__all__ = ["HUNG_UP", "QUIET", "READABLE", "look_at", "read_bytes", "receive_bytes", "send_bytes", "write_bytes"]
+
+Bytes = NDArray[np.uint8]
+
+QUIET, READABLE, HUNG_UP = 0, 1, 2
+"""What `look_at` sees."""
+
+_IN = 0x001
+_GONE = 0x008 | 0x010 | 0x020
+"""POLLERR, POLLHUP, POLLNVAL; the same on Linux and macOS."""
+
+_DONT_WAIT = int(getattr(socket, "MSG_DONTWAIT", 0))
+_NO_SIGNAL = int(getattr(socket, "MSG_NOSIGNAL", 0))
+
+_poll = types.ExternalFunction("poll", types.int32(types.uintp, types.uintp, types.int32))
+_read = types.ExternalFunction("read", types.intp(types.int32, types.uintp, types.uintp))
+_write = types.ExternalFunction("write", types.intp(types.int32, types.uintp, types.uintp))
+_recv = types.ExternalFunction("recv", types.intp(types.int32, types.uintp, types.uintp, types.int32))
+_send = types.ExternalFunction("send", types.intp(types.int32, types.uintp, types.uintp, types.int32))
+
+
+def look_at(fd: int, request: NDArray[np.int32]) -> int:
+    """QUIET, READABLE or HUNG_UP, at once; `request` is scratch, shape [2]."""
+    poller = select.poll()
+    poller.register(fd, select.POLLIN)
+    seen = dict(poller.poll(0)).get(fd, 0)
+    return HUNG_UP if seen & _GONE else READABLE if seen & _IN else QUIET
+
+
+def read_bytes(fd: int, buffer: Bytes, start: int, count: int) -> int:
+    """Read at most `count` bytes into buffer[start:]; how many, 0 at an end, -1 when there are none now."""
+    try:
+        got = os.read(fd, count)
+    except OSError:
+        return -1
+    buffer[start : start + len(got)] = np.frombuffer(got, np.uint8)
+    return len(got)
+
+
+def write_bytes(fd: int, buffer: Bytes, start: int, count: int) -> int:
+    """Write buffer[start : start + count]; how many were taken, -1 when none could be."""
+    try:
+        return os.write(fd, buffer[start : start + count].tobytes())
+    except OSError:
+        return -1
+
+
+def receive_bytes(fd: int, buffer: Bytes, start: int, count: int) -> int:
+    """`read_bytes` of a socket: 0 says that the other side has closed it."""
+    return read_bytes(fd, buffer, start, count)
+
+
+def send_bytes(fd: int, buffer: Bytes, start: int, count: int) -> int:
+    """`write_bytes` of a socket; a closed one is -1, never a signal."""
+    return write_bytes(fd, buffer, start, count)
+
+
+@overload(look_at)
+def _overload_look_at(fd, request):
+    def machine(fd, request):
+        request[0] = fd
+        request[1] = _IN  # events in the low half, what was seen in the high one
+        if _poll(request.ctypes.data, 1, 0) < 1:
+            return QUIET
+        seen = (request[1] >> 16) & 0xFFFF
+        if seen & _GONE:
+            return HUNG_UP
+        return READABLE if seen & _IN else QUIET
+
+    return machine
+
+
+@overload(read_bytes)
+def _overload_read_bytes(fd, buffer, start, count):
+    return lambda fd, buffer, start, count: _read(fd, buffer.ctypes.data + start, count)
+
+
+@overload(write_bytes)
+def _overload_write_bytes(fd, buffer, start, count):
+    return lambda fd, buffer, start, count: _write(fd, buffer.ctypes.data + start, count)
+
+
+@overload(receive_bytes)
+def _overload_receive_bytes(fd, buffer, start, count):
+    return lambda fd, buffer, start, count: _recv(fd, buffer.ctypes.data + start, count, _DONT_WAIT)
+
+
+@overload(send_bytes)
+def _overload_send_bytes(fd, buffer, start, count):
+    return lambda fd, buffer, start, count: _send(fd, buffer.ctypes.data + start, count, _DONT_WAIT | _NO_SIGNAL)
