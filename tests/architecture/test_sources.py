@@ -22,6 +22,7 @@ KERNELS_MAY_IMPORT = (
     "mimics_app.maths",
     "mimics_app.contracts.atomics",
     "mimics_app.contracts.haptic",
+    "mimics_app.contracts.haptic_objects",
     "mimics_app.contracts.kernel",
     "mimics_app.contracts.loop_ports",
     "mimics_app.contracts.ring",

@@ -16,6 +16,7 @@ from numba import from_dtype, types
 from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic_objects import BODY, EFFECT, MAX_POINTS, MOTION, POINT, SHAPE, WIRE
+from mimics_app.rendering.haptic.kernels.objects.grip import GRIP, new_grip
 from mimics_app.rendering.haptic.kernels.objects.totals import TOTALS
 
 __all__ = ["OBJECT_WORK", "ROWS", "ObjectCapacities", "ObjectWork", "Rows", "new_object_work", "new_rows"]
@@ -58,6 +59,7 @@ class ObjectWork(NamedTuple):
         aux_forces: F_aux of each body with what wires add, world [N], shape [bodies, 3].
         aux_torques: T_aux likewise [N m].
         totals: TOTALS, shape [1].
+        grip: GRIP, shape [1].
     """
 
     motions: Records
@@ -70,6 +72,7 @@ class ObjectWork(NamedTuple):
     aux_forces: NDArray[np.float64]
     aux_torques: NDArray[np.float64]
     totals: Records
+    grip: Records
 
 
 def new_rows(capacities: ObjectCapacities) -> Rows:
@@ -97,6 +100,7 @@ def new_object_work(capacities: ObjectCapacities) -> ObjectWork:
         aux_forces=np.zeros((bodies, 3)),
         aux_torques=np.zeros((bodies, 3)),
         totals=np.zeros(1, TOTALS),
+        grip=new_grip(),
     )
 
 
@@ -123,6 +127,7 @@ OBJECT_WORK = types.NamedTuple(  # type: ignore[no-untyped-call]
         _TABLE,
         _TABLE,
         _records(TOTALS),
+        _records(GRIP),
     ],
     ObjectWork,
 )

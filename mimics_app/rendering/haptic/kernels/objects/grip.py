@@ -1,0 +1,403 @@
+"""Two fingers that hold a body between them: friction carries it, and its weight and inertia are felt.
+
+The fingers stand on both sides of the hand on one axis u and press inwards with the grasp force N. Each sticks to a
+point of the body by a spring and damper of the body's own surface; across u its force stays within the cone mu f of its
+normal force f and slips beyond it (Hayward and Armstrong 2000), so both together carry 2 mu N. Along u the body hangs
+between two springs: the finger it is pushed into presses with N + k d + b d', the other with N - k d - b d', never less
+than nothing. Twisting about u is held by the patches of contact, up to 2/3 mu f times their radius (a patch of even
+pressure, Coulomb). What the body feels the user feels with the opposite sign.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic_objects import BodyFlag, ShapeKind
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.friction import FRICTION, forget_friction, hayward_armstrong
+
+__all__ = ["GRIP", "grip_bodies", "new_grip"]
+
+Vec = NDArray[np.float64]
+
+GRIP = np.dtype(
+    [
+        ("body", "i8"),  # row of the body held, -1: none
+        ("spawn", "i8"),  # of that body when it was taken; another one lets go
+        ("crushed", "i8"),  # row of the body pressed beyond its crush_force in this grip, -1: none
+        ("slipping", "i8"),  # 1 while a finger slips
+        ("half_width", "f8"),  # of the body along the axis when it was taken [m]
+        ("offset", "f8"),  # of its middle from the hand's, along the axis; the closing fingers bring it to 0 [m]
+        ("twist", "f8"),  # angle about the axis that the patches of contact hold [rad]
+        ("contact_a", "f8", (3,)),  # where the finger at -u sticks, body frame [m]
+        ("contact_b", "f8", (3,)),  # where the finger at +u sticks
+        ("friction_a", FRICTION),
+        ("friction_b", FRICTION),
+        # of this tick
+        ("axis", "f8", (3,)),  # u, world, unit
+        ("across", "f8", (2, 3)),  # two unit vectors that make it a right-handed frame
+        ("centre", "f8", (3,)),  # between the fingers, world [m]
+        ("velocity", "f8", (3,)),  # of the hand [m/s]
+        ("low", "f8"),  # extent of the body along u from the hand's middle [m]
+        ("high", "f8"),
+        ("place", "f8", (3,)),  # scratch: a contact point, from the body's centre of mass, world
+        ("moving", "f8", (3,)),  # scratch: its velocity against the hand
+        ("force", "f8", (3,)),  # scratch: of one finger on the body
+        ("shift", "f8", (2,)),  # scratch: across the axis
+        ("hold", "f8", (2,)),  # scratch
+    ],
+    align=True,
+)
+"""One hand's grip. The first eleven fields outlive a tick."""
+
+_TAKE_FORCE = 0.3
+"""Grasp force from which the fingers count as closed [N]."""
+_RELEASE_FORCE = 0.15
+"""Grasp force below which they are open again [N]: no chatter at the border."""
+_TAKE_REACH = 0.7
+"""The body's middle must lie this near to the fingers' axis to be taken, in half widths."""
+_LOSE_REACH = 1.0
+"""Farther from the axis than this the fingers have slipped off, in half widths."""
+_CENTRING_TIME = 0.1
+"""With which closing fingers bring the body to their middle [s]."""
+_PATCH_RADIUS = 0.3
+"""Of the contact patch of a finger, in half widths."""
+_PATCH_TIME = 0.02
+"""Damping of a patch against twisting, over its stiffness [s]: the flesh of a fingertip swings hardly at all."""
+_PATCH_ARM = 2.0 / 3.0
+"""Mean arm of Coulomb friction over a disc of even pressure, in radii."""
+
+_SPHERE = int(ShapeKind.SPHERE)
+_BOX = int(ShapeKind.BOX)
+_CYLINDER = int(ShapeKind.CYLINDER)
+_CAPSULE = int(ShapeKind.CAPSULE)
+_WALL = int(ShapeKind.WALL)
+_FORCE_ON = int(BodyFlag.FORCE_ON_OBJECT)
+_TORQUE_ON = int(BodyFlag.TORQUE_ON_OBJECT)
+
+
+def new_grip() -> NDArray[np.void]:
+    """A hand that holds nothing, shape [1]."""
+    grip = np.zeros(1, GRIP)
+    grip["body"] = -1
+    grip["crushed"] = -1
+    return grip
+
+
+@kernel
+def _dot(a: Vec, b: Vec) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@kernel
+def _find_hand(rows: Any, work: Any, counts: Any, grip: Any) -> None:
+    """Where the fingers are: the first two interaction points, or both sides of the only one along the world's x."""
+    two = counts.points > 1 and rows.points[0].enabled != 0 and rows.points[1].enabled != 0
+    last = 1 if two else 0
+    length = 0.0
+    for i in range(3):
+        first = work.point_positions[0, i]
+        grip.centre[i] = 0.5 * (first + work.point_positions[last, i])
+        grip.velocity[i] = 0.5 * (work.point_velocities[0, i] + work.point_velocities[last, i])
+        grip.axis[i] = work.point_positions[last, i] - first
+        length += grip.axis[i] * grip.axis[i]
+    length = math.sqrt(length)
+    for i in range(3):
+        grip.axis[i] = grip.axis[i] / length if length > 0.0 else (1.0 if i == 0 else 0.0)
+    _complete_frame(grip.axis, grip.across)
+
+
+@kernel
+def _complete_frame(u: Vec, across: Any) -> None:
+    """Two unit vectors across u: the first lies level where u is not upright."""
+    level = math.sqrt(u[0] * u[0] + u[2] * u[2])
+    if level > 0.1:
+        across[0, 0], across[0, 1], across[0, 2] = -u[2] / level, 0.0, u[0] / level
+    else:
+        size = math.sqrt(u[0] * u[0] + u[1] * u[1])
+        across[0, 0], across[0, 1], across[0, 2] = u[1] / size, -u[0] / size, 0.0
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        across[1, i] = u[j] * across[0, k] - u[k] * across[0, j]
+
+
+@kernel
+def _half_extent(shape: Any, R: Any, radius: float, u: Vec) -> float:
+    """How far a shape reaches from its middle along u [m]; a mesh as far as its bounding sphere.
+
+    Args:
+        shape: SHAPE record.
+        R: World from shape, shape [3, 3].
+        radius: Of its bounding sphere [m].
+        u: Unit direction, world.
+    """
+    along = abs(R[0, 1] * u[0] + R[1, 1] * u[1] + R[2, 1] * u[2])
+    if shape.kind == _SPHERE:
+        return shape.size[0]
+    if shape.kind == _CAPSULE:
+        return shape.size[0] + 0.5 * shape.size[1] * along
+    if shape.kind == _CYLINDER:
+        return 0.5 * shape.size[1] * along + shape.size[0] * math.sqrt(max(0.0, 1.0 - along * along))
+    if shape.kind != _BOX:
+        return radius
+    extent = 0.0
+    for axis in range(3):
+        extent += 0.5 * shape.size[axis] * abs(R[0, axis] * u[0] + R[1, axis] * u[1] + R[2, axis] * u[2])
+    return extent
+
+
+@kernel
+def _measure(rows: Any, work: Any, counts: Any, body: int, grip: Any) -> int:
+    """Extent of a body along the axis, into grip.low and grip.high.
+
+    Returns:
+        The first of its shapes, whose surface the fingers feel; -1 where it has none.
+    """
+    surface = -1
+    for k in range(counts.shapes):
+        shape = rows.shapes[k]
+        if shape.body != body or shape.enabled == 0 or shape.kind == _WALL:
+            continue
+        middle = 0.0
+        for i in range(3):
+            middle += (work.shape_positions[k, i] - grip.centre[i]) * grip.axis[i]
+        extent = _half_extent(shape, work.shape_rotations[k], work.bounds[3, k], grip.axis)
+        if surface < 0:
+            surface = k
+            grip.low = middle - extent
+            grip.high = middle + extent
+        grip.low = min(grip.low, middle - extent)
+        grip.high = max(grip.high, middle + extent)
+    return surface
+
+
+@kernel
+def _distance_across(motion: Any, grip: Any) -> float:
+    """Of the body's centre of mass from the fingers' axis [m]."""
+    square = 0.0
+    for axis in range(2):
+        part = 0.0
+        for i in range(3):
+            part += (motion.centre[i] - grip.centre[i]) * grip.across[axis, i]
+        square += part * part
+    return math.sqrt(square)
+
+
+@kernel
+def _span(rows: Any, counts: Any) -> float:
+    """Half the distance between the fingers [m]; 0 for a single point."""
+    if counts.points < 2 or rows.points[0].enabled == 0 or rows.points[1].enabled == 0:
+        return 0.0
+    square = 0.0
+    for i in range(3):
+        gap = rows.points[1].offset[i] - rows.points[0].offset[i]
+        square += gap * gap
+    return 0.5 * math.sqrt(square)
+
+
+@kernel
+def _seek(rows: Any, work: Any, counts: Any, grip: Any) -> None:
+    """Close the fingers: take the first body that lies between them."""
+    span = _span(rows, counts)
+    for body in range(counts.bodies):
+        if rows.bodies[body].grip == 0 or _measure(rows, work, counts, body, grip) < 0:
+            continue
+        half = 0.5 * (grip.high - grip.low)
+        offset = 0.5 * (grip.high + grip.low)
+        if _distance_across(work.motions[body], grip) > _TAKE_REACH * half or abs(offset) > max(
+            0.5 * half, span - half
+        ):
+            continue
+        grip.body = body
+        grip.spawn = rows.bodies[body].spawn
+        grip.crushed = -1
+        grip.half_width = half
+        grip.offset = offset
+        grip.twist = 0.0
+        _stick(work.motions[body], grip, grip.low, grip.contact_a)
+        _stick(work.motions[body], grip, grip.high, grip.contact_b)
+        forget_friction(grip.friction_a)
+        forget_friction(grip.friction_b)
+        grip.friction_a.sticking = 1
+        grip.friction_b.sticking = 1
+        return
+
+
+@kernel
+def _stick(motion: Any, grip: Any, along: float, contact: Vec) -> None:
+    """Where a finger meets the body: on the axis, `along` from the hand's middle; in the body's frame."""
+    for i in range(3):
+        grip.place[i] = grip.centre[i] + along * grip.axis[i] - motion.position[i]
+    for i in range(3):
+        contact[i] = 0.0
+        for j in range(3):
+            contact[i] += motion.rotation[j, i] * grip.place[j]
+
+
+@kernel
+def _locate(motion: Any, grip: Any, contact: Vec) -> None:
+    """A contact point: into grip.place from the centre of mass, into grip.moving its velocity against the hand."""
+    for i in range(3):
+        grip.place[i] = motion.position[i] - motion.centre[i]
+        for j in range(3):
+            grip.place[i] += motion.rotation[i, j] * contact[j]
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        spin = motion.omega[j] * grip.place[k] - motion.omega[k] * grip.place[j]
+        grip.moving[i] = motion.velocity[i] + spin - grip.velocity[i]
+
+
+@kernel
+def _press(motion: Any, grip: Any, k: float, b: float) -> float:
+    """Push k d + b d' [N] of the body's middle along the axis against the hand's."""
+    d = 0.0
+    rate = 0.0
+    _locate(motion, grip, grip.contact_a)
+    for i in range(3):
+        d += 0.5 * (motion.centre[i] + grip.place[i] - grip.centre[i]) * grip.axis[i]
+        rate += 0.5 * grip.moving[i] * grip.axis[i]
+    _locate(motion, grip, grip.contact_b)
+    for i in range(3):
+        d += 0.5 * (motion.centre[i] + grip.place[i] - grip.centre[i]) * grip.axis[i]
+        rate += 0.5 * grip.moving[i] * grip.axis[i]
+    return k * (d - grip.offset) + b * rate
+
+
+@kernel
+def _hold_with(
+    surface: Any, motion: Any, grip: Any, contact: Vec, friction: Any, normal_force: float, side: float, k: float
+) -> None:
+    """One finger's force on the body: its push along the axis, and its friction across it; added to the motion.
+
+    Args:
+        surface: SHAPE record of what it touches.
+        motion: MOTION record of the body.
+        grip: GRIP record.
+        contact: Where it sticks, body frame [m]; dragged along where it slips.
+        friction: FRICTION record of this finger.
+        normal_force: f [N] >= 0.
+        side: +1 for the finger at +u, which pushes towards -u.
+        k: Stiffness across the axis [N/m] > 0.
+    """
+    _locate(motion, grip, contact)
+    for axis in range(2):
+        grip.shift[axis] = 0.0
+        for i in range(3):
+            away = motion.centre[i] + grip.place[i] - grip.centre[i] + surface.damping / k * grip.moving[i]
+            grip.shift[axis] += away * grip.across[axis, i]
+    mu = surface.friction_static if friction.sticking != 0 else surface.friction_dynamic
+    friction.touching = 1
+    for axis in range(2):
+        friction.anchor[axis] = 0.0
+    hayward_armstrong(grip.shift, normal_force, mu, k, friction, grip.hold)
+    if friction.touching == 0:  # a finger in the air takes its contact point with it
+        friction.anchor[0], friction.anchor[1] = grip.shift[0], grip.shift[1]
+    for i in range(3):
+        grip.force[i] = -side * normal_force * grip.axis[i]
+        slip = 0.0
+        for axis in range(2):
+            grip.force[i] += grip.hold[axis] * grip.across[axis, i]
+            slip += friction.anchor[axis] * grip.across[axis, i]
+        grip.moving[i] = slip
+    for i in range(3):  # the body point that the finger holds moves against the body by what slipped
+        for j in range(3):
+            contact[i] -= motion.rotation[j, i] * grip.moving[j]
+    grip.slipping |= 1 if friction.sticking == 0 else 0
+
+
+@kernel
+def _add(body: Any, motion: Any, grip: Any, totals: Any) -> None:
+    """One finger's force to the body's and, the other way round, to the user's."""
+    for i in range(3):
+        j, m = (i + 1) % 3, (i + 2) % 3
+        if body.flags & _FORCE_ON:
+            motion.force[i] += grip.force[i]
+        if body.flags & _TORQUE_ON:
+            motion.torque[i] += grip.place[j] * grip.force[m] - grip.place[m] * grip.force[j]
+        motion.force_user[i] -= grip.force[i]
+        totals.grip_force[i] -= grip.force[i]
+
+
+@kernel
+def _hold_twist(surface: Any, body: Any, motion: Any, grip: Any, pressed: float, k: float, dt: float) -> None:
+    """The patches of contact against turning about the axis: a spring and damper that slips at its Coulomb torque."""
+    radius = _PATCH_RADIUS * grip.half_width
+    stiffness = 2.0 * k * radius * radius
+    lag = _PATCH_TIME * _dot(motion.omega, grip.axis)
+    most = surface.friction_dynamic * pressed * _PATCH_ARM * radius
+    grip.twist += lag / _PATCH_TIME * dt
+    torque = -stiffness * (grip.twist + lag)
+    if abs(torque) > most:
+        torque = math.copysign(most, torque)
+        grip.twist = -torque / stiffness - lag
+    if body.flags & _TORQUE_ON:
+        for i in range(3):
+            motion.torque[i] += torque * grip.axis[i]
+
+
+@kernel
+def _let_go(grip: Any) -> None:
+    grip.body = -1
+    grip.slipping = 0
+
+
+@kernel
+def grip_bodies(rows: Any, work: Any, counts: Any, grasp: float, dt: float) -> None:
+    """Let the fingers take, hold and lose bodies for one tick.
+
+    Adds to totals.grip_force, totals.stiffness and totals.damping, to force, torque and force_user of the body held,
+    and names it in totals.held. A body without friction cannot be held; one that is put back to its start is let go.
+
+    Args:
+        rows: Tables of the main thread; bodies with `grip` set can be held, `crush_force` bruises them.
+        work: Working arrays; its `grip` is a GRIP record, shape [1].
+        counts: OBJECT_COUNTS record.
+        grasp: Force between the fingers [N].
+        dt: Tick [s].
+    """
+    grip = work.grip[0]
+    if counts.points == 0 or counts.bodies == 0 or (grip.body < 0 and not grasp >= _TAKE_FORCE):
+        _let_go(grip)
+        return
+    _find_hand(rows, work, counts, grip)
+    if grip.body < 0:
+        _seek(rows, work, counts, grip)
+    if grip.body < 0:
+        return
+    if not grasp >= _RELEASE_FORCE or grip.body >= counts.bodies:
+        _let_go(grip)
+        return
+    body = rows.bodies[grip.body]
+    motion = work.motions[grip.body]
+    surface_row = _measure(rows, work, counts, grip.body, grip)
+    lost = _distance_across(motion, grip) > _LOSE_REACH * grip.half_width
+    if lost or surface_row < 0 or body.spawn != grip.spawn or body.grip == 0:
+        _let_go(grip)
+        return
+    surface = rows.shapes[surface_row]
+    k = surface.friction_stiffness if surface.friction_stiffness > 0.0 else surface.stiffness
+    if not k > 0.0:
+        _let_go(grip)
+        return
+    totals = work.totals[0]
+    grip.offset *= math.exp(-dt / _CENTRING_TIME)
+    grip.slipping = 0
+    share = _press(motion, grip, k, surface.damping)
+    press_a = max(0.0, grasp - share)
+    press_b = max(0.0, grasp + share)
+    _hold_with(surface, motion, grip, grip.contact_a, grip.friction_a, press_a, -1.0, k)
+    _add(body, motion, grip, totals)
+    _hold_with(surface, motion, grip, grip.contact_b, grip.friction_b, press_b, 1.0, k)
+    _add(body, motion, grip, totals)
+    _hold_twist(surface, body, motion, grip, press_a + press_b, k, dt)
+    motion.asleep = 0
+    motion.quiet_ticks = 0
+    if body.crush_force > 0.0 and grasp > body.crush_force:
+        grip.crushed = grip.body
+    totals.stiffness += 2.0 * k
+    totals.damping += 2.0 * surface.damping
+    totals.held = grip.body
