@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic_objects import BODY, EFFECT, MAX_POINTS, MOTION, POINT, SHAPE, WIRE
 from mimics_app.rendering.haptic.kernels.objects.grip import GRIP, new_grip
+from mimics_app.rendering.haptic.kernels.objects.inertia import DYNAMICS
+from mimics_app.rendering.haptic.kernels.objects.poses import TRACKING
 from mimics_app.rendering.haptic.kernels.objects.totals import TOTALS
 
 __all__ = ["OBJECT_WORK", "ROWS", "ObjectCapacities", "ObjectWork", "Rows", "new_object_work", "new_rows"]
@@ -60,6 +62,10 @@ class ObjectWork(NamedTuple):
         aux_torques: T_aux likewise [N m].
         totals: TOTALS, shape [1].
         grip: GRIP, shape [1].
+        dynamics: DYNAMICS, shape [bodies].
+        tracking: TRACKING, shape [1].
+        local_rotations: Body from shape, shape [shapes, 3, 3].
+        moving_shapes: Rows of the shapes of bodies; TRACKING.moving says how many, shape [shapes].
     """
 
     motions: Records
@@ -73,6 +79,10 @@ class ObjectWork(NamedTuple):
     aux_torques: NDArray[np.float64]
     totals: Records
     grip: Records
+    dynamics: Records
+    tracking: Records
+    local_rotations: NDArray[np.float64]
+    moving_shapes: NDArray[np.int64]
 
 
 def new_rows(capacities: ObjectCapacities) -> Rows:
@@ -101,6 +111,10 @@ def new_object_work(capacities: ObjectCapacities) -> ObjectWork:
         aux_torques=np.zeros((bodies, 3)),
         totals=np.zeros(1, TOTALS),
         grip=new_grip(),
+        dynamics=np.zeros(bodies, DYNAMICS),
+        tracking=np.zeros(1, TRACKING),
+        local_rotations=np.zeros((shapes, 3, 3)),
+        moving_shapes=np.zeros(shapes, np.int64),
     )
 
 
@@ -128,6 +142,10 @@ OBJECT_WORK = types.NamedTuple(  # type: ignore[no-untyped-call]
         _TABLE,
         _records(TOTALS),
         _records(GRIP),
+        _records(DYNAMICS),
+        _records(TRACKING),
+        types.float64[:, :, ::1],
+        types.int64[::1],
     ],
     ObjectWork,
 )

@@ -20,6 +20,7 @@ import math
 from mimics_app.contracts.kernel import kernel
 
 __all__ = [
+    "free_responses",
     "step_exact",
     "step_explicit",
     "step_free",
@@ -140,6 +141,20 @@ def _responses_by_series(damping: float, stiffness: float) -> tuple[float, float
         before, now = now, -damping * now - stiffness * before
         weight /= n - 1
     return p, s, s_rate
+
+
+@kernel
+def free_responses(m: float, b: float, dt: float) -> tuple[float, float, float]:
+    """(p, s, a) of (11): x+ = x + dt (s v + p dt f/m), v+ = a v + s dt f/m, exact under a held force.
+
+    Args:
+        m: Mass [kg] > 0.
+        b: Damping [N s/m] >= 0; without it (1/2, 1, 1).
+        dt: Step [s].
+    """
+    if b == 0.0:
+        return 0.5, 1.0, 1.0
+    return _responses(b / m * dt, 0.0)
 
 
 @kernel

@@ -27,14 +27,17 @@ from mimics_app.contracts.kernel import kernel
 __all__ = [
     "angular_velocity",
     "kinetic_energy",
+    "product",
     "rotate_axes",
     "rotate_exponential",
     "rotate_printed",
     "rotate_rk4",
     "rotate_start",
     "turn_axes",
+    "turn_body",
     "turn_exponential",
     "turn_printed",
+    "turned",
 ]
 
 Vec = NDArray[np.float64]
@@ -47,7 +50,7 @@ _SERIES_ANGLE = 1e-4
 
 
 @kernel
-def _product(a: Four, b: Four) -> Four:
+def product(a: Four, b: Four) -> Four:
     """Quaternion a b: turn by b, then by a."""
     return (
         a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1],
@@ -58,7 +61,7 @@ def _product(a: Four, b: Four) -> Four:
 
 
 @kernel
-def _turned(q: Four, v: Three) -> Three:
+def turned(q: Four, v: Three) -> Three:
     """R(q) v, also for a q that is not quite of unit length (then scaled by its square)."""
     x, y, z, w = q
     tx = y * v[2] - z * v[1]
@@ -75,8 +78,8 @@ def _turned(q: Four, v: Three) -> Three:
 @kernel
 def _rate(q: Four, momentum: Vec, inverse_inertia: Vec) -> Three:
     """World omega = R I^-1 R^T L [rad/s], world frame."""
-    lx, ly, lz = _turned((-q[0], -q[1], -q[2], q[3]), (momentum[0], momentum[1], momentum[2]))
-    return _turned(q, (inverse_inertia[0] * lx, inverse_inertia[1] * ly, inverse_inertia[2] * lz))
+    lx, ly, lz = turned((-q[0], -q[1], -q[2], q[3]), (momentum[0], momentum[1], momentum[2]))
+    return turned(q, (inverse_inertia[0] * lx, inverse_inertia[1] * ly, inverse_inertia[2] * lz))
 
 
 @kernel
@@ -120,19 +123,19 @@ def kinetic_energy(q: Quat, momentum: Vec, inverse_inertia: Vec) -> float:
 @kernel
 def turn_exponential(q: Quat, omega: Vec, dt: float) -> None:
     """Turn q by omega [rad/s, world] for dt [s]: the exponential map, exact while omega is constant."""
-    _store(_product(_exponential((omega[0], omega[1], omega[2]), dt), (q[0], q[1], q[2], q[3])), q)
+    _store(product(_exponential((omega[0], omega[1], omega[2]), dt), (q[0], q[1], q[2], q[3])), q)
 
 
 @kernel
 def turn_axes(q: Quat, omega: Vec, dt: float) -> None:
     """Turn q by rot(x) rot(y) rot(z), (12) with its last factor corrected: first order in dt."""
-    _store(_product(_three_turns(dt * omega[0], dt * omega[1], dt * omega[2], True), (q[0], q[1], q[2], q[3])), q)
+    _store(product(_three_turns(dt * omega[0], dt * omega[1], dt * omega[2], True), (q[0], q[1], q[2], q[3])), q)
 
 
 @kernel
 def turn_printed(q: Quat, omega: Vec, dt: float) -> None:
     """Turn q by rot(x) rot(y) rot(y) with the y angle twice, (12) as printed: nothing turns about z. Demonstration."""
-    _store(_product(_three_turns(dt * omega[0], dt * omega[1], dt * omega[1], False), (q[0], q[1], q[2], q[3])), q)
+    _store(product(_three_turns(dt * omega[0], dt * omega[1], dt * omega[1], False), (q[0], q[1], q[2], q[3])), q)
 
 
 @kernel
@@ -141,7 +144,7 @@ def _three_turns(x: float, y: float, last: float, last_about_z: bool) -> Four:
     about_y = (0.0, math.sin(0.5 * y), 0.0, math.cos(0.5 * y))
     s, c = math.sin(0.5 * last), math.cos(0.5 * last)
     third = (0.0, 0.0, s, c) if last_about_z else (0.0, s, 0.0, c)
-    return _product(about_x, _product(about_y, third))
+    return product(about_x, product(about_y, third))
 
 
 @kernel
@@ -158,8 +161,28 @@ def rotate_exponential(q: Quat, momentum: Vec, inverse_inertia: Vec, dt: float) 
         dt: Step [s].
     """
     start = (q[0], q[1], q[2], q[3])
-    middle = _product(_exponential(_rate(start, momentum, inverse_inertia), 0.5 * dt), start)
-    _store(_product(_exponential(_rate(middle, momentum, inverse_inertia), dt), start), q)
+    middle = product(_exponential(_rate(start, momentum, inverse_inertia), 0.5 * dt), start)
+    _store(product(_exponential(_rate(middle, momentum, inverse_inertia), dt), start), q)
+
+
+@kernel
+def turn_body(q: Quat, momentum: Vec, inverse_inertia: Vec, axes: Quat, dt: float, omega: Vec) -> None:
+    """`rotate_exponential` of a body whose principal axes are not those of its frame.
+
+    Args:
+        q: World from body, xyzw, unit; updated.
+        momentum: L [kg m^2/s], world, with this step's torque times dt added already.
+        inverse_inertia: Reciprocals of the principal moments [1/(kg m^2)], 0 for a locked axis.
+        axes: Body from principal axes, xyzw, unit.
+        dt: Step [s].
+        omega: Receives the angular velocity [rad/s], world, at the end of the step.
+    """
+    tilt = (axes[0], axes[1], axes[2], axes[3])
+    start = product((q[0], q[1], q[2], q[3]), tilt)
+    middle = product(_exponential(_rate(start, momentum, inverse_inertia), 0.5 * dt), start)
+    end = product(_exponential(_rate(middle, momentum, inverse_inertia), dt), start)
+    _store(product(end, (-tilt[0], -tilt[1], -tilt[2], tilt[3])), q)
+    omega[0], omega[1], omega[2] = _rate(product((q[0], q[1], q[2], q[3]), tilt), momentum, inverse_inertia)
 
 
 @kernel
@@ -169,7 +192,7 @@ def rotate_start(q: Quat, momentum: Vec, inverse_inertia: Vec, dt: float) -> Non
     Arguments as `rotate_exponential`.
     """
     start = (q[0], q[1], q[2], q[3])
-    _store(_product(_exponential(_rate(start, momentum, inverse_inertia), dt), start), q)
+    _store(product(_exponential(_rate(start, momentum, inverse_inertia), dt), start), q)
 
 
 @kernel
@@ -180,7 +203,7 @@ def rotate_axes(q: Quat, momentum: Vec, inverse_inertia: Vec, dt: float) -> None
     """
     start = (q[0], q[1], q[2], q[3])
     x, y, z = _rate(start, momentum, inverse_inertia)
-    _store(_product(_three_turns(dt * x, dt * y, dt * z, True), start), q)
+    _store(product(_three_turns(dt * x, dt * y, dt * z, True), start), q)
 
 
 @kernel
@@ -191,14 +214,14 @@ def rotate_printed(q: Quat, momentum: Vec, inverse_inertia: Vec, dt: float) -> N
     """
     x = dt * inverse_inertia[0] * momentum[0]
     y = dt * inverse_inertia[1] * momentum[1]
-    _store(_product(_three_turns(x, y, y, False), (q[0], q[1], q[2], q[3])), q)
+    _store(product(_three_turns(x, y, y, False), (q[0], q[1], q[2], q[3])), q)
 
 
 @kernel
 def _slope(q: Four, momentum: Vec, inverse_inertia: Vec) -> Four:
     """dq/dt = omega q / 2 with omega as a quaternion without a real part."""
     wx, wy, wz = _rate(q, momentum, inverse_inertia)
-    return _product((0.5 * wx, 0.5 * wy, 0.5 * wz, 0.0), q)
+    return product((0.5 * wx, 0.5 * wy, 0.5 * wz, 0.0), q)
 
 
 @kernel

@@ -1,0 +1,313 @@
+"""Motion of the haptic objects, (11) and (12): placed where the scene says, moved by what was gathered in a tick.
+
+    p'' = m^-1 (F_aux + F - b_trans p' + m g)          L' = T_aux + T - b_rot omega,   omega = R I^-1 R^T L
+
+State is the angular momentum L in world axes, so that a free body keeps it to the last digit; see `rotation` for what
+(12) prints instead. A body whose translation or rotation is not enabled stands still in it, whatever pulls.
+
+A body that may sleep is left out while nothing moves it: it has been still, unloaded and untouched for `_DOZE`, and is
+woken by a touch, any change of what pulls at it, a neighbour that moves, or a change of the scene's rows. Sleep changes
+nothing but velocities below `_STILL_SPEED`, and depends on nothing but the state, so that a replay sleeps alike.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic_objects import BodyFlag, ObjectIntegrator
+from mimics_app.contracts.kernel import kernel
+from mimics_app.maths import quat
+from mimics_app.rendering.haptic.kernels.integrators import (
+    free_responses,
+    step_explicit,
+    step_free,
+    step_midpoint,
+    step_semi_implicit,
+)
+from mimics_app.rendering.haptic.kernels.objects.inertia import find_principal_axes
+from mimics_app.rendering.haptic.kernels.rotation import product, turn_body, turned
+from mimics_app.rendering.haptic.kernels.vectors import all_finite, copy, fill
+
+__all__ = ["is_free", "load_bodies", "place_bodies", "step_bodies", "wake"]
+
+Vec = NDArray[np.float64]
+
+_TRANSLATION = int(BodyFlag.TRANSLATION)
+_ROTATION = int(BodyFlag.ROTATION)
+_SLEEPS = int(BodyFlag.SLEEPS)
+_EXPLICIT = int(ObjectIntegrator.EXPLICIT)
+_EXACT_DRAG = int(ObjectIntegrator.EXACT_DRAG)
+_MIDPOINT = int(ObjectIntegrator.IMPLICIT_MIDPOINT)
+
+_DOZE = 0.25
+"""Time a body must have been still before it sleeps [s]."""
+
+_STILL_SPEED = 1e-4
+"""Speed below which a body counts as still [m/s]; what it would creep until it sleeps is 25 um."""
+
+_STILL_RATE = 2e-3
+"""Likewise its turning [rad/s]."""
+
+_STILL_ACCELERATION = 2e-3
+"""A body that is still now but pulled away faster than this does not sleep [m/s^2]: the top of a throw."""
+
+_STILL_TORQUE_RATE = 0.05
+"""Likewise angular [rad/s^2]."""
+
+_SAME_LOAD = 1e-9
+"""A load that differs by this share from the one a body fell asleep under wakes it."""
+
+
+@kernel
+def is_free(body: Any) -> bool:
+    """True when forces can move a body: neither is it the static scene nor are both of its motions disabled."""
+    return body.flags & (_TRANSLATION | _ROTATION) != 0
+
+
+@kernel
+def wake(motion: Any) -> None:
+    """Let a body take part again."""
+    motion.asleep = 0
+    motion.quiet_ticks = 0
+
+
+@kernel
+def _place(body: Any, motion: Any, dynamics: Any) -> None:
+    """Put a body to the pose and velocities of its row."""
+    quat.normalise(body.orientation, motion.orientation)
+    copy(body.position, motion.position)
+    copy(body.velocity, motion.velocity)
+    copy(body.omega, motion.omega)
+    _orient(body, motion)
+    _spin_up(motion, dynamics)
+    for i in range(3):
+        R = motion.rotation
+        motion.centre[i] = (
+            motion.position[i] + R[i, 0] * body.centre[0] + R[i, 1] * body.centre[1] + R[i, 2] * body.centre[2]
+        )
+    motion.spawn = body.spawn
+    dynamics.placed = 1
+    wake(motion)
+
+
+@kernel
+def _orient(body: Any, motion: Any) -> None:
+    """The rotation matrix of the orientation; what may not move stands still."""
+    quat.to_matrix(motion.orientation, motion.rotation)
+    if body.flags & _TRANSLATION == 0:
+        fill(motion.velocity, 0.0)
+    if body.flags & _ROTATION == 0:
+        fill(motion.omega, 0.0)
+        fill(motion.momentum, 0.0)
+
+
+@kernel
+def _spin_up(motion: Any, dynamics: Any) -> None:
+    """L = R I R^T omega; about an axis that does not turn there is none."""
+    q, axes = motion.orientation, dynamics.axes
+    principal = product((q[0], q[1], q[2], q[3]), (axes[0], axes[1], axes[2], axes[3]))
+    back = (-principal[0], -principal[1], -principal[2], principal[3])
+    x, y, z = turned(back, (motion.omega[0], motion.omega[1], motion.omega[2]))
+    inverse = dynamics.inverse
+    x = x / inverse[0] if inverse[0] > 0.0 else 0.0
+    y = y / inverse[1] if inverse[1] > 0.0 else 0.0
+    z = z / inverse[2] if inverse[2] > 0.0 else 0.0
+    motion.momentum[0], motion.momentum[1], motion.momentum[2] = turned(principal, (x, y, z))
+
+
+@kernel
+def _take_inertia(body: Any, motion: Any, dynamics: Any) -> None:
+    """Principal axes of a new or changed inertia; a body that turns goes on at the same speed."""
+    same = True
+    for i in range(3):
+        for j in range(3):
+            same = same and dynamics.inertia[i, j] == body.inertia[i, j]
+    if same and dynamics.axes[3] + abs(dynamics.axes[0]) + abs(dynamics.axes[1]) + abs(dynamics.axes[2]) > 0.0:
+        return
+    find_principal_axes(body.inertia, dynamics)
+    _spin_up(motion, dynamics)
+
+
+@kernel
+def place_bodies(rows: Any, work: Any, counts: Any) -> None:
+    """Begin a tick: bodies whose `spawn` changed go to their place, and nothing has touched or pulled any yet.
+
+    Args:
+        rows: `Rows` of this tick.
+        work: `ObjectWork`; motions and dynamics are updated.
+        counts: SCENE.objects.
+    """
+    tracking = work.tracking[0]
+    changed = tracking.placed_revision != counts.revision + 1
+    tracking.placed_revision = counts.revision + 1
+    for k in range(counts.bodies):
+        body, motion, dynamics = rows.bodies[k], work.motions[k], work.dynamics[k]
+        if changed:
+            _take_inertia(body, motion, dynamics)
+            wake(motion)
+        q = motion.orientation
+        unplaced = q[0] == 0.0 and q[1] == 0.0 and q[2] == 0.0 and q[3] == 0.0
+        if unplaced or motion.spawn != body.spawn:
+            _place(body, motion, dynamics)
+        fill(motion.force, 0.0)
+        fill(motion.torque, 0.0)
+        fill(motion.force_user, 0.0)
+        motion.touched = 0
+        motion.collided = 0
+
+
+@kernel
+def _differs(a: Vec, b: Vec) -> bool:
+    """True when a is not b, but for rounding."""
+    square, apart = 0.0, 0.0
+    for i in range(3):
+        square += b[i] * b[i]
+        apart += (a[i] - b[i]) * (a[i] - b[i])
+    return apart > _SAME_LOAD * _SAME_LOAD * square
+
+
+@kernel
+def load_bodies(rows: Any, work: Any, counts: Any) -> None:
+    """Add F_aux, T_aux and weight to what touch, effects and grip gathered; a sleeper that feels anything new wakes.
+
+    Args:
+        rows: `Rows` of this tick.
+        work: `ObjectWork`; motions are updated.
+        counts: SCENE.objects.
+    """
+    for k in range(counts.bodies):
+        body, motion, dynamics = rows.bodies[k], work.motions[k], work.dynamics[k]
+        for i in range(3):
+            motion.force[i] += work.aux_forces[k, i] + body.mass * body.gravity[i]
+            motion.torque[i] += work.aux_torques[k, i]
+        if motion.asleep:
+            felt = _differs(motion.force, dynamics.rest_force) or _differs(motion.torque, dynamics.rest_torque)
+            if not (felt or motion.touched):
+                continue
+            wake(motion)
+        copy(motion.force, dynamics.rest_force)
+        copy(motion.torque, dynamics.rest_torque)
+        dynamics.stirred = 0
+
+
+@kernel
+def _move(body: Any, motion: Any, dt: float) -> None:
+    """Advance the centre of mass by (11)."""
+    x, v, f, m, b = motion.centre, motion.velocity, motion.force, body.mass, body.damping_translation
+    if body.integrator == _EXACT_DRAG:
+        p, s, a = free_responses(m, b, dt)
+        for i in range(3):
+            x[i] += dt * (s * v[i] + dt * p * f[i] / m)
+            v[i] = a * v[i] + dt * s * f[i] / m
+    elif body.integrator == _EXPLICIT:
+        for i in range(3):
+            x[i], v[i] = step_explicit(x[i], v[i], f[i], m, b, 0.0, dt)
+    elif body.integrator == _MIDPOINT:
+        for i in range(3):
+            x[i], v[i] = step_midpoint(x[i], v[i], f[i], m, b, 0.0, dt)
+    else:
+        for i in range(3):
+            x[i], v[i] = step_semi_implicit(x[i], v[i], f[i], m, b, 0.0, dt)
+
+
+@kernel
+def _slowed(integrator: int, rate: float, torque: float, inertia: float, b: float, dt: float) -> float:
+    """Turning rate about one principal axis after a tick of torque and drag, by the body's integrator."""
+    if integrator == _EXACT_DRAG:
+        return step_free(0.0, rate, torque, inertia, b, dt)[1]
+    if integrator == _MIDPOINT:
+        return step_midpoint(0.0, rate, torque, inertia, b, 0.0, dt)[1]
+    return step_semi_implicit(0.0, rate, torque, inertia, b, 0.0, dt)[1]
+
+
+@kernel
+def _push_round(body: Any, motion: Any, dynamics: Any, dt: float) -> None:
+    """Bring a tick's torque and drag into L: without drag the torque alone, so that L is exact."""
+    b = body.damping_rotation
+    if b == 0.0:
+        for i in range(3):
+            motion.momentum[i] += dt * motion.torque[i]
+        return
+    q, axes, inverse = motion.orientation, dynamics.axes, dynamics.inverse
+    principal = product((q[0], q[1], q[2], q[3]), (axes[0], axes[1], axes[2], axes[3]))
+    back = (-principal[0], -principal[1], -principal[2], principal[3])
+    lx, ly, lz = turned(back, (motion.momentum[0], motion.momentum[1], motion.momentum[2]))
+    tx, ty, tz = turned(back, (motion.torque[0], motion.torque[1], motion.torque[2]))
+    how = body.integrator
+    lx = _slowed(how, lx * inverse[0], tx, 1.0 / inverse[0], b, dt) / inverse[0] if inverse[0] > 0.0 else 0.0
+    ly = _slowed(how, ly * inverse[1], ty, 1.0 / inverse[1], b, dt) / inverse[1] if inverse[1] > 0.0 else 0.0
+    lz = _slowed(how, lz * inverse[2], tz, 1.0 / inverse[2], b, dt) / inverse[2] if inverse[2] > 0.0 else 0.0
+    motion.momentum[0], motion.momentum[1], motion.momentum[2] = turned(principal, (lx, ly, lz))
+
+
+@kernel
+def _advance(body: Any, motion: Any, dynamics: Any, dt: float) -> None:
+    """One tick of a body that is awake."""
+    if body.flags & _TRANSLATION:
+        _move(body, motion, dt)
+    if body.flags & _ROTATION:
+        _push_round(body, motion, dynamics, dt)
+        turn_body(motion.orientation, motion.momentum, dynamics.inverse, dynamics.axes, dt, motion.omega)
+    _orient(body, motion)
+    R, c = motion.rotation, body.centre
+    for i in range(3):
+        motion.position[i] = motion.centre[i] - (R[i, 0] * c[0] + R[i, 1] * c[1] + R[i, 2] * c[2])
+
+
+@kernel
+def _square(a: Vec) -> float:
+    return a[0] * a[0] + a[1] * a[1] + a[2] * a[2]
+
+
+@kernel
+def _is_still(body: Any, motion: Any, dynamics: Any) -> bool:
+    """Nothing moves the body and it does not move."""
+    if motion.touched or dynamics.stirred:
+        return False
+    slow = _square(motion.velocity) < _STILL_SPEED**2 and _square(motion.omega) < _STILL_RATE**2
+    if not slow:
+        return False
+    most = _STILL_ACCELERATION * body.mass if body.flags & _TRANSLATION else math.inf
+    inverse = max(dynamics.inverse[0], max(dynamics.inverse[1], dynamics.inverse[2]))
+    most_torque = _STILL_TORQUE_RATE / inverse if inverse > 0.0 and body.flags & _ROTATION else math.inf
+    return _square(motion.force) < most * most and _square(motion.torque) < most_torque * most_torque
+
+
+@kernel
+def _fall_asleep(motion: Any) -> None:
+    motion.asleep = 1
+    fill(motion.velocity, 0.0)
+    fill(motion.omega, 0.0)
+    fill(motion.momentum, 0.0)
+
+
+@kernel
+def step_bodies(rows: Any, work: Any, counts: Any, dt: float) -> None:
+    """End a tick: every body that is awake moves by (11) and (12).
+
+    A body whose forces are not finite is not moved, and the tick is told by `totals.status`.
+
+    Args:
+        rows: `Rows` of this tick.
+        work: `ObjectWork`; motions are advanced.
+        counts: SCENE.objects.
+        dt: Tick [s].
+    """
+    doze = int(_DOZE / dt)
+    for k in range(counts.bodies):
+        body, motion, dynamics = rows.bodies[k], work.motions[k], work.dynamics[k]
+        if motion.asleep:
+            continue
+        if not (all_finite(motion.force) and all_finite(motion.torque)):
+            work.totals[0].status = 1
+            continue
+        if body.flags & _SLEEPS:
+            motion.quiet_ticks = motion.quiet_ticks + 1 if _is_still(body, motion, dynamics) else 0
+            if motion.quiet_ticks > doze:
+                _fall_asleep(motion)
+                continue
+        _advance(body, motion, dynamics, dt)
