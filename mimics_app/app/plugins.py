@@ -11,6 +11,7 @@ GROUPS = (
     "mimics_app.devices",
     "mimics_app.components",
     "mimics_app.scenarios",
+    "mimics_app.force_fields",
     "mimics_app.recorders",
     "mimics_app.exporters",
     "mimics_app.audio_backends",

@@ -9,6 +9,7 @@ import numpy as np
 import mimics_app.tasks.scene_section  # noqa: F401  registers the task block
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.resources import root
+from mimics_app.rendering.haptic import force_fields, scene_effects  # noqa: F401  their checks
 from mimics_app.rendering.haptic.kernels.kinematics import inverse
 from mimics_app.rendering.haptic.scene_block import axis_offset, robot_from_world
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene

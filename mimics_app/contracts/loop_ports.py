@@ -8,6 +8,14 @@ loop's own machine code stays valid whatever is plugged in. Both functions are c
 
 Rules: no allocation, no exception, no blocking call, no index out of range. `memory` belongs to the plug-in alone and
 holds everything it remembers. Devices think in the robot frame (WCS of D2.1 Figure 9); the loop maps to the world.
+
+A force field is the same kind of thing for forces: one function of place, velocity and time, in the world frame,
+
+    field(parameters, p, v, t, out)
+
+with its own numbers (shape [FIELD_PARAMETERS]), place [m] and velocity [m/s] relative to the field's own, the session's
+time [s], and the force [N] to fill in. It remembers nothing. One that gives a number that is not finite is quarantined:
+its force counts as zero until it is disabled and enabled again.
 """
 
 from __future__ import annotations
@@ -34,12 +42,16 @@ __all__ = [
     "DATA_GRASP",
     "DATA_LENGTH",
     "DATA_Q",
+    "FIELD",
+    "FIELDS",
+    "FIELD_PARAMETERS",
     "INBOX_ACTIVE",
     "INBOX_BUTTONS",
     "INBOX_GRASP",
     "INBOX_LENGTH",
     "INBOX_TARGET",
     "INBOX_TRIAL",
+    "MAX_FIELDS",
     "READ",
     "WRITE",
     "DevicePlugin",
@@ -91,6 +103,18 @@ READ = types.int64(_VECTOR, _VECTOR, _VECTOR, types.int64)
 
 WRITE = types.int64(_VECTOR, _VECTOR, types.int64)
 """Signature of `write(memory, command, tick) -> 0 when the command was taken`."""
+
+FIELD_PARAMETERS = 8
+"""Numbers of one force field; those a scene leaves out are 0."""
+
+FIELD = types.void(_VECTOR, _VECTOR, _VECTOR, types.float64, _VECTOR)
+"""Signature of a force field `field(parameters, p, v, t, out)`; compile it with `typed_kernel(FIELD)`."""
+
+MAX_FIELDS = 4
+"""Different force fields of one session."""
+
+FIELDS = types.UniTuple(types.FunctionType(FIELD), MAX_FIELDS)  # type: ignore[no-untyped-call]
+"""Compiled type of the force fields of a session, so that the loop's own code is the same whatever they are."""
 
 
 def _nothing() -> None:

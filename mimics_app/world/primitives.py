@@ -1,4 +1,4 @@
-"""Meshes made by formula: plane, box, sphere, icosphere, cylinder, ring, torus, and a tube along a curve.
+"""Meshes made by formula: plane, box, sphere, icosphere, cylinder, capsule, ring, torus, and a tube along a curve.
 
 All are counter-clockwise from outside, with texture coordinates, in metres.
 """
@@ -11,9 +11,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.world.mesh import MeshData
-from mimics_app.world.shapes import BoxShape, CylinderShape, PlaneShape, RingShape, Shape, SphereShape, TorusShape
+from mimics_app.world.shapes import (
+    BoxShape,
+    CapsuleShape,
+    CylinderShape,
+    PlaneShape,
+    RingShape,
+    Shape,
+    SphereShape,
+    TorusShape,
+)
 
-__all__ = ["box", "build_shape", "cylinder", "icosphere", "plane", "ring", "sphere", "torus", "tube"]
+__all__ = ["box", "build_shape", "capsule", "cylinder", "icosphere", "plane", "ring", "sphere", "torus", "tube"]
 
 F8 = NDArray[np.float64]
 _GOLDEN = 0.5 * (1.0 + math.sqrt(5.0))
@@ -31,6 +40,8 @@ def build_shape(shape: Shape) -> MeshData:
         case CylinderShape():
             top = shape.radius if shape.top_radius is None else shape.top_radius
             return cylinder(shape.radius, shape.height, top_radius=top, segments=shape.segments)
+        case CapsuleShape():
+            return capsule(shape.radius, shape.length, segments=shape.segments)
         case RingShape():
             return ring(shape.inner_radius, shape.outer_radius, shape.start, shape.sweep, shape.segments)
         case TorusShape():
@@ -122,6 +133,26 @@ def cylinder(
         indices.append((fan if sign > 0.0 else fan[:, ::-1]).ravel() + count)
         count += segments + 2
     return _mesh(np.concatenate(positions), np.concatenate(normals), np.concatenate(indices), np.concatenate(uvs))
+
+
+def capsule(radius: float = 0.25, length: float = 0.5, *, segments: int = 32) -> MeshData:
+    """Capsule about the y axis, `length` between the centres of its half spheres [m]: a sphere drawn apart."""
+    ball = sphere(radius, 4 * max(1, segments // 4))
+    positions = ball.positions.astype(np.float64)
+    rings, columns = 2 * max(1, segments // 4) + 1, 4 * max(1, segments // 4) + 1
+    middle = rings // 2
+    upper, lower = slice(0, (middle + 1) * columns), slice(middle * columns, None)
+    normals = ball.normals.astype(np.float64)
+    uvs = np.zeros((len(positions), 2)) if ball.uvs is None else ball.uvs.astype(np.float64)
+    up = np.array([0.0, 0.5 * length, 0.0])
+    indices = _grid_indices(columns - 1, rings).reshape(-1, 3)
+    corners = np.concatenate([positions[upper] + up, positions[lower] - up])
+    edges = corners[indices]
+    areas = np.linalg.norm(np.cross(edges[:, 1] - edges[:, 0], edges[:, 2] - edges[:, 0]), axis=1)
+    kept = indices[areas > 1e-9 * radius * radius].ravel()
+    return _mesh(
+        corners, np.concatenate([normals[upper], normals[lower]]), kept, np.concatenate([uvs[upper], uvs[lower]])
+    )
 
 
 def ring(

@@ -11,7 +11,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.world import components, components_haptic, components_systems, haptic_checks
+from mimics_app.world import (
+    components,
+    components_haptic,
+    components_objects,
+    components_systems,
+    haptic_checks,
+    object_checks,
+)
 from mimics_app.world.json_text import NOT_FINITE
 from mimics_app.world.paths import find_root
 from mimics_app.world.scene import Scene
@@ -25,7 +32,14 @@ if TYPE_CHECKING:
 
 __all__ = ["build_world", "load_scene"]
 
-REGISTERING = (components, components_haptic, components_systems, haptic_checks)
+REGISTERING = (
+    components,
+    components_haptic,
+    components_objects,
+    components_systems,
+    haptic_checks,
+    object_checks,
+)
 """Modules whose import makes the built-in component types, systems and checks known."""
 
 

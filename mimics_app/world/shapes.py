@@ -8,7 +8,7 @@ from msgspec import Meta
 
 from mimics_app.world.registry import Component
 
-__all__ = ["BoxShape", "CylinderShape", "PlaneShape", "RingShape", "Shape", "SphereShape", "TorusShape"]
+__all__ = ["BoxShape", "CapsuleShape", "CylinderShape", "PlaneShape", "RingShape", "Shape", "SphereShape", "TorusShape"]
 
 _LARGEST = 1e6
 """A shape of more than this [m] has no finite numbers on a graphics card, or its squares have none."""
@@ -47,6 +47,14 @@ class CylinderShape(Component, frozen=True, tag="cylinder", tag_field="shape"):
     segments: Annotated[int, Meta(ge=3, le=512, description="Facets round the axis")] = 32
 
 
+class CapsuleShape(Component, frozen=True, tag="capsule", tag_field="shape"):
+    """Cylinder about the y axis with half spheres at its ends."""
+
+    radius: Annotated[float, Meta(gt=0, le=_LARGEST, description="[m]")] = 0.25
+    length: Annotated[float, Meta(gt=0, le=_LARGEST, description="Between the centres of the half spheres [m]")] = 0.5
+    segments: Annotated[int, Meta(ge=4, le=512, description="Facets round the axis")] = 32
+
+
 class RingShape(Component, frozen=True, tag="ring", tag_field="shape"):
     """Flat ring, or a sector of one, in the xz plane, facing +y; angle 0 is +x and pi/2 is -z."""
 
@@ -65,4 +73,4 @@ class TorusShape(Component, tag="torus", tag_field="shape", frozen=True):
     segments: Annotated[int, Meta(ge=3, le=512, description="Facets round the ring")] = 64
 
 
-Shape = PlaneShape | BoxShape | SphereShape | CylinderShape | RingShape | TorusShape
+Shape = PlaneShape | BoxShape | SphereShape | CylinderShape | CapsuleShape | RingShape | TorusShape

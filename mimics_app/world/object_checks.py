@@ -1,0 +1,212 @@
+"""What types cannot say about haptic objects, walls, effects and wires: sizes that fit, names that exist, stability."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.world import haptic_effects as effects
+from mimics_app.world.components_haptic import Tunnel
+from mimics_app.world.components_objects import (
+    SIDES,
+    Connections,
+    ForceField,
+    HapticEffect,
+    HapticObject,
+    HapticPath,
+    HapticWalls,
+    InteractionPoints,
+)
+from mimics_app.world.haptic_shapes import CubeSolid, CylinderSolid, MeshSolid, Solid, Surface, surface_of
+from mimics_app.world.object_bodies import (
+    TICK_S,
+    ObjectFault,
+    contacts_of,
+    lightest_mass,
+    mass_properties_of,
+    shapes_of,
+)
+from mimics_app.world.placing import pose_of
+from mimics_app.world.registry import register_check
+from mimics_app.world.signals import SignalFault, parse_source, parse_target
+
+if TYPE_CHECKING:
+    from mimics_app.world.scene import Scene
+
+__all__ = ["check_path"]
+
+_TURN_TOLERANCE = 1e-3
+_ALL_OFF = "nothing of it moves; leave this out, or enable translation or rotation"
+
+
+def _check_object(thing: HapticObject, pointer: str, scene: Scene) -> list[Issue]:
+    issues = _check_place(pointer, scene) + _check_surface(thing, pointer, scene)
+    if thing.mass is not None and thing.density is not None:
+        issues.append(scene.issue(f"{pointer}/density", "gives the mass a second time", "leave one of the two out"))
+    if thing.enable_translation is False and any(thing.initial_velocity):
+        issues.append(
+            scene.issue(f"{pointer}/initial_velocity", "it may not shift", "enable_translation, or leave out")
+        )
+    if thing.enable_rotation is False and any(thing.initial_angular_velocity):
+        where = f"{pointer}/initial_angular_velocity"
+        issues.append(scene.issue(where, "it may not turn", "enable_rotation, or leave it out"))
+    if thing.inertia is not None and 2.0 * max(thing.inertia) > sum(thing.inertia) * (1.0 + 1e-9):
+        what = "no body has this inertia: one axis is above the sum of the other two"
+        issues.append(scene.issue(f"{pointer}/inertia", what))
+    if thing.crush_force > 0.0 and not thing.grip:
+        issues.append(scene.issue(f"{pointer}/crush_force", "nothing grips it", 'set "grip": true'))
+    for i, shape in enumerate(thing.shapes):
+        issues += _check_shape(shape, f"{pointer}/shapes/{i}", scene)
+    return issues or _check_body(thing, pointer, scene)
+
+
+def _check_place(pointer: str, scene: Scene) -> list[Issue]:
+    try:
+        pose_of(scene, _owner(pointer, scene))
+    except SceneError as error:
+        return error.issues
+    return []
+
+
+def _check_body(thing: HapticObject, pointer: str, scene: Scene) -> list[Issue]:
+    """Faults of the object as a whole: shapes it can be made of, and a mass that a tick can move."""
+    try:
+        shapes = shapes_of(scene, _owner(pointer, scene), thing)
+        body = mass_properties_of(scene, thing, shapes)
+    except ObjectFault as fault:
+        return [scene.issue(f"{pointer}{fault.place}", fault.what, fault.fix)]
+    if not (thing.enable_translation or thing.enable_rotation):
+        return []
+    issues = []
+    for i, shape in enumerate(shapes):
+        least = lightest_mass(surface_of(shape, thing), contacts_of(shape))
+        if body.mass <= least:
+            what = (
+                f"{body.mass:.4g} kg is too light for shape {i}: a tick of {TICK_S:g} s needs "
+                f"m > n (h^2 k + 2 h b) / 4 = {least:.4g} kg with n = {contacts_of(shape)} contacts"
+            )
+            issues.append(scene.issue(f"{pointer}/mass", what, "make it heavier, or softer and less damped"))
+    return issues
+
+
+def _check_shape(shape: Solid, pointer: str, scene: Scene) -> list[Issue]:
+    issues = _check_surface(shape, pointer, scene) + _check_turn(shape.rotation, pointer, scene)
+    if isinstance(shape, MeshSolid):
+        issues += scene.check_model_reference(f"{pointer}/source", shape.source)
+    smallest = math.inf
+    if isinstance(shape, CubeSolid):
+        smallest = min(shape.size)
+    elif isinstance(shape, CylinderSolid):
+        smallest = min(2.0 * shape.radius, shape.length)
+    if isinstance(shape, CubeSolid | CylinderSolid) and shape.rounding >= 0.5 * smallest:
+        what = f"{shape.rounding:g} m leaves nothing of an edge of {smallest:g} m"
+        issues.append(scene.issue(f"{pointer}/rounding", what, f"stay below {0.5 * smallest:g} m"))
+    return issues
+
+
+def _check_surface(surface: Surface, pointer: str, scene: Scene) -> list[Issue]:
+    static, dynamic = surface.friction_static, surface.friction_dynamic
+    if static is not None and dynamic is not None and static < dynamic:
+        what = f"{static:g} is below friction_dynamic, {dynamic:g}: it would slide more easily at rest"
+        return [scene.issue(f"{pointer}/friction_static", what)]
+    return []
+
+
+def _check_turn(rotation: tuple[float, ...] | None, pointer: str, scene: Scene) -> list[Issue]:
+    if rotation is None or abs(math.hypot(*rotation) - 1.0) <= _TURN_TOLERANCE:
+        return []
+    what = f"a quaternion of length {math.hypot(*rotation):.4g} instead of 1"
+    return [scene.issue(f"{pointer}/rotation", what, "write x, y, z, w of a unit quaternion")]
+
+
+def _check_walls(walls: HapticWalls, pointer: str, scene: Scene) -> list[Issue]:
+    issues = _check_place(pointer, scene) + _check_surface(walls, pointer, scene)
+    for side in SIDES:
+        wall = getattr(walls, side)
+        issues += _check_surface(wall, f"{pointer}/{side}", scene) + _check_turn(
+            wall.rotation, f"{pointer}/{side}", scene
+        )
+        if wall.enabled and walls.size is None and wall.position is None:
+            what = f'the wall "{side}" stands nowhere'
+            issues.append(scene.issue(pointer, what, f'give the walls a "size", {side} a position, or disable it'))
+    return issues
+
+
+def _check_effect(effect: HapticEffect, pointer: str, scene: Scene) -> list[Issue]:
+    act, place = effect.effect, f"{pointer}/effect"
+    issues = _check_acting(effect, pointer, scene)
+    if isinstance(act, effects.PathSpring | effects.Guidance):
+        paths = [entity for entity, _, _ in [*scene.components(HapticPath), *scene.components(Tunnel)]]
+        if act.path not in paths:
+            issues += scene.check_entity_with(HapticPath, f"{place}/path", act.path)
+        if effect.object is not None and effect.acts_on == "user":
+            issues.append(
+                scene.issue(f"{pointer}/object", "a path stays in the world", 'leave it out, or "acts_on": "object"')
+            )
+    if isinstance(act, effects.ConstantForce) and not any(act.force):
+        issues.append(scene.issue(f"{place}/force", "no force at all", "disable the effect instead"))
+    if isinstance(act, effects.Vibration) and not any(act.direction):
+        issues.append(scene.issue(f"{place}/direction", "points nowhere"))
+    if isinstance(act, effects.Workspace) and (act.radius is None) == (act.size is None):
+        issues.append(scene.issue(place, "needs either a radius or a size", "give exactly one of the two"))
+    return issues
+
+
+def _check_acting(acting: HapticEffect | ForceField, pointer: str, scene: Scene) -> list[Issue]:
+    if acting.object is not None:
+        return scene.check_entity_with(HapticObject, f"{pointer}/object", acting.object)
+    if acting.acts_on == "object":
+        return [scene.issue(f"{pointer}/acts_on", "no object is named", 'give an "object"')]
+    return []
+
+
+def check_path(path: HapticPath, pointer: str, scene: Scene) -> list[Issue]:
+    """Faults of the component itself; whether a curve can be laid through it is the haptic stage's to say."""
+    if (path.control_points is None) == (path.path_file is None):
+        return [scene.issue(pointer, "needs either control_points or a path_file", "give exactly one of the two")]
+    issues = [] if path.material is None else scene.check_material(f"{pointer}/material", path.material)
+    if path.path_file is not None:
+        issues += scene.check_file(f"{pointer}/path_file", path.path_file)
+    elif path.basis_functions is not None:
+        issues.append(scene.issue(f"{pointer}/basis_functions", "fits a path_file, and there is none", "leave it out"))
+    return issues
+
+
+def _check_points(points: InteractionPoints, pointer: str, scene: Scene) -> list[Issue]:
+    first = scene.components(InteractionPoints)[0][2]
+    if pointer == first:
+        return []
+    return [scene.issue(pointer, f"a second set of points; the first is {scene.place(first)}", "keep one")]
+
+
+def _check_connections(connections: Connections, pointer: str, scene: Scene) -> list[Issue]:
+    objects = [entity for entity, _, _ in scene.components(HapticObject)]
+    acting = [entity for kind in (HapticEffect, ForceField) for entity, _, _ in scene.components(kind)]
+    issues = []
+    for i, wire in enumerate(connections.wires):
+        ends: list[tuple[str, Callable[[], object]]] = [
+            ("from", lambda text=wire.source: parse_source(text, objects)),  # type: ignore[misc]
+            ("to", lambda text=wire.target: parse_target(text, objects, acting)),  # type: ignore[misc]
+        ]
+        for name, parse in ends:
+            try:
+                parse()
+            except SignalFault as fault:
+                issues.append(scene.issue(f"{pointer}/wires/{i}/{name}", fault.what, fault.fix))
+    return issues
+
+
+def _owner(pointer: str, scene: Scene) -> str:
+    """Id of the entity a component's pointer is of."""
+    return next(entity.id for entity in scene.entities if pointer.startswith(f"{entity.pointer}/"))
+
+
+register_check("haptic_object", _check_object)
+register_check("haptic_walls", _check_walls)
+register_check("haptic_effect", _check_effect)
+register_check("force_field", _check_acting)
+register_check("haptic_path", check_path)
+register_check("interaction_points", _check_points)
+register_check("connections", _check_connections)

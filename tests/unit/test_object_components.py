@@ -1,0 +1,191 @@
+"""Components of haptic objects: every fault is told with its pointer and what to do."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from mimics_app.world.registry import component_types
+from mimics_app.world.scene_schema import scene_schema
+from tests.support.object_scenes import CUBE, at, gltf_box, thing, told
+
+BALL = thing("ball_a", haptic_object={"shapes": [{"shape": "sphere", "radius": 0.05}]})
+PLACE = "scene.json#/entities/0/components/"
+
+
+def faulty(folder: Path, **component: object) -> list[str]:
+    return told(folder, thing("a", **component))
+
+
+@pytest.mark.parametrize(
+    ("component", "values", "pointer", "says"),
+    [
+        ("haptic_object", {}, "", "no shapes"),
+        ("haptic_object", {"shapes": [{"shape": "kube"}]}, "/shapes/0/shape", 'did you mean "cube"'),
+        ("haptic_object", {"shapes": [{**CUBE, "size": [0.1, 0.0, 0.1]}]}, "/shapes/0/size/1", "> 0"),
+        ("haptic_object", {"shapes": [{**CUBE, "rounding": 0.05}]}, "/shapes/0/rounding", "stay below 0.05 m"),
+        ("haptic_object", {"shapes": [{**CUBE, "rotation": [0, 0, 0, 2]}]}, "/shapes/0/rotation", "length 2"),
+        ("haptic_object", {"shapes": [CUBE], "mass": 0.0}, "/mass", "> 0"),
+        ("haptic_object", {"shapes": [CUBE], "mass": 1.0, "density": 10.0}, "/density", "leave one"),
+        ("haptic_object", {"shapes": [CUBE], "mas": 1.0}, "/mas", 'did you mean "mass"'),
+        (
+            "haptic_object",
+            {"shapes": [CUBE], "mass": 0.005},
+            "/mass",
+            "m > n (h^2 k + 2 h b) / 4 = 0.011 kg with n = 4",
+        ),
+        ("haptic_object", {"shapes": [CUBE], "inertia": [1, 1, 3]}, "/inertia", "above the sum"),
+        ("haptic_object", {"shapes": [CUBE], "crush_force": 3.0}, "/crush_force", '"grip": true'),
+        (
+            "haptic_object",
+            {"shapes": [CUBE], "enable_translation": False, "initial_velocity": [1, 0, 0]},
+            "/initial_velocity",
+            "may not shift",
+        ),
+        (
+            "haptic_object",
+            {"shapes": [CUBE], "enable_rotation": False, "initial_angular_velocity": [1, 0, 0]},
+            "/initial_angular_velocity",
+            "may not turn",
+        ),
+        (
+            "haptic_object",
+            {"shapes": [CUBE], "friction_static": 0.2, "friction_dynamic": 0.3},
+            "/friction_static",
+            "slide more easily",
+        ),
+        ("haptic_object", {"shapes": [{"shape": "mesh", "source": "rock"}]}, "/shapes/0/source", 'no asset "rock"'),
+        ("haptic_object", {"shapes": [CUBE], "gravity": [0, 0]}, "/gravity", "length 3"),
+        ("haptic_object", {"shapes": [CUBE], "integrator": "semi-implicit"}, "/integrator", "semi_implicit"),
+        ("haptic_walls", {}, "", '"left" stands nowhere'),
+        ("haptic_walls", {"size": [1, 1, 0]}, "/size/2", "> 0"),
+        ("haptic_walls", {"size": [1, 1, 1], "floor": {"rotation": [1, 1, 0, 0]}}, "/floor/rotation", "1.414"),
+        ("haptic_effect", {"effect": {"kind": "sprig"}}, "/effect/kind", 'did you mean "spring"'),
+        ("haptic_effect", {"effect": {"kind": "spring"}}, "/effect", '"stiffness" is missing'),
+        ("haptic_effect", {"effect": {"kind": "workspace"}}, "/effect", "radius or a size"),
+        ("haptic_effect", {"effect": {"kind": "constant_force", "force": [0, 0, 0]}}, "/effect/force", "no force"),
+        (
+            "haptic_effect",
+            {"effect": {"kind": "path_spring", "path": "way", "stiffness": 100}},
+            "/effect/path",
+            'no entity with a "haptic_path" "way"',
+        ),
+        (
+            "haptic_effect",
+            {"effect": {"kind": "viscosity", "damping": 5}, "object": "cup"},
+            "/object",
+            'no entity with a "haptic_object" "cup"',
+        ),
+        (
+            "haptic_effect",
+            {"effect": {"kind": "viscosity", "damping": 5}, "acts_on": "object"},
+            "/acts_on",
+            "no object is named",
+        ),
+        (
+            "haptic_effect",
+            {"effect": {"kind": "vibration", "direction": [0, 0, 0], "amplitude": 1, "frequency": 30}},
+            "/effect/direction",
+            "nowhere",
+        ),
+        ("force_field", {"function": "curll"}, "/function", 'did you mean "curl"'),
+        ("force_field", {"function": "curl", "parameters": [0] * 9}, "/parameters", "length <= 8"),
+        ("haptic_path", {}, "", "control_points or a path_file"),
+        ("haptic_path", {"control_points": [[0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0]]}, "/control_points/1", ""),
+        ("interaction_points", {"points": []}, "/points", ""),
+        ("interaction_points", {"points": [{}] * 5}, "/points", "length <= 4"),
+        ("connections", {"wires": []}, "/wires", ""),
+    ],
+)
+def test_fault_is_told_where_it_stands(tmp_path, component, values, pointer, says):
+    lines = faulty(tmp_path, **{component: values})
+    assert any(line.startswith(f"{PLACE}{component}{pointer}: ") and says in line for line in lines), lines
+
+
+@pytest.mark.parametrize(
+    ("wire", "pointer", "says"),
+    [
+        ({"from": "p_rop", "to": "ball_a.F_aux"}, "from", 'did you mean "p_rob"'),
+        ({"from": "ball_b.p_obj", "to": "ball_a.F_aux"}, "from", 'did you mean "ball_a"'),
+        ({"from": "ball_a.p_ob", "to": "ball_a.F_aux"}, "from", 'did you mean "p_obj"'),
+        ({"from": "ball_a.R_obj.w", "to": "ball_a.F_aux"}, "from", "ball_a"),
+        ({"from": "time", "to": "ball_a.F_au"}, "to", 'did you mean "F_aux"'),
+        ({"from": "time", "to": "ball_c.F_aux"}, "to", 'did you mean "ball_a"'),
+        ({"from": "time", "to": "F_aux"}, "to", "OBJECT.F_aux"),
+        ({"from": "time", "to": "ball_a.position"}, "to", "F_aux"),
+    ],
+)
+def test_wire_to_nowhere_is_told(tmp_path, wire, pointer, says):
+    lines = told(tmp_path, BALL, thing("wiring", connections={"wires": [wire]}))
+    assert len(lines) == 1
+    assert lines[0].startswith(f"scene.json#/entities/1/components/connections/wires/0/{pointer}: ")
+    assert says in lines[0]
+
+
+def test_scaled_object_is_refused_and_its_parent_too(tmp_path):
+    parent = at(0, 0, 0, {"id": "base"}, scale=[2, 2, 2])
+    child = {**BALL, "parent": "base"}
+    assert any("scaled by 2, 2, 2" in line for line in told(tmp_path, parent, child))
+
+
+def test_open_surface_has_no_mass_of_its_own(tmp_path):
+    gltf_box(tmp_path, (0.1, 0.1, 0.1), lid=False)
+    shape = {"shape": "mesh", "source": "box"}
+    parts = {"assets": {"box": {"uri": "box.gltf"}}}
+    lines = told(tmp_path, thing("a", haptic_object={"shapes": [shape]}), **parts)
+    assert len(lines) == 1
+    assert "shapes/0: " in lines[0]
+    assert "no closed surface" in lines[0]
+    hull = thing("a", haptic_object={"shapes": [{**shape, "fit": "hull"}]})
+    given = {"mass": 1.0, "inertia": [0.01, 0.01, 0.01], "centre": [0, 0, 0]}
+    assert told(tmp_path, hull, **parts) == []
+    assert told(tmp_path, thing("a", haptic_object={"shapes": [shape], **given}), **parts) == []
+
+
+def test_fifth_different_force_field_is_refused(tmp_path):
+    from mimics_app.rendering.haptic import force_fields
+
+    names = [f"test_{i}" for i in range(5)]
+    for name in names:
+        force_fields.add_field(name, force_fields.no_field)
+    fields = [thing(f"f{i}", force_field={"function": name}) for i, name in enumerate(names)]
+    assert told(tmp_path, *fields[:4]) == []
+    assert [line.split(": ")[0] for line in told(tmp_path, *fields)] == [
+        "scene.json#/entities/4/components/force_field/function"
+    ]
+
+
+def test_schema_describes_every_key_of_every_part():
+    schema = scene_schema()
+    names = ("haptic_object", "haptic_walls", "haptic_effect", "force_field", "haptic_path", "connections")
+    entity = schema["$defs"]["EntitySpec"]["properties"]["components"]["properties"]
+    assert {*names, "interaction_points"} <= set(entity)
+    wanted = [component_types()[name].__name__ for name in names]
+    wanted += [
+        "CubeSolid",
+        "SphereSolid",
+        "CylinderSolid",
+        "CapsuleSolid",
+        "MeshSolid",
+        "Wall",
+        "Wire",
+        "InteractionPoint",
+    ]
+    wanted += ["Spring", "PathSpring", "Viscosity", "ConstantForce", "Magnet", "Vibration", "StickSlip", "Workspace"]
+    for name in [*wanted, "Guidance"]:
+        for key, value in schema["$defs"][name]["properties"].items():
+            assert key in ("shape", "kind") or "description" in json.dumps(value), f"{name}.{key}"
+
+
+def test_trimesh_is_imported_only_for_models(tmp_path):
+    """A scene without mesh shapes is checked without it."""
+    code = (
+        "import sys; from pathlib import Path; from tests.support.object_scenes import *;"
+        "told(Path(sys.argv[1]), thing('a', haptic_object={'shapes': [CUBE]}));"
+        "assert 'trimesh' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code, str(tmp_path)], check=True)
