@@ -13,7 +13,7 @@ from msgspec import Meta
 
 from mimics_app.contracts.haptic_objects import MAX_POINTS
 from mimics_app.world.haptic_effects import Effect
-from mimics_app.world.haptic_shapes import Solid, Surface
+from mimics_app.world.haptic_shapes import Solid, TouchSurface
 from mimics_app.world.registry import Component, component
 
 __all__ = [
@@ -39,7 +39,7 @@ Integrator = Literal["semi_implicit", "explicit", "exact_drag", "implicit_midpoi
 
 
 @component("haptic_object")
-class HapticObject(Surface, frozen=True):
+class HapticObject(TouchSurface, frozen=True):
     """A body that is touched, and moves if it may (4.2.8)."""
 
     shapes: Annotated[
@@ -82,7 +82,7 @@ class HapticObject(Surface, frozen=True):
     crush_force: Annotated[NotNegative, Meta(description="Grip force that bruises it [N]; 0: none does")] = 0.0
 
 
-class Wall(Surface, frozen=True):
+class Wall(TouchSurface, frozen=True):
     """One of the six walls; its free side is at its own +z (4.2.8.6)."""
 
     enabled: Annotated[bool, Meta(description="[Enable wall]")] = True
@@ -98,7 +98,7 @@ _EVERY_WALL = Wall()
 
 
 @component("haptic_walls")
-class HapticWalls(Surface, frozen=True):
+class HapticWalls(TouchSurface, frozen=True):
     """Six walls that bound a room, fixed to the scene; each can be placed, changed and disabled by itself (4.2.8.6)."""
 
     size: Annotated[

@@ -16,7 +16,7 @@ __all__ = [
     "MeshSolid",
     "Solid",
     "SphereSolid",
-    "Surface",
+    "TouchSurface",
     "surface_of",
 ]
 
@@ -30,7 +30,7 @@ Turn = tuple[float, float, float, float]
 Law = Literal["spring_damper", "hunt_crossley"]
 
 
-class Surface(Component, frozen=True):
+class TouchSurface(Component, frozen=True):
     """How a surface feels. A shape takes what it leaves out from its object."""
 
     stiffness: Annotated[
@@ -64,7 +64,7 @@ class Surface(Component, frozen=True):
     material: Annotated[str | None, Meta(description="Any name, for sounds and events; nowhere said: none")] = None
 
 
-DEFAULT_SURFACE = Surface(
+DEFAULT_SURFACE = TouchSurface(
     stiffness=1000.0,
     damping=None,  # of another unit for each law, see `surface_of`
     friction_static=None,
@@ -81,11 +81,11 @@ DEFAULT_SURFACE = Surface(
 _DEFAULT_DAMPING = {"spring_damper": 5.0, "hunt_crossley": 1.0}
 
 
-def surface_of(*layers: Surface) -> Surface:
+def surface_of(*layers: TouchSurface) -> TouchSurface:
     """What holds of several layers, the most special first: the first of each field that is given; none is None."""
     values: dict[str, Any] = {
         name: next((value for layer in layers if (value := getattr(layer, name)) is not None), None)
-        for name in Surface.__struct_fields__
+        for name in TouchSurface.__struct_fields__
     }
     for name, value in values.items():
         if value is None:
@@ -96,10 +96,10 @@ def surface_of(*layers: Surface) -> Surface:
     values["friction_dynamic"] = dynamic if dynamic is not None else (static or 0.0)
     values["friction_static"] = static if static is not None else values["friction_dynamic"]
     values["friction_stiffness"] = values["friction_stiffness"] or 0.0
-    return Surface(**values)
+    return TouchSurface(**values)
 
 
-class _Placed(Surface, frozen=True):
+class _Placed(TouchSurface, frozen=True):
     """A shape at its place in the object."""
 
     position: Annotated[Point, Meta(description="Of its middle, in the object's frame [m]")] = (0.0, 0.0, 0.0)

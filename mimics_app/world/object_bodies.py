@@ -19,7 +19,7 @@ from mimics_app.world.haptic_shapes import (
     MeshSolid,
     Solid,
     SphereSolid,
-    Surface,
+    TouchSurface,
 )
 from mimics_app.world.mass_properties import (
     FilledShape,
@@ -125,7 +125,7 @@ def contacts_of(shape: Solid) -> int:
     return _CONTACTS[type(shape)]
 
 
-def lightest_mass(surface: Surface, contacts: int) -> float:
+def lightest_mass(surface: TouchSurface, contacts: int) -> float:
     """Mass [kg] below which a tick of `TICK_S` makes the contact unstable: n (h^2 k + 2 h b) / 4.
 
     Args:
@@ -167,7 +167,7 @@ def _fitted(scene: Scene, shape: Solid, place: str) -> Solid:
     if not isinstance(shape, MeshSolid) or shape.fit not in ("box", "sphere"):
         return shape
     vertices = mesh_of(scene, shape, place).vertices
-    kept: dict[str, Any] = {name: getattr(shape, name) for name in (*Surface.__struct_fields__, "rotation")}
+    kept: dict[str, Any] = {name: getattr(shape, name) for name in (*TouchSurface.__struct_fields__, "rotation")}
     if shape.fit == "sphere":
         middle, radius = enclosing_sphere(vertices)
         return SphereSolid(**kept, position=_moved(shape, middle), radius=radius)

@@ -19,7 +19,7 @@ from mimics_app.world.components_objects import (
     HapticWalls,
     InteractionPoints,
 )
-from mimics_app.world.haptic_shapes import CubeSolid, CylinderSolid, MeshSolid, Solid, Surface, surface_of
+from mimics_app.world.haptic_shapes import CubeSolid, CylinderSolid, MeshSolid, Solid, TouchSurface, surface_of
 from mimics_app.world.object_bodies import (
     TICK_S,
     ObjectFault,
@@ -106,7 +106,7 @@ def _check_shape(shape: Solid, pointer: str, scene: Scene) -> list[Issue]:
     return issues
 
 
-def _check_surface(surface: Surface, pointer: str, scene: Scene) -> list[Issue]:
+def _check_surface(surface: TouchSurface, pointer: str, scene: Scene) -> list[Issue]:
     static, dynamic = surface.friction_static, surface.friction_dynamic
     if static is not None and dynamic is not None and static < dynamic:
         what = f"{static:g} is below friction_dynamic, {dynamic:g}: it would slide more easily at rest"

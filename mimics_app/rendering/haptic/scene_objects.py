@@ -42,7 +42,7 @@ from mimics_app.world.haptic_shapes import (
     MeshSolid,
     Solid,
     SphereSolid,
-    Surface,
+    TouchSurface,
     surface_of,
 )
 from mimics_app.world.object_bodies import ObjectFault, mass_properties_of, mesh_of, rotation_of, shapes_of
@@ -240,7 +240,7 @@ class _Gathered:
         row["grip"], row["crush_force"] = thing.grip, thing.crush_force
         return row
 
-    def _surface_row(self, surface: Surface, body: int, entity: str) -> Records:
+    def _surface_row(self, surface: TouchSurface, body: int, entity: str) -> Records:
         """A new row of shapes with everything but its kind, place and size."""
         row = np.zeros(1, SHAPE)
         name = surface.material or ""
