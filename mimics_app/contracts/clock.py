@@ -6,7 +6,15 @@ import time
 from datetime import UTC, datetime
 from typing import Protocol
 
-__all__ = ["TICKS_PER_SECOND", "Clock", "MonotonicClock", "VirtualClock", "ticks_until_frame", "wall_time"]
+__all__ = [
+    "TICKS_PER_SECOND",
+    "Clock",
+    "MonotonicClock",
+    "VirtualClock",
+    "process_seconds",
+    "ticks_until_frame",
+    "wall_time",
+]
 
 TICKS_PER_SECOND = 1000
 
@@ -50,6 +58,11 @@ class VirtualClock:
     def sleep_until_ns(self, deadline_ns: int) -> None:
         """Make it be the deadline [ns]."""
         self._now_ns = max(self._now_ns, deadline_ns)
+
+
+def process_seconds() -> float:
+    """Processor time this process has used so far, all its threads together [s]."""
+    return time.process_time()
 
 
 def ticks_until_frame(frame: int, frames_per_second: int = 60) -> int:

@@ -1,18 +1,22 @@
-"""The compiled passes over the scene graph: parents before children, and world matrices in one sweep."""
+"""The compiled passes over the scene graph: poses in bulk, parents before children, world matrices in one sweep."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
-from mimics_app.maths.mat import compose_trs, multiply_affine
 
-__all__ = ["preorder", "propagate"]
+__all__ = ["preorder", "propagate", "store_poses"]
 
 I4 = NDArray[np.int32]
 F8 = NDArray[np.float64]
 U1 = NDArray[np.uint8]
+
+_LEAST_LENGTH2, _MOST_LENGTH2 = 1e-280, 1e280
+"""Squared lengths of quaternions that can be scaled to 1 without losing digits."""
 
 
 @kernel
@@ -72,7 +76,6 @@ def propagate(
     Returns:
         Rows written.
     """
-    local = np.empty((4, 4))
     written = 0
     for row in range(parent_row.shape[0]):
         parent = parent_row[row]
@@ -81,11 +84,65 @@ def propagate(
             continue
         dirty[row] = 0
         written += 1
-        if parent < 0:
-            compose_trs(translation[row], rotation[row], scale[row], world[row])
-            shown[row] = visible[row]
-        else:
-            compose_trs(translation[row], rotation[row], scale[row], local)
-            multiply_affine(world[parent], local, world[row])
-            shown[row] = visible[row] & shown[parent]
+        _place(row, parent, translation, rotation, scale, world)
+        shown[row] = visible[row] & (shown[parent] if parent >= 0 else 1)
     return written
+
+
+@kernel
+def _place(row: int, parent: int, translation: F8, rotation: F8, scale: F8, world: F8) -> None:
+    """World matrix of a row: that of its parent, if any, times T R S; its last row is 0 0 0 1 and stays so.
+
+    Written out in scalars: no matrix in between goes through memory, and no view of a row is made.
+    """
+    x, y, z, w = rotation[row, 0], rotation[row, 1], rotation[row, 2], rotation[row, 3]
+    a, b, c = scale[row, 0], scale[row, 1], scale[row, 2]
+    l00, l01, l02 = (1.0 - 2.0 * (y * y + z * z)) * a, 2.0 * (x * y - z * w) * b, 2.0 * (x * z + y * w) * c
+    l10, l11, l12 = 2.0 * (x * y + z * w) * a, (1.0 - 2.0 * (x * x + z * z)) * b, 2.0 * (y * z - x * w) * c
+    l20, l21, l22 = 2.0 * (x * z - y * w) * a, 2.0 * (y * z + x * w) * b, (1.0 - 2.0 * (x * x + y * y)) * c
+    t0, t1, t2 = translation[row, 0], translation[row, 1], translation[row, 2]
+    if parent < 0:
+        world[row, 0, 0], world[row, 0, 1], world[row, 0, 2], world[row, 0, 3] = l00, l01, l02, t0
+        world[row, 1, 0], world[row, 1, 1], world[row, 1, 2], world[row, 1, 3] = l10, l11, l12, t1
+        world[row, 2, 0], world[row, 2, 1], world[row, 2, 2], world[row, 2, 3] = l20, l21, l22, t2
+        return
+    for k in range(3):
+        m0, m1, m2 = world[parent, k, 0], world[parent, k, 1], world[parent, k, 2]
+        world[row, k, 0] = m0 * l00 + m1 * l10 + m2 * l20
+        world[row, k, 1] = m0 * l01 + m1 * l11 + m2 * l21
+        world[row, k, 2] = m0 * l02 + m1 * l12 + m2 * l22
+        world[row, k, 3] = m0 * t0 + m1 * t1 + m2 * t2 + world[parent, k, 3]
+
+
+@kernel
+def store_poses(rows: I4, translation: F8, rotation: F8, into: F8, into_rotation: F8, dirty: U1) -> int:
+    """Check and store the local poses of some rows in one pass; nothing is stored when one of them is wrong.
+
+    Args:
+        rows: Where to, [n].
+        translation: [m], [n, 3].
+        rotation: xyzw of any length, [n, 4].
+        into: The table's translations, [rows, 3].
+        into_rotation: The table's rotations, unit with w >= 0, [rows, 4].
+        dirty: 1 where stored, [rows].
+
+    Returns:
+        -1, or the first line whose numbers are not finite or whose quaternion is no rotation.
+    """
+    for i in range(rows.shape[0]):
+        x, y, z, w = rotation[i, 0], rotation[i, 1], rotation[i, 2], rotation[i, 3]
+        size = abs(translation[i, 0]) + abs(translation[i, 1]) + abs(translation[i, 2])
+        length2 = x * x + y * y + z * z + w * w
+        if not (_LEAST_LENGTH2 < length2 < _MOST_LENGTH2) or not (size < np.inf):
+            return i
+    for i in range(rows.shape[0]):
+        row = rows[i]
+        x, y, z, w = rotation[i, 0], rotation[i, 1], rotation[i, 2], rotation[i, 3]
+        length = math.sqrt(x * x + y * y + z * z + w * w)
+        shrink = 1.0 / length if w >= 0.0 else -1.0 / length
+        into_rotation[row, 0], into_rotation[row, 1] = x * shrink, y * shrink
+        into_rotation[row, 2], into_rotation[row, 3] = z * shrink, w * shrink
+        for axis in range(3):
+            into[row, axis] = translation[i, axis]
+        dirty[row] = 1
+    return -1

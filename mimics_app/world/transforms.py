@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.maths.quat import normalise_rows
-from mimics_app.world.propagation import propagate
+from mimics_app.world.propagation import propagate, store_poses
 from mimics_app.world.store import grown
 
 __all__ = ["TransformTable"]
@@ -25,6 +25,10 @@ class TransformTable:
     A new row is appended, so it comes after its parent; reparenting and removal sort the table anew at the frame's
     end (`World.update`). Row numbers are good until `revision` changes; ask `rows` again then. The arrays are views:
     write them through the setters, which mark what has to be computed again.
+
+    Attributes:
+        revision: Changes when rows change places.
+        updates: Counts updates, so that a reader of `changed` knows whether it missed one.
     """
 
     def __init__(self) -> None:
@@ -42,6 +46,7 @@ class TransformTable:
         self._changed = np.zeros(_FIRST_CAPACITY, np.uint8)
         self._touched = False
         self.revision = 0
+        self.updates = 0
 
     def __len__(self) -> int:
         """Rows in use."""
@@ -116,6 +121,28 @@ class TransformTable:
         """
         self._set(self._rotations, rows, normalise_rows(np.asarray(values, np.float64)))
 
+    def set_poses(
+        self, rows: NDArray[np.integer], translations: NDArray[np.floating], rotations: NDArray[np.floating]
+    ) -> None:
+        """Set local translations [m], [n, 3], and rotations, xyzw of any length, [n, 4], in one pass.
+
+        For whole crowds of nodes every frame; nothing is set when a number is wrong.
+
+        Raises:
+            ValueError: a number is not finite, a rotation is zero, or a shape does not fit.
+        """
+        shifts = np.asarray(translations, np.float64).reshape(-1, 3)
+        turns = np.asarray(rotations, np.float64).reshape(-1, 4)
+        if not len(rows) == len(shifts) == len(turns):
+            raise ValueError(f"{len(rows)} rows, {len(shifts)} translations, {len(turns)} rotations")
+        places = np.asarray(rows, np.int32)
+        if places.size and not 0 <= int(places.min()) <= int(places.max()) < self._count:
+            raise ValueError(f"rows beyond the {self._count} in use")
+        wrong = store_poses(places, shifts, turns, self._translations, self._rotations, self._dirty)
+        if wrong >= 0:
+            raise ValueError(f"pose {wrong} of {len(rows)} is not finite, or its rotation is zero")
+        self._touched = True
+
     def set_scales(self, rows: NDArray[np.integer], values: NDArray[np.floating]) -> None:
         """Set local scales, [n, 3].
 
@@ -184,6 +211,7 @@ class TransformTable:
     def update(self) -> int:
         """Bring `world`, `shown` and `changed` up to date in one pass; returns the rows computed."""
         n = self._count
+        self.updates += 1
         if not self._touched:
             self._changed[:n] = 0
             return 0

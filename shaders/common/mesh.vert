@@ -4,11 +4,14 @@
 in vec3 in_position;
 in vec3 in_normal;
 in vec2 in_uv;
-in vec4 in_colour;
 in vec4 eye_row0;               // rows of eye_from_object
 in vec4 eye_row1;
 in vec4 eye_row2;
+#ifdef COLOURED
+in vec4 in_colour;
+#endif
 
+invariant gl_Position;
 out vec3 position_eye;
 out vec3 normal;
 out vec2 uv;
@@ -22,6 +25,10 @@ void main() {
     position_eye = vec3(dot(eye_row0, position), dot(eye_row1, position), dot(eye_row2, position));
     normal = turn * in_normal * (dot(axes[0], turn[0]) < 0.0 ? -1.0 : 1.0);
     uv = in_uv;
+#ifdef COLOURED
     vertex_colour = in_colour;
+#else
+    vertex_colour = vec4(1.0);
+#endif
     gl_Position = clip_from_eye * vec4(position_eye, 1.0);
 }

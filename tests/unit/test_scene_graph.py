@@ -354,3 +354,48 @@ def test_an_id_of_a_place_that_was_never_used_is_not_alive():
     world = World()
     node = world.create_node()
     assert not world.graph.store.is_alive(EntityId(node.index, node.id.generation + 1))
+
+
+def test_poses_in_bulk_are_what_single_setters_make():
+    """Also of quaternions that are long, short, or turned the long way round, under a parent that turns and scales."""
+    rng = np.random.default_rng(5)
+    worlds = [World(), World()]
+    poses = rng.normal(size=(40, 3)), rng.normal(size=(40, 4)) * 10.0 ** rng.uniform(-9, 9, (40, 1))
+    tables = []
+    for number, world in enumerate(worlds):
+        top = world.root.create_child("top", (1.0, -2.0, 0.5), (0.1, 0.7, -0.2, 0.4), (2.0, 0.5, -1.0))
+        nodes = [top.create_child() for _ in range(40)]
+        rows = world.transforms.rows(np.array([node.index for node in nodes]))
+        if number == 0:
+            world.transforms.set_poses(rows, *poses)
+        else:
+            for node, shift, turn in zip(nodes, *poses, strict=True):
+                node.set_position(shift)
+                node.set_orientation(turn)
+        world.update()
+        tables.append(world.transforms)
+    assert np.abs(tables[0].world - tables[1].world).max() < 1e-14
+    assert (tables[0].rotations[:, 3] >= 0.0).all()
+
+
+@pytest.mark.parametrize("turn", [(0.0, 0.0, 0.0, 0.0), (np.nan, 0.0, 0.0, 1.0), (1e200, 0.0, 0.0, 1e200)])
+def test_bulk_poses_are_set_all_or_none(turn):
+    world = World()
+    nodes = [world.root.create_child() for _ in range(3)]
+    rows = world.transforms.rows(np.array([node.index for node in nodes]))
+    turns = np.array([[0.0, 0.0, 1.0, 0.0], turn, [1.0, 0.0, 0.0, 0.0]])
+    with pytest.raises(ValueError, match="pose 1 of 3"):
+        world.transforms.set_poses(rows, np.ones((3, 3)), turns)
+    assert not world.transforms.translations[rows].any()
+    with pytest.raises(ValueError, match="2 translations"):
+        world.transforms.set_poses(rows, np.ones((2, 3)), np.ones((3, 4)))
+    with pytest.raises(ValueError, match="rows beyond"):
+        world.transforms.set_poses(np.array([0, 1, 99]), np.ones((3, 3)), np.ones((3, 4)))
+
+
+def test_updates_are_counted_so_that_a_reader_knows_what_it_missed():
+    world = World()
+    before = world.transforms.updates
+    world.update()
+    world.update()
+    assert world.transforms.updates == before + 2

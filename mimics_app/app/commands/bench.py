@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
 from typing import Any
+
+from mimics_app.contracts.errors import DeviceError, UsageError
 
 __all__ = ["add_arguments", "run"]
 
@@ -17,7 +20,8 @@ _ALL_SECONDS = 10.0
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics bench`."""
-    parser.add_argument("what", choices=("all", "realtime", "methods", "sound"), help="what to measure")
+    parser.add_argument("what", choices=("all", "realtime", "methods", "sound", "render"), help="what to measure")
+    _add_render_arguments(parser)
     parser.add_argument("--scene", type=Path, default=Path("scenes/wavy_tunnel.json"), help="scene of the load")
     parser.add_argument("--seconds", type=_positive, default=60.0, help="length of each real-time measurement [s]")
     parser.add_argument(
@@ -25,9 +29,26 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `mimics bench render`; the same as other renderers' measurements take."""
+    parser.add_argument("workload", nargs="?", choices=("city", "nodes", "crowd"), help="of render: what is drawn")
+    parser.add_argument("--data", type=Path, help="of render: folder of the workloads, else RENDER_DATA names it")
+    parser.add_argument("--size", type=_size, default="1280x720", metavar="WxH", help="of render: of the picture [px]")
+    parser.add_argument("--msaa", type=int, choices=(0, 2, 4, 8), default=0, help="of render: samples per pixel")
+    parser.add_argument("--frames", type=_count, default=40, help="of render: frames timed")
+    parser.add_argument("--warmup", type=_count, default=6, help="of render: frames drawn before")
+    parser.add_argument("--budget", type=_positive, default=25.0, help="of render: stop after this time [s]")
+    parser.add_argument("--n", type=_nodes, default=0, help="of render: nodes, 0: 10000")
+    parser.add_argument("--opt", default="", help="of render: words that change the settings")
+    parser.add_argument("--shot", type=Path, help="of render: write the last frame here as PNG")
+
+
 def run(args: argparse.Namespace) -> int:
     """Measure, and print a table or one JSON object."""
     from mimics_app.app import output
+
+    if args.what == "render":
+        return _run_render(args)
 
     parts = ("methods", "sound", "realtime") if args.what == "all" else (args.what,)
     answer: dict[str, Any] = {}
@@ -38,6 +59,37 @@ def run(args: argparse.Namespace) -> int:
         output.write_object("bench", answer)
     else:
         print(json.dumps(output.finite(answer), indent=2))
+    return 0
+
+
+def _run_render(args: argparse.Namespace) -> int:
+    from mimics_app.app import output
+    from mimics_app.app.render_bench import RenderBench, measure_render
+
+    if args.workload is None:
+        raise UsageError("a workload to draw is missing", "mimics bench render city, or nodes")
+    folder = args.data or (Path(os.environ["RENDER_DATA"]) if "RENDER_DATA" in os.environ else None)
+    if folder is None:
+        raise UsageError("the folder of the workloads is not known", "name it by --data or RENDER_DATA")
+    options = tuple(args.opt.replace(",", " ").split())
+    answer = measure_render(
+        RenderBench(
+            args.workload,
+            folder,
+            args.size,
+            args.msaa,
+            args.frames,
+            args.warmup,
+            args.budget,
+            args.n,
+            options,
+            args.shot,
+        )
+    )
+    if args.json:
+        output.write_object("bench", answer)
+    else:
+        print("RESULT " + json.dumps(answer))
     return 0
 
 
@@ -53,8 +105,6 @@ def _measure_realtime(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _measure_apart(kind: str, scene: Path, seconds: float) -> dict[str, Any]:
-    from mimics_app.contracts.errors import DeviceError
-
     command = [sys.executable, "-m", "mimics_app.app.realtime_load", kind, str(scene), str(seconds)]
     child = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
     if child.returncode != 0:
@@ -93,6 +143,18 @@ def _positive(text: str) -> float:
     if not 0.0 < value < 1e6:
         raise argparse.ArgumentTypeError(f"{text} is not a time between 0 and 1e6 s")
     return value
+
+
+def _size(text: str) -> tuple[int, int]:
+    from mimics_app.app.commands.run import picture_size
+
+    return picture_size(text)
+
+
+def _nodes(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and int(text) <= 1_000_000):
+        raise argparse.ArgumentTypeError(f"{text} is no number of nodes up to 1000000")
+    return int(text)
 
 
 def _count(text: str) -> int:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mimics_app.rendering.visual.picture_arrays import PictureArray, PictureArrays, encode_srgb, set_sampling, unfolded
+from mimics_app.rendering.visual.settings import Shading
 from mimics_app.rendering.visual.shader_library import ShaderLibrary, ShaderProgram
 from mimics_app.world.material import Material, TextureData
 from mimics_app.world.world import World
@@ -37,14 +40,20 @@ class Look:
         shader: Draws it to the picture.
         shadow_shader: Draws its depth seen from the sun.
         block: The material's numbers.
-        texture: Its picture, or None.
+        texture: Its picture, or None; an array of pictures where `paint` says which.
+        state: Equal for looks that one call to the driver may draw together: only `paint` tells them apart then.
+        shadow_state: The same for the shadow pass.
+        paint: Four numbers that come with each instance; what they mean is the shader's to say.
     """
 
     material: Material
     shader: ShaderProgram
     shadow_shader: ShaderProgram
     block: moderngl.Buffer
-    texture: moderngl.Texture | None
+    texture: moderngl.Texture | PictureArray | None
+    state: Hashable
+    shadow_state: Hashable
+    paint: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
 
     @property
     def transparent(self) -> bool:
@@ -59,43 +68,52 @@ class Look:
 
 
 class MaterialStore:
-    """Looks by material name, made anew when the world's material or texture object is another."""
+    """Looks by material, made on demand and anew when the world's material or texture object is another."""
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
         self._ctx = ctx
         self._shaders = shaders
-        self._looks: dict[str, Look] = {}
+        self._looks: dict[tuple[str, bool], Look] = {}
+        self._known: dict[str, tuple[Material, TextureData | None]] = {}
         self._textures: dict[str, tuple[TextureData, moderngl.Texture]] = {}
-        self._placed_lights = False
+        self._arrays = PictureArrays(ctx)
+        self._variant: tuple[bool, Shading] = (False, "full")
 
-    def update(self, world: World, *, placed_lights: bool) -> bool:
+    def update(self, world: World, *, placed_lights: bool, shading: Shading = "full") -> bool:
         """Bring the looks up to the world's materials.
 
         Args:
             world: Whose materials.
             placed_lights: True when a point or spot light shines; without one the shaders leave them out.
+            shading: Which techniques may be used.
 
         Returns:
             True when one came, went or changed.
         """
-        all_stale = placed_lights != self._placed_lights
-        self._placed_lights = placed_lights
-        stale = [name for name in self._looks if all_stale or (name and name not in world.materials)]
-        for name in stale:
-            self._looks.pop(name).block.release()
-        changed = bool(stale)
-        for name, material in world.materials.items():
-            known = self._looks.get(name)
-            if known is None or known.material is not material or not self._is_current(material, world):
-                self._replace(name, material, world)
-                changed = True
+        known = {name: (material, _picture(material, world)) for name, material in world.materials.items()}
+        if (placed_lights, shading) != self._variant:
+            self._variant = (placed_lights, shading)
+            stale = {name for name, _ in self._looks} | {""}
+        else:
+            stale = {name for name, was in self._known.items() if not _same(was, known.get(name))}
+        changed = bool(stale) or known.keys() != self._known.keys()
+        for key in [key for key in self._looks if key[0] in stale]:
+            self._looks.pop(key).block.release()
+        self._known = known
         return changed
 
-    def look(self, name: str) -> Look:
-        """The look of a material; plain grey for a name the world does not have."""
-        if name not in self._looks and "" not in self._looks:
-            self._looks[""] = self._make(_FALLBACK, None)
-        return self._looks.get(name) or self._looks[""]
+    def look(self, name: str, *, coloured: bool = False) -> Look:
+        """The look of a material; plain grey for a name the world does not have.
+
+        Args:
+            name: Of the material.
+            coloured: True for a mesh whose vertices have colours.
+        """
+        if name not in self._known:
+            name = ""
+        if (name, coloured) not in self._looks:
+            self._looks[name, coloured] = self._make(name, *self._known.get(name, (_FALLBACK, None)), coloured)
+        return self._looks[name, coloured]
 
     def release(self) -> None:
         """Free all buffers and textures."""
@@ -103,32 +121,50 @@ class MaterialStore:
             look.block.release()
         for _, texture in self._textures.values():
             texture.release()
+        self._arrays.release()
         self._looks.clear()
         self._textures.clear()
 
-    def _is_current(self, material: Material, world: World) -> bool:
-        name = material.base_texture
-        return name is None or name not in world.textures or self._textures[name][0] is world.textures[name]
-
-    def _replace(self, name: str, material: Material, world: World) -> None:
-        known = self._looks.get(name)
-        if known:
-            known.block.release()
-        picture = world.textures.get(material.base_texture) if material.base_texture else None
-        self._looks[name] = self._make(material, picture)
-
-    def _make(self, material: Material, picture: TextureData | None) -> Look:
-        texture = self._upload(material.base_texture or "", picture) if picture is not None else None
+    def _make(self, name: str, material: Material, picture: TextureData | None, coloured: bool) -> Look:
         block = self._ctx.buffer(_pack(material, picture).tobytes())
-        return Look(material, self._shader(material, texture), self._shadow_shader(material, texture), block, texture)
+        shadow_shader = self._shadow_shader(material, picture is not None)
+        # Depth of what has no holes looks the same whatever its material.
+        solid = material.alpha_mode == "opaque" and material.technique != "glass"
+        shadow_state = "solid" if solid else (name, coloured)
+        if _can_be_plain(material) and self._variant[1] == "plain":
+            return self._make_plain(material, picture, coloured, block, shadow_shader)
+        texture = self._upload(material.base_texture or "", picture) if picture is not None else None
+        shader = self._shader(material, texture is not None, coloured)
+        return Look(material, shader, shadow_shader, block, texture, (name, coloured), shadow_state)
 
-    def _shader(self, material: Material, texture: moderngl.Texture | None) -> ShaderProgram:
-        defines = []
-        if texture is not None:
+    def _make_plain(
+        self,
+        material: Material,
+        picture: TextureData | None,
+        coloured: bool,
+        block: moderngl.Buffer,
+        shadow_shader: ShaderProgram,
+    ) -> Look:
+        """A look whose state it shares with all others of its kind."""
+        layer, array = 0, None
+        defines = ["COLOURED"] if coloured else []
+        if picture is not None:
+            array, layer = self._arrays.place(material.base_texture or "", picture)
+            sides = zip(picture.wrap, ("MIRROR_U", "MIRROR_V"), strict=True)
+            defines += ["TEXTURED", *(define for wrap, define in sides if wrap == "mirror")]
+        shader = self._shaders.program("plain/plain.vert", "plain/plain.frag", tuple(defines))
+        state = (shader.defines, id(array), material.double_sided)
+        red, green, blue = encode_srgb(np.array(material.base_colour[:3])).tolist()
+        number = layer + 1.0 if material.technique == "lit" else -(layer + 1.0)
+        return Look(material, shader, shadow_shader, block, array, state, "solid", (red, green, blue, number))
+
+    def _shader(self, material: Material, textured: bool, coloured: bool) -> ShaderProgram:
+        defines = ["COLOURED"] if coloured else []
+        if textured:
             defines.append("TEXTURED")
         if material.alpha_mode == "mask" and material.technique != "glass":
             defines.append("MASKED")
-        if material.technique == "lit" and self._placed_lights:
+        if material.technique == "lit" and self._variant[0]:
             defines.append("PLACED_LIGHTS")
         if material.technique == "lit" and material.roughness >= _MATT and material.metallic == 0.0:
             defines.append("MATT")
@@ -138,9 +174,9 @@ class MaterialStore:
             "common/mesh.vert", f"{material.technique}/{material.technique}.frag", tuple(defines)
         )
 
-    def _shadow_shader(self, material: Material, texture: moderngl.Texture | None) -> ShaderProgram:
+    def _shadow_shader(self, material: Material, textured: bool) -> ShaderProgram:
         defines = []
-        if texture is not None and material.alpha_mode == "mask":
+        if textured and material.alpha_mode == "mask":
             defines.append("TEXTURED")
         if material.technique == "glass" or material.alpha_mode == "blend":
             defines.append("TRANSLUCENT")
@@ -157,6 +193,20 @@ class MaterialStore:
         return texture
 
 
+def _picture(material: Material, world: World) -> TextureData | None:
+    return world.textures.get(material.base_texture) if material.base_texture else None
+
+
+def _same(was: tuple[Material, TextureData | None], now: tuple[Material, TextureData | None] | None) -> bool:
+    return now is not None and was[0] is now[0] and was[1] is now[1]
+
+
+def _can_be_plain(material: Material) -> bool:
+    """True for an opaque surface that the plain technique shows whole: no holes, lines or light of its own."""
+    opaque = material.alpha_mode == "opaque" and material.technique in ("lit", "unlit")
+    return opaque and material.grid == 0.0 and not any(material.emission)
+
+
 def _pack(material: Material, picture: TextureData | None) -> np.ndarray[tuple[()], np.dtype[np.void]]:
     block = np.zeros((), _BLOCK)
     block["base_colour"] = material.base_colour
@@ -168,19 +218,8 @@ def _pack(material: Material, picture: TextureData | None) -> np.ndarray[tuple[(
 
 
 def _make_texture(ctx: moderngl.Context, picture: TextureData) -> moderngl.Texture:
-    import moderngl
-
-    pixels = np.ascontiguousarray(picture.pixels, np.uint8)
-    # moderngl repeats or clamps; a mirrored picture is laid beside its reflection and read at half the rate.
-    for side, axis in zip(picture.wrap, (1, 0), strict=True):
-        if side == "mirror":
-            pixels = np.concatenate([pixels, np.flip(pixels, axis)], axis)
+    pixels = unfolded(picture)
     height, width = pixels.shape[:2]
     texture = ctx.texture((width, height), 4, pixels.tobytes(), internal_format=_SRGB8_ALPHA8 if picture.srgb else None)
-    texture.repeat_x, texture.repeat_y = (side != "clamp" for side in picture.wrap)
-    if picture.filter == "trilinear":
-        texture.build_mipmaps()
-        texture.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
-    else:
-        texture.filter = (moderngl.NEAREST,) * 2 if picture.filter == "nearest" else (moderngl.LINEAR,) * 2
+    set_sampling(texture, picture)
     return texture

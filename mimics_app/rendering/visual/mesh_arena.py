@@ -1,7 +1,8 @@
-"""All meshes of a world in one vertex buffer and one index buffer, so that any number of them is one draw call."""
+"""All meshes of a world in shared vertex and index buffers, so that any number of them is one draw call."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -16,28 +17,44 @@ if TYPE_CHECKING:
 
     from mimics_app.rendering.visual.shader_library import ShaderProgram
 
-__all__ = ["COMMAND", "INSTANCE_FLOATS", "MeshArena", "MeshRange"]
+__all__ = ["COMMAND_WORDS", "INSTANCE_FLOATS", "MeshArena", "MeshRange"]
 
-_VERTEX = np.dtype(
-    [("in_position", "f4", (3,)), ("in_normal", "f4", (3,)), ("in_uv", "f4", (2,)), ("in_colour", "f4", (4,))]
+_VERTEX = np.dtype([("in_position", "f4", (3,)), ("in_normal", "f4", (3,)), ("in_uv", "f4", (2,))])
+_COLOUR = np.dtype([("in_colour", "f4", (4,))])
+_INSTANCE = np.dtype(
+    [("eye_row0", "f4", (4,)), ("eye_row1", "f4", (4,)), ("eye_row2", "f4", (4,)), ("paint", "f4", (4,))]
 )
-_INSTANCE = np.dtype([("eye_row0", "f4", (4,)), ("eye_row1", "f4", (4,)), ("eye_row2", "f4", (4,))])
 
-INSTANCE_FLOATS = 12
-"""Floats of one instance: the three rows of eye_from_object."""
+INSTANCE_FLOATS = 16
+"""Floats of one instance: the three rows of eye_from_object, and four that its look gives a meaning."""
 
-COMMAND = np.dtype([("count", "u4"), ("instances", "u4"), ("first", "u4"), ("base_vertex", "i4"), ("base", "u4")])
-"""One indirect draw, as glMultiDrawElementsIndirect reads it."""
+COMMAND_WORDS = 5
+"""32-bit words of one indirect draw, as glMultiDrawElementsIndirect reads it: indices, instances, first index, base
+vertex, base instance."""
+
+_SHORT_VERTICES = 65_536
+"""Vertices that 16-bit indices reach; a mesh of more has 32-bit ones."""
 
 
 @dataclass(frozen=True, slots=True)
 class MeshRange:
-    """Where one mesh lies in the arena: first index, number of indices, number of its first vertex."""
+    """Where one mesh lies in the arena.
+
+    Attributes:
+        first: Its first index, in the buffer of its width.
+        count: Number of indices.
+        base_vertex: Number of its first vertex.
+        vertices: Number of vertices.
+        wide: True where its indices have 32 bits.
+        coloured: True where its vertices have colours.
+    """
 
     first: int
     count: int
     base_vertex: int
     vertices: int
+    wide: bool
+    coloured: bool
 
 
 class MeshArena:
@@ -52,9 +69,10 @@ class MeshArena:
         self.ranges: dict[str, MeshRange] = {}
         self._seen: dict[str, tuple[int, int]] = {}
         self._vertices = ctx.buffer(reserve=_VERTEX.itemsize)
-        self._indices = ctx.buffer(reserve=4)
+        self._colours = ctx.buffer(reserve=_COLOUR.itemsize)
+        self._indices = {wide: ctx.buffer(reserve=4) for wide in (False, True)}
         self._instances = ctx.buffer(reserve=_INSTANCE.itemsize)
-        self._arrays: dict[ShaderProgram, tuple[int, moderngl.VertexArray]] = {}
+        self._arrays: dict[tuple[ShaderProgram, bool], tuple[int, moderngl.VertexArray]] = {}
 
     def update(self, world: World) -> bool:
         """Bring the buffers up to the world's meshes.
@@ -75,56 +93,81 @@ class MeshArena:
         return True
 
     def write_instances(self, rows: NDArray[np.float32]) -> None:
-        """Upload the instances of a frame, float32 [n, 3, 4]."""
-        data = np.ascontiguousarray(rows, np.float32)
-        if data.nbytes > self._instances.size:
+        """Upload the instances of a frame, float32 [n, 4, 4], contiguous."""
+        if rows.nbytes > self._instances.size:
             self._drop_arrays()
             self._instances.release()
-            self._instances = self._ctx.buffer(reserve=2 * data.nbytes)
-        if data.nbytes:
+            self._instances = self._ctx.buffer(reserve=2 * rows.nbytes)
+        if rows.nbytes:
             self._instances.orphan()
-            self._instances.write(data)
+            self._instances.write(rows)
 
-    def vertex_array(self, shader: ShaderProgram) -> moderngl.VertexArray:
-        """The arena as a program reads it; made again when the program was reloaded."""
-        known = self._arrays.get(shader)
+    def vertex_array(self, shader: ShaderProgram, *, wide: bool = False) -> moderngl.VertexArray:
+        """The arena as a program reads it, by 16-bit or 32-bit indices; made again when the program was reloaded."""
+        known = self._arrays.get((shader, wide))
         if known and known[0] == shader.revision:
             return known[1]
+        program = shader.program
         content = [
-            _describe(self._vertices, _VERTEX, shader.program, ""),
-            _describe(self._instances, _INSTANCE, shader.program, "/i"),
+            _describe(self._vertices, _VERTEX, program, ""),
+            _describe(self._instances, _INSTANCE, program, "/i"),
         ]
-        array = self._ctx.vertex_array(shader.program, content, self._indices, index_element_size=4)
-        self._arrays[shader] = (shader.revision, array)
+        if "in_colour" in program:
+            content.append(_describe(self._colours, _COLOUR, program, ""))
+        size = 4 if wide else 2
+        array = self._ctx.vertex_array(program, content, self._indices[wide], index_element_size=size)
+        self._arrays[shader, wide] = (shader.revision, array)
         return array
 
     def release(self) -> None:
         """Free all buffers."""
         self._drop_arrays()
-        for buffer in (self._vertices, self._indices, self._instances):
+        for buffer in (self._vertices, self._colours, *self._indices.values(), self._instances):
             buffer.release()
 
     def _fits(self, name: str, mesh: MeshData) -> bool:
         known = self.ranges[name]
-        return known.count == mesh.indices.size and known.vertices == len(mesh.positions)
+        same = known.count == mesh.indices.size and known.vertices == len(mesh.positions)
+        return same and known.coloured == (mesh.colours is not None)
 
     def _overwrite(self, name: str, mesh: MeshData) -> None:
         known = self.ranges[name]
         self._vertices.write(_pack(mesh), offset=known.base_vertex * _VERTEX.itemsize)
-        self._indices.write(np.ascontiguousarray(mesh.indices, np.uint32), offset=4 * known.first)
+        if mesh.colours is not None:
+            colours = np.ascontiguousarray(mesh.colours, np.float32)
+            self._colours.write(colours, offset=known.base_vertex * _COLOUR.itemsize)
+        indices = _indices(mesh)
+        self._indices[known.wide].write(indices, offset=indices.itemsize * known.first)
 
     def _rebuild(self, meshes: dict[str, MeshData]) -> None:
-        self.ranges, first, base_vertex = {}, 0, 0
+        self.ranges, base_vertex = {}, 0
+        first = {False: 0, True: 0}
         for name, mesh in meshes.items():
-            self.ranges[name] = MeshRange(first, mesh.indices.size, base_vertex, len(mesh.positions))
-            first, base_vertex = first + mesh.indices.size, base_vertex + len(mesh.positions)
+            wide, count = len(mesh.positions) > _SHORT_VERTICES, mesh.indices.size
+            coloured = mesh.colours is not None
+            self.ranges[name] = MeshRange(first[wide], count, base_vertex, len(mesh.positions), wide, coloured)
+            first[wide], base_vertex = first[wide] + count, base_vertex + len(mesh.positions)
         self._drop_arrays()
-        self._vertices.release()
-        self._indices.release()
-        packed = [_pack(mesh) for mesh in meshes.values()] or [np.zeros(1, _VERTEX)]
-        indices = [np.asarray(mesh.indices, np.uint32) for mesh in meshes.values()]
-        self._vertices = self._ctx.buffer(np.concatenate(packed).tobytes() or bytes(_VERTEX.itemsize))
-        self._indices = self._ctx.buffer((np.concatenate(indices).tobytes() if indices else b"") or bytes(4))
+        self._vertices = self._upload(self._vertices, [_pack(mesh) for mesh in meshes.values()], _VERTEX.itemsize)
+        self._colours = self._upload(self._colours, self._all_colours(meshes), _COLOUR.itemsize)
+        for wide in (False, True):
+            parts = [_indices(mesh) for name, mesh in meshes.items() if self.ranges[name].wide == wide]
+            self._indices[wide] = self._upload(self._indices[wide], parts, 4)
+
+    def _all_colours(self, meshes: dict[str, MeshData]) -> Iterable[NDArray[np.float32]]:
+        """One colour for every vertex of the arena, or none where no mesh has any."""
+        if not any(known.coloured for known in self.ranges.values()):
+            return []
+        return [
+            np.ones((len(mesh.positions), 4), np.float32)
+            if mesh.colours is None
+            else np.ascontiguousarray(mesh.colours, np.float32)
+            for mesh in meshes.values()
+        ]
+
+    def _upload(self, old: moderngl.Buffer, parts: Iterable[NDArray[np.generic]], least: int) -> moderngl.Buffer:
+        old.release()
+        return self._ctx.buffer(b"".join(part.tobytes() for part in parts) or bytes(least))
 
     def _drop_arrays(self) -> None:
         for _, array in self._arrays.values():
@@ -132,13 +175,15 @@ class MeshArena:
         self._arrays.clear()
 
 
+def _indices(mesh: MeshData) -> NDArray[np.unsignedinteger]:
+    return mesh.indices.astype(np.uint32 if len(mesh.positions) > _SHORT_VERTICES else np.uint16)
+
+
 def _pack(mesh: MeshData) -> NDArray[np.void]:
     packed = np.zeros(len(mesh.positions), _VERTEX)
-    packed["in_position"], packed["in_normal"], packed["in_colour"] = mesh.positions, mesh.normals, 1.0
+    packed["in_position"], packed["in_normal"] = mesh.positions, mesh.normals
     if mesh.uvs is not None:
         packed["in_uv"] = mesh.uvs
-    if mesh.colours is not None:
-        packed["in_colour"] = mesh.colours
     return packed
 
 

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.errors import Issue, UsageError
-from mimics_app.rendering.visual.draw_list import DrawList, DrawRun, FrameBuffers
+from mimics_app.rendering.visual.draw_list import DrawList
+from mimics_app.rendering.visual.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.frame_stats import FrameStats
 from mimics_app.rendering.visual.hud import Hud
 from mimics_app.rendering.visual.lighting import fit_shadow_frustum, gather_lighting
@@ -141,7 +142,7 @@ class Renderer:
 
     def _draw(self, views: Sequence[View]) -> tuple[int, int]:
         lighting = gather_lighting(self.world)
-        self._list.update(self.world, placed_lights=lighting.place_count > 0)
+        self._list.update(self.world, placed_lights=lighting.place_count > 0, shading=self.settings.shading)
         self._frame.begin()
         shadow_runs: list[DrawRun] = []
         if lighting.sun_casts_shadow and self.settings.shadow_size:

@@ -7,7 +7,11 @@ from typing import Literal
 
 from mimics_app.contracts.errors import UsageError
 
-__all__ = ["RenderSettings"]
+__all__ = ["RenderSettings", "Shading"]
+
+Shading = Literal["full", "plain"]
+"""Which techniques draw opaque surfaces: each material's own, or for all that can be the cheapest lit one, whose light
+is worked out per vertex in display values."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +27,7 @@ class RenderSettings:
         fog_density: Share of the horizon's colour mixed in per metre of distance [1/m]; 0 leaves fog out.
         hud_depth: Distance of the heads-up display from the eyes [m].
         scale: Width and height of the world's picture as drawn over those shown, 0.25 to 1; figures stay sharp.
+        shading: Which techniques draw opaque surfaces, see `Shading`.
         timer: True asks the driver how long it drew, where it can tell.
     """
 
@@ -34,6 +39,7 @@ class RenderSettings:
     fog_density: float = 0.12
     hud_depth: float = 1.0
     scale: float = 1.0
+    shading: Shading = "full"
     timer: bool = False
 
     def __post_init__(self) -> None:

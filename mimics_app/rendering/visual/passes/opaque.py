@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mimics_app.rendering.visual.draw_list import DrawRun, FrameBuffers
+from mimics_app.rendering.visual.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.mesh_arena import MeshArena
 
 if TYPE_CHECKING:

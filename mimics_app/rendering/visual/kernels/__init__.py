@@ -1,0 +1,3 @@
+"""Compiled passes over what is drawn: bounds, culling, order, occlusion, commands."""
+
+__all__: list[str] = []

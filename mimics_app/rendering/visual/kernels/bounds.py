@@ -1,0 +1,74 @@
+"""Bounding spheres in the world, of everything drawn, wherever its node moved."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+
+__all__ = ["update_bounds"]
+
+I4 = NDArray[np.int32]
+F8 = NDArray[np.float64]
+U1 = NDArray[np.uint8]
+
+
+@kernel
+def _stretch(world: F8, row: int) -> float:
+    """An upper bound on how much a node's matrix stretches any length, exact where its axes are at right angles.
+
+    The stretch is the root of the largest eigenvalue of the axes' Gram matrix, which no row sum of absolute values
+    stays below (Gershgorin 1931); a rotated child of an unevenly scaled parent is sheared, and this still holds.
+    """
+    largest = 0.0
+    for i in range(3):
+        total = 0.0
+        for j in range(3):
+            dot = world[row, 0, i] * world[row, 0, j] + world[row, 1, i] * world[row, 1, j]
+            total += abs(dot + world[row, 2, i] * world[row, 2, j])
+        largest = max(largest, total)
+    return math.sqrt(largest)
+
+
+@kernel
+def _is_mirrored(world: F8, row: int) -> bool:
+    a = world[row, 1, 1] * world[row, 2, 2] - world[row, 1, 2] * world[row, 2, 1]
+    b = world[row, 1, 0] * world[row, 2, 2] - world[row, 1, 2] * world[row, 2, 0]
+    c = world[row, 1, 0] * world[row, 2, 1] - world[row, 1, 1] * world[row, 2, 0]
+    return bool(world[row, 0, 0] * a - world[row, 0, 1] * b + world[row, 0, 2] * c < 0.0)
+
+
+@kernel
+def update_bounds(
+    rows: I4, world: F8, changed: U1, everything: bool, local: F8, centres: F8, radii: F8, mirrored: U1
+) -> int:
+    """Take spheres to the world where their node moved.
+
+    Args:
+        rows: Row of the node per item, [n].
+        world: T_world_from_node per row, [rows, 4, 4].
+        changed: 1 where a row moved since the last call, [rows].
+        everything: Do all items, moved or not.
+        local: Centre [m] and radius [m] of each item's sphere in its node's frame, [n, 4].
+        centres: Of the spheres in the world [m], written, [n, 3].
+        radii: [m], written, [n].
+        mirrored: 1 where the node's axes are left-handed, so that faces wind the other way round; written, [n].
+
+    Returns:
+        How many items moved.
+    """
+    moved = 0
+    for i in range(rows.shape[0]):
+        row = rows[i]
+        if not (everything or changed[row]):
+            continue
+        moved += 1
+        for k in range(3):
+            turned = world[row, k, 0] * local[i, 0] + world[row, k, 1] * local[i, 1] + world[row, k, 2] * local[i, 2]
+            centres[i, k] = turned + world[row, k, 3]
+        radii[i] = local[i, 3] * _stretch(world, row)
+        mirrored[i] = _is_mirrored(world, row)
+    return moved

@@ -1,0 +1,95 @@
+"""Instances and indirect draws out of sorted items."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+
+__all__ = ["write_commands", "write_instances"]
+
+I4 = NDArray[np.int32]
+I8 = NDArray[np.int64]
+U4 = NDArray[np.uint32]
+F4 = NDArray[np.float32]
+F8 = NDArray[np.float64]
+U1 = NDArray[np.uint8]
+
+
+@kernel
+def write_instances(items: I4, count: int, first: int, origin: F8, rows: I4, world: F8, paint: F4, out: F4) -> None:
+    """Matrices relative to an origin, subtracted in float64, and the paint beside them.
+
+    Args:
+        items: In draw order, [>= count].
+        count: How many.
+        first: Where in `out` the first one goes.
+        origin: Of the frame the shaders work in, world [m], [3].
+        rows: Row of the node per item, [n].
+        world: T_world_from_node per row, [rows, 4, 4].
+        paint: What the look says of each item, [n, 4].
+        out: Three rows of a matrix and the paint, [>= first + count, 4, 4].
+    """
+    for i in range(count):
+        item = items[i]
+        row = rows[item]
+        for k in range(3):
+            for column in range(3):
+                out[first + i, k, column] = world[row, k, column]
+            out[first + i, k, 3] = world[row, k, 3] - origin[k]
+            out[first + i, 3, k] = paint[item, k]
+        out[first + i, 3, 3] = paint[item, 3]
+
+
+@kernel
+def write_commands(
+    items: I4,
+    count: int,
+    first: int,
+    first_command: int,
+    states: I4,
+    mirrored: U1,
+    meshes: I4,
+    ranges: I4,
+    single: bool,
+    commands: U4,
+    runs: I8,
+) -> tuple[int, int]:
+    """Indirect draws of sorted items, and the runs of them that share a state.
+
+    Args:
+        items: In draw order, [>= count].
+        count: How many.
+        first: Number of the first one's instance.
+        first_command: Number of the first command.
+        states: State of each item before mirroring, [n].
+        mirrored: 1 where faces wind the other way round, [n].
+        meshes: Number of each item's mesh, [n].
+        ranges: Indices, first index and base vertex of each mesh, [meshes, 3].
+        single: One command and one run for each item.
+        commands: Written from `first_command` on: indices, instances, first index, base vertex, base instance.
+        runs: Written: state (twice its number, one more where mirrored), first command, commands, triangles.
+
+    Returns:
+        Number of commands and of runs.
+    """
+    command, run = first_command - 1, -1
+    state_before, mesh_before = -1, -1
+    for i in range(count):
+        item = items[i]
+        mesh, state = meshes[item], 2 * states[item] + mirrored[item]
+        if single or state != state_before:
+            run += 1
+            runs[run, 0], runs[run, 1], runs[run, 2], runs[run, 3] = state, command + 1, 0, 0
+            mesh_before = -1
+        if mesh != mesh_before:
+            command += 1
+            commands[command, 0], commands[command, 1] = ranges[mesh, 0], 0
+            commands[command, 2], commands[command, 3] = ranges[mesh, 1], ranges[mesh, 2]
+            commands[command, 4] = first + i
+            runs[run, 2] += 1
+        commands[command, 1] += 1
+        runs[run, 3] += ranges[mesh, 0] // 3
+        state_before, mesh_before = state, mesh
+    return command + 1 - first_command, run + 1
