@@ -26,7 +26,7 @@ from tests.support.haptic_bench import bench_of, ignore, patient_bench, read_scr
 
 
 def test_built_in_devices_are_listed_first():
-    assert device_names()[:3] == list(BUILT_IN) == ["simulated_hapticmaster", "pointer", "replay"]
+    assert device_names()[: len(BUILT_IN)] == list(BUILT_IN)
 
 
 def test_unknown_device_names_the_nearest():

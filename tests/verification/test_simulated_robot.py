@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.haptic import Controller, SafetyState
-from mimics_app.contracts.loop_ports import COMMAND_DQ, COMMAND_LENGTH, DATA_LENGTH, INBOX_LENGTH
+from mimics_app.contracts.loop_ports import COMMAND_DQ, COMMAND_ENABLED, COMMAND_LENGTH, DATA_LENGTH, INBOX_LENGTH
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.kernels import robot as place
 from mimics_app.world.components_haptic import Patient, Robot
@@ -19,6 +19,7 @@ def _drive(robot: Robot, command, ticks: int, poke=lambda memory, k: None) -> np
     """True joints and data vectors of a robot under a joint velocity command(k)."""
     plugin = build_device(robot, seed=4)
     inbox, data, vector = np.zeros(INBOX_LENGTH), np.zeros(DATA_LENGTH), np.zeros(COMMAND_LENGTH)
+    vector[COMMAND_ENABLED] = 1.0
     rows = []
     for k in range(ticks):
         poke(plugin.memory, k)

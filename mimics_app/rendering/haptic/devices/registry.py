@@ -25,14 +25,23 @@ __all__ = ["BUILT_IN", "ENTRY_POINT_GROUP", "build_device", "check_device_name",
 
 ENTRY_POINT_GROUP = "mimics_app.devices"
 
+
+def _build_serial(request: DeviceRequest) -> DevicePlugin:
+    """A robot on a serial line, by the protocol of docs/devices/serial_protocol.md."""
+    from mimics_app.rendering.haptic.devices.serial_port import build_serial
+
+    return build_serial(request)
+
+
 BUILT_IN: dict[str, DeviceBuilder] = {
     "simulated_hapticmaster": build_simulated_hapticmaster,
     "pointer": build_pointer,
     "replay": build_replay,
+    "serial": _build_serial,
 }
 """Devices that come with the product. A plug-in cannot take one of these names."""
 
-_ADDRESSES = {"simulated_hapticmaster": "", "pointer": "", "replay": ""}
+_ADDRESSES = {"simulated_hapticmaster": "", "pointer": "", "replay": "", "serial": "PORT[@BAUD]"}
 """What stands behind the colon of a built-in device's name; "": nothing may. Plug-ins judge theirs themselves."""
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.loop_ports import (
     COMMAND_DQ,
+    COMMAND_ENABLED,
     DATA_BUTTONS,
     DATA_GRASP,
     INBOX_ACTIVE,
@@ -24,7 +25,16 @@ from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.kernels import arm, robot
 from mimics_app.rendering.haptic.kernels.arm import ARM_LENGTH, GRIP_FORCE, step_arm
 from mimics_app.rendering.haptic.kernels.noise import seed_noise, uniform
-from mimics_app.rendering.haptic.kernels.robot import HANDLE, ROBOT_LENGTH, TICK, command_robot, sense, step_robot
+from mimics_app.rendering.haptic.kernels.robot import (
+    HANDLE,
+    ROBOT_LENGTH,
+    TICK,
+    coast_robot,
+    command_robot,
+    sense,
+    step_robot,
+)
+from mimics_app.rendering.haptic.kernels.vectors import all_finite
 
 __all__ = ["build_simulated_hapticmaster", "read_patient", "robot_delay", "write_robot", "write_robot_memory"]
 
@@ -51,9 +61,14 @@ def read_patient(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
 
 @typed_kernel(WRITE)
 def write_robot(memory: Vec, command: Vec, tick: int) -> int:
-    """Joint velocities into the robot's delay line."""
-    command_robot(memory[:ROBOT_LENGTH], command[COMMAND_DQ : COMMAND_DQ + 3])
-    return 0
+    """Joint velocities into the robot's delay line; what is not enabled or not finite is not followed."""
+    machine, dq = memory[:ROBOT_LENGTH], command[COMMAND_DQ : COMMAND_DQ + 3]
+    usable = all_finite(dq)
+    if usable and command[COMMAND_ENABLED] != 0.0:
+        command_robot(machine, dq)
+    else:
+        coast_robot(machine)
+    return 0 if usable else 1
 
 
 def write_robot_memory(memory: Vec, request: DeviceRequest) -> None:

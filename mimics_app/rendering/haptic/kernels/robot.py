@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_ports import DATA_AGE, DATA_DQ, DATA_FORCE, DATA_Q
 from mimics_app.rendering.haptic.kernels.kinematics import apply_jacobian, forward, robot_to_tool
+from mimics_app.rendering.haptic.kernels.limiter import settle
 from mimics_app.rendering.haptic.kernels.noise import gauss
 
 __all__ = [
@@ -38,6 +39,7 @@ __all__ = [
     "TICK",
     "VELOCITY_LIMIT",
     "Q",
+    "coast_robot",
     "command_robot",
     "place_handle",
     "sense",
@@ -83,6 +85,18 @@ def command_robot(robot: Vec, dq: Vec) -> None:
     slot = LINE + 3 * (int(robot[WRITTEN]) % (MAX_DELAY + 1))
     for i in range(3):
         robot[slot + i] = dq[i]
+    robot[WRITTEN] += 1.0
+
+
+@kernel
+def coast_robot(robot: Vec) -> None:
+    """A tick without a command it may follow: the last one dies away, as the loop's own does in a stop."""
+    written = int(robot[WRITTEN])
+    last = LINE + 3 * ((written + MAX_DELAY) % (MAX_DELAY + 1))
+    slot = LINE + 3 * (written % (MAX_DELAY + 1))
+    for i in range(3):
+        robot[slot + i] = robot[last + i] if written > 0 else 0.0
+    settle(robot[slot : slot + 3], robot[TICK])
     robot[WRITTEN] += 1.0
 
 

@@ -1,0 +1,240 @@
+"""Runs a device tick by tick without the haptic loop: what the conformance kit measures with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numba import types
+from numpy.typing import NDArray
+
+from mimics_app.contracts.atomics import now_ns
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.haptic import SafetyState
+from mimics_app.contracts.kernel import typed_kernel
+from mimics_app.contracts.loop_ports import (
+    COMMAND_DQ,
+    COMMAND_ENABLED,
+    COMMAND_FORCE,
+    COMMAND_LENGTH,
+    COMMAND_STATE,
+    DATA_AGE,
+    DATA_BUTTONS,
+    DATA_DELAY,
+    DATA_DQ,
+    DATA_FORCE,
+    DATA_GRASP,
+    DATA_LENGTH,
+    DATA_Q,
+    INBOX_LENGTH,
+    READ,
+    WRITE,
+    DevicePlugin,
+)
+
+__all__ = ["DeviceBench", "OtherSide", "Track", "run_ticks"]
+
+Vec = NDArray[np.float64]
+
+_MATRIX = types.float64[:, ::1]
+
+
+@typed_kernel(
+    types.int64(
+        types.FunctionType(READ),
+        types.FunctionType(WRITE),
+        types.float64[::1],
+        types.float64[::1],
+        types.float64[::1],
+        _MATRIX,
+        _MATRIX,
+        types.int64[::1],
+        types.int64,
+    )
+)
+def run_ticks(
+    read: Callable[..., Any],
+    write: Callable[..., Any],
+    memory: Vec,
+    inbox: Vec,
+    data: Vec,
+    commands: NDArray[np.float64],
+    rows: NDArray[np.float64],
+    timespec: NDArray[np.int64],
+    first: int,
+) -> int:
+    """One read and one write per row of commands, as the loop does.
+
+    Args:
+        read: Of the device.
+        write: Of the device.
+        memory: Of the device.
+        inbox: What the device is told, shape [INBOX_LENGTH].
+        data: The loop's data vector, shape [DATA_LENGTH].
+        commands: Shape [n, COMMAND_LENGTH].
+        rows: Out: data, status, what write returned, and the time both took [ns]; shape [n, DATA_LENGTH + 3].
+        timespec: Scratch, shape [2].
+        first: Number of the first tick.
+
+    Returns:
+        Ticks done.
+    """
+    for k in range(commands.shape[0]):
+        begun = now_ns(timespec)
+        rows[k, DATA_LENGTH] = read(memory, inbox, data, first + k)
+        rows[k, DATA_LENGTH + 1] = write(memory, commands[k], first + k)
+        rows[k, DATA_LENGTH + 2] = now_ns(timespec) - begun
+        for i in range(DATA_LENGTH):
+            rows[k, i] = data[i]
+    return commands.shape[0]
+
+
+class OtherSide(Protocol):
+    """What is behind a device that is not in this process: time for it to act, and faults on command."""
+
+    def step(self) -> None:
+        """A tick has passed."""
+
+    def spoil(self, what: str) -> None:
+        """Apply an order such as "silence", "garbage 40", "drop 0.05", "unplug", "plug" (emulators.faults)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Track:
+    """What a device gave over some ticks.
+
+    Attributes:
+        data: Shape [n, DATA_LENGTH].
+        status: Shape [n].
+        refused: What write returned, shape [n].
+        spent_ns: Time of read and write, shape [n].
+        first: Number of the first tick.
+    """
+
+    data: NDArray[np.float64]
+    status: NDArray[np.int64]
+    refused: NDArray[np.int64]
+    spent_ns: NDArray[np.float64]
+    first: int
+
+    @property
+    def fresh(self) -> NDArray[np.float64]:
+        """The rows that came with new data, shape [m, DATA_LENGTH]."""
+        return self.data[self.status == 0]
+
+    @property
+    def q(self) -> NDArray[np.float64]:
+        """Joints of the fresh rows [m, rad, m]."""
+        return self.fresh[:, DATA_Q : DATA_Q + 3]
+
+    @property
+    def dq(self) -> NDArray[np.float64]:
+        """Joint velocities of the fresh rows."""
+        return self.fresh[:, DATA_DQ : DATA_DQ + 3]
+
+    @property
+    def force(self) -> NDArray[np.float64]:
+        """Measured force of the fresh rows [N]."""
+        return self.fresh[:, DATA_FORCE : DATA_FORCE + 3]
+
+    @property
+    def grasp(self) -> Vec:
+        """Grasp force of the fresh rows [N]."""
+        return self.fresh[:, DATA_GRASP]
+
+    @property
+    def buttons(self) -> Vec:
+        """Buttons of the fresh rows."""
+        return self.fresh[:, DATA_BUTTONS]
+
+    @property
+    def age(self) -> Vec:
+        """Age of the fresh rows [s]."""
+        return self.fresh[:, DATA_AGE]
+
+    @property
+    def delay(self) -> Vec:
+        """Measured delay of the fresh rows [s]."""
+        return self.fresh[:, DATA_DELAY]
+
+    @property
+    def ticks(self) -> NDArray[np.int64]:
+        """Numbers of the ticks with fresh rows."""
+        return self.first + np.flatnonzero(self.status == 0)
+
+
+class DeviceBench:
+    """A device on the bench.
+
+    Args:
+        plugin: The device.
+        other_side: What is behind it; None for a device that is all in this process.
+    """
+
+    def __init__(self, plugin: DevicePlugin, other_side: OtherSide | None = None) -> None:
+        self.plugin = plugin
+        self.other_side = other_side
+        self.inbox = np.zeros(INBOX_LENGTH)
+        self.tick = 0
+        self._data = np.zeros(DATA_LENGTH)
+        self._timespec = np.zeros(2, np.int64)
+
+    def run(self, ticks: int, command: Vec | None = None) -> Track:
+        """Let ticks pass under one command (none: enabled, at rest).
+
+        Raises:
+            DeviceError: Its functions have not the loop's signatures.
+        """
+        row = self.command() if command is None else command
+        commands = np.ascontiguousarray(np.tile(row, (ticks, 1)))
+        rows = np.zeros((ticks, DATA_LENGTH + 3))
+        first = self.tick
+        if self.other_side is None:
+            self._run(commands, rows)
+        else:
+            for k in range(ticks):
+                self._run(commands[k : k + 1], rows[k : k + 1])
+                self.other_side.step()
+        status, refused = rows[:, DATA_LENGTH].astype(np.int64), rows[:, DATA_LENGTH + 1].astype(np.int64)
+        return Track(rows[:, :DATA_LENGTH], status, refused, rows[:, DATA_LENGTH + 2], first)
+
+    def spoil(self, what: str) -> None:
+        """Order a fault from the other side."""
+        if self.other_side is not None:
+            self.other_side.spoil(what)
+
+    @staticmethod
+    def command(
+        dq: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        force: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        *,
+        enabled: bool = True,
+        state: SafetyState = SafetyState.HOMED,
+    ) -> Vec:
+        """A command vector: joint velocities [m/s, rad/s, m/s], force on the user [N]."""
+        vector = np.zeros(COMMAND_LENGTH)
+        vector[COMMAND_DQ : COMMAND_DQ + 3] = dq
+        vector[COMMAND_FORCE : COMMAND_FORCE + 3] = force
+        vector[COMMAND_ENABLED] = float(enabled)
+        vector[COMMAND_STATE] = float(state)
+        return vector
+
+    def _run(self, commands: NDArray[np.float64], rows: NDArray[np.float64]) -> None:
+        plugin = self.plugin
+        try:
+            run_ticks(
+                plugin.read,
+                plugin.write,
+                plugin.memory,
+                self.inbox,
+                self._data,
+                commands,
+                rows,
+                self._timespec,
+                self.tick,
+            )
+        except TypeError as failure:
+            raise DeviceError(f"read, write or memory are not of the loop's types: {failure}") from failure
+        self.tick += commands.shape[0]

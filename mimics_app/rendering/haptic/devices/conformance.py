@@ -1,0 +1,374 @@
+"""The conformance kit: what every device must do, built-in or a third party's, run against the device itself.
+
+    from mimics_app.rendering.haptic.devices.conformance import check_device
+    findings = check_device(plugin)                  # or: mimics devices check NAME[:ADDRESS]
+    assert not [finding for finding in findings if finding.verdict == "failed"]
+
+The device moves: 15 mm along its vertical axis. A device with another side that can be told to fail (an emulator) is
+also tried with silence, garbage, lost bytes and a pulled plug.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.haptic import SafetyState
+from mimics_app.contracts.loop_ports import COMMAND_FORCE, DevicePlugin
+from mimics_app.rendering.haptic.devices.bench import DeviceBench, OtherSide, Track
+from mimics_app.world.components_haptic import Robot
+
+__all__ = ["CHECKS", "Finding", "check_device"]
+
+Verdict = Literal["passed", "failed", "not applicable"]
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """What one check came to.
+
+    Attributes:
+        check: Its name.
+        verdict: How it ended.
+        what: What was found, where it failed or does not apply.
+    """
+
+    check: str
+    verdict: Verdict
+    what: str = ""
+
+
+class _Failed(Exception):
+    """The device does not do what it must."""
+
+
+class _NotApplicable(Exception):
+    """This cannot be asked of this device."""
+
+
+_DT = 1e-3
+_PATIENCE = 500
+"""Ticks in which a device must have answered."""
+
+_STALE_S = 0.020
+_MARGIN = 0.02
+_SPEED = 0.05
+_MOVE_TICKS = 300
+_REST_TICKS = 400
+_AT_REST = 0.006
+_JUMP = 2e-3
+_SHORT_NS = 500_000.0
+_ABSURD = 1e6
+_FAULT_TICKS = 5
+_RESYNC_TICKS = 50
+_PLUG_TICKS = 4000
+_LIFT = DeviceBench.command((0.0, 0.0, _SPEED))
+
+
+def _must(right: bool, what: str) -> None:
+    if not right:
+        raise _Failed(what)
+
+
+def _needs_other_side(bench: DeviceBench) -> None:
+    if bench.other_side is None:
+        raise _NotApplicable("it has no other side that could fail")
+
+
+def _needs_motion(bench: DeviceBench) -> None:
+    if bench.plugin.follows == "nothing":
+        raise _NotApplicable("it says that nothing moves it")
+
+
+def _lift(bench: DeviceBench, ticks: int = _MOVE_TICKS) -> Track:
+    """Upwards by what the device follows."""
+    if bench.plugin.follows == "velocity":
+        return bench.run(ticks, _LIFT)
+    return bench.run(ticks, bench.command(force=(0.0, 0.0, 5.0), state=SafetyState.ACTIVE))
+
+
+def _has_name(bench: DeviceBench, robot: Robot) -> None:
+    name = bench.plugin.name
+    _must(bool(name) and ":" not in name and name == name.strip(), f"its name is {name!r}")
+
+
+def _has_plain_memory(bench: DeviceBench, robot: Robot) -> None:
+    memory = bench.plugin.memory
+    plain = isinstance(memory, np.ndarray) and memory.dtype == np.float64 and memory.ndim == 1
+    _must(
+        plain and bool(memory.flags.c_contiguous and memory.flags.writeable), "memory is no float64 vector of its own"
+    )
+
+
+def _states_its_delay(bench: DeviceBench, robot: Robot) -> None:
+    _must(0.0 <= bench.plugin.delay < 1.0, f"its delay is {bench.plugin.delay} s")
+
+
+def _has_the_signatures(bench: DeviceBench, robot: Robot) -> None:
+    try:
+        bench.run(1)
+    except DeviceError as error:
+        raise _Failed(error.what) from error
+
+
+def _answers(bench: DeviceBench, robot: Robot) -> None:
+    for _ in range(_PATIENCE // 10):
+        if len(bench.run(10).fresh):
+            return
+    raise _Failed(f"no fresh data in {_PATIENCE} ticks; {bench.plugin.trouble()}")
+
+
+def _tells_a_known_status(bench: DeviceBench, robot: Robot) -> None:
+    told = set(bench.run(100).status.tolist())
+    _must(told <= {0, 1, 2}, f"statuses {sorted(told)}")
+
+
+def _gives_finite_data(bench: DeviceBench, robot: Robot) -> None:
+    fresh = bench.run(200).fresh
+    _must(len(fresh) > 0, "no fresh data")
+    _must(bool(np.all(np.abs(fresh) < _ABSURD)), "a number is not finite")
+
+
+def _stays_in_its_limits(bench: DeviceBench, robot: Robot) -> None:
+    q = bench.run(100).q
+    low, high = np.array(robot.joint_min) - _MARGIN, np.array(robot.joint_max) + _MARGIN
+    _must(bool(np.all((q >= low) & (q <= high))), f"joints {q[-1].tolist()} beyond their limits")
+
+
+def _keeps_to_its_speed(bench: DeviceBench, robot: Robot) -> None:
+    _must(bool(np.all(np.abs(bench.run(100).dq) <= 1.5 * np.array(robot.velocity_limit))), "faster than its limits")
+
+
+def _measures_a_force(bench: DeviceBench, robot: Robot) -> None:
+    _must(bool(np.all(np.abs(bench.run(100).force) <= robot.force_limit)), "forces beyond the sensor's range")
+
+
+def _has_sane_grasp_and_buttons(bench: DeviceBench, robot: Robot) -> None:
+    track = bench.run(100)
+    _must(bool(np.all((track.grasp >= 0.0) & (track.grasp < 1e3))), "grasp force below 0 or absurd")
+    _must(bool(np.all((track.buttons >= 0.0) & (track.buttons == np.floor(track.buttons)))), "buttons are no bits")
+
+
+def _tells_an_age(bench: DeviceBench, robot: Robot) -> None:
+    track = bench.run(300)
+    _must(bool(np.all((track.age >= 0.0) & (track.age < _STALE_S))), "age below 0 or stale although fresh")
+    taken = track.ticks * _DT - track.age
+    _must(bool(np.all(np.diff(taken) > -1e-9)), "data is older than the data before it")
+
+
+def _tells_a_delay(bench: DeviceBench, robot: Robot) -> None:
+    delay = bench.run(100).delay
+    _must(bool(np.all((delay >= 0.0) & (delay < 1.0))), "measured delay below 0 or beyond 1 s")
+
+
+def _allocates_nothing(bench: DeviceBench, robot: Robot) -> None:
+    """Eleven times the ticks may take eleven times what the calls themselves take, or as much where it is one call."""
+    bench.run(10)
+    few = _allocations_of(bench, 10)
+    calls = 1 if bench.other_side is None else 11
+    _must(_allocations_of(bench, 110) <= calls * few, "it takes memory while it runs")
+
+
+def _allocations_of(bench: DeviceBench, ticks: int) -> int:
+    """Blocks of memory that compiled code took during some ticks."""
+    import numba.core.runtime as memory_of_kernels
+
+    runtime: Any = memory_of_kernels
+    runtime._nrt_python.memsys_enable_stats()
+    before = runtime.rtsys.get_allocation_stats().alloc
+    bench.run(ticks)
+    return int(runtime.rtsys.get_allocation_stats().alloc - before)
+
+
+def _is_short(bench: DeviceBench, robot: Robot) -> None:
+    typical = float(np.median(bench.run(300).spent_ns))
+    _must(typical < _SHORT_NS, f"read and write take {typical / 1e3:.0f} us of a tick of 1000 us: does it wait?")
+
+
+def _follows_its_command(bench: DeviceBench, robot: Robot) -> None:
+    _needs_motion(bench)
+    before = bench.run(20).q[-1]
+    _lift(bench)
+    moved = bench.run(20).q[-1] - before
+    wanted = _SPEED * _MOVE_TICKS * _DT if bench.plugin.follows == "velocity" else 2e-3
+    _must(moved[2] > 0.5 * wanted, f"it moved {moved[2] * 1e3:.1f} mm upwards instead of {wanted * 1e3:.1f} mm")
+
+
+def _tells_the_speed_it_moves_with(bench: DeviceBench, robot: Robot) -> None:
+    _needs_motion(bench)
+    track = _lift(bench)
+    moved = track.q[-1] - track.q[0]
+    told = float(np.mean(track.dq[:, 2])) * (track.ticks[-1] - track.ticks[0]) * _DT
+    _must(abs(told - moved[2]) < 0.2 * abs(moved[2]) + 1e-3, "its velocities are not the change of its joints")
+
+
+def _comes_to_rest(bench: DeviceBench, robot: Robot) -> None:
+    _needs_motion(bench)
+    _lift(bench, 100)
+    bench.run(_REST_TICKS)
+    _must(float(np.abs(bench.run(20).dq[-1]).max()) < _AT_REST, "it goes on moving without a command")
+
+
+def _lets_go_when_not_enabled(bench: DeviceBench, robot: Robot) -> None:
+    _needs_motion(bench)
+    _lift(bench, 100)
+    bench.run(_REST_TICKS, bench.command((0.0, 0.0, _SPEED), (0.0, 0.0, 5.0), enabled=False))
+    track = bench.run(50, bench.command((0.0, 0.0, _SPEED), (0.0, 0.0, 5.0), enabled=False))
+    _must(float(np.abs(track.dq[-1]).max()) < _AT_REST, "it follows a command that is not enabled")
+
+
+def _leaves_what_is_not_its_own(bench: DeviceBench, robot: Robot) -> None:
+    """Command and inbox belong to the loop."""
+    command, inbox = bench.command((0.0, 0.0, 0.01)), bench.inbox.copy()
+    bench.run(3, command)
+    _must(bool(command[COMMAND_FORCE] == 0.0 and np.array_equal(bench.inbox, inbox)), "it writes into the inbox")
+
+
+def _bears_a_poisoned_command(bench: DeviceBench, robot: Robot) -> None:
+    _needs_motion(bench)
+    before = bench.run(20).q[-1]
+    for poison in (np.nan, np.inf, -np.inf):
+        bench.run(3, bench.command((poison, 0.0, poison), (0.0, poison, 0.0)))
+    bench.run(_REST_TICKS)
+    track = bench.run(50)
+    _must(float(np.abs(track.q[-1] - before).max()) < _JUMP, "a command that is not finite moves it")
+    finite = len(track.fresh) > 0 and bool(np.all(np.abs(track.fresh) < _ABSURD))
+    _must(finite, "a command that is not finite stays in it for ever")
+
+
+def _bears_a_poisoned_inbox(bench: DeviceBench, robot: Robot) -> None:
+    kept = bench.inbox.copy()
+    bench.inbox[:] = np.nan
+    bench.run(5)
+    bench.inbox[:] = kept
+    bench.run(_REST_TICKS)
+    track = bench.run(50)
+    finite = len(track.fresh) > 0 and bool(np.all(np.abs(track.fresh) < _ABSURD))
+    _must(finite, "an inbox that is not finite stays in it for ever")
+
+
+def _is_silent_when_nothing_comes(bench: DeviceBench, robot: Robot) -> None:
+    _needs_other_side(bench)
+    bench.spoil("silence")
+    bench.run(_FAULT_TICKS)
+    fresh = len(bench.run(100).fresh)
+    bench.spoil("silence off")
+    _must(fresh == 0, f"{fresh} times fresh data from a silent line")
+    _must(len(bench.run(_RESYNC_TICKS).fresh) > 0, "no data after the silence")
+
+
+def _survives(bench: DeviceBench, order: str, off: str) -> None:
+    _needs_other_side(bench)
+    bench.spoil(order)
+    track = bench.run(300)
+    bench.spoil(off)
+    _must(bool(np.all(np.abs(track.fresh) < 1e3)), "it takes garbage for data")
+    bench.run(_RESYNC_TICKS)
+    _must(len(bench.run(_RESYNC_TICKS).fresh) > 0, "it does not find its place again")
+
+
+def _finds_its_place_after_garbage(bench: DeviceBench, robot: Robot) -> None:
+    _survives(bench, "garbage 20", "garbage 0")
+
+
+def _bears_lost_bytes(bench: DeviceBench, robot: Robot) -> None:
+    _survives(bench, "drop 0.02", "drop 0")
+
+
+def _tells_a_pulled_plug(bench: DeviceBench, robot: Robot) -> None:
+    _needs_other_side(bench)
+    bench.spoil("unplug")
+    bench.run(1)
+    status = bench.run(_FAULT_TICKS).status
+    _must(bool(status[-1] == 2), f"no FAULT within {_FAULT_TICKS} ticks of a pulled plug")
+    _must(bool(np.all(bench.run(50).status == 2)), "the FAULT does not last")
+
+
+def _comes_back_when_plugged_in(bench: DeviceBench, robot: Robot) -> None:
+    _needs_other_side(bench)
+    bench.spoil("plug")
+    for _ in range(_PLUG_TICKS // 20):
+        if len(bench.run(20).fresh):
+            return
+    raise _Failed(f"no data after the plug is in again; {bench.plugin.trouble()}")
+
+
+def _closes_twice(bench: DeviceBench, robot: Robot) -> None:
+    bench.plugin.close()
+    bench.plugin.close()
+
+
+def _is_quiet_when_closed(bench: DeviceBench, robot: Robot) -> None:
+    track = bench.run(5)
+    _must(set(track.status.tolist()) <= {0, 1, 2}, "an unknown status after close")
+    _must(not bench.plugin.real_time or len(track.fresh) == 0, "fresh data although it is closed")
+
+
+CHECKS: dict[str, Callable[[DeviceBench, Robot], None]] = {
+    check.__name__.strip("_").replace("_", " "): check
+    for check in (
+        _has_name,
+        _has_plain_memory,
+        _states_its_delay,
+        _has_the_signatures,
+        _answers,
+        _tells_a_known_status,
+        _gives_finite_data,
+        _stays_in_its_limits,
+        _keeps_to_its_speed,
+        _measures_a_force,
+        _has_sane_grasp_and_buttons,
+        _tells_an_age,
+        _tells_a_delay,
+        _allocates_nothing,
+        _is_short,
+        _follows_its_command,
+        _tells_the_speed_it_moves_with,
+        _comes_to_rest,
+        _lets_go_when_not_enabled,
+        _leaves_what_is_not_its_own,
+        _bears_a_poisoned_command,
+        _bears_a_poisoned_inbox,
+        _is_silent_when_nothing_comes,
+        _finds_its_place_after_garbage,
+        _bears_lost_bytes,
+        _tells_a_pulled_plug,
+        _comes_back_when_plugged_in,
+        _closes_twice,
+        _is_quiet_when_closed,
+    )
+}
+"""The checks by name, in the order they run in: what opens first, what closes last."""
+
+
+def check_device(
+    plugin: DevicePlugin, robot: Robot | None = None, other_side: OtherSide | None = None
+) -> list[Finding]:
+    """Try a device.
+
+    Args:
+        plugin: The device, just built; it is closed afterwards.
+        robot: The robot component it was built for; its joint limits, speeds and force range are kept to.
+        other_side: What is behind the device, where it can be made to fail.
+
+    Returns:
+        One finding for each of CHECKS, in order.
+    """
+    bench, limits = DeviceBench(plugin, other_side), robot or Robot()
+    return [_try(name, check, bench, limits) for name, check in CHECKS.items()]
+
+
+def _try(name: str, check: Callable[[DeviceBench, Robot], None], bench: DeviceBench, robot: Robot) -> Finding:
+    try:
+        check(bench, robot)
+    except _NotApplicable as reason:
+        return Finding(name, "not applicable", str(reason))
+    except _Failed as fault:
+        return Finding(name, "failed", str(fault))
+    except Exception as failure:  # noqa: BLE001  whatever a third party's code throws is its finding
+        return Finding(name, "failed", f"{type(failure).__name__}: {failure}")
+    return Finding(name, "passed")

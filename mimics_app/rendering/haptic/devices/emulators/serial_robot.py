@@ -1,0 +1,215 @@
+"""The robot at the other end of a serial line: a pseudo-terminal, the protocol, and a simulated robot with its person.
+
+It moves in steps of 1 ms that the caller makes, so that a test can count them; `serve` of the command makes one each
+millisecond. Bytes take their time: at the speed that the program has set on the line, no more come and go in a step
+than the line would carry.
+"""
+
+from __future__ import annotations
+
+import os
+import termios
+import tty
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+
+from mimics_app.contracts.loop_ports import COMMAND_ENABLED, COMMAND_LENGTH, DATA_LENGTH, INBOX_LENGTH, DevicePlugin
+from mimics_app.rendering.haptic.devices.emulators.faults import Faults
+from mimics_app.rendering.haptic.devices.serial_frames import (
+    ASK,
+    COMMAND,
+    COMMAND_PAYLOAD,
+    END,
+    INFO,
+    INFO_PAYLOAD,
+    LAST_SEQUENCE,
+    LINE_LENGTH,
+    SCREEN,
+    SCREEN_PAYLOAD,
+    STATE,
+    STATE_PAYLOAD,
+    accept_sequence,
+    make_room,
+    next_frame,
+    reset_line,
+    seal_frame,
+    word_at,
+)
+from mimics_app.rendering.haptic.devices.serial_payloads import (
+    FRAME_PLACES,
+    PAYLOAD_PLACES,
+    ROBOT_NOT_HOMED,
+    ROBOT_READY,
+    fetch_payload,
+    pack_state,
+    unpack_command,
+    unpack_screen,
+)
+from mimics_app.rendering.haptic.devices.serial_port import RobotInfo, info_payload
+
+__all__ = ["WATCHDOG", "SerialRobotEmulator"]
+
+WATCHDOG = 50
+"""Steps without a command after which the robot lets go by itself."""
+
+_BUFFER = 4096
+_STEP_S = 1e-3
+_SPEEDS = {
+    getattr(termios, name): int(name[1:]) for name in dir(termios) if name.startswith("B") and name[1:].isdecimal()
+}
+
+
+class SerialRobotEmulator:
+    """A robot on a pseudo-terminal.
+
+    Attributes:
+        faults: What it does wrong now.
+        tick: Steps done.
+        commands: Commands it has taken.
+        command: The newest of them, shape [COMMAND_LENGTH].
+        plugin: What moves.
+
+    Args:
+        plugin: The simulated robot and person that move behind the protocol, at 1000 ticks per second.
+        link: Symbolic link that always leads to the terminal of the moment; a robot that is plugged in again has
+            another one.
+        seed: Of lost and random bytes.
+        wants_screen: Tell the program that a simulated person is on it.
+    """
+
+    def __init__(self, plugin: DevicePlugin, link: Path, seed: int = 0, *, wants_screen: bool = True) -> None:
+        self.faults = Faults()
+        self.tick = 0
+        self.commands = 0
+        self.command = np.zeros(COMMAND_LENGTH)
+        self.plugin = plugin
+        self._link = link
+        self._random = np.random.default_rng(seed)
+        self._info = RobotInfo(plugin.name[:16], plugin.delay, wants_screen)
+        self._data, self._inbox = np.zeros(DATA_LENGTH), np.zeros(INBOX_LENGTH)
+        self._line, self._screens = np.zeros(LINE_LENGTH), np.zeros(LINE_LENGTH)
+        self._buffer = np.zeros(_BUFFER, np.uint8)
+        self._payload, self._frame = np.zeros(PAYLOAD_PLACES), np.zeros(FRAME_PLACES)
+        self._leaving = b""
+        self._credit_in = self._credit_out = 0.0
+        self._sequence = 0
+        self._heard = -WATCHDOG
+        self._master = self._slave = -1
+        self._plug()
+
+    @property
+    def address(self) -> str:
+        """What to write behind `serial:`."""
+        return str(self._link)
+
+    @property
+    def data(self) -> np.ndarray:
+        """What its sensors show, shape [DATA_LENGTH]."""
+        return self._data
+
+    def step(self) -> None:
+        """One millisecond: hear, move, tell."""
+        if self.faults.plugged != (self._master >= 0):
+            self._plug() if self.faults.plugged else self._unplug()
+        rate = self._bytes_per_step()
+        if self._master >= 0:
+            self._hear(rate)
+        silent = self.tick - self._heard > WATCHDOG
+        if silent:
+            self.command[:] = 0.0
+        status = self.plugin.read(self.plugin.memory, self._inbox, self._data, self.tick)
+        self.plugin.write(self.plugin.memory, self.command, self.tick)
+        if self._master >= 0:
+            self._tell(rate, ROBOT_READY if status == 0 else ROBOT_NOT_HOMED)
+        self.tick += 1
+
+    def greet(self) -> None:
+        """Answer questions without moving: what a robot does while a program is still being started."""
+        if self._master >= 0:
+            self._hear(float(_BUFFER))
+            self._flush(float(_BUFFER))
+
+    def close(self) -> None:
+        """Take the terminal and the link away."""
+        self._unplug()
+        self.plugin.close()
+
+    def _plug(self) -> None:
+        self._master, self._slave = os.openpty()
+        tty.setraw(self._slave)
+        os.set_blocking(self._master, False)
+        self._link.unlink(missing_ok=True)
+        self._link.symlink_to(os.ttyname(self._slave))
+        reset_line(self._line)
+        reset_line(self._screens)
+        self._leaving = b""
+
+    def _unplug(self) -> None:
+        if self._master >= 0:
+            os.close(self._master)
+            os.close(self._slave)
+            self._link.unlink(missing_ok=True)
+            self._master = self._slave = -1
+
+    def _bytes_per_step(self) -> float:
+        """What the line carries in a step at the speed that was set on it."""
+        if self._master < 0:
+            return 0.0
+        speed = _SPEEDS.get(termios.tcgetattr(self._master)[5], 115200)
+        return max(speed, 300) / 10 * _STEP_S
+
+    def _hear(self, rate: float) -> None:
+        self._credit_in = min(self._credit_in + rate, max(rate, 1.0) + 1.0)
+        start = make_room(self._line, self._buffer)
+        count = min(int(self._credit_in), _BUFFER - start)
+        got = b""
+        with suppress(OSError):  # nothing there, or nobody at the other end
+            got = os.read(self._master, count)
+        self._credit_in -= len(got)
+        got = b"" if self.faults.deaf else got
+        self._buffer[start : start + len(got)] = np.frombuffer(got, np.uint8)
+        self._line[END] = start + len(got)
+        while (frame := next_frame(self._line, self._buffer)) >= 0:
+            self._obey(frame)
+
+    def _obey(self, frame: int) -> None:
+        kind, length = int(self._buffer[frame + 3]), int(self._buffer[frame + 2])
+        sequence = word_at(self._buffer, frame + 4)
+        fetch_payload(self._buffer, frame, self._payload)
+        if kind == COMMAND and length == COMMAND_PAYLOAD and accept_sequence(self._line, sequence, self.tick):
+            unpack_command(self._payload, self.command)
+            self._heard = self.tick
+            self.commands += 1
+        elif kind == SCREEN and length == SCREEN_PAYLOAD and accept_sequence(self._screens, sequence, self.tick):
+            unpack_screen(self._payload, self._inbox)
+        elif kind == ASK:
+            self._frame.view(np.uint8)[8 : 8 + INFO_PAYLOAD] = np.frombuffer(info_payload(self._info), np.uint8)
+            self._leaving += self._sealed(INFO, 0, INFO_PAYLOAD)
+
+    def _tell(self, rate: float, status: int) -> None:
+        if not self._leaving:  # sampled when the line is free: what waits for it would grow old
+            self._sequence += 1
+            pack_state(self._data, status, self._frame[1 : 1 + PAYLOAD_PLACES])
+            self._leaving = self._sealed(STATE, self._sequence, STATE_PAYLOAD)
+        self._flush(rate)
+
+    def _sealed(self, kind: int, sequence: int, length: int) -> bytes:
+        frame = self._frame.view(np.uint8)
+        total = seal_frame(frame, kind, sequence, int(self._line[LAST_SEQUENCE]), length)
+        return frame[:total].tobytes()
+
+    def _flush(self, rate: float) -> None:
+        self._credit_out += rate
+        leaves, self._leaving = self._leaving[: int(self._credit_out)], self._leaving[int(self._credit_out) :]
+        self._credit_out -= len(leaves)
+        if not self._leaving:
+            self._credit_out = min(self._credit_out, 1.0)
+        with suppress(OSError):  # nobody reads: the bytes are lost, as on a wire
+            os.write(self._master, self.faults.spoil(leaves, self._random))
+
+    @property
+    def is_limp(self) -> bool:
+        """Whether the drives may not act."""
+        return self.command[COMMAND_ENABLED] == 0.0

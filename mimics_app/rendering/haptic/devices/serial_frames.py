@@ -1,0 +1,184 @@
+"""Frames of the serial robot: sync, length, kind, sequence, echo, payload, checksum (docs/devices/serial_protocol.md).
+
+    A5 5A | length u8 | kind u8 | sequence u16 | echo u16 | payload | CRC16 u16          all little endian
+
+Both ends use these compiled functions. The reader is a state machine over whatever bytes came: a byte that cannot begin
+a right frame is dropped and the search goes on behind it, so that it is in step again with the first whole frame after
+any garbage.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+
+__all__ = [
+    "ASK",
+    "BAD_CHECKSUMS",
+    "BEGIN",
+    "COMMAND",
+    "COMMAND_PAYLOAD",
+    "DUPLICATES",
+    "END",
+    "ESTABLISHED",
+    "FRAMES",
+    "GARBAGE",
+    "HEADER",
+    "INFO",
+    "INFO_PAYLOAD",
+    "LAST_SEQUENCE",
+    "LAST_TICK",
+    "LINE_LENGTH",
+    "LOST",
+    "MAX_PAYLOAD",
+    "OVERHEAD",
+    "PROTOCOL",
+    "REORDERED",
+    "SCREEN",
+    "SCREEN_PAYLOAD",
+    "STATE",
+    "STATE_PAYLOAD",
+    "accept_sequence",
+    "crc16",
+    "make_room",
+    "next_frame",
+    "reset_line",
+    "seal_frame",
+    "word_at",
+]
+
+Bytes = NDArray[np.uint8]
+Vec = NDArray[np.float64]
+
+PROTOCOL = 1
+"""Version of the protocol, told by INFO."""
+
+HEADER = 8
+OVERHEAD = HEADER + 2
+MAX_PAYLOAD = 64
+
+COMMAND, STATE, SCREEN, ASK, INFO = 1, 2, 3, 16, 17
+"""Kinds: what to do, what is, what the person sees (simulated persons only), who are you, this is who."""
+
+COMMAND_PAYLOAD = 26
+STATE_PAYLOAD = 44
+SCREEN_PAYLOAD = 20
+INFO_PAYLOAD = 22
+
+BEGIN = 0  # first byte not yet looked at
+END = 1  # behind the last byte that came
+ESTABLISHED = 2  # 1 once a frame was accepted
+LAST_SEQUENCE = 3
+LAST_TICK = 4  # when it was accepted
+FRAMES = 5  # accepted
+LOST = 6  # sequence numbers that never came
+DUPLICATES = 7
+REORDERED = 8  # older than the newest
+GARBAGE = 9  # bytes that belong to no frame
+BAD_CHECKSUMS = 10
+LINE_LENGTH = 11
+"""What a reader remembers, float64."""
+
+_SYNC_0, _SYNC_1 = 0xA5, 0x5A
+_HALF = 0x8000
+_PATIENCE = 20
+"""Ticks without an accepted frame after which an older sequence is that of a robot that started again."""
+
+
+@kernel
+def crc16(data: Bytes, start: int, end: int) -> int:
+    """CRC-16/CCITT-FALSE (polynomial 0x1021, from 0xFFFF) of data[start:end]; 0x29B1 for "123456789"."""
+    crc = 0xFFFF
+    for i in range(start, end):
+        x = (crc >> 8) ^ int(data[i])
+        x ^= x >> 4
+        crc = ((crc << 8) ^ (x << 12) ^ (x << 5) ^ x) & 0xFFFF
+    return crc
+
+
+@kernel
+def word_at(data: Bytes, place: int) -> int:
+    """Unsigned 16 bits at data[place:place + 2]."""
+    return int(data[place]) | int(data[place + 1]) << 8
+
+
+@kernel
+def seal_frame(frame: Bytes, kind: int, sequence: int, echo: int, payload: int) -> int:
+    """Put header and checksum around the payload that stands at frame[HEADER:]; the length of the whole frame."""
+    frame[0] = _SYNC_0
+    frame[1] = _SYNC_1
+    frame[2] = payload
+    frame[3] = kind
+    frame[4] = sequence & 0xFF
+    frame[5] = (sequence >> 8) & 0xFF
+    frame[6] = echo & 0xFF
+    frame[7] = (echo >> 8) & 0xFF
+    end = HEADER + payload
+    crc = crc16(frame, 2, end)
+    frame[end] = crc & 0xFF
+    frame[end + 1] = crc >> 8
+    return end + 2
+
+
+@kernel
+def reset_line(line: Vec) -> None:
+    """Forget bytes and sequence of a line that was opened again; the counts stay."""
+    line[BEGIN] = line[END] = line[ESTABLISHED] = 0.0
+
+
+@kernel
+def make_room(line: Vec, buffer: Bytes) -> int:
+    """Move the bytes not looked at to the front; where the next ones may be written."""
+    begin, end = int(line[BEGIN]), int(line[END])
+    for i in range(end - begin):
+        buffer[i] = buffer[begin + i]
+    line[BEGIN] = 0.0
+    line[END] = float(end - begin)
+    return end - begin
+
+
+@kernel
+def next_frame(line: Vec, buffer: Bytes) -> int:
+    """Where the next whole and right frame begins in buffer, -1 when there is none yet."""
+    begin, end = int(line[BEGIN]), int(line[END])
+    found = -1
+    while end - begin >= OVERHEAD:
+        if buffer[begin] != _SYNC_0 or buffer[begin + 1] != _SYNC_1 or buffer[begin + 2] > MAX_PAYLOAD:
+            begin += 1
+            line[GARBAGE] += 1.0
+            continue
+        total = OVERHEAD + int(buffer[begin + 2])
+        if end - begin < total:
+            break
+        if crc16(buffer, begin + 2, begin + total - 2) != word_at(buffer, begin + total - 2):
+            begin += 1
+            line[BAD_CHECKSUMS] += 1.0
+            line[GARBAGE] += 1.0
+            continue
+        found = begin
+        begin += total
+        break
+    line[BEGIN] = float(begin)
+    return found
+
+
+@kernel
+def accept_sequence(line: Vec, sequence: int, tick: int) -> bool:
+    """Whether a frame is newer than all before; what is missing, double or late is counted."""
+    ahead = (sequence - int(line[LAST_SEQUENCE])) & 0xFFFF
+    restarted = tick - int(line[LAST_TICK]) > _PATIENCE
+    if line[ESTABLISHED] == 1.0 and not (restarted and ahead >= _HALF):
+        if ahead == 0:
+            line[DUPLICATES] += 1.0
+            return False
+        if ahead >= _HALF:
+            line[REORDERED] += 1.0
+            return False
+        line[LOST] += float(ahead - 1)
+    line[ESTABLISHED] = 1.0
+    line[LAST_SEQUENCE] = float(sequence)
+    line[LAST_TICK] = float(tick)
+    line[FRAMES] += 1.0
+    return True

@@ -1,0 +1,135 @@
+"""What stands in the frames of the serial robot, packed and unpacked where it lies: float32 first, then small numbers.
+
+A payload is handled in an aligned space of PAYLOAD_PLACES float64 places. Little-endian machines only, as numba's are.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop_ports import (
+    COMMAND_DQ,
+    COMMAND_ENABLED,
+    COMMAND_STATE,
+    DATA_AGE,
+    DATA_BUTTONS,
+    DATA_Q,
+    INBOX_ACTIVE,
+    INBOX_BUTTONS,
+    INBOX_GRASP,
+    INBOX_TARGET,
+    INBOX_TRIAL,
+)
+from mimics_app.rendering.haptic.devices.serial_frames import HEADER, MAX_PAYLOAD, word_at
+
+__all__ = [
+    "FRAME_PLACES",
+    "PAYLOAD_PLACES",
+    "ROBOT_FAULT",
+    "ROBOT_NOT_HOMED",
+    "ROBOT_READY",
+    "fetch_payload",
+    "pack_command",
+    "pack_screen",
+    "pack_state",
+    "unpack_command",
+    "unpack_screen",
+    "unpack_state",
+]
+
+Bytes = NDArray[np.uint8]
+Vec = NDArray[np.float64]
+
+PAYLOAD_PLACES = MAX_PAYLOAD // 8
+FRAME_PLACES = 1 + PAYLOAD_PLACES + 1
+"""Header, payload and checksum; the payload is aligned because the header is one place long."""
+
+ROBOT_READY, ROBOT_NOT_HOMED, ROBOT_FAULT = 0, 1, 2
+"""Status byte of a STATE frame."""
+
+_JOINTS_FORCES = 6
+_MEASURED = 10
+_MICRO = 1e-6
+
+
+@kernel
+def fetch_payload(buffer: Bytes, frame: int, payload: Vec) -> None:
+    """Copy the payload of the frame at buffer[frame:] into its aligned space."""
+    into = payload.view(np.uint8)
+    for i in range(int(buffer[frame + 2])):
+        into[i] = buffer[frame + HEADER + i]
+
+
+@kernel
+def _put_word(small: Bytes, place: int, value: float) -> None:
+    word = int(min(65535.0, max(0.0, value)))
+    small[place] = word & 0xFF
+    small[place + 1] = word >> 8
+
+
+@kernel
+def pack_command(command: Vec, usable: bool, payload: Vec) -> None:
+    """Six float32 (joint velocities, force), enabled, state; zeros and not enabled where the numbers are not usable."""
+    floats, small = payload.view(np.float32), payload.view(np.uint8)
+    for i in range(_JOINTS_FORCES):
+        floats[i] = command[COMMAND_DQ + i] if usable else 0.0
+    small[24] = 1 if usable and command[COMMAND_ENABLED] != 0.0 else 0
+    small[25] = int(command[COMMAND_STATE]) & 0xFF if usable else 0
+
+
+@kernel
+def unpack_command(payload: Vec, command: Vec) -> None:
+    """The other way."""
+    floats, small = payload.view(np.float32), payload.view(np.uint8)
+    for i in range(_JOINTS_FORCES):
+        command[COMMAND_DQ + i] = floats[i]
+    command[COMMAND_ENABLED] = float(small[24])
+    command[COMMAND_STATE] = float(small[25])
+
+
+@kernel
+def pack_state(data: Vec, status: int, payload: Vec) -> None:
+    """Ten float32 (joints, velocities, force, grasp), buttons, status, age in us."""
+    floats, small = payload.view(np.float32), payload.view(np.uint8)
+    for i in range(_MEASURED):
+        floats[i] = data[DATA_Q + i]
+    small[40] = int(data[DATA_BUTTONS]) & 0xFF
+    small[41] = status
+    _put_word(small, 42, data[DATA_AGE] / _MICRO)
+
+
+@kernel
+def unpack_state(payload: Vec, data: Vec) -> int:
+    """The other way; the status byte."""
+    floats, small = payload.view(np.float32), payload.view(np.uint8)
+    for i in range(_MEASURED):
+        data[DATA_Q + i] = floats[i]
+    data[DATA_BUTTONS] = float(small[40])
+    data[DATA_AGE] = word_at(small, 42) * _MICRO
+    return int(small[41])
+
+
+@kernel
+def pack_screen(inbox: Vec, payload: Vec) -> None:
+    """Four float32 (target, grasp), buttons, active, trial: what a simulated person sees."""
+    floats, small = payload.view(np.float32), payload.view(np.uint8)
+    for i in range(3):
+        floats[i] = inbox[INBOX_TARGET + i]
+    floats[3] = inbox[INBOX_GRASP]
+    small[16] = int(inbox[INBOX_BUTTONS]) & 0xFF
+    small[17] = 1 if inbox[INBOX_ACTIVE] != 0.0 else 0
+    _put_word(small, 18, float(int(inbox[INBOX_TRIAL]) & 0xFFFF))
+
+
+@kernel
+def unpack_screen(payload: Vec, inbox: Vec) -> None:
+    """The other way."""
+    floats, small = payload.view(np.float32), payload.view(np.uint8)
+    for i in range(3):
+        inbox[INBOX_TARGET + i] = floats[i]
+    inbox[INBOX_GRASP] = floats[3]
+    inbox[INBOX_BUTTONS] = float(small[16])
+    inbox[INBOX_ACTIVE] = float(small[17])
+    inbox[INBOX_TRIAL] = float(word_at(small, 18))

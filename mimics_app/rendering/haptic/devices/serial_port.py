@@ -1,0 +1,154 @@
+"""Opens a serial line and greets the robot on it: the main side of serial:PORT[@BAUD]."""
+
+from __future__ import annotations
+
+import os
+import select
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.loop_ports import DevicePlugin
+from mimics_app.rendering.haptic.devices import serial_robot
+from mimics_app.rendering.haptic.devices.address import port_and_baud
+from mimics_app.rendering.haptic.devices.link import LinkKeeper
+from mimics_app.rendering.haptic.devices.request import DeviceRequest
+from mimics_app.rendering.haptic.devices.serial_frames import (
+    ASK,
+    HEADER,
+    INFO,
+    INFO_PAYLOAD,
+    LINE_LENGTH,
+    MAX_PAYLOAD,
+    OVERHEAD,
+    PROTOCOL,
+    next_frame,
+    seal_frame,
+)
+
+__all__ = ["DEFAULT_BAUD", "RobotInfo", "build_serial", "info_payload", "parse_info"]
+
+DEFAULT_BAUD = 921600
+
+_BITS_PER_BYTE = 10  # start, eight, stop
+_PATIENCE_NS = 1_500_000_000
+_ASK_AGAIN_NS = 200_000_000
+_WANTS_SCREEN = 1
+
+
+@dataclass(frozen=True, slots=True)
+class RobotInfo:
+    """What a robot says of itself.
+
+    Attributes:
+        name: Up to 16 ASCII characters.
+        delay: From a command's arrival to the motion it makes [s].
+        wants_screen: A simulated person is on it, who must see what to do.
+    """
+
+    name: str
+    delay: float
+    wants_screen: bool
+
+
+def info_payload(info: RobotInfo) -> bytes:
+    """Payload of an INFO frame: protocol, flags, delay in us (u16), rate in Hz (u16), name."""
+    head = bytes([PROTOCOL, _WANTS_SCREEN if info.wants_screen else 0])
+    delay = round(info.delay * 1e6).to_bytes(2, "little")
+    return head + delay + (1000).to_bytes(2, "little") + info.name.encode("ascii")[:16].ljust(16, b"\0")
+
+
+def parse_info(payload: bytes) -> RobotInfo:
+    """The other way.
+
+    Raises:
+        DeviceError: A protocol this program does not speak.
+    """
+    if payload[0] != PROTOCOL:
+        raise DeviceError(f"the robot speaks protocol {payload[0]}, this program {PROTOCOL}", "update one of them")
+    name = payload[6:22].rstrip(b"\0").decode("ascii", "replace")
+    return RobotInfo(name, int.from_bytes(payload[2:4], "little") * 1e-6, bool(payload[1] & _WANTS_SCREEN))
+
+
+def build_serial(request: DeviceRequest) -> DevicePlugin:
+    """The robot behind a serial line; it must answer.
+
+    Raises:
+        DeviceError: No such port, or nothing on it answers as a robot of this protocol.
+    """
+    port, baud = port_and_baud(request.address, DEFAULT_BAUD)
+    memory = np.zeros(serial_robot.SERIAL_LENGTH)
+    memory[serial_robot.TICK] = 1.0 / request.rate
+    memory[serial_robot.BYTES_PER_TICK] = baud / _BITS_PER_BYTE / request.rate
+
+    def open_line() -> tuple[int, Callable[[], None]]:
+        line = _open_port(port, baud)
+        try:
+            info = _greet(line.fileno(), port)
+        except DeviceError:
+            line.close()
+            raise
+        memory[serial_robot.OWN_DELAY] = info.delay
+        memory[serial_robot.SCREEN_WANTED] = float(info.wants_screen)
+        return line.fileno(), line.close
+
+    keeper = LinkKeeper(memory, open_line, f"the robot at {port}")
+    return DevicePlugin(
+        "serial",
+        serial_robot.read_serial,
+        serial_robot.write_serial,
+        memory,
+        keeper.close,
+        delay=float(memory[serial_robot.OWN_DELAY]),
+        real_time=True,
+        trouble=keeper.trouble,
+    )
+
+
+def _open_port(port: str, baud: int) -> Any:
+    """The line, raw and non-blocking."""
+    import serial
+
+    try:
+        line = serial.Serial(port, baud, timeout=0, exclusive=True)
+    except (OSError, ValueError) as failure:  # SerialException is an OSError
+        raise DeviceError(f"{port} cannot be opened: {failure}", "mimics devices lists the serial ports") from failure
+    os.set_blocking(line.fileno(), False)
+    return line
+
+
+def _greet(fd: int, port: str) -> RobotInfo:
+    """Ask who is there until an INFO frame comes."""
+    clock = MonotonicClock()
+    question, line = np.zeros(OVERHEAD, np.uint8), np.zeros(LINE_LENGTH)
+    end = clock.now_ns() + _PATIENCE_NS
+    asked = 0
+    heard = b""
+    try:
+        while clock.now_ns() < end:
+            if clock.now_ns() - asked > _ASK_AGAIN_NS:
+                asked = clock.now_ns()
+                length = seal_frame(question, ASK, 0, 0, 0)
+                os.write(fd, question[:length].tobytes())
+            readable, _, _ = select.select([fd], [], [], 0.02)
+            heard = (heard + os.read(fd, 4096))[-4096:] if readable else heard
+            if (payload := _find_info(heard, line)) is not None:
+                return parse_info(payload)
+    except OSError as failure:
+        raise DeviceError(f"{port} is gone: {failure.strerror}") from failure
+    raise DeviceError(f"nothing at {port} answers as a robot", "is it on, and is the speed right? serial:PORT@BAUD")
+
+
+def _find_info(heard: bytes, line: np.ndarray[Any, Any]) -> bytes | None:
+    """Payload of the first INFO frame among the bytes."""
+    buffer = np.frombuffer(heard, np.uint8).copy()
+    line[:] = 0.0
+    line[1] = len(heard)
+    while len(heard) >= OVERHEAD and (frame := next_frame(line, buffer)) >= 0:
+        if buffer[frame + 3] == INFO and INFO_PAYLOAD <= buffer[frame + 2] <= MAX_PAYLOAD:
+            return buffer[frame + HEADER : frame + HEADER + int(buffer[frame + 2])].tobytes()
+    return None

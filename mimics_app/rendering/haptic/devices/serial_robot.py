@@ -1,0 +1,232 @@
+"""A robot on a serial line (serial:PORT[@BAUD]): the loop's side, reading and writing the descriptor itself.
+
+The loop sends a command as often as the speed of the line allows and never more: what does not fit would wait in the
+system's buffer and grow old there. Frames either way tell which one of the other way they have seen, which gives the
+delay. Protocol: docs/devices/serial_protocol.md.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.descriptors import HUNG_UP, READABLE, look_at, read_bytes, write_bytes
+from mimics_app.contracts.kernel import kernel, typed_kernel
+from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_AGE, DATA_DELAY, INBOX_LENGTH, READ, WRITE
+from mimics_app.rendering.haptic.devices.link import LINK_LENGTH, drop_link, link_words, take_link
+from mimics_app.rendering.haptic.devices.round_trip import (
+    TRIP_LENGTH,
+    delay_of,
+    ended_trip,
+    note_answer,
+    note_sent,
+    reset_trips,
+    silent_for,
+)
+from mimics_app.rendering.haptic.devices.serial_frames import (
+    COMMAND,
+    COMMAND_PAYLOAD,
+    END,
+    LAST_SEQUENCE,
+    LINE_LENGTH,
+    OVERHEAD,
+    SCREEN,
+    SCREEN_PAYLOAD,
+    STATE,
+    STATE_PAYLOAD,
+    accept_sequence,
+    make_room,
+    next_frame,
+    reset_line,
+    seal_frame,
+    word_at,
+)
+from mimics_app.rendering.haptic.devices.serial_payloads import (
+    FRAME_PLACES,
+    PAYLOAD_PLACES,
+    ROBOT_FAULT,
+    ROBOT_READY,
+    fetch_payload,
+    pack_command,
+    pack_screen,
+    unpack_state,
+)
+
+__all__ = [
+    "BLOCKED",
+    "BYTES_PER_TICK",
+    "LINE",
+    "OWN_DELAY",
+    "SCREEN_WANTED",
+    "SERIAL_LENGTH",
+    "SKIPPED",
+    "TICK",
+    "TRIPS",
+    "read_serial",
+    "write_serial",
+]
+
+Bytes = NDArray[np.uint8]
+Vec = NDArray[np.float64]
+
+LINE = LINK_LENGTH  # reader of STATE frames
+TRIPS = LINE + LINE_LENGTH
+TICK = TRIPS + TRIP_LENGTH  # [s]
+BYTES_PER_TICK = TICK + 1  # that the line carries
+CREDIT = TICK + 2  # bytes that may be sent now
+OWN_DELAY = TICK + 3  # of the robot, as INFO tells it [s]
+SCREEN_WANTED = TICK + 4  # 1: a simulated person wants to see what to do
+SKIPPED = TICK + 5  # commands the line had no time for
+BLOCKED = TICK + 6  # commands the system had no room for
+PENDING = TICK + 7  # bytes of the last frame that the system did not take yet
+TAKEN = TICK + 8  # bytes of it that it took
+SHOWN = TICK + 9  # tick of the last SCREEN frame
+SCREENS = TICK + 10  # SCREEN frames sent
+_NOW = TICK + 11  # inbox as last read
+_TOLD = _NOW + INBOX_LENGTH  # inbox as last sent
+_OUT = _TOLD + INBOX_LENGTH  # the frame that leaves
+_PAYLOAD = _OUT + FRAME_PLACES  # of the frame that came
+_IN = _PAYLOAD + PAYLOAD_PLACES
+_IN_PLACES = 128
+_POLL = _IN + _IN_PLACES
+SERIAL_LENGTH = _POLL + 1
+
+_FRESH, _NO_DATA, _FAULT = 0, 1, 2
+
+_DEAF = 50
+"""Ticks that the robot may leave commands unanswered: its own watchdog has let go by then."""
+
+_SCREEN_EVERY = 16
+"""Ticks between two SCREEN frames, a frame of the picture."""
+
+
+@kernel
+def _fill_buffer(memory: Vec, fd: int) -> bool:
+    """Take what came; False when the other end is gone."""
+    line = memory[LINE : LINE + LINE_LENGTH]
+    buffer = memory[_IN : _IN + _IN_PLACES].view(np.uint8)
+    seen = look_at(fd, memory[_POLL : _POLL + 1].view(np.int32))
+    if seen == READABLE:
+        start = make_room(line, buffer)
+        got = read_bytes(fd, buffer, start, buffer.shape[0] - start)
+        if got == 0:
+            return False
+        line[END] = float(start + max(0, got))
+    return seen != HUNG_UP
+
+
+@kernel
+def _take_frames(memory: Vec, data: Vec, tick: int) -> int:
+    """The newest STATE frame into data; FRESH, NO_DATA, or the FAULT that the robot tells."""
+    line = memory[LINE : LINE + LINE_LENGTH]
+    trips = memory[TRIPS : TRIPS + TRIP_LENGTH]
+    buffer = memory[_IN : _IN + _IN_PLACES].view(np.uint8)
+    payload = memory[_PAYLOAD : _PAYLOAD + PAYLOAD_PLACES]
+    status = _NO_DATA
+    frame = next_frame(line, buffer)
+    while frame >= 0:
+        wanted = buffer[frame + 3] == STATE and buffer[frame + 2] == STATE_PAYLOAD
+        if wanted and accept_sequence(line, word_at(buffer, frame + 4), tick):
+            fetch_payload(buffer, frame, payload)
+            robot = unpack_state(payload, data)
+            note_answer(trips, ended_trip(trips, word_at(buffer, frame + 6)), tick)
+            status = _FRESH if robot == ROBOT_READY else _FAULT if robot >= ROBOT_FAULT else _NO_DATA
+        frame = next_frame(line, buffer)
+    if status == _FRESH:
+        dt = memory[TICK]
+        data[DATA_AGE] += dt * (STATE_PAYLOAD + OVERHEAD) / memory[BYTES_PER_TICK]
+        data[DATA_DELAY] = delay_of(trips, memory[OWN_DELAY], dt)
+    return status
+
+
+@typed_kernel(READ)
+def read_serial(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
+    """What the robot sent since the last tick; FAULT while there is no line or the robot hears nothing."""
+    words = link_words(memory)
+    trips = memory[TRIPS : TRIPS + TRIP_LENGTH]
+    fd, is_new = take_link(words)
+    if fd < 0:
+        return _FAULT
+    if is_new:
+        reset_line(memory[LINE : LINE + LINE_LENGTH])
+        reset_trips(trips)
+        memory[CREDIT] = memory[PENDING] = 0.0
+        memory[_TOLD] = math.nan
+    memory[_NOW : _NOW + INBOX_LENGTH] = inbox
+    if not _fill_buffer(memory, fd):
+        drop_link(words)
+        return _FAULT
+    status = _take_frames(memory, data, tick)
+    return _FAULT if silent_for(trips, tick) > _DEAF else status
+
+
+@kernel
+def _send(memory: Vec, fd: int, length: int) -> None:
+    """Hand the frame in _OUT to the system; what it does not take at once leaves at the next tick."""
+    taken = max(0, write_bytes(fd, memory[_OUT : _OUT + FRAME_PLACES].view(np.uint8), 0, length))
+    memory[TAKEN] = float(taken)
+    memory[PENDING] = float(length - taken)
+    memory[CREDIT] -= float(length)
+
+
+@kernel
+def _send_rest(memory: Vec, fd: int) -> bool:
+    """Send what is left of a frame; True when nothing is."""
+    if memory[PENDING] > 0.0:
+        out = memory[_OUT : _OUT + FRAME_PLACES].view(np.uint8)
+        taken = max(0, write_bytes(fd, out, int(memory[TAKEN]), int(memory[PENDING])))
+        memory[TAKEN] += float(taken)
+        memory[PENDING] -= float(taken)
+    return memory[PENDING] == 0.0
+
+
+@kernel
+def _screen_changed(memory: Vec) -> bool:
+    for i in range(INBOX_LENGTH):
+        if memory[_NOW + i] != memory[_TOLD + i]:
+            return True
+    return False
+
+
+@kernel
+def _show_screen(memory: Vec, fd: int, tick: int) -> None:
+    """Tell a simulated person what changed on the screen, at most once a frame of the picture."""
+    length = SCREEN_PAYLOAD + OVERHEAD
+    due = memory[SCREEN_WANTED] == 1.0 and float(tick) - memory[SHOWN] >= _SCREEN_EVERY
+    if not due or memory[PENDING] > 0.0 or memory[CREDIT] < length or not _screen_changed(memory):
+        return
+    memory[_TOLD : _TOLD + INBOX_LENGTH] = memory[_NOW : _NOW + INBOX_LENGTH]
+    pack_screen(memory[_NOW : _NOW + INBOX_LENGTH], memory[_OUT + 1 : _OUT + 1 + PAYLOAD_PLACES])
+    memory[SHOWN] = float(tick)
+    memory[SCREENS] += 1.0
+    out = memory[_OUT : _OUT + FRAME_PLACES].view(np.uint8)
+    echo = int(memory[LINE + LAST_SEQUENCE])
+    _send(memory, fd, seal_frame(out, SCREEN, int(memory[SCREENS]), echo, SCREEN_PAYLOAD))
+
+
+@typed_kernel(WRITE)
+def write_serial(memory: Vec, command: Vec, tick: int) -> int:
+    """Send the command if the line has time for it; 0 when it left."""
+    fd, _ = take_link(link_words(memory))
+    if fd < 0:
+        return 1
+    length = COMMAND_PAYLOAD + OVERHEAD
+    rate = memory[BYTES_PER_TICK]
+    memory[CREDIT] = min(memory[CREDIT] + rate, rate + length)
+    if not _send_rest(memory, fd):
+        memory[BLOCKED] += 1.0
+        return 1
+    if memory[CREDIT] < length:
+        memory[SKIPPED] += 1.0
+        return 1
+    usable = True
+    for i in range(COMMAND_LENGTH):
+        usable = usable and math.isfinite(command[i])
+    pack_command(command, usable, memory[_OUT + 1 : _OUT + 1 + PAYLOAD_PLACES])
+    number = note_sent(memory[TRIPS : TRIPS + TRIP_LENGTH], tick)
+    out = memory[_OUT : _OUT + FRAME_PLACES].view(np.uint8)
+    _send(memory, fd, seal_frame(out, COMMAND, number, int(memory[LINE + LAST_SEQUENCE]), COMMAND_PAYLOAD))
+    _show_screen(memory, fd, tick)
+    return 0 if usable else 1

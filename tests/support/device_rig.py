@@ -1,0 +1,98 @@
+"""A device with its emulated other side in one thread: a tick of the loop, then a step of the robot, counted."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.loop_ports import DevicePlugin
+from mimics_app.rendering.haptic.devices.emulators.faults import apply_order
+from mimics_app.rendering.haptic.devices.emulators.serial_robot import SerialRobotEmulator
+from mimics_app.rendering.haptic.devices.registry import build_device
+from mimics_app.rendering.haptic.devices.request import DeviceRequest
+from mimics_app.rendering.haptic.devices.simulated_hapticmaster import (
+    build_simulated_hapticmaster,
+    robot_delay,
+    write_robot,
+    write_robot_memory,
+)
+from mimics_app.world.components_haptic import Robot
+from tests.support.haptic_bench import PUSH, Bench, read_pushed
+
+
+class Rig:
+    """An emulated robot; `step` moves it, `attended` lets it answer while something here waits for it."""
+
+    def __init__(self, emulator: Any, name: str) -> None:
+        self.emulator = emulator
+        self.name = name
+        self._plug_wanted = False
+
+    def build(self, address: str = "", **robot: Any) -> DevicePlugin:
+        with self.attended():
+            return build_device(Robot(device=f"{self.name}:{address or self.emulator.address}", **robot))
+
+    def step(self) -> None:
+        self.emulator.step()
+        if self._plug_wanted:  # the keeper's greeting may come at any moment
+            self.emulator.greet()
+
+    def spoil(self, what: str) -> None:
+        apply_order(self.emulator.faults, what)
+        self._plug_wanted = self._plug_wanted or what == "plug"
+
+    @contextmanager
+    def attended(self) -> Iterator[None]:
+        ended = threading.Event()
+
+        def answer() -> None:
+            while not ended.wait(0.002):
+                self.emulator.greet()
+
+        thread = threading.Thread(target=answer)
+        thread.start()
+        try:
+            yield
+        finally:
+            ended.set()
+            thread.join()
+
+    def advance(self, bench: Bench, ticks: int) -> NDArray[Any]:
+        """Ticks of the loop with a step of the robot after each; their samples."""
+        rows = []
+        for _ in range(ticks):
+            rows.append(bench.advance(1))
+            self.step()
+        return np.concatenate(rows)
+
+
+@contextmanager
+def serial_rig(folder: Path, **robot: Any) -> Iterator[Rig]:
+    """A simulated robot on a pseudo-terminal, held by a relaxed arm."""
+    simulated = build_simulated_hapticmaster(DeviceRequest(robot=Robot(**{"delay_ticks": 0, **robot})))
+    emulator = SerialRobotEmulator(simulated, folder / "robot")
+    try:
+        yield Rig(emulator, "serial")
+    finally:
+        emulator.close()
+
+
+@contextmanager
+def pushed_serial_rig(folder: Path) -> Iterator[Rig]:
+    """The same, pulled by a constant force and by nothing else."""
+    request = DeviceRequest(robot=Robot(delay_ticks=0))
+    memory = np.zeros(PUSH + 3)
+    write_robot_memory(memory[:PUSH], request)
+    emulator = SerialRobotEmulator(
+        DevicePlugin("pushed", read_pushed, write_robot, memory, delay=robot_delay(request)), folder / "robot"
+    )
+    try:
+        yield Rig(emulator, "serial")
+    finally:
+        emulator.close()
