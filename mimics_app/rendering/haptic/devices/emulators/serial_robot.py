@@ -8,9 +8,8 @@ than the line would carry.
 from __future__ import annotations
 
 import os
-import termios
-import tty
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -56,9 +55,23 @@ WATCHDOG = 50
 
 _BUFFER = 4096
 _STEP_S = 1e-3
-_SPEEDS = {
-    getattr(termios, name): int(name[1:]) for name in dir(termios) if name.startswith("B") and name[1:].isdecimal()
-}
+_UNSET_BAUD = 115200
+
+
+@cache
+def _speeds() -> dict[int, int]:
+    """Bits per second by the system's code for a speed."""
+    import termios
+
+    names = [name for name in dir(termios) if name.startswith("B") and name[1:].isdecimal()]
+    return {getattr(termios, name): int(name[1:]) for name in names}
+
+
+def _speed_of(terminal: int) -> int:
+    """Bits per second that were set on a terminal, asked of either end."""
+    import termios
+
+    return max(300, _speeds().get(termios.tcgetattr(terminal)[5], _UNSET_BAUD))
 
 
 class SerialRobotEmulator:
@@ -137,6 +150,8 @@ class SerialRobotEmulator:
         self.plugin.close()
 
     def _plug(self) -> None:
+        import tty
+
         self._master, self._slave = os.openpty()
         tty.setraw(self._slave)
         os.set_blocking(self._master, False)
@@ -157,8 +172,7 @@ class SerialRobotEmulator:
         """What the line carries in a step at the speed that was set on it."""
         if self._master < 0:
             return 0.0
-        speed = _SPEEDS.get(termios.tcgetattr(self._master)[5], 115200)
-        return max(speed, 300) / 10 * _STEP_S
+        return _speed_of(self._master) / 10 * _STEP_S
 
     def _hear(self, rate: float) -> None:
         self._credit_in = min(self._credit_in + rate, max(rate, 1.0) + 1.0)
