@@ -15,7 +15,10 @@ import numpy as np
 from numba import from_dtype, types
 from numpy.typing import NDArray
 
+from mimics_app.contracts.haptic import TUNNEL
 from mimics_app.contracts.haptic_objects import BODY, EFFECT, MAX_POINTS, MOTION, POINT, SHAPE, WIRE
+from mimics_app.contracts.loop_ports import FIELD_PARAMETERS
+from mimics_app.rendering.haptic.kernels.objects.effect_memory import EFFECT_MEMORY
 from mimics_app.rendering.haptic.kernels.objects.grip import GRIP, new_grip
 from mimics_app.rendering.haptic.kernels.objects.inertia import DYNAMICS
 from mimics_app.rendering.haptic.kernels.objects.poses import TRACKING
@@ -34,6 +37,7 @@ class ObjectCapacities:
     bodies: int = 8
     effects: int = 16
     wires: int = 32
+    paths: int = 4
 
 
 class Rows(NamedTuple):
@@ -66,6 +70,10 @@ class ObjectWork(NamedTuple):
         tracking: TRACKING, shape [1].
         local_rotations: Body from shape, shape [shapes, 3, 3].
         moving_shapes: Rows of the shapes of bodies; TRACKING.moving says how many, shape [shapes].
+        effects: EFFECT_MEMORY, shape [effects].
+        paths: TUNNEL records by EFFECT.path, shape [paths]; filled before the loop starts.
+        field_parameters: What a force field is given, shape [FIELD_PARAMETERS].
+        field_vectors: Likewise place and velocity, and the force it gives, shape [3, 3].
     """
 
     motions: Records
@@ -83,6 +91,10 @@ class ObjectWork(NamedTuple):
     tracking: Records
     local_rotations: NDArray[np.float64]
     moving_shapes: NDArray[np.int64]
+    effects: Records
+    paths: Records
+    field_parameters: NDArray[np.float64]
+    field_vectors: NDArray[np.float64]
 
 
 def new_rows(capacities: ObjectCapacities) -> Rows:
@@ -115,6 +127,10 @@ def new_object_work(capacities: ObjectCapacities) -> ObjectWork:
         tracking=np.zeros(1, TRACKING),
         local_rotations=np.zeros((shapes, 3, 3)),
         moving_shapes=np.zeros(shapes, np.int64),
+        effects=np.zeros(capacities.effects, EFFECT_MEMORY),
+        paths=np.zeros(capacities.paths, TUNNEL),
+        field_parameters=np.zeros(FIELD_PARAMETERS),
+        field_vectors=np.zeros((3, 3)),
     )
 
 
@@ -146,6 +162,10 @@ OBJECT_WORK = types.NamedTuple(  # type: ignore[no-untyped-call]
         _records(TRACKING),
         types.float64[:, :, ::1],
         types.int64[::1],
+        _records(EFFECT_MEMORY),
+        _records(TUNNEL),
+        types.float64[::1],
+        _TABLE,
     ],
     ObjectWork,
 )

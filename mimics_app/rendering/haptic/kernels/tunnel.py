@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.tunnel_projection import axis, locate, project
 
-__all__ = ["TUNNEL_STATE", "TunnelStatus", "restart_tracking", "tunnel_force"]
+__all__ = ["TUNNEL_STATE", "TunnelStatus", "arc_at", "fade_at_end", "restart_tracking", "tunnel_force"]
 
 Vec = NDArray[np.float64]
 
@@ -127,12 +127,18 @@ def _length_to(tunnel: Any, piece: int, u: float) -> float:
 
 
 @kernel
-def _arc_at(tunnel: Any, piece: int, u: float) -> float:
-    """Arc length from the start [m]; what three points miss of the whole piece is spread, so that no knot shows."""
+def arc_at(tunnel: Any, piece: int, u: float) -> float:
+    """Arc length up to u of a piece [m]; what three points miss of the whole piece is spread, so that no knot shows."""
     start = tunnel.arc_length[piece]
     missing = tunnel.arc_length[piece + 1] - start - _length_to(tunnel, piece, 1.0)
     arc: float = start + _length_to(tunnel, piece, u) + missing * u * u
     return arc
+
+
+@kernel
+def fade_at_end(remaining: float) -> float:
+    """Share 0-1 of an advancing force that is left `remaining` [m] before the end."""
+    return min(1.0, max(0.0, remaining) / _ADVANCE_FADE)
 
 
 @kernel
@@ -247,7 +253,7 @@ def tunnel_force(tunnel: Any, p: Vec, v: Vec, ball_radius: float, state: Any) ->
     state.tangent[1] = y1 / speed
     state.tangent[2] = z1 / speed
     _write_frame(tunnel, piece, u, x, y, z, state)
-    arc = _arc_at(tunnel, piece, u)
+    arc = arc_at(tunnel, piece, u)
     total = tunnel.arc_length[tunnel.pieces]
     state.progress = min(max(arc / total, 0.0), 1.0)
 
@@ -356,7 +362,7 @@ def _add_forces(
     _write_contact(wall, cap, state)
 
     drag = -(tunnel.drag + tunnel.drag_growth * max(0.0, ball_radius - state.radius)) * v_t
-    advance = 0.0 if along > 0.0 else tunnel.advance * min(1.0, max(0.0, remaining) / _ADVANCE_FADE)
+    advance = 0.0 if along > 0.0 else tunnel.advance * fade_at_end(remaining)
     tangential = drag + advance - tunnel.centring * along
     for i in range(3):
         state.force_world[i] += tangential * state.tangent[i] - tunnel.centring * e[i]

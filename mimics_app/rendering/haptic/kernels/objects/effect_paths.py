@@ -1,0 +1,73 @@
+"""Effects along a path: the closest point of a B-spline, as of the tunnel (D2.1 4.2.10), is their place."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.objects.effect_laws import add_bounded, is_within
+from mimics_app.rendering.haptic.kernels.tunnel import arc_at, fade_at_end
+from mimics_app.rendering.haptic.kernels.tunnel_projection import axis, locate, track
+
+__all__ = ["find_path", "guide", "pull_to_path"]
+
+_SMALLEST = 1e-12
+
+
+@kernel
+def find_path(path: Any, memory: Any) -> float:
+    """Go to the closest point: memory.p becomes the offset from it, memory.path.tangent its direction.
+
+    Args:
+        path: TUNNEL record with pieces.
+        memory: EFFECT_MEMORY record; p is the world position on entry.
+
+    Returns:
+        Arc length left to the end [m].
+    """
+    p, state = memory.p, memory.path
+    s = track(path, p[0], p[1], p[2], state)
+    piece, u = locate(path, s)
+    x, x1, _ = axis(path, piece, 0, u)
+    y, y1, _ = axis(path, piece, 1, u)
+    z, z1, _ = axis(path, piece, 2, u)
+    speed = math.sqrt(x1 * x1 + y1 * y1 + z1 * z1)
+    state.tangent[0] = x1 / speed
+    state.tangent[1] = y1 / speed
+    state.tangent[2] = z1 / speed
+    p[0] -= x
+    p[1] -= y
+    p[2] -= z
+    return path.arc_length[path.pieces] - arc_at(path, piece, u)
+
+
+@kernel
+def pull_to_path(effect: Any, memory: Any) -> None:
+    """F = -k (r - dead band) e/r - b v', with v' the velocity across the path; beyond an end also along it.
+
+    e.t is 0 except beyond an end, where v' takes in the share (e.t/r)^2 of the motion along t: no step where it begins.
+    """
+    t, e, v = memory.path.tangent, memory.p, memory.v
+    r = math.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
+    beyond = r - effect.slip
+    if beyond <= 0.0 or r < _SMALLEST or not is_within(effect, memory):
+        return
+    lean = (e[0] * t[0] + e[1] * t[1] + e[2] * t[2]) / r
+    free = (1.0 - lean * lean) * (v[0] * t[0] + v[1] * t[1] + v[2] * t[2])
+    for i in range(3):
+        memory.force[i] = -memory.stiffness * beyond * e[i] / r
+        memory.damper[i] = -effect.damping * (v[i] - free * t[i])
+    add_bounded(memory.force, memory.damper, memory.size)
+    memory.held = 1
+
+
+@kernel
+def guide(effect: Any, memory: Any, remaining: float) -> None:
+    """F = (f - b v.t) t, where f fades before the end and is gone beyond it."""
+    if not is_within(effect, memory):
+        return
+    t, v = memory.path.tangent, memory.v
+    along = memory.size * fade_at_end(remaining) - effect.damping * (v[0] * t[0] + v[1] * t[1] + v[2] * t[2])
+    for i in range(3):
+        memory.force[i] = along * t[i]

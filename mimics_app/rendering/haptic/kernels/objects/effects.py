@@ -1,0 +1,253 @@
+"""Effects and force fields of one tick: what they do to the user, and the opposite to the bodies they belong to.
+
+An effect acts between the user and its place. The place stays in the world, or moves with a body; then the body feels
+the opposite force there, as far as 4.2.8.2 lets it (enable haptic force, enable haptic torque). One that acts on a body
+alone pulls at its centre of mass about a place in the world, and the user feels nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic_objects import BodyFlag, EffectKind
+from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop_ports import FIELD_PARAMETERS, MAX_FIELDS
+from mimics_app.rendering.haptic.kernels.objects.effect_laws import (
+    bound,
+    brake,
+    is_within,
+    magnet,
+    pull_back,
+    push,
+    shake,
+    spring,
+    stick_and_slip,
+)
+from mimics_app.rendering.haptic.kernels.objects.effect_paths import find_path, guide, pull_to_path
+from mimics_app.rendering.haptic.kernels.objects.hand import HAND_POSITION, HAND_TIME, HAND_VELOCITY
+from mimics_app.rendering.haptic.kernels.tunnel import restart_tracking
+
+__all__ = ["apply_effects"]
+
+Vec = NDArray[np.float64]
+
+_SPRING = int(EffectKind.SPRING)
+_PATH_SPRING = int(EffectKind.PATH_SPRING)
+_VISCOSITY = int(EffectKind.VISCOSITY)
+_CONSTANT = int(EffectKind.CONSTANT)
+_MAGNET = int(EffectKind.MAGNET)
+_VIBRATION = int(EffectKind.VIBRATION)
+_STICK_SLIP = int(EffectKind.STICK_SLIP)
+_WORKSPACE = int(EffectKind.WORKSPACE)
+_GUIDANCE = int(EffectKind.GUIDANCE)
+_FIELD = int(EffectKind.FIELD)
+_FORCE_ON_OBJECT = int(BodyFlag.FORCE_ON_OBJECT)
+_TORQUE_ON_OBJECT = int(BodyFlag.TORQUE_ON_OBJECT)
+
+_FARTHEST = 1e6
+"""Beyond this [m, m/s] a path is not looked for."""
+
+
+@kernel
+def _forget(memory: Any) -> None:
+    """A disabled effect begins anew when it is enabled."""
+    memory.quarantined = 0
+    memory.sticking = 0
+    restart_tracking(memory.path)
+
+
+@kernel
+def _place(effect: Any, work: Any, counts: Any, hand: Vec, memory: Any) -> None:
+    """Motion of what feels the effect, relative to the effect's place, into memory.p and memory.v."""
+    on_body = effect.on_body != 0
+    for i in range(3):
+        memory.force[i] = 0.0
+        memory.p[i] = hand[HAND_POSITION + i] - memory.position[i]
+        memory.v[i] = hand[HAND_VELOCITY + i]
+    memory.held = 0
+    if not 0 <= effect.body < counts.bodies:
+        return
+    motion = work.motions[effect.body]
+    if on_body:
+        for i in range(3):
+            memory.p[i] = motion.centre[i] - memory.position[i]
+            memory.v[i] = motion.velocity[i]
+        return
+    for i in range(3):
+        R = motion.rotation
+        turned = R[i, 0] * memory.position[0] + R[i, 1] * memory.position[1] + R[i, 2] * memory.position[2]
+        memory.arm[i] = motion.position[i] + turned - motion.centre[i]
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        spin = motion.omega[j] * memory.arm[k] - motion.omega[k] * memory.arm[j]
+        memory.p[i] = hand[HAND_POSITION + i] - motion.centre[i] - memory.arm[i]
+        memory.v[i] = hand[HAND_VELOCITY + i] - motion.velocity[i] - spin
+
+
+@kernel
+def _stick(effect: Any, work: Any, counts: Any, memory: Any) -> None:
+    """Stick-slip in the frame its anchor is kept in: the body's, where it acts between user and body."""
+    if effect.on_body != 0 or not 0 <= effect.body < counts.bodies:
+        stick_and_slip(effect, memory.p, memory)
+        return
+    R = work.motions[effect.body].rotation
+    local, p = memory.damper, memory.p
+    for i in range(3):
+        local[i] = R[0, i] * p[0] + R[1, i] * p[1] + R[2, i] * p[2]
+    stick_and_slip(effect, local, memory)
+    for i in range(3):
+        local[i] = memory.force[i]
+    for i in range(3):
+        memory.force[i] = R[i, 0] * local[0] + R[i, 1] * local[1] + R[i, 2] * local[2]
+
+
+@kernel
+def _along_path(effect: Any, work: Any, memory: Any) -> None:
+    """Path spring and guidance; their path stays in the world."""
+    far = 0.0
+    for i in range(3):
+        memory.p[i] += memory.position[i]
+        far += abs(memory.p[i])
+    if not (0 <= effect.path < work.paths.shape[0] and far < _FARTHEST):
+        restart_tracking(memory.path)
+        return
+    path = work.paths[effect.path]
+    if path.pieces < 1:
+        return
+    remaining = find_path(path, memory)
+    if effect.kind == _PATH_SPRING:
+        pull_to_path(effect, memory)
+    else:
+        guide(effect, memory, remaining)
+
+
+@kernel
+def _call_field(effect: Any, work: Any, fields: Any, t: float, memory: Any) -> None:
+    """Force of a compiled function of somebody else's; it is given copies, and plain arrays of their own."""
+    if not (0 <= effect.field < MAX_FIELDS and is_within(effect, memory)):
+        return
+    p, v, out = work.field_vectors[0], work.field_vectors[1], work.field_vectors[2]
+    for i in range(FIELD_PARAMETERS):
+        work.field_parameters[i] = effect.parameters[i]
+    for i in range(3):
+        p[i] = memory.p[i]
+        v[i] = memory.v[i]
+        out[i] = 0.0
+    fields[effect.field](work.field_parameters, p, v, t, out)
+    for i in range(3):
+        memory.force[i] = out[i]
+    bound(memory.force, memory.size)
+
+
+@kernel
+def _act(effect: Any, work: Any, counts: Any, fields: Any, t: float, memory: Any) -> None:
+    """The law of the effect."""
+    kind = effect.kind
+    if kind == _SPRING:
+        spring(effect, memory)
+    elif kind == _VISCOSITY:
+        brake(effect, memory)
+    elif kind == _CONSTANT:
+        push(effect, memory)
+    elif kind == _MAGNET:
+        magnet(effect, memory)
+    elif kind == _VIBRATION:
+        shake(effect, memory, t)
+    elif kind == _STICK_SLIP:
+        _stick(effect, work, counts, memory)
+    elif kind == _WORKSPACE:
+        pull_back(effect, memory)
+    elif kind == _PATH_SPRING or kind == _GUIDANCE:
+        _along_path(effect, work, memory)
+    elif kind == _FIELD:
+        _call_field(effect, work, fields, t, memory)
+
+
+@kernel
+def _wants_touch(effect: Any, work: Any, counts: Any) -> bool:
+    """Vibration and stick-slip of a body wait until the user touches it."""
+    of_body = 0 <= effect.body < counts.bodies and effect.on_body == 0
+    surface = effect.kind == _VIBRATION or effect.kind == _STICK_SLIP
+    return of_body and surface and work.motions[effect.body].touched == 0
+
+
+@kernel
+def _hand_over(effect: Any, body: Any, motion: Any, memory: Any, totals: Any) -> None:
+    """The effect's force to the user, and its opposite to the body it moves with."""
+    for i in range(3):
+        totals.effect_force[i] += memory.force[i]
+        motion.force_user[i] += memory.force[i]
+    if body.flags & _FORCE_ON_OBJECT:
+        for i in range(3):
+            motion.force[i] -= memory.force[i]
+    if body.flags & _TORQUE_ON_OBJECT:
+        for i in range(3):
+            j, k = (i + 1) % 3, (i + 2) % 3
+            motion.torque[i] -= memory.arm[j] * memory.force[k] - memory.arm[k] * memory.force[j]
+
+
+@kernel
+def _deliver(effect: Any, rows: Any, work: Any, counts: Any, memory: Any) -> None:
+    """The force to whom it belongs."""
+    totals = work.totals[0]
+    of_body = 0 <= effect.body < counts.bodies
+    if effect.on_body != 0:
+        if of_body:
+            for i in range(3):
+                work.motions[effect.body].force[i] += memory.force[i]
+        return
+    if of_body:
+        _hand_over(effect, rows.bodies[effect.body], work.motions[effect.body], memory, totals)
+    else:
+        for i in range(3):
+            totals.effect_force[i] += memory.force[i]
+    if memory.held != 0:
+        totals.stiffness += memory.stiffness if effect.kind != _VISCOSITY else 0.0
+        totals.damping += effect.damping
+
+
+@kernel
+def _is_finite(memory: Any) -> bool:
+    return math.isfinite(memory.force[0] + memory.force[1] + memory.force[2])
+
+
+@kernel
+def apply_effects(rows: Any, work: Any, counts: Any, hand: Vec, fields: Any) -> None:
+    """Add the forces of all effects to totals.effect_force and to the bodies they act on.
+
+    A force that is not finite counts as zero: one of a force field puts the field into quarantine and is told in
+    totals.quarantined, any other sets totals.status.
+
+    Args:
+        rows: `Rows` of this tick.
+        work: `ObjectWork` after `touch_points`; its effects hold the inputs that `carry_signals` set.
+        counts: SCENE.objects.
+        hand: See kernels.objects.hand, shape [HAND_LENGTH].
+        fields: Force fields by EFFECT.field, see loop_ports.FIELDS.
+    """
+    t = hand[HAND_TIME]
+    for k in range(counts.effects):
+        effect, memory = rows.effects[k], work.effects[k]
+        if effect.enabled == 0:
+            _forget(memory)
+            continue
+        if memory.quarantined != 0:
+            continue
+        if _wants_touch(effect, work, counts):
+            memory.sticking = 0
+            continue
+        memory.stiffness = max(0.0, memory.stiffness)
+        _place(effect, work, counts, hand, memory)
+        _act(effect, work, counts, fields, t, memory)
+        if _is_finite(memory):
+            _deliver(effect, rows, work, counts, memory)
+        elif effect.kind == _FIELD:
+            memory.quarantined = 1
+            work.totals[0].quarantined = k
+        else:
+            _forget(memory)
+            work.totals[0].status = 1

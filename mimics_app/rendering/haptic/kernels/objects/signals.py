@@ -1,0 +1,154 @@
+"""Wires between outputs and inputs of blocks (D2.1 4.2.8.2, 4.2.12): input += gain output + offset, every tick.
+
+Outputs of the robot are this tick's; those of objects, and what the user felt, are the last tick's, as in a block
+diagram whose loops are cut by one delay. A wire from a body that has not been put in its place yet brings nothing.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic_objects import SignalSource, SignalTarget
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.objects.hand import (
+    HAND_FORCE_MEASURED,
+    HAND_FORCE_USER,
+    HAND_GRASP,
+    HAND_POSITION,
+    HAND_TIME,
+    HAND_VELOCITY,
+)
+
+__all__ = ["carry_signals"]
+
+Vec = NDArray[np.float64]
+
+_POSITION_ROBOT = int(SignalSource.POSITION_ROBOT)
+_VELOCITY_ROBOT = int(SignalSource.VELOCITY_ROBOT)
+_FORCE_MEASURED = int(SignalSource.FORCE_MEASURED)
+_FORCE_USER = int(SignalSource.FORCE_USER)
+_GRASP = int(SignalSource.GRASP)
+_TIME = int(SignalSource.TIME)
+_POSITION_OBJECT = int(SignalSource.POSITION_OBJECT)
+_VELOCITY_OBJECT = int(SignalSource.VELOCITY_OBJECT)
+_OMEGA_OBJECT = int(SignalSource.OMEGA_OBJECT)
+_AXIS_X_OBJECT = int(SignalSource.AXIS_X_OBJECT)
+_AXIS_Z_OBJECT = int(SignalSource.AXIS_Z_OBJECT)
+_FORCE_OBJECT = int(SignalSource.FORCE_OBJECT)
+_TOUCHED = int(SignalSource.TOUCHED)
+_COLLIDED = int(SignalSource.COLLIDED)
+
+_FORCE_AUX = int(SignalTarget.FORCE_AUX)
+_TORQUE_AUX = int(SignalTarget.TORQUE_AUX)
+_EFFECT_POSITION = int(SignalTarget.EFFECT_POSITION)
+_EFFECT_FORCE = int(SignalTarget.EFFECT_FORCE)
+_EFFECT_STIFFNESS = int(SignalTarget.EFFECT_STIFFNESS)
+
+
+@kernel
+def _of_hand(hand: Vec, source: int, i: int) -> float:
+    """Component i of an output of the robot."""
+    if source == _POSITION_ROBOT:
+        return hand[HAND_POSITION + i]
+    if source == _VELOCITY_ROBOT:
+        return hand[HAND_VELOCITY + i]
+    if source == _FORCE_MEASURED:
+        return hand[HAND_FORCE_MEASURED + i]
+    if source == _FORCE_USER:
+        return hand[HAND_FORCE_USER + i]
+    if i > 0:
+        return 0.0
+    return hand[HAND_GRASP] if source == _GRASP else hand[HAND_TIME]
+
+
+@kernel
+def _of_body(motion: Any, source: int, i: int) -> float:
+    """Component i of an output of a body."""
+    if source == _POSITION_OBJECT:
+        return motion.position[i]
+    if source == _VELOCITY_OBJECT:
+        return motion.velocity[i]
+    if source == _OMEGA_OBJECT:
+        return motion.omega[i]
+    if _AXIS_X_OBJECT <= source <= _AXIS_Z_OBJECT:
+        return motion.rotation[i, source - _AXIS_X_OBJECT]
+    if source == _FORCE_OBJECT:
+        return motion.force_user[i]
+    if i > 0:
+        return 0.0
+    return float(motion.touched) if source == _TOUCHED else float(motion.collided)
+
+
+@kernel
+def _is_placed(motion: Any) -> bool:
+    q = motion.orientation
+    return q[0] != 0.0 or q[1] != 0.0 or q[2] != 0.0 or q[3] != 0.0
+
+
+@kernel
+def _read(rows: Any, work: Any, counts: Any, wire: Any, hand: Vec, i: int) -> float:
+    """Component i of what a wire starts from; 0 from a body there is not."""
+    if wire.source <= _TIME:
+        return _of_hand(hand, wire.source, i)
+    if 0 <= wire.source_row < counts.bodies:
+        return _of_body(work.motions[wire.source_row], wire.source, i)
+    return 0.0
+
+
+@kernel
+def _bring(work: Any, counts: Any, wire: Any, i: int, value: float) -> None:
+    """Add component i of a value to an input."""
+    row = wire.target_row
+    if wire.target <= _TORQUE_AUX:
+        if 0 <= row < counts.bodies:
+            aux = work.aux_forces if wire.target == _FORCE_AUX else work.aux_torques
+            aux[row, i] += value
+        return
+    if not 0 <= row < counts.effects:
+        return
+    memory = work.effects[row]
+    if wire.target == _EFFECT_POSITION:
+        memory.position[i] += value
+    elif i == 0 and wire.target == _EFFECT_FORCE:
+        memory.size += value
+    elif i == 0 and wire.target == _EFFECT_STIFFNESS:
+        memory.stiffness += value
+
+
+@kernel
+def carry_signals(rows: Any, work: Any, counts: Any, hand: Vec) -> None:
+    """Set every input to its row's own value and add what the wires bring.
+
+    Call it before `place_bodies`, which clears what the bodies felt in the last tick.
+
+    Args:
+        rows: `Rows` of this tick.
+        work: `ObjectWork`; aux_forces, aux_torques and the inputs of effects are set.
+        counts: SCENE.objects.
+        hand: See kernels.objects.hand, shape [HAND_LENGTH].
+    """
+    for k in range(counts.bodies):
+        for i in range(3):
+            work.aux_forces[k, i] = rows.bodies[k].force_aux[i]
+            work.aux_torques[k, i] = rows.bodies[k].torque_aux[i]
+    for k in range(counts.effects):
+        effect, memory = rows.effects[k], work.effects[k]
+        memory.size = effect.force
+        memory.stiffness = effect.stiffness
+        for i in range(3):
+            memory.position[i] = effect.position[i]
+    for k in range(counts.wires):
+        wire = rows.wires[k]
+        if 0 <= wire.source_row < counts.bodies and not _is_placed(work.motions[wire.source_row]):
+            continue
+        x, y, z = (
+            _read(rows, work, counts, wire, hand, 0),
+            _read(rows, work, counts, wire, hand, 1),
+            _read(rows, work, counts, wire, hand, 2),
+        )
+        for i in range(3):
+            value = wire.gain[i, 0] * x + wire.gain[i, 1] * y + wire.gain[i, 2] * z + wire.offset[i]
+            _bring(work, counts, wire, i, value)

@@ -1,0 +1,108 @@
+"""A few effects, bodies and wires without a scene, driven tick by tick."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mimics_app.contracts.haptic_objects import BODY, EFFECT, OBJECT_COUNTS, POINT, SHAPE, STATIC, WIRE, BodyFlag
+from mimics_app.contracts.loop_ports import MAX_FIELDS
+from mimics_app.rendering.haptic.force_fields import no_field
+from mimics_app.rendering.haptic.kernels.objects.effects import apply_effects
+from mimics_app.rendering.haptic.kernels.objects.hand import (
+    HAND_FORCE_MEASURED,
+    HAND_FORCE_USER,
+    HAND_GRASP,
+    HAND_LENGTH,
+    HAND_POSITION,
+    HAND_TIME,
+    HAND_VELOCITY,
+)
+from mimics_app.rendering.haptic.kernels.objects.signals import carry_signals
+from mimics_app.rendering.haptic.kernels.objects.totals import clear_totals
+from mimics_app.rendering.haptic.objects import ObjectCapacities, Rows, new_object_work
+
+ALL = BodyFlag.TRANSLATION | BodyFlag.ROTATION | BodyFlag.FORCE_ON_OBJECT | BodyFlag.TORQUE_ON_OBJECT
+
+
+def effect(kind: int, **values: Any) -> np.ndarray:
+    """One enabled EFFECT row on the user alone."""
+    row = np.zeros(1, EFFECT)
+    row["kind"], row["enabled"], row["body"], row["path"] = kind, 1, STATIC, -1
+    for name, value in values.items():
+        row[name] = value
+    return row
+
+
+def wire(source: int, target: int, *, of: int = STATIC, to: int = 0, gain: Any = 1.0, offset: Any = 0.0) -> np.ndarray:
+    """One WIRE row."""
+    row = np.zeros(1, WIRE)
+    row["source"], row["source_row"], row["target"], row["target_row"] = source, of, target, to
+    row["gain"] = gain if np.ndim(gain) == 2 else gain * np.eye(3)
+    row["offset"] = offset
+    return row
+
+
+class Bench:
+    """Rows, working arrays, and a hand.
+
+    Args:
+        effects: EFFECT rows.
+        bodies: How many bodies; they are placed at the origin.
+        wires: WIRE rows.
+        paths: TUNNEL records.
+        fields: Force fields.
+    """
+
+    def __init__(
+        self, *effects: np.ndarray, bodies: int = 0, wires: Any = (), paths: Any = (), fields: Any = ()
+    ) -> None:
+        table = np.zeros(bodies, BODY)
+        table["flags"], table["mass"] = ALL, 1.0
+        self.rows = Rows(
+            shapes=np.zeros(0, SHAPE),
+            bodies=table,
+            effects=np.concatenate(effects) if effects else np.zeros(0, EFFECT),
+            points=np.zeros(1, POINT),
+            wires=np.concatenate(wires) if wires else np.zeros(0, WIRE),
+        )
+        self.work = new_object_work(ObjectCapacities(effects=max(1, len(effects)), bodies=max(1, bodies)))
+        self.work.paths[: len(paths)] = np.concatenate(paths) if paths else 0
+        for motion in self.work.motions[:bodies]:
+            motion["orientation"], motion["rotation"] = (0, 0, 0, 1), np.eye(3)
+        self.counts = np.zeros(1, OBJECT_COUNTS)
+        for name, rows in self.rows._asdict().items():
+            self.counts[0][name] = len(rows)
+        self.hand = np.zeros(HAND_LENGTH)
+        self.fields = (*fields, *[no_field] * (MAX_FIELDS - len(fields)))
+
+    @property
+    def totals(self) -> Any:
+        return self.work.totals[0]
+
+    @property
+    def motions(self) -> Any:
+        return self.work.motions
+
+    def set_hand(self, **values: Any) -> None:
+        """Set what the objects see of the person: p, v, measured, felt, grasp, t."""
+        places = {"p": HAND_POSITION, "v": HAND_VELOCITY, "measured": HAND_FORCE_MEASURED, "felt": HAND_FORCE_USER}
+        for name, value in values.items():
+            if name in places:
+                self.hand[places[name] : places[name] + 3] = value
+            else:
+                self.hand[HAND_GRASP if name == "grasp" else HAND_TIME] = value
+
+    def carry(self) -> None:
+        carry_signals(self.rows, self.work, self.counts[0], self.hand)
+
+    def force(self, p: Any = (0.0, 0.0, 0.0), v: Any = (0.0, 0.0, 0.0), t: float = 0.0, **more: Any) -> np.ndarray:
+        """Force on the user [N] at one place and velocity, after one tick."""
+        self.set_hand(p=p, v=v, t=t, **more)
+        clear_totals(self.totals)
+        for motion in self.work.motions:
+            motion["force"], motion["torque"], motion["force_user"] = 0.0, 0.0, 0.0
+        self.carry()
+        apply_effects(self.rows, self.work, self.counts[0], self.hand, self.fields)
+        return np.array(self.totals["effect_force"])
