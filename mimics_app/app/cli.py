@@ -34,6 +34,7 @@ COMMANDS: dict[str, str] = {
     "sweep": "run an experiment over a grid or sample of parameters, scenes and simulated patients",
     "bench": "measure the product against rivals on this machine",
     "lab": "chart speed against accuracy, and show where methods fail",
+    "assets": "build the shipped models and sounds anew, exactly",
     "warmup": "compile the kernels now instead of at the first run",
 }
 """Each is a module of `app.commands` with `add_arguments(parser)` and `run(args)`; with none given `launch` runs."""

@@ -11,7 +11,7 @@ import numpy as np
 from mimics_app.app.board import draw_board
 from mimics_app.app.settings import Profile
 from mimics_app.contracts.clock import Clock
-from mimics_app.contracts.errors import SceneError
+from mimics_app.contracts.errors import SceneError, nearest
 from mimics_app.contracts.input_port import Ray
 from mimics_app.rendering.visual.displays.desktop import desktop_views
 from mimics_app.rendering.visual.frame_stats import FrameStats
@@ -50,8 +50,10 @@ def picture_quality(scene: Scene, profile: Profile) -> RenderSettings:
     boards = scene.components(HudComponent)
     depth = boards[0][1].depth if boards else RenderSettings().hud_depth
     if profile == "draft":
-        return RenderSettings(msaa=0, shadow_size=min(512, visual.shadow_size), hud_depth=depth)
-    return RenderSettings(msaa=visual.samples, shadow_size=visual.shadow_size, hud_depth=depth)
+        samples, shadow_size = 0, min(512, visual.shadow_size)
+    else:
+        samples, shadow_size = visual.samples, visual.shadow_size
+    return RenderSettings(msaa=samples, shadow_size=shadow_size, hud_depth=depth, fog_density=visual.fog_density)
 
 
 class Picture:
@@ -62,17 +64,21 @@ class Picture:
         scene: For the figures wanted over the picture.
         world: What is drawn; needs a camera.
         settings: Quality.
+        camera: Entity whose camera is looked through; "": the first.
 
     Attributes:
         surface: Where it is drawn.
         renderer: What draws it.
 
     Raises:
-        SceneError: the scene has no camera.
+        SceneError: the scene has no camera, or none of that name.
     """
 
-    def __init__(self, surface: Surface, scene: Scene, world: World, settings: RenderSettings) -> None:
+    def __init__(
+        self, surface: Surface, scene: Scene, world: World, settings: RenderSettings, camera: str = ""
+    ) -> None:
         self.surface = surface
+        self._wanted = camera
         self.renderer = Renderer(surface, world, settings)
         self._software = draws_in_software(surface)
         self.show(scene, world)
@@ -81,6 +87,11 @@ class Picture:
         """Draw this scene from now on (the first one, or a reloaded one)."""
         if not world.cameras:
             raise SceneError(scene.issue("/entities", "has no camera", 'give an entity a "camera" component'))
+        cameras = {camera.node.name: camera for camera in world.cameras}
+        if self._wanted and self._wanted not in cameras:
+            what = f'has no camera "{self._wanted}"'
+            raise SceneError(scene.issue("/entities", what, nearest(self._wanted, cameras)))
+        self._camera = cameras[self._wanted] if self._wanted else world.cameras[0]
         self.renderer.world = world
         board = scene.components(HudComponent)
         self._board = board[0][1] if board else None
@@ -88,7 +99,7 @@ class Picture:
     @property
     def views(self) -> list[View]:
         """The eyes of the desktop: one."""
-        return desktop_views(self.renderer.world.cameras[0], self.surface.size)
+        return desktop_views(self._camera, self.surface.size)
 
     def draw(self, figures: Mapping[str, object]) -> FrameStats:
         """Draw one frame with the task's figures over it."""

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
+from mimics_app.app.catalogue import is_playable
 from mimics_app.app.picture import Picture, picture_quality
 from mimics_app.app.rehearsal import Rehearsal
 from mimics_app.app.scene_loading import load_checked_scene
@@ -15,6 +17,7 @@ from mimics_app.contracts.clock import TICKS_PER_SECOND
 from mimics_app.contracts.messages import TaskOrders
 from mimics_app.rendering.visual.headless import open_offscreen, render_frames
 from mimics_app.rendering.visual.view import View
+from mimics_app.world.scene_file import build_world
 from mimics_app.world.world import World
 
 __all__ = ["Stills", "draw_stills"]
@@ -33,9 +36,17 @@ class Stills:
 
 
 def draw_stills(
-    settings: RunSettings, folder: Path, *, backend: str = "auto", frames: int = 1, seconds: float = 0.0
+    settings: RunSettings,
+    folder: Path,
+    *,
+    backend: str = "auto",
+    frames: int = 1,
+    seconds: float = 0.0,
+    camera: str = "",
 ) -> Stills:
     """Draw frames of a scene at even distances of simulated play, the last after `seconds` [s].
+
+    A scene that no scenario plays is drawn as it stands.
 
     Args:
         settings: Scene, seed, profile and size; the rest is not used.
@@ -43,15 +54,20 @@ def draw_stills(
         backend: "auto", "egl", "osmesa" or "window".
         frames: How many.
         seconds: How long the simulated patient plays.
+        camera: Entity whose camera is looked through; "": the first.
 
     Raises:
-        SceneError: the scene is wrong, or has no camera.
+        SceneError: the scene is wrong, or has no camera, or none of that name.
         DeviceError: the context cannot be had.
     """
     scene = load_checked_scene(settings.scene)
-    play = _Play(Rehearsal(scene, settings.seed), frames, seconds)
+    play: _Moments
+    if is_playable(scene):
+        play = _Play(Rehearsal(scene, settings.seed), frames, seconds)
+    else:
+        play = _Standing(build_world(scene))
     picture = Picture(
-        open_offscreen(backend, settings.size), scene, play.world, picture_quality(scene, settings.profile)
+        open_offscreen(backend, settings.size), scene, play.world, picture_quality(scene, settings.profile), camera
     )
 
     def views(number: int) -> list[View]:
@@ -64,6 +80,29 @@ def draw_stills(
     stills = Stills(drawn.files, picture.surface.backend, gl, drawn.ms_median)
     picture.close()
     return stills
+
+
+class _Moments(Protocol):
+    """A world at the time of each frame."""
+
+    @property
+    def world(self) -> World: ...
+
+    def to(self, number: int) -> dict[str, object]:
+        """Bring the world to frame `number` and return its figures."""
+
+
+class _Standing:
+    """A world in which nothing happens."""
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        world.update()
+
+    def to(self, number: int) -> dict[str, object]:
+        """Leave the world as it is."""
+        del number
+        return {}
 
 
 class _Play:

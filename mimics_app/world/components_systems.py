@@ -25,6 +25,7 @@ class VisualSettings(Component, frozen=True):
 
     samples: Annotated[Literal[0, 2, 4, 8], Meta(description="Of multisample anti-aliasing; 0: none")] = 4
     shadow_size: Annotated[int, Meta(ge=0, le=8192, description="Side of the shadow map [pixels]; 0: no shadows")] = 512
+    fog_density: Annotated[float, Meta(ge=0, description="Haze of the horizon's colour with distance [1/m]")] = 0.12
 
 
 class AudioSettings(Component, frozen=True):

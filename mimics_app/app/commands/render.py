@@ -16,6 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
     parser.add_argument("scene", type=Path, help="scene file")
     parser.add_argument("--backend", choices=("auto", "egl", "osmesa", "window"), default="auto", help="GL context")
+    parser.add_argument("--camera", default="", metavar="ENTITY", help="whose camera is looked through; else the first")
     parser.add_argument("--frames", type=_count, default=1, help="how many, spread over --seconds of simulated play")
     parser.add_argument("--seconds", type=_seconds, default=2.0, help="simulated time played by the patient [s]")
     parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="of the picture [px]")
@@ -34,7 +35,14 @@ def run(args: argparse.Namespace) -> int:
     from mimics_app.app.stills import draw_stills
 
     settings = RunSettings(args.scene, seed=args.seed, profile=args.profile, size=args.size)
-    stills = draw_stills(settings, args.output, backend=args.backend, frames=args.frames, seconds=args.seconds)
+    stills = draw_stills(
+        settings,
+        args.output,
+        backend=args.backend,
+        frames=args.frames,
+        seconds=args.seconds,
+        camera=args.camera,
+    )
     if args.json:
         files = [file.name for file in stills.files]
         answer = {"backend": stills.backend, "gl": stills.gl, "files": files, "ms_median": stills.ms_median}

@@ -1,0 +1,182 @@
+"""Meshes drawn face by face: quads, boxes and fans by material, with uvs in metres and baked shade."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from mimics_app.world.gltf_writer import MeshPart
+
+__all__ = ["Point", "Sketch", "Uv", "unit_normal"]
+
+Point = tuple[float, float, float]
+Uv = tuple[float, float]
+Shade = float | Sequence[float]
+
+
+@dataclass
+class _Faces:
+    positions: list[Point] = field(default_factory=list)
+    normals: list[Point] = field(default_factory=list)
+    uvs: list[Uv] = field(default_factory=list)
+    shades: list[float] = field(default_factory=list)
+    indices: list[int] = field(default_factory=list)
+
+
+class Sketch:
+    """Faces of an object, gathered by material name; all corners counter-clockwise seen from outside [m]."""
+
+    def __init__(self) -> None:
+        self._faces: dict[str, _Faces] = {}
+
+    @property
+    def triangle_count(self) -> int:
+        """Triangles of all materials."""
+        return sum(len(faces.indices) for faces in self._faces.values()) // 3
+
+    def fan(
+        self,
+        material: str,
+        corners: Sequence[Point],
+        uvs: Sequence[Uv],
+        shade: Shade = 1.0,
+        normals: Sequence[Point] | None = None,
+    ) -> None:
+        """A flat convex face as triangles about its first corner.
+
+        Args:
+            material: Whose face it is.
+            corners: Three or more [m].
+            uvs: One per corner.
+            shade: Factor on the colour of all corners, or of each.
+            normals: One per corner; default: the face's own.
+        """
+        faces = self._faces.setdefault(material, _Faces())
+        first, count = len(faces.positions), len(corners)
+        faces.positions += corners
+        faces.normals += normals or [unit_normal(*corners[:3])] * count
+        faces.uvs += uvs
+        faces.shades += [shade] * count if isinstance(shade, (int, float)) else shade
+        for corner in range(1, count - 1):
+            faces.indices += (first, first + corner, first + corner + 1)
+
+    def strip(
+        self,
+        material: str,
+        corners: Sequence[Point],
+        uvs: Sequence[Uv],
+        triangles: Iterable[tuple[int, int, int]],
+        shade: Shade = 1.0,
+        normals: Sequence[Point] | None = None,
+    ) -> None:
+        """Faces that share corners; one normal for all when none are given."""
+        faces = self._faces.setdefault(material, _Faces())
+        first, rows = len(faces.positions), list(triangles)
+        faces.positions += corners
+        faces.normals += normals or [unit_normal(*(corners[i] for i in rows[0]))] * len(corners)
+        faces.uvs += uvs
+        faces.shades += [shade] * len(corners) if isinstance(shade, (int, float)) else shade
+        for a, b, c in rows:
+            faces.indices += (first + a, first + b, first + c)
+
+    def box(
+        self,
+        material: str,
+        low: Point,
+        high: Point,
+        *,
+        uv: Uv | None = None,
+        per_metre: float = 1.0,
+        shade: float = 1.0,
+        under: float = 0.55,
+        hidden: str = "",
+    ) -> None:
+        """An upright box.
+
+        Args:
+            material: Of all faces.
+            low: Least corner [m].
+            high: Greatest corner [m].
+            uv: The one place of the picture that colours it; None: the picture repeats `per_metre` times a metre.
+            per_metre: See `uv`.
+            shade: Factor on the colour.
+            under: Further factor on the face below, which sees little sky.
+            hidden: Letters of faces left out: -x "w", +x "e", -y "d", +y "u", -z "n", +z "s".
+        """
+        (x0, y0, z0), (x1, y1, z1) = low, high
+        sides: dict[str, list[Point]] = {
+            "s": [(x0, y0, z1), (x1, y0, z1), (x1, y1, z1), (x0, y1, z1)],
+            "n": [(x1, y0, z0), (x0, y0, z0), (x0, y1, z0), (x1, y1, z0)],
+            "e": [(x1, y0, z1), (x1, y0, z0), (x1, y1, z0), (x1, y1, z1)],
+            "w": [(x0, y0, z0), (x0, y0, z1), (x0, y1, z1), (x0, y1, z0)],
+            "u": [(x0, y1, z1), (x1, y1, z1), (x1, y1, z0), (x0, y1, z0)],
+            "d": [(x0, y0, z0), (x1, y0, z0), (x1, y0, z1), (x0, y0, z1)],
+        }
+        for side, corners in sides.items():
+            if side not in hidden:
+                uvs = [uv] * 4 if uv else _flat_uvs(corners, per_metre)
+                self.fan(material, corners, uvs, shade * (under if side == "d" else 1.0))
+
+    def add(self, other: Sketch, place: Callable[[Point], Point], turn: Callable[[Point], Point] | None = None) -> None:
+        """Add another sketch.
+
+        Args:
+            other: What to add.
+            place: Where each of its points goes.
+            turn: Where its normals point then; default: as before.
+        """
+        for material, faces in other._faces.items():
+            mine = self._faces.setdefault(material, _Faces())
+            first = len(mine.positions)
+            mine.positions += [place(point) for point in faces.positions]
+            mine.normals += [turn(normal) for normal in faces.normals] if turn else faces.normals
+            mine.uvs += faces.uvs
+            mine.shades += faces.shades
+            mine.indices += [first + index for index in faces.indices]
+
+    def parts(self) -> dict[str, MeshPart]:
+        """The faces as arrays, places rounded to 0.1 mm: what sines differ by between machines is lost there."""
+        return {material: _to_part(faces) for material, faces in self._faces.items()}
+
+
+def unit_normal(a: Point, b: Point, c: Point) -> Point:
+    """Normal of a counter-clockwise triangle.
+
+    Raises:
+        ValueError: its corners lie on a line.
+    """
+    ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    vx, vy, vz = c[0] - a[0], c[1] - a[1], c[2] - a[2]
+    x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+    length = math.sqrt(x * x + y * y + z * z)
+    if length < 1e-9:
+        raise ValueError(f"no normal: {a}, {b} and {c} lie on a line")
+    return x / length, y / length, z / length
+
+
+def _flat_uvs(corners: Sequence[Point], per_metre: float) -> list[Uv]:
+    """Metres along and up a wall; along x and z on a floor."""
+    normal = unit_normal(*corners[:3])
+    if abs(normal[1]) > 0.7:
+        return [(x * per_metre, z * per_metre) for x, _, z in corners]
+    if abs(normal[2]) > 0.7:
+        return [(x * per_metre, -y * per_metre) for x, y, _ in corners]
+    return [(z * per_metre, -y * per_metre) for _, y, z in corners]
+
+
+def _to_part(faces: _Faces) -> MeshPart:
+    shades = np.zeros((len(faces.shades), 4), np.uint8)
+    shades[:, :3] = np.clip(np.rint(np.array(faces.shades) * 255.0), 0.0, 255.0)[:, None]
+    shades[:, 3] = 255
+    normals = np.round(np.array(faces.normals, np.float64), 4)
+    lengths = np.sqrt(normals[:, 0] ** 2 + normals[:, 1] ** 2 + normals[:, 2] ** 2)
+    return MeshPart(
+        np.round(np.array(faces.positions, np.float64), 4).astype(np.float32),
+        (normals / lengths[:, None]).astype(np.float32),
+        np.round(np.array(faces.uvs, np.float64), 5).astype(np.float32),
+        shades,
+        np.array(faces.indices, np.uint32),
+    )
