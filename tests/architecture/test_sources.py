@@ -21,6 +21,7 @@ KERNELS_MAY_IMPORT = (
     "numpy",
     "mimics_app.maths",
     "mimics_app.contracts.atomics",
+    "mimics_app.contracts.borrowed",
     "mimics_app.contracts.haptic",
     "mimics_app.contracts.haptic_objects",
     "mimics_app.contracts.kernel",

@@ -18,9 +18,12 @@ from numpy.typing import NDArray
 from mimics_app.contracts.haptic import TUNNEL
 from mimics_app.contracts.haptic_objects import BODY, EFFECT, MAX_POINTS, MOTION, POINT, SHAPE, WIRE
 from mimics_app.contracts.loop_ports import FIELD_PARAMETERS
+from mimics_app.rendering.haptic.kernels.objects.corner import MOST_WALLS, WALL_TOUCH
+from mimics_app.rendering.haptic.kernels.objects.desk import BEFORE, BIRTH, DESK
 from mimics_app.rendering.haptic.kernels.objects.effect_memory import EFFECT_MEMORY
 from mimics_app.rendering.haptic.kernels.objects.grip import GRIP, new_grip
 from mimics_app.rendering.haptic.kernels.objects.inertia import DYNAMICS
+from mimics_app.rendering.haptic.kernels.objects.memory import MEMORY
 from mimics_app.rendering.haptic.kernels.objects.poses import TRACKING
 from mimics_app.rendering.haptic.kernels.objects.totals import TOTALS
 
@@ -74,6 +77,12 @@ class ObjectWork(NamedTuple):
         paths: TUNNEL records by EFFECT.path, shape [paths]; filled before the loop starts.
         field_parameters: What a force field is given, shape [FIELD_PARAMETERS].
         field_vectors: Likewise place and velocity, and the force it gives, shape [3, 3].
+        desk: DESK, shape [1]: the point and the shape at hand.
+        memories: MEMORY of each point at each shape, shape [MAX_POINTS, shapes].
+        births: BIRTH, shape [shapes].
+        befores: BEFORE, shape [bodies].
+        near: Rows of the shapes near the point at hand, shape [shapes].
+        walls: WALL_TOUCH, shape [MOST_WALLS]: walls that the point at hand touches.
     """
 
     motions: Records
@@ -95,6 +104,12 @@ class ObjectWork(NamedTuple):
     paths: Records
     field_parameters: NDArray[np.float64]
     field_vectors: NDArray[np.float64]
+    desk: Records
+    memories: Records
+    births: Records
+    befores: Records
+    near: NDArray[np.int64]
+    walls: Records
 
 
 def new_rows(capacities: ObjectCapacities) -> Rows:
@@ -131,6 +146,12 @@ def new_object_work(capacities: ObjectCapacities) -> ObjectWork:
         paths=np.zeros(capacities.paths, TUNNEL),
         field_parameters=np.zeros(FIELD_PARAMETERS),
         field_vectors=np.zeros((3, 3)),
+        desk=np.zeros(1, DESK),
+        memories=np.zeros((MAX_POINTS, shapes), MEMORY),
+        births=np.zeros(shapes, BIRTH),
+        befores=np.zeros(bodies, BEFORE),
+        near=np.zeros(shapes, np.int64),
+        walls=np.zeros(MOST_WALLS, WALL_TOUCH),
     )
 
 
@@ -166,6 +187,12 @@ OBJECT_WORK = types.NamedTuple(  # type: ignore[no-untyped-call]
         _records(TUNNEL),
         types.float64[::1],
         _TABLE,
+        _records(DESK),
+        from_dtype(MEMORY)[:, ::1],
+        _records(BIRTH),
+        _records(BEFORE),
+        types.int64[::1],
+        _records(WALL_TOUCH),
     ],
     ObjectWork,
 )

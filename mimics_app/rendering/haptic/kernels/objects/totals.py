@@ -18,6 +18,7 @@ TOTALS = np.dtype(
         ("stiffness", "f8"),  # sum over what is touched or held [N/m], for the stability limit
         ("damping", "f8"),  # its normal damping, likewise [N s/m]
         ("touching", "i8"),  # (point, shape) pairs in contact
+        ("static_touching", "i8"),  # those of them whose shape belongs to the static scene
         ("depth", "f8"),  # of the deepest of them [m]
         ("shape", "i8"),  # row of that shape, -1: none
         ("normal", "f8", (3,)),  # out of it, world, unit; kept from the last contact
@@ -47,6 +48,7 @@ def clear_totals(totals: Any) -> None:
     totals.stiffness = 0.0
     totals.damping = 0.0
     totals.touching = 0
+    totals.static_touching = 0
     totals.depth = 0.0
     totals.shape = -1
     totals.approach_speed = 0.0

@@ -1,0 +1,146 @@
+"""Corners of walls that do not meet at right angles: the god-object of at most three planes.
+
+Forces of orthogonal walls add up: each sees its own direction. Two walls with an angle theta between their normals
+would together push with 2 k cos^2(theta/2) instead of k along the bisector. The point's stand-in on the surfaces,
+x = argmin |x - p|^2 outside all of them (Zilles & Salisbury 1995), lies at p + sum of lambda_i n_i with lambda >= 0 on
+at most three planes; every wall then pushes by lambda_i in place of its depth.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+
+__all__ = ["MOST_WALLS", "WALL_TOUCH", "share_corner"]
+
+MOST_WALLS = 8
+"""Walls that one point may touch at once and still have their corner solved; forces of more are added."""
+
+WALL_TOUCH = np.dtype(
+    [
+        ("row", np.int64),  # of the shape
+        ("depth", np.float64),  # [m]
+        ("rate", np.float64),  # of the depth [m/s]
+        ("normal", np.float64, 3),  # world, unit
+        ("slope", np.float64, 3),  # of its ripple, in its frame [-]
+    ],
+    align=True,
+)
+"""One wall that a point touches."""
+
+Numbers = NDArray[np.float64]
+
+_ORTHOGONAL = 1e-6
+"""Cosine below which two walls count as orthogonal: a thousandth of a millinewton at 1 N."""
+
+_SINGULAR = 1e-9
+"""Determinant of unit normals below which planes are parallel."""
+
+_SLACK = 1e-12
+"""How far [m] a plane may be violated by rounding."""
+
+
+@kernel
+def _cosine(a: Any, b: Any) -> float:
+    return a.normal[0] * b.normal[0] + a.normal[1] * b.normal[1] + a.normal[2] * b.normal[2]
+
+
+@kernel
+def _is_orthogonal(walls: Any, count: int) -> bool:
+    for i in range(count):
+        for j in range(i + 1, count):
+            if abs(_cosine(walls[i], walls[j])) > _ORTHOGONAL:
+                return False
+    return True
+
+
+@kernel
+def _solve(walls: Any, i: int, j: int, k: int, of: Numbers, out: Numbers) -> bool:
+    """Out = G^-1 of for the Gram matrix of two (k < 0) or three normals; False where they are parallel."""
+    a = _cosine(walls[i], walls[j])
+    if k < 0:
+        det = 1.0 - a * a
+        if det < _SINGULAR:
+            return False
+        out[0] = (of[0] - a * of[1]) / det
+        out[1] = (of[1] - a * of[0]) / det
+        out[2] = 0.0
+        return True
+    b, c = _cosine(walls[i], walls[k]), _cosine(walls[j], walls[k])
+    det = 1.0 + 2.0 * a * b * c - a * a - b * b - c * c
+    if det < _SINGULAR:
+        return False
+    out[0] = ((1.0 - c * c) * of[0] + (b * c - a) * of[1] + (a * c - b) * of[2]) / det
+    out[1] = ((b * c - a) * of[0] + (1.0 - b * b) * of[1] + (a * b - c) * of[2]) / det
+    out[2] = ((a * c - b) * of[0] + (a * b - c) * of[1] + (1.0 - a * a) * of[2]) / det
+    return True
+
+
+@kernel
+def _is_outside(walls: Any, count: int, i: int, j: int, k: int, pushes: Numbers) -> bool:
+    """No push pulls, and the stand-in they lead to is behind no wall."""
+    if pushes[0] < 0.0 or pushes[1] < 0.0 or pushes[2] < 0.0:
+        return False
+    for m in range(count):
+        moved = pushes[0] * _cosine(walls[m], walls[i])
+        if j >= 0:
+            moved += pushes[1] * _cosine(walls[m], walls[j])
+        if k >= 0:
+            moved += pushes[2] * _cosine(walls[m], walls[k])
+        if moved < walls[m].depth - _SLACK:
+            return False
+    return True
+
+
+@kernel
+def _try(walls: Any, count: int, i: int, j: int, k: int, of: Numbers, pushes: Numbers) -> bool:
+    """Whether the stand-in rests on just these planes; if so their depths and rates are replaced, others' are 0."""
+    rows = (i, j, k)
+    for m in range(3):
+        of[m] = walls[rows[m]].depth if rows[m] >= 0 else 0.0
+        pushes[m] = of[m]
+    if j >= 0 and not _solve(walls, i, j, k, of, pushes):
+        return False
+    if not _is_outside(walls, count, i, j, k, pushes):
+        return False
+    for m in range(3):
+        of[m] = walls[rows[m]].rate if rows[m] >= 0 else 0.0
+    for m in range(count):
+        walls[m].depth = 0.0
+    for m in range(3):
+        if rows[m] >= 0:
+            walls[rows[m]].depth = pushes[m]
+    pushes[0] = of[0]
+    if j >= 0:
+        _solve(walls, i, j, k, of, pushes)
+    for m in range(3):
+        if rows[m] >= 0:
+            walls[rows[m]].rate = pushes[m]
+    return True
+
+
+@kernel
+def share_corner(walls: Any, count: int, of: Numbers, pushes: Numbers) -> None:
+    """Replace the depths and rates of walls touched at once by what each contributes to the way out.
+
+    Orthogonal walls, and walls that leave no room at all (facing one another), keep their depths.
+
+    Args:
+        walls: Records of `WALL_TOUCH`, updated.
+        count: How many, <= MOST_WALLS.
+        of: Scratch, shape [3].
+        pushes: Scratch, shape [3].
+    """
+    if count < 2 or _is_orthogonal(walls, count):
+        return
+    for i in range(count):
+        for j in range(i, count):
+            for k in range(j, count):
+                if j == i and k > j:
+                    continue
+                if _try(walls, count, i, j if j > i else i - count, k if k > j else j - count, of, pushes):
+                    return

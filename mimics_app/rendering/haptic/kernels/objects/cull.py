@@ -1,0 +1,76 @@
+"""Which shapes a point may touch at all: its ball against the bounding sphere of each.
+
+Groups of 64 bounds are tested without a branch, which the compiler turns into vector instructions; only groups with a
+hit are looked at one by one. Four rows of numbers are read and nothing else of a shape.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+
+__all__ = ["find_near", "find_near_plain"]
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
+
+_GROUP = 64
+
+
+@kernel
+def _reaches(bounds: Array, i: int, x: float, y: float, z: float, radius: float) -> bool:
+    """Bounds overlap the ball; a radius < 0 never does, an infinite one always."""
+    dx, dy, dz = bounds[0, i] - x, bounds[1, i] - y, bounds[2, i] - z
+    reach = bounds[3, i] + radius
+    return dx * dx + dy * dy + dz * dz < reach * abs(reach)
+
+
+@kernel
+def find_near(bounds: Array, shapes: int, x: float, y: float, z: float, radius: float, near: Rows) -> int:
+    """Rows of the shapes whose bounding sphere the point's ball reaches, ascending.
+
+    Args:
+        bounds: Rows x, y, z, radius [m], shape [4, >= shapes]; a radius < 0 is left out (less than minus that of the
+            ball), an infinite one always found.
+        shapes: Shapes in use.
+        x: Of the point, world [m].
+        y: Likewise.
+        z: Likewise.
+        radius: Of the point's ball [m].
+        near: Receives the rows, shape [>= shapes].
+
+    Returns:
+        How many were found.
+    """
+    bx, by, bz, br = bounds[0], bounds[1], bounds[2], bounds[3]
+    found = 0
+    grouped = shapes - shapes % _GROUP
+    for first in range(0, grouped, _GROUP):
+        hit = False
+        for j in range(_GROUP):  # a fixed count and one line of test: anything else is not vectorised
+            i = first + j
+            dx, dy, dz, reach = bx[i] - x, by[i] - y, bz[i] - z, br[i] + radius
+            hit |= dx * dx + dy * dy + dz * dz < reach * abs(reach)
+        if hit:
+            for i in range(first, first + _GROUP):
+                if _reaches(bounds, i, x, y, z, radius):
+                    near[found] = i
+                    found += 1
+    for i in range(grouped, shapes):
+        if _reaches(bounds, i, x, y, z, radius):
+            near[found] = i
+            found += 1
+    return found
+
+
+@kernel
+def find_near_plain(bounds: Array, shapes: int, x: float, y: float, z: float, radius: float, near: Rows) -> int:
+    """Rival of `find_near` that asks one shape after the other; arguments and result alike."""
+    found = 0
+    for i in range(shapes):
+        if _reaches(bounds, i, x, y, z, radius):
+            near[found] = i
+            found += 1
+    return found

@@ -1,0 +1,149 @@
+"""What is remembered of each interaction point at each shape: the feature it came in by, and where friction holds it.
+
+A shape that no point came near in the last tick was not looked at, so the point's last place in its frame is found from
+the last world position and the last pose of its body: a moving object is entered by the same face as a resting one.
+Memory ends where it would mislead: the shape was enabled or edited, its body put back to its start, the point
+disabled, enabled, or displaced faster than anything moves.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.maths import quat
+from mimics_app.rendering.haptic.kernels.contact import CONTACT, forget
+from mimics_app.rendering.haptic.kernels.objects.desk import DISABLED, PLACED, TRACED
+from mimics_app.rendering.haptic.kernels.vectors import copy, rotate_back
+
+__all__ = ["MEMORY", "follow_point", "forget_touch", "keep_poses", "notice_changes", "recall"]
+
+MEMORY = np.dtype(
+    [
+        ("contact", CONTACT),  # depth, normal, feature of entry, last place, in the shape's frame
+        ("anchor", "f8", 3),  # where friction holds the point, shape's frame [m]
+        ("touching", "u1"),  # the anchor is set
+        ("sticking", "u1"),  # friction held in the last tick
+        ("tick", "i8"),  # in which the shape was last looked at
+    ],
+    align=True,
+)
+"""Memory of one (point, shape); zeros are a fresh one."""
+
+_FASTEST = 50.0
+"""A point that seems faster than this [m/s] was put somewhere else."""
+
+
+@kernel
+def forget_touch(memory: Any) -> None:
+    """Start as if the point had never been near the shape."""
+    forget(memory.contact)
+    memory.touching = 0
+    memory.sticking = 0
+
+
+@kernel
+def _same_form(a: Any, b: Any) -> bool:
+    """Two SHAPE rows that are the same place to touch; stiffness and friction may differ."""
+    if a.kind != b.kind or a.body != b.body or a.enabled != b.enabled or a.mesh != b.mesh:
+        return False
+    for i in range(3):
+        if a.position[i] != b.position[i] or a.size[i] != b.size[i]:
+            return False
+    for i in range(4):
+        if a.orientation[i] != b.orientation[i]:
+            return False
+    return a.rounding == b.rounding
+
+
+@kernel
+def _keep_form(shape: Any, form: Any) -> None:
+    form.kind, form.body, form.enabled, form.mesh = shape.kind, shape.body, shape.enabled, shape.mesh
+    copy(shape.position, form.position)
+    copy(shape.orientation, form.orientation)
+    copy(shape.size, form.size)
+    form.rounding = shape.rounding
+
+
+@kernel
+def notice_changes(shapes: Any, motions: Any, counts: Any, desk: Any, births: Any, befores: Any) -> None:
+    """Begin a tick: note which shapes are new, edited, or on a body that was put back to its start."""
+    desk.tick += 1
+    if counts.revision != desk.revision or desk.tick == 1:
+        desk.revision = counts.revision
+        for i in range(counts.shapes):
+            if not _same_form(shapes[i], births[i].form):
+                _keep_form(shapes[i], births[i].form)
+                births[i].tick = desk.tick
+    for body in range(counts.bodies):
+        if motions[body].spawn != befores[body].spawn:
+            befores[body].spawn = motions[body].spawn
+            for i in range(counts.shapes):
+                if shapes[i].body == body:
+                    births[i].tick = desk.tick
+
+
+@kernel
+def follow_point(desk: Any, point: int, enabled: bool, dt: float) -> None:
+    """Whether the last place of the point at hand (desk.point) is where it came from."""
+    jump = 0.0
+    for i in range(3):
+        desk.last[i] = desk.last_points[point, i]
+        desk.last_points[point, i] = desk.point[i]
+        jump += (desk.point[i] - desk.last[i]) ** 2
+    if not enabled:
+        desk.known[point] = DISABLED
+    elif desk.tick == 1 or desk.known[point] == DISABLED or not jump <= (_FASTEST * dt) ** 2:
+        desk.known[point] = PLACED
+    else:
+        desk.known[point] = TRACED
+
+
+@kernel
+def keep_poses(motions: Any, bodies: int, befores: Any) -> None:
+    """End a tick: the poses of the bodies that the next one calls the last."""
+    for body in range(bodies):
+        copy(motions[body].position, befores[body].position)
+        for i in range(3):
+            for j in range(3):
+                befores[body].rotation[i, j] = motions[body].rotation[i, j]
+
+
+@kernel
+def _last_place_on_body(desk: Any, shape: Any, before: Any) -> None:
+    """desk.c: where the point was in the shape's frame, from the last pose of its body [m]."""
+    for i in range(3):
+        desk.a[i] = desk.last[i] - before.position[i]
+    rotate_back(before.rotation, desk.a, desk.b)
+    for i in range(3):
+        desk.b[i] -= shape.position[i]
+    quat.rotate_back(shape.orientation, desk.b, desk.c)
+
+
+@kernel
+def recall(desk: Any, point: int, shape: Any, born: int, befores: Any, memory: Any) -> None:
+    """Make the memory of the point and shape at hand hold the last tick, or nothing where nothing is known of it.
+
+    Args:
+        desk: DESK record with the point and the pose of the shape at hand.
+        point: Row of the point.
+        shape: SHAPE row at hand.
+        born: Tick in which it became what it is.
+        befores: Bodies at the last tick.
+        memory: MEMORY of the two, updated.
+    """
+    traced = desk.known[point] == TRACED and born != desk.tick
+    if not traced or memory.tick != desk.tick - 1:
+        forget_touch(memory)
+        if traced:
+            if shape.body < 0:
+                for i in range(3):
+                    desk.a[i] = desk.last[i] - desk.position[i]
+                rotate_back(desk.rotation, desk.a, desk.c)
+            else:
+                _last_place_on_body(desk, shape, befores[shape.body])
+            copy(desk.c, memory.contact.previous)
+            memory.contact.known = 1
+    memory.tick = desk.tick

@@ -1,0 +1,47 @@
+"""One shape test for every kind: depth, normal and feature of a point's ball, in the frame of the shape."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mimics_app.contracts.haptic_objects import ShapeKind
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.contact import sphere, wall
+from mimics_app.rendering.haptic.kernels.objects.shapes_box import box
+from mimics_app.rendering.haptic.kernels.objects.shapes_round import capsule, cylinder
+
+__all__ = ["probe_shape"]
+
+_WALL = int(ShapeKind.WALL)
+_SPHERE = int(ShapeKind.SPHERE)
+_BOX = int(ShapeKind.BOX)
+_CYLINDER = int(ShapeKind.CYLINDER)
+_CAPSULE = int(ShapeKind.CAPSULE)
+
+
+@kernel
+def probe_shape(shape: Any, desk: Any, contact: Any) -> None:
+    """Find depth and normal of the point at hand in any analytic shape.
+
+    Args:
+        shape: SHAPE row at hand.
+        desk: DESK record: p, v, radius; scratch is used.
+        contact: Record of `CONTACT`, updated; depth 0 outside.
+    """
+    p, v, radius = desk.p, desk.v, desk.radius
+    if shape.kind == _SPHERE:
+        sphere(p, v, shape.size[0] + radius, contact)
+    elif shape.kind == _BOX:
+        core = desk.a
+        for i in range(3):
+            core[i] = shape.size[i] - 2.0 * shape.rounding
+        box(p, v, core, shape.rounding + radius, contact)
+    elif shape.kind == _CYLINDER:
+        core_length = shape.size[1] - 2.0 * shape.rounding
+        cylinder(p, v, shape.size[0] - shape.rounding, core_length, shape.rounding + radius, contact)
+    elif shape.kind == _CAPSULE:
+        capsule(p, v, shape.size[0] + radius, shape.size[1], desk.a, desk.b, contact)
+    elif shape.kind == _WALL:
+        p[2] -= radius
+        wall(p, contact)
+        p[2] += radius

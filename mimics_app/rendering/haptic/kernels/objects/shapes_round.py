@@ -1,0 +1,175 @@
+"""Cylinder and capsule about the local y axis, (15) with its signs, both caps, and the feature of entry held.
+
+The printed (15) gives `sqrt(x^2 + y^2) - r` and `z - h/2`, both negative inside, no lower cap, and no rule which of
+them counts. As with the box a cylinder here is everything within a reach of its core.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.contact import sphere
+from mimics_app.rendering.haptic.kernels.objects.shapes_box import SHELL
+from mimics_app.rendering.haptic.kernels.vectors import copy
+
+__all__ = ["CAP", "SIDE", "capsule", "cylinder"]
+
+Vec = NDArray[np.float64]
+
+SIDE = 1
+"""Feature: the curved side of a cylinder."""
+
+CAP = 2
+"""Feature: the cap at +y; -CAP: that at -y."""
+
+_AXIS = 1e-12
+"""Distance [m] from the axis below which the direction to it means nothing."""
+
+
+@kernel
+def _side_crossing(previous: Vec, p: Vec, radius: float) -> float:
+    """Share of the way previous -> p at which the infinite cylinder is entered; -1: it began inside."""
+    dx, dz = p[0] - previous[0], p[2] - previous[2]
+    c = previous[0] * previous[0] + previous[2] * previous[2] - radius * radius
+    if c < 0.0:
+        return -1.0
+    a = dx * dx + dz * dz
+    b = previous[0] * dx + previous[2] * dz
+    root = math.sqrt(max(0.0, b * b - a * c))
+    return c / (root - b) if root > b else 0.0
+
+
+@kernel
+def _entered_feature(p: Vec, v: Vec, radius: float, half: float, previous: Vec) -> int:
+    """Feature whose surface the segment previous -> p crosses last; on the rim the faster way in; 0: began inside."""
+    side = _side_crossing(previous, p, radius)
+    cap = -1.0
+    sign = 1.0 if previous[1] > 0.0 else -1.0
+    if abs(previous[1]) >= half:
+        cap = (sign * half - previous[1]) / (p[1] - previous[1])
+    if side < 0.0 and cap < 0.0:
+        return 0
+    if side == cap:
+        rho = math.hypot(previous[0], previous[2])
+        inward = -(v[0] * previous[0] + v[2] * previous[2]) / rho
+        return SIDE if inward >= -sign * v[1] else int(sign) * CAP
+    return SIDE if side > cap else int(sign) * CAP
+
+
+@kernel
+def _nearest_feature(p: Vec, rho: float, radius: float, half: float) -> int:
+    if radius - rho <= half - abs(p[1]):
+        return SIDE
+    return CAP if p[1] >= 0.0 else -CAP
+
+
+@kernel
+def _hold_side(p: Vec, v: Vec, rho: float, radius: float, fresh: bool, contact: Any) -> None:
+    """Depth under the side; a point that crosses the axis within a tick keeps its last normal."""
+    n = contact.normal
+    along = p[0] * n[0] + p[2] * n[2]
+    if not fresh and along < 0.0:
+        contact.depth = radius - along
+        return
+    if rho > _AXIS:
+        n[0], n[1], n[2] = p[0] / rho, 0.0, p[2] / rho
+    elif fresh:
+        speed = math.hypot(v[0], v[2])
+        n[0] = -v[0] / speed if speed > 0.0 else 0.0
+        n[1] = 0.0
+        n[2] = -v[2] / speed if speed > 0.0 else 1.0
+    contact.depth = radius - rho
+
+
+@kernel
+def _hold_feature(p: Vec, v: Vec, rho: float, radius: float, half: float, fresh: bool, contact: Any) -> None:
+    """Depth and normal of the core's feature."""
+    if contact.feature == SIDE:
+        _hold_side(p, v, rho, radius, fresh, contact)
+        return
+    sign = 1.0 if contact.feature > 0 else -1.0
+    contact.depth = half - sign * p[1]
+    contact.normal[0], contact.normal[1], contact.normal[2] = 0.0, sign, 0.0
+
+
+@kernel
+def _still_held(p: Vec, rho: float, radius: float, half: float, contact: Any) -> bool:
+    """The point is behind the core's feature by which it came into the core."""
+    if contact.inside == 0 or contact.feature == SHELL:
+        return False
+    if contact.feature == SIDE:
+        return rho <= radius
+    return (p[1] if contact.feature > 0 else -p[1]) <= half
+
+
+@kernel
+def cylinder(p: Vec, v: Vec, radius: float, length: float, reach: float, contact: Any) -> None:
+    """Depth and normal in the offset surface of a cylinder about y, (15) corrected.
+
+    In the shell around the core one smooth surface, rim included; in the core the feature of entry is held, a cap with
+    its fixed normal, the side with one that follows the point.
+
+    Args:
+        p: HIP' [m].
+        v: Velocity of the HIP [m/s] in the object's frame; decides ties, and the first normal on the axis.
+        radius: Of the core [m] >= 0.
+        length: Of the core along y [m] >= 0.
+        reach: Radius around the core [m] >= 0: rounding of the rim and radius of the point.
+        contact: Record of `CONTACT`, updated; features `SIDE`, `CAP`, -`CAP`, `SHELL`.
+    """
+    half = 0.5 * length
+    rho = math.hypot(p[0], p[2])
+    side, cap = rho - radius, abs(p[1]) - half
+    distance = math.hypot(max(side, 0.0), max(cap, 0.0))
+    contact.depth = 0.0
+    if side < 0.0 and cap < 0.0:
+        fresh = contact.inside == 0 or contact.feature == SHELL
+        if fresh:
+            contact.feature = _entered_feature(p, v, radius, half, contact.previous) if contact.known else 0
+            if contact.feature == 0:
+                contact.feature = _nearest_feature(p, rho, radius, half)
+        _hold_feature(p, v, rho, radius, half, fresh, contact)
+        contact.depth += reach
+    elif distance < reach and _still_held(p, rho, radius, half, contact):
+        _hold_feature(p, v, rho, radius, half, False, contact)
+        contact.depth += reach
+    elif 0.0 < distance < reach:
+        share = max(side, 0.0) / distance
+        contact.normal[0] = share * p[0] / rho if share > 0.0 else 0.0
+        contact.normal[1] = math.copysign(max(cap, 0.0), p[1]) / distance
+        contact.normal[2] = share * p[2] / rho if share > 0.0 else 0.0
+        contact.depth = reach - distance
+        contact.feature = SHELL
+    contact.inside = contact.depth > 0.0
+    if contact.inside == 0:
+        contact.feature = 0
+    copy(p, contact.previous)
+    contact.known = 1
+
+
+@kernel
+def capsule(p: Vec, v: Vec, radius: float, length: float, around: Vec, sideways: Vec, contact: Any) -> None:
+    """Depth and normal in a capsule: a sphere about the axis' closest point, with a sphere's memory at the axis.
+
+    Args:
+        p: HIP' [m].
+        v: Velocity of the HIP [m/s] in the object's frame.
+        radius: Of the capsule, and of the point [m].
+        length: Of the axis between the centres of its ends, along y [m].
+        around: Scratch, shape [3]: the point seen from the closest point of the axis.
+        sideways: Scratch, shape [3]: its velocity, without what runs along the axis.
+        contact: Record of `CONTACT`, updated.
+    """
+    half = 0.5 * length
+    copy(p, around)
+    copy(v, sideways)
+    around[1] = p[1] - min(max(p[1], -half), half)
+    if around[1] == 0.0:
+        sideways[1] = 0.0
+    sphere(around, sideways, radius, contact)
+    copy(p, contact.previous)

@@ -1,0 +1,313 @@
+"""Everything between the interaction points and the shapes of one tick: near, touched, pressed, rubbed."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.borrowed import borrowed
+from mimics_app.contracts.haptic_objects import BodyFlag, ShapeKind
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.contact import forget, to_object
+from mimics_app.rendering.haptic.kernels.objects.corner import MOST_WALLS, share_corner
+from mimics_app.rendering.haptic.kernels.objects.cull import find_near
+from mimics_app.rendering.haptic.kernels.objects.memory import follow_point, keep_poses, notice_changes, recall
+from mimics_app.rendering.haptic.kernels.objects.shapes import probe_shape
+from mimics_app.rendering.haptic.kernels.objects.surface import lower_by_ripple, normal_force, rub
+from mimics_app.rendering.haptic.kernels.vectors import copy, rotate
+
+__all__ = ["touch_points"]
+
+Array = NDArray[np.float64]
+
+_WALL = int(ShapeKind.WALL)
+_FORCE_ON_OBJECT = int(BodyFlag.FORCE_ON_OBJECT)
+_TORQUE_ON_OBJECT = int(BodyFlag.TORQUE_ON_OBJECT)
+
+
+@kernel
+def _take_point(desk: Any, point: int, positions: Array, velocities: Array, radius: float) -> None:
+    """Put a point on the desk."""
+    for i in range(3):
+        desk.felt[i] = 0.0
+        desk.point[i] = positions[point, i]
+        desk.point_velocity[i] = velocities[point, i]
+    desk.radius = radius
+
+
+@kernel
+def _take_shape(desk: Any, row: int, rotations: Array, positions: Array) -> None:
+    """Put the pose of a shape at rest on the desk."""
+    for i in range(3):
+        desk.position[i] = positions[row, i]
+        desk.drift[i] = 0.0
+        desk.spin[i] = 0.0
+        for j in range(3):
+            desk.rotation[i, j] = rotations[row, i, j]
+
+
+@kernel
+def _take_motion(desk: Any, motion: Any) -> None:
+    """Let the shape on the desk move with its body: velocity of its origin, and spin."""
+    copy(motion.omega, desk.spin)
+    spin = desk.spin
+    x = desk.position[0] - motion.centre[0]
+    y = desk.position[1] - motion.centre[1]
+    z = desk.position[2] - motion.centre[2]
+    desk.drift[0] = motion.velocity[0] + spin[1] * z - spin[2] * y
+    desk.drift[1] = motion.velocity[1] + spin[2] * x - spin[0] * z
+    desk.drift[2] = motion.velocity[2] + spin[0] * y - spin[1] * x
+
+
+@kernel
+def _look(desk: Any) -> None:
+    """Place and velocity of the point in the frame of the shape, (8)."""
+    to_object(
+        desk.rotation,
+        desk.position,
+        desk.drift,
+        desk.spin,
+        desk.point,
+        desk.point_velocity,
+        desk.p,
+        desk.v,
+    )
+
+
+@kernel
+def _feel(desk: Any, shape: Any, memory: Any) -> bool:
+    """Depth of the point in the shape, and its rate; False while they do not touch."""
+    contact = memory.contact
+    probe_shape(shape, desk, contact)
+    if contact.depth > 0.0:
+        lower_by_ripple(shape, desk.p, contact, desk.slope)
+    if not contact.depth > 0.0:
+        memory.touching = 0
+        return False
+    desk.rate = 0.0
+    for i in range(3):
+        desk.rate -= desk.v[i] * (contact.normal[i] - desk.slope[i])
+    return True
+
+
+@kernel
+def _press(desk: Any, shape: Any, memory: Any, depth: float) -> bool:
+    """Force of the contact at hand on the user, its normal, stiffness and damping; False when it is not finite."""
+    n = memory.contact.normal
+    push, desk.stiffness, desk.damping = normal_force(shape, depth, desk.rate)
+    touched, force = desk.a, desk.b
+    for i in range(3):
+        touched[i] = desk.p[i] - desk.radius * n[i]
+    rub(shape, touched, desk.v, n, push, desk.damping, memory, force)
+    for i in range(3):
+        force[i] += push * (n[i] - desk.slope[i])
+    rotate(desk.rotation, force, desk.force)
+    rotate(desk.rotation, n, desk.normal)
+    return math.isfinite(desk.force[0] + desk.force[1] + desk.force[2])
+
+
+@kernel
+def _count(desk: Any, totals: Any, row: int, depth: float, is_static: bool) -> None:
+    """Add the contact at hand to the results of the point and of the tick."""
+    totals.touching += 1
+    totals.static_touching += 1 if is_static else 0
+    totals.stiffness += desk.stiffness
+    totals.damping += desk.damping
+    for i in range(3):
+        totals.shape_force[i] += desk.force[i]
+        desk.felt[i] += desk.force[i]
+    if depth > totals.depth:
+        totals.depth = depth
+        totals.shape = row
+        totals.approach_speed = desk.rate
+        copy(desk.normal, totals.normal)
+
+
+@kernel
+def _react(desk: Any, motion: Any, flags: int) -> None:
+    """The opposite of the force at hand on the shape's body, at the touched point, as its flags allow."""
+    force = desk.force
+    motion.touched = 1
+    for i in range(3):
+        motion.force_user[i] += force[i]
+        if flags & _FORCE_ON_OBJECT:
+            motion.force[i] -= force[i]
+    if not flags & _TORQUE_ON_OBJECT:
+        return
+    x = desk.point[0] - desk.radius * desk.normal[0] - motion.centre[0]
+    y = desk.point[1] - desk.radius * desk.normal[1] - motion.centre[1]
+    z = desk.point[2] - desk.radius * desk.normal[2] - motion.centre[2]
+    motion.torque[0] -= y * force[2] - z * force[1]
+    motion.torque[1] -= z * force[0] - x * force[2]
+    motion.torque[2] -= x * force[1] - y * force[0]
+
+
+@kernel
+def _note_wall(desk: Any, wall: Any, row: int, contact: Any) -> None:
+    """Keep what pressing a wall needs until all walls of the point are known."""
+    wall.row = row
+    wall.depth = contact.depth
+    wall.rate = desk.rate
+    rotate(desk.rotation, contact.normal, wall.normal)
+    copy(desk.slope, wall.slope)
+
+
+@kernel
+def _settle(desk: Any, shape: Any, row: int, memory: Any, depth: float, totals: Any, motions: Any, bodies: Any) -> None:
+    """Press the shape at hand and hand the force to all whom it concerns."""
+    if not _press(desk, shape, memory, depth):
+        forget(memory.contact)
+        memory.touching = 0
+        totals.status = 1
+        return
+    _count(desk, totals, row, depth, shape.body < 0)
+    if shape.body >= 0:
+        _react(desk, motions[shape.body], bodies[shape.body].flags)
+
+
+@kernel
+def _touch_near(
+    desk: Any,
+    point: int,
+    found: int,
+    near: NDArray[np.int64],
+    walls: Any,
+    shapes: Any,
+    bodies: Any,
+    motions: Any,
+    rotations: Array,
+    positions: Array,
+    memories: Any,
+    births: Any,
+    befores: Any,
+    totals: Any,
+) -> None:
+    """The point at hand at every shape near it; walls together at last, since they share a corner."""
+    met = 0
+    for k in range(found):
+        row = near[k]
+        shape, memory = shapes[row], memories[point, row]
+        if shape.enabled == 0:
+            continue
+        _take_shape(desk, row, rotations, positions)
+        if shape.body >= 0:
+            _take_motion(desk, motions[shape.body])
+        recall(desk, point, shape, births[row].tick, befores, memory)
+        _look(desk)
+        if not _feel(desk, shape, memory):
+            continue
+        if shape.kind == _WALL and met < MOST_WALLS:
+            _note_wall(desk, walls[met], row, memory.contact)
+            met += 1
+        else:
+            _settle(desk, shape, row, memory, memory.contact.depth, totals, motions, bodies)
+    share_corner(walls, met, desk.a, desk.b)
+    for k in range(met):
+        row = walls[k].row
+        shape, memory = shapes[row], memories[point, row]
+        if walls[k].depth <= 0.0:
+            memory.touching = 0
+            continue
+        _take_shape(desk, row, rotations, positions)
+        if shape.body >= 0:
+            _take_motion(desk, motions[shape.body])
+        _look(desk)
+        copy(walls[k].slope, desk.slope)
+        desk.rate = walls[k].rate
+        _settle(desk, shape, row, memory, walls[k].depth, totals, motions, bodies)
+
+
+@kernel
+def _touch_all(
+    shapes: Any,
+    bodies: Any,
+    points: Any,
+    motions: Any,
+    point_positions: Array,
+    point_velocities: Array,
+    point_forces: Array,
+    rotations: Array,
+    positions: Array,
+    bounds: Array,
+    totals: Any,
+    desk: Any,
+    memories: Any,
+    births: Any,
+    befores: Any,
+    near: NDArray[np.int64],
+    walls: Any,
+    counts: Any,
+    dt: float,
+) -> None:
+    """`touch_points` with every array of its own: to take one out of a tuple is counted with atomic instructions,
+    which would cost more than the contact.
+    """
+    notice_changes(shapes, motions, counts, desk, births, befores)
+    for point in range(counts.points):
+        setting = points[point]
+        _take_point(desk, point, point_positions, point_velocities, setting.radius)
+        follow_point(desk, point, setting.enabled != 0, dt)
+        if setting.enabled == 0:
+            continue
+        x = desk.point
+        found = find_near(bounds, counts.shapes, x[0], x[1], x[2], setting.radius, near)
+        _touch_near(
+            desk,
+            point,
+            found,
+            near,
+            walls,
+            shapes,
+            bodies,
+            motions,
+            rotations,
+            positions,
+            memories,
+            births,
+            befores,
+            totals,
+        )
+        for i in range(3):
+            point_forces[point, i] += desk.felt[i]
+    keep_poses(motions, counts.bodies, befores)
+
+
+@kernel
+def touch_points(rows: Any, work: Any, counts: Any, dt: float) -> None:
+    """Forces between the points in use and all shapes: on the user, and the opposite on the bodies.
+
+    Args:
+        rows: Tables of objects.
+        work: ObjectWork with points and shapes placed for this tick; `point_forces`, `totals` (shape_force, stiffness,
+            damping, touching, static_touching, depth, shape, normal, approach_speed, status) and the bodies' force,
+            torque, force_user, touched are added to. A force that is not finite is left out, status becomes 1.
+        counts: SCENE.objects.
+        dt: Tick [s].
+    """
+    if counts.shapes == 0 or counts.points == 0:
+        return
+    rows, work = borrowed(rows), borrowed(work)
+    _touch_all(
+        rows.shapes,
+        rows.bodies,
+        rows.points,
+        work.motions,
+        work.point_positions,
+        work.point_velocities,
+        work.point_forces,
+        work.shape_rotations,
+        work.shape_positions,
+        work.bounds,
+        work.totals[0],
+        work.desk[0],
+        work.memories,
+        work.births,
+        work.befores,
+        work.near,
+        work.walls,
+        counts,
+        dt,
+    )
