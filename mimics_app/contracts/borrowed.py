@@ -7,7 +7,7 @@ The loop borrows what others keep alive for its whole run, so it need not count.
 
 from __future__ import annotations
 
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from llvmlite import ir
 from numba import types
@@ -26,7 +26,8 @@ def _without_counts(context, builder, kind, value):
         array.meminfo = ir.Constant(array.meminfo.type, None)
         return array._getvalue()
     if isinstance(kind, types.BaseTuple):
-        for i, inner in enumerate(kind):
+        members: Any = kind
+        for i, inner in enumerate(members):
             part = _without_counts(context, builder, inner, builder.extract_value(value, i))
             value = builder.insert_value(value, part, i)
     return value

@@ -97,8 +97,20 @@ def _is_outside(walls: Any, count: int, i: int, j: int, k: int, pushes: Numbers)
 
 
 @kernel
-def _try(walls: Any, count: int, i: int, j: int, k: int, of: Numbers, pushes: Numbers) -> bool:
-    """Whether the stand-in rests on just these planes; if so their depths and rates are replaced, others' are 0."""
+def _replace(walls: Any, count: int, rows: tuple[int, int, int], rates: Numbers, pushes: Numbers) -> None:
+    """Depths and rates of the walls in `rows` (those >= 0) become these; those of others are 0."""
+    for m in range(count):
+        walls[m].depth = 0.0
+        walls[m].rate = 0.0
+    for m in range(3):
+        if rows[m] >= 0:
+            walls[rows[m]].depth = pushes[m]
+            walls[rows[m]].rate = rates[m]
+
+
+@kernel
+def _try(walls: Any, count: int, i: int, j: int, k: int, of: Numbers, pushes: Numbers, rates: Numbers) -> bool:
+    """Whether the stand-in rests on just these planes (those >= 0); if so their depths and rates are replaced."""
     rows = (i, j, k)
     for m in range(3):
         of[m] = walls[rows[m]].depth if rows[m] >= 0 else 0.0
@@ -109,22 +121,15 @@ def _try(walls: Any, count: int, i: int, j: int, k: int, of: Numbers, pushes: Nu
         return False
     for m in range(3):
         of[m] = walls[rows[m]].rate if rows[m] >= 0 else 0.0
-    for m in range(count):
-        walls[m].depth = 0.0
-    for m in range(3):
-        if rows[m] >= 0:
-            walls[rows[m]].depth = pushes[m]
-    pushes[0] = of[0]
+        rates[m] = of[m]
     if j >= 0:
-        _solve(walls, i, j, k, of, pushes)
-    for m in range(3):
-        if rows[m] >= 0:
-            walls[rows[m]].rate = pushes[m]
+        _solve(walls, i, j, k, of, rates)
+    _replace(walls, count, rows, rates, pushes)
     return True
 
 
 @kernel
-def share_corner(walls: Any, count: int, of: Numbers, pushes: Numbers) -> None:
+def share_corner(walls: Any, count: int, of: Numbers, pushes: Numbers, rates: Numbers) -> None:
     """Replace the depths and rates of walls touched at once by what each contributes to the way out.
 
     Orthogonal walls, and walls that leave no room at all (facing one another), keep their depths.
@@ -134,6 +139,7 @@ def share_corner(walls: Any, count: int, of: Numbers, pushes: Numbers) -> None:
         count: How many, <= MOST_WALLS.
         of: Scratch, shape [3].
         pushes: Scratch, shape [3].
+        rates: Scratch, shape [3].
     """
     if count < 2 or _is_orthogonal(walls, count):
         return
@@ -142,5 +148,5 @@ def share_corner(walls: Any, count: int, of: Numbers, pushes: Numbers) -> None:
             for k in range(j, count):
                 if j == i and k > j:
                     continue
-                if _try(walls, count, i, j if j > i else i - count, k if k > j else j - count, of, pushes):
+                if _try(walls, count, i, j if j > i else i - count, k if k > j else j - count, of, pushes, rates):
                     return

@@ -106,7 +106,9 @@ def _press(desk: Any, shape: Any, memory: Any, depth: float) -> bool:
         force[i] += push * (n[i] - desk.slope[i])
     rotate(desk.rotation, force, desk.force)
     rotate(desk.rotation, n, desk.normal)
-    return math.isfinite(desk.force[0] + desk.force[1] + desk.force[2])
+    # A clamp hides what is not a number, hence all that goes into it is asked too.
+    total = desk.force[0] + desk.force[1] + desk.force[2] + desk.stiffness + desk.damping + desk.rate
+    return math.isfinite(total)
 
 
 @kernel
@@ -204,7 +206,7 @@ def _touch_near(
             met += 1
         else:
             _settle(desk, shape, row, memory, memory.contact.depth, totals, motions, bodies)
-    share_corner(walls, met, desk.a, desk.b)
+    share_corner(walls, met, desk.a, desk.b, desk.c)
     for k in range(met):
         row = walls[k].row
         shape, memory = shapes[row], memories[point, row]
@@ -242,9 +244,7 @@ def _touch_all(
     counts: Any,
     dt: float,
 ) -> None:
-    """`touch_points` with every array of its own: to take one out of a tuple is counted with atomic instructions,
-    which would cost more than the contact.
-    """
+    """`touch_points`, its arrays one by one."""
     notice_changes(shapes, motions, counts, desk, births, befores)
     for point in range(counts.points):
         setting = points[point]

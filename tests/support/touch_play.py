@@ -1,0 +1,68 @@
+"""Points on prescribed paths through haptic objects: the forces that the kernels of the loop give, tick by tick."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mimics_app.contracts.haptic_objects import MAX_POINTS, ShapeKind
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.objects.bodies import load_bodies, place_bodies, step_bodies
+from mimics_app.rendering.haptic.kernels.objects.points import place_points
+from mimics_app.rendering.haptic.kernels.objects.poses import pose_shapes
+from mimics_app.rendering.haptic.kernels.objects.totals import clear_totals
+from mimics_app.rendering.haptic.kernels.objects.touch import touch_points
+from tests.support.body_play import Play
+
+RIM = 0.02
+"""Half of every size of `SOLIDS` [m]."""
+
+SOLIDS: dict[ShapeKind, tuple[float, ...]] = {
+    ShapeKind.SPHERE: (RIM,),
+    ShapeKind.BOX: (2 * RIM, 2 * RIM, 2 * RIM),
+    ShapeKind.CYLINDER: (RIM, 2 * RIM),
+    ShapeKind.CAPSULE: (RIM, 2 * RIM),
+}
+"""One of each solid; at +z their surface is at RIM, and flat along y or bent by RIM at most."""
+
+KINDS = [*SOLIDS, ShapeKind.WALL]
+
+
+@kernel
+def _follow(rows: Any, work: Any, counts: Any, path: Any, velocities: Any, dt: float, forces: Any, free: bool) -> None:
+    for tick in range(path.shape[0]):
+        clear_totals(work.totals[0])
+        place_bodies(rows, work, counts)
+        pose_shapes(rows, work, counts)
+        place_points(rows, work, counts, path[tick], velocities[tick])
+        touch_points(rows, work, counts, dt)
+        for i in range(3):
+            forces[tick, i] = work.totals[0].shape_force[i]
+        if free:
+            load_bodies(rows, work, counts)
+            step_bodies(rows, work, counts, dt)
+
+
+def add_point(play: Play, offset: Any = (0.0, 0.0, 0.0), radius: float = 0.0) -> int:
+    k = int(play.counts[0]["points"])
+    assert k < MAX_POINTS
+    play.rows.points[k]["offset"], play.rows.points[k]["radius"], play.rows.points[k]["enabled"] = offset, radius, 1
+    play.counts[0]["points"] += 1
+    return k
+
+
+def follow(play: Play, path: Any, velocities: Any = None, free: bool = False) -> np.ndarray:
+    """Forces on the user [N], shape [n, 3], of the HIP on a path [n, 3]; velocities by differences unless given."""
+    path = np.atleast_2d(np.asarray(path, float))
+    if velocities is None:
+        velocities = np.gradient(path, play.dt, axis=0) if len(path) > 1 else np.zeros_like(path)
+    velocities = np.broadcast_to(np.asarray(velocities, float), path.shape).copy()
+    forces = np.zeros_like(path)
+    _follow(play.rows, play.work, play.counts[0], path, velocities, play.dt, forces, free)
+    return forces
+
+
+def at_rest(play: Play, *points: Any) -> np.ndarray:
+    """Force [N] at the last of these points, each reached at a tick, the velocity taken as 0."""
+    return follow(play, points, np.zeros(3))[-1]
