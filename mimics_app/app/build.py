@@ -67,6 +67,8 @@ def has_display() -> bool:
 def build_session(settings: RunSettings, *, live: bool) -> Session:
     """Load the scene, build the loop and the stages, start the recorder and the sound. Nothing moves yet.
 
+    A device with a time of its own makes the session live, whatever was asked for.
+
     What can be wrong with files and devices is found before the first process starts and the run folder is made.
 
     Raises:
@@ -83,8 +85,10 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
     learning = _learning(settings, spec)
     robot, patient = _who_moves(settings, scene, live=live)
     plugin = build_device(robot, patient, scenario.via_points_world, settings.seed, samples=_recorded(settings))
-    desk.change({"device_delay": plugin.delay})
+    live = live or plugin.real_time
     with ExitStack() as stack:
+        stack.callback(plugin.close)
+        desk.change({"device_delay": plugin.delay})
         memory = SessionMemory()
         folder = create_run_folder(settings.runs, settings.seconds or 0.0)
         recorder = Recorder(memory, folder, _header(settings, scene, scenario, plan, robot, patient, live=live))

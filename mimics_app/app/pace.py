@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from mimics_app.app.device_watch import DeviceWatch
 from mimics_app.app.frame import Frames
 from mimics_app.app.governor import FrameGovernor
 from mimics_app.app.reload import SceneReload
@@ -13,7 +14,7 @@ from mimics_app.contracts.clock import TICKS_PER_SECOND, ticks_until_frame
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.rendering.visual.quality_steps import quality_steps
 
-__all__ = ["run_live", "run_virtual"]
+__all__ = ["run_live", "run_unseen", "run_virtual"]
 
 _NS = 1_000_000_000
 _FRAME_NS = _NS // 60
@@ -46,7 +47,7 @@ def run_live(session: Session, frames: Frames, after_frame: Progress) -> None:
     A haptic loop that ended by itself ends the run too; stopping the session then says why.
     """
     picture = session.picture
-    reload = SceneReload(session)
+    reload, watch = SceneReload(session), DeviceWatch(session)
     governor = session.governor = _govern(session)
     limit = session.clock.now_ns() + _limit_ns(session)
     due = session.clock.now_ns()
@@ -54,8 +55,9 @@ def run_live(session: Session, frames: Frames, after_frame: Progress) -> None:
         begun_ns = session.clock.now_ns()
         reload.look()
         frames.step()
+        trouble = watch.look()
         if picture is not None and governor is not None:
-            done_ns = picture.show_frame({**frames.figures, **_message(session, reload)}, session.clock)
+            done_ns = picture.show_frame({**frames.figures, **_message(session, reload, trouble)}, session.clock)
             governor.note((done_ns - begun_ns) * 1e-6, done_ns)
         after_frame(frames)
         due = max(due + _FRAME_NS, session.clock.now_ns() - _FRAME_NS)
@@ -72,9 +74,28 @@ def _govern(session: Session) -> FrameGovernor | None:
     return FrameGovernor(steps, budget_ms, fixed=fixed, log=session.recorder.journal)
 
 
-def _message(session: Session, reload: SceneReload) -> Mapping[str, object]:
-    """What the person should read over the picture: trouble of the recorder before news of a reload."""
-    problem = session.recorder.problem
+def run_unseen(session: Session, frames: Frames, after_frame: Progress) -> None:
+    """Frames beside the live loop without a window, until the task is done or the run's time is over.
+
+    Nobody is there to reset a latched stop: it ends a run that has no other end.
+    """
+    watch = DeviceWatch(session)
+    limit = session.clock.now_ns() + _limit_ns(session)
+    due = session.clock.now_ns()
+    while session.clock.now_ns() < limit and session.haptics.running and not session.tasks.done:
+        frames.step()
+        after_frame(frames)
+        watch.look()
+        latched = frames.snapshot is not None and frames.snapshot.state in _LATCHED
+        if latched and session.settings.seconds is None:
+            return
+        due = max(due + _FRAME_NS, session.clock.now_ns() - _FRAME_NS)
+        session.clock.sleep_until_ns(due)
+
+
+def _message(session: Session, reload: SceneReload, trouble: str) -> Mapping[str, object]:
+    """What the person should read over the picture: trouble of device or recorder before news of a reload."""
+    problem = trouble or session.recorder.problem
     return {"message": problem} if problem else reload.message
 
 

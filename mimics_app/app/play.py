@@ -12,7 +12,7 @@ from mimics_app.app import output
 from mimics_app.app.album import Album
 from mimics_app.app.build import build_session, has_display, start_loop
 from mimics_app.app.frame import Frames
-from mimics_app.app.pace import run_live, run_virtual
+from mimics_app.app.pace import run_live, run_unseen, run_virtual
 from mimics_app.app.picture import Picture, live_quality
 from mimics_app.app.progress import ProgressLine
 from mimics_app.app.result import summarise
@@ -43,6 +43,8 @@ def play(settings: RunSettings, *, as_json: bool) -> int:
         if windowed:
             _play_in_window(session, frames)
             pictures: list[Path] = []
+        elif session.live:
+            pictures = _play_unseen(session, frames)
         else:
             pictures = _play_headless(session, frames)
         sound = session.end_stages()
@@ -105,6 +107,14 @@ def _play_headless(session: Session, frames: Frames) -> list[Path]:
 
     run_virtual(session, frames, after_frame)
     progress.end()
+    return album.finish(frames)
+
+
+def _play_unseen(session: Session, frames: Frames) -> list[Path]:
+    """The person of a device with a time of its own plays: live loop, no window."""
+    album = Album(session)
+    start_loop(session)
+    run_unseen(session, frames, album.look)
     return album.finish(frames)
 
 

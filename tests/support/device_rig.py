@@ -32,6 +32,7 @@ class Rig:
     def __init__(self, emulator: Any, name: str) -> None:
         self.emulator = emulator
         self.name = name
+        self.can_fail = True
         self._plug_wanted = False
 
     def build(self, address: str = "", **robot: Any) -> DevicePlugin:

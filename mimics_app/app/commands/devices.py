@@ -1,4 +1,9 @@
-"""`mimics devices`: robots and simulators, displays, gamepads, serial ports and the sound output of this machine."""
+"""`mimics devices`: what is on this machine; `check` tries a device, `emulate` stands in for one.
+
+mimics devices                                  robots, displays, gamepads, serial ports, sound
+mimics devices check NAME[:ADDRESS]             the conformance kit; exit 4 when a check fails
+mimics devices emulate serial [--scene FILE]    a robot that is not there; its address is the first line
+"""
 
 from __future__ import annotations
 
@@ -6,17 +11,71 @@ import argparse
 import inspect
 import sys
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import Any
+
+from mimics_app.contracts.errors import DeviceError, UsageError
 
 __all__ = ["add_arguments", "find_all", "run"]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments: none of its own."""
+    """What to do with which device."""
+    actions = ("list", "check", "emulate")
+    parser.add_argument("action", nargs="?", choices=actions, default="list", help="what to do")
+    parser.add_argument("device", nargs="?", default="", help="NAME[:ADDRESS] to check, or what to emulate")
+    parser.add_argument("--recording", type=Path, metavar="RUN", help="run folder for checking the replay device")
+    parser.add_argument("--scene", type=Path, help="whose way and robot the emulated person has")
+    parser.add_argument("--patient", choices=("healthy", "moderate", "severe"), default="", help="who is emulated")
+    parser.add_argument("--seed", type=int, default=1, help="of the emulated person and sensors")
+    parser.add_argument("--seconds", type=float, help="how long to emulate [s]")
 
 
 def run(args: argparse.Namespace) -> int:
-    """List what a scene can be run on; what cannot be asked here is said, not failed on."""
+    """Do what was asked for."""
+    if args.action == "list":
+        return _list(args)
+    if not args.device:
+        raise UsageError(f"mimics devices {args.action} needs the name of a device", "mimics devices lists them")
+    return _check(args) if args.action == "check" else _emulate(args)
+
+
+def _check(args: argparse.Namespace) -> int:
+    """The conformance kit against one device."""
+    from mimics_app.app.device_check import check_by_name
+
+    findings = check_by_name(args.device, args.recording)
+    failed = [one for one in findings if one.verdict == "failed"]
+    if args.json:
+        from mimics_app.app.output import write_object
+
+        rows = [{"check": one.check, "verdict": one.verdict, "what": one.what} for one in findings]
+        write_object("devices", {"device": args.device, "passed": not failed, "checks": rows})
+    else:
+        for one in findings:
+            sys.stdout.write(f"{one.verdict:14} {one.check}{': ' if one.what else ''}{one.what}\n")
+    return DeviceError.exit_code if failed else 0
+
+
+def _emulate(args: argparse.Namespace) -> int:
+    """A robot that is not there, until it is told to end."""
+    from mimics_app.app.device_emulator import EmulatorSettings, open_emulator, serve
+
+    with open_emulator(args.device, EmulatorSettings(args.scene, args.patient, args.seed)) as emulator:
+        address = f"{args.device}:{emulator.address}"
+        if args.json:
+            from mimics_app.app.output import write_object
+
+            write_object("devices", {"address": address})
+        else:
+            sys.stdout.write(f"{address}\n")
+            sys.stdout.flush()
+        serve(emulator, args.seconds)
+    return 0
+
+
+def _list(args: argparse.Namespace) -> int:
+    """What a scene can be run on; what cannot be asked here is said, not failed on."""
     found = find_all()
     if args.json:
         from mimics_app.app.output import write_object
@@ -53,8 +112,7 @@ def _built_in() -> Iterator[dict[str, Any]]:
     from mimics_app.rendering.haptic.devices.registry import BUILT_IN
 
     for name, builder in BUILT_IN.items():
-        module = inspect.getmodule(builder)
-        about = inspect.getdoc(module) or ""
+        about = inspect.getdoc(builder) or ""
         yield {"name": name, "about": about.splitlines()[0] if about else "", "package": "mimics_app", "error": ""}
 
 

@@ -92,7 +92,11 @@ def run_ticks(
 
 
 class OtherSide(Protocol):
-    """What is behind a device that is not in this process: time for it to act, and faults on command."""
+    """What is behind a device that is not in this process: time for it to act, and perhaps faults on command."""
+
+    @property
+    def can_fail(self) -> bool:
+        """Whether `spoil` can make it fail."""
 
     def step(self) -> None:
         """A tick has passed."""

@@ -75,8 +75,8 @@ def _must(right: bool, what: str) -> None:
 
 
 def _needs_other_side(bench: DeviceBench) -> None:
-    if bench.other_side is None:
-        raise _NotApplicable("it has no other side that could fail")
+    if bench.other_side is None or not bench.other_side.can_fail:
+        raise _NotApplicable("it has no other side that could be made to fail")
 
 
 def _needs_motion(bench: DeviceBench) -> None:

@@ -1,0 +1,105 @@
+"""`mimics devices check` and `mimics devices emulate`, and a headless run on a robot with a time of its own."""
+
+from __future__ import annotations
+
+import json
+import os
+import threading
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mimics_app.app.cli import main
+from mimics_app.app.device_emulator import EmulatorSettings, open_emulator, serve
+from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.haptic import DeviceStatus
+from mimics_app.recording.run import Run
+from mimics_app.rendering.haptic.devices.emulators.faults import Faults, apply_order
+from mimics_app.rendering.haptic.devices.registry import build_device
+from mimics_app.world.components_haptic import Robot
+
+
+def test_check_tells_each_finding_and_the_exit_code(capsys):
+    assert main(["devices", "check", "pointer", "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["passed"] and len(answer["checks"]) >= 25
+    assert {one["verdict"] for one in answer["checks"]} == {"passed", "not applicable"}
+    assert main(["devices", "check", "pointr"]) == 4
+    assert 'did you mean "pointer"' in capsys.readouterr().err
+    assert main(["devices", "check"]) == 2
+    assert main(["devices", "emulate", "seriel"]) == 2
+    assert 'did you mean "serial"' in capsys.readouterr().err
+
+
+@pytest.fixture
+def stdin(monkeypatch: pytest.MonkeyPatch):
+    reader, writer = os.pipe()
+    with os.fdopen(reader) as stream, os.fdopen(writer, "w", buffering=1) as orders:
+        monkeypatch.setattr("sys.stdin", stream)
+        yield orders
+
+
+def test_an_emulator_serves_until_it_is_told_to_quit_and_takes_orders(stdin, capsys):
+    with open_emulator("serial", EmulatorSettings()) as emulator:
+        assert Path(emulator.address).is_symlink()
+        thread = threading.Thread(target=serve, args=(emulator, None))
+        thread.start()
+        plugin = build_device(Robot(device=f"serial:{emulator.address}"))
+        plugin.close()
+        stdin.write("nonsense\ngarbage many\ngarbage 3\ndrop 0.5\ndeaf\nunplug\nquit\n")
+        thread.join(60.0)
+        assert not thread.is_alive()
+        faults = emulator.faults
+        assert (faults.garbage, faults.drop, faults.deaf, faults.plugged) == (3, 0.5, True, False)
+    assert not Path(emulator.address).exists()
+    assert 'no order "nonsense"' in capsys.readouterr().err
+
+
+def test_orders_are_understood_or_refused_with_the_nearest():
+    faults = Faults()
+    for order in ("silence", "deaf", "garbage 7", "drop 0.1", "unplug"):
+        apply_order(faults, order)
+    assert faults == Faults(silence=True, garbage=7, drop=0.1, deaf=True, plugged=False)
+    for order in ("silence off", "deaf off", "garbage 0", "drop 0", "plug"):
+        apply_order(faults, order)
+    assert faults == Faults()
+    with pytest.raises(UsageError, match='did you mean "unplug"'):
+        apply_order(faults, "unplg")
+    with pytest.raises(UsageError, match="is no number"):
+        apply_order(faults, "drop half")
+
+
+def _unplug_after(emulator: Any, commands: int) -> None:
+    clock = MonotonicClock()
+    while emulator.commands < commands:
+        clock.sleep_until_ns(clock.now_ns() + 10_000_000)
+    emulator.faults.plugged = False
+
+
+def test_a_headless_run_on_a_robot_with_a_time_of_its_own_is_live(stdin, tmp_path: Path, capsys):
+    """The robot is unplugged under way: the run goes on recording to its end, in a latched stop."""
+    with open_emulator("serial", EmulatorSettings()) as emulator:
+        thread = threading.Thread(target=serve, args=(emulator, None))
+        thread.start()
+        try:
+            threading.Thread(target=_unplug_after, args=(emulator, 300), daemon=True).start()
+            arguments = ["--headless", "--seconds", "3", "--pictures", "0", "--sound", "off", "--json"]
+            device = ["--device", f"serial:{emulator.address}", "--runs", str(tmp_path)]
+            code = main(["run", "scenes/wavy_tunnel.json", *arguments, *device])
+        finally:
+            stdin.write("quit\n")
+            thread.join(60.0)
+    told = capsys.readouterr()
+    answer = json.loads(told.out)
+    assert code == 5 and answer["safety"]["state"] == "SAFE_STOP"
+    assert answer["recipe"] != "virtual"
+    samples = Run.open(Path(answer["run_dir"])).haptic
+    assert np.count_nonzero(samples["status"] == DeviceStatus.FAULT) > 200
+    assert np.array_equal(samples["tick"], np.arange(len(samples)))
+    assert "is gone: no force" in told.err
+    events = (Path(answer["run_dir"]) / "events.jsonl").read_text(encoding="utf-8")
+    assert '"kind":"device"' in events
+    assert main(["replay", answer["run_dir"]]) == 0
