@@ -10,6 +10,7 @@ import numpy as np
 from mimics_app.contracts.haptic_objects import OBJECT_COUNTS, STATIC, BodyFlag, ObjectIntegrator, ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.bodies import load_bodies, place_bodies, step_bodies
+from mimics_app.rendering.haptic.kernels.objects.collisions import collide_bodies
 from mimics_app.rendering.haptic.kernels.objects.poses import pose_shapes
 from mimics_app.rendering.haptic.kernels.objects.totals import clear_totals
 from mimics_app.rendering.haptic.objects import ObjectCapacities, ObjectWork, Rows, new_object_work, new_rows
@@ -24,7 +25,17 @@ def _fly(rows: Any, work: Any, counts: Any, dt: float, ticks: int) -> None:
         clear_totals(work.totals[0])
         place_bodies(rows, work, counts)
         pose_shapes(rows, work, counts)
-        load_bodies(rows, work, counts)
+        load_bodies(rows.bodies, work.motions, work.dynamics, work.aux_forces, work.aux_torques, counts.bodies)
+        step_bodies(rows, work, counts, dt)
+
+
+@kernel
+def _run(rows: Any, work: Any, counts: Any, dt: float, ticks: int) -> None:
+    for _ in range(ticks):
+        clear_totals(work.totals[0])
+        place_bodies(rows, work, counts)
+        pose_shapes(rows, work, counts)
+        collide_bodies(rows, work, counts, dt)
         step_bodies(rows, work, counts, dt)
 
 
@@ -75,9 +86,40 @@ class Play:
         self.counts[0]["revision"] += 1
         return i
 
+    def run(self, ticks: int = 1) -> None:
+        """Ticks with collisions."""
+        _run(self.rows, self.work, self.counts[0], self.dt, ticks)
+
     def change(self) -> None:
         """Say that rows were changed by hand."""
         self.counts[0]["revision"] += 1
+
+    def add_box(self, edges: Any = (0.04, 0.04, 0.04), mass: float = 0.2, surface: Any = None, **fields: Any) -> int:
+        """A body of one box."""
+        k = self.add_body(mass, box_inertia(mass, tuple(edges)), **fields)
+        self.add_shape(ShapeKind.BOX, edges, k, **(surface or {}))
+        return k
+
+    def add_ball(self, radius: float = 0.02, mass: float = 0.2, surface: Any = None, **fields: Any) -> int:
+        """A body of one sphere."""
+        k = self.add_body(mass, np.eye(3) * 0.4 * mass * radius**2, **fields)
+        self.add_shape(ShapeKind.SPHERE, radius, k, **(surface or {}))
+        return k
+
+    def add_rod(
+        self, kind: ShapeKind, radius: float, length: float, mass: float = 0.2, surface: Any = None, **fields: Any
+    ) -> int:
+        """A body of one cylinder or capsule, with the inertia of a cylinder."""
+        across = mass * (3.0 * radius**2 + length**2) / 12.0
+        k = self.add_body(mass, np.diag([across, 0.5 * mass * radius**2, across]), **fields)
+        self.add_shape(kind, (radius, length), k, **(surface or {}))
+        return k
+
+    def add_floor(self, height: float = 0.0, **fields: Any) -> int:
+        """A wall that is a floor: its +z is up."""
+        return self.add_shape(
+            ShapeKind.WALL, (), position=(0.0, height, 0.0), orientation=(-np.sqrt(0.5), 0, 0, np.sqrt(0.5)), **fields
+        )
 
     def fly(self, ticks: int) -> None:
         """Ticks without collisions."""

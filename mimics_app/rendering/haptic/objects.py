@@ -23,13 +23,19 @@ from mimics_app.rendering.haptic.kernels.objects.desk import BEFORE, BIRTH, DESK
 from mimics_app.rendering.haptic.kernels.objects.effect_memory import EFFECT_MEMORY
 from mimics_app.rendering.haptic.kernels.objects.grip import GRIP, new_grip
 from mimics_app.rendering.haptic.kernels.objects.inertia import DYNAMICS
+from mimics_app.rendering.haptic.kernels.objects.manifold import SCRATCH
 from mimics_app.rendering.haptic.kernels.objects.memory import MEMORY
-from mimics_app.rendering.haptic.kernels.objects.poses import TRACKING
+from mimics_app.rendering.haptic.kernels.objects.pairs import PAIR
+from mimics_app.rendering.haptic.kernels.objects.poses import SOLID, TRACKING
+from mimics_app.rendering.haptic.kernels.objects.sweep import SWEEP
 from mimics_app.rendering.haptic.kernels.objects.totals import TOTALS
 
 __all__ = ["OBJECT_WORK", "ROWS", "ObjectCapacities", "ObjectWork", "Rows", "new_object_work", "new_rows"]
 
 Records = NDArray[Any]
+
+_NEIGHBOURS = 24
+"""Pairs to a shape: in a heap of equal cubes each has 26 neighbours, so 13 pairs; the rest is for unequal ones."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +47,11 @@ class ObjectCapacities:
     effects: int = 16
     wires: int = 32
     paths: int = 4
+
+    @property
+    def pairs(self) -> int:
+        """Pairs of shapes near each other: all there are, or as many as lie around each in a heap."""
+        return max(1, min(self.shapes * (self.shapes - 1) // 2, _NEIGHBOURS * self.shapes))
 
 
 class Rows(NamedTuple):
@@ -71,7 +82,7 @@ class ObjectWork(NamedTuple):
         grip: GRIP, shape [1].
         dynamics: DYNAMICS, shape [bodies].
         tracking: TRACKING, shape [1].
-        local_rotations: Body from shape, shape [shapes, 3, 3].
+        solids: SOLID, shape [shapes].
         moving_shapes: Rows of the shapes of bodies; TRACKING.moving says how many, shape [shapes].
         effects: EFFECT_MEMORY, shape [effects].
         paths: TUNNEL records by EFFECT.path, shape [paths]; filled before the loop starts.
@@ -83,6 +94,13 @@ class ObjectWork(NamedTuple):
         befores: BEFORE, shape [bodies].
         near: Rows of the shapes near the point at hand, shape [shapes].
         walls: WALL_TOUCH, shape [MOST_WALLS]: walls that the point at hand touches.
+        order: Shapes in the order of the sweep, walls from the back, shape [shapes].
+        next_moving: For each place in the order, the next of a shape that can move.
+        pairs: PAIR, shape [`ObjectCapacities.pairs`].
+        pair_slots: Hash of the pairs, rows or -1.
+        sweep: SWEEP, shape [1].
+        scratch: SCRATCH, shape [1].
+        still: MOTION of the static scene, shape [1]: zeros, but for forces nobody reads.
     """
 
     motions: Records
@@ -98,7 +116,7 @@ class ObjectWork(NamedTuple):
     grip: Records
     dynamics: Records
     tracking: Records
-    local_rotations: NDArray[np.float64]
+    solids: Records
     moving_shapes: NDArray[np.int64]
     effects: Records
     paths: Records
@@ -110,6 +128,13 @@ class ObjectWork(NamedTuple):
     befores: Records
     near: NDArray[np.int64]
     walls: Records
+    order: NDArray[np.int64]
+    next_moving: NDArray[np.int64]
+    pairs: Records
+    pair_slots: NDArray[np.int64]
+    sweep: Records
+    scratch: Records
+    still: Records
 
 
 def new_rows(capacities: ObjectCapacities) -> Rows:
@@ -140,7 +165,7 @@ def new_object_work(capacities: ObjectCapacities) -> ObjectWork:
         grip=new_grip(),
         dynamics=np.zeros(bodies, DYNAMICS),
         tracking=np.zeros(1, TRACKING),
-        local_rotations=np.zeros((shapes, 3, 3)),
+        solids=np.zeros(shapes, SOLID),
         moving_shapes=np.zeros(shapes, np.int64),
         effects=np.zeros(capacities.effects, EFFECT_MEMORY),
         paths=np.zeros(capacities.paths, TUNNEL),
@@ -152,6 +177,13 @@ def new_object_work(capacities: ObjectCapacities) -> ObjectWork:
         befores=np.zeros(bodies, BEFORE),
         near=np.zeros(shapes, np.int64),
         walls=np.zeros(MOST_WALLS, WALL_TOUCH),
+        order=np.zeros(shapes, np.int64),
+        next_moving=np.zeros(shapes, np.int64),
+        pairs=np.zeros(capacities.pairs, PAIR),
+        pair_slots=np.full(1 << (2 * capacities.pairs).bit_length(), -1, np.int64),
+        sweep=np.zeros(1, SWEEP),
+        scratch=np.zeros(1, SCRATCH),
+        still=np.zeros(1, MOTION),
     )
 
 
@@ -181,7 +213,7 @@ OBJECT_WORK = types.NamedTuple(  # type: ignore[no-untyped-call]
         _records(GRIP),
         _records(DYNAMICS),
         _records(TRACKING),
-        types.float64[:, :, ::1],
+        _records(SOLID),
         types.int64[::1],
         _records(EFFECT_MEMORY),
         _records(TUNNEL),
@@ -193,6 +225,13 @@ OBJECT_WORK = types.NamedTuple(  # type: ignore[no-untyped-call]
         _records(BEFORE),
         types.int64[::1],
         _records(WALL_TOUCH),
+        types.int64[::1],
+        types.int64[::1],
+        _records(PAIR),
+        types.int64[::1],
+        _records(SWEEP),
+        _records(SCRATCH),
+        _records(MOTION),
     ],
     ObjectWork,
 )

@@ -32,7 +32,7 @@ from mimics_app.rendering.haptic.kernels.objects.inertia import find_principal_a
 from mimics_app.rendering.haptic.kernels.rotation import product, turn_body, turned
 from mimics_app.rendering.haptic.kernels.vectors import all_finite, copy, fill
 
-__all__ = ["is_free", "load_bodies", "place_bodies", "step_bodies", "wake"]
+__all__ = ["is_free", "load_bodies", "place_bodies", "rest_time", "step_bodies", "wake"]
 
 Vec = NDArray[np.float64]
 
@@ -133,6 +133,31 @@ def _take_inertia(body: Any, motion: Any, dynamics: Any) -> None:
 
 
 @kernel
+def _begin(body: Any, motion: Any, dynamics: Any, changed: bool) -> None:
+    """One body at the start of a tick."""
+    if changed:
+        _take_inertia(body, motion, dynamics)
+        wake(motion)
+    q = motion.orientation
+    unplaced = q[0] == 0.0 and q[1] == 0.0 and q[2] == 0.0 and q[3] == 0.0
+    if unplaced or motion.spawn != body.spawn:
+        _place(body, motion, dynamics)
+    fill(motion.force, 0.0)
+    fill(motion.torque, 0.0)
+    fill(motion.force_user, 0.0)
+    motion.touched = 0
+    motion.collided = 0
+
+
+@kernel
+def _begin_all(bodies: Any, motions: Any, dynamics: Any, tracking: Any, counts: Any) -> None:
+    changed = tracking.placed_revision != counts.revision + 1
+    tracking.placed_revision = counts.revision + 1
+    for k in range(counts.bodies):
+        _begin(bodies[k], motions[k], dynamics[k], changed)
+
+
+@kernel
 def place_bodies(rows: Any, work: Any, counts: Any) -> None:
     """Begin a tick: bodies whose `spawn` changed go to their place, and nothing has touched or pulled any yet.
 
@@ -141,23 +166,7 @@ def place_bodies(rows: Any, work: Any, counts: Any) -> None:
         work: `ObjectWork`; motions and dynamics are updated.
         counts: SCENE.objects.
     """
-    tracking = work.tracking[0]
-    changed = tracking.placed_revision != counts.revision + 1
-    tracking.placed_revision = counts.revision + 1
-    for k in range(counts.bodies):
-        body, motion, dynamics = rows.bodies[k], work.motions[k], work.dynamics[k]
-        if changed:
-            _take_inertia(body, motion, dynamics)
-            wake(motion)
-        q = motion.orientation
-        unplaced = q[0] == 0.0 and q[1] == 0.0 and q[2] == 0.0 and q[3] == 0.0
-        if unplaced or motion.spawn != body.spawn:
-            _place(body, motion, dynamics)
-        fill(motion.force, 0.0)
-        fill(motion.torque, 0.0)
-        fill(motion.force_user, 0.0)
-        motion.touched = 0
-        motion.collided = 0
+    _begin_all(rows.bodies, work.motions, work.dynamics, work.tracking[0], counts)
 
 
 @kernel
@@ -171,27 +180,30 @@ def _differs(a: Vec, b: Vec) -> bool:
 
 
 @kernel
-def load_bodies(rows: Any, work: Any, counts: Any) -> None:
+def load_bodies(bodies: Any, motions: Any, dynamics: Any, aux_forces: Any, aux_torques: Any, count: int) -> None:
     """Add F_aux, T_aux and weight to what touch, effects and grip gathered; a sleeper that feels anything new wakes.
 
     Args:
-        rows: `Rows` of this tick.
-        work: `ObjectWork`; motions are updated.
-        counts: SCENE.objects.
+        bodies: BODY rows.
+        motions: MOTION rows, updated.
+        dynamics: DYNAMICS rows, updated.
+        aux_forces: ObjectWork.aux_forces.
+        aux_torques: ObjectWork.aux_torques.
+        count: Bodies in use.
     """
-    for k in range(counts.bodies):
-        body, motion, dynamics = rows.bodies[k], work.motions[k], work.dynamics[k]
+    for k in range(count):
+        body, motion, dynamic = bodies[k], motions[k], dynamics[k]
         for i in range(3):
-            motion.force[i] += work.aux_forces[k, i] + body.mass * body.gravity[i]
-            motion.torque[i] += work.aux_torques[k, i]
+            motion.force[i] += aux_forces[k, i] + body.mass * body.gravity[i]
+            motion.torque[i] += aux_torques[k, i]
         if motion.asleep:
-            felt = _differs(motion.force, dynamics.rest_force) or _differs(motion.torque, dynamics.rest_torque)
+            felt = _differs(motion.force, dynamic.rest_force) or _differs(motion.torque, dynamic.rest_torque)
             if not (felt or motion.touched):
                 continue
             wake(motion)
-        copy(motion.force, dynamics.rest_force)
-        copy(motion.torque, dynamics.rest_torque)
-        dynamics.stirred = 0
+        copy(motion.force, dynamic.rest_force)
+        copy(motion.torque, dynamic.rest_torque)
+        dynamic.stirred = 0
 
 
 @kernel
@@ -266,7 +278,7 @@ def _square(a: Vec) -> float:
 @kernel
 def _is_still(body: Any, motion: Any, dynamics: Any) -> bool:
     """Nothing moves the body and it does not move."""
-    if motion.touched or dynamics.stirred:
+    if motion.touched:
         return False
     slow = _square(motion.velocity) < _STILL_SPEED**2 and _square(motion.omega) < _STILL_RATE**2
     if not slow:
@@ -278,11 +290,40 @@ def _is_still(body: Any, motion: Any, dynamics: Any) -> bool:
 
 
 @kernel
+def rest_time(dt: float) -> int:
+    """Ticks of `dt` [s] in a row that a body must have been still before it sleeps."""
+    return int(_DOZE / dt)
+
+
+@kernel
 def _fall_asleep(motion: Any) -> None:
     motion.asleep = 1
     fill(motion.velocity, 0.0)
     fill(motion.omega, 0.0)
     fill(motion.momentum, 0.0)
+
+
+@kernel
+def _end(body: Any, motion: Any, dynamics: Any, dt: float) -> bool:
+    """One body at the end of a tick; False when its forces are not finite."""
+    if motion.asleep:
+        return True
+    if not (all_finite(motion.force) and all_finite(motion.torque)):
+        return False
+    if body.flags & _SLEEPS:
+        motion.quiet_ticks = motion.quiet_ticks + 1 if _is_still(body, motion, dynamics) else 0
+        if motion.quiet_ticks > rest_time(dt) and dynamics.stirred == 0:
+            _fall_asleep(motion)
+            return True
+    _advance(body, motion, dynamics, dt)
+    return True
+
+
+@kernel
+def _end_all(bodies: Any, motions: Any, dynamics: Any, totals: Any, count: int, dt: float) -> None:
+    for k in range(count):
+        if not _end(bodies[k], motions[k], dynamics[k], dt):
+            totals.status = 1
 
 
 @kernel
@@ -297,17 +338,4 @@ def step_bodies(rows: Any, work: Any, counts: Any, dt: float) -> None:
         counts: SCENE.objects.
         dt: Tick [s].
     """
-    doze = int(_DOZE / dt)
-    for k in range(counts.bodies):
-        body, motion, dynamics = rows.bodies[k], work.motions[k], work.dynamics[k]
-        if motion.asleep:
-            continue
-        if not (all_finite(motion.force) and all_finite(motion.torque)):
-            work.totals[0].status = 1
-            continue
-        if body.flags & _SLEEPS:
-            motion.quiet_ticks = motion.quiet_ticks + 1 if _is_still(body, motion, dynamics) else 0
-            if motion.quiet_ticks > doze:
-                _fall_asleep(motion)
-                continue
-        _advance(body, motion, dynamics, dt)
+    _end_all(rows.bodies, work.motions, work.dynamics, work.totals[0], counts.bodies, dt)

@@ -11,13 +11,33 @@ from mimics_app.contracts.haptic_objects import STATIC, ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths import quat
 
-__all__ = ["TRACKING", "pose_shapes"]
+__all__ = ["SOLID", "TRACKING", "pose_shapes"]
 
 _WALL = int(ShapeKind.WALL)
 _SPHERE = int(ShapeKind.SPHERE)
 _BOX = int(ShapeKind.BOX)
 _CYLINDER = int(ShapeKind.CYLINDER)
 _CAPSULE = int(ShapeKind.CAPSULE)
+
+SOLID = np.dtype(
+    [
+        ("kind", "i4"),  # of SHAPE
+        ("body", "i4"),
+        ("enabled", "i4"),
+        ("size", "f8", (3,)),
+        ("rounding", "f8"),
+        ("radius", "f8"),  # of the sphere about its origin that holds it [m]
+        ("local", "f8", (3, 3)),  # body from shape
+        ("rotation", "f8", (3, 3)),  # world from shape
+        ("position", "f8", (3,)),  # of its origin, world [m]
+        ("low", "f8", (3,)),  # bounds along the world's axes [m]
+        ("high", "f8", (3,)),
+        ("room_low", "f8", (3,)),  # bounds within which it may move until pairs are looked for again
+        ("room_high", "f8", (3,)),
+    ],
+    align=True,
+)
+"""One shape as the collisions see it: all that a test of two needs, in one place of memory."""
 
 TRACKING = np.dtype(
     [
@@ -49,39 +69,93 @@ def bounding_radius(shape: Any) -> float:
 
 
 @kernel
-def _take_rows(rows: Any, work: Any, counts: Any, tracking: Any) -> None:
-    """Local rotations, radii, the poses of the static scene and the list of what moves, from changed rows."""
+def _take_row(shape: Any, solid: Any, turn: Any) -> None:
+    """What does not change while a shape moves."""
+    solid.kind, solid.body, solid.enabled = shape.kind, shape.body, shape.enabled
+    solid.rounding = shape.rounding
+    solid.radius = bounding_radius(shape)
+    for j in range(3):
+        solid.size[j] = shape.size[j]
+    quat.normalise(shape.orientation, turn)
+    quat.to_matrix(turn, solid.local)
+    if shape.body == STATIC:
+        for j in range(3):
+            solid.position[j] = shape.position[j]
+            for k in range(3):
+                solid.rotation[j, k] = solid.local[j, k]
+
+
+@kernel
+def _take_rows(shapes: Any, solids: Any, moving: Any, tracking: Any, count: int) -> None:
+    """Solids from changed rows, the static scene in its place, and the list of what moves."""
     tracking.moving = 0
-    for i in range(counts.shapes):
-        shape = rows.shapes[i]
-        quat.normalise(shape.orientation, tracking.turn)
-        quat.to_matrix(tracking.turn, work.local_rotations[i])
-        work.bounds[3, i] = bounding_radius(shape) if shape.enabled else -1.0
-        if shape.body == STATIC:
-            for j in range(3):
-                work.shape_positions[i, j] = shape.position[j]
-                work.bounds[j, i] = shape.position[j]
-                for k in range(3):
-                    work.shape_rotations[i, j, k] = work.local_rotations[i, j, k]
-        else:
-            work.moving_shapes[tracking.moving] = i
+    for i in range(count):
+        _take_row(shapes[i], solids[i], tracking.turn)
+        if shapes[i].body != STATIC:
+            moving[tracking.moving] = i
             tracking.moving += 1
 
 
 @kernel
-def _carry(shape: Any, motion: Any, work: Any, i: int) -> None:
+def _carry(shape: Any, motion: Any, solid: Any) -> None:
     """Pose of one shape of a body."""
-    R, p = motion.rotation, shape.position
+    R, p, local = motion.rotation, shape.position, solid.local
     for j in range(3):
-        x = motion.position[j] + R[j, 0] * p[0] + R[j, 1] * p[1] + R[j, 2] * p[2]
-        work.shape_positions[i, j] = x
-        work.bounds[j, i] = x
+        solid.position[j] = motion.position[j] + R[j, 0] * p[0] + R[j, 1] * p[1] + R[j, 2] * p[2]
         for k in range(3):
-            work.shape_rotations[i, j, k] = (
-                R[j, 0] * work.local_rotations[i, 0, k]
-                + R[j, 1] * work.local_rotations[i, 1, k]
-                + R[j, 2] * work.local_rotations[i, 2, k]
-            )
+            solid.rotation[j, k] = R[j, 0] * local[0, k] + R[j, 1] * local[1, k] + R[j, 2] * local[2, k]
+
+
+@kernel
+def _carry_all(shapes: Any, motions: Any, solids: Any, moving: Any, tracking: Any, changed: bool) -> None:
+    for n in range(tracking.moving):
+        i = moving[n]
+        motion = motions[shapes[i].body]
+        if changed or motion.asleep == 0:
+            _carry(shapes[i], motion, solids[i])
+
+
+@kernel
+def _show(solids: Any, rotations: Any, positions: Any, bounds: Any, i: int) -> None:
+    """Copy one pose to the tables that touch reads."""
+    solid = solids[i]
+    for j in range(3):
+        positions[i, j] = solid.position[j]
+        bounds[j, i] = solid.position[j]
+        for k in range(3):
+            rotations[i, j, k] = solid.rotation[j, k]
+    bounds[3, i] = solid.radius if solid.enabled else -1.0
+
+
+@kernel
+def _show_all(solids: Any, rotations: Any, positions: Any, bounds: Any, moving: Any, tracking: Any, every: int) -> None:
+    """Copy the poses of what moves, or of the first `every` shapes."""
+    if every > 0:
+        for i in range(every):
+            _show(solids, rotations, positions, bounds, i)
+    else:
+        for n in range(tracking.moving):
+            _show(solids, rotations, positions, bounds, moving[n])
+
+
+@kernel
+def _pose(
+    shapes: Any,
+    motions: Any,
+    solids: Any,
+    moving: Any,
+    rotations: Any,
+    positions: Any,
+    bounds: Any,
+    tracking: Any,
+    counts: Any,
+) -> None:
+    changed = tracking.posed_revision != counts.revision + 1
+    if changed:
+        tracking.posed_revision = counts.revision + 1
+        _take_rows(shapes, solids, moving, tracking, counts.shapes)
+    _carry_all(shapes, motions, solids, moving, tracking, changed)
+    _show_all(solids, rotations, positions, bounds, moving, tracking, counts.shapes if changed else 0)
 
 
 @kernel
@@ -90,17 +164,11 @@ def pose_shapes(rows: Any, work: Any, counts: Any) -> None:
 
     Args:
         rows: `Rows` of this tick.
-        work: `ObjectWork`: motions are read; shape_rotations, shape_positions and bounds are set.
+        work: `ObjectWork`: motions are read; solids, shape_rotations, shape_positions and bounds are set.
         counts: SCENE.objects.
     """
-    tracking = work.tracking[0]
-    changed = tracking.posed_revision != counts.revision + 1
-    if changed:
-        tracking.posed_revision = counts.revision + 1
-        _take_rows(rows, work, counts, tracking)
-    for n in range(tracking.moving):
-        i = work.moving_shapes[n]
-        shape = rows.shapes[i]
-        motion = work.motions[shape.body]
-        if changed or motion.asleep == 0:
-            _carry(shape, motion, work, i)
+    # Only arrays that are needed go on: each one handed to a function that is not inlined is counted, atomically.
+    _pose(
+        rows.shapes, work.motions, work.solids, work.moving_shapes, work.shape_rotations, work.shape_positions,
+        work.bounds, work.tracking[0], counts,
+    )  # fmt: skip

@@ -1,0 +1,151 @@
+"""Collisions of haptic objects (4.2.9): near pairs, their contact points, their forces, who wakes whom.
+
+Figures 40-44 and beyond: sphere, capsule, cylinder, box and wall, each with each, any number of shapes to a body.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mimics_app.contracts.haptic_objects import ShapeKind
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.objects.bodies import is_free, load_bodies, rest_time, wake
+from mimics_app.rendering.haptic.kernels.objects.collisions_boxes import separate_boxes
+from mimics_app.rendering.haptic.kernels.objects.collisions_hulls import separate_hulls
+from mimics_app.rendering.haptic.kernels.objects.collisions_round import touch_by_capsule, touch_by_sphere
+from mimics_app.rendering.haptic.kernels.objects.collisions_walls import touch_wall
+from mimics_app.rendering.haptic.kernels.objects.manifold import lay_over, write_feature
+from mimics_app.rendering.haptic.kernels.objects.resolve import part, push_apart
+from mimics_app.rendering.haptic.kernels.objects.sweep import find_pairs, near
+from mimics_app.rendering.haptic.kernels.objects.triples import Three, dot, times
+
+__all__ = ["collide_bodies"]
+
+_WALL = int(ShapeKind.WALL)
+_SPHERE = int(ShapeKind.SPHERE)
+_BOX = int(ShapeKind.BOX)
+_CYLINDER = int(ShapeKind.CYLINDER)
+_CAPSULE = int(ShapeKind.CAPSULE)
+
+_TILTED = 1e-2
+"""1 - cosine between a normal and the nearer face from which the rounding of edges counts in full."""
+
+_PRESSED = 0.01
+"""A sleeper wakes when a contact's force differs by so much per mass from when it fell asleep [N/kg]."""
+
+
+@kernel
+def _lay_features(a: Any, b: Any, n: Three, rounded: float, room: Any) -> int:
+    """Contact points of two solids along n."""
+    count_a, out_a, lone_a = write_feature(a, n, room.feature_a)
+    count_b, out_b, lone_b = write_feature(b, times(-1.0, n), room.feature_b)
+    lone = lone_a if count_a == 2 else lone_b if count_b == 2 else min(lone_a, lone_b)
+    tilt = 1.0 - max(dot(out_a, n), -dot(out_b, n))
+    correction = rounded * min(1.0, tilt / _TILTED)
+    round_b = b.size[0] if b.kind == _CYLINDER else 0.0
+    return lay_over(
+        room.feature_a, count_a, out_a, room.feature_b, count_b, out_b, n, lone, round_b, correction,
+        room.polygon, room.points,
+    )  # fmt: skip
+
+
+@kernel
+def _touch(pair: Any, a: Any, b: Any, room: Any) -> int:
+    """Contact points of one pair into `room.points`, and its normal; returns how many."""
+    last = (pair.normal[0], pair.normal[1], pair.normal[2])
+    count, n = 0, last
+    if b.kind == _WALL:
+        count, n = touch_wall(a, b, room.feature_a, room.points)
+    elif a.kind == _SPHERE:
+        count, n = touch_by_sphere(a, b, last, room.points)
+    elif a.kind == _CAPSULE:
+        count, n = touch_by_capsule(a, b, last, room.points)
+    elif a.kind == _CYLINDER:
+        overlap, rounded, n = separate_hulls(a, b, last, room.simplex)
+        if overlap > 0.0:
+            count = _lay_features(a, b, n, rounded, room)
+    else:
+        pair.feature, overlap, n = separate_boxes(a, b, pair.feature, last)
+        if pair.feature > 0:
+            count = _lay_features(a, b, n, 0.0, room)
+    if count > 0:
+        pair.normal[0], pair.normal[1], pair.normal[2] = n
+    return count
+
+
+@kernel
+def _is_awake(bodies: Any, motions: Any, k: int) -> bool:
+    """True for a body that can move and does not sleep."""
+    return k >= 0 and motions[k].asleep == 0 and is_free(bodies[k])
+
+
+@kernel
+def _stir(pair: Any, sleeper: Any, mover: Any, dynamics: Any, mass: float, doze: int) -> None:
+    """A neighbour that moves, or presses otherwise than it did, wakes a sleeper; a restless one keeps the other up."""
+    if sleeper.asleep:
+        if mover.quiet_ticks == 0 or abs(pair.force - pair.rest_force) > _PRESSED * mass:
+            wake(sleeper)
+    elif mover.quiet_ticks <= doze:
+        dynamics.stirred = 1
+
+
+@kernel
+def _rouse(pair: Any, bodies: Any, motions: Any, dynamics: Any, doze: int) -> None:
+    """What a contact means for the sleep of its two bodies."""
+    i, j = pair.body_a, pair.body_b
+    if i < 0 or j < 0 or not is_free(bodies[i]) or not is_free(bodies[j]):
+        return
+    first_awake, second_awake = motions[i].asleep == 0, motions[j].asleep == 0
+    if second_awake:
+        _stir(pair, motions[i], motions[j], dynamics[i], bodies[i].mass, doze)
+    if first_awake:
+        _stir(pair, motions[j], motions[i], dynamics[j], bodies[j].mass, doze)
+    if first_awake and second_awake:
+        pair.rest_force = pair.force
+
+
+@kernel
+def _collide(
+    bodies: Any, motions: Any, dynamics: Any, solids: Any, pairs: Any, still: Any, room: Any, totals: Any, count: int,
+    dt: float,
+) -> None:  # fmt: skip
+    """All pairs, in the order of the list."""
+    doze = rest_time(dt)
+    for k in range(count):
+        pair = pairs[k]
+        i, j = pair.body_a, pair.body_b
+        if not (_is_awake(bodies, motions, i) or _is_awake(bodies, motions, j)):
+            continue
+        a, b = solids[pair.a], solids[pair.b]
+        found = 0
+        if b.kind == _WALL or near(a, b):
+            found = _touch(pair, a, b, room)
+        if found == 0:
+            part(pair)
+            continue
+        first = motions[i] if i >= 0 else still[0]
+        second = motions[j] if j >= 0 else still[0]
+        push_apart(pair, room.points, found, first, second, totals, dt)
+        _rouse(pair, bodies, motions, dynamics, doze)
+
+
+@kernel
+def collide_bodies(rows: Any, work: Any, counts: Any, dt: float) -> None:
+    """Add F_aux, T_aux, weight and the forces of all contacts to the bodies; `totals.impact*` tells the hardest.
+
+    Deep overlaps (bodies spawned in one another) push out along the way that is shortest, with the force of (17): at
+    most the stiffness times half of the smaller body.
+
+    Args:
+        rows: `Rows` of this tick.
+        work: `ObjectWork`; motions, pairs and totals are updated.
+        counts: SCENE.objects.
+        dt: Tick [s].
+    """
+    if counts.bodies > 0:
+        load_bodies(rows.bodies, work.motions, work.dynamics, work.aux_forces, work.aux_torques, counts.bodies)
+        find_pairs(rows, work, counts, dt)
+        _collide(
+            rows.bodies, work.motions, work.dynamics, work.solids, work.pairs, work.still, work.scratch[0],
+            work.totals[0], work.sweep[0].pairs, dt,
+        )  # fmt: skip

@@ -1,0 +1,151 @@
+"""Spheres and capsules against solids (Figures 40, 44): closest points, by the signed distance of the other shape.
+
+A capsule lies on another solid along a part of its axis: the ends of that part carry half of the contact's stiffness
+each, and where the axis is nearest in between (an edge that presses into its middle) what is deeper there than the line
+between the ends. All three move without a jump when the capsule rolls, tips over an edge, or crosses another.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic_objects import ShapeKind
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.objects.distances import distance_to
+from mimics_app.rendering.haptic.kernels.objects.manifold import add_point
+from mimics_app.rendering.haptic.kernels.objects.triples import Three, along, axis, dot, into, middle, minus, times
+
+__all__ = ["touch_by_capsule", "touch_by_sphere"]
+
+Points = NDArray[np.float64]
+Span = tuple[float, float]
+
+_BOX = int(ShapeKind.BOX)
+_CYLINDER = int(ShapeKind.CYLINDER)
+
+_HALVINGS = 40
+"""Steps of the search along the axis: to 1e-12 of its length."""
+
+_FLAT = 1e-9
+"""Slope of the distance along the axis that counts as level: the capsule is parallel to a face."""
+
+_FACE = 1.0 - 1e-9
+"""Cosine of a normal with an axis of the solid from which it is that of a face."""
+
+
+@kernel
+def touch_by_sphere(a: Any, b: Any, last: Three, points: Points) -> tuple[int, Three]:
+    """Contact point of sphere a with shape b (not a wall).
+
+    Args:
+        a: SOLID of a sphere.
+        b: SOLID of the other shape.
+        last: Normal of the last tick from a to b, or zero: decides at coinciding centres and deep inside.
+        points: Receives the point, see `manifold`.
+
+    Returns:
+        (points, unit normal from a to b).
+    """
+    centre, radius = middle(a), a.size[0]
+    far, n = distance_to(b, centre, times(-1.0, last))
+    if far >= radius:
+        return 0, last
+    half_way = along(centre, -0.5 * (far + radius), n)
+    return add_point(points, 0, half_way, radius - far, 1.0), times(-1.0, n)
+
+
+@kernel
+def _nearest(b: Any, start: Three, run: Three, hint: Three) -> tuple[float, float, Three]:
+    """Where on the axis the distance to shape b is least: (share of the axis, distance, normal).
+
+    The distance is convex along the axis and its slope is the normal's component along it, so halving finds it.
+    """
+    low, high, t = 0.0, 1.0, 0.5
+    far, n = distance_to(b, along(start, t, run), hint)
+    for _ in range(_HALVINGS):
+        slope = dot(n, run)
+        if abs(slope) <= _FLAT * math.sqrt(dot(run, run)):
+            break
+        if slope > 0.0:
+            high = t
+        else:
+            low = t
+        t = 0.5 * (low + high)
+        far, n = distance_to(b, along(start, t, run), hint)
+    return t, far, n
+
+
+@kernel
+def _slab(p: float, run: float, half: float, span: Span) -> Span:
+    """Part of a span of the axis within |p + t run| <= half."""
+    if abs(run) < 1e-12:
+        return span if abs(p) <= half else (1.0, 0.0)
+    s, t = (-half - p) / run, (half - p) / run
+    return max(span[0], min(s, t)), min(span[1], max(s, t))
+
+
+@kernel
+def _disc(p: Three, run: Three, radius: float, span: Span) -> Span:
+    """Part of a span of the axis over a cap, x^2 + z^2 <= r^2."""
+    square = run[0] * run[0] + run[2] * run[2]
+    if square < 1e-24:
+        return span
+    b = (p[0] * run[0] + p[2] * run[2]) / square
+    c = (p[0] * p[0] + p[2] * p[2] - radius * radius) / square
+    root = b * b - c
+    if root < 0.0:
+        return 1.0, 0.0
+    return max(span[0], -b - math.sqrt(root)), min(span[1], -b + math.sqrt(root))
+
+
+@kernel
+def _common_part(kind: int, size: Any, p: Three, run: Three, n: Three) -> Span:
+    """Part of the axis that runs over the face with normal n; reversed where there is none. All in the frame of b."""
+    span = (0.0, 1.0)
+    if kind == _BOX:
+        if max(abs(n[0]), max(abs(n[1]), abs(n[2]))) < _FACE:
+            return 1.0, 0.0
+        for i in range(3):
+            if abs(n[i]) < 0.5:
+                span = _slab(p[i], run[i], 0.5 * size[i], span)
+        return span
+    if kind == _CYLINDER and abs(n[1]) > _FACE:
+        return _disc(p, run, size[0], span)
+    if abs(n[1]) > 1.0 - _FACE and kind == _CYLINDER:
+        return 1.0, 0.0
+    return _slab(p[1], run[1], 0.5 * size[1], span)
+
+
+@kernel
+def touch_by_capsule(a: Any, b: Any, last: Three, points: Points) -> tuple[int, Three]:
+    """Contact points of capsule a with shape b (capsule, cylinder or box); arguments as `touch_by_sphere`."""
+    radius = a.size[0]
+    run = times(a.size[1], axis(a, 1))
+    start = along(middle(a), -0.5, run)
+    hint = times(-1.0, last)
+    at, far, n = _nearest(b, start, run, hint)
+    if far >= radius:
+        return 0, last
+    local = into(b, minus(start, middle(b)))
+    low, high = _common_part(b.kind, b.size, local, into(b, run), into(b, n))
+    count, between = 0, 0.0
+    if low < high:
+        at = min(max(at, low), high)
+        for end in range(2):
+            t = high if end == 1 else low
+            p = along(start, t, run)
+            away, _ = distance_to(b, p, hint)
+            depth = radius - away
+            if depth > 0.0:
+                weight = (at - low) if end == 1 else (high - at)
+                between += depth * weight / (high - low)
+                count = add_point(points, count, along(p, -0.5 * (away + radius), n), depth, 0.5)
+    depth = radius - far
+    if depth > between:
+        half_way = along(along(start, at, run), -0.5 * (far + radius), n)
+        count = add_point(points, count, half_way, depth, (depth - between) / depth)
+    return count, times(-1.0, n)

@@ -1,0 +1,108 @@
+"""Signed distance from a point to a shape, and the outward normal there, in the shape's frame.
+
+Distance < 0 inside. Inside a box or cylinder the normal is that of the nearest face, but a `hint` (the normal of the
+last tick, or zero) holds its face until another is less than half as deep, so that a ball pushed in far does not flip.
+All are convex: their distance is a convex function of the point.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from mimics_app.contracts.haptic_objects import ShapeKind
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.objects.triples import Three, across, dot, into, middle, minus, out_of, unit
+
+__all__ = ["distance_to", "shape_distance"]
+
+_SPHERE = int(ShapeKind.SPHERE)
+_BOX = int(ShapeKind.BOX)
+_CYLINDER = int(ShapeKind.CYLINDER)
+
+_HELD = 0.5
+"""A face that is held counts as so much nearer than it is."""
+
+_ALIKE = 0.9
+"""Cosine above which a hint means a face."""
+
+
+@kernel
+def _from_centre(q: Three, radius: float, hint: Three) -> tuple[float, Three]:
+    """Distance to a ball; at its centre the normal is the hint, or up."""
+    far = math.sqrt(dot(q, q))
+    if far < 1e-12:
+        return far - radius, unit(hint, (0.0, 1.0, 0.0))
+    return far - radius, (q[0] / far, q[1] / far, q[2] / far)
+
+
+@kernel
+def _box(q: Three, half: Three, hint: Three) -> tuple[float, Three]:
+    x, y, z = abs(q[0]) - half[0], abs(q[1]) - half[1], abs(q[2]) - half[2]
+    sx, sy, sz = math.copysign(1.0, q[0]), math.copysign(1.0, q[1]), math.copysign(1.0, q[2])
+    if x > 0.0 or y > 0.0 or z > 0.0:
+        out = (sx * max(x, 0.0), sy * max(y, 0.0), sz * max(z, 0.0))
+        far = math.sqrt(dot(out, out))
+        return far, (out[0] / far, out[1] / far, out[2] / far)
+    hx = x * _HELD if hint[0] * sx > _ALIKE else x
+    hy = y * _HELD if hint[1] * sy > _ALIKE else y
+    hz = z * _HELD if hint[2] * sz > _ALIKE else z
+    if hx >= hy and hx >= hz:
+        return x, (sx, 0.0, 0.0)
+    if hy >= hz:
+        return y, (0.0, sy, 0.0)
+    return z, (0.0, 0.0, sz)
+
+
+@kernel
+def _cylinder(q: Three, radius: float, half: float, hint: Three) -> tuple[float, Three]:
+    rho = math.sqrt(q[0] * q[0] + q[2] * q[2])
+    if rho > 1e-12:
+        side = (q[0] / rho, 0.0, q[2] / rho)
+    else:
+        side = unit((hint[0], 0.0, hint[2]), (1.0, 0.0, 0.0))
+    up = math.copysign(1.0, q[1])
+    across_side, across_cap = rho - radius, abs(q[1]) - half
+    if across_side > 0.0 and across_cap > 0.0:
+        far = math.sqrt(across_side * across_side + across_cap * across_cap)
+        return far, (side[0] * across_side / far, up * across_cap / far, side[2] * across_side / far)
+    outside = across_side > 0.0 or across_cap > 0.0
+    by_cap = across_cap * _HELD if not outside and hint[1] * up > _ALIKE else across_cap
+    by_side = (
+        across_side * _HELD if not outside and abs(hint[1]) < 1.0 - _ALIKE and dot(hint, hint) > 0.5 else across_side
+    )
+    if by_cap >= by_side:
+        return across_cap, (0.0, up, 0.0)
+    return across_side, side
+
+
+@kernel
+def shape_distance(kind: int, size: Any, q: Three, hint: Three) -> tuple[float, Three]:
+    """(distance [m], outward unit normal) of a point from a sphere, box, cylinder or capsule.
+
+    Args:
+        kind: ShapeKind.
+        size: SHAPE.size.
+        q: The point in the shape's frame [m].
+        hint: Last normal in that frame, or zero: decides where the geometry does not.
+    """
+    if kind == _SPHERE:
+        return _from_centre(q, size[0], hint)
+    if kind == _BOX:
+        return _box(q, (0.5 * size[0], 0.5 * size[1], 0.5 * size[2]), hint)
+    if kind == _CYLINDER:
+        return _cylinder(q, size[0], 0.5 * size[1], hint)
+    half = 0.5 * size[1]
+    foot = min(max(q[1], -half), half)
+    sideways = hint
+    if abs(q[1]) < half:  # on the axis only directions across it lead out
+        axis = (0.0, 1.0, 0.0)
+        sideways = unit((hint[0], 0.0, hint[2]), across(axis))
+    return _from_centre((q[0], q[1] - foot, q[2]), size[0], sideways)
+
+
+@kernel
+def distance_to(solid: Any, p: Three, hint: Three) -> tuple[float, Three]:
+    """`shape_distance` of a SOLID, with point, hint and normal in the world."""
+    far, n = shape_distance(solid.kind, solid.size, into(solid, minus(p, middle(solid))), into(solid, hint))
+    return far, out_of(solid, n)

@@ -1,0 +1,342 @@
+"""Contact points of two flat or straight features along one normal: faces, caps, lines.
+
+Each solid offers the feature it turns towards the other: a box the face that looks most along the normal, a cylinder
+its cap (eight points of the rim, the deepest first) or the line of its side. The two are laid over each other along the
+normal; what both cover is a polygon, a line or a point, and the depth at each of its corners is the difference of the
+two heights. So one rule serves a face on a face, a tilted face (edge or corner on a face) and two crossing edges.
+
+The stiffness of a contact belongs to a whole face and is spread over the corners by their share of the outline: a
+corner half of both its sides. No share jumps when corners merge, and none when a corner dips in, for its depth is 0
+there. A box that stands has its whole stiffness, on an edge a half, on a corner a quarter: its effective mass at those
+falls as fast, so that one bound on the mass serves all (see `check_bodies`).
+
+Points are rows x, y, z, depth, share of an array [MOST_POINTS, 5]; polygons are rows u, v of the plane of contact.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic_objects import ShapeKind
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.objects.triples import (
+    Three,
+    across,
+    along,
+    axis,
+    cross,
+    dot,
+    middle,
+    minus,
+    times,
+    unit,
+)
+
+__all__ = ["MOST_POINTS", "SCRATCH", "add_point", "lay_over", "write_feature"]
+
+Points = NDArray[np.float64]
+Polygon = NDArray[np.float64]
+
+MOST_POINTS = 24
+"""Rows of a table of contact points: two octagons overlap in 16 corners at most."""
+
+_RIM = 8
+_LEANS = math.sqrt(0.5)
+"""Cosine between the axis of a cylinder and the normal from which its cap counts and no longer its side."""
+
+_BOX = int(ShapeKind.BOX)
+
+SCRATCH = np.dtype(
+    [
+        ("feature_a", "f8", (8, 3)),  # world [m]
+        ("feature_b", "f8", (8, 3)),
+        ("polygon", "f8", (3, 24, 2)),  # of both in the plane, and the third to clip into
+        ("points", "f8", (MOST_POINTS, 5)),  # of contact
+        ("simplex", "f8", (4, 3)),
+    ],
+    align=True,
+)
+"""Room for one pair at a time."""
+
+Plane = tuple[float, float, float]
+"""Height over the plane of contact as h = a + b u + c v."""
+
+
+@kernel
+def add_point(points: Points, count: int, p: Three, depth: float, share: float) -> int:
+    """Append a contact point; returns how many there are."""
+    if count >= points.shape[0]:
+        return count
+    points[count, 0], points[count, 1], points[count, 2] = p
+    points[count, 3] = depth
+    points[count, 4] = share
+    return count + 1
+
+
+@kernel
+def _box_face(solid: Any, d: Three, corners: Any) -> Three:
+    """Write the four corners of the face of a box that looks most along d, in order; returns its outward normal."""
+    size = solid.size
+    axes = (axis(solid, 0), axis(solid, 1), axis(solid, 2))
+    looks = (dot(axes[0], d), dot(axes[1], d), dot(axes[2], d))
+    face = 0
+    if abs(looks[1]) > abs(looks[face]):
+        face = 1
+    if abs(looks[2]) > abs(looks[face]):
+        face = 2
+    if face == 0:
+        n, t, s, depth, width, height = axes[0], axes[1], axes[2], size[0], size[1], size[2]
+    elif face == 1:
+        n, t, s, depth, width, height = axes[1], axes[2], axes[0], size[1], size[2], size[0]
+    else:
+        n, t, s, depth, width, height = axes[2], axes[0], axes[1], size[2], size[0], size[1]
+    out = times(math.copysign(1.0, looks[face]), n)
+    centre = along(middle(solid), 0.5 * depth, out)
+    for corner in range(4):
+        u = 0.5 * width if corner == 0 or corner == 3 else -0.5 * width
+        v = 0.5 * height if corner < 2 else -0.5 * height
+        p = along(along(centre, u, t), v, s)
+        corners[corner, 0], corners[corner, 1], corners[corner, 2] = p
+    return out
+
+
+@kernel
+def _cylinder_feature(solid: Any, d: Three, corners: Any) -> tuple[int, Three]:
+    """Write the cap or the side line of a cylinder that looks along d; returns how many points and the normal."""
+    size, up, centre = solid.size, axis(solid, 1), middle(solid)
+    looks = dot(up, d)
+    leaning = along(d, -looks, up)
+    # An upright cylinder has no deepest rim point: any will do, as four or more points resist alike all round.
+    down = unit(leaning, across(up))
+    if abs(looks) < _LEANS:
+        for end in range(2):
+            p = along(along(centre, size[0], down), (end - 0.5) * size[1], up)
+            corners[end, 0], corners[end, 1], corners[end, 2] = p
+        return 2, down
+    out = times(math.copysign(1.0, looks), up)
+    cap, aside = along(centre, 0.5 * size[1], out), cross(out, down)
+    for k in range(_RIM):
+        angle = 2.0 * math.pi * k / _RIM
+        p = along(along(cap, size[0] * math.cos(angle), down), size[0] * math.sin(angle), aside)
+        corners[k, 0], corners[k, 1], corners[k, 2] = p
+    return _RIM, out
+
+
+@kernel
+def write_feature(solid: Any, d: Three, corners: Any) -> tuple[int, Three, float]:
+    """Write the feature of a box or cylinder that looks along d.
+
+    Args:
+        solid: SOLID of it.
+        d: Unit direction out of it, world.
+        corners: Receives the corners in order, world [m], shape [8, 3].
+
+    Returns:
+        (corners, outward normal of the feature, share of a lone corner of it). Two corners are a line.
+    """
+    if solid.kind == _BOX:
+        return 4, _box_face(solid, d, corners), 0.25
+    count, n = _cylinder_feature(solid, d, corners)
+    if count == 2:
+        # From a half of each end of a lying cylinder to the eighth that a point of the rim has, without a step.
+        lean = abs(dot(axis(solid, 1), d)) / _LEANS
+        return 2, n, 0.5 - (0.5 - 1.0 / _RIM) * lean
+    return count, n, 1.0 / _RIM
+
+
+@kernel
+def _flatten(corners: Any, count: int, origin: Three, u: Three, v: Three, polygon: Polygon) -> None:
+    for k in range(count):
+        q = minus((corners[k, 0], corners[k, 1], corners[k, 2]), origin)
+        polygon[k, 0], polygon[k, 1] = dot(q, u), dot(q, v)
+
+
+@kernel
+def _plane_of(corners: Any, count: int, m: Three, origin: Three, u: Three, v: Three, n: Three) -> Plane:
+    """Height of a feature along n as a linear function: of its face, or along a line and level across it."""
+    first = (corners[0, 0], corners[0, 1], corners[0, 2])
+    q = minus(first, origin)
+    if count > 2:
+        steep = dot(m, n)
+        b, c = -dot(m, u) / steep, -dot(m, v) / steep
+    else:
+        run = minus((corners[1, 0], corners[1, 1], corners[1, 2]), first)
+        eu, ev = dot(run, u), dot(run, v)
+        slope = dot(run, n) / max(eu * eu + ev * ev, 1e-24)
+        b, c = slope * eu, slope * ev
+    return dot(q, n) - b * dot(q, u) - c * dot(q, v), b, c
+
+
+@kernel
+def _clip_edge(polygon: Any, count: int, ax: float, ay: float, nx: float, ny: float, out: Any) -> int:
+    """Keep the part of a polygon or line with (p - a) . n <= 0 (Sutherland & Hodgman 1974); returns its corners."""
+    kept = 0
+    before = (polygon[count - 1, 0] - ax) * nx + (polygon[count - 1, 1] - ay) * ny
+    for k in range(count):
+        last = k - 1 if k > 0 else count - 1
+        here = (polygon[k, 0] - ax) * nx + (polygon[k, 1] - ay) * ny
+        crosses = (here < 0.0 and before > 0.0) or (here > 0.0 and before < 0.0)
+        if crosses and not (count == 2 and k == 0) and kept < out.shape[0]:
+            t = before / (before - here)
+            out[kept, 0] = polygon[last, 0] + t * (polygon[k, 0] - polygon[last, 0])
+            out[kept, 1] = polygon[last, 1] + t * (polygon[k, 1] - polygon[last, 1])
+            kept += 1
+        if here <= 0.0 and kept < out.shape[0]:
+            out[kept, 0], out[kept, 1] = polygon[k, 0], polygon[k, 1]
+            kept += 1
+        before = here
+    return kept
+
+
+@kernel
+def _clip(subject: Any, count: int, window: Any, sides: int, room: Any) -> int:
+    """Clip `subject` by every side of the convex `window`; the result is left in `subject`."""
+    turn = 0.0
+    for k in range(sides):
+        after = k + 1 if k + 1 < sides else 0
+        turn += window[k, 0] * window[after, 1] - window[after, 0] * window[k, 1]
+    way = 1.0 if turn > 0.0 else -1.0
+    for k in range(sides):
+        after = k + 1 if k + 1 < sides else 0
+        ex, ey = window[after, 0] - window[k, 0], window[after, 1] - window[k, 1]
+        count = _clip_edge(subject, count, window[k, 0], window[k, 1], way * ey, -way * ex, room)
+        for j in range(count):
+            subject[j, 0], subject[j, 1] = room[j, 0], room[j, 1]
+        if count == 0:
+            return 0
+    return count
+
+
+@kernel
+def _spread(polygon: Any, count: int, lone: float, k: int, outline: float) -> float:
+    """Share of corner k: half of its two sides of the outline."""
+    if count < 3 or outline < 1e-12:
+        return lone
+    last = k - 1 if k > 0 else count - 1
+    after = k + 1 if k + 1 < count else 0
+    sides = math.hypot(polygon[k, 0] - polygon[last, 0], polygon[k, 1] - polygon[last, 1])
+    sides += math.hypot(polygon[k, 0] - polygon[after, 0], polygon[k, 1] - polygon[after, 1])
+    return 0.5 * sides / outline
+
+
+@kernel
+def _outline(polygon: Any, count: int) -> float:
+    total = 0.0
+    for k in range(count):
+        after = k + 1 if k + 1 < count else 0
+        total += math.hypot(polygon[k, 0] - polygon[after, 0], polygon[k, 1] - polygon[after, 1])
+    return total
+
+
+@kernel
+def _cross_lines(a: Any, b: Any, out: Any) -> int:
+    """Where two lines are above each other: the ends of the part they run side by side, then where they cross.
+
+    Returns how many points: 0, 2 (parallel), or 3.
+    """
+    ax, ay, bx, by = a[1, 0] - a[0, 0], a[1, 1] - a[0, 1], b[1, 0] - b[0, 0], b[1, 1] - b[0, 1]
+    square = max(ax * ax + ay * ay, 1e-24)
+    s = ((b[0, 0] - a[0, 0]) * ax + (b[0, 1] - a[0, 1]) * ay) / square
+    t = ((b[1, 0] - a[0, 0]) * ax + (b[1, 1] - a[0, 1]) * ay) / square
+    low, high = max(0.0, min(s, t)), min(1.0, max(s, t))
+    if low > high:
+        return 0
+    out[0, 0], out[0, 1] = a[0, 0] + low * ax, a[0, 1] + low * ay
+    out[1, 0], out[1, 1] = a[0, 0] + high * ax, a[0, 1] + high * ay
+    area = ax * by - ay * bx
+    if abs(area) < 1e-9 * square:
+        return 2
+    at = min(max(((b[0, 0] - a[0, 0]) * by - (b[0, 1] - a[0, 1]) * bx) / area, low), high)
+    out[2, 0], out[2, 1] = a[0, 0] + at * ax, a[0, 1] + at * ay
+    return 3
+
+
+@kernel
+def _height(plane: Plane, x: float, y: float) -> float:
+    return plane[0] + plane[1] * x + plane[2] * y
+
+
+@kernel
+def _aside(line: Any, x: float, y: float) -> float:
+    """Distance of a point of the plane from the line of a cylinder's side."""
+    ex, ey = line[1, 0] - line[0, 0], line[1, 1] - line[0, 1]
+    return abs((x - line[0, 0]) * ey - (y - line[0, 1]) * ex) / max(math.hypot(ex, ey), 1e-12)
+
+
+@kernel
+def _sag(radius: float, aside: float) -> float:
+    """How far the side of a cylinder has dropped so far from its line [m]."""
+    return radius - math.sqrt(max(radius * radius - aside * aside, 0.0))
+
+
+@kernel
+def lay_over(
+    corners_a: Any,
+    count_a: int,
+    normal_a: Three,
+    corners_b: Any,
+    count_b: int,
+    normal_b: Three,
+    n: Three,
+    lone: float,
+    round_b: float,
+    correction: float,
+    polygons: Any,
+    points: Points,
+) -> int:
+    """Contact points of two features laid over each other along n.
+
+    Args:
+        corners_a: Feature of the first solid, world [m], rows of which the first count_a count.
+        count_a: Its corners; 2: a line.
+        normal_a: Its outward normal.
+        corners_b: Feature of the second; a line only where the first is one too, or is a polygon.
+        count_b: Its corners.
+        normal_b: Its outward normal.
+        n: Unit, from the first to the second.
+        lone: Share of a corner that has no outline around it.
+        round_b: Radius of the second where its feature is the side line of a cylinder and the first's is too [m].
+        correction: Depth to be taken off every point [m]: what rounded edges lack.
+        polygons: SCRATCH.polygon.
+        points: Receives the points, shape [MOST_POINTS, 5].
+
+    Returns:
+        How many points there are, those with a depth > 0 only.
+    """
+    u = across(n)
+    v = cross(n, u)
+    origin = (corners_a[0, 0], corners_a[0, 1], corners_a[0, 2])
+    _flatten(corners_a, count_a, origin, u, v, polygons[0])
+    _flatten(corners_b, count_b, origin, u, v, polygons[1])
+    plane_a = _plane_of(corners_a, count_a, normal_a, origin, u, v, n)
+    plane_b = _plane_of(corners_b, count_b, normal_b, origin, u, v, n)
+    lines = count_a == 2 and count_b == 2
+    if lines:
+        kept, found = 2, _cross_lines(polygons[0], polygons[1], polygons[2])
+    elif count_b > 2 and count_a == 2:
+        kept, found = 0, _clip(polygons[0], count_a, polygons[1], count_b, polygons[2])
+    else:
+        kept, found = 1, _clip(polygons[1], count_b, polygons[0], count_a, polygons[2])
+    polygon = polygons[kept]
+    outline = _outline(polygon, found)
+    count, side_by_side = 0, 0.0
+    for k in range(found):
+        x, y = polygon[k, 0], polygon[k, 1]
+        height_a, height_b = _height(plane_a, x, y), _height(plane_b, x, y)
+        depth = height_a - height_b - correction
+        share = _spread(polygon, found, lone, k, outline)
+        if lines and k < 2:
+            depth -= _sag(round_b, _aside(polygons[1], x, y))
+            side_by_side += 0.5 * max(depth, 0.0)
+            share = 0.5
+        elif lines:
+            # What the crossing is deeper than the two ends of the common part; parallel lines have no crossing.
+            share = max(depth - side_by_side, 0.0) / max(depth, 1e-12)
+        if depth > 0.0:
+            p = along(along(along(origin, x, u), y, v), 0.5 * (height_a + height_b), n)
+            count = add_point(points, count, p, depth, share)
+    return count

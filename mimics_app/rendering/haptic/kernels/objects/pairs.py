@@ -1,0 +1,211 @@
+"""The pairs of shapes that may touch: what each remembers, and how two surfaces act as one.
+
+A pair keeps its normal, its friction and whether it touches from tick to tick, as long as its shapes are near each
+other. Pairs lie densely in one array; a hash of both shapes finds one when the list is made anew.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic_objects import ForceLaw
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.contact_law import pair_damping, pair_stiffness
+
+__all__ = ["PAIR", "add_pair", "drop_pairs", "find_pair", "forget_contact", "forget_pairs", "join_surfaces"]
+
+Slots = NDArray[np.int64]
+
+_HUNT_CROSSLEY = int(ForceLaw.HUNT_CROSSLEY)
+
+_RANKS = np.array([5, 0, 3, 2, 1, 4], np.int64)
+"""By ShapeKind: the shape of lower rank is the first of a pair, so that each pair of kinds has one test."""
+
+_LONG_APART = 1 << 30
+
+PAIR = np.dtype(
+    [
+        ("a", "i4"),  # rows of SHAPE
+        ("b", "i4"),
+        ("body_a", "i4"),  # rows of BODY, or STATIC
+        ("body_b", "i4"),
+        ("kept", "i4"),  # 1: found again by the sweep
+        ("law", "i4"),  # ForceLaw
+        ("slot", "i8"),  # where the hash has it
+        # both surfaces as one
+        ("stiffness", "f8"),  # k_s [N/m], [N/m^n]
+        ("damping", "f8"),  # b_s [N s/m], or a of Hunt and Crossley [s/m]
+        ("exponent", "f8"),
+        ("friction_static", "f8"),
+        ("friction_dynamic", "f8"),
+        ("friction_stiffness", "f8"),  # [N/m]
+        ("friction_damping", "f8"),  # [N s/m], of the spring-damper law
+        # memory of the contact
+        ("normal", "f8", (3,)),  # unit, from a to b, world; zero: they have never met
+        ("stretch", "f8", (3,)),  # of the spring from the friction's anchor to the contact [m]
+        ("twist", "f8"),  # angle that the patch of contact holds about the normal [rad]
+        ("share", "f8"),  # of the stiffness that touches, smoothed
+        ("force", "f8"),  # normal force of the last tick [N]
+        ("rest_force", "f8"),  # likewise, of the last tick that both were awake
+        ("feature", "i4"),  # axis of two boxes
+        ("touching", "i4"),
+        ("sticking", "i4"),
+        ("ticks_apart", "i4"),
+    ],
+    align=True,
+)
+"""Two shapes that may touch."""
+
+
+@kernel
+def forget_contact(pair: Any) -> None:
+    """The contact ended."""
+    for i in range(3):
+        pair.stretch[i] = 0.0
+    pair.twist = 0.0
+    pair.share = 0.0
+    pair.force = 0.0
+    pair.touching = 0
+    pair.sticking = 1
+
+
+@kernel
+def _forget(pair: Any) -> None:
+    """As if the two had never met."""
+    forget_contact(pair)
+    for i in range(3):
+        pair.normal[i] = 0.0
+    pair.rest_force = 0.0
+    pair.feature = 0
+    pair.ticks_apart = _LONG_APART
+
+
+@kernel
+def _series_of_powers(first: Any, second: Any, pair: Any) -> None:
+    """Two Hunt-Crossley surfaces of one exponent: the force is the same in both, the depths add.
+
+    k = (k1^(-1/n) + k2^(-1/n))^-n, and at low speed a = s1^2 a1 + s2^2 a2 with the shares s = (k/ki)^(1/n) of depth.
+    """
+    n = first.exponent
+    soft1, soft2 = first.stiffness ** (-1.0 / n), second.stiffness ** (-1.0 / n)
+    share1, share2 = soft1 / (soft1 + soft2), soft2 / (soft1 + soft2)
+    pair.stiffness = (soft1 + soft2) ** (-n)
+    pair.damping = share1 * share1 * first.damping + share2 * share2 * second.damping
+    pair.exponent = n
+
+
+@kernel
+def join_surfaces(first: Any, second: Any, pair: Any) -> None:
+    """Set the pair's stiffness, damping and friction from its two shapes, (17) corrected.
+
+    Coefficients of friction join as their geometric mean: against a frictionless surface there is none. Surfaces of
+    different laws are refused by `check_bodies`; here they act as spring-dampers.
+
+    Args:
+        first: SHAPE of one.
+        second: SHAPE of the other.
+        pair: PAIR, updated.
+    """
+    both_power = first.law == _HUNT_CROSSLEY and second.law == _HUNT_CROSSLEY
+    pair.law = _HUNT_CROSSLEY if both_power else 0
+    if both_power:
+        _series_of_powers(first, second, pair)
+    else:
+        pair.stiffness = pair_stiffness(first.stiffness, second.stiffness)
+        pair.damping = pair_damping(first.stiffness, first.damping, second.stiffness, second.damping)
+        pair.exponent = 1.0
+    pair.friction_dynamic = math.sqrt(first.friction_dynamic * second.friction_dynamic)
+    pair.friction_static = max(pair.friction_dynamic, math.sqrt(first.friction_static * second.friction_static))
+    k1 = first.friction_stiffness if first.friction_stiffness > 0.0 else first.stiffness
+    k2 = second.friction_stiffness if second.friction_stiffness > 0.0 else second.stiffness
+    pair.friction_stiffness = pair_stiffness(k1, k2)
+    pair.friction_damping = pair.damping * pair.friction_stiffness / pair.stiffness
+
+
+@kernel
+def _home(a: int, b: int, slots: Slots) -> int:
+    """Where the hash looks first for a pair; the table's length is a power of two."""
+    mixed = (a * 73856093) ^ (b * 19349663)
+    return (mixed ^ (mixed >> 15)) & (slots.shape[0] - 1)
+
+
+@kernel
+def find_pair(a: int, b: int, pairs: Any, slots: Slots) -> int:
+    """Row of the pair of shapes a and b, or minus the free slot found, less 1."""
+    slot = _home(a, b, slots)
+    while slots[slot] >= 0:
+        pair = pairs[slots[slot]]
+        if pair.a == a and pair.b == b:
+            return slots[slot]
+        slot = (slot + 1) & (slots.shape[0] - 1)
+    return -slot - 1
+
+
+@kernel
+def add_pair(i: int, j: int, shapes: Any, pairs: Any, slots: Slots, count: int) -> int:
+    """Keep the pair of shapes i and j, or begin it; returns how many pairs there are, or -1 when the table is full.
+
+    Args:
+        i: Row of a shape.
+        j: Row of another.
+        shapes: Rows of SHAPE.
+        pairs: PAIR rows of which the first `count` are in use.
+        slots: Hash, rows of pairs or -1; at least twice as long as `pairs`, a power of two.
+        count: Pairs in use.
+    """
+    first = _RANKS[shapes[i].kind] * shapes.shape[0] + i
+    second = _RANKS[shapes[j].kind] * shapes.shape[0] + j
+    a, b = (i, j) if first < second else (j, i)
+    found = find_pair(a, b, pairs, slots)
+    if found >= 0:
+        pairs[found].kept = 1
+        return count
+    if count >= pairs.shape[0]:
+        return -1
+    pair = pairs[count]
+    pair.a, pair.b = a, b
+    pair.body_a, pair.body_b = shapes[a].body, shapes[b].body
+    pair.kept = 1
+    pair.slot = -found - 1
+    slots[pair.slot] = count
+    _forget(pair)
+    join_surfaces(shapes[a], shapes[b], pair)
+    return count + 1
+
+
+@kernel
+def drop_pairs(pairs: Any, slots: Slots, count: int) -> int:
+    """Leave out pairs that were not kept, the others in their order; returns how many are left."""
+    left = 0
+    for k in range(count):
+        left += pairs[k].kept
+    if left == count:
+        return count
+    for k in range(count):
+        slots[pairs[k].slot] = -1
+    left = 0
+    for k in range(count):
+        if pairs[k].kept:
+            if left != k:
+                pairs[left] = pairs[k]
+            left += 1
+    for k in range(left):
+        pair = pairs[k]
+        pair.slot = -find_pair(pair.a, pair.b, pairs, slots) - 1
+        slots[pair.slot] = k
+    return left
+
+
+@kernel
+def forget_pairs(pairs: Any, count: int, dynamics: Any) -> None:
+    """Drop the memory of pairs of which a body was put somewhere else."""
+    for k in range(count):
+        pair = pairs[k]
+        moved_a = pair.body_a >= 0 and dynamics[pair.body_a].placed
+        moved_b = pair.body_b >= 0 and dynamics[pair.body_b].placed
+        if moved_a or moved_b:
+            _forget(pair)
