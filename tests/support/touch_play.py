@@ -6,13 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from mimics_app.contracts.haptic_objects import MAX_POINTS, ShapeKind
+from mimics_app.contracts.haptic_objects import MAX_POINTS, OBJECT_COUNTS, ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.bodies import load_bodies, place_bodies, step_bodies
 from mimics_app.rendering.haptic.kernels.objects.points import place_points
 from mimics_app.rendering.haptic.kernels.objects.poses import pose_shapes
 from mimics_app.rendering.haptic.kernels.objects.totals import clear_totals
 from mimics_app.rendering.haptic.kernels.objects.touch import touch_points
+from mimics_app.rendering.haptic.mesh_table import build_mesh_table
+from mimics_app.rendering.haptic.objects import ObjectCapacities, new_object_work, new_rows
 from tests.support.body_play import Play
 
 RIM = 0.02
@@ -26,7 +28,34 @@ SOLIDS: dict[ShapeKind, tuple[float, ...]] = {
 }
 """One of each solid; at +z their surface is at RIM, and flat along y or bent by RIM at most."""
 
-KINDS = [*SOLIDS, ShapeKind.WALL]
+KINDS = [*SOLIDS, ShapeKind.WALL, ShapeKind.MESH]
+
+BLOCK = np.array([[x, y, z] for x in (-RIM, RIM) for y in (-RIM, RIM) for z in (-RIM, RIM)])
+BLOCK_TRIANGLES = np.array(
+    [face for a, b, c, d in ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+     for face in ((a, b, c), (a, c, d))]
+)  # fmt: skip
+"""The box of `SOLIDS` as a mesh."""
+
+
+def new_touch_play(meshes: Any = ((BLOCK, BLOCK_TRIANGLES),), bodies: int = 8, shapes: int = 32) -> Play:
+    """As `new_play`, with meshes for SHAPE.mesh; the first is `BLOCK`."""
+    capacities = ObjectCapacities(shapes=shapes, bodies=bodies)
+    work = new_object_work(capacities, build_mesh_table(meshes))
+    return Play(new_rows(capacities), work, np.zeros(1, OBJECT_COUNTS))
+
+
+def one_shape(kind: ShapeKind, size: Any = None, radius: float = 0.0, **fields: Any) -> Play:
+    """One shape of `SOLIDS`, the wall or the block, undamped unless said, and one point."""
+    play = new_touch_play()
+    play.add_shape(kind, SOLIDS.get(kind, ()) if size is None else size, **{"damping": 0.0, **fields})
+    add_point(play, radius=radius)
+    return play
+
+
+def surface_of(kind: ShapeKind) -> float:
+    """Height z of the surface above the origin of the shape [m]."""
+    return 0.0 if kind == ShapeKind.WALL else RIM
 
 
 @kernel

@@ -14,7 +14,7 @@ from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.maths import quat
 from mimics_app.rendering.haptic.kernels.contact import CONTACT, cube
 from tests.support.body_play import new_play
-from tests.support.touch_play import KINDS, RIM, SOLIDS, add_point, at_rest, follow
+from tests.support.touch_play import KINDS, RIM, SOLIDS, add_point, at_rest, follow, one_shape, surface_of
 
 K = 2000.0
 NEAR = pytest.approx
@@ -27,22 +27,15 @@ def turned(v):
     return out
 
 
-def one(kind, size=None, radius=0.0, **fields):
-    play = new_play()
-    play.add_shape(kind, SOLIDS.get(kind, ()) if size is None else size, **{"damping": 0.0, **fields})
-    add_point(play, radius=radius)
-    return play
-
-
-@pytest.mark.parametrize("kind", list(SOLIDS))
+@pytest.mark.parametrize("kind", [*SOLIDS, ShapeKind.MESH])
 @pytest.mark.parametrize("depth", [1e-6, 3e-3, 0.015])
 def test_a_still_point_feels_k_d_along_the_normal(kind, depth):
-    force = at_rest(one(kind), (0.0, 0.0, 0.1), (0.0, 0.0, RIM - depth))
+    force = at_rest(one_shape(kind), (0.0, 0.0, 0.1), (0.0, 0.0, RIM - depth))
     assert force == NEAR(np.array([0.0, 0.0, K * depth]), abs=1e-9)
 
 
 def test_wall_is_a_half_space_of_any_depth():
-    play = one(ShapeKind.WALL, position=(0.0, 0.1, 0.0))
+    play = one_shape(ShapeKind.WALL, position=(0.0, 0.1, 0.0))
     for depth in (1e-9, 1e-3, 5.0):
         assert at_rest(play, (7.0, -3.0, -depth)) == NEAR(np.array([0.0, 0.0, K * depth]), abs=1e-9)
     assert not at_rest(play, (0.0, 0.0, 0.0)).any()
@@ -50,8 +43,8 @@ def test_wall_is_a_half_space_of_any_depth():
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_outside_and_on_the_surface_there_is_nothing(kind):
-    surface = 0.0 if kind == ShapeKind.WALL else RIM
-    play = one(kind)
+    surface = surface_of(kind)
+    play = one_shape(kind)
     for z in (surface, surface + 1e-12, surface + 1.0):
         assert not at_rest(play, (0.0, 0.0, z)).any()
     assert play.work.totals[0]["touching"] == 0
@@ -60,8 +53,8 @@ def test_outside_and_on_the_surface_there_is_nothing(kind):
 @pytest.mark.parametrize("kind", KINDS)
 def test_grazing_leaves_no_trace(kind):
     """Along the tangent plane at depth 0: no force, and no friction later from an anchor set by it."""
-    surface = 0.0 if kind == ShapeKind.WALL else RIM
-    play = one(kind, friction_static=0.5, friction_dynamic=0.4)
+    surface = surface_of(kind)
+    play = one_shape(kind, friction_static=0.5, friction_dynamic=0.4)
     path = np.array([[x, 0.0, surface] for x in np.linspace(-0.01, 0.01, 50)])
     assert not follow(play, path).any()
     touched = at_rest(play, (0.0, 0.0, surface + 1e-4), (0.0, 0.0, surface - 1e-3))
@@ -70,11 +63,11 @@ def test_grazing_leaves_no_trace(kind):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_turned_and_shifted_shape_is_the_same_shape(kind):
-    surface = 0.0 if kind == ShapeKind.WALL else RIM
+    surface = surface_of(kind)
     offset = np.array([0.3, -0.2, 0.1])
-    play = one(kind, orientation=TURN, position=offset)
+    play = one_shape(kind, orientation=TURN, position=offset)
     p = np.array([0.003, -0.002, surface - 2e-3])
-    plain = at_rest(one(kind), (0.0, 0.0, surface + 0.01), p)
+    plain = at_rest(one_shape(kind), (0.0, 0.0, surface + 0.01), p)
     found = at_rest(play, offset + turned((0.0, 0.0, surface + 0.01)), offset + turned(p))
     assert np.linalg.norm(plain) > 1.0
     assert found == NEAR(turned(plain), abs=1e-9)
@@ -82,8 +75,8 @@ def test_a_turned_and_shifted_shape_is_the_same_shape(kind):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_point_with_a_radius_touches_earlier_by_it(kind):
-    surface, radius = (0.0 if kind == ShapeKind.WALL else RIM), 0.005
-    play = one(kind, radius=radius)
+    surface, radius = surface_of(kind), 0.005
+    play = one_shape(kind, radius=radius)
     assert not at_rest(play, (0.0, 0.0, surface + radius)).any()
     force = at_rest(play, (0.0, 0.0, surface + radius + 1e-3), (0.0, 0.0, surface + radius - 1e-3))
     assert force == NEAR(np.array([0.0, 0.0, K * 1e-3]), abs=1e-9)
@@ -102,7 +95,7 @@ def test_sharp_box_is_cube_bit_for_bit():
             contact["known"] = contact["inside"] = 0
         cube(p, v, edges, contact)
         expected[i] = K * float(contact["depth"]) * contact["normal"]
-    play = one(ShapeKind.BOX, edges)
+    play = one_shape(ShapeKind.BOX, edges)
     found = follow(play, path, v)
     assert (np.abs(expected).max(axis=0) > 1.0).all()
     assert np.array_equal(found, expected)
@@ -111,14 +104,14 @@ def test_sharp_box_is_cube_bit_for_bit():
 def test_entry_by_an_edge_goes_to_the_faster_way_in():
     half = RIM
     for v, axis in (((-0.2, 0.0, -0.1), 0), ((-0.1, 0.0, -0.2), 2)):
-        play = one(ShapeKind.BOX)
+        play = one_shape(ShapeKind.BOX)
         path = [(half, 0.0, half), (half - 1e-3, 0.0, half - 1e-3)]
         force = follow(play, path, v)[-1]
         assert force[axis] == NEAR(K * 1e-3) and np.count_nonzero(force) == 1
 
 
 def test_entry_by_a_corner_goes_to_the_fastest_way_in():
-    play = one(ShapeKind.BOX)
+    play = one_shape(ShapeKind.BOX)
     inside = (RIM - 1e-3,) * 3
     force = follow(play, [(RIM,) * 3, inside], (-0.1, -0.3, -0.2))[-1]
     assert np.flatnonzero(force).tolist() == [1]
@@ -126,13 +119,13 @@ def test_entry_by_a_corner_goes_to_the_fastest_way_in():
 
 def test_start_inside_takes_the_nearest_face():
     for kind in (ShapeKind.BOX, ShapeKind.CYLINDER):
-        force = at_rest(one(kind), (0.002, -0.015, 0.004))
+        force = at_rest(one_shape(kind), (0.002, -0.015, 0.004))
         assert force == NEAR(np.array([0.0, -K * (RIM - 0.015), 0.0]), abs=1e-9)
 
 
 def test_deeper_than_the_object_the_face_of_entry_pushes_on():
     """Beyond its middle a box still pushes back out of the face of entry, and lets go when left on the far side."""
-    play = one(ShapeKind.BOX)
+    play = one_shape(ShapeKind.BOX)
     path = np.array([[0.0, 0.0, z] for z in np.arange(0.025, -0.03, -1e-3)])
     force = follow(play, path)
     depth = np.where(np.abs(path[:, 2]) < RIM - 1e-12, RIM - path[:, 2], 0.0)
@@ -143,7 +136,7 @@ def test_deeper_than_the_object_the_face_of_entry_pushes_on():
 @pytest.mark.parametrize("kind", [ShapeKind.SPHERE, ShapeKind.CYLINDER, ShapeKind.CAPSULE])
 def test_through_the_middle_the_last_normal_is_kept(kind):
     """Within one tick from one side of centre or axis to the other: pushed back, not thrown out behind."""
-    play = one(kind)
+    play = one_shape(kind)
     path = [(0.0, 0.0, 0.03), (0.0, 0.0, 0.002), (0.0, 0.0, -0.002)]
     force = at_rest(play, *path)
     assert force == NEAR(np.array([0.0, 0.0, K * (RIM + 0.002)]), abs=1e-9)
@@ -151,16 +144,16 @@ def test_through_the_middle_the_last_normal_is_kept(kind):
 
 @pytest.mark.parametrize("kind", [ShapeKind.SPHERE, ShapeKind.CYLINDER, ShapeKind.CAPSULE])
 def test_born_in_the_middle_it_is_pushed_against_its_motion(kind):
-    play = one(kind)
+    play = one_shape(kind)
     force = follow(play, [(0.0, 0.0, 0.0)], (-0.3, 0.0, 0.4))[-1]
     expected = np.array([0.6, 0.0, -0.8])
     assert force / np.linalg.norm(force) == NEAR(expected, abs=1e-12)
-    still = follow(one(kind), [(0.0, 0.0, 0.0)], np.zeros(3))[-1]
+    still = follow(one_shape(kind), [(0.0, 0.0, 0.0)], np.zeros(3))[-1]
     assert np.linalg.norm(still) == NEAR(K * RIM)
 
 
 def test_capsule_pushes_away_from_the_closest_point_of_its_axis():
-    play = one(ShapeKind.CAPSULE)
+    play = one_shape(ShapeKind.CAPSULE)
     for p in ((0.003, 0.035, 0.004), (0.0, 0.01, 0.015), (0.01, -0.03, 0.0)):
         p = np.array(p)
         away = p - np.array([0.0, np.clip(p[1], -RIM, RIM), 0.0])
@@ -189,7 +182,7 @@ def test_cylinder_holds_the_feature_that_bisection_finds():
         expected = np.array([b[0], 0.0, b[2]]) * (RIM - rho) / rho
         if not on_side:
             expected = np.array([0.0, math.copysign(1.0, entry[1]) * RIM - b[1], 0.0])
-        assert at_rest(one(ShapeKind.CYLINDER), a, b) == NEAR(K * expected, abs=1e-8)
+        assert at_rest(one_shape(ShapeKind.CYLINDER), a, b) == NEAR(K * expected, abs=1e-8)
         checked += 1
     assert checked > 150
 
@@ -198,7 +191,7 @@ def test_cylinder_holds_the_feature_that_bisection_finds():
 def test_rounded_edge_is_the_offset_surface(kind):
     """Radius 5 mm at the top edge: normal from the edge of the core, depth to the arc."""
     r, core = 5e-3, RIM - 5e-3
-    play = one(kind, rounding=r)
+    play = one_shape(kind, rounding=r)
     for angle in np.linspace(0.01, math.pi / 2 - 0.01, 7):
         n = np.array([0.0, math.sin(angle), math.cos(angle)])
         p = np.array([0.0, core, core]) + (r - 2e-3) * n
@@ -207,7 +200,7 @@ def test_rounded_edge_is_the_offset_surface(kind):
 
 
 def test_ball_at_a_sharp_edge_rolls_round_it():
-    play = one(ShapeKind.BOX, radius=5e-3)
+    play = one_shape(ShapeKind.BOX, radius=5e-3)
     n = np.array([0.0, 0.6, 0.8])
     force = at_rest(play, (0.0, 0.1, 0.1), np.array([0.0, RIM, RIM]) + 3e-3 * n)
     assert force == NEAR(K * 2e-3 * n, abs=1e-9)
@@ -216,7 +209,7 @@ def test_ball_at_a_sharp_edge_rolls_round_it():
 @pytest.mark.parametrize("rounding", [0.0, 5e-3])
 def test_deep_in_a_rounded_box_the_face_of_entry_is_held(rounding):
     """8 mm deep, beyond the rounding, to 0.1 mm from the side: still up, no tick of another face."""
-    play = one(ShapeKind.BOX, rounding=rounding)
+    play = one_shape(ShapeKind.BOX, rounding=rounding)
     down = [(0.0, z, 0.0) for z in np.arange(0.021, 0.012, -1e-4)]
     along = [(x, 0.012, 0.0) for x in np.arange(0.0, RIM - 1e-4, 1e-4)]
     force = follow(play, down + along)
@@ -225,7 +218,7 @@ def test_deep_in_a_rounded_box_the_face_of_entry_is_held(rounding):
 
 
 def test_disabled_shapes_and_points_are_not_there():
-    play = one(ShapeKind.BOX)
+    play = one_shape(ShapeKind.BOX)
     assert at_rest(play, (0.0, 0.0, 0.03), (0.0, 0.0, 0.019)).any()
     play.rows.points[0]["enabled"] = 0
     assert not at_rest(play, (0.0, 0.0, 0.019)).any()
@@ -267,7 +260,7 @@ def test_memory_of_the_face_ends(what):
 
 
 def test_a_stiffness_that_changes_keeps_the_face():
-    play = one(ShapeKind.BOX)
+    play = one_shape(ShapeKind.BOX)
     inside = (0.0, 0.005, 0.015)
     at_rest(play, (0.0, 0.03, 0.015), inside)
     play.rows.shapes[0]["stiffness"] = 500.0
@@ -291,7 +284,7 @@ def test_a_box_that_moves_over_a_resting_point_is_entered_by_its_leading_face(fa
 
 
 def test_nonsense_gives_no_force_and_is_told():
-    play = one(ShapeKind.SPHERE)
+    play = one_shape(ShapeKind.SPHERE)
     play.rows.shapes[0]["stiffness"] = math.nan
     play.change()
     assert not at_rest(play, (0.0, 0.0, 0.03), (0.0, 0.0, 0.019)).any()

@@ -29,6 +29,7 @@ from mimics_app.rendering.haptic.kernels.objects.pairs import PAIR
 from mimics_app.rendering.haptic.kernels.objects.poses import SOLID, TRACKING
 from mimics_app.rendering.haptic.kernels.objects.sweep import SWEEP
 from mimics_app.rendering.haptic.kernels.objects.totals import TOTALS
+from mimics_app.rendering.haptic.mesh_table import MESH_TABLE, MeshTable, build_mesh_table
 
 __all__ = ["OBJECT_WORK", "ROWS", "ObjectCapacities", "ObjectWork", "Rows", "new_object_work", "new_rows"]
 
@@ -101,6 +102,7 @@ class ObjectWork(NamedTuple):
         sweep: SWEEP, shape [1].
         scratch: SCRATCH, shape [1].
         still: MOTION of the static scene, shape [1]: zeros, but for forces nobody reads.
+        meshes: Triangles by SHAPE.mesh; built before the loop starts.
     """
 
     motions: Records
@@ -135,6 +137,7 @@ class ObjectWork(NamedTuple):
     sweep: Records
     scratch: Records
     still: Records
+    meshes: MeshTable
 
 
 def new_rows(capacities: ObjectCapacities) -> Rows:
@@ -148,8 +151,8 @@ def new_rows(capacities: ObjectCapacities) -> Rows:
     )
 
 
-def new_object_work(capacities: ObjectCapacities) -> ObjectWork:
-    """Fresh working arrays."""
+def new_object_work(capacities: ObjectCapacities, meshes: MeshTable | None = None) -> ObjectWork:
+    """Fresh working arrays; `meshes` are those that SHAPE.mesh refers to, None: none."""
     shapes, bodies = capacities.shapes, capacities.bodies
     return ObjectWork(
         motions=np.zeros(bodies, MOTION),
@@ -184,6 +187,7 @@ def new_object_work(capacities: ObjectCapacities) -> ObjectWork:
         sweep=np.zeros(1, SWEEP),
         scratch=np.zeros(1, SCRATCH),
         still=np.zeros(1, MOTION),
+        meshes=build_mesh_table() if meshes is None else meshes,
     )
 
 
@@ -232,6 +236,7 @@ OBJECT_WORK = types.NamedTuple(  # type: ignore[no-untyped-call]
         _records(SWEEP),
         _records(SCRATCH),
         _records(MOTION),
+        MESH_TABLE,
     ],
     ObjectWork,
 )

@@ -15,6 +15,7 @@ from mimics_app.rendering.haptic.kernels.contact import forget, to_object
 from mimics_app.rendering.haptic.kernels.objects.corner import MOST_WALLS, share_corner
 from mimics_app.rendering.haptic.kernels.objects.cull import find_near
 from mimics_app.rendering.haptic.kernels.objects.memory import follow_point, keep_poses, notice_changes, recall
+from mimics_app.rendering.haptic.kernels.objects.mesh_walk import probe_mesh
 from mimics_app.rendering.haptic.kernels.objects.shapes import probe_shape
 from mimics_app.rendering.haptic.kernels.objects.surface import lower_by_ripple, normal_force, rub
 from mimics_app.rendering.haptic.kernels.vectors import copy, rotate
@@ -24,6 +25,7 @@ __all__ = ["touch_points"]
 Array = NDArray[np.float64]
 
 _WALL = int(ShapeKind.WALL)
+_MESH = int(ShapeKind.MESH)
 _FORCE_ON_OBJECT = int(BodyFlag.FORCE_ON_OBJECT)
 _TORQUE_ON_OBJECT = int(BodyFlag.TORQUE_ON_OBJECT)
 
@@ -78,10 +80,13 @@ def _look(desk: Any) -> None:
 
 
 @kernel
-def _feel(desk: Any, shape: Any, memory: Any) -> bool:
+def _feel(desk: Any, shape: Any, memory: Any, meshes: Any) -> bool:
     """Depth of the point in the shape, and its rate; False while they do not touch."""
     contact = memory.contact
-    probe_shape(shape, desk, contact)
+    if shape.kind == _MESH:
+        probe_mesh(meshes, shape.mesh, desk, contact)
+    else:
+        probe_shape(shape, desk, contact)
     if contact.depth > 0.0:
         lower_by_ripple(shape, desk.p, contact, desk.slope)
     if not contact.depth > 0.0:
@@ -186,6 +191,7 @@ def _touch_near(
     births: Any,
     befores: Any,
     totals: Any,
+    meshes: Any,
 ) -> None:
     """The point at hand at every shape near it; walls together at last, since they share a corner."""
     met = 0
@@ -199,7 +205,7 @@ def _touch_near(
             _take_motion(desk, motions[shape.body])
         recall(desk, point, shape, births[row].tick, befores, memory)
         _look(desk)
-        if not _feel(desk, shape, memory):
+        if not _feel(desk, shape, memory, meshes):
             continue
         if shape.kind == _WALL and met < MOST_WALLS:
             _note_wall(desk, walls[met], row, memory.contact)
@@ -241,6 +247,7 @@ def _touch_all(
     befores: Any,
     near: NDArray[np.int64],
     walls: Any,
+    meshes: Any,
     counts: Any,
     dt: float,
 ) -> None:
@@ -269,6 +276,7 @@ def _touch_all(
             births,
             befores,
             totals,
+            meshes,
         )
         for i in range(3):
             point_forces[point, i] += desk.felt[i]
@@ -308,6 +316,7 @@ def touch_points(rows: Any, work: Any, counts: Any, dt: float) -> None:
         work.befores,
         work.near,
         work.walls,
+        work.meshes,
         counts,
         dt,
     )

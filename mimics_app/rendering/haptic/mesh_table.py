@@ -1,0 +1,175 @@
+"""Triangle meshes as the loop takes them: one set of tables for all, with neighbours and trees of boxes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import from_dtype, types
+from numpy.typing import NDArray
+
+from mimics_app.rendering.haptic.kernels.objects.mesh_tree import MESH
+
+__all__ = ["MESH_TABLE", "MeshTable", "build_mesh_table"]
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int32]
+
+_LEAF = 4
+"""Most triangles of a leaf, on average at least half of it."""
+
+_WELD = 1e-9
+"""Corners closer than this share of the mesh's size are one."""
+
+_CURVE_BITS = 20
+
+
+class MeshTable(NamedTuple):
+    """All meshes of a scene, one after the other; SHAPE.mesh is a row of `rows`.
+
+    Attributes:
+        rows: MESH, shape [meshes].
+        vertices: Corners [m], each in the frame of its shape, shape [vertices, 3].
+        corners: Rows of vertices, counter-clockwise from outside, shape [triangles, 3].
+        neighbours: Triangle across the edge from each corner to the next, -1: none, shape [triangles, 3].
+        fan_starts: Where the triangles round each vertex begin in `fans`, shape [vertices + 1].
+        fans: Triangles by vertex, shape [3 triangles].
+        boxes: Least and greatest corner of each node of the trees [m], shape [nodes, 6].
+    """
+
+    rows: NDArray[Any]
+    vertices: Array
+    corners: Indices
+    neighbours: Indices
+    fan_starts: Indices
+    fans: Indices
+    boxes: Array
+
+
+def build_mesh_table(meshes: Sequence[tuple[Array, Indices]] = ()) -> MeshTable:
+    """Tables of meshes given as (vertices [m] [n, 3], triangles [m, 3]), in the order of SHAPE.mesh.
+
+    Corners at the same place are joined and triangles without area left out; a closed mesh whose triangles face inward
+    is turned. Parts of one mesh must not cut through one another: make them shapes of their own.
+
+    Raises:
+        ValueError: a mesh has no triangle with an area, is not finite, refers to a corner that is not there, has an
+            edge of three triangles, or neighbours that face opposite ways.
+    """
+    rows = np.zeros(len(meshes), MESH)
+    parts: list[tuple[Array, Indices, Indices, Array]] = []
+    vertex = triangle = node = 0
+    for row, (vertices, triangles) in zip(rows, meshes, strict=True):
+        points, corners = _clean(np.asarray(vertices, float), np.asarray(triangles, np.int64))
+        corners = corners[_curve_order(points[corners].mean(axis=1))]
+        neighbours = _neighbours(corners)
+        if not (neighbours < 0).any() and _volume(points, corners) < 0.0:
+            corners = corners[:, ::-1].copy()
+            neighbours = _neighbours(corners)
+        boxes = _tree(points[corners])
+        row["first_triangle"], row["triangles"], row["first_node"] = triangle, len(corners), node
+        row["leaves"], row["closed"] = (len(boxes) + 1) // 2, not (neighbours < 0).any()
+        linked = np.where(neighbours < 0, -1, neighbours + triangle)
+        parts.append((points, (corners + vertex).astype(np.int32), linked.astype(np.int32), boxes))
+        vertex, triangle, node = vertex + len(points), triangle + len(corners), node + len(boxes)
+    return _joined(rows, parts, vertex)
+
+
+def _joined(rows: NDArray[Any], parts: list[tuple[Array, Indices, Indices, Array]], count: int) -> MeshTable:
+    """One table of all parts, with the triangles round each of the `count` vertices."""
+    empty = (np.zeros((0, 3)), np.zeros((0, 3), np.int32), np.zeros((0, 3), np.int32), np.zeros((0, 6)))
+    vertices, corners, neighbours, boxes = (
+        np.ascontiguousarray(np.concatenate(x)) for x in zip(empty, *parts, strict=True)
+    )
+    of_vertex = corners.ravel()
+    fans = np.argsort(of_vertex, kind="stable") // 3
+    starts = np.searchsorted(np.sort(of_vertex), np.arange(count + 1))
+    return MeshTable(rows, vertices, corners, neighbours, starts.astype(np.int32), fans.astype(np.int32), boxes)
+
+
+def _clean(vertices: Array, triangles: NDArray[np.int64]) -> tuple[Array, NDArray[np.int64]]:
+    """Corners joined, triangles without area left out."""
+    if not np.isfinite(vertices).all():
+        raise ValueError("a corner of the mesh is not finite")
+    if triangles.size and (triangles.min() < 0 or triangles.max() >= len(vertices)):
+        raise ValueError(f"a triangle refers to corner {triangles.max()} of {len(vertices)}")
+    if not triangles.size:
+        raise ValueError("the mesh has no triangles")
+    size = float(np.ptp(vertices[triangles].reshape(-1, 3), axis=0).max())
+    cells = np.round((vertices - vertices.min(axis=0)) / max(size * _WELD, 1e-300)).astype(np.int64)
+    order = np.lexsort(cells.T)
+    new = np.concatenate([[True], (np.diff(cells[order], axis=0) != 0).any(axis=1)])
+    joined = np.empty(len(order), np.int64)
+    joined[order] = np.cumsum(new) - 1
+    points, corners = vertices[order[new]], joined[triangles]
+    a, b, c = (points[corners[:, i]] for i in range(3))
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    corners = corners[area > (size * _WELD) ** 2]
+    if not len(corners):
+        raise ValueError("no triangle of the mesh has an area")
+    return points, corners
+
+
+def _neighbours(corners: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Triangle across the edge from each corner to the next, -1 where there is none."""
+    heads, tails = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
+    span = int(corners.max()) + 1
+    keys = np.minimum(heads, tails) * span + np.maximum(heads, tails)
+    order = np.argsort(keys, kind="stable")
+    same = keys[order][1:] == keys[order][:-1]
+    if (same[1:] & same[:-1]).any():
+        raise ValueError("an edge belongs to three triangles: make the parts that meet there shapes of their own")
+    first, second = order[:-1][same], order[1:][same]
+    if (heads[first] == heads[second]).any():
+        raise ValueError("two neighbouring triangles face opposite ways: let all corners run counter-clockwise")
+    found = np.full(len(heads), -1, np.int64)
+    found[first], found[second] = second // 3, first // 3
+    return found.reshape(-1, 3)
+
+
+def _volume(points: Array, corners: NDArray[np.int64]) -> float:
+    """Enclosed volume [m^3], negative when the triangles face inward."""
+    a, b, c = (points[corners[:, i]] - points[corners[0, 0]] for i in range(3))
+    return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum()) / 6.0
+
+
+def _curve_order(points: Array) -> NDArray[np.int64]:
+    """Order of points along a Morton curve: neighbours in it are near one another."""
+    low = points.min(axis=0)
+    cells = (points - low) / max(float(np.ptp(points, axis=0).max()), 1e-300) * ((1 << _CURVE_BITS) - 1)
+    keys = np.zeros(len(points), np.int64)
+    for axis in range(3):
+        of_axis = cells[:, axis].astype(np.int64)
+        for bit in range(_CURVE_BITS):
+            keys |= ((of_axis >> bit) & 1) << (3 * bit + axis)
+    return np.argsort(keys, kind="stable")
+
+
+def _tree(triangles: Array) -> Array:
+    """Boxes of the heap over triangles [n, 3, 3]: shape [2 leaves - 1, 6], leaves a power of two and at most n."""
+    count = len(triangles)
+    leaves = 1
+    while leaves * _LEAF < count:
+        leaves *= 2
+    leaves = min(leaves, 1 << (count.bit_length() - 1))
+    starts = np.arange(leaves) * count // leaves
+    low = np.minimum.reduceat(triangles.min(axis=1), starts)
+    high = np.maximum.reduceat(triangles.max(axis=1), starts)
+    levels = [np.hstack([low, high])]
+    while len(levels[-1]) > 1:
+        below = levels[-1]
+        low = np.minimum(below[0::2, :3], below[1::2, :3])
+        high = np.maximum(below[0::2, 3:], below[1::2, 3:])
+        levels.append(np.hstack([low, high]))
+    return np.concatenate(levels[::-1])
+
+
+_TRIPLES = types.int32[:, ::1]
+_NUMBERS = types.int32[::1]
+_TABLE = types.float64[:, ::1]
+
+MESH_TABLE = types.NamedTuple(  # type: ignore[no-untyped-call]
+    [from_dtype(MESH)[::1], _TABLE, _TRIPLES, _TRIPLES, _NUMBERS, _NUMBERS, _TABLE], MeshTable
+)
+"""Compiled type of `MeshTable`, field by field."""
