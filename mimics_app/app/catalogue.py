@@ -1,4 +1,7 @@
-"""Which scenario plays which scene: the one it names, an installed plug-in, else one that knows its components."""
+"""Which scenario plays which scene: the one it names, an installed plug-in, else one that knows its components.
+
+A scene with a robot that no other takes needs no code of its own: `TouchScene` plays what its components say.
+"""
 
 from __future__ import annotations
 
@@ -7,8 +10,9 @@ from importlib.metadata import entry_points
 
 from mimics_app.contracts.errors import SceneError, nearest
 from mimics_app.contracts.scenario_port import Scenario
+from mimics_app.scenarios.touch_scene import TouchScene
 from mimics_app.scenarios.wavy_tunnel import WavyTunnel
-from mimics_app.world.components_haptic import Tunnel
+from mimics_app.world.components_haptic import Robot, Tunnel
 from mimics_app.world.scene import Scene
 from mimics_app.world.world import World
 
@@ -19,7 +23,7 @@ ENTRY_POINT_GROUP = "mimics_app.scenarios"
 _Builder = Callable[[Scene, World], Scenario]
 
 _BUILT_IN: dict[str, _Builder] = {"wavy_tunnel": WavyTunnel}
-_BY_COMPONENT: dict[type, _Builder] = {Tunnel: WavyTunnel}
+_BY_COMPONENT: dict[type, _Builder] = {Tunnel: WavyTunnel, Robot: TouchScene}
 
 
 def open_scenario(scene: Scene, world: World) -> Scenario:

@@ -104,6 +104,10 @@ class Patient(Component, frozen=True):
 
     preset: Annotated[Literal["healthy", "moderate", "severe"], Meta(description="How impaired")] = "healthy"
     intent: Annotated[bool, Meta(description="False: the arm is passive and never completes")] = True
+    visits: Annotated[
+        tuple[str, ...],
+        Meta(description="Entities reached for in turn, where the scene needs no code; absent: its paths, else objects"),
+    ] = ()
     arm_mass: Annotated[Positive | None, Meta(description="At the hand [kg], usually 0.5-2.5")] = None
     arm_damping: Annotated[NotNegative | None, Meta(description="At the hand [N s/m], usually 5-40")] = None
     arm_stiffness: Annotated[NotNegative | None, Meta(description="At the hand [N/m], usually 100-800")] = None

@@ -173,11 +173,12 @@ class InteractionPoint(Component, frozen=True):
     offset: Annotated[Point, Meta(description="From the hand, world [m]")] = (0.0, 0.0, 0.0)
     radius: Annotated[float, Meta(ge=0, le=0.2, description="Of the ball [m]; 0: a point")] = 0.0
     enabled: Annotated[bool, Meta(description="Touches at all")] = True
+    entity: Annotated[str | None, Meta(description="Id of the entity that shows it; absent: not shown")] = None
 
 
 @component("interaction_points")
 class InteractionPoints(Component, frozen=True):
-    """Where the hand touches; without this component, in one point. One per scene."""
+    """Where the hand touches; without it, all over the `ball` at its largest, or in one point. One per scene."""
 
     points: Annotated[
         Annotated[tuple[InteractionPoint, ...], Meta(min_length=1, max_length=MAX_POINTS)],

@@ -8,7 +8,7 @@ import numpy as np
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.haptic import MAX_PIECES
-from mimics_app.world.components_haptic import Ball, JointPd, Robot, Safety, Tunnel, WorldPd
+from mimics_app.world.components_haptic import Ball, JointPd, Patient, Robot, Safety, Tunnel, WorldPd
 from mimics_app.world.registry import register_check
 
 if TYPE_CHECKING:
@@ -63,6 +63,12 @@ def _check_robot(robot: Robot, pointer: str, scene: Scene) -> list[Issue]:
     return issues
 
 
+def _check_patient(patient: Patient, pointer: str, scene: Scene) -> list[Issue]:
+    return [
+        issue for i, name in enumerate(patient.visits) for issue in scene.check_entity(f"{pointer}/visits/{i}", name)
+    ]
+
+
 def _check_pd(gains: JointPd | WorldPd, pointer: str, scene: Scene) -> list[Issue]:
     return [
         scene.issue(f"{pointer}/kd/{i}", f"{kd:g} is unstable with a velocity servo (equation 5)", "stay below 1")
@@ -88,6 +94,7 @@ def _check_safety(safety: Safety, pointer: str, scene: Scene) -> list[Issue]:
 
 register_check("tunnel", check_tunnel_component)
 register_check("robot", _check_robot)
+register_check("patient", _check_patient)
 register_check("joint_pd", _check_pd)
 register_check("world_pd", _check_pd)
 register_check("ball", _check_ball)

@@ -177,7 +177,8 @@ def check_path(path: HapticPath, pointer: str, scene: Scene) -> list[Issue]:
 def _check_points(points: InteractionPoints, pointer: str, scene: Scene) -> list[Issue]:
     first = scene.components(InteractionPoints)[0][2]
     if pointer == first:
-        return []
+        named = [(i, point.entity) for i, point in enumerate(points.points) if point.entity is not None]
+        return [issue for i, name in named for issue in scene.check_entity(f"{pointer}/points/{i}/entity", name)]
     return [scene.issue(pointer, f"a second set of points; the first is {scene.place(first)}", "keep one")]
 
 

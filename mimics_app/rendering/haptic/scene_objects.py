@@ -25,6 +25,7 @@ from mimics_app.contracts.haptic_objects import (
 )
 from mimics_app.rendering.haptic.objects import ObjectCapacities, Rows
 from mimics_app.rendering.haptic.scene_effects import EffectRows
+from mimics_app.world.components_haptic import Ball
 from mimics_app.world.components_objects import (
     SIDES,
     Connections,
@@ -277,7 +278,8 @@ class _Gathered:
     def _points(self) -> Records:
         found = self.scene.components(InteractionPoints)
         rows = np.zeros(len(found[0][1].points) if found else 1, POINT)
-        rows["enabled"] = 1
+        balls = self.scene.components(Ball)
+        rows["enabled"], rows["radius"] = 1, balls[0][1].radius_max if balls else 0.0
         for row, point in zip(rows, found[0][1].points if found else (), strict=False):
             row["offset"], row["radius"], row["enabled"] = point.offset, point.radius, point.enabled
         return rows

@@ -1,0 +1,54 @@
+"""The nodes of haptic bodies: where the loop moves a body, its entity goes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.maths import mat, quat
+from mimics_app.world.scene_node import SceneNode
+from mimics_app.world.world import World
+
+__all__ = ["BodyNodes"]
+
+Array = NDArray[np.float64]
+
+
+class BodyNodes:
+    """Nodes driven by the poses beside a snapshot.
+
+    Args:
+        world: The running world.
+        entities: Entity of each row of bodies.
+    """
+
+    def __init__(self, world: World, entities: Sequence[str]) -> None:
+        self._nodes = [world.find(name) for name in entities]
+
+    def follow(self, poses: NDArray[Any]) -> None:
+        """Put every node where its body is.
+
+        Args:
+            poses: Position [m] and quaternion xyzw of the hand, then of the bodies, world, shape [1 + bodies, 7]; a
+                body the loop has not placed yet (a quaternion of zeros) keeps its node where it is.
+        """
+        for node, pose in zip(self._nodes, poses[1:], strict=False):
+            if pose[3:7].any():
+                _place(node, pose[:3], pose[3:7])
+
+
+def _place(node: SceneNode, position: Array, orientation: Array) -> None:
+    """Set the pose of a node in the world, whatever it hangs on."""
+    parent = node.parent
+    if parent is not None and parent.parent is not None:
+        inverse = np.zeros((4, 4))
+        mat.affine_inverse(parent.world_matrix(), inverse)
+        local = inverse @ mat.compose(position, orientation)
+        position, turn = local[:3, 3], np.zeros(4)
+        quat.from_matrix(local / np.cbrt(np.linalg.det(local[:3, :3])), turn)
+        orientation = turn
+    node.set_position(position)
+    node.set_orientation(orientation)

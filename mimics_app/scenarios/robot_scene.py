@@ -1,0 +1,51 @@
+"""What scenarios of the robot share: its parameter block, and reading a scene's components."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic import Controller
+from mimics_app.contracts.scenario_port import Home
+from mimics_app.rendering.haptic.kernels.kinematics import inverse
+from mimics_app.rendering.haptic.scene_block import axis_offset, robot_from_world, scene_from_components
+from mimics_app.world.components_haptic import Admittance, Ball, JointPd, Robot, Safety, WorldPd
+from mimics_app.world.scene import Scene
+
+__all__ = ["Vec3", "perhaps", "robot_block", "start_at", "triple"]
+
+Vec3 = tuple[float, float, float]
+
+
+def perhaps(scene: Scene, kind: type[Any]) -> Any:
+    """The scene's first component of a type, or None."""
+    found = scene.components(kind)
+    return found[0][1] if found else None
+
+
+def robot_block(scene: Scene) -> NDArray[Any]:
+    """A SCENE record of the scene's robot, controller, ball and limits, shape [1]."""
+    block = scene_from_components(
+        scene.one(Robot)[1], *(perhaps(scene, kind) for kind in (Admittance, Ball, Safety))
+    )
+    gains = perhaps(scene, WorldPd) or perhaps(scene, JointPd)
+    if gains is not None:
+        block[0]["kp"], block[0]["kd"] = gains.kp, gains.kd
+    return block
+
+
+def start_at(scene: Scene, point_world: NDArray[np.float64]) -> tuple[Vec3, Home | None]:
+    """How a trial is begun at a point of the world [m]: the joints there, and the way there where it is straight."""
+    robot = scene.one(Robot)[1]
+    start = robot_from_world(robot, point_world.reshape(1, 3))[0]
+    q = np.zeros(3)
+    inverse(start, axis_offset(robot), q)
+    straight = Home(triple(start), Controller.WORLD_PD)
+    return triple(q), straight if scene.components(WorldPd) else None
+
+
+def triple(values: NDArray[np.float64]) -> Vec3:
+    """Three numbers as plain ones."""
+    return float(values[0]), float(values[1]), float(values[2])

@@ -1,0 +1,148 @@
+"""A scene that needs no code of its own: bodies move their entities, the ball is where the hand is, paths are seen."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
+from mimics_app.contracts.scenario_port import Scenario, TaskContext
+from mimics_app.rendering.haptic.kernels.kinematics import forward, inverse
+from mimics_app.rendering.haptic.scene_block import axis_offset, robot_from_world
+from mimics_app.rendering.haptic.scene_effects import curve_of_path
+from mimics_app.rendering.haptic.scene_objects import objects_of_scene
+from mimics_app.scenarios.body_nodes import BodyNodes
+from mimics_app.scenarios.robot_scene import perhaps, robot_block, start_at
+from mimics_app.world.components_haptic import Ball, Patient, Robot
+from mimics_app.world.components_objects import HapticObject, HapticPath, InteractionPoints
+from mimics_app.world.placing import pose_of
+from mimics_app.world.primitives import tube
+from mimics_app.world.scene import Scene
+from mimics_app.world.world import World
+
+__all__ = ["TouchScene"]
+
+_WAY_STEP = 0.005
+"""Distance of the points a simulated person sees along the way [m]."""
+
+_PATH_SIDES = 8
+_RINGS_PER_PIECE = 16
+_INSIDE = 0.97
+"""Share of the joint range that a simulated person is sent into."""
+
+
+class TouchScene(Scenario):
+    """Everything that components alone say (D2.1 4.2.12).
+
+    A trial begins where the entity with the `ball` stands. The simulated person goes to the entities its component
+    names, in turn; without names along the paths, else to every haptic object.
+
+    Args:
+        scene: The checked scene; needs a `robot`.
+        world: The world built from it.
+
+    Raises:
+        SceneError: there is no robot, or an object or path cannot be made.
+    """
+
+    def __init__(self, scene: Scene, world: World) -> None:
+        self._scene = scene
+        self._world = world
+        self._robot = scene.one(Robot)[1]
+        self._objects = objects_of_scene(scene)
+        self._bodies = BodyNodes(world, self._objects.body_entities)
+        balls = scene.components(Ball)
+        self._ball = world.find(balls[0][0]) if balls else None
+        self._start = pose_of(scene, balls[0][0])[0] if balls else np.array(self._robot.robot_to_world.translation)
+        points = perhaps(scene, InteractionPoints)
+        self._points = [
+            (world.find(point.entity), np.array(point.offset))
+            for point in (points.points if points else ())
+            if point.entity is not None
+        ]
+        self._show_paths()
+
+    @property
+    def task_context(self) -> TaskContext:
+        joints, home = start_at(self._scene, self._start)
+        return TaskContext(joints, home)
+
+    @property
+    def via_points_world(self) -> NDArray[np.float64]:
+        way = [self._start, *(self._reachable(point) for point in self._stations())]
+        return _evenly(np.array(way))
+
+    @property
+    def facts(self) -> Mapping[str, Any]:
+        placed = self._robot.robot_to_world
+        return {
+            "bodies": list(self._objects.body_entities),
+            "robot_to_world": {"rotation": placed.rotation, "translation": placed.translation},
+        }
+
+    def scene_block(self) -> NDArray[Any]:
+        return robot_block(self._scene)
+
+    def apply(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
+        self._bodies.follow(snapshot.poses)
+        if self._ball is not None:
+            self._ball.set_position(snapshot.hip_world)
+            self._ball.set_scale((snapshot.ball_radius,) * 3)
+        for node, offset in self._points:
+            node.set_position(snapshot.hip_world + offset)
+
+    def _stations(self) -> list[NDArray[np.float64]]:
+        """Where the simulated person goes in turn [m]."""
+        patient = perhaps(self._scene, Patient)
+        names = patient.visits if patient is not None else ()
+        paths = [entity for entity, _, _ in self._scene.components(HapticPath)]
+        if not names and not paths:
+            names = tuple(entity for entity, _, _ in self._scene.components(HapticObject))
+        points: list[NDArray[np.float64]] = []
+        for name in names or paths:
+            points += self._along(name) if name in paths else [pose_of(self._scene, name)[0]]
+        return points
+
+    def _along(self, path: str) -> list[NDArray[np.float64]]:
+        curve = curve_of_path(self._scene, path)
+        count = max(2, round(curve.length / _WAY_STEP) + 1)
+        return list(curve.point(curve.parameter_at(np.linspace(0.0, curve.length, count))))
+
+    def _reachable(self, point: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The point itself, or where the robot can get to on the way to it [m]."""
+        robot, d1, q, x = self._robot, axis_offset(self._robot), np.zeros(3), np.zeros(3)
+        inverse(robot_from_world(robot, point.reshape(1, 3))[0], d1, q)
+        forward(np.clip(q, _INSIDE * np.array(robot.joint_min), _INSIDE * np.array(robot.joint_max)), d1, x)
+        R, origin = np.array(robot.robot_to_world.rotation), np.array(robot.robot_to_world.translation)
+        world: NDArray[np.float64] = R @ x + origin
+        return world
+
+    def _show_paths(self) -> None:
+        """Draw a line along each path that has a material."""
+        for entity, path, _ in self._scene.components(HapticPath):
+            if path.material is None:
+                continue
+            curve = curve_of_path(self._scene, entity)
+            s = np.linspace(0.0, len(curve.pieces), len(curve.pieces) * _RINGS_PER_PIECE + 1)
+            _, n, b = curve.frame(s)
+            name = f"{entity} line"
+            radii = np.full(s.size, path.shown_radius)
+            self._world.replace_mesh(name, tube(curve.point(s), n, b, radii, sides=_PATH_SIDES))
+            node = self._world.find(name) if name in self._world else self._world.root.create_child(name)
+            if node.entity is None:
+                self._world.show(node, [(name, path.material)])
+            else:
+                node.entity.set_material(path.material)
+
+
+def _evenly(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Points of a polyline `_WAY_STEP` apart, corners among them, shape [n, 3]."""
+    points = [corners[0]]
+    for start, end in zip(corners[:-1], corners[1:], strict=True):
+        steps = max(1, round(float(np.linalg.norm(end - start)) / _WAY_STEP))
+        points += [start + (end - start) * (k + 1) / steps for k in range(steps)]
+    way: NDArray[np.float64] = np.array(points)
+    return way
