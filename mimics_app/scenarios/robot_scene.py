@@ -27,9 +27,7 @@ def perhaps(scene: Scene, kind: type[Any]) -> Any:
 
 def robot_block(scene: Scene) -> NDArray[Any]:
     """A SCENE record of the scene's robot, controller, ball and limits, shape [1]."""
-    block = scene_from_components(
-        scene.one(Robot)[1], *(perhaps(scene, kind) for kind in (Admittance, Ball, Safety))
-    )
+    block = scene_from_components(scene.one(Robot)[1], *(perhaps(scene, kind) for kind in (Admittance, Ball, Safety)))
     gains = perhaps(scene, WorldPd) or perhaps(scene, JointPd)
     if gains is not None:
         block[0]["kp"], block[0]["kd"] = gains.kp, gains.kd

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 from typing import Any
 
@@ -141,7 +142,7 @@ class TouchScene(Scenario):
 def _evenly(corners: NDArray[np.float64]) -> NDArray[np.float64]:
     """Points of a polyline `_WAY_STEP` apart, corners among them, shape [n, 3]."""
     points = [corners[0]]
-    for start, end in zip(corners[:-1], corners[1:], strict=True):
+    for start, end in itertools.pairwise(corners):
         steps = max(1, round(float(np.linalg.norm(end - start)) / _WAY_STEP))
         points += [start + (end - start) * (k + 1) / steps for k in range(steps)]
     way: NDArray[np.float64] = np.array(points)

@@ -106,7 +106,7 @@ class Patient(Component, frozen=True):
     intent: Annotated[bool, Meta(description="False: the arm is passive and never completes")] = True
     visits: Annotated[
         tuple[str, ...],
-        Meta(description="Entities reached for in turn, where the scene needs no code; absent: its paths, else objects"),
+        Meta(description="Entities reached for in turn in a scene without code; absent: paths, else objects"),
     ] = ()
     arm_mass: Annotated[Positive | None, Meta(description="At the hand [kg], usually 0.5-2.5")] = None
     arm_damping: Annotated[NotNegative | None, Meta(description="At the hand [N s/m], usually 5-40")] = None
