@@ -24,6 +24,9 @@ _LEAST_FRAMES = 5
 
 OPTIONS: dict[str, dict[str, Any]] = {
     "full": {"shading": "full"},
+    "noocc": {"occlusion": "off"},
+    "derived": {"occlusion": "derived"},
+    "authored": {"occlusion": "authored"},
     "osmesa": {},
 }
 """Words of `--opt` and what they change in the settings."""
@@ -141,4 +144,10 @@ def _times(updates: list[float], renders: list[float], processor: float) -> dict
 
 
 def _drawn(stats: FrameStats) -> dict[str, Any]:
-    return {"draw_calls": stats.draws, "tris_submitted": stats.triangles}
+    return {
+        "draw_calls": stats.draws,
+        "tris_submitted": stats.triangles,
+        "items": stats.items,
+        "culled": stats.culled,
+        "hidden": stats.hidden,
+    }

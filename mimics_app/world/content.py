@@ -24,6 +24,7 @@ class Content:
         bodies: `first` row and `count` of rows in `parts` of each Entity.
         parts: One row per SubEntity.
         lights, cameras: Their settings.
+        occluders: Boxes inside a body, in its node's frame [m], that hide what is behind them: an author's word.
         tables: Further component tables by name, for scenarios and plug-ins.
     """
 
@@ -40,6 +41,7 @@ class Content:
             casts_shadow=(np.uint8, ()),
         )
         self.cameras = ComponentTable(vertical_fov=(np.float64, ()), near=(np.float64, ()), far=(np.float64, ()))
+        self.occluders = ComponentTable(centre=(np.float64, (3,)), size=(np.float64, (3,)))
         self.tables: dict[str, ComponentTable] = {}
         self._stale = True
         self._revision = 0
@@ -83,7 +85,7 @@ class Content:
 
     def drop(self, gone: NDArray[np.int32]) -> None:
         """Forget everything these entities carried."""
-        for table in (self.lights, self.cameras, *self.tables.values()):
+        for table in (self.lights, self.cameras, self.occluders, *self.tables.values()):
             for index in gone.tolist():
                 table.remove(index)
         self.drop_bodies(gone)

@@ -27,6 +27,9 @@ _LIGHT_KINDS: tuple[LightKind, ...] = ("directional", "point", "spot")
 _IDENTITY = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
+Triple = tuple[float, float, float]
+
+
 @dataclass(eq=False)
 class GltfNode:
     """One node.
@@ -40,6 +43,7 @@ class GltfNode:
         parent: Index, or None.
         mesh, camera, light: Indices into the file's lists, or None.
         visible: From KHR_node_visibility.
+        occluder: Centre and size [m] of `extras.mimics.occluder`, a box inside the body that hides what is behind it.
         components: `extras.mimics.components`, undecoded.
         extras: All of `extras`.
     """
@@ -54,6 +58,7 @@ class GltfNode:
     camera: int | None = None
     light: int | None = None
     visible: bool = True
+    occluder: tuple[Triple, Triple] | None = None
     components: dict[str, Any] = field(default_factory=dict)
     extras: dict[str, Any] = field(default_factory=dict)
 
@@ -142,12 +147,21 @@ class GltfNodes:
         extras = item.get("extras")
         if isinstance(extras, dict):
             node.extras = extras
-            node.components = self._components(extras, f"{place}/extras")
+            ours = source.object(extras, "mimics", f"{place}/extras")
+            node.components = source.object(ours, "components", f"{place}/extras/mimics")
+            node.occluder = self._occluder(ours, f"{place}/extras/mimics")
         return node
 
-    def _components(self, extras: dict[str, Any], place: str) -> dict[str, Any]:
-        ours = self._source.object(extras, "mimics", place)
-        return self._source.object(ours, "components", f"{place}/mimics")
+    def _occluder(self, ours: dict[str, Any], place: str) -> tuple[Triple, Triple] | None:
+        if "occluder" not in ours:
+            return None
+        source = self._source
+        box = source.object(ours, "occluder", place)
+        x, y, z = source.vector(box, "centre", f"{place}/occluder", (0.0, 0.0, 0.0))
+        width, height, depth = source.vector(box, "size", f"{place}/occluder", (0.0, 0.0, 0.0))
+        if min(width, height, depth) <= 0.0:
+            source.fail(f"{place}/occluder/size", "is not greater than 0 along every axis")
+        return (x, y, z), (width, height, depth)
 
     def _place(self, node: GltfNode, item: dict[str, Any], place: str) -> None:
         source = self._source

@@ -58,6 +58,9 @@ class ModelPrefab:
         model, source = self._part.model, self._part.model.nodes[index]
         if source.mesh is not None:
             self._show(world, node, source.mesh)
+        if source.occluder is not None and node.index not in world.content.occluders:
+            centre, size = source.occluder
+            world.content.occluders.add(node.index, centre=centre, size=size)
         light = None if source.light is None else model.lights[source.light]
         if light is not None and node.light is None:
             node.create_light(

@@ -45,6 +45,7 @@ class DrawItems:
         half: Half sizes of the box about the same centre [m], float64 [n, 3].
         drawable: 1 where there is something to draw, uint8 [n].
         transparent: True where it is blended, [n].
+        solid: True where nothing can be seen through it, [n].
         casting: True where it belongs into shadow maps, [n].
         ranges: Indices, first index and base vertex of each mesh, int32 [meshes, 3].
         of_state: The states.
@@ -60,6 +61,7 @@ class DrawItems:
     half: F8
     drawable: NDArray[np.uint8]
     transparent: Flags
+    solid: Flags
     casting: Flags
     ranges: I4
     of_state: list[DrawState]
@@ -105,6 +107,7 @@ def list_items(world: World, arena: MeshArena, materials: MaterialStore) -> Draw
         half=_spread(half, mesh),
         drawable=_spread(filled, mesh),
         transparent=_spread(np.array([look.transparent for look in looks], np.bool_), kind),
+        solid=_spread(np.array([look.solid for look in looks], np.bool_), kind),
         casting=np.asarray(listed.casts_shadow, np.bool_),
         ranges=np.array([(p.count, p.first, p.base_vertex) if p else (0, 0, 0) for p in ranges], np.int32).reshape(
             -1, 3

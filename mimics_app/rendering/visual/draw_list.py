@@ -14,11 +14,12 @@ from mimics_app.rendering.visual.kernels.bounds import update_bounds
 from mimics_app.rendering.visual.kernels.frustum import cull_flat
 from mimics_app.rendering.visual.materials import MaterialStore
 from mimics_app.rendering.visual.mesh_arena import MeshArena
-from mimics_app.rendering.visual.settings import Shading
+from mimics_app.rendering.visual.occlusion import LEAST_ITEMS, OcclusionPass, gather_occluders
+from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View, compute_frustum_planes
 from mimics_app.world.world import World
 
-__all__ = ["Casters", "DrawList"]
+__all__ = ["Casters", "DrawList", "Tally"]
 
 F8 = NDArray[np.float64]
 I4 = NDArray[np.int32]
@@ -39,6 +40,21 @@ class Casters:
     radii: F8
 
 
+@dataclass(slots=True)
+class Tally:
+    """What became of the items of a frame, all views together: how many there were, outside, and hidden."""
+
+    items: int = 0
+    culled: int = 0
+    hidden: int = 0
+
+    def count(self, items: int, in_frustum: int, drawn: int) -> None:
+        """Add one view."""
+        self.items += items
+        self.culled += items - in_frustum
+        self.hidden += in_frustum - drawn
+
+
 class DrawList:
     """The world's sub-entities, culled and sorted for each view.
 
@@ -46,31 +62,39 @@ class DrawList:
         items: The sub-entities as arrays.
         centres: Of their bounding spheres, world [m], float64 [n, 3].
         radii: Of the same [m], float64 [n].
+        tally: What became of the items since the last update.
     """
 
     def __init__(self, arena: MeshArena, materials: MaterialStore) -> None:
         self._arena = arena
         self._materials = materials
-        self._revision: tuple[int, int] | None = None
+        self._revision: tuple[int, int, str] | None = None
+        self._occlusion: OcclusionPass | None = None
+        self.tally = Tally()
         self._updates = 0
         self._world: F8 = np.zeros((0, 4, 4))
 
-    def update(self, world: World, *, placed_lights: bool, shading: Shading = "full") -> None:
+    def update(self, world: World, settings: RenderSettings, *, placed_lights: bool) -> None:
         """Take over structure where it changed, and this frame's transforms always.
 
         Args:
             world: What is drawn.
+            settings: Which techniques and which occluders may be used.
             placed_lights: True when a point or spot light shines.
-            shading: Which techniques may be used.
         """
-        meshes = self._arena.update(world)
-        materials = self._materials.update(world, placed_lights=placed_lights, shading=shading)
         listed = world.subentities()
-        revision = (id(world), listed.revision)
+        worth = len(listed.row) >= LEAST_ITEMS
+        meshes = self._arena.update(world, solid=worth)
+        materials = self._materials.update(world, placed_lights=placed_lights, shading=settings.shading)
+        wanted = settings.occlusion if worth else "off"
+        revision = (id(world), listed.revision, wanted)
         stale = meshes or materials or revision != self._revision
         if stale:
             self._take_structure(list_items(world, self._arena, self._materials))
             self._revision = revision
+            occluders = gather_occluders(world, self.items, self._arena, wanted)
+            self._occlusion = OcclusionPass(occluders) if len(occluders.inner_half) else None
+        self.tally = Tally()
         items, transforms = self.items, world.transforms
         self._world = transforms.world
         np.multiply(listed.visible, items.drawable, out=self._shown)
@@ -97,8 +121,16 @@ class DrawList:
         self._order.sort(self._picked, count, origin, self.centres, self.radii, self._mirrored, shadow=True)
         return frame.add(self._picked, count, origin, self.items, self._world, self._mirrored, shadow=True)
 
-    def batch_view(self, frame: FrameBuffers, view: View) -> tuple[list[DrawRun], list[DrawRun]]:
-        """Queue what is in a view's frustum.
+    def batch_view(
+        self, frame: FrameBuffers, view: View, size: tuple[int, int], samples: int
+    ) -> tuple[list[DrawRun], list[DrawRun]]:
+        """Queue what is in a view's frustum and not hidden.
+
+        Args:
+            frame: Where to.
+            view: From where.
+            size: Of the picture drawn [px].
+            samples: Per pixel.
 
         Returns:
             Opaque runs, the states with the nearest items first and near to far within each; and blended runs, each
@@ -107,7 +139,10 @@ class DrawList:
         items, eye, picked = self.items, view.eye_world, self._picked
         planes = compute_frustum_planes(view.clip_from_world)
         bounds = (items.rows, self._world, self.centres, self.radii, items.half)
-        count = cull_flat(planes, self._shown, *bounds, picked)
+        seen = count = cull_flat(planes, self._shown, *bounds, picked)
+        if self._occlusion is not None:
+            count = self._occlusion.remove_hidden(picked, seen, view, size, samples, items, self._world, self.centres)
+        self.tally.count(int(self._shown.sum()), seen, count)
         blended = self._split(count)
         solid = count - len(blended)
         self._order.sort(picked, solid, eye, self.centres, self.radii, self._mirrored)

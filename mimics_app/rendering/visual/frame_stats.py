@@ -16,9 +16,15 @@ class FrameStats:
         gpu_ms: The driver's own time for the frame [ms], or None where it is not asked for or not measured.
         triangles: Sent to the driver, shadow pass included.
         draws: Calls to the driver.
+        items: Sub-entities that could be drawn, all views together.
+        culled: Of these, those outside their view's frustum.
+        hidden: Of the rest, those behind something solid.
     """
 
     cpu_ms: float
     gpu_ms: float | None
     triangles: int
     draws: int
+    items: int = 0
+    culled: int = 0
+    hidden: int = 0

@@ -60,6 +60,11 @@ class Look:
         """True when it is blended and has to be sorted."""
         return self.material.technique == "glass" or self.material.alpha_mode == "blend"
 
+    @property
+    def solid(self) -> bool:
+        """True when nothing can be seen through it: no blending, no holes."""
+        return self.material.technique != "glass" and self.material.alpha_mode == "opaque"
+
     def bind(self) -> None:
         """Make it what the shaders read."""
         self.block.bind_to_uniform_block(_BLOCK_BINDING)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.rendering.visual.solids import Solid, find_solid
 from mimics_app.world.mesh import MeshData
 from mimics_app.world.world import World
 
@@ -34,6 +35,10 @@ vertex, base instance."""
 
 _SHORT_VERTICES = 65_536
 """Vertices that 16-bit indices reach; a mesh of more has 32-bit ones."""
+
+
+_MOST_SOLIDS = 512
+"""Meshes that are looked into; each takes some milliseconds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,11 +67,14 @@ class MeshArena:
 
     Attributes:
         ranges: Where each mesh of the world lies.
+        solids: Meshes that have a box inside.
     """
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
         self.ranges: dict[str, MeshRange] = {}
+        self.solids: dict[str, Solid] = {}
+        self._solid = False
         self._seen: dict[str, tuple[int, int]] = {}
         self._vertices = ctx.buffer(reserve=_VERTEX.itemsize)
         self._colours = ctx.buffer(reserve=_COLOUR.itemsize)
@@ -74,12 +82,18 @@ class MeshArena:
         self._instances = ctx.buffer(reserve=_INSTANCE.itemsize)
         self._arrays: dict[tuple[ShaderProgram, bool], tuple[int, moderngl.VertexArray]] = {}
 
-    def update(self, world: World) -> bool:
+    def update(self, world: World, *, solid: bool = False) -> bool:
         """Bring the buffers up to the world's meshes.
+
+        Args:
+            world: Whose meshes.
+            solid: Look for boxes inside the meshes, and seal the cracks of those that have one.
 
         Returns:
             True when a mesh came, went or changed.
         """
+        if solid != self._solid:
+            self._solid, self._seen = solid, {}
         wanted = {name: (world.mesh_revision(name), id(mesh)) for name, mesh in world.meshes.items()}
         if wanted == self._seen:
             return False
@@ -88,7 +102,9 @@ class MeshArena:
             for name in changed:
                 self._overwrite(name, world.meshes[name])
         else:
-            self._rebuild(world.meshes)
+            self.solids = _find_solids(world) if solid else {}
+            found = self.solids
+            self._rebuild({name: found[name].mesh if name in found else mesh for name, mesh in world.meshes.items()})
         self._seen = wanted
         return True
 
@@ -127,6 +143,8 @@ class MeshArena:
 
     def _fits(self, name: str, mesh: MeshData) -> bool:
         known = self.ranges[name]
+        if name in self.solids:
+            return False
         same = known.count == mesh.indices.size and known.vertices == len(mesh.positions)
         return same and known.coloured == (mesh.colours is not None)
 
@@ -173,6 +191,14 @@ class MeshArena:
         for _, array in self._arrays.values():
             array.release()
         self._arrays.clear()
+
+
+def _find_solids(world: World) -> dict[str, Solid]:
+    """Boxes inside those of the world's meshes that are not changed all the time, of the largest first."""
+    still = [name for name in world.meshes if world.mesh_revision(name) <= 1]
+    largest = sorted(still, key=lambda name: -world.meshes[name].radius)[:_MOST_SOLIDS]
+    found = {name: find_solid(world.meshes[name]) for name in largest}
+    return {name: solid for name, solid in found.items() if solid is not None}
 
 
 def _indices(mesh: MeshData) -> NDArray[np.unsignedinteger]:

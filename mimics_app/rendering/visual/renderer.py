@@ -138,11 +138,13 @@ class Renderer:
         if finish:
             self._surface.ctx.finish()
         cpu_ms = (self._clock.now_ns() - started) * 1e-6
-        return FrameStats(cpu_ms, self._timer.elapsed * 1e-6 if self._timer else None, triangles, draws)
+        tally = self._list.tally
+        told = (tally.items, tally.culled, tally.hidden)
+        return FrameStats(cpu_ms, self._timer.elapsed * 1e-6 if self._timer else None, triangles, draws, *told)
 
     def _draw(self, views: Sequence[View]) -> tuple[int, int]:
         lighting = gather_lighting(self.world)
-        self._list.update(self.world, placed_lights=lighting.place_count > 0, shading=self.settings.shading)
+        self._list.update(self.world, self.settings, placed_lights=lighting.place_count > 0)
         self._frame.begin()
         shadow_runs: list[DrawRun] = []
         if lighting.sun_casts_shadow and self.settings.shadow_size:
@@ -152,7 +154,7 @@ class Renderer:
             )
             if lighting.shadow:
                 shadow_runs = self._list.batch_casters(self._frame, casters, lighting.shadow.centre)
-        view_runs = [self._list.batch_view(self._frame, view) for view in views]
+        view_runs = [self._batch(view) for view in views]
         self._frame.upload(self._arena)
         draws = draw_shadow(self._surface.ctx, self._arena, self._frame, self._shadow, lighting.shadow, shadow_runs)
         self._shadow.bind()
@@ -165,6 +167,10 @@ class Renderer:
         draws += self._draw_over(views)
         everything = [*shadow_runs, *(run for runs in view_runs for part in runs for run in part)]
         return sum(run.triangles for run in everything), draws
+
+    def _batch(self, view: View) -> tuple[list[DrawRun], list[DrawRun]]:
+        size = self._picture.rectangle(view.rectangle)[2:]
+        return self._list.batch_view(self._frame, view, size, self._picture.samples)
 
     def _draw_view(
         self, target: moderngl.Framebuffer, view: View, opaque: list[DrawRun], transparent: list[DrawRun]

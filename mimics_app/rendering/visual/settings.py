@@ -7,11 +7,15 @@ from typing import Literal
 
 from mimics_app.contracts.errors import UsageError
 
-__all__ = ["RenderSettings", "Shading"]
+__all__ = ["Occlusion", "RenderSettings", "Shading"]
 
 Shading = Literal["full", "plain"]
 """Which techniques draw opaque surfaces: each material's own, or for all that can be the cheapest lit one, whose light
 is worked out per vertex in display values."""
+
+
+Occlusion = Literal["off", "derived", "authored", "all"]
+"""Which boxes may hide what is behind them: none, those found inside meshes, those written into models, or both."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +32,7 @@ class RenderSettings:
         hud_depth: Distance of the heads-up display from the eyes [m].
         scale: Width and height of the world's picture as drawn over those shown, 0.25 to 1; figures stay sharp.
         shading: Which techniques draw opaque surfaces, see `Shading`.
+        occlusion: Which boxes may hide what is behind them; the picture is the same with any found ones and none.
         timer: True asks the driver how long it drew, where it can tell.
     """
 
@@ -40,6 +45,7 @@ class RenderSettings:
     hud_depth: float = 1.0
     scale: float = 1.0
     shading: Shading = "full"
+    occlusion: Occlusion = "all"
     timer: bool = False
 
     def __post_init__(self) -> None:

@@ -1,0 +1,293 @@
+"""Where a closed surface has an inside: cells no triangle touches, winding numbers, and the best box of such cells."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+
+__all__ = ["find_best_box", "grow_box", "label_cells", "mark_cells", "points_on_edges", "winding_number"]
+
+F8 = NDArray[np.float64]
+I4 = NDArray[np.int32]
+U1 = NDArray[np.uint8]
+
+_BISECTIONS = 10
+
+
+@kernel
+def points_on_edges(points: F8, edges: I4, candidates: I4, tolerance: float, found: F8, most: int) -> int:
+    """Points that lie on edges between their ends, within a tolerance.
+
+    Args:
+        points: [m], [n, 3].
+        edges: Two points each, [e, 2].
+        candidates: Numbers of points to try, [c].
+        tolerance: Largest distance from the edge, and least one from its ends [m].
+        found: Written: edge, point, how far along (0 to 1); [most, 3].
+        most: Lines of `found`.
+
+    Returns:
+        How many, or `most + 1` when there are more.
+    """
+    count = 0
+    for e in range(edges.shape[0]):
+        a, b = edges[e, 0], edges[e, 1]
+        dx, dy, dz = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1], points[b, 2] - points[a, 2]
+        length2 = dx * dx + dy * dy + dz * dz
+        for c in range(candidates.shape[0]):
+            p = candidates[c]
+            x, y, z = points[p, 0] - points[a, 0], points[p, 1] - points[a, 1], points[p, 2] - points[a, 2]
+            along = (x * dx + y * dy + z * dz) / length2
+            margin = tolerance / math.sqrt(length2)
+            if p == a or p == b or not margin < along < 1.0 - margin:
+                continue
+            x, y, z = x - along * dx, y - along * dy, z - along * dz
+            if x * x + y * y + z * z > tolerance * tolerance:
+                continue
+            if count == most:
+                return most + 1
+            found[count, 0], found[count, 1], found[count, 2] = e, p, along
+            count += 1
+    return count
+
+
+@kernel
+def winding_number(triangles: F8, point: F8) -> float:
+    """How often surfaces wind about a point, counter-clockwise seen from outside: 1 inside, 0 outside.
+
+    Sum of the solid angles of the triangles (Van Oosterom & Strackee 1983) over the whole sphere.
+
+    Args:
+        triangles: Corners [m], [n, 3, 3].
+        point: [m], [3], on no triangle.
+    """
+    total = 0.0
+    a, b, c = np.empty(3), np.empty(3), np.empty(3)
+    for t in range(triangles.shape[0]):
+        for k in range(3):
+            a[k], b[k] = triangles[t, 0, k] - point[k], triangles[t, 1, k] - point[k]
+            c[k] = triangles[t, 2, k] - point[k]
+        la, lb = math.sqrt(a[0] ** 2 + a[1] ** 2 + a[2] ** 2), math.sqrt(b[0] ** 2 + b[1] ** 2 + b[2] ** 2)
+        lc = math.sqrt(c[0] ** 2 + c[1] ** 2 + c[2] ** 2)
+        triple = a[0] * (b[1] * c[2] - b[2] * c[1])
+        triple += a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+        ab = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+        bc = b[0] * c[0] + b[1] * c[1] + b[2] * c[2]
+        ca = c[0] * a[0] + c[1] * a[1] + c[2] * a[2]
+        total += math.atan2(triple, la * lb * lc + ab * lc + bc * la + ca * lb)
+    return total / (2.0 * math.pi)
+
+
+@kernel
+def _separated(axis: F8, corners: F8, half: F8) -> bool:
+    """True when a triangle and a box about the origin do not meet along an axis."""
+    low = high = axis[0] * corners[0, 0] + axis[1] * corners[0, 1] + axis[2] * corners[0, 2]
+    for k in range(1, 3):
+        at = axis[0] * corners[k, 0] + axis[1] * corners[k, 1] + axis[2] * corners[k, 2]
+        low, high = min(low, at), max(high, at)
+    reach = abs(axis[0]) * half[0] + abs(axis[1]) * half[1] + abs(axis[2]) * half[2]
+    return bool(low > reach or high < -reach)
+
+
+@kernel
+def touches_box(triangle: F8, least: F8, greatest: F8, scratch: F8) -> bool:
+    """True when a triangle and a closed box share a point (separating axes: Akenine-Moller 2001).
+
+    Args:
+        triangle: Corners [m], [3, 3].
+        least: Corner of the box [m], [3].
+        greatest: The other one.
+        scratch: [8, 3].
+    """
+    for k in range(3):
+        low = min(triangle[0, k], triangle[1, k], triangle[2, k])
+        high = max(triangle[0, k], triangle[1, k], triangle[2, k])
+        if low > greatest[k] or high < least[k]:
+            return False
+    half, corners = scratch[0], scratch[1:4]
+    for k in range(3):
+        half[k] = 0.5 * (greatest[k] - least[k])
+        for corner in range(3):
+            corners[corner, k] = triangle[corner, k] - 0.5 * (greatest[k] + least[k])
+    return not _parted(half, corners, scratch[4:7], scratch[7])
+
+
+@kernel
+def _parted(half: F8, corners: F8, edges: F8, axis: F8) -> bool:
+    """True when the triangle's normal, or one of its edges crossed with one of the box's, keeps both apart."""
+    for k in range(3):
+        for edge in range(3):
+            edges[edge, k] = corners[(edge + 1) % 3, k] - corners[edge, k]
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        axis[k] = edges[0, i] * edges[1, j] - edges[0, j] * edges[1, i]
+    if _separated(axis, corners, half):
+        return True
+    for edge in range(3):
+        for k in range(3):
+            i, j = (k + 1) % 3, (k + 2) % 3
+            axis[k], axis[i], axis[j] = 0.0, -edges[edge, j], edges[edge, i]
+            if _separated(axis, corners, half):
+                return True
+    return False
+
+
+@kernel
+def mark_cells(triangles: F8, least: F8, size: F8, blocked: U1) -> None:
+    """Mark the cells of a grid that triangles touch.
+
+    Args:
+        triangles: Corners [m], [n, 3, 3].
+        least: Corner of the grid [m], [3].
+        size: Of a cell [m], [3].
+        blocked: Set to 1 where touched, [nx, ny, nz].
+    """
+    scratch, low, high = np.empty((8, 3)), np.empty(3), np.empty(3)
+    first, last = np.empty(3, np.int64), np.empty(3, np.int64)
+    for t in range(triangles.shape[0]):
+        for k in range(3):
+            start = min(triangles[t, 0, k], triangles[t, 1, k], triangles[t, 2, k]) - least[k]
+            end = max(triangles[t, 0, k], triangles[t, 1, k], triangles[t, 2, k]) - least[k]
+            first[k] = max(0, math.floor(start / size[k]) - 1)
+            last[k] = min(blocked.shape[k] - 1, math.floor(end / size[k]) + 1)
+        for i in range(first[0], last[0] + 1):
+            low[0], high[0] = least[0] + i * size[0], least[0] + (i + 1) * size[0]
+            for j in range(first[1], last[1] + 1):
+                low[1], high[1] = least[1] + j * size[1], least[1] + (j + 1) * size[1]
+                for k in range(first[2], last[2] + 1):
+                    low[2], high[2] = least[2] + k * size[2], least[2] + (k + 1) * size[2]
+                    if not blocked[i, j, k] and touches_box(triangles[t], low, high, scratch):
+                        blocked[i, j, k] = 1
+
+
+@kernel
+def label_cells(blocked: U1, labels: I4, stack: I4, seeds: I4) -> int:
+    """Number the groups of free cells that hang together by faces.
+
+    Args:
+        blocked: [nx, ny, nz].
+        labels: Written: number of the group from 1 on, 0 where blocked; [nx, ny, nz].
+        stack: Scratch, [cells, 3].
+        seeds: Written: one cell of each group, [cells, 3].
+
+    Returns:
+        How many groups.
+    """
+    labels[:] = 0
+    groups = 0
+    for i in range(blocked.shape[0]):
+        for j in range(blocked.shape[1]):
+            for k in range(blocked.shape[2]):
+                if blocked[i, j, k] or labels[i, j, k]:
+                    continue
+                seeds[groups, 0], seeds[groups, 1], seeds[groups, 2] = i, j, k
+                groups += 1
+                _flood(blocked, labels, stack, i, j, k, groups)
+    return groups
+
+
+@kernel
+def _flood(blocked: U1, labels: I4, stack: I4, i: int, j: int, k: int, label: int) -> None:
+    labels[i, j, k] = label
+    stack[0, 0], stack[0, 1], stack[0, 2] = i, j, k
+    height = 1
+    while height:
+        height -= 1
+        x, y, z = stack[height, 0], stack[height, 1], stack[height, 2]
+        for side in range(6):
+            step = 1 - 2 * (side % 2)
+            a, b = x + (step if side < 2 else 0), y + (step if side in (2, 3) else 0)
+            c = z + (step if side > 3 else 0)
+            inside = 0 <= a < blocked.shape[0] and 0 <= b < blocked.shape[1] and 0 <= c < blocked.shape[2]
+            if inside and not blocked[a, b, c] and not labels[a, b, c]:
+                labels[a, b, c] = label
+                stack[height, 0], stack[height, 1], stack[height, 2] = a, b, c
+                height += 1
+
+
+@kernel
+def _longest_run(free: U1) -> tuple[int, int]:
+    """First cell and length of the longest row of free cells."""
+    best = start = length = 0
+    best_start = 0
+    for i in range(free.shape[0]):
+        if free[i]:
+            if length == 0:
+                start = i
+            length += 1
+            if length > best:
+                best, best_start = length, start
+        else:
+            length = 0
+    return best_start, best
+
+
+@kernel
+def find_best_box(free: U1, size: F8, out: I4) -> float:
+    """The box of free cells with the largest surface, by trying every pair of layers in two axes.
+
+    Args:
+        free: 1 where a cell may be used, [nx, ny, nz].
+        size: Of a cell [m], [3].
+        out: Written: first cell of it and the one past the last, [2, 3].
+
+    Returns:
+        Half its surface [m^2], 0 where no cell is free.
+    """
+    nx, ny, nz = free.shape
+    best = 0.0
+    plate, row = np.empty((nx, ny), np.uint8), np.empty(nx, np.uint8)
+    for z0 in range(nz):
+        plate[:] = 1
+        for z1 in range(z0, nz):
+            plate &= free[:, :, z1]
+            for y0 in range(ny):
+                row[:] = 1
+                for y1 in range(y0, ny):
+                    row &= plate[:, y1]
+                    x0, length = _longest_run(row)
+                    if length == 0:
+                        break
+                    a, b, c = length * size[0], (y1 + 1 - y0) * size[1], (z1 + 1 - z0) * size[2]
+                    if a * b + b * c + c * a > best:
+                        best = a * b + b * c + c * a
+                        out[0, 0], out[0, 1], out[0, 2] = x0, y0, z0
+                        out[1, 0], out[1, 1], out[1, 2] = x0 + length, y1 + 1, z1 + 1
+    return best
+
+
+@kernel
+def _is_free(triangles: F8, least: F8, greatest: F8, scratch: F8) -> bool:
+    for t in range(triangles.shape[0]):
+        if touches_box(triangles[t], least, greatest, scratch):
+            return False
+    return True
+
+
+@kernel
+def grow_box(triangles: F8, box: F8, reach: F8) -> None:
+    """Push the faces of a box that no triangle touches outwards, each as far as none does, by bisection.
+
+    Args:
+        triangles: Corners [m], [n, 3, 3].
+        box: Least and greatest corner [m], [2, 3], changed.
+        reach: Farthest each face may go, by axis [m], [3].
+    """
+    scratch = np.empty((8, 3))
+    for face in range(6):
+        side, axis = face % 2, face // 2
+        step = reach[axis] if side else -reach[axis]
+        before = box[side, axis]
+        good, bad = 0.0, 1.0
+        for _ in range(_BISECTIONS):
+            middle = 0.5 * (good + bad)
+            box[side, axis] = before + middle * step
+            if _is_free(triangles, box[0], box[1], scratch):
+                good = middle
+            else:
+                bad = middle
+        box[side, axis] = before + good * step
