@@ -16,14 +16,17 @@ from mimics_app.world.components_haptic import Robot, Tunnel
 from mimics_app.world.scene import Scene
 from mimics_app.world.world import World
 
-__all__ = ["ENTRY_POINT_GROUP", "is_playable", "open_scenario"]
+__all__ = ["BUILT_IN", "BY_COMPONENT", "ENTRY_POINT_GROUP", "is_playable", "open_scenario"]
 
 ENTRY_POINT_GROUP = "mimics_app.scenarios"
 
 _Builder = Callable[[Scene, World], Scenario]
 
-_BUILT_IN: dict[str, _Builder] = {"wavy_tunnel": WavyTunnel}
-_BY_COMPONENT: dict[type, _Builder] = {Tunnel: WavyTunnel, Robot: TouchScene}
+BUILT_IN: dict[str, _Builder] = {"wavy_tunnel": WavyTunnel}
+"""Scenarios that come with the product, by name."""
+
+BY_COMPONENT: dict[type, _Builder] = {Tunnel: WavyTunnel, Robot: TouchScene}
+"""What plays a scene that names no scenario: by the first of these components it has."""
 
 
 def open_scenario(scene: Scene, world: World) -> Scenario:
@@ -45,14 +48,14 @@ def is_playable(scene: Scene) -> bool:
 
 
 def _find_builder(scene: Scene) -> _Builder:
-    if scene.scenario in _BUILT_IN:
-        return _BUILT_IN[scene.scenario]
+    if scene.scenario in BUILT_IN:
+        return BUILT_IN[scene.scenario]
     installed = {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
     if scene.scenario in installed:
         builder: _Builder = installed[scene.scenario].load()
         return builder
-    for component, builder in _BY_COMPONENT.items():
+    for component, builder in BY_COMPONENT.items():
         if scene.components(component):
             return builder
-    hint = nearest(scene.scenario, [*_BUILT_IN, *installed])
+    hint = nearest(scene.scenario, [*BUILT_IN, *installed])
     raise SceneError(scene.issue("/scenario", f'no scenario "{scene.scenario}", and no component tells another', hint))
