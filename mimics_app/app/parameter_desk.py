@@ -10,22 +10,37 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import UsageError, nearest
 from mimics_app.contracts.haptic import SCENE, TUNNEL
+from mimics_app.contracts.object_rows import Rows
 
 __all__ = ["ParameterDesk"]
 
 _PREFIX = "haptic."
 
+Receiver = Callable[[NDArray[Any], Rows | None], object]
+
 
 class ParameterDesk:
-    """Keeps the current SCENE record and hands a numbered copy on whenever a value in it changes.
+    """Keeps the current parameters and hands a numbered block on whenever a value in it changes.
+
+    A dotted name is a field of SCENE ("virtual_mass"), of its tunnel ("tunnel.stiffness"), or of a row of a table of
+    objects by its entity ("bodies.apple.mass", "shapes.table.stiffness").
 
     Args:
         block: The first SCENE record, shape [1]; the desk's own from now on.
+        rows: The tables of objects it counts; None where it counts none.
+        names: Per table, the row of each name; several rows may share one.
     """
 
-    def __init__(self, block: NDArray[Any]) -> None:
+    def __init__(
+        self,
+        block: NDArray[Any],
+        rows: Rows | None = None,
+        names: Mapping[str, Mapping[str, tuple[int, ...]]] | None = None,
+    ) -> None:
         self._block = block
-        self._receivers: tuple[Callable[[NDArray[Any]], object], ...] = ()
+        self._rows = rows
+        self._names = names or {}
+        self._receivers: tuple[Receiver, ...] = ()
         self._ordered: dict[str, object] = {}
 
     @property
@@ -33,21 +48,26 @@ class ParameterDesk:
         """The current record, shape [1]; read only."""
         return self._block
 
-    def hand_to(self, *receivers: Callable[[NDArray[Any]], object]) -> None:
+    def hand_to(self, *receivers: Receiver) -> None:
         """Hand every block from the present one on to the recorder that keeps it and the loop that obeys it."""
         self._receivers = receivers
         self._announce()
 
     def _announce(self) -> None:
-        """Number the record and hand it to everybody."""
+        """Number the record and hand it, with its rows, to everybody."""
         self._block["sequence"] += 1
         for receive in self._receivers:
-            receive(self._block)
+            receive(self._block, self._rows)
 
-    def replace(self, block: NDArray[Any]) -> None:
-        """Take a whole new record (a reloaded scene); what was ordered so far still holds."""
+    def replace(
+        self,
+        block: NDArray[Any],
+        rows: Rows | None = None,
+        names: Mapping[str, Mapping[str, tuple[int, ...]]] | None = None,
+    ) -> None:
+        """Take whole new parameters (a reloaded scene); what was ordered so far still holds where it still exists."""
         block["sequence"] = self._block["sequence"]
-        self._block = block
+        self._block, self._rows, self._names = block, rows, names or {}
         for name, value in self._ordered.items():
             self._set(name, value)
         self._announce()
@@ -73,23 +93,36 @@ class ParameterDesk:
         Raises:
             UsageError: a name that is no field of the haptic scene.
         """
-        record, field = self._find(name)
-        return float(record[field])
+        records, field = self._find(name)
+        return float(records[0][field])
 
     def _set(self, name: str, value: object) -> bool:
-        record, field = self._find(name)
-        if np.array_equal(record[field], value):  # type: ignore[arg-type]
-            return False
-        record[field] = value
-        return True
+        records, field = self._find(name)
+        changed = False
+        for record in records:
+            if not np.array_equal(record[field], value):  # type: ignore[arg-type]
+                record[field] = value
+                changed = True
+        if changed and name.removeprefix(_PREFIX).split(".")[0] in Rows._fields:
+            self._block[0]["objects"]["revision"] += 1
+        return changed
 
-    def _find(self, name: str) -> tuple[Any, str]:
-        """The record a dotted name leads to, and the field in it."""
-        record: Any = self._block[0]
-        dtype: np.dtype[Any] = SCENE
+    def _find(self, name: str) -> tuple[list[Any], str]:
+        """The records a dotted name leads to, and the field in them."""
         *groups, field = name.removeprefix(_PREFIX).split(".")
         if groups == ["tunnel"]:
-            record, dtype = record["tunnel"], TUNNEL
-        if (groups and groups != ["tunnel"]) or field not in (dtype.names or ()):
+            records, dtype = [self._block[0]["tunnel"]], TUNNEL
+        elif len(groups) == 2 and groups[0] in Rows._fields and self._rows is not None:
+            table = getattr(self._rows, groups[0])
+            records, dtype = self._named(table, groups[0], groups[1], name), table.dtype
+        else:
+            records, dtype = [] if groups else [self._block[0]], SCENE
+        if not records or field not in (dtype.names or ()):
             raise UsageError(f'"{name}" is no parameter of the haptic scene', nearest(field, dtype.names or ()))
-        return record, field
+        return records, field
+
+    def _named(self, table: NDArray[Any], group: str, who: str, name: str) -> list[Any]:
+        known = self._names.get(group, {})
+        if who not in known:
+            raise UsageError(f'"{name}" is no parameter of the haptic scene', nearest(who, known))
+        return [table[row] for row in known[who]]

@@ -16,11 +16,13 @@ from enum import IntEnum, IntFlag
 
 import numpy as np
 
+from mimics_app.contracts.haptic_objects import OBJECT_COUNTS
+
 __all__ = [
-    "BODY",
     "EVENT",
     "INBOX",
     "MAX_PIECES",
+    "POSE",
     "SAMPLE",
     "SCENE",
     "SNAPSHOT",
@@ -117,6 +119,7 @@ class EventKind(IntEnum):
     TRIP = 4
     PARAMETERS = 5
     MARGIN = 6
+    IMPACT = 7
 
 
 TUNNEL = np.dtype(
@@ -176,6 +179,7 @@ SCENE = np.dtype(
         ("stale_warn_ns", "i8"),  # device data older than this is counted
         ("stale_stop_ns", "i8"),  # older: SAFE_STOP
         ("tunnel", TUNNEL),
+        ("objects", OBJECT_COUNTS),  # rows in use of the tables beside this record
     ],
     align=True,
 )
@@ -215,6 +219,14 @@ SAMPLE = np.dtype(
         ("v_world", "f8", (3,)),  # its velocity [m/s]
         ("f_virt_world", "f8", (3,)),  # virtual force on the user before the limiter [N]
         ("f_user_world", "f8", (3,)),  # the same after limiter and ramp: what the user feels [N]
+        ("f_shapes", "f8", (3,)),  # part of it that touched shapes make, world [N]
+        ("f_effects", "f8", (3,)),  # part that effects make, world [N]
+        ("f_grip", "f8", (3,)),  # part that the held object makes, world [N]
+        ("touching", "f8"),  # pairs of point and shape in contact
+        ("depth", "f8"),  # of the deepest of them [m]
+        ("touched_shape", "f8"),  # its row, -1: none
+        ("held_body", "f8"),  # row of the held body, -1: none
+        ("bodies", "f8"),  # checksum of the motion of all bodies, 0-2^52
         ("f_tunnel", "f8", (3,)),  # tunnel force in the tunnel's t, n, b [N]
         ("s", "f8"),  # tunnel parameter of the closest bisector point [pieces]
         ("progress", "f8"),  # share of the arc length, 0-1
@@ -260,6 +272,11 @@ SNAPSHOT = np.dtype(
         ("distance", "f8"),
         ("penetration", "f8"),
         ("tunnel_radius", "f8"),
+        ("f_grip", "f8", (3,)),  # these five as in SAMPLE
+        ("touching", "i8"),
+        ("depth", "f8"),
+        ("touched_shape", "i8"),
+        ("held_body", "i8"),
         ("ramp", "f8"),
         ("period_s", "f8"),  # these four as in SAMPLE
         ("stiffness_limit", "f8"),
@@ -270,16 +287,16 @@ SNAPSHOT = np.dtype(
 )
 """The newest state. One writer: the haptic loop."""
 
-BODY = 7
-"""Columns of a body's pose beside the snapshot: position xyz [m], quaternion xyzw, world frame. Row 0 is the ball."""
+POSE = 7
+"""Columns of a pose beside the snapshot: position xyz [m], quaternion xyzw, world. Row 0: the hand, i + 1: body i."""
 
 EVENT = np.dtype(
     [
         ("t_ns", "i8"),
         ("tick", "i8"),
         ("kind", "i4"),  # EventKind
-        ("body_a", "i2"),
-        ("body_b", "i2"),  # -1: the static scene
+        ("body_a", "i2"),  # rows of the poses beside the snapshot: 0 is the hand, i + 1 is body i
+        ("body_b", "i2"),  # likewise; -1: the static scene
         ("material_a", "i2"),
         ("material_b", "i2"),
         ("position_world", "f4", (3,)),  # [m]

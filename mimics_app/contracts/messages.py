@@ -129,6 +129,11 @@ class HapticSnapshot:
     distance: float
     penetration: float
     tunnel_radius: float
+    f_grip: NDArray[np.float64]
+    touching: int
+    depth: float
+    touched_shape: int
+    held_body: int
     ramp: float
     period_s: float
     stiffness_limit: float

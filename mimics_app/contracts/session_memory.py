@@ -6,7 +6,7 @@ Main, audio, recorder and console processes attach to the same segment and see t
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any
 
@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts import ring, triple_buffer
-from mimics_app.contracts.haptic import BODY, EVENT, INBOX, SAMPLE, SCENE, SNAPSHOT
+from mimics_app.contracts.haptic import EVENT, INBOX, POSE, SAMPLE, SCENE, SNAPSHOT
+from mimics_app.contracts.object_rows import ROW_DTYPES, ObjectCapacities, Rows
 from mimics_app.contracts.segment import ArraySpec, Segment
 
 __all__ = ["Capacities", "ControlWord", "SessionMemory"]
@@ -38,7 +39,7 @@ class ControlWord(IntEnum):
 class Capacities:
     """Sizes fixed when the session is built."""
 
-    bodies: int = 8
+    objects: ObjectCapacities = field(default_factory=ObjectCapacities)
     samples: int = 8192  # > 5 s at 1 kHz; a power of two
     events: int = 1024  # a power of two
     lateness_bins: int = 2048
@@ -50,8 +51,9 @@ class SessionMemory:
     Attributes:
         control: int64 words, see `ControlWord`.
         scene_words, scenes: triple buffer main -> loop of SCENE records, shape [3].
+        shapes, bodies, effects, points, wires: the tables beside each of the three, shape [3, capacity].
         inbox_words, inboxes: triple buffer main -> loop of INBOX records, shape [3].
-        snapshot_words, snapshots, poses: triple buffer loop -> main; poses has shape [3, bodies, 7].
+        snapshot_words, snapshots, poses: triple buffer loop -> main; poses has shape [3, 1 + bodies, 7].
         audio_words, audio_snapshots: triple buffer loop -> audio of SNAPSHOT records, shape [3].
         sample_words, samples: ring loop -> recorder of SAMPLE records.
         main_event_words, main_events; audio_event_words, audio_events; recorder_event_words, recorder_events:
@@ -62,6 +64,11 @@ class SessionMemory:
     control: NDArray[np.int64]
     scene_words: NDArray[np.int64]
     scenes: NDArray[Any]
+    shapes: NDArray[Any]
+    bodies: NDArray[Any]
+    effects: NDArray[Any]
+    points: NDArray[Any]
+    wires: NDArray[Any]
     inbox_words: NDArray[np.int64]
     inboxes: NDArray[Any]
     snapshot_words: NDArray[np.int64]
@@ -90,6 +97,11 @@ class SessionMemory:
             for words in (self.scene_words, self.inbox_words, self.snapshot_words, self.audio_words):
                 triple_buffer.initialise(words)
 
+    @property
+    def rows(self) -> Rows:
+        """The tables of objects beside `scenes`, shape [3, capacity] each."""
+        return Rows(self.shapes, self.bodies, self.effects, self.points, self.wires)
+
     def __reduce__(self) -> tuple[Callable[..., SessionMemory], tuple[Capacities, Segment]]:
         return SessionMemory, (self.capacities, self.segment)
 
@@ -101,11 +113,12 @@ def _specs(capacities: Capacities) -> list[ArraySpec]:
         ("control", (80,), np.int64),
         ("scene_words", exchange, np.int64),
         ("scenes", (3,), SCENE),
+        *((name, (3, getattr(capacities.objects, name)), dtype) for name, dtype in ROW_DTYPES.items()),
         ("inbox_words", exchange, np.int64),
         ("inboxes", (3,), INBOX),
         ("snapshot_words", exchange, np.int64),
         ("snapshots", (3,), SNAPSHOT),
-        ("poses", (3, capacities.bodies, BODY), np.float64),
+        ("poses", (3, 1 + capacities.objects.bodies, POSE), np.float64),
         ("audio_words", exchange, np.int64),
         ("audio_snapshots", (3,), SNAPSHOT),
         ("sample_words", head_and_tail, np.int64),

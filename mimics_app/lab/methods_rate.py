@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import reference_us, shortest_us
-from mimics_app.rendering.haptic.kernels.contact import CONTACT, rate_of_depth, wall
+from mimics_app.rendering.haptic.kernels.contact import rate_of_depth, wall
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
+from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe
 
 __all__ = ["DEPTH", "GROUP", "RATES", "SPEED", "STIFFNESS", "tap_leak"]

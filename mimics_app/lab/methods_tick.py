@@ -19,7 +19,8 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.rendering.haptic.devices.registry import build_device
-from mimics_app.rendering.haptic.engine import HapticEngine, replay_ticks
+from mimics_app.rendering.haptic.engine import HapticEngine
+from mimics_app.rendering.haptic.replay import replay_ticks
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.rendering.haptic.tunnel import TunnelCurve, build_tunnel
 from mimics_app.world.components_haptic import Patient, Robot

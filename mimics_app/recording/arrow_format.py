@@ -21,6 +21,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import SCENE
+from mimics_app.contracts.object_rows import ROW_DTYPES, Rows, unpack_rows
 from mimics_app.recording.columns import ROW, column_names, column_units, rows_of, samples_of
 
 __all__ = [
@@ -53,11 +54,15 @@ _NUMBERS = struct.Struct("<qq")
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """One block of a stream: its number, the place of its first row since the session's start, and its records."""
+    """One block of a stream: its number, the place of its first row since the session's start, and its records.
+
+    With a SCENE record come the tables of objects it counts.
+    """
 
     seq: int
     first: int
     records: NDArray[Any]
+    rows: Rows | None = None
 
 
 @cache
@@ -81,15 +86,16 @@ def samples_schema() -> Any:
 
 @cache
 def parameters_schema() -> Any:
-    """Schema of parameters.arrows: `sequence` and `block`, the bytes of a SCENE record."""
+    """Schema of parameters.arrows: `sequence` and `block`, the bytes of a SCENE record and of the rows it counts."""
     metadata = {
         "format": "mimics parameter blocks",
-        "version": "1",
+        "version": "2",
         "dtype": json.dumps(np.lib.format.dtype_to_descr(SCENE)),
+        "rows": json.dumps({name: np.lib.format.dtype_to_descr(dtype) for name, dtype in ROW_DTYPES.items()}),
     }
     fields = [
         pa.field("sequence", pa.int64(), nullable=False),
-        pa.field("block", pa.binary(SCENE.itemsize), nullable=False),
+        pa.field("block", pa.binary(), nullable=False),
     ]
     return pa.schema(fields, metadata=metadata)
 
@@ -132,10 +138,10 @@ def decode_samples(data: bytes | memoryview) -> Block:
 
 
 def encode_parameters(block: bytes, seq: int) -> bytes:
-    """The bytes of one SCENE record as one block of parameters.arrows; compressed, for most pieces are empty."""
-    record = np.frombuffer(block, SCENE)
+    """The bytes of one SCENE record and its rows as one block of parameters.arrows; compressed: most is empty."""
+    record = np.frombuffer(block, SCENE, 1)
     batch = pa.RecordBatch.from_arrays(
-        [pa.array([int(record["sequence"][0])], pa.int64()), pa.array([block], pa.binary(SCENE.itemsize))],
+        [pa.array([int(record["sequence"][0])], pa.int64()), pa.array([block], pa.binary())],
         schema=parameters_schema(),
     )
     crc = _crc(seq, seq, np.frombuffer(block, np.uint8))
@@ -143,7 +149,7 @@ def encode_parameters(block: bytes, seq: int) -> bytes:
 
 
 def decode_parameters(data: bytes | memoryview, schema: Any | None = None) -> Block:
-    """Read one block of parameters.arrows back, as a record of the dtype it was written with, shape [1].
+    """Read one block of parameters.arrows back, with the dtypes it was written with: record of shape [1], rows.
 
     Raises:
         ValueError: It is no such block, or its CRC32 says that it was damaged.
@@ -153,13 +159,22 @@ def decode_parameters(data: bytes | memoryview, schema: Any | None = None) -> Bl
     content = batch.column(1)[0].as_py()
     if _crc(seq, first, np.frombuffer(content, np.uint8)) != crc:
         raise ValueError("the checksum does not agree")
-    return Block(seq, first, np.frombuffer(content, parameters_dtype(schema)))
+    dtype = parameters_dtype(schema)
+    record = np.frombuffer(content, dtype, 1)
+    if "objects" not in (dtype.names or ()):
+        return Block(seq, first, record)
+    return Block(seq, first, record, unpack_rows(content[dtype.itemsize :], record[0]["objects"], _row_dtypes(schema)))
 
 
 def parameters_dtype(schema: Any) -> np.dtype[Any]:
     """Dtype of the SCENE records in a stream, which may be of an older version of the application."""
     description = json.loads(schema.metadata[b"dtype"])
     return np.lib.format.descr_to_dtype(_tuples(description))
+
+
+def _row_dtypes(schema: Any) -> dict[str, np.dtype[Any]]:
+    descriptions = json.loads(schema.metadata[b"rows"])
+    return {name: np.lib.format.descr_to_dtype(_tuples(each)) for name, each in descriptions.items()}
 
 
 def _tuples(description: Any) -> Any:

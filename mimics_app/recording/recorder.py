@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts import ring
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.errors import PartialDataError
+from mimics_app.contracts.object_rows import Rows, pack_rows
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.recording.channel import CLOSE, LINE, PARAMETERS, TRIAL, Outbox
 from mimics_app.recording.environment import clock_pair, describe_environment
@@ -186,7 +187,7 @@ class Recorder:
             action      values of an adaptation
 
         Args:
-            kind: What happened, in lower case; "parameters" with bytes stores a SCENE record, as `parameters` does.
+            kind: What happened, in lower case; "parameters" with bytes stores SCENE record and rows, as `parameters`.
             data: Its values.
         """
         if isinstance(data, bytes):
@@ -197,9 +198,11 @@ class Recorder:
             self._outbox.send(LINE, encode_line("app", kind, data))
         self.supervise()
 
-    def parameters(self, block: NDArray[Any]) -> None:
-        """Store a SCENE record [shape (1,) or ()] that was published to the loop; a replay needs every one of them."""
-        self._store_parameters(np.ascontiguousarray(block).tobytes())
+    def parameters(self, block: NDArray[Any], rows: Rows | None = None) -> None:
+        """Store a SCENE record [shape (1,) or ()] and its rows as published; a replay needs every one of them."""
+        record = np.ascontiguousarray(block).reshape(1)
+        packed = b"" if rows is None else pack_rows(rows, record[0]["objects"])
+        self._store_parameters(record.tobytes() + packed)
         self.supervise()
 
     def _store_parameters(self, block: bytes) -> None:

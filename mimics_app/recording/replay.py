@@ -6,7 +6,7 @@ joins the two.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import PartialDataError
 from mimics_app.contracts.haptic import SCENE
+from mimics_app.contracts.object_rows import Rows
 from mimics_app.recording.columns import OUTPUT_FIELDS, column_names, field_columns, rows_of
 from mimics_app.recording.run import Run
 
@@ -27,10 +28,12 @@ class ReplayData:
     Attributes:
         samples: SAMPLE records, shape [n]; a replay reads their input fields only (`columns.INPUT_FIELDS`).
         blocks: SCENE record [shape 1] by sequence; the sample of a tick says which one it used.
+        rows: The tables of haptic objects beside each of them.
     """
 
     samples: NDArray[Any]
     blocks: dict[int, NDArray[Any]]
+    rows: dict[int, Rows] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +85,8 @@ def gather(run: Run) -> ReplayData:
     if any(blocks[sequence].dtype != SCENE for sequence in wanted):
         version = run.session.get("versions", {}).get("mimics_app", "another version")
         raise PartialDataError(f"{run.folder} was recorded by {version}, whose parameters differ", "use that version")
-    return ReplayData(samples, {sequence: blocks[sequence] for sequence in sorted(wanted)})
+    rows = {sequence: run.rows[sequence] for sequence in sorted(wanted) if sequence in run.rows}
+    return ReplayData(samples, {sequence: blocks[sequence] for sequence in sorted(wanted)}, rows)
 
 
 def compare(recorded: NDArray[Any], replayed: NDArray[Any]) -> Difference | None:

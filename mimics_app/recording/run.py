@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import PartialDataError, UsageError
 from mimics_app.contracts.haptic import SAMPLE
+from mimics_app.contracts.object_rows import Rows
 from mimics_app.recording.arrow_format import (
     Block,
     decode_parameters,
@@ -142,15 +143,26 @@ class Run:
         return read_trials(self.folder / FILES["trials"])
 
     @cached_property
-    def parameters(self) -> dict[int, NDArray[Any]]:
-        """Parameter blocks by sequence, each a record of the dtype it was recorded with, shape [1]."""
+    def _parameter_blocks(self) -> dict[int, Block]:
         path = self.folder / FILES["parameters"]
         schema = read_schema(path) or parameters_schema()
-        blocks: dict[int, NDArray[Any]] = {}
-        for piece in scan_stream(path, lambda data: decode_parameters(data, schema), schema):
-            if isinstance(piece, Found):
-                blocks[int(piece.block.records["sequence"][0])] = piece.block.records
-        return blocks
+        found = scan_stream(path, lambda data: decode_parameters(data, schema), schema)
+        blocks = [piece.block for piece in found if isinstance(piece, Found)]
+        return {int(block.records["sequence"][0]): block for block in blocks}
+
+    @cached_property
+    def parameters(self) -> dict[int, NDArray[Any]]:
+        """Parameter blocks by sequence, each a record of the dtype it was recorded with, shape [1]."""
+        return {number: block.records for number, block in self._parameter_blocks.items()}
+
+    @cached_property
+    def rows(self) -> dict[int, Rows]:
+        """The tables of haptic objects beside those parameter blocks that count any, by sequence, rows in use only."""
+        return {
+            number: block.rows
+            for number, block in self._parameter_blocks.items()
+            if block.rows and any(map(len, block.rows))
+        }
 
     def state_hash(self) -> str:
         """The state hash of what the files hold, computed anew."""

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import SCENE
+from mimics_app.contracts.object_rows import unpack_rows
 from mimics_app.recording.append_file import AppendFile
 from mimics_app.recording.arrow_format import (
     END_OF_STREAM,
@@ -112,14 +113,15 @@ class ParameterStream:
             self._file.append(schema_bytes(parameters_schema()))
 
     def append(self, block: bytes) -> None:
-        """Write the bytes of one SCENE record.
+        """Write the bytes of one SCENE record and of the rows it counts.
 
         Raises:
             OSError: The disk is full or failed; the file ends with the block before.
-            ValueError: The bytes are no SCENE record.
+            ValueError: The bytes are no SCENE record with its rows.
         """
-        if len(block) != SCENE.itemsize:
-            raise ValueError(f"a parameter block has {SCENE.itemsize} bytes, this one {len(block)}")
+        if len(block) < SCENE.itemsize:
+            raise ValueError(f"a parameter block has at least {SCENE.itemsize} bytes, this one {len(block)}")
+        unpack_rows(block[SCENE.itemsize :], np.frombuffer(block, SCENE, 1)[0]["objects"])
         self._file.append(encode_parameters(block, self.count))
         self.count += 1
 

@@ -14,10 +14,14 @@ import pytest
 
 from mimics_app.contracts import ring, triple_buffer
 from mimics_app.contracts.atomics import load_acquire, now_ns, store_release
+from mimics_app.contracts.haptic_objects import BodyFlag
 from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.contracts.segment import Segment
+from mimics_app.rendering.haptic.objects import new_object_work
 from tests.support.haptic_bench import patient_bench
 
+ROOM = ObjectCapacities(bodies=99)
 PAYLOAD = 64
 WORDS = [("words", (triple_buffer.WORDS,), np.int64), ("slots", (3, PAYLOAD), np.float64)]
 RING = [("words", (ring.WORDS,), np.int64), ("slots", (4096,), np.dtype([("k", "f8"), ("v", "f8", (7,))]))]
@@ -200,35 +204,50 @@ def test_between_two_processes():
     assert result[1:3].tolist() == [0, 0] and result[3] > 1000
 
 
+def free_bodies(velocities: np.ndarray, omegas: np.ndarray, positions: np.ndarray) -> Rows:
+    """Bodies that nothing touches: they fly and turn as they were set going."""
+    rows = new_rows(ROOM)
+    count = len(velocities)
+    bodies = rows.bodies[:count]
+    bodies["flags"] = BodyFlag.TRANSLATION | BodyFlag.ROTATION
+    bodies["spawn"], bodies["mass"], bodies["inertia"] = 1, 1.0, np.eye(3)
+    bodies["position"], bodies["velocity"], bodies["omega"] = positions, velocities, omegas
+    bodies["orientation"] = (0.0, 0.0, 0.0, 1.0)
+    return rows
+
+
 def test_a_hundred_bodies_pass_through_the_same_buffers():
-    """99 turning and flying bodies and the ball: poses as the closed form says, in the slot the snapshot is in."""
+    """99 turning and flying bodies and the hand: poses as the closed form says, in the slot the snapshot is in."""
     rng = np.random.default_rng(8)
-    bodies = np.zeros((99, 13))
-    bodies[:, :3] = rng.uniform(-1, 1, (99, 3))
-    bodies[:, 6] = 1.0
-    bodies[:, 7:10] = rng.uniform(-0.5, 0.5, (99, 3))
-    bodies[:, 10:] = rng.uniform(-7, 7, (99, 3))
-    bodies[0, 10:] = 0.0
-    bench = patient_bench(capacities={"bodies": 100}, bodies=bodies)
+    positions, velocities = rng.uniform(-1, 1, (99, 3)), rng.uniform(-0.5, 0.5, (99, 3))
+    omegas = rng.uniform(-7, 7, (99, 3))
+    omegas[0] = 0.0
+    bench = patient_bench(capacities={"objects": ROOM}, objects=new_object_work(ROOM))
+    bench.publish(rows=free_bodies(velocities, omegas, positions), objects__bodies=99)
+    start = bench.engine.ticks
     for _ in range(100):
         bench.engine.advance(17)
         snapshot = bench.engine.snapshot()
         assert np.array_equal(snapshot.poses[0, :3], snapshot.hip_world)
-    t = 1700 * 1e-3
-    assert np.allclose(snapshot.poses[1:, :3], bodies[:, :3] + t * bodies[:, 7:10], atol=1e-12)
-    rate = np.linalg.norm(bodies[:, 10:], axis=1)
-    axis = np.divide(bodies[:, 10:], rate[:, None], out=np.zeros((99, 3)), where=rate[:, None] > 0)
+    t = (bench.engine.ticks - start) * 1e-3
+    assert np.allclose(snapshot.poses[1:, :3], positions + t * velocities, atol=1e-11)
+    rate = np.linalg.norm(omegas, axis=1)
+    axis = np.divide(omegas, rate[:, None], out=np.zeros((99, 3)), where=rate[:, None] > 0)
     expected = np.concatenate([np.sin(rate * t / 2)[:, None] * axis, np.cos(rate * t / 2)[:, None]], axis=1)
     assert np.allclose(snapshot.poses[1:, 3:], expected, atol=1e-11)  # 1700 products of unit quaternions
-    with pytest.raises(ValueError, match="room for 7"):
-        patient_bench(bodies=bodies)
+
+
+def test_more_bodies_than_there_is_room_for_are_refused():
+    bench = patient_bench()
+    with pytest.raises(ValueError, match="bodies is 99; it must be within 0 and 8"):
+        bench.publish(rows=free_bodies(*np.zeros((3, 99, 3))), objects__bodies=99)
 
 
 def test_a_hundred_bodies_between_live_loop_and_main_are_never_torn():
     """Every body moves 1 m/s along x from 0: in one snapshot all of them must stand at the same place."""
-    bodies = np.zeros((99, 13))
-    bodies[:, 6], bodies[:, 7] = 1.0, 1.0
-    bench = patient_bench(capacities={"bodies": 100}, bodies=bodies, recipe="plain")
+    velocities = np.tile([1.0, 0.0, 0.0], (99, 1))
+    bench = patient_bench(capacities={"objects": ROOM}, objects=new_object_work(ROOM), recipe="plain")
+    bench.publish(rows=free_bodies(velocities, 0.0 * velocities, 0.0 * velocities), objects__bodies=99)
     bench.engine.start()
     seen: list[float] = []
     while bench.engine.ticks < 1000:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.rendering.haptic.kernels.contact import CONTACT, cube, cube_nearest_face, cube_printed
+from mimics_app.rendering.haptic.kernels.contact import cube, cube_nearest_face, cube_printed
 from mimics_app.rendering.haptic.kernels.contact_law import (
     pair_damping,
     pair_damping_printed,
@@ -17,6 +17,7 @@ from mimics_app.rendering.haptic.kernels.contact_law import (
     spring_damper,
     spring_damper_printed,
 )
+from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 from mimics_app.rendering.haptic.kernels.friction import regularised, regularised_printed
 from mimics_app.rendering.haptic.kernels.rotation import (
     kinetic_energy,

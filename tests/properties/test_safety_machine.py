@@ -10,10 +10,13 @@ import pytest
 from mimics_app.contracts.haptic import SAMPLE
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_LENGTH
+from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
 from mimics_app.rendering.haptic.kernels.noise import seed_noise, uniform
 from mimics_app.rendering.haptic.kernels.state import new_state
 from mimics_app.rendering.haptic.kernels.tick import tick
 from mimics_app.rendering.haptic.kernels.vectors import norm
+from mimics_app.rendering.haptic.no_objects import NO_FIELDS, no_objects
+from mimics_app.rendering.haptic.objects import new_object_work
 from mimics_app.rendering.haptic.scene_block import default_scene
 from tests.support.haptic_bench import wavy
 
@@ -42,7 +45,7 @@ def _chance(noise, share):
 
 
 @kernel
-def _walk(seed, ticks, scenes, states, data, command, rows, broken, visits):
+def _walk(seed, ticks, scenes, rows_of_objects, objects, states, data, command, rows, broken, visits):
     """A handle wandering through the workspace; now and then something goes wrong. `broken` counts violated laws."""
     noise = np.zeros(1)
     seed_noise(noise, 0, seed)
@@ -84,7 +87,22 @@ def _walk(seed, ticks, scenes, states, data, command, rows, broken, visits):
         held = 0
         if _chance(noise, 0.002):
             held = 1 + int(uniform(noise, 0) * (4.0 if _chance(noise, 0.05) else 2.0))
-        tick(scene, state, data, status, stop, held, 1e-3, 1e-3, command, rows[0])
+        tick(
+            scene,
+            rows_of_objects,
+            objects,
+            no_objects,
+            NO_FIELDS,
+            state,
+            data,
+            status,
+            stop,
+            held,
+            1e-3,
+            1e-3,
+            command,
+            rows[0],
+        )
 
         force = norm(state.f_user_world)
         after = state.safety
@@ -120,6 +138,8 @@ def _run(seed: int, ticks: int) -> tuple[dict[str, int], np.ndarray]:
         seed,
         ticks,
         scene,
+        new_rows(ObjectCapacities()),
+        new_object_work(ObjectCapacities()),
         new_state(),
         np.zeros(DATA_LENGTH),
         np.zeros(COMMAND_LENGTH),

@@ -9,11 +9,12 @@ import numpy as np
 
 from mimics_app.contracts.haptic_objects import OBJECT_COUNTS, STATIC, BodyFlag, ObjectIntegrator, ShapeKind
 from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.rendering.haptic.kernels.objects.bodies import load_bodies, place_bodies, step_bodies
 from mimics_app.rendering.haptic.kernels.objects.collisions import collide_bodies
 from mimics_app.rendering.haptic.kernels.objects.poses import pose_shapes
 from mimics_app.rendering.haptic.kernels.objects.totals import clear_totals
-from mimics_app.rendering.haptic.objects import ObjectCapacities, ObjectWork, Rows, new_object_work, new_rows
+from mimics_app.rendering.haptic.objects import ObjectWork, new_object_work
 
 FREE = int(BodyFlag.TRANSLATION | BodyFlag.ROTATION | BodyFlag.FORCE_ON_OBJECT | BodyFlag.TORQUE_ON_OBJECT)
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)

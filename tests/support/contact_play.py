@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mimics_app.rendering.haptic.kernels.contact import CONTACT, pair_spheres
+from mimics_app.rendering.haptic.kernels.contact import pair_spheres
 from mimics_app.rendering.haptic.kernels.contact_law import pair_force
+from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 from mimics_app.rendering.haptic.kernels.integrators import step_semi_implicit
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe
 

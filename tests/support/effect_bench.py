@@ -8,7 +8,7 @@ import numpy as np
 
 from mimics_app.contracts.haptic_objects import BODY, EFFECT, OBJECT_COUNTS, POINT, SHAPE, STATIC, WIRE, BodyFlag
 from mimics_app.contracts.loop_ports import MAX_FIELDS
-from mimics_app.rendering.haptic.force_fields import no_field
+from mimics_app.contracts.object_rows import ObjectCapacities, Rows
 from mimics_app.rendering.haptic.kernels.objects.effects import apply_effects
 from mimics_app.rendering.haptic.kernels.objects.hand import (
     HAND_FORCE_MEASURED,
@@ -21,7 +21,8 @@ from mimics_app.rendering.haptic.kernels.objects.hand import (
 )
 from mimics_app.rendering.haptic.kernels.objects.signals import carry_signals
 from mimics_app.rendering.haptic.kernels.objects.totals import clear_totals
-from mimics_app.rendering.haptic.objects import ObjectCapacities, Rows, new_object_work
+from mimics_app.rendering.haptic.no_objects import no_field
+from mimics_app.rendering.haptic.objects import new_object_work
 
 ALL = BodyFlag.TRANSLATION | BodyFlag.ROTATION | BodyFlag.FORCE_ON_OBJECT | BodyFlag.TORQUE_ON_OBJECT
 

@@ -12,6 +12,7 @@ from mimics_app.contracts import ring
 from mimics_app.contracts.haptic import INBOX, SAMPLE, Controller
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.loop_ports import DATA_LENGTH, READ, WRITE, DevicePlugin
+from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.contracts.session_memory import Capacities, SessionMemory
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
@@ -67,9 +68,12 @@ class Bench:
     scene: NDArray[Any]
     inbox: NDArray[Any] = field(default_factory=lambda: np.zeros(1, INBOX))
     blocks: dict[int, NDArray[Any]] = field(default_factory=dict)
+    rows: Rows = field(default_factory=lambda: new_rows(ObjectCapacities()))
+    row_blocks: dict[int, Rows] = field(default_factory=dict)
 
-    def publish(self, **values: Any) -> None:
+    def publish(self, rows: Rows | None = None, **values: Any) -> None:
         """Change fields ("tunnel.stiffness" as tunnel__stiffness), count the sequence up, publish."""
+        self.rows = rows or self.rows
         for name, value in values.items():
             part = self.scene[0]
             *path, last = name.split("__")
@@ -78,7 +82,8 @@ class Bench:
             part[last] = value
         self.scene[0]["sequence"] = len(self.blocks) + 1
         self.blocks[len(self.blocks) + 1] = self.scene.copy()
-        self.engine.publish(self.scene)
+        self.row_blocks[len(self.blocks)] = Rows(*(table.copy() for table in self.rows))
+        self.engine.publish(self.scene, self.rows)
 
     def tell(self, **values: Any) -> None:
         for name, value in values.items():

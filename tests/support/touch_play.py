@@ -8,13 +8,14 @@ import numpy as np
 
 from mimics_app.contracts.haptic_objects import MAX_POINTS, OBJECT_COUNTS, ShapeKind
 from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
 from mimics_app.rendering.haptic.kernels.objects.bodies import load_bodies, place_bodies, step_bodies
 from mimics_app.rendering.haptic.kernels.objects.points import place_points
 from mimics_app.rendering.haptic.kernels.objects.poses import pose_shapes
 from mimics_app.rendering.haptic.kernels.objects.totals import clear_totals
 from mimics_app.rendering.haptic.kernels.objects.touch import touch_points
 from mimics_app.rendering.haptic.mesh_table import build_mesh_table
-from mimics_app.rendering.haptic.objects import ObjectCapacities, new_object_work, new_rows
+from mimics_app.rendering.haptic.objects import new_object_work
 from tests.support.body_play import Play
 
 RIM = 0.02

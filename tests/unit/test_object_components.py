@@ -148,10 +148,11 @@ def test_open_surface_has_no_mass_of_its_own(tmp_path):
 
 def test_fifth_different_force_field_is_refused(tmp_path):
     from mimics_app.rendering.haptic import force_fields
+    from mimics_app.rendering.haptic.no_objects import no_field
 
     names = [f"test_{i}" for i in range(5)]
     for name in names:
-        force_fields.add_field(name, force_fields.no_field)
+        force_fields.add_field(name, no_field)
     fields = [thing(f"f{i}", force_field={"function": name}) for i, name in enumerate(names)]
     assert told(tmp_path, *fields[:4]) == []
     assert [line.split(": ")[0] for line in told(tmp_path, *fields)] == [

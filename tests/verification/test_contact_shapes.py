@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 
 from mimics_app.maths import quat
 from mimics_app.rendering.haptic.kernels.contact import (
-    CONTACT,
     cube,
     cube_nearest_face,
     cube_printed,
@@ -24,6 +23,7 @@ from mimics_app.rendering.haptic.kernels.contact import (
     wall,
 )
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
+from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 from mimics_app.rendering.haptic.kernels.integrators import step_free
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe
 from mimics_app.rendering.haptic.methods_contact import false_force

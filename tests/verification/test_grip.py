@@ -10,9 +10,10 @@ import pytest
 
 from mimics_app.contracts.haptic_objects import OBJECT_COUNTS, BodyFlag, ShapeKind
 from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
 from mimics_app.rendering.haptic.kernels.objects.grip import grip_bodies
 from mimics_app.rendering.haptic.kernels.objects.totals import clear_totals
-from mimics_app.rendering.haptic.objects import ObjectCapacities, new_object_work, new_rows
+from mimics_app.rendering.haptic.objects import new_object_work
 
 DT = 1e-3
 MASS, RADIUS, MU, GRAVITY = 0.3, 0.03, 0.5, 9.81

@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mimics_app.rendering.haptic.kernels.contact import CONTACT, pair_spheres, wall
+from mimics_app.rendering.haptic.kernels.contact import pair_spheres, wall
 from mimics_app.rendering.haptic.kernels.contact_law import pair_force, pair_force_printed
+from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 from mimics_app.rendering.haptic.methods_contact import restitution_spring_damper
 from tests.support.contact_play import Pair, angle_factor, bounce, bounce_pair
 

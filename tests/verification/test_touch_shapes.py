@@ -12,7 +12,8 @@ import pytest
 
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.maths import quat
-from mimics_app.rendering.haptic.kernels.contact import CONTACT, cube
+from mimics_app.rendering.haptic.kernels.contact import cube
+from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 from tests.support.body_play import new_play
 from tests.support.touch_play import KINDS, RIM, SOLIDS, add_point, at_rest, follow, one_shape, surface_of
 

@@ -26,10 +26,10 @@ def run(args: argparse.Namespace) -> int:
     from mimics_app.contracts.errors import PartialDataError
     from mimics_app.recording.replay import compare, gather
     from mimics_app.recording.run import Run
-    from mimics_app.rendering.haptic.engine import replay_ticks
+    from mimics_app.rendering.haptic.replay import replay_ticks
 
     data = gather(Run.open(args.run_folder))
-    difference = compare(data.samples, replay_ticks(data.samples, data.blocks))
+    difference = compare(data.samples, replay_ticks(data.samples, data.blocks, data.rows))
     if difference is not None:
         raise PartialDataError(
             f"{args.run_folder} replays differently: {difference}",

@@ -9,7 +9,7 @@ import numpy as np
 from numba import from_dtype, types
 from numpy.typing import NDArray
 
-from mimics_app.rendering.haptic.kernels.contact import CONTACT
+from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 
 __all__ = ["NORMAL_LAW", "ROTATION", "SHAPE", "identified_rate"]
 

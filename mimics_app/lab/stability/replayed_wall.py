@@ -20,12 +20,15 @@ from numpy.typing import NDArray
 from mimics_app.contracts.haptic import SAMPLE
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_DQ, DATA_LENGTH, DATA_Q
+from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
 from mimics_app.lab.stability.linear import find_limit
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe
 from mimics_app.rendering.haptic.kernels.safety import HOLD, IN_TIME, LATE_DAMP
 from mimics_app.rendering.haptic.kernels.state import new_state
 from mimics_app.rendering.haptic.kernels.tick import tick
 from mimics_app.rendering.haptic.loop import late_class
+from mimics_app.rendering.haptic.no_objects import NO_FIELDS, no_objects
+from mimics_app.rendering.haptic.objects import new_object_work
 from mimics_app.rendering.haptic.scene_block import default_scene
 from mimics_app.rendering.haptic.tunnel import build_tunnel
 
@@ -149,14 +152,39 @@ def _classes(scenes: Any, late_ns: Any, held: Any) -> None:
 
 @kernel
 def _stroke(
-    scenes: Any, depth: Vec, rate: Vec, held: Any, period: float, states: Any, samples: Any, observers: Any, out: Vec
+    scenes: Any,
+    rows: Any,
+    objects: Any,
+    depth: Vec,
+    rate: Vec,
+    held: Any,
+    period: float,
+    states: Any,
+    samples: Any,
+    observers: Any,
+    out: Vec,
 ) -> None:
     """Run the product's tick over a prescribed motion; energy taken from the user after each tick [J]."""
     data, command = np.zeros(DATA_LENGTH), np.zeros(COMMAND_LENGTH)
     for i in range(depth.shape[0]):
         data[DATA_Q + 2] = _ROOM + depth[i]
         data[DATA_DQ + 2] = rate[i]
-        tick(scenes[0], states[0], data, 0, 0, held[i], period, period, command, samples[0])
+        tick(
+            scenes[0],
+            rows,
+            objects,
+            no_objects,
+            NO_FIELDS,
+            states[0],
+            data,
+            0,
+            0,
+            held[i],
+            period,
+            period,
+            command,
+            samples[0],
+        )
         out[i] = observe(observers[0], states[0].hip_world, states[0].f_user_world)
 
 
@@ -185,7 +213,8 @@ def energy_of(wakes: Wakes, damping: float, policy: bool, stroke: Stroke = Strok
     out = np.zeros(len(wakes.t))
     held = classes_of(wakes, policy)
     samples, observers = np.zeros(1, SAMPLE), np.zeros(1, OBSERVER)
-    _stroke(_scene(damping), depth, rate, held, PERIOD, new_state(), samples, observers, out)
+    rows, objects = new_rows(ObjectCapacities()), new_object_work(ObjectCapacities())
+    _stroke(_scene(damping), rows, objects, depth, rate, held, PERIOD, new_state(), samples, observers, out)
     return float(out[-1])
 
 

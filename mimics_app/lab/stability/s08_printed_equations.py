@@ -24,8 +24,9 @@ from mimics_app.lab.experiment import Experiment, Outcome, largest_disagreement
 from mimics_app.lab.stability import s12_rotation_drift as rotations
 from mimics_app.lab.stability.laws import NORMAL_LAW, identified_rate
 from mimics_app.rendering.haptic.control.joint_pd import joint_pd, joint_pd_as_printed
-from mimics_app.rendering.haptic.kernels.contact import CONTACT, rate_of_depth, sphere
+from mimics_app.rendering.haptic.kernels.contact import rate_of_depth, sphere
 from mimics_app.rendering.haptic.kernels.contact_law import pair_force, pair_force_printed, spring_damper
+from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 from mimics_app.rendering.haptic.kernels.integrators import step_semi_implicit
 from mimics_app.rendering.haptic.kernels.rotation import rotate_exponential, rotate_printed
 

@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from mimics_app.contracts.kernel import kernel, typed_kernel
 from mimics_app.lab.experiment import Experiment, Outcome, largest_disagreement
 from mimics_app.lab.stability.laws import SHAPE
-from mimics_app.rendering.haptic.kernels.contact import CONTACT, cube, cube_nearest_face, rate_of_depth
+from mimics_app.rendering.haptic.kernels.contact import cube, cube_nearest_face, rate_of_depth
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
+from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 
 __all__ = ["EXPERIMENT", "slide"]
 

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
 from mimics_app.lab.stability.linear import find_limit
-from mimics_app.rendering.haptic.kernels.friction import FRICTION, lugre_explicit, lugre_implicit
+from mimics_app.rendering.haptic.kernels.contact_records import FRICTION
+from mimics_app.rendering.haptic.kernels.friction import lugre_explicit, lugre_implicit
 
 __all__ = ["EXPERIMENT", "deflection", "exact_limit", "largest_tick"]
 

@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import EVENT, INBOX, SAMPLE, SCENE, SNAPSHOT
 from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_LENGTH, INBOX_LENGTH
+from mimics_app.contracts.object_rows import Rows
 from mimics_app.contracts.session_memory import SessionMemory
-from mimics_app.rendering.haptic.kernels.state import BODY_MOTION, STATE, new_state
+from mimics_app.rendering.haptic.kernels.state import STATE, new_state
+from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROW_STACK, ObjectWork
 
 __all__ = ["CHANNELS", "WORK", "Channels", "Work", "channels_of", "new_work"]
 
@@ -25,6 +27,7 @@ class Channels(NamedTuple):
     control: Words
     scene_words: Words
     scenes: Records
+    rows: Rows
     inbox_words: Words
     inboxes: Records
     snapshot_words: Words
@@ -49,7 +52,7 @@ class Work(NamedTuple):
 
     Attributes:
         state: STATE record, shape [1].
-        bodies: Kinematic bodies, shape [n, BODY_MOTION].
+        objects: What the loop makes of the haptic objects.
         sample: SAMPLE record being filled, shape [1].
         event: EVENT record being filled, shape [1].
         data: From the device, shape [DATA_LENGTH].
@@ -59,7 +62,7 @@ class Work(NamedTuple):
     """
 
     state: Records
-    bodies: NDArray[np.float64]
+    objects: ObjectWork
     sample: Records
     event: Records
     data: NDArray[np.float64]
@@ -73,11 +76,11 @@ def channels_of(memory: SessionMemory) -> Channels:
     return Channels(**{name: getattr(memory, name) for name in Channels._fields})
 
 
-def new_work(bodies: NDArray[np.float64] | None = None) -> Work:
-    """Fresh working arrays; bodies of shape [n, BODY_MOTION], none by default."""
+def new_work(objects: ObjectWork) -> Work:
+    """Fresh working arrays around those of the objects."""
     return Work(
         state=new_state(),
-        bodies=np.zeros((0, BODY_MOTION)) if bodies is None else np.array(bodies, np.float64, order="C"),
+        objects=objects,
         sample=np.zeros(1, SAMPLE),
         event=np.zeros(1, EVENT),
         data=np.zeros(DATA_LENGTH),
@@ -100,6 +103,7 @@ CHANNELS = types.NamedTuple(  # type: ignore[no-untyped-call]
         _WORDS,
         _WORDS,
         _records(SCENE),
+        ROW_STACK,
         _WORDS,
         _records(INBOX),
         _WORDS,
@@ -125,7 +129,7 @@ CHANNELS = types.NamedTuple(  # type: ignore[no-untyped-call]
 WORK = types.NamedTuple(  # type: ignore[no-untyped-call]
     [
         _records(STATE),
-        types.float64[:, ::1],
+        OBJECT_WORK,
         _records(SAMPLE),
         _records(EVENT),
         _VECTOR,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 import sys
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -13,30 +13,27 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts import ring, triple_buffer
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.haptic import EVENT, MAX_PIECES, SAMPLE, SCENE, AdmittanceForm, Controller, Projection
-from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_LENGTH, DevicePlugin
+from mimics_app.contracts.haptic import EVENT
+from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.contracts.messages import HapticSnapshot
+from mimics_app.contracts.object_rows import Rows, slot_of
 from mimics_app.contracts.session_memory import ControlWord, SessionMemory
 from mimics_app.rendering.haptic import scheduler
+from mimics_app.rendering.haptic.block_check import check_block
 from mimics_app.rendering.haptic.channels import channels_of, new_work
 from mimics_app.rendering.haptic.histogram import LatenessReport, percentile_us
-from mimics_app.rendering.haptic.kernels.state import new_state
-from mimics_app.rendering.haptic.loop import advance_ticks, replay_recorded, run_live
+from mimics_app.rendering.haptic.loop import advance_ticks, run_live
+from mimics_app.rendering.haptic.no_objects import NO_FIELDS, no_objects
+from mimics_app.rendering.haptic.objects import ObjectWork, load_simulation, new_object_work
+from mimics_app.rendering.haptic.replay import replay_ticks
 from mimics_app.rendering.haptic.stability_report import StabilityReport, stability_of
 
-__all__ = ["HapticEngine", "replay_ticks"]
+__all__ = ["HapticEngine"]
 
 Records = NDArray[Any]
+Fields = tuple[Callable[..., Any], ...]
 
 _JOIN_S = 2.0
-
-_LARGEST = {
-    "controller": max(Controller),
-    "form": max(AdmittanceForm),
-    "tunnel.projection": max(Projection),
-    "tunnel.pieces": MAX_PIECES,
-}
-"""Largest value of the whole-number fields the tick branches or counts by; the least is 0."""
 
 
 class HapticEngine:
@@ -51,10 +48,8 @@ class HapticEngine:
         rate: Ticks per second.
         spin_us: Spin before each deadline [us]; None: what suits the scheduler recipe granted.
         recipe: One of `scheduler.RECIPES`.
-        bodies: Kinematic bodies, shape [n, 13] (see kernels.bodies), at most `capacities.bodies` - 1.
-
-    Raises:
-        ValueError: More bodies than the session has room for.
+        objects: Working arrays for the scene's haptic objects, of the session's capacities; None: there are none.
+        fields: Force fields by EFFECT.field, MAX_FIELDS of them.
     """
 
     def __init__(
@@ -65,7 +60,8 @@ class HapticEngine:
         rate: int = 1000,
         spin_us: int | None = None,
         recipe: str = "auto",
-        bodies: NDArray[np.float64] | None = None,
+        objects: ObjectWork | None = None,
+        fields: Fields = NO_FIELDS,
     ) -> None:
         self._memory = memory
         self._plugin = plugin
@@ -73,11 +69,7 @@ class HapticEngine:
         self._spin_us = spin_us
         self._recipe = recipe
         self._channels = channels_of(memory)
-        self._work = new_work(bodies)
-        if self._work.bodies.shape[0] > memory.poses.shape[1] - 1:
-            raise ValueError(
-                f"{self._work.bodies.shape[0]} bodies, room for {memory.poses.shape[1] - 1} beside the ball"
-            )
+        self._work = new_work(objects or new_object_work(memory.capacities.objects))
         self._drained = np.zeros(memory.main_events.shape[0], EVENT)
         self._resets = 0
         self._closed = False
@@ -85,7 +77,8 @@ class HapticEngine:
         self._arranged = threading.Event()
         self._thread: threading.Thread | None = None
         self._failure: BaseException | None = None
-        self._loop_args = (self._channels, self._work, plugin.read, plugin.write, plugin.memory)
+        simulate = no_objects if objects is None else load_simulation()
+        self._loop_args = (self._channels, self._work, plugin.read, plugin.write, plugin.memory, simulate, fields)
         advance_ticks(*self._loop_args, 0, self._period_ns)
 
     @property
@@ -108,23 +101,27 @@ class HapticEngine:
         """Scheduler recipe of the live loop; on the virtual clock "virtual"."""
         return self._granted or scheduler.Granted("virtual", False)
 
-    def publish(self, scene: Records) -> None:
+    def publish(self, scene: Records, rows: Rows | None = None) -> None:
         """Hand a parameter block to the loop; it is used from one tick boundary on.
 
         A changed count of resets also releases the stop word, so that a latched stop can be left.
 
         Args:
             scene: SCENE record, shape [1]; `sequence` must count up from 1.
+            rows: The tables of objects it counts; None where it counts none.
 
         Raises:
-            ValueError: A number in it is not finite, a choice or count is out of range, or `sequence` is not positive.
+            ValueError: A number is not finite, a choice, count or row out of range, or `sequence` not positive.
         """
-        _check_block(scene)
+        check_block(scene, rows, self._memory.capacities.objects)
         if int(scene[0]["resets"]) != self._resets:
             self._resets = int(scene[0]["resets"])
             self._memory.control[ControlWord.STOP] = 0
         memory = self._memory
-        memory.scenes[triple_buffer.back_slot(memory.scene_words)] = scene[0]
+        slot = triple_buffer.back_slot(memory.scene_words)
+        memory.scenes[slot] = scene[0]
+        if rows is not None:
+            slot_of(memory.rows, slot, rows, scene[0]["objects"])
         triple_buffer.publish(memory.scene_words)
 
     def tell(self, inbox: Records) -> None:
@@ -230,9 +227,11 @@ class HapticEngine:
         """What the stability monitor saw so far."""
         return stability_of(self._work.state)
 
-    def replay_ticks(self, inputs: Records, scenes: Mapping[int, Records]) -> Records:
+    def replay_ticks(
+        self, inputs: Records, scenes: Mapping[int, Records], rows: Mapping[int, Rows] | None = None
+    ) -> Records:
         """See `replay_ticks`; with this engine's rate."""
-        return replay_ticks(inputs, scenes, period_ns=self._period_ns)
+        return replay_ticks(inputs, scenes, rows, period_ns=self._period_ns)
 
     def _demote(self, *_: object) -> None:
         """A loop that ran away under SCHED_FIFO (SIGXCPU) goes on as an ordinary thread; its late ticks stop it."""
@@ -253,73 +252,3 @@ class HapticEngine:
             run_live(*self._loop_args, self._period_ns, spin_us * 1000)
         except BaseException as failure:  # noqa: BLE001  told by stop()
             self._failure = failure
-
-
-def replay_ticks(inputs: Records, scenes: Mapping[int, Records], *, period_ns: int = 1_000_000) -> Records:
-    """Simulate recorded inputs again with the tick that made them; equal bit for bit except for the timing fields.
-
-    Args:
-        inputs: SAMPLE rows from tick 0 on, shape [n].
-        scenes: SCENE record (a record, or an array of shape [1]) for each sequence number in the inputs.
-        period_ns: Length of a tick [ns].
-
-    Returns:
-        SAMPLE rows, shape [n]; `lateness_ns` and `duration_ns` are 0.
-
-    Raises:
-        KeyError: An input names a sequence that is not in `scenes` (0, before the first block, is known).
-    """
-    numbers = sorted({int(sequence) for sequence in np.unique(inputs["sequence"])})
-    blocks = np.zeros(len(numbers), SCENE)
-    for i, number in enumerate(numbers):
-        if number != 0:
-            blocks[i] = np.asarray(scenes[number]).reshape(-1)[0]
-    which = np.searchsorted(np.array(numbers, np.int64), inputs["sequence"].astype(np.int64)).astype(np.int64)
-    outputs = np.zeros(inputs.shape[0], SAMPLE)
-    replay_recorded(
-        blocks,
-        which,
-        np.ascontiguousarray(inputs),
-        new_state(),
-        np.zeros(DATA_LENGTH),
-        np.zeros(COMMAND_LENGTH),
-        period_ns * 1e-9,
-        outputs,
-    )
-    return outputs
-
-
-def _check_block(scene: Records) -> None:
-    """ValueError for a parameter block with a number that is not finite, a choice out of range, or no sequence.
-
-    Compiled code checks no index: a count of pieces beyond the array would read foreign memory.
-    """
-    if int(scene[0]["sequence"]) < 1:
-        raise ValueError("SCENE.sequence must count up from 1")
-    for name, largest in _LARGEST.items():
-        value = int(_part(scene, name))
-        if not 0 <= value <= largest:
-            raise ValueError(f"SCENE.{name} is {value}; it must be within 0 and {int(largest)}")
-    for name in _float_fields(scene.dtype):
-        if not np.all(np.isfinite(_part(scene, name))):
-            raise ValueError(f"SCENE.{name} is not finite")
-
-
-def _part(scene: Records, name: str) -> Any:
-    """Value of a field of the first record, by its dotted name."""
-    part = scene[0]
-    for step in name.split("."):
-        part = part[step]
-    return part
-
-
-def _float_fields(dtype: np.dtype[Any], prefix: str = "") -> list[str]:
-    """Dotted names of all float fields of a record type."""
-    names: list[str] = []
-    for name in dtype.names or ():
-        field = dtype[name]
-        if field.names:
-            names += _float_fields(field, f"{prefix}{name}.")
-        elif field.base.kind == "f":
-            names.append(prefix + name)
-    return names

@@ -20,21 +20,13 @@ from mimics_app.world.components_objects import ForceField
 from mimics_app.world.registry import register_check
 from mimics_app.world.scene import Scene
 
-__all__ = ["ENTRY_POINT_GROUP", "Field", "add_field", "check_field", "curl", "field_names", "find_field", "no_field"]
+__all__ = ["ENTRY_POINT_GROUP", "Field", "add_field", "check_field", "curl", "field_names", "find_field"]
 __all__ += ["saddle", "well"]
 
 Vec = NDArray[np.float64]
 Field = Callable[[Vec, Vec, Vec, float, Vec], None]
 
 ENTRY_POINT_GROUP = "mimics_app.force_fields"
-
-
-@typed_kernel(FIELD)
-def no_field(parameters: Vec, p: Vec, v: Vec, t: float, out: Vec) -> None:
-    """No force: what stands in the places of fields a session does not have."""
-    out[0] = 0.0
-    out[1] = 0.0
-    out[2] = 0.0
 
 
 @typed_kernel(FIELD)

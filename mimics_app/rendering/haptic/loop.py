@@ -18,9 +18,10 @@ from numba import from_dtype, types
 from numpy.typing import NDArray
 
 from mimics_app.contracts.atomics import load_acquire, now_ns, sleep_until_ns, store_release
-from mimics_app.contracts.haptic import SAMPLE, SCENE, EventKind
+from mimics_app.contracts.haptic import SAMPLE, SCENE
 from mimics_app.contracts.kernel import kernel, typed_kernel
 from mimics_app.contracts.loop_ports import (
+    FIELDS,
     INBOX_ACTIVE,
     INBOX_BUTTONS,
     INBOX_GRASP,
@@ -29,23 +30,27 @@ from mimics_app.contracts.loop_ports import (
     READ,
     WRITE,
 )
+from mimics_app.contracts.object_rows import Rows
 from mimics_app.contracts.ring import push
 from mimics_app.contracts.session_memory import ControlWord
-from mimics_app.contracts.triple_buffer import acquire, back_slot, publish
+from mimics_app.contracts.triple_buffer import acquire
+from mimics_app.rendering.haptic.announce import announce_events, announce_state
 from mimics_app.rendering.haptic.channels import CHANNELS, WORK, Channels, Work
 from mimics_app.rendering.haptic.histogram import count
-from mimics_app.rendering.haptic.kernels.bodies import move_bodies, write_poses
 from mimics_app.rendering.haptic.kernels.safety import HOLD, IN_TIME, LATE_DAMP, LATE_STOP, MISSED_STOP
 from mimics_app.rendering.haptic.kernels.stability import follow_period
-from mimics_app.rendering.haptic.kernels.state import CONTACT_BEGAN, CONTACT_ENDED, STATE
+from mimics_app.rendering.haptic.kernels.state import STATE
 from mimics_app.rendering.haptic.kernels.tick import tick
-from mimics_app.rendering.haptic.kernels.vectors import norm, rotate_back
+from mimics_app.rendering.haptic.kernels.vectors import rotate_back
+from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROW_STACK, SIMULATE, ObjectWork
 
 __all__ = ["advance_ticks", "late_class", "replay_recorded", "run_live"]
 
 Vec = NDArray[np.float64]
 Read = Callable[..., Any]
 Write = Callable[..., Any]
+Simulate = Callable[..., Any]
+Fields = tuple[Callable[..., Any], ...]
 
 _STOP = int(ControlWord.STOP)
 _QUIT = int(ControlWord.QUIT)
@@ -55,13 +60,6 @@ _HELD = int(ControlWord.HELD)
 _STALE = int(ControlWord.STALE)
 _TRIPS = int(ControlWord.TRIPS)
 _START_NS = int(ControlWord.START_NS)
-
-_CONTACT_BEGIN = int(EventKind.CONTACT_BEGIN)
-_CONTACT_END = int(EventKind.CONTACT_END)
-_STATE = int(EventKind.STATE)
-_TRIP = int(EventKind.TRIP)
-_PARAMETERS = int(EventKind.PARAMETERS)
-_MARGIN = int(EventKind.MARGIN)
 
 
 @kernel
@@ -97,84 +95,9 @@ def _take_inbox(channels: Channels, work: Work, scene: Any) -> None:
 
 
 @kernel
-def _publish_snapshot(channels: Channels, work: Work, t_ns: int, dt: float) -> None:
-    """Offer the newest state and poses to main and audio."""
-    state = work.state[0]
-    slot = back_slot(channels.snapshot_words)
-    out = channels.snapshots[slot]
-    out.tick = state.tick - 1
-    out.t_ns = t_ns
-    out.sequence = state.sequence
-    out.state = state.safety
-    out.cause = state.cause
-    out.contacts = state.contacts
-    out.contact_tick = state.contact_tick
-    for i in range(3):
-        out.hip_world[i] = state.hip_world[i]
-        out.v_world[i] = state.v_world[i]
-        out.f_user_world[i] = state.f_user_world[i]
-        out.f_meas_world[i] = state.f_meas_world[i]
-        out.q[i] = state.q[i]
-    out.grasp = state.grasp
-    out.ball_radius = state.ball_radius
-    out.s = state.tunnel.s
-    out.progress = state.tunnel.progress
-    out.distance = state.tunnel.distance
-    out.penetration = state.tunnel.penetration
-    out.tunnel_radius = state.tunnel.radius
-    out.ramp = state.ramp
-    out.period_s = state.period
-    out.stiffness_limit = state.stiffness_limit
-    out.margin = state.margin
-    out.energy = state.observer.energy
-    move_bodies(work.bodies, dt)
-    write_poses(state.hip_world, work.bodies, channels.poses[slot])
-    channels.audio_snapshots[back_slot(channels.audio_words)] = channels.snapshots[slot]
-    publish(channels.snapshot_words)
-    publish(channels.audio_words)
-
-
-@kernel
-def _tell(channels: Channels, work: Work, kind: int, force: float) -> None:
-    """Send the event being filled to its three consumers."""
-    work.event[0].kind = kind
-    work.event[0].force = force
-    push(channels.main_event_words, channels.main_events, work.event)
-    push(channels.audio_event_words, channels.audio_events, work.event)
-    push(channels.recorder_event_words, channels.recorder_events, work.event)
-
-
-@kernel
-def _tell_events(channels: Channels, work: Work, t_ns: int) -> None:
-    """Events of this tick, in the order parameters, state, trip, margin, contact."""
-    state = work.state[0]
-    if state.parameters_taken + state.state_changed + state.tripped + state.margin_lost + state.contact_change == 0:
-        return
-    event = work.event[0]
-    event.t_ns = t_ns
-    event.tick = state.tick - 1
-    event.body_a = 0
-    event.body_b = -1
-    event.material_a = 0
-    event.material_b = 0
-    event.speed = state.tunnel.approach_speed
-    event.value = state.tunnel.s
-    for i in range(3):
-        normal = state.tunnel.normal_world[i]
-        event.position_world[i] = state.hip_world[i] - state.ball_radius * normal
-        event.normal_world[i] = normal
-    if state.parameters_taken == 1:
-        _tell(channels, work, _PARAMETERS, float(state.sequence))
-    if state.state_changed == 1:
-        _tell(channels, work, _STATE, float(state.safety))
-    if state.tripped == 1:
-        _tell(channels, work, _TRIP, float(state.cause))
-    if state.margin_lost == 1:
-        _tell(channels, work, _MARGIN, state.margin)
-    if state.contact_change == CONTACT_BEGAN:
-        _tell(channels, work, _CONTACT_BEGIN, norm(state.f_user_world))
-    elif state.contact_change == CONTACT_ENDED:
-        _tell(channels, work, _CONTACT_END, norm(state.f_user_world))
+def _rows_of(stack: Rows, slot: int) -> Rows:
+    """One slot of the tables of objects."""
+    return Rows(stack.shapes[slot], stack.bodies[slot], stack.effects[slot], stack.points[slot], stack.wires[slot])
 
 
 @kernel
@@ -184,6 +107,8 @@ def _run_tick(
     read: Read,
     write: Write,
     memory: Vec,
+    simulate: Simulate,
+    fields: Fields,
     late_ns: int,
     missed_in_row: int,
     period: float,
@@ -193,35 +118,60 @@ def _run_tick(
     """Read, tick, write, publish; return `late_stop_ns` of the parameters used."""
     slot, _ = acquire(channels.scene_words)
     scene = channels.scenes[slot]
+    rows = _rows_of(channels.rows, slot)
     _take_inbox(channels, work, scene)
     state = work.state[0]
     status = read(memory, work.inbox, work.data, state.tick)
     stop_word = load_acquire(channels.control, _STOP)
     held = late_class(scene, late_ns, missed_in_row)
-    tick(scene, state, work.data, status, stop_word, held, period, dt, work.command, work.sample[0])
+    tick(
+        scene,
+        rows,
+        work.objects,
+        simulate,
+        fields,
+        state,
+        work.data,
+        status,
+        stop_word,
+        held,
+        period,
+        dt,
+        work.command,
+        work.sample[0],
+    )
     write(memory, work.command, state.tick - 1)
     control = channels.control
     control[_HELD] += 1 if held != IN_TIME else 0
     control[_STALE] += state.stale
     control[_TRIPS] += state.tripped
-    _publish_snapshot(channels, work, t_ns, dt)
-    _tell_events(channels, work, t_ns)
+    announce_state(channels, work, scene.objects, t_ns)
+    announce_events(channels, work, rows, scene.objects, t_ns)
     return scene.late_stop_ns
 
 
-_DEVICE = (types.FunctionType(READ), types.FunctionType(WRITE), types.float64[::1])
+_SIMULATE = types.FunctionType(SIMULATE)
+_PLUGINS = (types.FunctionType(READ), types.FunctionType(WRITE), types.float64[::1], _SIMULATE, FIELDS)
 
 
-@typed_kernel(types.int64(CHANNELS, WORK, *_DEVICE, types.int64, types.int64))
+@typed_kernel(types.int64(CHANNELS, WORK, *_PLUGINS, types.int64, types.int64))
 def advance_ticks(
-    channels: Channels, work: Work, read: Read, write: Write, memory: Vec, ticks: int, period_ns: int
+    channels: Channels,
+    work: Work,
+    read: Read,
+    write: Write,
+    memory: Vec,
+    simulate: Simulate,
+    fields: Fields,
+    ticks: int,
+    period_ns: int,
 ) -> int:
     """Run `ticks` ticks un-timed on the virtual clock (tick k at k * period_ns); return the ticks done in all."""
     state = work.state[0]
     sample = work.sample[0]
     dt = period_ns * 1e-9
     for _ in range(ticks):
-        _run_tick(channels, work, read, write, memory, 0, 0, dt, state.tick * period_ns, dt)
+        _run_tick(channels, work, read, write, memory, simulate, fields, 0, 0, dt, state.tick * period_ns, dt)
         sample.lateness_ns = 0.0
         sample.duration_ns = 0.0
         push(channels.sample_words, channels.samples, work.sample)
@@ -229,9 +179,17 @@ def advance_ticks(
     return state.tick
 
 
-@typed_kernel(types.int64(CHANNELS, WORK, *_DEVICE, types.int64, types.int64))
+@typed_kernel(types.int64(CHANNELS, WORK, *_PLUGINS, types.int64, types.int64))
 def run_live(
-    channels: Channels, work: Work, read: Read, write: Write, memory: Vec, period_ns: int, spin_ns: int
+    channels: Channels,
+    work: Work,
+    read: Read,
+    write: Write,
+    memory: Vec,
+    simulate: Simulate,
+    fields: Fields,
+    period_ns: int,
+    spin_ns: int,
 ) -> int:
     """Run a tick every `period_ns` until the quit word is set; return the ticks done in all.
 
@@ -258,7 +216,9 @@ def run_live(
         total, squares = follow_period(total, squares, float(woke - last_woke) * 1e-9, dt)
         last_woke = woke
         catching_up = ended > due
-        late_stop_ns = _run_tick(channels, work, read, write, memory, late, missed_in_row, squares / total, due, dt)
+        late_stop_ns = _run_tick(
+            channels, work, read, write, memory, simulate, fields, late, missed_in_row, squares / total, due, dt
+        )
         ended = now_ns(timespec)
         sample.lateness_ns = float(late)
         sample.duration_ns = float(ended - woke)
@@ -283,9 +243,13 @@ def run_live(
 @typed_kernel(
     types.int64(
         from_dtype(SCENE)[::1],
+        ROW_STACK,
         types.int64[::1],
         from_dtype(SAMPLE)[::1],
         from_dtype(STATE)[::1],
+        OBJECT_WORK,
+        _SIMULATE,
+        FIELDS,
         types.float64[::1],
         types.float64[::1],
         types.float64,
@@ -294,9 +258,13 @@ def run_live(
 )
 def replay_recorded(
     scenes: NDArray[Any],
+    stack: Rows,
     which: NDArray[np.int64],
     inputs: NDArray[Any],
     states: NDArray[Any],
+    objects: ObjectWork,
+    simulate: Simulate,
+    fields: Fields,
     data: Vec,
     command: Vec,
     dt: float,
@@ -306,9 +274,13 @@ def replay_recorded(
 
     Args:
         scenes: SCENE blocks, shape [m].
+        stack: Tables of objects beside each of them, shape [m, capacity].
         which: Index of each tick's block, shape [n].
         inputs: SAMPLE rows, shape [n]; only the inputs of each are used.
         states: STATE record to advance, shape [1].
+        objects: Working arrays of the objects, advanced.
+        simulate: The objects' part of the tick.
+        fields: Force fields of the objects.
         data: Scratch, shape [DATA_LENGTH].
         command: Scratch, shape [COMMAND_LENGTH].
         dt: Tick [s].
@@ -330,7 +302,23 @@ def replay_recorded(
         out = outputs[k]
         status = int(row.status)
         stop_word, held = int(row.stop_word), int(row.held)
-        tick(scenes[which[k]], states[0], data, status, stop_word, held, row.period_s, dt, command, out)
+        scene, rows = scenes[which[k]], _rows_of(stack, which[k])
+        tick(
+            scene,
+            rows,
+            objects,
+            simulate,
+            fields,
+            states[0],
+            data,
+            status,
+            stop_word,
+            held,
+            row.period_s,
+            dt,
+            command,
+            out,
+        )
         out.lateness_ns = 0.0
         out.duration_ns = 0.0
     return inputs.shape[0]

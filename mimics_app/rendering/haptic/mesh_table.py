@@ -9,7 +9,7 @@ import numpy as np
 from numba import from_dtype, types
 from numpy.typing import NDArray
 
-from mimics_app.rendering.haptic.kernels.objects.mesh_tree import MESH
+from mimics_app.rendering.haptic.kernels.objects.records import MESH
 
 __all__ = ["MESH_TABLE", "MeshTable", "build_mesh_table"]
 

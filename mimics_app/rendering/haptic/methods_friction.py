@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.rendering.haptic.kernels.contact_records import FRICTION
 from mimics_app.rendering.haptic.kernels.friction import (
-    FRICTION,
     hayward_armstrong,
     karnopp,
     lugre_explicit,

@@ -1,6 +1,6 @@
 """The haptic objects of a session as tuples of arrays that compiled code can take.
 
-    Rows          what the main thread wants: views into one slot of the parameter blocks, read only in the loop
+    Rows          what the main thread wants (contracts.object_rows), read only in the loop
     ObjectWork    what the loop makes of it: motion, poses, contact memory, results
 
 Every kernel of the objects takes (rows, work, counts, ...), `counts` being SCENE.objects; rows beyond it mean nothing.
@@ -8,61 +8,39 @@ Every kernel of the objects takes (rows, work, counts, ...), `counts` being SCEN
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import from_dtype, types
+from numba import from_dtype, typeof, types
 from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import TUNNEL
-from mimics_app.contracts.haptic_objects import BODY, EFFECT, MAX_POINTS, MOTION, POINT, SHAPE, WIRE
-from mimics_app.contracts.loop_ports import FIELD_PARAMETERS
-from mimics_app.rendering.haptic.kernels.objects.corner import MOST_WALLS, WALL_TOUCH
+from mimics_app.contracts.haptic_objects import MAX_POINTS, MOTION, OBJECT_COUNTS
+from mimics_app.contracts.loop_ports import FIELD_PARAMETERS, FIELDS
+from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
 from mimics_app.rendering.haptic.kernels.objects.desk import BEFORE, BIRTH, DESK
 from mimics_app.rendering.haptic.kernels.objects.effect_memory import EFFECT_MEMORY
-from mimics_app.rendering.haptic.kernels.objects.grip import GRIP, new_grip
-from mimics_app.rendering.haptic.kernels.objects.inertia import DYNAMICS
-from mimics_app.rendering.haptic.kernels.objects.manifold import SCRATCH
-from mimics_app.rendering.haptic.kernels.objects.memory import MEMORY
-from mimics_app.rendering.haptic.kernels.objects.pairs import PAIR
-from mimics_app.rendering.haptic.kernels.objects.poses import SOLID, TRACKING
-from mimics_app.rendering.haptic.kernels.objects.sweep import SWEEP
+from mimics_app.rendering.haptic.kernels.objects.hand import HAND_LENGTH
+from mimics_app.rendering.haptic.kernels.objects.records import (
+    DYNAMICS,
+    MEMORY,
+    MOST_WALLS,
+    PAIR,
+    SCRATCH,
+    SOLID,
+    SWEEP,
+    TRACKING,
+    WALL_TOUCH,
+    new_grip,
+)
 from mimics_app.rendering.haptic.kernels.objects.totals import TOTALS
-from mimics_app.rendering.haptic.mesh_table import MESH_TABLE, MeshTable, build_mesh_table
+from mimics_app.rendering.haptic.kernels.objects.touches import TOUCH
+from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 
-__all__ = ["OBJECT_WORK", "ROWS", "ObjectCapacities", "ObjectWork", "Rows", "new_object_work", "new_rows"]
+__all__ = ["OBJECT_WORK", "ROWS", "ROW_STACK", "SIMULATE", "ObjectWork", "load_simulation", "new_object_work"]
 
 Records = NDArray[Any]
-
-_NEIGHBOURS = 24
-"""Pairs to a shape: in a heap of equal cubes each has 26 neighbours, so 13 pairs; the rest is for unequal ones."""
-
-
-@dataclass(frozen=True, slots=True)
-class ObjectCapacities:
-    """Rows of each table, fixed when the session is built."""
-
-    shapes: int = 32
-    bodies: int = 8
-    effects: int = 16
-    wires: int = 32
-    paths: int = 4
-
-    @property
-    def pairs(self) -> int:
-        """Pairs of shapes near each other: all there are, or as many as lie around each in a heap."""
-        return max(1, min(self.shapes * (self.shapes - 1) // 2, _NEIGHBOURS * self.shapes))
-
-
-class Rows(NamedTuple):
-    """Rows of the main thread; dtypes of the same names in capitals."""
-
-    shapes: Records
-    bodies: Records
-    effects: Records
-    points: Records
-    wires: Records
 
 
 class ObjectWork(NamedTuple):
@@ -81,6 +59,10 @@ class ObjectWork(NamedTuple):
         aux_torques: T_aux likewise [N m].
         totals: TOTALS, shape [1].
         grip: GRIP, shape [1].
+        touches: TOUCH, shape [1 + bodies]: the static scene, then the bodies.
+        motion_words: The bits of `motions`, shape [bodies, words], the same memory.
+        force: What the objects do to the user in this tick, world [N], shape [3].
+        hand: What the objects see of the person, shape [HAND_LENGTH].
         dynamics: DYNAMICS, shape [bodies].
         tracking: TRACKING, shape [1].
         solids: SOLID, shape [shapes].
@@ -116,6 +98,10 @@ class ObjectWork(NamedTuple):
     aux_torques: NDArray[np.float64]
     totals: Records
     grip: Records
+    touches: Records
+    motion_words: NDArray[np.int64]
+    force: NDArray[np.float64]
+    hand: NDArray[np.float64]
     dynamics: Records
     tracking: Records
     solids: Records
@@ -140,22 +126,19 @@ class ObjectWork(NamedTuple):
     meshes: MeshTable
 
 
-def new_rows(capacities: ObjectCapacities) -> Rows:
-    """Empty rows."""
-    return Rows(
-        shapes=np.zeros(capacities.shapes, SHAPE),
-        bodies=np.zeros(capacities.bodies, BODY),
-        effects=np.zeros(capacities.effects, EFFECT),
-        points=np.zeros(MAX_POINTS, POINT),
-        wires=np.zeros(capacities.wires, WIRE),
-    )
+def load_simulation() -> Callable[..., Any]:
+    """The objects' part of the tick, imported and compiled when it is first needed."""
+    from mimics_app.rendering.haptic.simulate import simulate_objects
+
+    return simulate_objects
 
 
 def new_object_work(capacities: ObjectCapacities, meshes: MeshTable | None = None) -> ObjectWork:
     """Fresh working arrays; `meshes` are those that SHAPE.mesh refers to, None: none."""
     shapes, bodies = capacities.shapes, capacities.bodies
+    motions = np.zeros(bodies, MOTION)
     return ObjectWork(
-        motions=np.zeros(bodies, MOTION),
+        motions=motions,
         point_positions=np.zeros((MAX_POINTS, 3)),
         point_velocities=np.zeros((MAX_POINTS, 3)),
         point_forces=np.zeros((MAX_POINTS, 3)),
@@ -166,6 +149,10 @@ def new_object_work(capacities: ObjectCapacities, meshes: MeshTable | None = Non
         aux_torques=np.zeros((bodies, 3)),
         totals=np.zeros(1, TOTALS),
         grip=new_grip(),
+        touches=np.zeros(1 + bodies, TOUCH),
+        motion_words=motions.view(np.int64).reshape(bodies, MOTION.itemsize // 8),
+        force=np.zeros(3),
+        hand=np.zeros(HAND_LENGTH),
         dynamics=np.zeros(bodies, DYNAMICS),
         tracking=np.zeros(1, TRACKING),
         solids=np.zeros(shapes, SOLID),
@@ -191,53 +178,22 @@ def new_object_work(capacities: ObjectCapacities, meshes: MeshTable | None = Non
     )
 
 
-def _records(dtype: np.dtype[Any]) -> Any:
-    return from_dtype(dtype)[::1]
+_ONE = ObjectCapacities(1, 1, 1, 1, 1)
 
+ROWS = typeof(new_rows(_ONE))  # type: ignore[no-untyped-call]
+"""Compiled type of `Rows`: one slot."""
 
-_TABLE = types.float64[:, ::1]
+ROW_STACK = typeof(new_rows(_ONE, 1))  # type: ignore[no-untyped-call]
+"""Compiled type of `Rows` with several slots, shape [slots, capacity] each."""
 
-ROWS = types.NamedTuple(  # type: ignore[no-untyped-call]
-    [_records(SHAPE), _records(BODY), _records(EFFECT), _records(POINT), _records(WIRE)], Rows
-)
-"""Compiled type of `Rows`, field by field."""
+OBJECT_WORK = typeof(new_object_work(_ONE))  # type: ignore[no-untyped-call]
+"""Compiled type of `ObjectWork`; the same for all capacities."""
 
-OBJECT_WORK = types.NamedTuple(  # type: ignore[no-untyped-call]
-    [
-        _records(MOTION),
-        _TABLE,
-        _TABLE,
-        _TABLE,
-        types.float64[:, :, ::1],
-        _TABLE,
-        _TABLE,
-        _TABLE,
-        _TABLE,
-        _records(TOTALS),
-        _records(GRIP),
-        _records(DYNAMICS),
-        _records(TRACKING),
-        _records(SOLID),
-        types.int64[::1],
-        _records(EFFECT_MEMORY),
-        _records(TUNNEL),
-        types.float64[::1],
-        _TABLE,
-        _records(DESK),
-        from_dtype(MEMORY)[:, ::1],
-        _records(BIRTH),
-        _records(BEFORE),
-        types.int64[::1],
-        _records(WALL_TOUCH),
-        types.int64[::1],
-        types.int64[::1],
-        _records(PAIR),
-        types.int64[::1],
-        _records(SWEEP),
-        _records(SCRATCH),
-        _records(MOTION),
-        MESH_TABLE,
-    ],
-    ObjectWork,
-)
-"""Compiled type of `ObjectWork`, field by field."""
+_VECTOR = types.float64[::1]
+
+SIMULATE = types.void(ROWS, OBJECT_WORK, from_dtype(OBJECT_COUNTS), _VECTOR, FIELDS, types.float64, _VECTOR)
+"""Signature of `simulate(rows, work, counts, hand, fields, dt, force)`, the objects' part of the tick.
+
+It is handed to the loop as a first-class function, so that a scene without objects imports, compiles and runs none of
+their code. `hand` is what they see of the person (kernels.objects.hand), `force` what they do to the user.
+"""

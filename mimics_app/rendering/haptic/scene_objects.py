@@ -23,7 +23,7 @@ from mimics_app.contracts.haptic_objects import (
     ObjectIntegrator,
     ShapeKind,
 )
-from mimics_app.rendering.haptic.objects import ObjectCapacities, Rows
+from mimics_app.contracts.object_rows import ObjectCapacities, Rows
 from mimics_app.rendering.haptic.scene_effects import EffectRows
 from mimics_app.world.components_haptic import Ball
 from mimics_app.world.components_objects import (

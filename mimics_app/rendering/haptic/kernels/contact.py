@@ -26,7 +26,6 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact_law import pair_force
 
 __all__ = [
-    "CONTACT",
     "cube",
     "cube_nearest_face",
     "cube_printed",
@@ -44,19 +43,6 @@ Mat = NDArray[np.float64]
 
 _CENTRE = 1e-12
 """Distance [m] from a sphere's centre below which the direction to it means nothing."""
-
-CONTACT = np.dtype(
-    [
-        ("depth", np.float64),  # [m], 0 outside
-        ("normal", np.float64, 3),  # unit, outward, object frame
-        ("previous", np.float64, 3),  # HIP' of the last call [m]
-        ("feature", np.int32),  # cube: +-1, +-2, +-3 for the face; wall, sphere: 1; 0 outside
-        ("inside", np.uint8),
-        ("known", np.uint8),  # `previous` holds a point
-    ],
-    align=True,
-)
-"""What one shape test says, and what it remembers until the next tick."""
 
 
 @kernel

@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 from mimics_app.contracts.kernel import kernel
 
 __all__ = [
-    "FRICTION",
     "forget_friction",
     "hayward_armstrong",
     "karnopp",
@@ -31,17 +30,6 @@ __all__ = [
 ]
 
 Vec = NDArray[np.float64]
-
-FRICTION = np.dtype(
-    [
-        ("anchor", np.float64, 2),  # where the contact sticks [m] (Hayward & Armstrong)
-        ("bristle", np.float64, 2),  # mean deflection of the bristles [m] (LuGre)
-        ("touching", np.uint8),
-        ("sticking", np.uint8),  # the last call held the load
-    ],
-    align=True,
-)
-"""Memory of one contact's friction; zeros are a fresh one."""
 
 
 @kernel

@@ -22,8 +22,9 @@ from mimics_app.contracts.loop_ports import (
     DATA_GRASP,
     DATA_Q,
 )
+from mimics_app.rendering.haptic.kernels.objects.published import sum_motions
 
-__all__ = ["write_command", "write_inputs", "write_outputs"]
+__all__ = ["write_command", "write_inputs", "write_objects", "write_outputs"]
 
 Vec = NDArray[np.float64]
 
@@ -88,3 +89,18 @@ def write_outputs(state: Any, row: Any) -> None:
     row.stiffness_limit = state.stiffness_limit
     row.margin = state.margin
     row.energy = state.observer.energy
+
+
+@kernel
+def write_objects(work: Any, counts: Any, row: Any) -> None:
+    """What the objects did in this tick, likewise."""
+    totals = work.totals[0]
+    for i in range(3):
+        row.f_shapes[i] = totals.shape_force[i]
+        row.f_effects[i] = totals.effect_force[i]
+        row.f_grip[i] = totals.grip_force[i]
+    row.touching = float(totals.touching)
+    row.depth = totals.depth
+    row.touched_shape = float(totals.shape)
+    row.held_body = float(totals.held)
+    row.bodies = sum_motions(work.motion_words, counts.bodies)

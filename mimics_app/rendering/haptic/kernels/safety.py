@@ -108,7 +108,7 @@ def _outside_workspace(scene: Any, state: Any) -> bool:
 def _find_trip(scene: Any, state: Any, status: int, held: int) -> int:
     """Cause that latches SAFE_STOP in this tick, or NONE."""
     cause = _NONE
-    if state.readable == 0 or state.tunnel.status == _TUNNEL_NOT_FINITE:
+    if state.readable == 0 or state.tunnel.status == _TUNNEL_NOT_FINITE or state.objects_failed == 1:
         cause = _NOT_FINITE
     elif status == _FAULT:
         cause = _DEVICE_FAULT

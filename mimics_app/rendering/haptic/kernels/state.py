@@ -7,7 +7,7 @@ import numpy as np
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER
 from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE
 
-__all__ = ["BODY_MOTION", "CONTACT_BEGAN", "CONTACT_ENDED", "CONTACT_UNCHANGED", "STATE", "new_state"]
+__all__ = ["CONTACT_BEGAN", "CONTACT_ENDED", "CONTACT_UNCHANGED", "STATE", "new_state"]
 
 CONTACT_UNCHANGED = 0
 CONTACT_BEGAN = 1
@@ -25,6 +25,7 @@ STATE = np.dtype(
         ("quiet_ticks", "i8"),  # ticks in a row with the virtual force below ramp_force
         ("answered", "i8"),  # 1 once the device has given data
         ("readable", "i8"),  # 1 while this tick's device data is finite
+        ("objects_failed", "i8"),  # 1 where a force or motion of an object is not finite
         ("stale", "i8"),  # 1 while the data is older than stale_warn
         ("ramp", "f8"),  # soft-start factor 0-1
         ("age", "f8"),  # of the device data [s]
@@ -33,7 +34,7 @@ STATE = np.dtype(
         ("state_changed", "i8"),
         ("tripped", "i8"),
         ("parameters_taken", "i8"),
-        ("contact_change", "i8"),  # CONTACT_...
+        ("contact_change", "i8"),  # CONTACT_... with the tunnel
         ("margin_lost", "i8"),  # 1: the margin fell below 0
         # motion, last good data
         ("q", "f8", (3,)),
@@ -80,9 +81,6 @@ STATE = np.dtype(
     align=True,
 )
 """One haptic point. All zero is a valid start: OFF."""
-
-BODY_MOTION = 13
-"""Columns of a kinematic body: position [m], quaternion xyzw, velocity [m/s], angular velocity [rad/s], world."""
 
 
 def new_state() -> np.ndarray:

@@ -1,6 +1,6 @@
 """The tick: device data in, command out. Live, un-timed and replayed runs call this very function.
 
-    data -> motion -> ball -> tunnel -> safety -> limiter -> stability -> controller -> command, sample row
+    data -> motion -> ball -> tunnel -> objects -> safety -> limiter -> stability -> controller -> command, sample row
 
 Everything that a tick depends on is in its arguments: the device's data and status, the stop word, the late-tick class,
 the measured period and the parameter block. All are recorded, so that a recording can be simulated again bit for bit.
@@ -8,6 +8,7 @@ the measured period and the parameter block. All are recorded, so that a recordi
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -17,21 +18,22 @@ from mimics_app.contracts.haptic import SafetyState, TripCause
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.drive import control, note_arrival
 from mimics_app.rendering.haptic.kernels.limiter import limit_force
+from mimics_app.rendering.haptic.kernels.objects.hand import write_hand
+from mimics_app.rendering.haptic.kernels.objects.touches import follow_touch, follow_touches
 from mimics_app.rendering.haptic.kernels.passivity import observe, reset_observer
-from mimics_app.rendering.haptic.kernels.rows import write_command, write_inputs, write_outputs
+from mimics_app.rendering.haptic.kernels.rows import write_command, write_inputs, write_objects, write_outputs
 from mimics_app.rendering.haptic.kernels.safety import HOLD, is_stopped, latch, step_safety
 from mimics_app.rendering.haptic.kernels.sensing import find_motion, size_ball, take_data
 from mimics_app.rendering.haptic.kernels.stability import LARGEST_MARGIN, margin_of, stiffness_limit
-from mimics_app.rendering.haptic.kernels.state import CONTACT_BEGAN, CONTACT_ENDED, CONTACT_UNCHANGED
+from mimics_app.rendering.haptic.kernels.state import CONTACT_BEGAN
 from mimics_app.rendering.haptic.kernels.tunnel import restart_tracking, tunnel_force
 from mimics_app.rendering.haptic.kernels.vectors import copy, fill, norm, rotate_back
 
 __all__ = ["tick"]
 
 Vec = NDArray[np.float64]
-
-_CLEAR_TIME = 0.02
-"""A contact ends after this long without touching [s]: no chatter of one scrape into many."""
+Simulate = Callable[..., Any]
+Fields = tuple[Callable[..., Any], ...]
 
 _CALM_MARGIN = 0.05
 """A margin that fell below 0 must rise above this before it is told again."""
@@ -43,20 +45,14 @@ _NOT_FINITE = int(TripCause.NOT_FINITE)
 
 
 @kernel
-def _follow_contact(state: Any, dt: float) -> None:
-    """Begin and end of a contact with the wall; only what the user can feel counts."""
-    state.contact_change = CONTACT_UNCHANGED
+def _follow_contacts(objects: Any, counts: Any, state: Any, dt: float) -> None:
+    """Begin and end of contacts with the tunnel's wall and with objects; only what the user can feel counts."""
     felt = state.safety == _ACTIVE or state.safety == _DEGRADED
-    touching = felt and state.tunnel.wall_force > 0.0
-    state.clear_ticks = 0 if touching else state.clear_ticks + 1
-    if touching and state.in_contact == 0:
-        state.in_contact = 1
-        state.contacts += 1
+    state.contact_change = follow_touch(state, felt and state.tunnel.wall_force > 0.0, felt, dt)
+    began = follow_touches(objects, counts, felt, dt) + (1 if state.contact_change == CONTACT_BEGAN else 0)
+    if began > 0:
+        state.contacts += began
         state.contact_tick = state.tick
-        state.contact_change = CONTACT_BEGAN
-    elif state.in_contact == 1 and (not felt or state.clear_ticks * dt >= _CLEAR_TIME):
-        state.in_contact = 0
-        state.contact_change = CONTACT_ENDED
 
 
 @kernel
@@ -120,6 +116,10 @@ def _watch_contact(state: Any) -> None:
 @kernel
 def tick(
     scene: Any,
+    rows: Any,
+    objects: Any,
+    simulate: Simulate,
+    fields: Fields,
     state: Any,
     data: Vec,
     status: int,
@@ -134,6 +134,10 @@ def tick(
 
     Args:
         scene: SCENE record, the parameters of this tick.
+        rows: Tables of haptic objects beside it.
+        objects: Working arrays of the objects, advanced by one tick.
+        simulate: The objects' part of the tick, see rendering.haptic.objects.SIMULATE.
+        fields: Force fields of the objects.
         state: STATE record, advanced by one tick.
         data: What the device's read gave, shape [DATA_LENGTH].
         status: DeviceStatus of that read.
@@ -157,13 +161,18 @@ def tick(
     size_ball(scene, state, dt)
     tunnel_force(scene.tunnel, state.hip_world, state.v_world, state.ball_radius, state.tunnel)
     copy(state.tunnel.force_world, state.f_virt_world)
+    write_hand(state, dt, objects.hand)
+    simulate(rows, objects, scene.objects, objects.hand, fields, dt, objects.force)
+    state.objects_failed = objects.totals[0].status
+    for i in range(3):
+        state.f_virt_world[i] += objects.force[i]
 
     note_arrival(scene, state)
     step_safety(scene, state, status, stop_word, held, dt)
     before = state.safety
     _limit(scene, state, held, dt)
     _share_of_wall(state, held)
-    _follow_contact(state, dt)
+    _follow_contacts(objects, scene.objects, state, dt)
     _watch_margin(scene, state, period)
     _watch_contact(state)
     control(scene, state, held, dt)
@@ -171,4 +180,5 @@ def tick(
         state.state_changed = 1
     write_command(state, command)
     write_outputs(state, row)
+    write_objects(objects, scene.objects, row)
     state.tick += 1

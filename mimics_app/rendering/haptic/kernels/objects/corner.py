@@ -15,22 +15,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["MOST_WALLS", "WALL_TOUCH", "share_corner"]
-
-MOST_WALLS = 8
-"""Walls that one point may touch at once and still have their corner solved; forces of more are added."""
-
-WALL_TOUCH = np.dtype(
-    [
-        ("row", np.int64),  # of the shape
-        ("depth", np.float64),  # [m]
-        ("rate", np.float64),  # of the depth [m/s]
-        ("normal", np.float64, 3),  # world, unit
-        ("slope", np.float64, 3),  # of its ripple, in its frame [-]
-    ],
-    align=True,
-)
-"""One wall that a point touches."""
+__all__ = ["share_corner"]
 
 Numbers = NDArray[np.float64]
 

@@ -18,41 +18,11 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic_objects import BodyFlag, ShapeKind
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.friction import FRICTION, forget_friction, hayward_armstrong
+from mimics_app.rendering.haptic.kernels.friction import forget_friction, hayward_armstrong
 
-__all__ = ["GRIP", "grip_bodies", "new_grip"]
+__all__ = ["grip_bodies"]
 
 Vec = NDArray[np.float64]
-
-GRIP = np.dtype(
-    [
-        ("body", "i8"),  # row of the body held, -1: none
-        ("spawn", "i8"),  # of that body when it was taken; another one lets go
-        ("crushed", "i8"),  # row of the body pressed beyond its crush_force in this grip, -1: none
-        ("slipping", "i8"),  # 1 while a finger slips
-        ("half_width", "f8"),  # of the body along the axis when it was taken [m]
-        ("offset", "f8"),  # of its middle from the hand's, along the axis; the closing fingers bring it to 0 [m]
-        ("twist", "f8"),  # angle about the axis that the patches of contact hold [rad]
-        ("contact_a", "f8", (3,)),  # where the finger at -u sticks, body frame [m]
-        ("contact_b", "f8", (3,)),  # where the finger at +u sticks
-        ("friction_a", FRICTION),
-        ("friction_b", FRICTION),
-        # of this tick
-        ("axis", "f8", (3,)),  # u, world, unit
-        ("across", "f8", (2, 3)),  # two unit vectors that make it a right-handed frame
-        ("centre", "f8", (3,)),  # between the fingers, world [m]
-        ("velocity", "f8", (3,)),  # of the hand [m/s]
-        ("low", "f8"),  # extent of the body along u from the hand's middle [m]
-        ("high", "f8"),
-        ("place", "f8", (3,)),  # scratch: a contact point, from the body's centre of mass, world
-        ("moving", "f8", (3,)),  # scratch: its velocity against the hand
-        ("force", "f8", (3,)),  # scratch: of one finger on the body
-        ("shift", "f8", (2,)),  # scratch: across the axis
-        ("hold", "f8", (2,)),  # scratch
-    ],
-    align=True,
-)
-"""One hand's grip. The first eleven fields outlive a tick."""
 
 _TAKE_FORCE = 0.3
 """Grasp force from which the fingers count as closed [N]."""
@@ -78,14 +48,6 @@ _CAPSULE = int(ShapeKind.CAPSULE)
 _WALL = int(ShapeKind.WALL)
 _FORCE_ON = int(BodyFlag.FORCE_ON_OBJECT)
 _TORQUE_ON = int(BodyFlag.TORQUE_ON_OBJECT)
-
-
-def new_grip() -> NDArray[np.void]:
-    """A hand that holds nothing, shape [1]."""
-    grip = np.zeros(1, GRIP)
-    grip["body"] = -1
-    grip["crushed"] = -1
-    return grip
 
 
 @kernel

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths import quat
 
-__all__ = ["DYNAMICS", "find_principal_axes"]
+__all__ = ["find_principal_axes"]
 
 Mat = NDArray[np.float64]
 
@@ -20,22 +20,6 @@ _SWEEPS = 12
 
 _NOTHING = 1e-9
 """Share of the greatest moment below which a moment is rounding: a steel wire has 1e-6."""
-
-DYNAMICS = np.dtype(
-    [
-        ("inertia", "f8", (3, 3)),  # BODY.inertia as last seen [kg m^2]
-        ("axes", "f8", (4,)),  # body from principal axes, xyzw
-        ("inverse", "f8", (3,)),  # reciprocals of the principal moments [1/(kg m^2)], 0: does not turn about that axis
-        ("tensor", "f8", (3, 3)),  # room for `find_principal_axes`
-        ("vectors", "f8", (3, 3)),
-        ("rest_force", "f8", (3,)),  # all that pulled when it fell asleep, but contacts [N]
-        ("rest_torque", "f8", (3,)),  # likewise [N m]
-        ("placed", "i4"),  # 1: put in its place in this tick, contacts are to be forgotten
-        ("stirred", "i4"),  # 1: a neighbour that moves touches it
-    ],
-    align=True,
-)
-"""What the loop derives of one body."""
 
 
 @kernel

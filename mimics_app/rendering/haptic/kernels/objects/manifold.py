@@ -36,31 +36,16 @@ from mimics_app.rendering.haptic.kernels.objects.triples import (
     unit,
 )
 
-__all__ = ["MOST_POINTS", "SCRATCH", "add_point", "lay_over", "write_feature"]
+__all__ = ["add_point", "lay_over", "write_feature"]
 
 Points = NDArray[np.float64]
 Polygon = NDArray[np.float64]
-
-MOST_POINTS = 24
-"""Rows of a table of contact points: two octagons overlap in 16 corners at most."""
 
 _RIM = 8
 _LEANS = math.sqrt(0.5)
 """Cosine between the axis of a cylinder and the normal from which its cap counts and no longer its side."""
 
 _BOX = int(ShapeKind.BOX)
-
-SCRATCH = np.dtype(
-    [
-        ("feature_a", "f8", (8, 3)),  # world [m]
-        ("feature_b", "f8", (8, 3)),
-        ("polygon", "f8", (3, 24, 2)),  # of both in the plane, and the third to clip into
-        ("points", "f8", (MOST_POINTS, 5)),  # of contact
-        ("simplex", "f8", (4, 3)),
-    ],
-    align=True,
-)
-"""Room for one pair at a time."""
 
 Plane = tuple[float, float, float]
 """Height over the plane of contact as h = a + b u + c v."""

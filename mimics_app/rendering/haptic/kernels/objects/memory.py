@@ -10,27 +10,13 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths import quat
-from mimics_app.rendering.haptic.kernels.contact import CONTACT, forget
+from mimics_app.rendering.haptic.kernels.contact import forget
 from mimics_app.rendering.haptic.kernels.objects.desk import DISABLED, PLACED, TRACED
 from mimics_app.rendering.haptic.kernels.vectors import copy, rotate_back
 
-__all__ = ["MEMORY", "follow_point", "forget_touch", "keep_poses", "notice_changes", "recall"]
-
-MEMORY = np.dtype(
-    [
-        ("contact", CONTACT),  # depth, normal, feature of entry, last place, in the shape's frame
-        ("anchor", "f8", 3),  # where friction holds the point, shape's frame [m]
-        ("touching", "u1"),  # the anchor is set
-        ("sticking", "u1"),  # friction held in the last tick
-        ("tick", "i8"),  # in which the shape was last looked at
-    ],
-    align=True,
-)
-"""Memory of one (point, shape); zeros are a fresh one."""
+__all__ = ["follow_point", "forget_touch", "keep_poses", "notice_changes", "recall"]
 
 _FASTEST = 50.0
 """A point that seems faster than this [m/s] was put somewhere else."""

@@ -14,23 +14,11 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["INSIDE", "MESH", "closest_on_triangle", "closest_triangle", "first_crossing", "triangle_normal"]
+__all__ = ["INSIDE", "closest_on_triangle", "closest_triangle", "first_crossing", "triangle_normal"]
 
 Vec = NDArray[np.float64]
 Array = NDArray[np.float64]
 Indices = NDArray[np.int32]
-
-MESH = np.dtype(
-    [
-        ("first_triangle", "i8"),
-        ("triangles", "i8"),
-        ("first_node", "i8"),
-        ("leaves", "i8"),
-        ("closed", "i8"),  # 1: every edge has two triangles, so that there is an inside
-    ],
-    align=True,
-)
-"""Where one mesh lies in the tables."""
 
 INSIDE = 6
 """Region of a triangle: its interior. 0..2: the edge from that corner to the next; 3..5: a corner."""

@@ -16,7 +16,7 @@ from mimics_app.contracts.haptic_objects import ForceLaw
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact_law import pair_damping, pair_stiffness
 
-__all__ = ["PAIR", "add_pair", "drop_pairs", "find_pair", "forget_contact", "forget_pairs", "join_surfaces"]
+__all__ = ["add_pair", "drop_pairs", "find_pair", "forget_contact", "forget_pairs", "join_surfaces"]
 
 Slots = NDArray[np.int64]
 
@@ -26,39 +26,6 @@ _RANKS = np.array([5, 0, 3, 2, 1, 4], np.int64)
 """By ShapeKind: the shape of lower rank is the first of a pair, so that each pair of kinds has one test."""
 
 _LONG_APART = 1 << 30
-
-PAIR = np.dtype(
-    [
-        ("a", "i4"),  # rows of SHAPE
-        ("b", "i4"),
-        ("body_a", "i4"),  # rows of BODY, or STATIC
-        ("body_b", "i4"),
-        ("kept", "i4"),  # 1: found again by the sweep
-        ("law", "i4"),  # ForceLaw
-        ("slot", "i8"),  # where the hash has it
-        # both surfaces as one
-        ("stiffness", "f8"),  # k_s [N/m], [N/m^n]
-        ("damping", "f8"),  # b_s [N s/m], or a of Hunt and Crossley [s/m]
-        ("exponent", "f8"),
-        ("friction_static", "f8"),
-        ("friction_dynamic", "f8"),
-        ("friction_stiffness", "f8"),  # [N/m]
-        ("friction_damping", "f8"),  # [N s/m], of the spring-damper law
-        # memory of the contact
-        ("normal", "f8", (3,)),  # unit, from a to b, world; zero: they have never met
-        ("stretch", "f8", (3,)),  # of the spring from the friction's anchor to the contact [m]
-        ("twist", "f8"),  # angle that the patch of contact holds about the normal [rad]
-        ("share", "f8"),  # of the stiffness that touches, smoothed
-        ("force", "f8"),  # normal force of the last tick [N]
-        ("rest_force", "f8"),  # likewise, of the last tick that both were awake
-        ("feature", "i4"),  # axis of two boxes
-        ("touching", "i4"),
-        ("sticking", "i4"),
-        ("ticks_apart", "i4"),
-    ],
-    align=True,
-)
-"""Two shapes that may touch."""
 
 
 @kernel

@@ -5,52 +5,17 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
 from mimics_app.contracts.haptic_objects import STATIC, ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths import quat
 
-__all__ = ["SOLID", "TRACKING", "pose_shapes"]
+__all__ = ["pose_shapes"]
 
 _WALL = int(ShapeKind.WALL)
 _SPHERE = int(ShapeKind.SPHERE)
 _BOX = int(ShapeKind.BOX)
 _CYLINDER = int(ShapeKind.CYLINDER)
 _CAPSULE = int(ShapeKind.CAPSULE)
-
-SOLID = np.dtype(
-    [
-        ("kind", "i4"),  # of SHAPE
-        ("body", "i4"),
-        ("enabled", "i4"),
-        ("size", "f8", (3,)),
-        ("rounding", "f8"),
-        ("radius", "f8"),  # of the sphere about its origin that holds it [m]
-        ("local", "f8", (3, 3)),  # body from shape
-        ("rotation", "f8", (3, 3)),  # world from shape
-        ("position", "f8", (3,)),  # of its origin, world [m]
-        ("low", "f8", (3,)),  # bounds along the world's axes [m]
-        ("high", "f8", (3,)),
-        ("room_low", "f8", (3,)),  # bounds within which it may move until pairs are looked for again
-        ("room_high", "f8", (3,)),
-    ],
-    align=True,
-)
-"""One shape as the collisions see it: all that a test of two needs, in one place of memory."""
-
-TRACKING = np.dtype(
-    [
-        # revision + 1 of the rows as each of these last saw them; 0: never
-        ("placed_revision", "i8"),  # place_bodies
-        ("posed_revision", "i8"),  # pose_shapes
-        ("paired_revision", "i8"),  # collide_bodies
-        ("moving", "i8"),  # shapes of bodies: so many of `moving_shapes` count
-        ("turn", "f8", (4,)),  # room for one quaternion
-    ],
-    align=True,
-)
-"""What is kept from tick to tick so that only what can have changed is computed again."""
 
 
 @kernel

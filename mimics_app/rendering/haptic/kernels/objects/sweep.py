@@ -19,7 +19,7 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.bodies import is_free
 from mimics_app.rendering.haptic.kernels.objects.pairs import add_pair, drop_pairs, forget_pairs, join_surfaces
 
-__all__ = ["SWEEP", "find_pairs", "near"]
+__all__ = ["find_pairs", "near"]
 
 Order = NDArray[np.int64]
 
@@ -37,19 +37,6 @@ _AHEAD = 10.0
 
 _SPREAD = 4.0
 """The sweep changes its axis when shapes are spread so many times wider (in variance) along another."""
-
-SWEEP = np.dtype(
-    [
-        ("pairs", "i8"),  # in use
-        ("sorted", "i8"),  # shapes in the order
-        ("walls", "i8"),  # at the end of the order's array
-        ("axis", "i8"),  # 0, 1, 2: along which is swept
-        ("left_out", "i8"),  # pairs the table had no room for
-        ("remade", "i8"),  # times the list was made
-    ],
-    align=True,
-)
-"""State of the sweep."""
 
 
 @kernel

@@ -12,10 +12,11 @@ from mimics_app.contracts.borrowed import borrowed
 from mimics_app.contracts.haptic_objects import BodyFlag, ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact import forget, to_object
-from mimics_app.rendering.haptic.kernels.objects.corner import MOST_WALLS, share_corner
+from mimics_app.rendering.haptic.kernels.objects.corner import share_corner
 from mimics_app.rendering.haptic.kernels.objects.cull import find_near
 from mimics_app.rendering.haptic.kernels.objects.memory import follow_point, keep_poses, notice_changes, recall
 from mimics_app.rendering.haptic.kernels.objects.mesh_walk import probe_mesh
+from mimics_app.rendering.haptic.kernels.objects.records import MOST_WALLS
 from mimics_app.rendering.haptic.kernels.objects.shapes import probe_shape
 from mimics_app.rendering.haptic.kernels.objects.surface import lower_by_ripple, normal_force, rub
 from mimics_app.rendering.haptic.kernels.vectors import copy, rotate

@@ -1,0 +1,95 @@
+"""The tables of haptic objects beside a SCENE record: their capacities, and how their rows become bytes and back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic_objects import BODY, EFFECT, MAX_POINTS, POINT, SHAPE, WIRE
+
+__all__ = ["ROW_DTYPES", "ObjectCapacities", "Rows", "count_rows", "new_rows", "pack_rows", "slot_of", "unpack_rows"]
+
+Records = NDArray[Any]
+
+_NEIGHBOURS = 24
+"""Pairs to a shape: in a heap of equal cubes each has 26 neighbours, so 13 pairs; the rest is for unequal ones."""
+
+
+class Rows(NamedTuple):
+    """What the main thread wants of the objects; dtypes of the same names in capitals, see `ROW_DTYPES`."""
+
+    shapes: Records
+    bodies: Records
+    effects: Records
+    points: Records
+    wires: Records
+
+
+ROW_DTYPES: dict[str, np.dtype[Any]] = dict(zip(Rows._fields, (SHAPE, BODY, EFFECT, POINT, WIRE), strict=True))
+"""Dtype of each table."""
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectCapacities:
+    """Rows of each table, and room for paths of effects, fixed when the session is built."""
+
+    shapes: int = 32
+    bodies: int = 8
+    effects: int = 16
+    points: int = MAX_POINTS
+    wires: int = 32
+    paths: int = 4
+
+    @property
+    def pairs(self) -> int:
+        """Pairs of shapes near each other: all there are, or as many as lie around each in a heap."""
+        return max(1, min(self.shapes * (self.shapes - 1) // 2, _NEIGHBOURS * self.shapes))
+
+
+def new_rows(capacities: ObjectCapacities, *slots: int) -> Rows:
+    """Empty tables, shape [capacity] each, or [*slots, capacity]."""
+    return Rows(
+        *(np.zeros((*slots, getattr(capacities, name)), dtype) for name, dtype in ROW_DTYPES.items()),
+    )
+
+
+def count_rows(counts: Any) -> dict[str, int]:
+    """Rows in use of each table by its name, from a record of OBJECT_COUNTS."""
+    return {name: int(counts[name]) for name in Rows._fields}
+
+
+def slot_of(tables: Rows, slot: int, source: Rows, counts: Any) -> None:
+    """Copy the rows in use of `source` into slot `slot` of tables of shape [slots, capacity]."""
+    for name, count in count_rows(counts).items():
+        getattr(tables, name)[slot, :count] = getattr(source, name)[:count]
+
+
+def pack_rows(rows: Rows, counts: Any) -> bytes:
+    """The rows in use as bytes, table after table."""
+    return b"".join(getattr(rows, name)[:count].tobytes() for name, count in count_rows(counts).items())
+
+
+def unpack_rows(data: bytes | memoryview, counts: Any, dtypes: Mapping[str, np.dtype[Any]] = ROW_DTYPES) -> Rows:
+    """What `pack_rows` made, as tables that hold just the rows in use.
+
+    Args:
+        data: The bytes.
+        counts: Record of OBJECT_COUNTS that was packed with them.
+        dtypes: Of the version that packed them.
+
+    Raises:
+        ValueError: The bytes are not those rows.
+    """
+    numbers = count_rows(counts)
+    expected = sum(count * dtypes[name].itemsize for name, count in numbers.items())
+    if len(data) != expected or min(numbers.values()) < 0:
+        raise ValueError(f"{len(data)} bytes of rows where {expected} belong")
+    tables, start = [], 0
+    for name, count in numbers.items():
+        tables.append(np.frombuffer(data, dtypes[name], count, start).copy())
+        start += count * dtypes[name].itemsize
+    return Rows(*tables)

@@ -1,0 +1,171 @@
+"""What the loop tells the others after each tick: the newest snapshot with all poses, and the events."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mimics_app.contracts.haptic import EventKind
+from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.ring import push
+from mimics_app.contracts.triple_buffer import back_slot, publish
+from mimics_app.rendering.haptic.channels import Channels, Work
+from mimics_app.rendering.haptic.kernels.objects.published import write_poses
+from mimics_app.rendering.haptic.kernels.state import CONTACT_BEGAN, CONTACT_ENDED
+from mimics_app.rendering.haptic.kernels.vectors import norm
+
+__all__ = ["announce_events", "announce_state"]
+
+_CONTACT_BEGIN = int(EventKind.CONTACT_BEGIN)
+_CONTACT_END = int(EventKind.CONTACT_END)
+_STATE = int(EventKind.STATE)
+_TRIP = int(EventKind.TRIP)
+_PARAMETERS = int(EventKind.PARAMETERS)
+_MARGIN = int(EventKind.MARGIN)
+_IMPACT = int(EventKind.IMPACT)
+
+
+@kernel
+def announce_state(channels: Channels, work: Work, counts: Any, t_ns: int) -> None:
+    """Offer the newest state and poses to main and audio.
+
+    Args:
+        channels: Arrays of the session.
+        work: Arrays of the loop.
+        counts: SCENE.objects of this tick.
+        t_ns: When the tick was released.
+    """
+    slot = back_slot(channels.snapshot_words)
+    _write_snapshot(work.state[0], work.objects.totals[0], t_ns, channels.snapshots[slot])
+    write_poses(work.state[0].hip_world, work.objects.motions, counts.bodies, channels.poses[slot])
+    channels.audio_snapshots[back_slot(channels.audio_words)] = channels.snapshots[slot]
+    publish(channels.snapshot_words)
+    publish(channels.audio_words)
+
+
+@kernel
+def _write_snapshot(state: Any, totals: Any, t_ns: int, out: Any) -> None:
+    out.tick = state.tick - 1
+    out.t_ns = t_ns
+    out.sequence = state.sequence
+    out.state = state.safety
+    out.cause = state.cause
+    out.contacts = state.contacts
+    out.contact_tick = state.contact_tick
+    for i in range(3):
+        out.hip_world[i] = state.hip_world[i]
+        out.v_world[i] = state.v_world[i]
+        out.f_user_world[i] = state.f_user_world[i]
+        out.f_meas_world[i] = state.f_meas_world[i]
+        out.f_grip[i] = totals.grip_force[i]
+        out.q[i] = state.q[i]
+    out.grasp = state.grasp
+    out.ball_radius = state.ball_radius
+    out.s = state.tunnel.s
+    out.progress = state.tunnel.progress
+    out.distance = state.tunnel.distance
+    out.penetration = state.tunnel.penetration
+    out.tunnel_radius = state.tunnel.radius
+    out.touching = totals.touching
+    out.depth = totals.depth
+    out.touched_shape = totals.shape
+    out.held_body = totals.held
+    out.ramp = state.ramp
+    out.period_s = state.period
+    out.stiffness_limit = state.stiffness_limit
+    out.margin = state.margin
+    out.energy = state.observer.energy
+
+
+@kernel
+def _tell(channels: Channels, work: Work, kind: int, force: float) -> None:
+    """Send the event being filled to its three consumers."""
+    work.event[0].kind = kind
+    work.event[0].force = force
+    push(channels.main_event_words, channels.main_events, work.event)
+    push(channels.audio_event_words, channels.audio_events, work.event)
+    push(channels.recorder_event_words, channels.recorder_events, work.event)
+
+
+@kernel
+def announce_events(channels: Channels, work: Work, rows: Any, counts: Any, t_ns: int) -> None:
+    """Events of this tick, in the order parameters, state, trip, margin, contacts, impact."""
+    _announce_tick(channels, work, t_ns)
+    if counts.shapes > 0:
+        _announce_touches(channels, work, rows, counts, t_ns)
+        _announce_impact(channels, work, t_ns)
+
+
+@kernel
+def _begin(work: Work, t_ns: int, body_a: int, body_b: int) -> None:
+    event = work.event[0]
+    event.t_ns = t_ns
+    event.tick = work.state[0].tick - 1
+    event.body_a = body_a
+    event.body_b = body_b
+    event.material_a = 0
+    event.material_b = 0
+
+
+@kernel
+def _announce_tick(channels: Channels, work: Work, t_ns: int) -> None:
+    state = work.state[0]
+    if state.parameters_taken + state.state_changed + state.tripped + state.margin_lost + state.contact_change == 0:
+        return
+    _begin(work, t_ns, 0, -1)
+    event = work.event[0]
+    event.speed = state.tunnel.approach_speed
+    event.value = state.tunnel.s
+    for i in range(3):
+        normal = state.tunnel.normal_world[i]
+        event.position_world[i] = state.hip_world[i] - state.ball_radius * normal
+        event.normal_world[i] = normal
+    if state.parameters_taken == 1:
+        _tell(channels, work, _PARAMETERS, float(state.sequence))
+    if state.state_changed == 1:
+        _tell(channels, work, _STATE, float(state.safety))
+    if state.tripped == 1:
+        _tell(channels, work, _TRIP, float(state.cause))
+    if state.margin_lost == 1:
+        _tell(channels, work, _MARGIN, state.margin)
+    if state.contact_change == CONTACT_BEGAN:
+        _tell(channels, work, _CONTACT_BEGIN, norm(state.f_user_world))
+    elif state.contact_change == CONTACT_ENDED:
+        _tell(channels, work, _CONTACT_END, norm(state.f_user_world))
+
+
+@kernel
+def _announce_touches(channels: Channels, work: Work, rows: Any, counts: Any, t_ns: int) -> None:
+    """Contacts of the hand with the static scene (partner 0) and with bodies."""
+    totals, state = work.objects.totals[0], work.state[0]
+    for k in range(counts.bodies + 1):
+        change = work.objects.touches[k].change
+        if change != CONTACT_BEGAN and change != CONTACT_ENDED:
+            continue
+        _begin(work, t_ns, 0, k if k > 0 else -1)
+        event = work.event[0]
+        event.material_b = rows.shapes[totals.shape].material if totals.shape >= 0 else 0
+        event.speed = totals.approach_speed
+        event.value = float(totals.shape)
+        for i in range(3):
+            event.position_world[i] = state.hip_world[i]
+            event.normal_world[i] = totals.normal[i]
+        kind = _CONTACT_BEGIN if change == CONTACT_BEGAN else _CONTACT_END
+        _tell(channels, work, kind, norm(totals.shape_force))
+
+
+@kernel
+def _announce_impact(channels: Channels, work: Work, t_ns: int) -> None:
+    """The hardest contact between bodies that began in this tick."""
+    totals = work.objects.totals[0]
+    if totals.impact <= 0.0:
+        return
+    a = totals.impact_a + 1 if totals.impact_a >= 0 else -1
+    b = totals.impact_b + 1 if totals.impact_b >= 0 else -1
+    _begin(work, t_ns, a, b)
+    event = work.event[0]
+    event.speed = totals.impact
+    event.value = 0.0
+    for i in range(3):
+        event.position_world[i] = totals.impact_position[i]
+        event.normal_world[i] = totals.impact_normal[i]
+    _tell(channels, work, _IMPACT, totals.impact_force)

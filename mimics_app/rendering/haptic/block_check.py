@@ -1,0 +1,119 @@
+"""The door of the parameter blocks: compiled code checks no index, so nothing wrong may come in."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic import MAX_PIECES, AdmittanceForm, Controller, Projection
+from mimics_app.contracts.haptic_objects import (
+    STATIC,
+    EffectKind,
+    ForceLaw,
+    ObjectIntegrator,
+    ShapeKind,
+    SignalSource,
+    SignalTarget,
+)
+from mimics_app.contracts.object_rows import ObjectCapacities, Rows, count_rows
+
+__all__ = ["check_block"]
+
+Records = NDArray[Any]
+
+_LARGEST = {
+    "controller": max(Controller),
+    "form": max(AdmittanceForm),
+    "tunnel.projection": max(Projection),
+    "tunnel.pieces": MAX_PIECES,
+}
+"""Largest value of the whole-number fields the tick branches or counts by; the least is 0."""
+
+_CHOICES: dict[str, dict[str, int]] = {
+    "shapes": {"kind": max(ShapeKind), "law": max(ForceLaw)},
+    "bodies": {"integrator": max(ObjectIntegrator)},
+    "effects": {"kind": max(EffectKind)},
+    "points": {},
+    "wires": {"source": max(SignalSource), "target": max(SignalTarget)},
+}
+"""Likewise of each table's rows."""
+
+
+def check_block(scene: Records, rows: Rows | None, capacities: ObjectCapacities) -> None:
+    """Refuse a parameter block that the loop could not run on.
+
+    Args:
+        scene: SCENE record, shape [1].
+        rows: The tables of objects it counts; None where it counts none.
+        capacities: Room there is for rows.
+
+    Raises:
+        ValueError: A number is not finite, a choice, count or row out of range, or `sequence` is not positive.
+    """
+    if int(scene[0]["sequence"]) < 1:
+        raise ValueError("SCENE.sequence must count up from 1")
+    for name, largest in _LARGEST.items():
+        _check_whole(f"SCENE.{name}", int(_part(scene, name)), 0, int(largest))
+    for name in _float_fields(scene.dtype):
+        if not np.all(np.isfinite(_part(scene, name))):
+            raise ValueError(f"SCENE.{name} is not finite")
+    _check_rows(scene[0]["objects"], rows, capacities)
+
+
+def _check_rows(counts: Any, rows: Rows | None, capacities: ObjectCapacities) -> None:
+    used = count_rows(counts)
+    for name, count in used.items():
+        table: Records = np.zeros(0) if rows is None else getattr(rows, name)
+        _check_whole(f"SCENE.objects.{name}", count, 0, min(getattr(capacities, name), len(table)))
+        if count:
+            _check_table(name, table[:count])
+    if rows is None:
+        return
+    last_body, last_effect = used["bodies"] - 1, used["effects"] - 1
+    wires = rows.wires[: used["wires"]]
+    _check_column("shapes.body", rows.shapes["body"][: used["shapes"]], STATIC, last_body)
+    _check_column("effects.body", rows.effects["body"][: used["effects"]], STATIC, last_body)
+    _check_column("wires.source_row", wires["source_row"], 0, max(0, last_body))
+    _check_column("wires.target_row", wires["target_row"], 0, max(0, last_body, last_effect))
+
+
+def _check_table(name: str, table: Records) -> None:
+    """Choices in range and numbers finite in one table."""
+    for field, largest in _CHOICES[name].items():
+        _check_column(f"{name}.{field}", table[field], 0, int(largest))
+    for field in _float_fields(table.dtype):
+        bad = ~np.isfinite(table[field]).reshape(len(table), -1).all(axis=1)
+        if bad.any():
+            raise ValueError(f"{name}[{int(bad.argmax())}].{field} is not finite")
+
+
+def _check_column(name: str, values: Records, least: int, largest: int) -> None:
+    for value in values:
+        _check_whole(name, int(value), least, largest)
+
+
+def _check_whole(name: str, value: int, least: int, largest: int) -> None:
+    if not least <= value <= largest:
+        raise ValueError(f"{name} is {value}; it must be within {least} and {largest}")
+
+
+def _part(scene: Records, name: str) -> Any:
+    """Value of a field of the first record, by its dotted name."""
+    part = scene[0]
+    for step in name.split("."):
+        part = part[step]
+    return part
+
+
+def _float_fields(dtype: np.dtype[Any], prefix: str = "") -> list[str]:
+    """Dotted names of all float fields of a record type."""
+    names: list[str] = []
+    for name in dtype.names or ():
+        field = dtype[name]
+        if field.names:
+            names += _float_fields(field, f"{prefix}{name}.")
+        elif field.base.kind == "f":
+            names.append(prefix + name)
+    return names

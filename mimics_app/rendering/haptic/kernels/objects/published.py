@@ -1,0 +1,49 @@
+"""Poses of the bodies for everybody outside the loop, and a checksum of all they do for the recording."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+
+__all__ = ["sum_motions", "write_poses"]
+
+_MULTIPLIER = 0x5851F42D4C957F2D
+_SHIFT = 12
+_MASK = (1 << 52) - 1
+"""What a float64 can hold exactly."""
+
+
+@kernel
+def write_poses(hand_world: NDArray[np.float64], motions: Any, bodies: int, poses: NDArray[np.float64]) -> None:
+    """Fill poses, shape [1 + capacity, 7]: row 0 the hand, row i + 1 body i; rows beyond the bodies are left alone."""
+    for i in range(3):
+        poses[0, i] = hand_world[i]
+        poses[0, 3 + i] = 0.0
+    poses[0, 6] = 1.0
+    for k in range(bodies):
+        motion = motions[k]
+        for i in range(3):
+            poses[k + 1, i] = motion.position[i]
+        for i in range(4):
+            poses[k + 1, 3 + i] = motion.orientation[i]
+
+
+@kernel
+def sum_motions(words: NDArray[np.int64], bodies: int) -> float:
+    """Checksum of the bits of the first `bodies` rows, shape [capacity, words]: 0 without bodies, below 2^52.
+
+    A multiplicative hash: any bit that differs gives another number but for one chance in 2^52.
+    """
+    if bodies == 0:
+        return 0.0
+    total = np.uint64(bodies)
+    multiplier = np.uint64(_MULTIPLIER)
+    for k in range(bodies):
+        for i in range(words.shape[1]):
+            total = (total ^ np.uint64(words[k, i])) * multiplier
+            total ^= total >> np.uint64(29)
+    return float(np.int64((total >> np.uint64(_SHIFT)) & np.uint64(_MASK)))

@@ -1,0 +1,36 @@
+"""What stands in the place of the objects' code where a scene has none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import typed_kernel
+from mimics_app.contracts.loop_ports import FIELD, MAX_FIELDS
+from mimics_app.contracts.object_rows import Rows
+from mimics_app.rendering.haptic.objects import SIMULATE, ObjectWork
+
+__all__ = ["NO_FIELDS", "no_field", "no_objects"]
+
+Vec = NDArray[np.float64]
+Fields = tuple[Callable[..., Any], ...]
+
+
+@typed_kernel(FIELD)
+def no_field(parameters: Vec, p: Vec, v: Vec, t: float, out: Vec) -> None:
+    """No force: what stands in the places of fields a session does not have."""
+    out[0] = 0.0
+    out[1] = 0.0
+    out[2] = 0.0
+
+
+NO_FIELDS: Fields = (no_field,) * MAX_FIELDS
+"""The force fields of a session without any."""
+
+
+@typed_kernel(SIMULATE)
+def no_objects(rows: Rows, work: ObjectWork, counts: np.void, hand: Vec, fields: Fields, dt: float, force: Vec) -> None:
+    """Nothing is touched: the results of a tick stay as they were made."""

@@ -1,0 +1,66 @@
+"""All objects for one tick: signals in, forces on the user out, bodies one tick further."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import typed_kernel
+from mimics_app.contracts.object_rows import Rows
+from mimics_app.rendering.haptic.kernels.objects.bodies import place_bodies, step_bodies
+from mimics_app.rendering.haptic.kernels.objects.collisions import collide_bodies
+from mimics_app.rendering.haptic.kernels.objects.effects import apply_effects
+from mimics_app.rendering.haptic.kernels.objects.grip import grip_bodies
+from mimics_app.rendering.haptic.kernels.objects.hand import (
+    HAND_FORCE_MEASURED,
+    HAND_GRASP,
+    HAND_POSITION,
+    HAND_VELOCITY,
+)
+from mimics_app.rendering.haptic.kernels.objects.points import place_points
+from mimics_app.rendering.haptic.kernels.objects.poses import pose_shapes
+from mimics_app.rendering.haptic.kernels.objects.signals import carry_signals
+from mimics_app.rendering.haptic.kernels.objects.totals import clear_totals
+from mimics_app.rendering.haptic.kernels.objects.touch import touch_points
+from mimics_app.rendering.haptic.kernels.vectors import all_finite
+from mimics_app.rendering.haptic.objects import SIMULATE, ObjectWork
+
+__all__ = ["simulate_objects"]
+
+Vec = NDArray[np.float64]
+Fields = tuple[Callable[..., Any], ...]
+
+
+@typed_kernel(SIMULATE)
+def simulate_objects(
+    rows: Rows, work: ObjectWork, counts: Any, hand: Vec, fields: Fields, dt: float, force: Vec
+) -> None:
+    """One tick of every object.
+
+    Args:
+        rows: Tables of objects as the main thread wants them.
+        work: Advanced by one tick.
+        counts: SCENE.objects.
+        hand: See kernels.objects.hand, shape [HAND_LENGTH].
+        fields: Force fields by EFFECT.field.
+        dt: Tick [s].
+        force: Receives what the objects do to the user, world [N], shape [3].
+    """
+    totals = work.totals[0]
+    clear_totals(totals)
+    carry_signals(rows, work, counts, hand)
+    place_bodies(rows, work, counts)
+    pose_shapes(rows, work, counts)
+    place_points(rows, work, counts, hand[HAND_POSITION:HAND_VELOCITY], hand[HAND_VELOCITY:HAND_FORCE_MEASURED])
+    touch_points(rows, work, counts, dt)
+    apply_effects(rows, work, counts, hand, fields)
+    grip_bodies(rows, work, counts, hand[HAND_GRASP], dt)
+    collide_bodies(rows, work, counts, dt)
+    step_bodies(rows, work, counts, dt)
+    for i in range(3):
+        force[i] = totals.shape_force[i] + totals.effect_force[i] + totals.grip_force[i]
+    if not all_finite(force):
+        totals.status = 1
