@@ -16,9 +16,12 @@ from mimics_app.world.components_haptic import Robot, Tunnel
 from mimics_app.world.scene import Scene
 from mimics_app.world.world import World
 
-__all__ = ["BUILT_IN", "BY_COMPONENT", "ENTRY_POINT_GROUP", "is_playable", "open_scenario"]
+__all__ = ["BUILT_IN", "BY_COMPONENT", "ENTRY_POINT_GROUP", "ONLY_LOOKED_AT", "is_playable", "open_scenario"]
 
 ENTRY_POINT_GROUP = "mimics_app.scenarios"
+
+ONLY_LOOKED_AT = "none"
+"""What a scene gives as its scenario when nothing is to be done in it."""
 
 _Builder = Callable[[Scene, World], Scenario]
 
@@ -48,6 +51,8 @@ def is_playable(scene: Scene) -> bool:
 
 
 def _find_builder(scene: Scene) -> _Builder:
+    if scene.scenario == ONLY_LOOKED_AT:
+        raise SceneError(scene.issue("/scenario", "nothing is to be done in this scene", "look at it: mimics render"))
     if scene.scenario in BUILT_IN:
         return BUILT_IN[scene.scenario]
     installed = {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}

@@ -119,7 +119,7 @@ class SceneSpec(Component, frozen=True):
     title: Annotated[str | None, Meta(description="As people read it")] = None
     description: Annotated[str | None, Meta(description="One or two sentences for the launcher")] = None
     picture: Annotated[str | None, Meta(description="Picture for the launcher, relative to this file")] = None
-    scenario: Annotated[str | None, Meta(description="Scenario that runs it; absent: the one of the same name")] = None
+    scenario: Annotated[str | None, Meta(description="What runs it; absent: that of its name; none: nothing")] = None
     include: Annotated[list[str], Meta(description="Scene files whose content is added, relative to this one")] = (
         msgspec.field(default_factory=list)
     )

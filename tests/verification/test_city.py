@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mimics_app.contracts.resources import root
 from mimics_app.world.builders.chance import Chance
 from mimics_app.world.builders.city import landmark, streets
 from mimics_app.world.builders.city.build import TRIANGLES, compose_city
@@ -20,6 +21,7 @@ from mimics_app.world.builders.city.house_kinds import draw_kinds
 from mimics_app.world.builders.city.layout import lay_houses
 from mimics_app.world.builders.sketch import Sketch
 from mimics_app.world.gltf_file import GltfDocument, load_gltf
+from mimics_app.world.scene_file import load_scene
 
 SEEDS = (1, 20)
 FLAT = ("railing", "leaves")
@@ -289,3 +291,27 @@ def test_trimesh_reads_the_same(built: Built, tmp_path: Path) -> None:
 def test_landmark_and_cars_are_closed(make: Callable[[], Sketch]) -> None:
     triangles = corners(make())
     assert volume(triangles) > 0.0
+
+
+def test_the_shipped_city_is_seed_one(built: Built) -> None:
+    """What lies in assets is what the builder writes, on this machine too."""
+    if built.seed == 1:
+        assert (root() / "assets" / "models" / "city" / "city.glb").read_bytes() == built.data
+
+
+def test_cameras_of_the_scene_stand_outside_the_houses() -> None:
+    """Six named views and the visitor, each at a place a person or a bird can be at."""
+    scene = load_scene(root() / "scenes" / "city_walk.json")
+    model = scene.assets["city"].model
+    assert model is not None
+    cameras = [np.array(entity.transform.translation) for entity in scene.entities if "camera" in entity.components]
+    assert len(cameras) == 7
+    for node in model.nodes:
+        if "mimics" in node.extras:
+            box = {key: np.array(value) for key, value in node.extras["mimics"]["occluder"].items()}
+            _, sine, _, cosine = node.rotation  # of half the angle about +y
+            cos, sin = cosine * cosine - sine * sine, 2.0 * sine * cosine
+            for camera in cameras:
+                x, y, z = camera - node.translation
+                local = np.array([x * cos - z * sin, y, x * sin + z * cos]) / node.scale - box["centre"]
+                assert (np.abs(local) > 0.5 * box["size"] + 0.7).any(), node.name

@@ -82,7 +82,8 @@ def _choose() -> tuple[Path, dict[str, str]] | None:
 
 
 def _cards() -> list[ScenarioCard]:
-    """One card per shipped scene, scenarios first: its own title and words, and its picture where there is one."""
+    """One card per shipped scene that is played, scenarios first: its title, words, and picture where it has one."""
+    from mimics_app.app.catalogue import ONLY_LOOKED_AT
     from mimics_app.contracts.resources import root
     from mimics_app.rendering.visual.launcher import ScenarioCard
 
@@ -90,6 +91,8 @@ def _cards() -> list[ScenarioCard]:
     folder = root() / "scenes"
     for scene in [*sorted(folder.glob("*.json")), *sorted((folder / "examples").glob("*.json"))]:
         document = json.loads(scene.read_text(encoding="utf-8"))
+        if document.get("scenario") == ONLY_LOOKED_AT:
+            continue
         cards.append(
             ScenarioCard(
                 title=document.get("title", scene.stem),

@@ -51,6 +51,7 @@ class Zone:
         wall: What covers it.
         trim: Of frames about openings.
         footed: True when the lower border has corners under the edges of the first row.
+        roofed: Factor on the colour along the upper border, for what hangs over it.
     """
 
     left: float
@@ -61,6 +62,7 @@ class Zone:
     wall: Skin
     trim: Skin
     footed: bool = False
+    roofed: float = 1.0
 
     @property
     def foot(self) -> list[float]:
@@ -96,7 +98,7 @@ def add_zone(sketch: Sketch, axes: Axes, zone: Zone) -> None:
     """
     if not zone.rows:
         corners = _corners(zone.left, zone.right, zone.bottom, zone.top)
-        _face(sketch, axes, zone.wall, corners)
+        _face(sketch, axes, zone, zone.wall, corners)
         return
     if len({(row[0].left, row[-1].right) for row in zone.rows}) != 1:
         raise ValueError("rows of a zone must begin and end at the same edges")
@@ -106,11 +108,11 @@ def add_zone(sketch: Sketch, axes: Axes, zone: Zone) -> None:
         chains.append([(u, opening.top) for opening in row for u in (opening.left, opening.right)])
     chains.append([(zone.left, zone.top), (zone.right, zone.top)])
     for lower, upper in zip(chains[::2], chains[1::2], strict=True):
-        _zip(sketch, axes, zone.wall, lower, upper, 0)
+        _zip(sketch, axes, zone, lower, upper, 0)
     left = [chain[0] for chain in chains[1:-1]]
     right = [chain[-1] for chain in chains[1:-1]]
-    _zip(sketch, axes, zone.wall, left, [chains[0][0], chains[-1][0]], 1)
-    _zip(sketch, axes, zone.wall, [chains[0][-1], chains[-1][-1]], right, 1)
+    _zip(sketch, axes, zone, left, [chains[0][0], chains[-1][0]], 1)
+    _zip(sketch, axes, zone, [chains[0][-1], chains[-1][-1]], right, 1)
     for row in zone.rows:
         for before, after in itertools.pairwise(row):
             pier = [
@@ -119,7 +121,7 @@ def add_zone(sketch: Sketch, axes: Axes, zone: Zone) -> None:
                 (after.left, after.top),
                 (before.right, before.top),
             ]
-            _face(sketch, axes, zone.wall, pier)
+            _face(sketch, axes, zone, zone.wall, pier)
         for opening in row:
             _add_opening(sketch, axes, zone, opening)
 
@@ -135,7 +137,7 @@ def _add_opening(sketch: Sketch, axes: Axes, zone: Zone, opening: Opening) -> No
         following = (number + 1) % 4
         if s:
             frame = [outer[number], outer[following], inner[following], inner[number]]
-            _face(sketch, axes, zone.trim, frame)
+            _face(sketch, axes, zone, zone.trim, frame)
         (u0, v0), (u1, v1) = inner[number], inner[following]
         # Seen from inside the hole the edge runs from left to right, the panel's side of it lies above.
         corners = [axes.point(u0, v0, 0.0), axes.point(u1, v1, 0.0), axes.point(u1, v1, deep), axes.point(u0, v0, deep)]
@@ -147,7 +149,7 @@ def _add_opening(sketch: Sketch, axes: Axes, zone: Zone, opening: Opening) -> No
     sketch.fan(opening.panel.material, points, opening.panel.lay(inner), opening.panel.shade)
 
 
-def _zip(sketch: Sketch, axes: Axes, skin: Skin, first: list[Uv], second: list[Uv], axis: int) -> None:
+def _zip(sketch: Sketch, axes: Axes, zone: Zone, first: list[Uv], second: list[Uv], axis: int) -> None:
     """Triangles between two lines of points; looking along them, the second lies to the left."""
     corners = [*first, *second]
     triangles = []
@@ -161,17 +163,18 @@ def _zip(sketch: Sketch, axes: Axes, skin: Skin, first: list[Uv], second: list[U
             triangles.append((i, len(first) + j + 1, len(first) + j))
             j += 1
     points = [axes.point(u, v, 0.0) for u, v in corners]
-    sketch.strip(skin.material, points, skin.lay(corners), triangles, _weathered(corners, skin.shade))
+    skin = zone.wall
+    sketch.strip(skin.material, points, skin.lay(corners), triangles, _weathered(corners, skin.shade, zone))
 
 
-def _face(sketch: Sketch, axes: Axes, skin: Skin, corners: list[Uv]) -> None:
+def _face(sketch: Sketch, axes: Axes, zone: Zone, skin: Skin, corners: list[Uv]) -> None:
     points = [axes.point(u, v, 0.0) for u, v in corners]
-    sketch.fan(skin.material, points, skin.lay(corners), _weathered(corners, skin.shade))
+    sketch.fan(skin.material, points, skin.lay(corners), _weathered(corners, skin.shade, zone))
 
 
-def _weathered(corners: Sequence[Uv], shade: float) -> list[float]:
-    """Splashed and shaded at the foot."""
-    return [shade * (0.72 if v < 0.01 else 1.0) for _, v in corners]
+def _weathered(corners: Sequence[Uv], shade: float, zone: Zone) -> list[float]:
+    """Splashed and shaded at the foot, shaded under the eaves."""
+    return [shade * (0.72 if v < 0.01 else zone.roofed if v == zone.top else 1.0) for _, v in corners]
 
 
 def _corners(left: float, right: float, bottom: float, top: float) -> list[Uv]:

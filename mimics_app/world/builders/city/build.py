@@ -22,17 +22,31 @@ TRIANGLES = 363_173
 Colour = tuple[float, float, float, float]
 
 _WALLS: dict[str, tuple[Colour, ...]] = {
-    "brick": ((0.60, 0.24, 0.17, 1.0), (0.68, 0.40, 0.26, 1.0), (0.44, 0.20, 0.17, 1.0), (0.80, 0.62, 0.46, 1.0)),
-    "plaster": ((0.86, 0.80, 0.66, 1.0), (0.80, 0.60, 0.38, 1.0), (0.84, 0.83, 0.80, 1.0), (0.62, 0.68, 0.62, 1.0)),
+    "brick": (
+        (0.74, 0.44, 0.36, 1.0),
+        (0.84, 0.62, 0.46, 1.0),
+        (0.58, 0.38, 0.35, 1.0),
+        (0.90, 0.80, 0.66, 1.0),
+        (0.66, 0.38, 0.33, 1.0),
+        (0.76, 0.54, 0.42, 1.0),
+    ),
+    "plaster": (
+        (0.83, 0.76, 0.61, 1.0),
+        (0.76, 0.56, 0.34, 1.0),
+        (0.79, 0.78, 0.74, 1.0),
+        (0.57, 0.63, 0.55, 1.0),
+        (0.72, 0.49, 0.40, 1.0),
+        (0.55, 0.61, 0.66, 1.0),
+    ),
     "stone": ((0.82, 0.78, 0.68, 1.0), (0.72, 0.70, 0.66, 1.0), (0.80, 0.70, 0.56, 1.0), (0.66, 0.64, 0.60, 1.0)),
 }
-"""What dyes the walls, linear RGBA: four colours of each kind of wall that go together."""
+"""What dyes the walls, linear RGBA: colours that go together; a kind of house wears four in a row."""
 
 _ROOFS: tuple[Colour, ...] = (
-    (0.86, 0.62, 0.54, 1.0),
-    (0.72, 0.48, 0.42, 1.0),
-    (0.94, 0.70, 0.56, 1.0),
-    (0.66, 0.52, 0.48, 1.0),
+    (0.74, 0.66, 0.62, 1.0),
+    (0.60, 0.54, 0.54, 1.0),
+    (0.84, 0.76, 0.68, 1.0),
+    (0.54, 0.52, 0.52, 1.0),
 )
 _PAINTS: dict[str, Colour] = {
     "silver": (0.52, 0.54, 0.56, 1.0),
@@ -67,6 +81,7 @@ def compose_city(seed: int) -> GltfWriter:
     city.add_ground()
     city.add_houses()
     city.add_trees()
+    city.add_yards()
     city.add_furniture()
     city.add_cars()
     return city.writer
@@ -122,17 +137,18 @@ class _City:
         for name, make in sketches.items():
             self._mesh(name, make())
             self._place(group, name, Placed(name, (0.0, 0.0, 0.0)))
-        for number, block in enumerate(streets.city_blocks()):
-            self._mesh(f"block{number}", streets.build_block(block))
+        blocks = streets.city_blocks()
+        for number, block in enumerate(blocks):
+            self._mesh(f"block{number}", streets.build_block(block, square=block == layout.square_block(blocks)))
             self._place(group, f"block{number}", Placed(f"block{number}", (0.0, 0.0, 0.0)))
 
     def add_houses(self) -> None:
         """All rows, each kind in four colours that share their arrays."""
         kinds = draw_kinds(Chance(self._seed, "kinds"))
         houses = {kind.name: build_house(kind) for kind in kinds}
-        for house in houses.values():
+        for number, house in enumerate(houses.values()):
             for colour in range(_COLOURS):
-                self._add_colour(house, colour)
+                self._add_colour(house, colour, number)
         group = self._group("houses")
         for number, placed in enumerate(layout.lay_houses(kinds, _COLOURS, Chance(self._seed, "rows"))):
             size, centre = houses[placed.model.split("/")[0]].solid
@@ -140,10 +156,12 @@ class _City:
             node = self._place(group, f"house{number}", placed, extras)
             self.writer.add_detail_levels(node, [self._meshes[f"{placed.model}/coarse"][0]], _HOUSE_COVERAGE)
 
-    def _add_colour(self, house: House, colour: int) -> None:
+    def _add_colour(self, house: House, colour: int, first: int) -> None:
+        """One colour of a kind; kinds begin at different places of their wall's colours."""
         kind = house.kind
+        dye = (colour + first) % len(_WALLS[kind.wall])
         roof = "slate" if kind.slate else f"tiles{colour}"
-        dyes = {"wall": f"{kind.wall}{colour}", "bay": f"{kind.wall}_bay{colour}", "roof": roof}
+        dyes = {"wall": f"{kind.wall}{dye}", "bay": f"{kind.wall}_bay{dye}", "roof": roof}
         self._mesh(f"{kind.name}/{colour}", house.fine, dyes, shared=kind.name)
         self._mesh(f"{kind.name}/{colour}/coarse", house.coarse, dyes, shared=f"{kind.name}/coarse")
 
@@ -154,6 +172,7 @@ class _City:
             self._mesh(f"{kind.name}/coarse", tree.build_coarse_tree(kind, self._seed))
         self._mesh("church", landmark.build_church())
         self._mesh("bench", furniture.build_bench())
+        self._mesh("planter", furniture.build_planter())
         names = [kind.name for kind in tree.TREES]
         chance = Chance(self._seed, "trees")
         group = self._group("trees")
@@ -170,6 +189,14 @@ class _City:
         node = self._place(group, name, placed)
         self.writer.add_detail_levels(node, [self._meshes[f"{placed.model}/coarse"][0]], _TREE_COVERAGE)
 
+    def add_yards(self) -> None:
+        """Behind the houses: workshops, and trees of the coarse form, which nobody comes near."""
+        self._mesh("workshop", landmark.build_workshop())
+        group = self._group("yards")
+        names = [kind.name for kind in tree.TREES]
+        for number, placed in enumerate(layout.lay_yards(names, Chance(self._seed, "yards"))):
+            self._place(group, f"yard{number}", placed)
+
     def add_furniture(self) -> None:
         """Lamps, benches, bins, signs, bollards, tubs."""
         for name, make in (
@@ -177,7 +204,6 @@ class _City:
             ("bin", furniture.build_bin),
             ("bollard", furniture.build_bollard),
             ("sign", furniture.build_sign),
-            ("planter", furniture.build_planter),
         ):
             self._mesh(name, make())
         group = self._group("furniture")
@@ -214,6 +240,7 @@ def _add_materials(writer: GltfWriter, seed: int) -> dict[str, int]:
         ("asphalt", surfaces.paint_asphalt(seed), True),
         ("paving", surfaces.paint_paving(seed), True),
         ("grass", surfaces.paint_grass(seed), True),
+        ("gardens", surfaces.paint_gardens(seed), True),
         ("bark", surfaces.paint_bark(seed), True),
         ("leaves", fittings.paint_leaves(seed), False),
         ("railing", fittings.paint_railing(seed), True),
@@ -222,8 +249,13 @@ def _add_materials(writer: GltfWriter, seed: int) -> dict[str, int]:
     )
     textures = {name: writer.add_picture(name, png, repeat=repeat) for name, png, repeat in painted}
     made: dict[str, int] = {}
-    for name in ("stone", "slate", "road", "zebra", "asphalt", "paving", "grass", "bark"):
-        made[name] = writer.add_material(name, texture=textures[name], roughness=1.0)
+    for name in ("slate", "road", "zebra", "asphalt", "bark"):
+        made[name] = writer.add_material(name, texture=textures[name])
+    made["stone"] = writer.add_material("stone", texture=textures["stone"], colour=(0.84, 0.81, 0.75, 1.0))
+    made["paving"] = writer.add_material("paving", texture=textures["paving"], colour=(0.74, 0.72, 0.70, 1.0))
+    for name in ("grass", "gardens"):
+        made[name] = writer.add_material(name, texture=textures[name], colour=(0.86, 0.82, 0.80, 1.0))
+    made["yard"] = writer.add_material("yard", texture=textures["brick_bay"], colour=(0.72, 0.52, 0.44, 1.0))
     made["detail"] = writer.add_material("detail", texture=textures["detail"], roughness=0.7)
     made["window"] = writer.add_material("window", texture=textures["window"], roughness=0.12)
     made["leaves"] = writer.add_material("leaves", texture=textures["leaves"], mask=0.4)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from mimics_app.world.builders.chance import Chance, hash_noise, smooth_noise
+from mimics_app.world.builders.chance import Chance, smooth_noise
 from mimics_app.world.builders.picture import Canvas, Ramp
 from mimics_app.world.builders.solids import Skin
 
@@ -46,6 +48,7 @@ _PLAIN: dict[str, tuple[int, float]] = {
     "soffit": (4, 0.3),
     "yellow": (9, 0.75),
     "grey": (2, 0.75),
+    "clay": (10, 0.45),
 }
 """Colours of one patch: ramp and tone."""
 
@@ -74,8 +77,8 @@ def detail(kind: str, number: int) -> Skin:
 def plain(name: str, shade: float = 1.0) -> Skin:
     """The skin of one colour of `detail`."""
     place = list(_PLAIN).index(name)
-    x, y = place % 8 * 64, 432 + place // 8 * 40
-    return Skin("detail", cell=_shares((x + 16, y + 10, x + 48, y + 30), _DETAIL_SIZE), shade=shade)
+    x, y = place % 10 * 51, 432 + place // 10 * 40
+    return Skin("detail", cell=_shares((x + 14, y + 10, x + 38, y + 30), _DETAIL_SIZE), shade=shade)
 
 
 def _shares(cell: Cell, size: tuple[int, int]) -> tuple[float, float, float, float]:
@@ -125,8 +128,9 @@ def _paint_glass(canvas: Canvas, left: int, top: int, chance: Chance) -> None:
                 canvas.rectangle(fold, top, fold + 4, bottom, 4, 0.4 + 0.1 * (fold // 4 % 3))
     elif style == 1:  # a blind
         canvas.rectangle(left, top, right, top + 30 + chance.below(40), 4, (0.75, 0.6))
-    elif style == 2 and chance.happens(0.4):
-        canvas.rectangle(left, top + 40, right, bottom, 5, (0.35, 0.2))
+    elif style == 2:  # a lamp behind the glass
+        at, level = left + 20 + chance.below(40), top + 78 + chance.below(20)
+        canvas.rectangle(at, level, at + 12, level + 9, 5, (0.6, 0.4))
 
 
 def _paint_bars(canvas: Canvas, left: int, top: int, frame: int, number: int) -> None:
@@ -165,6 +169,7 @@ _DETAIL_RAMPS: list[Ramp] = [
     ((20, 36, 72), (112, 146, 196)),  # blue
     ((16, 22, 28), (150, 174, 192)),  # glass
     ((150, 96, 26), (250, 214, 120)),  # yellow, warm light
+    ((88, 48, 38), (196, 134, 108)),  # clay
 ]
 
 
@@ -185,8 +190,8 @@ def paint_details(seed: int) -> bytes:
             ramp = (6, 5, 7, 9)[number] if stripe % 2 else 1
             canvas.rectangle(number * 128 + stripe * 16, 384, number * 128 + stripe * 16 + 16, 416, ramp, (0.85, 0.65))
     for place, (ramp, tone) in enumerate(_PLAIN.values()):
-        x, y = place % 8 * 64, 432 + place // 8 * 40
-        canvas.rectangle(x, y, x + 64, y + 40, ramp, tone)
+        x, y = place % 10 * 51, 432 + place // 10 * 40
+        canvas.rectangle(x, y, x + 51, y + 40, ramp, tone)
     fine = smooth_noise(512, 512, 96, 96, seed)
     canvas.tone = canvas.tone + 0.06 * (fine - 0.5)
     return canvas.to_png()
@@ -275,30 +280,42 @@ def _paint_oriel(canvas: Canvas, left: int, ramp: int) -> None:
 
 def paint_leaves(seed: int) -> bytes:
     """A tuft of leaves on nothing: many small ellipses, darker ones first."""
-    side = 128
+    side, count = 256, 620
     canvas = Canvas(
-        side, side, [((30, 48, 18), (128, 158, 66)), ((44, 62, 20), (160, 178, 84)), ((34, 58, 28), (112, 150, 76))]
+        side, side, [((34, 52, 24), (134, 158, 82)), ((48, 66, 28), (158, 174, 96)), ((38, 60, 34), (118, 150, 88))]
     )
     canvas.clear[:] = True
     canvas.tone[:] = 0.35
     chance = Chance(seed, "leaves")
-    x, y = np.meshgrid(np.arange(side) + 0.5, np.arange(side) + 0.5)
-    count = 190
     for number in range(count):
-        # Places fill a disc evenly: the square root spreads them, the golden angle turns them.
-        reach = 56.0 * ((number * 7 % count + 0.5) / count) ** 0.5
-        along, across = _golden(number * 7 % count)
-        cx, cy = 64.0 + reach * along + chance.between(-3.0, 3.0), 64.0 + reach * across + chance.between(-3.0, 3.0)
-        tx, ty = _golden(chance.below(1000))
-        long, wide = chance.between(6.5, 9.5), chance.between(3.0, 4.4)
-        s, t = (x - cx) * tx + (y - cy) * ty, (y - cy) * tx - (x - cx) * ty
-        leaf = (s / long) * (s / long) + (t / wide) * (t / wide) < 1.0
-        base = 0.25 + 0.6 * number / count + chance.between(-0.15, 0.15)
-        canvas.ramp[leaf] = chance.below(3)
-        canvas.tone[leaf] = (base + 0.10 * np.sign(t) + np.where(np.abs(t) < 0.5, -0.12, 0.0))[leaf]
-        canvas.clear[leaf] = False
-    canvas.tone += 0.06 * (hash_noise(*np.meshgrid(np.arange(side), np.arange(side)), seed) - 0.5)
+        # The golden angle spreads them; a power above one half, with which they would fill the disc evenly, thins its
+        # edge, so that no card shows its outline in a crown.
+        place = number * 7 % count
+        share = (place + 0.5) / count
+        reach = 116.0 * math.sqrt(share) * math.sqrt(math.sqrt(share))
+        along, across = _golden(place)
+        middle = (128.0 + reach * along + chance.between(-6.0, 6.0), 128.0 + reach * across + chance.between(-6.0, 6.0))
+        tone = 0.22 + 0.6 * number / count + chance.between(-0.15, 0.15)
+        _paint_leaf(canvas, middle, chance, tone)
+    canvas.grain(0.06, seed)
     return canvas.to_png()
+
+
+def _paint_leaf(canvas: Canvas, middle: tuple[float, float], chance: Chance, tone: float) -> None:
+    """An ellipse with a rib, one half in the light."""
+    cx, cy = middle
+    tx, ty = _golden(chance.below(1000))
+    long, wide, ramp = chance.between(8.0, 12.0), chance.between(3.6, 5.2), chance.below(3)
+    size = canvas.size[0]
+    left, right = max(0, int(cx) - 13), min(size, int(cx) + 14)
+    top, bottom = max(0, int(cy) - 13), min(size, int(cy) + 14)
+    x, y = np.meshgrid(np.arange(left, right) + 0.5, np.arange(top, bottom) + 0.5)
+    s, t = (x - cx) * tx + (y - cy) * ty, (y - cy) * tx - (x - cx) * ty
+    leaf = (s / long) * (s / long) + (t / wide) * (t / wide) < 1.0
+    patch = (slice(top, bottom), slice(left, right))
+    canvas.ramp[patch][leaf] = ramp
+    canvas.tone[patch][leaf] = (tone + 0.10 * np.sign(t) + np.where(np.abs(t) < 0.6, -0.12, 0.0))[leaf]
+    canvas.clear[patch][leaf] = False
 
 
 def _golden(number: int) -> tuple[float, float]:

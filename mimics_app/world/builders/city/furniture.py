@@ -31,8 +31,7 @@ def build_lamp() -> Sketch:
     """A post with an arm over the street, +z."""
     sketch = Sketch()
     iron = plain("green", 0.6)
-    add_column(sketch, (0.0, 0.0, 0.0), (0.0, 0.9, 0.0), (0.11, 0.08), 6, iron, open_foot=True)
-    add_column(sketch, (0.0, 0.9, 0.0), (0.0, 5.2, 0.0), (0.055, 0.04), 5, iron, open_foot=True)
+    add_column(sketch, (0.0, 0.0, 0.0), (0.0, 5.2, 0.0), (0.09, 0.045), 6, iron, open_foot=True)
     _block(sketch, (-0.03, 5.1, 0.0), (0.03, 5.16, 0.9), iron)
     add_prism(
         sketch, _UP, [(a + 0.9, b) for a, b in circle(6, 0.2)], 4.98, 5.14, (plain("lamp"), iron), (plain("yellow"),)
@@ -44,12 +43,11 @@ def build_bench() -> Sketch:
     """A wooden bench that looks along +z."""
     sketch = Sketch()
     wood, iron = plain("wood"), plain("iron")
-    for z in (-0.12, 0.08, 0.28):
-        _block(sketch, (-0.9, 0.42, z), (0.9, 0.46, z + 0.16), wood)
-    for y in (0.58, 0.76):
-        _block(sketch, (-0.9, y, -0.22), (0.9, y + 0.13, -0.18), wood)
+    for z in (-0.12, 0.16):
+        _block(sketch, (-0.9, 0.42, z), (0.9, 0.46, z + 0.25), wood)
+    _block(sketch, (-0.9, 0.6, -0.22), (0.9, 0.86, -0.18), wood)
     for x in (-0.75, 0.7):
-        _block(sketch, (x, 0.0, -0.22), (x + 0.05, 0.42, 0.42), iron)
+        _block(sketch, (x, 0.0, -0.1), (x + 0.05, 0.42, 0.36), iron)
         _block(sketch, (x, 0.42, -0.26), (x + 0.05, 0.9, -0.22), iron)
     return sketch
 
@@ -133,7 +131,7 @@ def build_car(kind: str) -> Sketch:
     add_prism(
         sketch, Axes(), outlines["body"], -wide, wide, (paint, paint), (rubber, *[paint] * (len(outlines["body"]) - 1))
     )
-    _add_cabin(sketch, outlines["cabin"], wide, glass, paint, panelled=kind == "van")
+    _add_cabin(sketch, outlines["cabin"], wide, glass, paint)
     front, rear = (1.32, -1.3) if kind != "van" else (1.5, -1.45)
     for x in (front, rear):
         for z in (-wide + 0.11, wide - 0.11):
@@ -147,7 +145,7 @@ def build_car(kind: str) -> Sketch:
     return sketch
 
 
-def _add_cabin(sketch: Sketch, outline: list[Uv], wide: float, glass: Skin, paint: Skin, *, panelled: bool) -> None:
+def _add_cabin(sketch: Sketch, outline: list[Uv], wide: float, glass: Skin, paint: Skin) -> None:
     """Windows that lean inwards under a painted roof, with painted pillars at the sides."""
     low, high = wide - 0.05, wide - 0.2
     (x0, y0), (x1, y1), (x2, y2), (x3, y3) = outline
@@ -159,7 +157,7 @@ def _add_cabin(sketch: Sketch, outline: list[Uv], wide: float, glass: Skin, pain
     shells = (
         ([left[1], right[1], right[2], left[2]], glass),
         ([left[2], right[2], right[3], left[3]], paint),
-        ([left[3], right[3], right[0], left[0]], paint if panelled else glass),
+        ([left[3], right[3], right[0], left[0]], glass),
         ([left[0], right[0], right[1], left[1]], glass),
     )
     for corners, skin in shells:

@@ -93,7 +93,8 @@ def _upper_zone(kind: HouseKind, length: float, bays: int, *, balconies: bool) -
             left, right = middle - 0.5 * wide - s, middle + 0.5 * wide + s
             row.append(Opening(left, right, bottom, top, window(number), 0.2, s))
         rows.append(row)
-    return Zone(0.0, length, kind.ground, kind.eaves, rows, wall_skin(kind), plain("stone"))
+    hidden = 1.0 if kind.roof in ("flat", "gabled_front", "stepped") else 0.7
+    return Zone(0.0, length, kind.ground, kind.eaves, rows, wall_skin(kind), plain("stone"), roofed=hidden)
 
 
 def _ground_zone(kind: HouseKind, length: float, bays: int, *, door: bool) -> Zone:

@@ -174,15 +174,8 @@ def add_chimneys(sketch: Sketch, kind: HouseKind) -> None:
             if kind.roof == "hip" or (kind.roof == "mansard" and kind.corner):
                 x *= 0.55
         outline = [(x - 0.4, low), (x + 0.4, low), (x + 0.4, high), (x - 0.4, high)]
-        add_prism(
-            sketch,
-            Axes(),
-            outline,
-            z - 0.65,
-            z + 0.65,
-            (_gable(kind), _gable(kind)),
-            (_gable(kind), _gable(kind), plain("soffit"), _gable(kind)),
-        )
+        clay, dark = plain("clay"), plain("soffit", 0.6)
+        add_prism(sketch, Axes(), outline, z - 0.65, z + 0.65, (clay, clay), (clay, clay, dark, clay))
 
 
 def add_dormers(sketch: Sketch, kind: HouseKind) -> None:

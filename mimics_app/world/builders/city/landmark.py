@@ -12,7 +12,7 @@ from mimics_app.world.builders.facade import Opening, Zone, add_zone, wall_axes
 from mimics_app.world.builders.sketch import Point, Sketch
 from mimics_app.world.builders.solids import Axes, Skin, add_column, add_prism, circle
 
-__all__ = ["build_church", "build_hills", "build_land", "build_skyline"]
+__all__ = ["build_church", "build_hills", "build_land", "build_skyline", "build_workshop"]
 
 _UP = Axes(a=(0.0, 0.0, 1.0), b=(1.0, 0.0, 0.0), c=(0.0, 1.0, 0.0))
 
@@ -77,6 +77,17 @@ def _add_tower(sketch: Sketch, stone: Skin, slate: Skin) -> None:
             add_column(sketch, (x, 25.1, z), (x, 29.0, z), (0.7, 0.0), 4, stone, bulge=math.pi / 4)
     gold = plain("yellow")
     add_prism(sketch, _UP, [(a - 3.7, b) for a, b in circle(6, 0.12)], 44.6, 46.6, (gold, gold), (gold,))
+
+
+def build_workshop() -> Sketch:
+    """A long low building in a yard."""
+    sketch = Sketch()
+    walls, roof, lead = Skin("yard", (3.6, 3.4)), Skin("slate", TILE["slate"]), plain("lead")
+    body = [(-10.0, 0.0), (10.0, 0.0), (10.0, 3.8), (-10.0, 3.8)]
+    add_prism(sketch, Axes(), body, -4.5, 4.5, (walls, walls), (lead, walls, lead, walls))
+    along = Axes(a=(0.0, 0.0, -1.0), b=(0.0, 1.0, 0.0), c=(1.0, 0.0, 0.0))
+    add_prism(sketch, along, [(-4.8, 3.8), (4.8, 3.8), (0.0, 6.4)], -10.2, 10.2, (lead, lead), (lead, roof, roof))
+    return sketch
 
 
 def build_skyline(seed: int) -> Sketch:

@@ -16,6 +16,7 @@ from mimics_app.world.builders.city.streets import (
     STREETS_Z,
     Block,
     city_blocks,
+    square_middle,
 )
 
 __all__ = [
@@ -26,6 +27,7 @@ __all__ = [
     "lay_houses",
     "lay_square",
     "lay_street_trees",
+    "lay_yards",
     "square_block",
 ]
 
@@ -240,18 +242,51 @@ def lay_cars(names: Sequence[str], chance: Chance) -> list[Placed]:
 
 
 def lay_square(names: Sequence[str], chance: Chance) -> list[Placed]:
-    """The church with its door to the west, trees in rows, benches along them."""
-    left, right, near, far = square_block(city_blocks()).plot
-    middle = 0.5 * (near + far)
-    placed = [Placed("church", (0.5 * (left + right) - 10.0, KERB_HEIGHT, middle), _TURNS["w"])]
-    for row in (near - 6.0, near - 18.0, far + 6.0, far + 18.0):
-        at = left + 8.0
-        while at < right - 6.0:
+    """The church with its door to the west, trees in rows and along the paths, benches and tubs."""
+    block = square_block(city_blocks())
+    left, right, near, far = block.plot
+    x, z = square_middle(block)
+    placed = [Placed("church", (x - 17.0, KERB_HEIGHT, z), _TURNS["w"])]
+    spots = [
+        (at, row) for row in (near - 6.0, near - 19.0, far + 6.0, far + 19.0) for at in _steps(left + 8.0, right - 6.0)
+    ]
+    spots += [
+        (at, z + side)
+        for side in (-7.0, 7.0)
+        for at in (*_steps(left + 12.0, x - 36.0), *_steps(x + 40.0, right - 6.0))
+    ]
+    for at, row in spots:
+        if not x - 11.0 < at < x + 3.0:  # the path to the south and north stays free
             place = (round(at + chance.between(-0.8, 0.8), 3), KERB_HEIGHT, round(row + chance.between(-0.8, 0.8), 3))
             size = chance.between(0.85, 1.2)
             placed.append(Placed(chance.pick(names), place, _any_turn(chance), (size, size, size)))
-            at += 13.0
-    for row, look in ((near - 12.0, "n"), (far + 12.0, "s")):
-        spots = [(round(left + 20.0 + 22.0 * step, 3), KERB_HEIGHT, row) for step in range(8)]
-        placed += [Placed("bench", spot, _TURNS[look]) for spot in spots]
+    for side, look in ((-4.2, "s"), (4.2, "n")):
+        benches = [(at + 6.5, KERB_HEIGHT, round(z + side, 3)) for at in _steps(left + 12.0, x - 40.0)]
+        placed += [Placed("bench", spot, _TURNS[look]) for spot in benches]
+    corners = [(x + dx, KERB_HEIGHT, round(z + dz, 3)) for dx in (-31.0, -8.5, 0.5, 31.0) for dz in (-16.0, 16.0)]
+    return placed + [Placed("planter", spot) for spot in corners]
+
+
+def _steps(first: float, last: float) -> list[float]:
+    """Places 15 m apart."""
+    return [round(first + 15.0 * step, 3) for step in range(max(0, int((last - first) / 15.0) + 1))]
+
+
+def lay_yards(names: Sequence[str], chance: Chance) -> list[Placed]:
+    """Workshops and trees behind the rows of houses."""
+    blocks = city_blocks()
+    placed = []
+    for block in blocks:
+        if block == square_block(blocks):
+            continue
+        left, right, near, far = block.plot
+        for _ in range(3):
+            x, z = chance.between(left + 30.0, right - 30.0), chance.between(far + 30.0, near - 30.0)
+            placed.append(Placed("workshop", (x, KERB_HEIGHT, z), _TURNS[chance.pick("sewn")]))
+        for _ in range(9):
+            x, z = chance.between(left + 18.0, right - 18.0), chance.between(far + 18.0, near - 18.0)
+            size = chance.between(0.7, 1.15)
+            placed.append(
+                Placed(f"{chance.pick(names)}/coarse", (x, KERB_HEIGHT, z), _any_turn(chance), (size, size, size))
+            )
     return placed

@@ -21,6 +21,7 @@ __all__ = [
     "build_block",
     "build_roads",
     "city_blocks",
+    "square_middle",
 ]
 
 SIDE = 800.0
@@ -83,8 +84,8 @@ def _gaps(streets: tuple[float, ...]) -> list[tuple[float, float, bool, bool]]:
     return [(low, high, place > 0, place < last) for place, (low, high) in enumerate(zip(lows, highs, strict=True))]
 
 
-def build_block(block: Block) -> Sketch:
-    """Kerb, sidewalk and lawn of a block."""
+def build_block(block: Block, *, square: bool = False) -> Sketch:
+    """Kerb, sidewalk and gardens of a block, or the lawns and paths of the square."""
     sketch = Sketch()
     outer, inner = _loops(block)
     count = len(outer)
@@ -102,11 +103,40 @@ def build_block(block: Block) -> Sketch:
         uvs = [(x / paving[0], z / paving[1]) for x, z in flat]
         # Sidewalks grow darker towards the walls, which hide half of the sky.
         sketch.fan("paving", points, uvs, [1.0, 1.0, 0.72, 0.72][: len(flat)])
-    left, right, near, far = block.plot
-    lawn = [(left, near), (right, near), (right, far), (left, far)]
-    grass = TILE["grass"]
-    sketch.fan("grass", [(x, KERB_HEIGHT, z) for x, z in lawn], [(x / grass[0], z / grass[1]) for x, z in lawn], 0.9)
+    if square:
+        _add_square(sketch, block)
+    else:
+        left, right, near, far = block.plot
+        _add_floor(sketch, "gardens", (left, right), (near, far), 0.9)
     return sketch
+
+
+def _add_floor(sketch: Sketch, material: str, across: Uv, along: Uv, shade: float) -> None:
+    """A level rectangle at the height of the sidewalks, from `along[0]` in the south to `along[1]`."""
+    corners = [(across[0], along[0]), (across[1], along[0]), (across[1], along[1]), (across[0], along[1])]
+    wide, high = TILE[material]
+    uvs = [(x / wide, z / high) for x, z in corners]
+    sketch.fan(material, [(x, KERB_HEIGHT, z) for x, z in corners], uvs, shade)
+
+
+def _add_square(sketch: Sketch, block: Block) -> None:
+    """Lawns parted by paved paths, and a paved place about the church."""
+    left, right, near, far = block.plot
+    x, z = square_middle(block)
+    columns = (left, x - 32.0, x - 7.0, x - 1.0, x + 32.0, right)
+    rows = (near, z + 17.0, z + 3.0, z - 3.0, z - 17.0, far)
+    for i in range(5):
+        for j in range(5):
+            paved = i == 2 or j == 2 or (i in (1, 3) and j in (1, 3))
+            _add_floor(
+                sketch, "paving" if paved else "grass", (columns[i], columns[i + 1]), (rows[j], rows[j + 1]), 0.95
+            )
+
+
+def square_middle(block: Block) -> Uv:
+    """Where the church's place has its middle, along x and z [m]."""
+    left, right, near, far = block.plot
+    return 0.5 * (left + right) + 6.0, 0.5 * (near + far)
 
 
 def _loops(block: Block) -> tuple[list[tuple[Uv, bool]], list[Uv]]:

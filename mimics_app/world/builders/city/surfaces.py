@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.world.builders.chance import hash_noise, smooth_noise
+from mimics_app.world.builders.chance import Chance, hash_noise, smooth_noise
 from mimics_app.world.builders.picture import Canvas, Ramp
 
 __all__ = [
@@ -15,6 +15,7 @@ __all__ = [
     "paint_bark",
     "paint_bay",
     "paint_brick",
+    "paint_gardens",
     "paint_grass",
     "paint_paving",
     "paint_plaster",
@@ -34,6 +35,7 @@ TILE: dict[str, tuple[float, float]] = {
     "asphalt": (6.0, 6.0),
     "paving": (2.4, 2.4),
     "grass": (6.0, 6.0),
+    "gardens": (36.0, 36.0),
     "road": (11.4, 12.0),
     "bark": (0.8, 1.6),
 }
@@ -228,13 +230,53 @@ def paint_paving(seed: int) -> bytes:
 
 def paint_grass(seed: int) -> bytes:
     """Lawn."""
-    ramps: list[Ramp] = [((40, 62, 24), (128, 156, 74)), ((56, 72, 28), (150, 164, 88))]
+    ramps: list[Ramp] = [((44, 64, 26), (120, 148, 72)), ((52, 70, 28), (136, 156, 80))]
     canvas = Canvas(_SIDE, _SIDE, ramps)
     patches = smooth_noise(_SIDE, _SIDE, 6, 6, seed)
     canvas.ramp[:] = (patches + 0.3 * hash_noise(*_pixels(), seed + 1) > 0.66).astype(np.uint8)
-    canvas.tone = 0.32 + 0.3 * patches + 0.16 * smooth_noise(_SIDE, _SIDE, 40, 40, seed + 2)
+    canvas.tone = 0.42 + 0.12 * patches + 0.24 * smooth_noise(_SIDE, _SIDE, 48, 48, seed + 2)
     canvas.grain(0.3, seed + 3)
     return canvas.to_png()
+
+
+def paint_gardens(seed: int) -> bytes:
+    """Back gardens from above: three plots of 12 x 36 m with hedges, yards, paths, beds and trees."""
+    ramps: list[Ramp] = [
+        ((44, 62, 28), (128, 150, 78)),
+        ((24, 40, 18), (78, 104, 50)),
+        ((96, 90, 82), (196, 186, 172)),
+        ((70, 50, 34), (140, 108, 78)),
+        ((120, 60, 60), (226, 190, 150)),
+    ]
+    canvas = Canvas(_SIDE, _SIDE, ramps)
+    canvas.tone = 0.4 + 0.3 * smooth_noise(_SIDE, _SIDE, 9, 9, seed)
+    chance = Chance(seed, "gardens")
+    for plot in range(3):
+        left = plot * 85 + 2
+        for _ in range(2):
+            x, y = left + 4 + chance.below(40), chance.below(200)
+            canvas.rectangle(x, y, x + 16 + chance.below(20), y + 12 + chance.below(20), 2, 0.5)  # a paved yard
+        at = left + 10 + chance.below(50)
+        canvas.rectangle(at, 40, at + 4, 230, 2, 0.45)
+        for _ in range(4):
+            x, y = left + 4 + chance.below(56), 90 + chance.below(130)
+            canvas.rectangle(x, y, x + 12 + chance.below(12), y + 8 + chance.below(24), 3, 0.45)
+            canvas.rectangle(x + 2, y + 2, x + 10, y + 6, 4 if chance.happens(0.5) else 0, 0.6)
+        for _ in range(5):
+            _paint_bush(canvas, left + 8 + chance.below(66), 60 + chance.below(180), 5 + chance.below(9))
+    for row, wide in ((0, 3), (85, 3), (170, 3)):
+        canvas.rectangle(row, 0, row + wide, _SIDE, 1, 0.4)
+    canvas.rectangle(0, 250, _SIDE, 256, 1, 0.4)
+    canvas.grain(0.24, seed + 1)
+    return canvas.to_png()
+
+
+def _paint_bush(canvas: Canvas, cx: int, cy: int, radius: int) -> None:
+    """A round crown from above, lit from the upper left."""
+    x, y = _pixels(*canvas.size)
+    inside = (x - cx) * (x - cx) + (y - cy) * (y - cy) < radius * radius
+    canvas.ramp[inside] = 1
+    canvas.tone = np.where(inside, 0.5 - 0.35 * ((x - cx) + (y - cy)) / (1.4 * radius), canvas.tone)
 
 
 def paint_bark(seed: int) -> bytes:

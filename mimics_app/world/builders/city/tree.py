@@ -40,7 +40,7 @@ TREES = (
     TreeKind("maple", 2.2, 3.0, 3.0, 1.85, 0.25),
     TreeKind("plane", 2.9, 3.3, 3.5, 2.0, 0.1),
 )
-_OUTER, _INNER, _COARSE = 66, 24, 24
+_OUTER, _INNER, _COARSE = 60, 18, 24
 
 
 def build_tree(kind: TreeKind, seed: int) -> Sketch:
@@ -89,18 +89,18 @@ def _add_tufts(sketch: Sketch, kind: TreeKind, chance: Chance, count: int, reach
         turn = number * _GOLDEN_TURN
         x, z = ring * math.cos(turn), ring * math.sin(turn)
         slim = 1.0 - kind.narrow * max(0.0, y)
-        out = reach * chance.between(0.84, 1.06)
+        out = reach * chance.between(0.86, 1.02)
         place = (x * kind.wide * slim * out, centre + y * kind.high * out, z * kind.wide * slim * out)
         normal = _unit((x / kind.wide, 0.25 * y / kind.high + 0.75 * y / kind.wide, z / kind.wide))
         askew = _unit(
             (
-                normal[0] + chance.between(-0.45, 0.45),
+                normal[0] + chance.between(-0.7, 0.7),
                 normal[1] + chance.between(-0.25, 0.45),
-                normal[2] + chance.between(-0.45, 0.45),
+                normal[2] + chance.between(-0.7, 0.7),
             )
         )
         side = kind.tuft * size * chance.between(0.85, 1.15)
-        light = (0.42 + 0.58 * (0.5 + 0.5 * y)) * (0.62 if reach < 0.7 else 1.0)
+        light = (0.56 + 0.44 * (0.5 + 0.5 * y)) * (0.66 if reach < 0.7 else 1.0)
         _add_card(sketch, place, askew, normal, side, light, chance.below(4))
 
 
@@ -120,7 +120,7 @@ def _add_card(sketch: Sketch, place: Point, facing: Point, normal: Point, side: 
     ]
     uvs = [(0.0, 1.0), (1.0, 1.0), (1.0, 0.0), (0.0, 0.0)]
     uvs = uvs[roll:] + uvs[:roll]
-    lifted = _unit((normal[0], normal[1] + 0.25, normal[2]))
+    lifted = _unit((normal[0], normal[1] + 0.55, normal[2]))
     shades = [0.8 * light, 0.8 * light, light, light]
     sketch.fan("leaves", corners, uvs, shades, [lifted] * 4)
 
