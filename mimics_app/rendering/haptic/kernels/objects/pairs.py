@@ -25,6 +25,9 @@ _HUNT_CROSSLEY = int(ForceLaw.HUNT_CROSSLEY)
 _RANKS = np.array([5, 0, 3, 2, 1, 4], np.int64)
 """By ShapeKind: the shape of lower rank is the first of a pair, so that each pair of kinds has one test."""
 
+_USUAL_DEPTH = 1e-3
+"""Depth [m] at which a Hunt-Crossley surface is taken for a spring where it meets one of another law."""
+
 _LONG_APART = 1 << 30
 
 
@@ -66,31 +69,43 @@ def _series_of_powers(first: Any, second: Any, pair: Any) -> None:
 
 
 @kernel
+def _as_spring(shape: Any) -> tuple[float, float]:
+    """Stiffness [N/m] and damping [N s/m] of a surface; a Hunt-Crossley one acts as it does `_USUAL_DEPTH` deep."""
+    if shape.law != _HUNT_CROSSLEY:
+        return shape.stiffness, shape.damping
+    pressed = shape.stiffness * _USUAL_DEPTH**shape.exponent
+    return shape.exponent * pressed / _USUAL_DEPTH, shape.damping * pressed
+
+
+@kernel
 def join_surfaces(first: Any, second: Any, pair: Any) -> None:
     """Set the pair's stiffness, damping and friction from its two shapes, (17) corrected.
 
-    Coefficients of friction join as their geometric mean: against a frictionless surface there is none. Surfaces of
-    different laws are refused by `check_bodies`; here they act as spring-dampers.
+    Two Hunt-Crossley surfaces of one exponent are one of that law; any others meet as spring-dampers in series.
+    Coefficients of friction join as their geometric mean: against a frictionless surface there is none.
 
     Args:
         first: SHAPE of one.
         second: SHAPE of the other.
         pair: PAIR, updated.
     """
-    both_power = first.law == _HUNT_CROSSLEY and second.law == _HUNT_CROSSLEY
-    pair.law = _HUNT_CROSSLEY if both_power else 0
-    if both_power:
+    k1, b1 = _as_spring(first)
+    k2, b2 = _as_spring(second)
+    powers = first.law == _HUNT_CROSSLEY and second.law == _HUNT_CROSSLEY and first.exponent == second.exponent
+    pair.law = _HUNT_CROSSLEY if powers else 0
+    k = pair_stiffness(k1, k2)
+    if powers:
         _series_of_powers(first, second, pair)
     else:
-        pair.stiffness = pair_stiffness(first.stiffness, second.stiffness)
-        pair.damping = pair_damping(first.stiffness, first.damping, second.stiffness, second.damping)
+        pair.stiffness = k
+        pair.damping = pair_damping(k1, b1, k2, b2)
         pair.exponent = 1.0
     pair.friction_dynamic = math.sqrt(first.friction_dynamic * second.friction_dynamic)
     pair.friction_static = max(pair.friction_dynamic, math.sqrt(first.friction_static * second.friction_static))
-    k1 = first.friction_stiffness if first.friction_stiffness > 0.0 else first.stiffness
-    k2 = second.friction_stiffness if second.friction_stiffness > 0.0 else second.stiffness
-    pair.friction_stiffness = pair_stiffness(k1, k2)
-    pair.friction_damping = pair.damping * pair.friction_stiffness / pair.stiffness
+    t1 = first.friction_stiffness if first.friction_stiffness > 0.0 else k1
+    t2 = second.friction_stiffness if second.friction_stiffness > 0.0 else k2
+    pair.friction_stiffness = pair_stiffness(t1, t2)
+    pair.friction_damping = pair_damping(k1, b1, k2, b2) * pair.friction_stiffness / k
 
 
 @kernel

@@ -111,8 +111,6 @@ def _hold(pair: Any, slip: Three, spin: float, n: Three, total: float, dt: float
     s = along(s, -dot(s, n), n)
     k = pair.friction_stiffness * pair.share
     b = pair.friction_damping * pair.share
-    if pair.law == _HUNT_CROSSLEY:
-        b = pair.damping * total * pair.friction_stiffness / pair.stiffness
     pull = along(times(k, s), b, slip)
     size = math.sqrt(dot(pull, pull))
     limit = (pair.friction_static if pair.sticking else pair.friction_dynamic) * total

@@ -1,0 +1,240 @@
+"""What of a scene's haptic objects the loop cannot simulate: refused before it starts, with the formula that says why.
+
+A contact is a spring and a damper that act once a tick. A body on it keeps still while
+
+    m > n (h^2 k + 2 h b) / 4
+
+with k, b those of the pair (17) and n = lambda (1 + m/m'): lambda is the greatest eigenvalue of the stiffness of all
+its contacts at once per mass, for k = 1 N/m and m = 1 kg; 1 for a body that is only shifted by one contact, 2 between
+two, more where it can also be turned and where friction holds it. m' is the mass of the partner, which gives way too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic_objects import STATIC, BodyFlag, ObjectIntegrator, ShapeKind
+from mimics_app.contracts.object_rows import Rows
+from mimics_app.maths import quat
+from mimics_app.rendering.haptic.kernels.objects.pairs import join_surfaces
+from mimics_app.rendering.haptic.kernels.objects.records import PAIR
+
+__all__ = ["BodyFault", "check_bodies", "contact_modes"]
+
+F8 = NDArray[np.float64]
+
+_SIZES = {
+    ShapeKind.WALL: 0,
+    ShapeKind.SPHERE: 1,
+    ShapeKind.BOX: 3,
+    ShapeKind.CYLINDER: 2,
+    ShapeKind.CAPSULE: 2,
+    ShapeKind.MESH: 0,
+}
+"""Entries of SHAPE.size that mean something."""
+
+_SURFACE = ("law", "stiffness", "damping", "exponent", "friction_static", "friction_dynamic", "friction_stiffness")
+
+_RIM = 8
+_FREE = int(BodyFlag.TRANSLATION | BodyFlag.ROTATION)
+_HELD_FORCE = (ObjectIntegrator.EXACT_DRAG, ObjectIntegrator.IMPLICIT_MIDPOINT)
+
+
+@dataclass(frozen=True, slots=True)
+class BodyFault:
+    """One thing the loop cannot simulate.
+
+    Attributes:
+        body: Row of BODY, or -1 where a shape of the static scene is meant.
+        shape: Row of SHAPE, or -1 where the body as a whole is meant.
+        what: What is wrong, with numbers.
+        fix: What to do.
+    """
+
+    body: int
+    shape: int
+    what: str
+    fix: str
+
+
+def check_bodies(rows: Rows, counts: Any, dt: float) -> list[BodyFault]:
+    """Everything that keeps the rows from being simulated; empty when they can be.
+
+    Args:
+        rows: Rows as the loop gets them.
+        counts: OBJECT_COUNTS record.
+        dt: Tick [s].
+    """
+    shapes, bodies = rows.shapes[: int(counts["shapes"])], rows.bodies[: int(counts["bodies"])]
+    faults = [fault for k, body in enumerate(bodies) for fault in _check_body(k, body)]
+    faults += [fault for i, shape in enumerate(shapes) for fault in _check_shape(i, shape)]
+    if faults:
+        return faults
+    for k, body in enumerate(bodies):
+        if body["flags"] & _FREE:
+            faults += _check_contacts(k, bodies, shapes, dt)
+    return faults
+
+
+def _check_body(k: int, body: Any) -> list[BodyFault]:
+    if not (np.isfinite(body["mass"]) and body["mass"] > 0.0):
+        return [BodyFault(k, -1, f"a mass of {body['mass']:g} kg", "give a mass above 0")]
+    inertia = np.asarray(body["inertia"])
+    if not np.all(np.isfinite(inertia)) or not np.allclose(inertia, inertia.T):
+        return [BodyFault(k, -1, "its inertia is no symmetric 3 x 3 matrix", "give it about the centre of mass")]
+    moments = np.linalg.eigvalsh(inertia)
+    if moments[2] <= 0.0 or moments[0] < -1e-9 * moments[2]:
+        return [BodyFault(k, -1, f"principal moments of {moments} kg m^2", "no body has a negative or no moment")]
+    if moments[2] > (1.0 + 1e-6) * (moments[0] + moments[1]):
+        what = f"principal moments of {moments} kg m^2: the greatest exceeds the sum of the others"
+        return [BodyFault(k, -1, what, "no mass is spread like this: check the inertia")]
+    return []
+
+
+def _check_shape(i: int, shape: Any) -> list[BodyFault]:
+    body = int(shape["body"])
+    size = np.asarray(shape["size"])[: _SIZES[ShapeKind(int(shape["kind"]))]]
+    if not np.all(np.isfinite(size) & (size > 0.0)):
+        return [BodyFault(body, i, f"a size of {size} m", "every size must be above 0")]
+    if not (np.isfinite(shape["stiffness"]) and shape["stiffness"] > 0.0):
+        return [BodyFault(body, i, f"a stiffness of {shape['stiffness']:g} N/m", "give a stiffness above 0")]
+    if not (np.isfinite(shape["damping"]) and shape["damping"] >= 0.0):
+        return [BodyFault(body, i, f"a damping of {shape['damping']:g} N s/m", "give a damping of 0 or more")]
+    return []
+
+
+def _matrix(orientation: Any) -> F8:
+    unit, R = np.zeros(4), np.zeros((3, 3))
+    quat.normalise(np.array(orientation, np.float64), unit)
+    quat.to_matrix(unit, R)
+    return R
+
+
+def _patches(shape: Any) -> list[tuple[F8, F8, F8]]:
+    """(direction, points, shares) of the ways a shape can rest, in its own frame; see `kernels.objects.manifold`."""
+    size, kind = np.asarray(shape["size"]), ShapeKind(int(shape["kind"]))
+    x, y, z = np.eye(3)
+    if kind is ShapeKind.SPHERE:
+        return [(d, (size[0] * d)[None], np.ones(1)) for d in (x, y, z)]
+    if kind is ShapeKind.BOX:
+        corners = 0.5 * size * np.array([[i, j, k] for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)])
+        return [(d, corners[corners @ d > 0.0], np.full(4, 0.25)) for d in (x, y, z)]
+    if kind not in (ShapeKind.CYLINDER, ShapeKind.CAPSULE):
+        return []
+    radius, half = size[0], 0.5 * size[1]
+    sides = [(d, np.array([radius * d - half * y, radius * d + half * y]), np.full(2, 0.5)) for d in (x, z)]
+    if kind is ShapeKind.CAPSULE:
+        return [*sides, (y, ((half + radius) * y)[None], np.full(1, 0.5))]
+    angles = 2.0 * np.pi * np.arange(_RIM) / _RIM
+    rim = radius * (np.cos(angles)[:, None] * x + np.sin(angles)[:, None] * z) + half * y
+    return [*sides, (y, rim, np.full(_RIM, 1.0 / _RIM))]
+
+
+def _stiffness(direction: F8, points: F8, shares: F8, tangential: float) -> F8:
+    """6 x 6 stiffness of one patch against shifts and turns of its body, for 1 N/m; points from the centre of mass."""
+    total = np.zeros((6, 6))
+    along = np.outer(direction, direction)
+    grip = along + tangential * (np.eye(3) - along)
+    for p, share in zip(points, shares, strict=True):
+        arm = np.array([[0.0, -p[2], p[1]], [p[2], 0.0, -p[0]], [-p[1], p[0], 0.0]])
+        moves = np.hstack([np.eye(3), -arm])  # velocity at p of (v, omega)
+        total += share * moves.T @ grip @ moves
+    return total
+
+
+def contact_modes(shape: Any, body: Any, contacts: int, tangential: float) -> float:
+    """Greatest eigenvalue lambda of the stiffness of a body's contacts per mass, for k = 1 N/m and m = 1 kg.
+
+    Args:
+        shape: SHAPE row of the body.
+        body: BODY row.
+        contacts: 1, or 2 for contacts on two opposite sides of the shape.
+        tangential: Stiffness of friction as a share of k; 0: frictionless.
+    """
+    R, offset = _matrix(shape["orientation"]), np.asarray(shape["position"]) - np.asarray(body["centre"])
+    free = np.repeat([bool(body["flags"] & 1), bool(body["flags"] & 2)], 3)
+    mass = np.zeros((6, 6))
+    mass[:3, :3], mass[3:, 3:] = np.eye(3), np.asarray(body["inertia"]) / body["mass"]
+    # A moment of nothing belongs to an axis that does not turn.
+    mass[3:, 3:] += np.eye(3) * 1e-9 * np.trace(mass[3:, 3:])
+    root = np.linalg.inv(np.linalg.cholesky(mass))
+    greatest = 0.0
+    for direction, points, shares in _patches(shape):
+        total = np.zeros((6, 6))
+        for side in (1.0, -1.0)[:contacts]:
+            placed = side * points @ R.T + offset
+            total += _stiffness(R @ direction, placed, shares, tangential)
+        modes = (root @ total @ root.T) * np.outer(free, free)
+        greatest = max(greatest, float(np.linalg.eigvalsh(modes)[-1]))
+    return greatest
+
+
+def _partners(k: int, bodies: Any, shapes: Any) -> list[int]:
+    """Shapes that a body can meet, one of each surface and mass: what is alike is alike."""
+    seen: dict[tuple[Any, ...], int] = {}
+    for j in np.flatnonzero((shapes["body"] != k) & (shapes["enabled"] != 0)):
+        shape = shapes[j]
+        other = int(shape["body"])
+        mass = float("inf") if other == STATIC else float(bodies[other]["mass"])
+        seen.setdefault((mass, *(shape[name].item() for name in _SURFACE)), int(j))
+    return list(seen.values())
+
+
+def _check_contacts(k: int, bodies: Any, shapes: Any, dt: float) -> list[BodyFault]:
+    """The worst of all pairs of a body's shapes with what they can meet."""
+    body, worst = bodies[k], 0.0
+    faults: list[BodyFault] = []
+    partners = _partners(k, bodies, shapes)
+    meets = int(np.sum((shapes["body"] != k) & (shapes["enabled"] != 0)))
+    pair = np.zeros(1, PAIR)[0]
+    for i in np.flatnonzero((shapes["body"] == k) & (shapes["enabled"] != 0)):
+        modes: dict[float, float] = {}
+        for j in partners:
+            join_surfaces(shapes[i], shapes[j], pair)
+            stiffness, damping = _at_usual_depth(pair)
+            tangential = float(pair["friction_stiffness"]) / stiffness if pair["friction_static"] > 0.0 else 0.0
+            if tangential not in modes:
+                modes[tangential] = contact_modes(shapes[i], body, min(meets, 2), tangential)
+            other = int(shapes[j]["body"])
+            yields = 1.0 if other == STATIC else 1.0 + float(body["mass"]) / float(bodies[other]["mass"])
+            n = modes[tangential] * yields
+            least = n * (dt * dt * stiffness + 2.0 * dt * damping) / 4.0
+            if least >= body["mass"] and least > worst:
+                worst = least
+                faults = [_too_light(k, int(i), float(body["mass"]), least, n, stiffness, damping, dt)]
+            faults += _check_integrator(k, int(i), body, stiffness, damping, dt) if not faults else []
+    return faults
+
+
+def _at_usual_depth(pair: Any) -> tuple[float, float]:
+    """Stiffness and damping of a pair, of Hunt and Crossley's law at 1 mm."""
+    if pair["law"] == 0:
+        return float(pair["stiffness"]), float(pair["damping"])
+    pressed = float(pair["stiffness"]) * 1e-3 ** float(pair["exponent"])
+    return float(pair["exponent"]) * pressed / 1e-3, float(pair["damping"]) * pressed
+
+
+def _too_light(
+    k: int, i: int, mass: float, least: float, n: float, stiffness: float, damping: float, dt: float
+) -> BodyFault:
+    what = (
+        f"{mass:.4g} kg is too light: contacts of {stiffness:g} N/m and {damping:g} N s/m at {1e3 * dt:g} ms need "
+        f"m > n (h^2 k + 2 h b)/4 = {least:.4g} kg, n = {n:.3g} with its turning, friction and partner counted"
+    )
+    return BodyFault(k, i, what, f"make it heavier than {least:.2g} kg, or its surface softer or less damped")
+
+
+def _check_integrator(k: int, i: int, body: Any, stiffness: float, damping: float, dt: float) -> list[BodyFault]:
+    """Integrators that move a body by its old velocity too need damping: without it every contact gains energy."""
+    which = ObjectIntegrator(int(body["integrator"]))
+    if which is ObjectIntegrator.SEMI_IMPLICIT:
+        return []
+    rule, least = ("k h/2", 0.5 * stiffness * dt) if which in _HELD_FORCE else ("k h", stiffness * dt)
+    if damping > least:
+        return []
+    what = f"{which.name.lower()} keeps a contact of {stiffness:g} N/m still only with b > {rule} = {least:.4g} N s/m"
+    return [BodyFault(k, i, what, "take the integrator semi_implicit, or more damping")]
