@@ -17,6 +17,7 @@ from mimics_app.contracts.haptic import SCENE
 from mimics_app.contracts.object_rows import Rows
 from mimics_app.recording.columns import OUTPUT_FIELDS, column_names, field_columns, rows_of
 from mimics_app.recording.run import Run
+from mimics_app.recording.statics import Statics, read_statics
 
 __all__ = ["Difference", "ReplayData", "compare", "gather"]
 
@@ -29,11 +30,13 @@ class ReplayData:
         samples: SAMPLE records, shape [n]; a replay reads their input fields only (`columns.INPUT_FIELDS`).
         blocks: SCENE record [shape 1] by sequence; the sample of a tick says which one it used.
         rows: The tables of haptic objects beside each of them.
+        statics: What the objects were given once.
     """
 
     samples: NDArray[Any]
     blocks: dict[int, NDArray[Any]]
     rows: dict[int, Rows] = field(default_factory=dict)
+    statics: Statics | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +89,9 @@ def gather(run: Run) -> ReplayData:
         version = run.session.get("versions", {}).get("mimics_app", "another version")
         raise PartialDataError(f"{run.folder} was recorded by {version}, whose parameters differ", "use that version")
     rows = {sequence: run.rows[sequence] for sequence in sorted(wanted) if sequence in run.rows}
-    return ReplayData(samples, {sequence: blocks[sequence] for sequence in sorted(wanted)}, rows)
+    return ReplayData(
+        samples, {sequence: blocks[sequence] for sequence in sorted(wanted)}, rows, read_statics(run.folder)
+    )
 
 
 def compare(recorded: NDArray[Any], replayed: NDArray[Any]) -> Difference | None:

@@ -29,7 +29,12 @@ def run(args: argparse.Namespace) -> int:
     from mimics_app.rendering.haptic.replay import replay_ticks
 
     data = gather(Run.open(args.run_folder))
-    difference = compare(data.samples, replay_ticks(data.samples, data.blocks, data.rows))
+    statics = None
+    if data.statics is not None:
+        from mimics_app.rendering.haptic.object_statics import ObjectStatics
+
+        statics = ObjectStatics.from_arrays(data.statics.arrays, data.statics.fields)
+    difference = compare(data.samples, replay_ticks(data.samples, data.blocks, data.rows, statics))
     if difference is not None:
         raise PartialDataError(
             f"{args.run_folder} replays differently: {difference}",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,9 @@ from mimics_app.rendering.haptic.loop import replay_recorded
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, no_objects
 from mimics_app.rendering.haptic.objects import load_simulation, new_object_work
 
+if TYPE_CHECKING:
+    from mimics_app.rendering.haptic.object_statics import ObjectStatics
+
 __all__ = ["replay_ticks"]
 
 Records = NDArray[Any]
@@ -25,6 +28,7 @@ def replay_ticks(
     inputs: Records,
     scenes: Mapping[int, Records],
     rows: Mapping[int, Rows] | None = None,
+    statics: ObjectStatics | None = None,
     *,
     period_ns: int = 1_000_000,
 ) -> Records:
@@ -34,6 +38,7 @@ def replay_ticks(
         inputs: SAMPLE rows from tick 0 on, shape [n].
         scenes: SCENE record (a record, or an array of shape [1]) for each sequence number in the inputs.
         rows: The tables of objects beside them, by the same numbers; none where there are no objects.
+        statics: What the objects were given once; None where they were given nothing.
         period_ns: Length of a tick [ns].
 
     Returns:
@@ -48,7 +53,7 @@ def replay_ticks(
     for i, number in enumerate(numbers):
         if number != 0:
             blocks[i] = np.asarray(scenes[number]).reshape(-1)[0]
-    capacities = _room_for(blocks)
+    capacities = _room_for(blocks, 1 if statics is None else max(1, len(statics.paths)))
     stack = new_rows(capacities, len(numbers))
     for i, number in enumerate(numbers):
         if any(count_rows(blocks[i]["objects"]).values()):
@@ -61,9 +66,9 @@ def replay_ticks(
         which,
         np.ascontiguousarray(inputs),
         new_state(),
-        new_object_work(capacities),
+        new_object_work(capacities) if statics is None else statics.work(capacities),
         load_simulation() if rows else no_objects,
-        NO_FIELDS,
+        NO_FIELDS if statics is None else statics.functions(),
         np.zeros(DATA_LENGTH),
         np.zeros(COMMAND_LENGTH),
         period_ns * 1e-9,
@@ -72,7 +77,7 @@ def replay_ticks(
     return outputs
 
 
-def _room_for(blocks: Records) -> ObjectCapacities:
+def _room_for(blocks: Records, paths: int) -> ObjectCapacities:
     """Capacities that hold every block's rows."""
     most = {name: max(1, int(blocks["objects"][name].max())) for name in Rows._fields}
-    return ObjectCapacities(**most)
+    return ObjectCapacities(**most, paths=paths)

@@ -1,0 +1,65 @@
+"""What the loop is given once, beside its parameter blocks: triangles, paths, and which force fields. For replay."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import PartialDataError
+from mimics_app.recording.run_folder import FILES, write_atomically
+
+__all__ = ["Statics", "read_statics", "write_statics"]
+
+_FIELDS = "force_fields"
+
+
+@dataclass(frozen=True, slots=True)
+class Statics:
+    """Content of haptic_statics.npz.
+
+    Attributes:
+        arrays: The loop's tables by name.
+        fields: Names of the force fields by EFFECT.field.
+    """
+
+    arrays: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+    fields: Sequence[str] = ()
+
+
+def write_statics(folder: Path, statics: Statics) -> None:
+    """Write the file; nothing where a scene has none of it.
+
+    Raises:
+        OSError: The disk is full or failed.
+    """
+    if not statics.arrays and not statics.fields:
+        return
+    data = io.BytesIO()
+    arrays: dict[str, Any] = {**statics.arrays, _FIELDS: np.array(list(statics.fields), np.str_)}
+    np.savez_compressed(data, **arrays)
+    write_atomically(folder / FILES["statics"], data.getvalue())
+
+
+def read_statics(folder: Path) -> Statics | None:
+    """What `write_statics` wrote; None where there is none.
+
+    Raises:
+        PartialDataError: The file is damaged.
+    """
+    path = folder / FILES["statics"]
+    if not path.exists():
+        return None
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            arrays = {name: stored[name] for name in stored.files}
+        fields = [str(name) for name in arrays.pop(_FIELDS)]
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+        raise PartialDataError(f"{path} cannot be read: {error}", "the run cannot be replayed without it") from error
+    return Statics(arrays, fields)
