@@ -42,11 +42,11 @@ class ObjectStatics:
         Raises:
             ValueError: A table is missing.
         """
-        tables = [arrays.get(name) for name in MeshTable._fields]
-        meshes = MeshTable(*(table for table in tables if table is not None)) if None not in tables else None
-        if meshes is None and any(table is not None for table in tables):
+        known = {name: arrays[name] for name in MeshTable._fields if name in arrays}
+        if known and len(known) < len(MeshTable._fields):
             raise ValueError("a table of the meshes is missing")
-        return cls(meshes or build_mesh_table(), arrays.get(_PATHS, np.zeros(0, TUNNEL)), fields)
+        meshes = MeshTable(**known) if known else build_mesh_table()
+        return cls(meshes, arrays.get(_PATHS, np.zeros(0, TUNNEL)), fields)
 
     @property
     def arrays(self) -> dict[str, NDArray[Any]]:
