@@ -46,7 +46,7 @@ Four = tuple[float, float, float, float]
 Three = tuple[float, float, float]
 
 _SERIES_ANGLE = 1e-4
-"""Half angle [rad] below which sin(a)/a is its series: the next term, a^4/120, is under 1e-18."""
+"""Half angle [rad] below which sin(a)/a and cos(a) are their series: the next term, a^4/24, is under 5e-18."""
 
 
 @kernel
@@ -87,8 +87,11 @@ def _exponential(omega: Three, dt: float) -> Four:
     """Quaternion of the rotation by |omega| dt about omega; its series near zero."""
     x, y, z = 0.5 * dt * omega[0], 0.5 * dt * omega[1], 0.5 * dt * omega[2]
     square = x * x + y * y + z * z
+    if square < _SERIES_ANGLE * _SERIES_ANGLE:
+        sinc = 1.0 - square / 6.0
+        return sinc * x, sinc * y, sinc * z, 1.0 - 0.5 * square
     half = math.sqrt(square)
-    sinc = 1.0 - square / 6.0 if half < _SERIES_ANGLE else math.sin(half) / half
+    sinc = math.sin(half) / half
     return sinc * x, sinc * y, sinc * z, math.cos(half)
 
 

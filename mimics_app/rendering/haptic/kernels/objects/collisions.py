@@ -65,7 +65,7 @@ def _touch(pair: Any, a: Any, b: Any, room: Any) -> int:
         if overlap > 0.0:
             count = _lay_features(a, b, n, rounded, room)
     else:
-        pair.feature, overlap, n = separate_boxes(a, b, pair.feature, last)
+        pair.feature, overlap, n = separate_boxes(a, b, pair.feature, last, room.cosines)
         if pair.feature > 0:
             count = _lay_features(a, b, n, 0.0, room)
     if count > 0:

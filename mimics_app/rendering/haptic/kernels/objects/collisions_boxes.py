@@ -9,10 +9,15 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.objects.triples import Three, axis, cross, dot, middle, minus, times
+from mimics_app.rendering.haptic.kernels.objects.triples import Three, axis, cross, dot, into, middle, minus, times
 
 __all__ = ["separate_boxes"]
+
+Mat = NDArray[np.float64]
 
 _KEEP = 0.95
 """The axis of the last tick counts as so much less deep than it is."""
@@ -25,13 +30,89 @@ _PARALLEL = 1e-6
 
 
 @kernel
-def _reach(size: Any, x: Three, y: Three, z: Three, n: Three) -> float:
-    """How far a box reaches along n from its middle."""
-    return 0.5 * (size[0] * abs(dot(x, n)) + size[1] * abs(dot(y, n)) + size[2] * abs(dot(z, n)))
+def _compare_axes(a: Any, b: Any, cosines: Mat) -> None:
+    """Cosines between the axes of a (rows) and b (columns)."""
+    for i in range(3):
+        n = axis(a, i)
+        for j in range(3):
+            cosines[i, j] = dot(n, axis(b, j))
 
 
 @kernel
-def separate_boxes(a: Any, b: Any, feature: int, last: Three) -> tuple[int, float, Three]:
+def _faces(a: Any, b: Any, cosines: Mat, first: Three, second: Three, feature: int) -> tuple[int, float, float]:
+    """(axis, overlap, overlap as weighed) of the faces 1-6; axis 0: apart.
+
+    Args:
+        a: SOLID of a box.
+        b: SOLID of the other.
+        cosines: Between their axes.
+        first: From a to b in the frame of a.
+        second: The same in the frame of b.
+        feature: Axis of the last tick.
+    """
+    best, overlap, least = 0, 0.0, math.inf
+    for i in range(3):
+        reach = 0.5 * (a.size[i] + b.size[0] * abs(cosines[i, 0]) + b.size[1] * abs(cosines[i, 1]))
+        deep = reach + 0.5 * b.size[2] * abs(cosines[i, 2]) - abs(first[i])
+        if deep <= 0.0:
+            return 0, 0.0, 0.0
+        weighed = deep * _KEEP if feature == i + 1 else deep
+        if weighed < least:
+            best, overlap, least = i + 1, deep, weighed
+    for j in range(3):
+        reach = 0.5 * (b.size[j] + a.size[0] * abs(cosines[0, j]) + a.size[1] * abs(cosines[1, j]))
+        deep = reach + 0.5 * a.size[2] * abs(cosines[2, j]) - abs(second[j])
+        if deep <= 0.0:
+            return 0, 0.0, 0.0
+        weighed = deep * _KEEP if feature == j + 4 else deep
+        if weighed < least:
+            best, overlap, least = j + 4, deep, weighed
+    return best, overlap, least
+
+
+@kernel
+def _edges(
+    a: Any, b: Any, cosines: Mat, first: Three, feature: int, faces: tuple[int, float, float]
+) -> tuple[int, float]:
+    """(axis, overlap) of the best of `faces` and the crossed edges 7-15; axis 0: apart.
+
+    Along e_i x f_j a box reaches as far as its two other axes do: with c the cosines, e_k . (e_i x f_j) is -+c_lj.
+    """
+    best, overlap, least = faces
+    for i in range(3):
+        k, m = (i + 1) % 3, (i + 2) % 3
+        for j in range(3):
+            p, q = (j + 1) % 3, (j + 2) % 3
+            square = 1.0 - cosines[i, j] * cosines[i, j]
+            if square < _PARALLEL:
+                continue
+            reach = a.size[k] * abs(cosines[m, j]) + a.size[m] * abs(cosines[k, j])
+            reach += b.size[p] * abs(cosines[i, q]) + b.size[q] * abs(cosines[i, p])
+            apart = abs(first[m] * cosines[k, j] - first[k] * cosines[m, j])
+            deep = 0.5 * reach - apart
+            if deep <= 0.0:
+                return 0, 0.0
+            deep /= math.sqrt(square)
+            number = 7 + 3 * i + j
+            weighed = deep * _EDGE * (_KEEP if feature == number else 1.0)
+            if weighed < least:
+                best, overlap, least = number, deep, weighed
+    return best, overlap
+
+
+@kernel
+def _direction(a: Any, b: Any, number: int) -> Three:
+    """Unit vector along one of the 15 axes."""
+    if number < 4:
+        return axis(a, number - 1)
+    if number < 7:
+        return axis(b, number - 4)
+    n = cross(axis(a, (number - 7) // 3), axis(b, (number - 7) % 3))
+    return times(1.0 / math.sqrt(dot(n, n)), n)
+
+
+@kernel
+def separate_boxes(a: Any, b: Any, feature: int, last: Three, cosines: Mat) -> tuple[int, float, Three]:
     """Axis of least overlap of two boxes.
 
     Args:
@@ -39,34 +120,21 @@ def separate_boxes(a: Any, b: Any, feature: int, last: Three) -> tuple[int, floa
         b: SOLID of the other.
         feature: Axis of the last tick, as returned; 0: none.
         last: Normal of the last tick, or zero: says the way out where the middles coincide.
+        cosines: Room, shape [3, 3].
 
     Returns:
         (axis 1-3: faces of a, 4-6: faces of b, 7-15: edges; 0: apart, overlap [m], unit normal from a to b).
     """
-    size_a, size_b = a.size, b.size
-    ax, ay, az = axis(a, 0), axis(a, 1), axis(a, 2)
-    bx, by, bz = axis(b, 0), axis(b, 1), axis(b, 2)
     between = minus(middle(b), middle(a))
-    best, least, overlap, normal = 0, math.inf, 0.0, ax
-    for number in range(1, 16):
-        if number < 7:
-            n = axis(a, number - 1) if number < 4 else axis(b, number - 4)
-            weight = 1.0
-        else:
-            n = cross(axis(a, (number - 7) // 3), axis(b, (number - 7) % 3))
-            square = dot(n, n)
-            if square < _PARALLEL:
-                continue
-            n = times(1.0 / math.sqrt(square), n)
-            weight = _EDGE
-        apart = dot(between, n)
-        deep = _reach(size_a, ax, ay, az, n) + _reach(size_b, bx, by, bz, n) - abs(apart)
-        if deep <= 0.0:
-            return 0, 0.0, last
-        if number == feature:
-            weight *= _KEEP
-        if deep * weight < least:
-            best, least, overlap = number, deep * weight, deep
-            backwards = apart < 0.0 or (apart == 0.0 and dot(last, n) < 0.0)
-            normal = times(-1.0, n) if backwards else n
-    return best, overlap, normal
+    _compare_axes(a, b, cosines)
+    first = into(a, between)
+    faces = _faces(a, b, cosines, first, into(b, between), feature)
+    if faces[0] == 0:
+        return 0, 0.0, last
+    best, overlap = _edges(a, b, cosines, first, feature, faces)
+    if best == 0:
+        return 0, 0.0, last
+    n = _direction(a, b, best)
+    apart = dot(between, n)
+    backwards = apart < 0.0 or (apart == 0.0 and dot(last, n) < 0.0)
+    return best, overlap, times(-1.0, n) if backwards else n

@@ -172,6 +172,7 @@ SCRATCH = np.dtype(
         ("polygon", "f8", (3, 24, 2)),  # of both in the plane, and the third to clip into
         ("points", "f8", (MOST_POINTS, 5)),  # of contact
         ("simplex", "f8", (4, 3)),
+        ("cosines", "f8", (3, 3)),
     ],
     align=True,
 )
