@@ -27,6 +27,8 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "noocc": {"occlusion": "off"},
     "derived": {"occlusion": "derived"},
     "authored": {"occlusion": "authored"},
+    "flat": {"culling": "flat"},
+    "tree": {"culling": "tree"},
     "osmesa": {},
 }
 """Words of `--opt` and what they change in the settings."""
@@ -150,4 +152,5 @@ def _drawn(stats: FrameStats) -> dict[str, Any]:
         "items": stats.items,
         "culled": stats.culled,
         "hidden": stats.hidden,
+        "tests": stats.tests,
     }

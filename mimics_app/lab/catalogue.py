@@ -40,6 +40,10 @@ def _sound() -> None:
     import mimics_app.rendering.audio.methods
 
 
+def _culling() -> None:
+    import mimics_app.rendering.visual.methods_culling
+
+
 def _tick() -> None:
     import mimics_app.lab.methods_tick
 
@@ -64,6 +68,7 @@ GROUPS: dict[str, Callable[[], None]] = {
     "haptic rate": _rate,
     "loop scheduling": _scheduling,
     "spatialiser": _sound,
+    "culling": _culling,
     "haptic tick": _tick,
 }
 """Group -> what imports the module that registers it."""

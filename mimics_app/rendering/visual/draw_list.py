@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.rendering.visual.culling import make_culler
 from mimics_app.rendering.visual.draw_items import DrawItems, list_items
 from mimics_app.rendering.visual.draw_order import DrawOrder
 from mimics_app.rendering.visual.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.kernels.bounds import update_bounds
-from mimics_app.rendering.visual.kernels.frustum import cull_flat
 from mimics_app.rendering.visual.materials import MaterialStore
 from mimics_app.rendering.visual.mesh_arena import MeshArena
 from mimics_app.rendering.visual.occlusion import LEAST_ITEMS, OcclusionPass, gather_occluders
@@ -42,14 +42,16 @@ class Casters:
 
 @dataclass(slots=True)
 class Tally:
-    """What became of the items of a frame, all views together: how many there were, outside, and hidden."""
+    """What became of the items of a frame, all views together: how many there were, outside, hidden; tests made."""
 
     items: int = 0
     culled: int = 0
     hidden: int = 0
+    tests: int = 0
 
-    def count(self, items: int, in_frustum: int, drawn: int) -> None:
+    def count(self, items: int, in_frustum: int, drawn: int, tests: int) -> None:
         """Add one view."""
+        self.tests += tests
         self.items += items
         self.culled += items - in_frustum
         self.hidden += in_frustum - drawn
@@ -68,7 +70,7 @@ class DrawList:
     def __init__(self, arena: MeshArena, materials: MaterialStore) -> None:
         self._arena = arena
         self._materials = materials
-        self._revision: tuple[int, int, str] | None = None
+        self._revision: tuple[int, int, str, str] | None = None
         self._occlusion: OcclusionPass | None = None
         self.tally = Tally()
         self._updates = 0
@@ -87,10 +89,12 @@ class DrawList:
         meshes = self._arena.update(world, solid=worth)
         materials = self._materials.update(world, placed_lights=placed_lights, shading=settings.shading)
         wanted = settings.occlusion if worth else "off"
-        revision = (id(world), listed.revision, wanted)
+        revision = (id(world), listed.revision, wanted, settings.culling)
         stale = meshes or materials or revision != self._revision
         if stale:
             self._take_structure(list_items(world, self._arena, self._materials))
+            nodes = world.transforms
+            self._culler = make_culler(settings.culling, self.items, nodes.parent_rows, nodes.world[:, :3, 3])
             self._revision = revision
             occluders = gather_occluders(world, self.items, self._arena, wanted)
             self._occlusion = OcclusionPass(occluders) if len(occluders.inner_half) else None
@@ -98,10 +102,12 @@ class DrawList:
         items, transforms = self.items, world.transforms
         self._world = transforms.world
         np.multiply(listed.visible, items.drawable, out=self._shown)
+        moved = 0
         missed = stale or transforms.updates > self._updates + 1
         if missed or transforms.updates > self._updates:
-            moved = (items.rows, self._world, transforms.changed, missed, items.local)
-            update_bounds(*moved, self.centres, self.radii, self._mirrored)
+            bounds = (items.local, self.centres, self.radii, self._mirrored)
+            moved = update_bounds(items.rows, self._world, transforms.changed, missed, *bounds)
+        self._culler.moved(moved, self.centres, self.radii)
         self._updates = transforms.updates
 
     def casters(self, longest: float) -> Casters:
@@ -138,11 +144,11 @@ class DrawList:
         """
         items, eye, picked = self.items, view.eye_world, self._picked
         planes = compute_frustum_planes(view.clip_from_world)
-        bounds = (items.rows, self._world, self.centres, self.radii, items.half)
-        seen = count = cull_flat(planes, self._shown, *bounds, picked)
+        before = self._culler.tests
+        seen = count = self._culler.cull(planes, self._shown, self._world, self.centres, self.radii, picked)
         if self._occlusion is not None:
             count = self._occlusion.remove_hidden(picked, seen, view, size, samples, items, self._world, self.centres)
-        self.tally.count(int(self._shown.sum()), seen, count)
+        self.tally.count(int(self._shown.sum()), seen, count, self._culler.tests - before)
         blended = self._split(count)
         solid = count - len(blended)
         self._order.sort(picked, solid, eye, self.centres, self.radii, self._mirrored)

@@ -19,6 +19,7 @@ class FrameStats:
         items: Sub-entities that could be drawn, all views together.
         culled: Of these, those outside their view's frustum.
         hidden: Of the rest, those behind something solid.
+        tests: Of items or groups against frustums, all views together.
     """
 
     cpu_ms: float
@@ -28,3 +29,4 @@ class FrameStats:
     items: int = 0
     culled: int = 0
     hidden: int = 0
+    tests: int = 0

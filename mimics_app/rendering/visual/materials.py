@@ -96,6 +96,8 @@ class MaterialStore:
             True when one came, went or changed.
         """
         known = {name: (material, _picture(material, world)) for name, material in world.materials.items()}
+        if known == self._known and (placed_lights, shading) == self._variant:
+            return False  # what is the very same object is equal at once
         if (placed_lights, shading) != self._variant:
             self._variant = (placed_lights, shading)
             stale = {name for name, _ in self._looks} | {""}

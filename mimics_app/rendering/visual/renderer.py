@@ -21,7 +21,7 @@ from mimics_app.rendering.visual.passes.enlarge import EnlargePass
 from mimics_app.rendering.visual.passes.hud import HudPass, plane_of_views
 from mimics_app.rendering.visual.passes.opaque import draw_opaque
 from mimics_app.rendering.visual.passes.shadow import draw_shadow
-from mimics_app.rendering.visual.passes.sky import SkyPass
+from mimics_app.rendering.visual.passes.sky import SkyPass, flat_sky
 from mimics_app.rendering.visual.passes.transparent import draw_transparent
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.shader_library import ShaderLibrary
@@ -32,7 +32,7 @@ from mimics_app.rendering.visual.view_block import ViewBlock
 from mimics_app.world.world import World
 
 if TYPE_CHECKING:
-    import moderngl
+    pass
 
 __all__ = ["Renderer"]
 
@@ -139,7 +139,7 @@ class Renderer:
             self._surface.ctx.finish()
         cpu_ms = (self._clock.now_ns() - started) * 1e-6
         tally = self._list.tally
-        told = (tally.items, tally.culled, tally.hidden)
+        told = (tally.items, tally.culled, tally.hidden, tally.tests)
         return FrameStats(cpu_ms, self._timer.elapsed * 1e-6 if self._timer else None, triangles, draws, *told)
 
     def _draw(self, views: Sequence[View]) -> tuple[int, int]:
@@ -156,14 +156,20 @@ class Renderer:
                 shadow_runs = self._list.batch_casters(self._frame, casters, lighting.shadow.centre)
         view_runs = [self._batch(view) for view in views]
         self._frame.upload(self._arena)
-        draws = draw_shadow(self._surface.ctx, self._arena, self._frame, self._shadow, lighting.shadow, shadow_runs)
+        ctx = self._surface.ctx
+        draws = draw_shadow(ctx, self._arena, self._frame, self._shadow, lighting.shadow, shadow_runs)
         self._shadow.bind()
         target = self._picture.begin()
         target.use()
-        target.clear(depth=1.0)
+        background = flat_sky(lighting, self.settings)
+        target.clear(*(background or (0.0, 0.0, 0.0)), 1.0, depth=1.0)
         for view, (opaque, transparent) in zip(views, view_runs, strict=True):
             self._block.fill(view, lighting)
-            draws += self._draw_view(target, view, opaque, transparent)
+            target.viewport = self._picture.rectangle(view.rectangle)
+            self._block.bind()
+            draws += draw_opaque(ctx, self._arena, self._frame, opaque)
+            draws += 0 if background else self._sky.draw()
+            draws += draw_transparent(target, self._arena, self._frame, transparent)
         draws += self._draw_over(views)
         everything = [*shadow_runs, *(run for runs in view_runs for part in runs for run in part)]
         return sum(run.triangles for run in everything), draws
@@ -171,17 +177,6 @@ class Renderer:
     def _batch(self, view: View) -> tuple[list[DrawRun], list[DrawRun]]:
         size = self._picture.rectangle(view.rectangle)[2:]
         return self._list.batch_view(self._frame, view, size, self._picture.samples)
-
-    def _draw_view(
-        self, target: moderngl.Framebuffer, view: View, opaque: list[DrawRun], transparent: list[DrawRun]
-    ) -> int:
-        ctx = self._surface.ctx
-        target.viewport = self._picture.rectangle(view.rectangle)
-        self._block.bind()
-        draws = draw_opaque(ctx, self._arena, self._frame, opaque)
-        draws += self._sky.draw()
-        draws += draw_transparent(target, self._arena, self._frame, transparent)
-        return draws
 
     def _draw_over(self, views: Sequence[View]) -> int:
         """Show the world's picture with the heads-up display, which is never drawn smaller."""
@@ -194,6 +189,8 @@ class Renderer:
 
     def _draw_hud(self, views: Sequence[View]) -> int:
         draws = 0
+        if self.hud.empty:
+            return draws
         for screen in dict.fromkeys(view.screen for view in views):
             eyes = [view for view in views if view.screen == screen]
             plane = plane_of_views(eyes, self.settings.hud_depth)

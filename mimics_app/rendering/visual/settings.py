@@ -7,12 +7,15 @@ from typing import Literal
 
 from mimics_app.contracts.errors import UsageError
 
-__all__ = ["Occlusion", "RenderSettings", "Shading"]
+__all__ = ["Culling", "Occlusion", "RenderSettings", "Shading"]
 
 Shading = Literal["full", "plain"]
 """Which techniques draw opaque surfaces: each material's own, or for all that can be the cheapest lit one, whose light
 is worked out per vertex in display values."""
 
+
+Culling = Literal["auto", "flat", "tree"]
+"""How the items in a view are found: each tested by itself, groups of the scene graph first, or by their number."""
 
 Occlusion = Literal["off", "derived", "authored", "all"]
 """Which boxes may hide what is behind them: none, those found inside meshes, those written into models, or both."""
@@ -33,6 +36,7 @@ class RenderSettings:
         scale: Width and height of the world's picture as drawn over those shown, 0.25 to 1; figures stay sharp.
         shading: Which techniques draw opaque surfaces, see `Shading`.
         occlusion: Which boxes may hide what is behind them; the picture is the same with any found ones and none.
+        culling: How the items in a view are found; the picture is the same.
         timer: True asks the driver how long it drew, where it can tell.
     """
 
@@ -46,6 +50,7 @@ class RenderSettings:
     scale: float = 1.0
     shading: Shading = "full"
     occlusion: Occlusion = "all"
+    culling: Culling = "auto"
     timer: bool = False
 
     def __post_init__(self) -> None:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["box_outside", "cull_flat", "distance_key"]
+__all__ = ["box_outside", "cull_flat", "distance_key", "is_seen"]
 
 I4 = NDArray[np.int32]
 F8 = NDArray[np.float64]

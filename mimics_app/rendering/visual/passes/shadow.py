@@ -27,16 +27,16 @@ def draw_shadow(
     frustum: ShadowFrustum | None,
     runs: list[DrawRun],
 ) -> int:
-    """Fill the sun's shadow map; without a frustum it is left empty, which shades nothing.
+    """Fill the sun's shadow map; without a frustum it stays what it was, and the view block says not to ask it.
 
     Returns:
         Draw calls made.
     """
     import moderngl
 
-    target.begin()
     if frustum is None:
         return 0
+    target.begin()
     clip_from_centre = frustum.clip_from_world.copy()
     clip_from_centre[:3, 3] += frustum.clip_from_world[:3, :3] @ frustum.centre
     ctx.enable_only(moderngl.DEPTH_TEST)

@@ -4,12 +4,26 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from mimics_app.rendering.visual.lighting import Lighting
+from mimics_app.rendering.visual.picture_arrays import encode_srgb
+from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.shader_library import ShaderLibrary
 
 if TYPE_CHECKING:
     import moderngl
 
-__all__ = ["SkyPass"]
+__all__ = ["SkyPass", "flat_sky"]
+
+
+def flat_sky(lighting: Lighting, settings: RenderSettings) -> tuple[float, float, float] | None:
+    """Display values of a sky of one colour, which plain shading clears with instead of drawing; None for any other."""
+    same = np.array_equal(lighting.zenith, lighting.horizon) and np.array_equal(lighting.horizon, lighting.ground)
+    if settings.shading != "plain" or not same:
+        return None
+    red, green, blue = encode_srgb(settings.exposure * lighting.zenith).tolist()
+    return red, green, blue
 
 
 class SkyPass:

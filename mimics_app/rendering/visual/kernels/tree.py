@@ -1,0 +1,227 @@
+"""Culling by the scene graph: an inner node that is outside takes all below it along, by one test.
+
+The tree is a list in which everything below a group follows it, and each group knows where that ends. Long rows of
+siblings are put into groups of their own, neighbours in space together.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.visual.kernels.frustum import is_seen
+
+__all__ = ["FAN_OUT", "build_tree", "count_below", "cull_tree", "refit_tree"]
+
+I4 = NDArray[np.int32]
+F8 = NDArray[np.float64]
+U1 = NDArray[np.uint8]
+
+FAN_OUT = 8
+"""Siblings that stand in one group before they are split up."""
+
+_NODE, _ROW, _OPEN, _CLOSE = 0, 1, 2, 3
+
+
+@kernel
+def count_below(parents: I4, items_of: I4, out: I4) -> None:
+    """Items on each row and below it; rows parents first.
+
+    Args:
+        parents: Row of each row's parent, -1: none; [rows].
+        items_of: Items on each row itself, [rows].
+        out: Written, [rows].
+    """
+    out[:] = items_of
+    for row in range(parents.shape[0] - 1, -1, -1):
+        if parents[row] >= 0:
+            out[parents[row]] += out[row]
+
+
+@kernel
+def _push_siblings(children: I4, below: I4, a: int, b: int, stack: I4, height: int) -> int:
+    """Put siblings on the stack, each by itself or, of many, in groups; returns the stack's height."""
+    if b - a > FAN_OUT:
+        step = (b - a + FAN_OUT - 1) // FAN_OUT
+        for part in range(a, b, step):
+            stack[height, 0], stack[height, 1], stack[height, 2] = _OPEN, part, min(part + step, b)
+            height += 1
+        return height
+    for k in range(a, b):
+        if below[children[k]]:
+            stack[height, 0], stack[height, 1] = _NODE, children[k]
+            height += 1
+    return height
+
+
+@kernel
+def build_tree(
+    parents: I4,
+    children: I4,
+    first_child: I4,
+    items: I4,
+    first_item: I4,
+    below: I4,
+    stack: I4,
+    entries: I4,
+    skips: I4,
+    above: I4,
+) -> tuple[int, int]:
+    """Lay the tree out.
+
+    Args:
+        parents: Row of each row's parent, -1: none; [rows].
+        children: Rows sorted by their parent and within by place in space, roots first; [rows].
+        first_child: First in `children` of each row's, roots at 0; [rows + 2].
+        items: Items sorted by row, [n].
+        first_item: First in `items` of each row's, [rows + 1].
+        below: Items on each row and below it, [rows].
+        stack: Scratch, [>= 4 rows + 64, 3].
+        entries: Written: an item, or -1 - group; [>= n + groups].
+        skips: Written: where what follows an entry ends, as long.
+        above: Written: group each group is in, -1: none; [>= groups].
+
+    Returns:
+        Entries and groups.
+    """
+    count = groups = 0
+    current = -1
+    stack[0, 0], stack[0, 1], stack[0, 2] = _ROW, first_child[0], first_child[1]
+    height = 1
+    starts = np.zeros(above.shape[0], np.int32)
+    while height:
+        height -= 1
+        kind, a, b = stack[height, 0], stack[height, 1], stack[height, 2]
+        if kind == _CLOSE:
+            skips[starts[a]] = count
+            current = above[a]
+        elif kind == _ROW:
+            height = _push_siblings(children, below, a, b, stack, height)
+        else:
+            grouped = kind == _OPEN or below[a] > 1
+            if grouped:
+                entries[count], above[groups], starts[groups] = -1 - groups, current, count
+                current = groups
+                count, groups = count + 1, groups + 1
+                stack[height, 0], stack[height, 1] = _CLOSE, current
+                height += 1
+            if kind == _NODE:
+                for k in range(first_item[a], first_item[a + 1]):
+                    entries[count], skips[count] = items[k], count + 1
+                    count += 1
+                b = first_child[a + 2]
+                a = first_child[a + 1]
+            stack[height, 0], stack[height, 1], stack[height, 2] = _ROW, a, b
+            height += 1
+    return count, groups
+
+
+@kernel
+def refit_tree(entries: I4, count: int, above: I4, groups: int, holders: I4, centres: F8, radii: F8, boxes: F8) -> None:
+    """Boxes of the groups in the world, about the spheres of the items below.
+
+    Args:
+        entries: See `build_tree`.
+        count: How many.
+        above: Group each group is in.
+        groups: How many.
+        holders: Group each entry is in, -1: none; [>= count].
+        centres: Of the items' spheres [m], [n, 3].
+        radii: [m], [n].
+        boxes: Written: least and greatest corner, [>= groups, 2, 3].
+    """
+    for group in range(groups):
+        for k in range(3):
+            boxes[group, 0, k], boxes[group, 1, k] = math.inf, -math.inf
+    for e in range(count):
+        item, group = entries[e], holders[e]
+        if item >= 0 and group >= 0:
+            for k in range(3):
+                boxes[group, 0, k] = min(boxes[group, 0, k], centres[item, k] - radii[item])
+                boxes[group, 1, k] = max(boxes[group, 1, k], centres[item, k] + radii[item])
+    for group in range(groups - 1, -1, -1):
+        upper = above[group]
+        if upper >= 0:
+            for k in range(3):
+                boxes[upper, 0, k] = min(boxes[upper, 0, k], boxes[group, 0, k])
+                boxes[upper, 1, k] = max(boxes[upper, 1, k], boxes[group, 1, k])
+
+
+@kernel
+def _place(planes: F8, boxes: F8, group: int) -> int:
+    """-1: a box is wholly outside one plane, 1: wholly inside all, 0: neither."""
+    inside = 1
+    for p in range(planes.shape[0]):
+        depth, reach = planes[p, 3], 0.0
+        for k in range(3):
+            depth += 0.5 * planes[p, k] * (boxes[group, 0, k] + boxes[group, 1, k])
+            reach += 0.5 * abs(planes[p, k]) * (boxes[group, 1, k] - boxes[group, 0, k])
+        if depth < -reach:
+            return -1
+        if not depth >= reach:
+            inside = 0
+    return inside
+
+
+@kernel
+def cull_tree(
+    planes: F8,
+    shown: U1,
+    rows: I4,
+    world: F8,
+    centres: F8,
+    radii: F8,
+    half: F8,
+    entries: I4,
+    skips: I4,
+    count: int,
+    boxes: F8,
+    out: I4,
+) -> tuple[int, int]:
+    """Test groups first: what is below one that is outside is not looked at, below one inside it is taken as it is.
+
+    Args:
+        planes: Unit normals inwards and offsets, [k, 4].
+        shown: 1 where the item may be drawn at all, [n].
+        rows: Row of the node per item, [n].
+        world: T_world_from_node per row, [rows, 4, 4].
+        centres: Of the spheres in the world [m], [n, 3].
+        radii: [m], [n].
+        half: Half sizes of the boxes about the same centres, in their nodes' frames [m], [n, 3].
+        entries: See `build_tree`.
+        skips: See `build_tree`.
+        count: Entries.
+        boxes: Of the groups, see `refit_tree`.
+        out: Receives the items not wholly outside, [n].
+
+    Returns:
+        How many there are, and how many tests it took.
+    """
+    found = tests = 0
+    e = within = 0
+    while e < count:
+        item = entries[e]
+        if item < 0:
+            if e < within:
+                e += 1
+                continue
+            tests += 1
+            where = _place(planes, boxes, -1 - item)
+            if where < 0:
+                e = skips[e]
+                continue
+            if where > 0:
+                within = skips[e]
+        elif shown[item]:
+            seen = e < within
+            if not seen:
+                tests += 1
+                seen = is_seen(planes, item, rows[item], centres, radii, half, world)
+            if seen:
+                out[found] = item
+                found += 1
+        e += 1
+    return found, tests
