@@ -32,6 +32,10 @@ def _contact() -> None:
     import mimics_app.rendering.haptic.methods_contact
 
 
+def _bodies() -> None:
+    import mimics_app.rendering.haptic.methods_bodies
+
+
 def _friction() -> None:
     import mimics_app.rendering.haptic.methods_friction
 
@@ -62,6 +66,7 @@ GROUPS: dict[str, Callable[[], None]] = {
     "contact law": _contact,
     "box face": _contact,
     "friction": _friction,
+    "colliding bodies": _bodies,
     "tunnel projection": _tunnel,
     "tunnel frame": _tunnel,
     "admittance form": _admittance,

@@ -105,28 +105,57 @@ def _rouse(pair: Any, bodies: Any, motions: Any, dynamics: Any, doze: int) -> No
 
 
 @kernel
+def _collide_pair(pair: Any, a: Any, b: Any, first: Any, second: Any, room: Any, totals: Any, dt: float) -> bool:
+    """Contact and forces of one pair; False when it does not touch."""
+    found = 0
+    if b.kind == _WALL or near(a, b):
+        found = _touch(pair, a, b, room)
+    if found == 0:
+        part(pair)
+        return False
+    push_apart(pair, room.points, found, first, second, totals, dt)
+    return True
+
+
+@kernel
 def _collide(
-    bodies: Any, motions: Any, dynamics: Any, solids: Any, pairs: Any, still: Any, room: Any, totals: Any, count: int,
+    bodies: Any,
+    shapes: Any,
+    motions: Any,
+    dynamics: Any,
+    aux_forces: Any,
+    aux_torques: Any,
+    solids: Any,
+    moving: Any,
+    order: Any,
+    following: Any,
+    pairs: Any,
+    slots: Any,
+    still: Any,
+    tracking: Any,
+    sweep: Any,
+    room: Any,
+    totals: Any,
+    counts: Any,
     dt: float,
-) -> None:  # fmt: skip
-    """All pairs, in the order of the list."""
+) -> None:
+    """All of `collide_bodies`, over arrays."""
+    if counts.bodies == 0:
+        return
+    load_bodies(bodies, motions, dynamics, aux_forces, aux_torques, counts.bodies)
+    find_pairs(
+        bodies, shapes, motions, dynamics, solids, moving, order, following, pairs, slots, tracking, sweep, counts, dt
+    )
     doze = rest_time(dt)
-    for k in range(count):
+    for k in range(sweep.pairs):
         pair = pairs[k]
         i, j = pair.body_a, pair.body_b
         if not (_is_awake(bodies, motions, i) or _is_awake(bodies, motions, j)):
             continue
-        a, b = solids[pair.a], solids[pair.b]
-        found = 0
-        if b.kind == _WALL or near(a, b):
-            found = _touch(pair, a, b, room)
-        if found == 0:
-            part(pair)
-            continue
         first = motions[i] if i >= 0 else still[0]
         second = motions[j] if j >= 0 else still[0]
-        push_apart(pair, room.points, found, first, second, totals, dt)
-        _rouse(pair, bodies, motions, dynamics, doze)
+        if _collide_pair(pair, solids[pair.a], solids[pair.b], first, second, room, totals, dt):
+            _rouse(pair, bodies, motions, dynamics, doze)
 
 
 @kernel
@@ -142,10 +171,9 @@ def collide_bodies(rows: Any, work: Any, counts: Any, dt: float) -> None:
         counts: SCENE.objects.
         dt: Tick [s].
     """
-    if counts.bodies > 0:
-        load_bodies(rows.bodies, work.motions, work.dynamics, work.aux_forces, work.aux_torques, counts.bodies)
-        find_pairs(rows, work, counts, dt)
-        _collide(
-            rows.bodies, work.motions, work.dynamics, work.solids, work.pairs, work.still, work.scratch[0],
-            work.totals[0], work.sweep[0].pairs, dt,
-        )  # fmt: skip
+    # One step, without a branch: else every array of both tuples is counted, atomically, on the way in and out.
+    _collide(
+        rows.bodies, rows.shapes, work.motions, work.dynamics, work.aux_forces, work.aux_torques, work.solids,
+        work.moving_shapes, work.order, work.next_moving, work.pairs, work.pair_slots, work.still, work.tracking[0],
+        work.sweep[0], work.scratch[0], work.totals[0], counts, dt,
+    )  # fmt: skip

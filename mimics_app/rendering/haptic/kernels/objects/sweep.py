@@ -261,23 +261,7 @@ def _join_anew(shapes: Any, pairs: Any, count: int) -> None:
 
 
 @kernel
-def find_pairs(rows: Any, work: Any, counts: Any, dt: float) -> None:
-    """Bring the list of pairs up to date: `work.pairs`, of which `work.sweep[0].pairs` count.
-
-    Args:
-        rows: `Rows` of this tick.
-        work: `ObjectWork`: bounds, order and pairs are updated.
-        counts: SCENE.objects.
-        dt: Tick [s].
-    """
-    _find(
-        rows.bodies, rows.shapes, work.motions, work.dynamics, work.solids, work.moving_shapes, work.order,
-        work.next_moving, work.pairs, work.pair_slots, work.tracking[0], work.sweep[0], counts, dt,
-    )  # fmt: skip
-
-
-@kernel
-def _find(
+def find_pairs(
     bodies: Any,
     shapes: Any,
     motions: Any,
@@ -293,6 +277,24 @@ def _find(
     counts: Any,
     dt: float,
 ) -> None:
+    """Bring the list of pairs up to date: `pairs`, of which `sweep.pairs` count.
+
+    Args:
+        bodies: BODY rows.
+        shapes: SHAPE rows.
+        motions: MOTION rows.
+        dynamics: DYNAMICS rows; `placed` is taken back.
+        solids: SOLID rows, posed; their bounds are updated.
+        moving: ObjectWork.moving_shapes.
+        order: ObjectWork.order, updated.
+        following: ObjectWork.next_moving, updated.
+        pairs: PAIR rows, updated.
+        slots: ObjectWork.pair_slots, updated.
+        tracking: TRACKING.
+        sweep: SWEEP, updated.
+        counts: SCENE.objects.
+        dt: Tick [s].
+    """
     changed = tracking.paired_revision != counts.revision + 1
     if changed:
         tracking.paired_revision = counts.revision + 1

@@ -1,0 +1,179 @@
+"""Worlds of haptic objects alone, without device, scene or person: what their methods are measured and tested on."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic_objects import OBJECT_COUNTS, STATIC, BodyFlag, ObjectIntegrator, ShapeKind
+from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
+from mimics_app.rendering.haptic.kernels.objects.bodies import place_bodies, step_bodies
+from mimics_app.rendering.haptic.kernels.objects.collisions import collide_bodies
+from mimics_app.rendering.haptic.kernels.objects.poses import pose_shapes
+from mimics_app.rendering.haptic.kernels.objects.totals import clear_totals
+from mimics_app.rendering.haptic.objects import ObjectWork, new_object_work
+
+__all__ = ["FREE", "GRAVITY", "BodyWorld", "box_inertia", "heap_of_boxes", "new_world", "rest_on_floor"]
+
+F8 = NDArray[np.float64]
+
+FREE = int(BodyFlag.TRANSLATION | BodyFlag.ROTATION | BodyFlag.FORCE_ON_OBJECT | BodyFlag.TORQUE_ON_OBJECT)
+"""Flags of a body that moves and turns, and never sleeps."""
+
+GRAVITY = (0.0, -9.81, 0.0)
+_UPRIGHT = (0.0, 0.0, 0.0, 1.0)
+_HALF_TURN = math.sqrt(0.5)
+_SURFACE = {"stiffness": 2000.0, "damping": 4.0, "exponent": 1.0}
+_FIRM: dict[str, Any] = {"stiffness": 8000.0, "damping": 16.0, "friction_static": 0.5, "friction_dynamic": 0.4}
+
+Edges = tuple[float, float, float]
+
+
+@kernel
+def _run(rows: Any, work: Any, counts: Any, dt: float, ticks: int) -> None:
+    for _ in range(ticks):
+        clear_totals(work.totals[0])
+        place_bodies(rows, work, counts)
+        pose_shapes(rows, work, counts)
+        collide_bodies(rows, work, counts, dt)
+        step_bodies(rows, work, counts, dt)
+
+
+def box_inertia(mass: float, edges: Edges) -> F8:
+    """Inertia of a solid box [kg m^2]: m/12 (b^2 + c^2, a^2 + c^2, a^2 + b^2)."""
+    a, b, c = (x * x for x in edges)
+    inertia: F8 = mass / 12.0 * np.diag([b + c, a + c, a + b])
+    return inertia
+
+
+@dataclass
+class BodyWorld:
+    """Rows that grow by `add_body` and `add_shape`, and what the loop makes of them.
+
+    Attributes:
+        rows: What the main thread would publish.
+        work: What the loop makes of it.
+        counts: OBJECT_COUNTS, shape [1].
+        dt: Tick [s].
+    """
+
+    rows: Rows
+    work: ObjectWork
+    counts: NDArray[Any] = field(default_factory=lambda: np.zeros(1, OBJECT_COUNTS))
+    dt: float = 1e-3
+
+    @property
+    def motions(self) -> Any:
+        """MOTION rows."""
+        return self.work.motions
+
+    def add_body(self, mass: float = 0.2, inertia: F8 | None = None, **fields: Any) -> int:
+        """A body without shapes; `fields` are those of BODY. Returns its row."""
+        k = int(self.counts[0]["bodies"])
+        body = self.rows.bodies[k]
+        body["flags"], body["mass"], body["orientation"], body["spawn"] = FREE, mass, _UPRIGHT, 1
+        body["inertia"] = np.eye(3) * 0.4 * mass * 0.02**2 if inertia is None else inertia
+        for name, value in fields.items():
+            body[name] = value
+        self.counts[0]["bodies"] += 1
+        self.change()
+        self.work.aux_forces[k] = body["force_aux"]
+        self.work.aux_torques[k] = body["torque_aux"]
+        return k
+
+    def add_shape(self, kind: ShapeKind, size: Any, body: int = STATIC, **fields: Any) -> int:
+        """A shape of a body or the static scene; `fields` are those of SHAPE. Returns its row."""
+        i = int(self.counts[0]["shapes"])
+        shape = self.rows.shapes[i]
+        shape["kind"], shape["body"], shape["enabled"], shape["orientation"] = kind, body, 1, _UPRIGHT
+        shape["size"][: np.size(size)] = size
+        for name, value in {**_SURFACE, **fields}.items():
+            shape[name] = value
+        self.counts[0]["shapes"] += 1
+        self.change()
+        return i
+
+    def add_box(self, edges: Any = (0.04, 0.04, 0.04), mass: float = 0.2, surface: Any = None, **fields: Any) -> int:
+        """A body of one box."""
+        k = self.add_body(mass, box_inertia(mass, tuple(edges)), **fields)
+        self.add_shape(ShapeKind.BOX, edges, k, **(surface or {}))
+        return k
+
+    def add_ball(self, radius: float = 0.02, mass: float = 0.2, surface: Any = None, **fields: Any) -> int:
+        """A body of one sphere."""
+        k = self.add_body(mass, np.eye(3) * 0.4 * mass * radius**2, **fields)
+        self.add_shape(ShapeKind.SPHERE, radius, k, **(surface or {}))
+        return k
+
+    def add_rod(
+        self, kind: ShapeKind, radius: float, length: float, mass: float = 0.2, surface: Any = None, **fields: Any
+    ) -> int:
+        """A body of one cylinder or capsule, with the inertia of a cylinder."""
+        across = mass * (3.0 * radius**2 + length**2) / 12.0
+        k = self.add_body(mass, np.diag([across, 0.5 * mass * radius**2, across]), **fields)
+        self.add_shape(kind, (radius, length), k, **(surface or {}))
+        return k
+
+    def add_floor(self, height: float = 0.0, **fields: Any) -> int:
+        """A wall that is a floor: its +z is up."""
+        up = (-_HALF_TURN, 0.0, 0.0, _HALF_TURN)
+        return self.add_shape(ShapeKind.WALL, (), position=(0.0, height, 0.0), orientation=up, **fields)
+
+    def run(self, ticks: int = 1) -> None:
+        """Advance by some ticks."""
+        _run(self.rows, self.work, self.counts[0], self.dt, ticks)
+
+    def change(self) -> None:
+        """Say that rows were changed."""
+        self.counts[0]["revision"] += 1
+
+
+def new_world(bodies: int = 8, shapes: int = 32, dt: float = 1e-3) -> BodyWorld:
+    """An empty world with room for so many bodies and shapes."""
+    capacities = ObjectCapacities(shapes=shapes, bodies=bodies)
+    return BodyWorld(new_rows(capacities), new_object_work(capacities), dt=dt)
+
+
+def rest_on_floor(
+    bodies: int, kind: ShapeKind = ShapeKind.BOX, integrator: ObjectIntegrator = ObjectIntegrator.SEMI_IMPLICIT
+) -> BodyWorld:
+    """Free bodies of 0.2 kg and 4 cm on a floor, 2 cm between neighbours: the scene the peers are measured on.
+
+    Args:
+        bodies: How many.
+        kind: SPHERE, BOX, CYLINDER or CAPSULE.
+        integrator: Of all of them.
+    """
+    world = new_world(bodies, bodies + 1)
+    world.add_floor(**_FIRM)
+    side = math.ceil(math.sqrt(bodies))
+    for i in range(bodies):
+        x, z = 0.06 * (i % side - 0.5 * (side - 1)), 0.06 * (i // side - 0.5 * (side - 1))
+        fields: dict[str, Any] = {"position": (x, 0.0199, z), "gravity": GRAVITY, "integrator": integrator}
+        if kind is ShapeKind.BOX:
+            world.add_box(surface=_FIRM, **fields)
+        elif kind is ShapeKind.SPHERE:
+            world.add_ball(surface=_FIRM, **fields)
+        else:
+            world.add_rod(kind, 0.02, 0.04, surface=_FIRM, **fields)
+    return world
+
+
+def heap_of_boxes(bodies: int) -> BodyWorld:
+    """Boxes dropped in any attitude into a square shaft of 24 cm: after 3 s a heap, all in contact."""
+    world = new_world(bodies, bodies + 5)
+    world.add_floor(**_FIRM)
+    for x, z in ((-0.12, 0.0), (0.12, 0.0), (0.0, -0.12), (0.0, 0.12)):
+        half = 0.5 * math.atan2(-x, -z)  # local +z looks to the middle
+        turn = (0.0, math.sin(half), 0.0, math.cos(half))
+        world.add_shape(ShapeKind.WALL, (), position=(x, 0.0, z), orientation=turn, **_FIRM)
+    random = np.random.default_rng(1)
+    for i in range(bodies):
+        place = (0.052 * (i % 4 - 1.5), 0.05 + 0.055 * (i // 16), 0.052 * (i // 4 % 4 - 1.5))
+        world.add_box(surface=_FIRM, position=place, orientation=random.normal(size=4), gravity=GRAVITY)
+    return world
