@@ -50,7 +50,7 @@ class Culler(Protocol):
         ...
 
 
-class FlatCuller:
+class FlatCuller(Culler):
     """Tests every item."""
 
     def __init__(self, items: DrawItems) -> None:
@@ -65,7 +65,7 @@ class FlatCuller:
         return cull_flat(planes, shown, self._items.rows, world, centres, radii, self._items.half, out)
 
 
-class TreeCuller:
+class TreeCuller(Culler):
     """Tests groups of the scene graph first.
 
     Args:
