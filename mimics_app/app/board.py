@@ -23,6 +23,8 @@ _STOPPED = "stopped"
 _MOST_SHOWN = 9.99
 _NARROW = 0.25
 """Below this margin a wall is near its limit: the rule itself may be off by as much."""
+_SOFTENED = 0.995
+"""A larger share of the authored stiffness is shown as all of it."""
 _LEAK = 1e-4
 """Energy [J] a contact may give before it is shown as a fault: less cannot be felt."""
 
@@ -33,7 +35,7 @@ def draw_board(hud: Hud, figures: Mapping[str, object], show: Sequence[str], for
     Args:
         hud: What to draw on; cleared first.
         figures: `TaskOrders.hud`: title, message, state, trial, progress, time, time_limit, contacts, force, score;
-            and margin [-] with energy [J] of the haptic loop's stability monitor.
+            margin [-] with energy [J] of the haptic loop's stability monitor, and stiffness_share 0-1 of its cap.
         show: Names of the figures wanted, in the order of the scene.
         force_full: Force that fills the bar [N].
     """
@@ -99,11 +101,18 @@ def _text(name: str, figures: Mapping[str, object]) -> str:
 
 
 def _draw_margin(hud: Hud, figures: Mapping[str, object], place: tuple[float, float, float]) -> None:
-    """How much stiffer the wall might be before it may swing up, and the energy of the newest contact."""
+    """How much stiffer the wall might be before it may swing up, and the energy of the newest contact.
+
+    Where the wall is softened to stay stable, the share of its stiffness that is left stands instead.
+    """
     x, y, width = place
     margin, energy = _number(figures, "margin"), _number(figures, "energy")
     text = f"{100.0 * min(margin, _MOST_SHOWN):+.0f} %" if margin < _MOST_SHOWN else f"> {100.0 * _MOST_SHOWN:.0f} %"
-    hud.text(x, y, text, 25.0, _margin_colour(margin), bold=True, width=0.62 * width)
+    colour = _margin_colour(margin)
+    share = figures.get("stiffness_share")
+    if isinstance(share, float) and share < _SOFTENED:
+        text, colour = f"soft {100.0 * share:.0f} %", _WARN
+    hud.text(x, y, text, 25.0, colour, bold=True, width=0.62 * width)
     hud.text(x + width, y + 4.0, f"{1e3 * energy:.1f} mJ", 17.0, _ALARM if energy < -_LEAK else _FAINT, align="right")
 
 

@@ -89,6 +89,8 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
     with ExitStack() as stack:
         stack.callback(plugin.close)
         desk.change({"device_delay": plugin.delay})
+        if plugin.follows == "nothing":  # no virtual mass moves with it whose energy could be controlled
+            desk.change({"passivity": 0})
         memory = SessionMemory()
         folder = create_run_folder(settings.runs, settings.seconds or 0.0)
         recorder = Recorder(memory, folder, _header(settings, scene, scenario, plan, robot, patient, live=live))

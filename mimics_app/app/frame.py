@@ -39,6 +39,7 @@ class Frames:
         figures = dict(self.orders.hud)
         if self.snapshot is not None:
             figures["margin"], figures["energy"] = self.snapshot.margin, self.snapshot.energy
+            figures["stiffness_share"] = self.snapshot.stiffness_share
         return figures
 
     def step(self) -> None:

@@ -67,6 +67,8 @@ class TripCause(IntEnum):
     WORKSPACE = 7
     VELOCITY = 8
     DEVICE_FAULT = 9
+    JUMP = 10
+    ENERGY = 11
 
 
 class Controller(IntEnum):
@@ -120,6 +122,8 @@ class EventKind(IntEnum):
     PARAMETERS = 5
     MARGIN = 6
     IMPACT = 7
+    CAP = 8
+    STALE = 9
 
 
 TUNNEL = np.dtype(
@@ -172,6 +176,16 @@ SCENE = np.dtype(
         ("workspace_margin", "f8"),  # [m, rad] beyond the joint limits before SAFE_STOP
         ("ramp_time", "f8"),  # [s] soft start 0 -> 1
         ("ramp_force", "f8"),  # [N] the force must be below this to start the ramp
+        ("power_limit", "f8"),  # [W] of the virtual force on the user, given or taken
+        ("position_jump", "f8"),  # [m] a position may move more than velocity_limit allows before SAFE_STOP
+        ("energy_limit", "f8"),  # [J] one contact may give to the user before SAFE_STOP
+        ("cap", "i8"),  # 1: contacts are no stiffer than they are stable; 0: only told
+        ("cap_margin", "f8"),  # [-] stability margin that a capped contact keeps
+        ("passivity", "i8"),  # 1: energy that a contact makes is taken back; 0: only counted
+        ("passivity_damping", "f8"),  # [N s/m] most that taking it back may add
+        ("tank_size", "f8"),  # [J] energy that active forces can draw on
+        ("tank_refill", "f8"),  # [W] that always flows into the tank
+        ("tank_return", "f8"),  # [-] share of what the virtual damping takes that flows into the tank
         ("late_hold_ns", "i8"),  # a tick later than this is counted and its output held
         ("late_damp_ns", "i8"),  # later: DEGRADED, force ramped down with damping
         ("late_stop_ns", "i8"),  # later: SAFE_STOP
@@ -244,6 +258,11 @@ SAMPLE = np.dtype(
         ("stiffness_limit", "f8"),  # largest stable stiffness of a contact for this period and delay [N/m]
         ("margin", "f8"),  # stiffness_limit / stiffness of the wall - 1 [-]; below 0 it may swing up
         ("energy", "f8"),  # the wall took from the person since the contact began [J]; below 0 it gave
+        ("stiffness_share", "f8"),  # of the authored stiffness of what is touched that is rendered: below 1 capped
+        ("credit", "f8"),  # energy that contacts may still give back [J]; below 0 they have given too much
+        ("passivity", "f8"),  # force that the passivity controller took away [N]
+        ("tank", "f8"),  # energy left for active forces [J]
+        ("tank_share", "f8"),  # of the active forces that the tank can pay, 0-1
         # timing of the live loop; not part of the state hash
         ("lateness_ns", "f8"),  # wake-up after the release
         ("duration_ns", "f8"),  # work of the tick
@@ -282,6 +301,9 @@ SNAPSHOT = np.dtype(
         ("stiffness_limit", "f8"),
         ("margin", "f8"),
         ("energy", "f8"),
+        ("stiffness_share", "f8"),  # these three too
+        ("tank", "f8"),
+        ("tank_share", "f8"),
     ],
     align=True,
 )
@@ -302,7 +324,8 @@ EVENT = np.dtype(
         ("position_world", "f4", (3,)),  # [m]
         ("normal_world", "f4", (3,)),  # out of the touched surface
         ("speed", "f4"),  # approach speed [m/s]
-        ("force", "f4"),  # [N]; STATE, TRIP, PARAMETERS, MARGIN: the new state, cause, sequence or margin
+        ("force", "f4"),  # [N]; STATE, TRIP, PARAMETERS, MARGIN: the new state, cause, sequence or margin;
+        # CAP: share of the stiffness that is left; STALE: age of the device's data [s]
         ("value", "f4"),  # kind-specific: tunnel parameter s of a contact
     ]
 )

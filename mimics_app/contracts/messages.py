@@ -139,6 +139,9 @@ class HapticSnapshot:
     stiffness_limit: float
     margin: float
     energy: float
+    stiffness_share: float
+    tank: float
+    tank_share: float
     poses: NDArray[np.float64]
 
 

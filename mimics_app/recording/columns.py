@@ -66,6 +66,9 @@ _UNITS: dict[str, str | tuple[str, ...]] = {
     "command": ("m/s", "rad/s", "m/s"),
     "stiffness_limit": "N/m",
     "energy": "J",
+    "credit": "J",
+    "passivity": "N",
+    "tank": "J",
     "lateness_ns": "ns",
     "duration_ns": "ns",
 }

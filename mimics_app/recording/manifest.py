@@ -54,7 +54,8 @@ class Manifest:
 def hash_files(folder: Path) -> dict[str, dict[str, Any]]:
     """Name -> {"sha256", "bytes"} of every file a manifest seals and that is there."""
     sealed: dict[str, dict[str, Any]] = {}
-    for name in (FILES[key] for key in _SEALED):
+    trips = sorted(path.relative_to(folder).as_posix() for path in folder.glob("trips/*.arrows"))
+    for name in (*(FILES[key] for key in _SEALED), *trips):
         path = folder / name
         if path.exists():
             with path.open("rb") as file:

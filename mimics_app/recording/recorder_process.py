@@ -33,6 +33,7 @@ from mimics_app.recording.recorder_status import PROBLEMS, Problem, RecorderStat
 from mimics_app.recording.state_hash import StateHash
 from mimics_app.recording.streams import EventStream, ParameterStream, SampleStream
 from mimics_app.recording.trial_table import TrialTable
+from mimics_app.recording.trip_log import TripLog
 
 __all__ = ["RESERVE", "record"]
 
@@ -99,6 +100,7 @@ class _Session:
         self._samples = SampleStream(folder, self._hash, resume=resume)
         self._parameters = ParameterStream(folder, resume=resume)
         self._events = EventStream(folder, self._hash, resume=resume)
+        self._trips = TripLog(folder, self._events.earlier_trips)
         self._trials = TrialTable(folder / "trials.csv", resume=resume)
         for row in self._trials.rows:
             self._hash.add_trial(row)
@@ -229,6 +231,7 @@ class _Session:
         count = ring.peek(words, self._memory.recorder_events, self._event_block)
         if count == 0:
             return
+        self._trips.note_events(self._event_block[:count])
         try:
             self._events.append_events(self._event_block[:count])
         except OSError as error:
@@ -245,6 +248,7 @@ class _Session:
             if count == 0:
                 return
             self._write_block(count, first)
+            self._log_trips(self._block[:count])
             ring.release(words, count)
 
     def _write_block(self, count: int, first: int) -> None:
@@ -256,6 +260,12 @@ class _Session:
         except OSError as error:
             self._trouble(error)
             self._lose_rows(count)
+
+    def _log_trips(self, samples: NDArray[Any]) -> None:
+        try:
+            self._trips.note_samples(samples)
+        except OSError as error:
+            self._trouble(error)
 
     # trouble
 
@@ -335,6 +345,10 @@ class _Session:
         self._take_messages()
         status: Literal["clean", "interrupted"] = "interrupted" if self._close_message is None else "clean"
         self._end_of_loss()
+        try:
+            self._trips.finish()
+        except OSError as error:
+            self._trouble(error)
         self._own_line("end", {"status": status, **clock_pair()})
         (self._folder / RESERVE).unlink(missing_ok=True)
         self._write_trials(all_of_them=True)

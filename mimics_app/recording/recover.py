@@ -28,6 +28,7 @@ from mimics_app.recording.recorder_process import RESERVE
 from mimics_app.recording.run import Run, find_gaps
 from mimics_app.recording.run_folder import FILES, write_atomically
 from mimics_app.recording.state_hash import StateHash
+from mimics_app.recording.trip_log import complete_trips
 
 __all__ = ["recover"]
 
@@ -49,6 +50,7 @@ def recover(folder: Path) -> Manifest:
     _cut_lines(folder)
     (folder / RESERVE).unlink(missing_ok=True)
     run = Run(folder)
+    complete_trips(run)
     mended.state.add_events(run.events)
     for row in run.trials:
         mended.state.add_trial(row)

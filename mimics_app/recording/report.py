@@ -28,6 +28,7 @@ from mimics_app.recording.report_tables import (
     table,
     value,
 )
+from mimics_app.recording.report_trips import trips_text
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import FILES, write_atomically
 
@@ -210,7 +211,8 @@ def _safety(run: Run) -> str:
         return ""
     trips = int((run.events["kind"] == EventKind.TRIP).sum())
     words = f"{trips} trip{'' if trips == 1 else 's'}." if trips else "No trip."
-    return _section("Safety", f"{_soft(words)}{draw_states(run.haptic)}{event_table(run.events)}{stability_text(run)}")
+    text = f"{_soft(words)}{draw_states(run.haptic)}{event_table(run.events)}{trips_text(run)}{stability_text(run)}"
+    return _section("Safety", text)
 
 
 def _real_time(run: Run) -> str:

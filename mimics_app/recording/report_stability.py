@@ -51,10 +51,15 @@ def stability_text(run: Run) -> str:
         return ""
     touching = samples[_touching(samples)]
     lost = run.events[run.events["kind"] == EventKind.MARGIN]
+    capped = run.events[run.events["kind"] == EventKind.CAP]
     rows: list[tuple[str, Any]] = [
         ("mean period, weighted by length [ms]", 1e3 * float(samples["period_s"].mean())),
         ("longest it was [ms]", 1e3 * float(samples["period_s"].max())),
         ("times the margin was lost", len(lost)),
+        ("contacts that the cap softened", len(capped)),
+        ("ticks in which the passivity controller acted", int((samples["passivity"] > 0.0).sum())),
+        ("least level of the energy tank [J]", float(samples["tank"].min())),
+        ("least share of active forces it could pay [%]", 100.0 * float(samples["tank_share"].min())),
     ]
     if len(touching):
         limit, margin = float(touching["stiffness_limit"].min()), 100.0 * float(touching["margin"].min())
@@ -63,10 +68,16 @@ def stability_text(run: Run) -> str:
             ("smallest margin while touching [%]", margin),
             ("smallest stable stiffness then [N/m]", limit),
             ("most that one contact gave away [mJ]", -energy),
+            ("least share of the authored stiffness [%]", 100.0 * float(touching["stiffness_share"].min())),
             *rows,
         ]
     text = "<h3>Stability</h3>" + table(["", "value"], rows)
     if len(lost):
         listed = [(int(event["tick"]), 100.0 * float(event["force"])) for event in lost[:_MOST_LOSSES]]
         text += table(["margin lost at tick", "margin [%]"], listed)
+    if len(capped):
+        text += table(
+            ["softened from tick", "to [%]"],
+            [(int(e["tick"]), 100.0 * float(e["force"])) for e in capped[:_MOST_LOSSES]],
+        )
     return text

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import SCENE
+from mimics_app.contracts.haptic import SCENE, EventKind
 from mimics_app.contracts.object_rows import unpack_rows
 from mimics_app.recording.append_file import AppendFile
 from mimics_app.recording.arrow_format import (
@@ -141,6 +141,7 @@ class EventStream:
     Attributes:
         next_event: Number of the next EVENT record of the loop.
         earlier_gaps: Gaps that a recorder before this one wrote down.
+        earlier_trips: Trips that it wrote down.
     """
 
     def __init__(self, folder: Path, state_hash: StateHash, *, resume: bool = False) -> None:
@@ -148,6 +149,7 @@ class EventStream:
         self._hash = state_hash
         self.next_event = 0
         self.earlier_gaps: list[dict[str, Any]] = []
+        self.earlier_trips = 0
         end = None
         if resume:
             end = whole_length(path) if path.exists() else 0
@@ -156,6 +158,7 @@ class EventStream:
             events = events_of(lines)
             self._hash.add_events(events)
             self.next_event = len(events)
+            self.earlier_trips = int((events["kind"] == EventKind.TRIP).sum())
         self._file = AppendFile(path, resume_at=end)
 
     def append_events(self, events: NDArray[Any]) -> None:

@@ -189,3 +189,27 @@ class Safety(Component, frozen=True):
     arm_damping: Annotated[
         float, Meta(ge=0, description="Of the arm, counted on in the live stability limit [N s/m]; 0: a limp hand")
     ] = 0.0
+    power_limit: Annotated[
+        float, Meta(gt=0, description="Of the virtual force, given to the person or taken, |F v| [W]")
+    ] = 60.0
+    position_jump: Annotated[
+        float,
+        Meta(ge=0, description="Way beyond what velocity_limit allows in the time passed, before SAFE_STOP [m]"),
+    ] = 0.001
+    energy_limit: Annotated[float, Meta(gt=0, description="One contact may give before SAFE_STOP [J]")] = 1.0
+    stiffness_cap: Annotated[
+        Literal["cap", "warn"],
+        Meta(description="A contact stiffer than stable at the measured period and delay is softened, or only told"),
+    ] = "cap"
+    cap_margin: Annotated[float, Meta(ge=0, description="Stability margin that a softened contact keeps [-]")] = 0.2
+    passivity: Annotated[
+        bool, Meta(description="Whether energy that a contact has made is taken back; it is counted in any case")
+    ] = True
+    passivity_damping: Annotated[float, Meta(ge=0, description="Most that taking it back may add [N s/m]")] = 300.0
+    tank_size: Annotated[
+        float, Meta(ge=0, description="Energy that assistance, effects and moving objects can draw on [J]")
+    ] = 5.0
+    tank_refill: Annotated[float, Meta(ge=0, description="Power that always flows into that tank [W]")] = 1.0
+    tank_return: Annotated[
+        float, Meta(ge=0, le=1, description="Share of what virtual damping takes that flows into it [-]")
+    ] = 0.9

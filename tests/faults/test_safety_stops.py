@@ -9,7 +9,7 @@ from mimics_app.contracts.haptic import MAX_PIECES, Button, Controller, DeviceSt
 from mimics_app.contracts.session_memory import ControlWord
 from mimics_app.rendering.haptic.kernels.kinematics import inverse
 from mimics_app.rendering.haptic.loop import late_class, replay_recorded
-from tests.support.haptic_bench import Bench, script, scripted
+from tests.support.haptic_bench import Bench, glide, script, scripted
 
 PRESS_FROM = 300
 """Tick at which the scripted handle is pushed into the wall: long after the soft start's 100 ms of quiet."""
@@ -21,7 +21,7 @@ LONG = 1200
 def _pressing(ticks: int = LONG) -> np.ndarray:
     """The handle goes 5 mm into the wall (world y = robot z: joint 3) and stays: 0.04 - 0.03 m of room."""
     rows = script(ticks)
-    rows[PRESS_FROM:, 2] = 0.015
+    glide(rows, PRESS_FROM, 2, 0.015)
     return rows
 
 
@@ -50,11 +50,13 @@ def test_way_from_off_to_active_and_the_soft_start():
 def test_no_soft_start_while_the_force_would_be_high():
     rows = script(LONG)
     rows[:600, 2] = 0.015  # 10 N > ramp_force of 5 N
+    glide(rows, 600, 2, 0.0)
     bench = scripted(rows)
     samples = bench.advance(LONG)
     states = samples["state"].astype(int)
     assert not np.any(states[:600] == SafetyState.ACTIVE)
-    assert states[699] == SafetyState.ACTIVE
+    calm = 603  # the glide is 0.75 mm a tick: less than 2.5 mm of the 5 are left
+    assert states[calm + 99] == SafetyState.ACTIVE and states[calm + 98] == SafetyState.READY
     assert np.all(_force(samples)[:600] == 0.0)
 
 
@@ -99,7 +101,7 @@ def test_device_button_stops_like_the_key():
 
 
 def test_reset_goes_the_whole_way_again():
-    bench = scripted(_pressing(20))
+    bench = scripted(script(20))
     bench.advance(10)
     bench.engine.stop_key()
     bench.advance(10)
@@ -168,7 +170,8 @@ def test_no_data_at_all_never_leaves_init_and_does_not_trip():
 @pytest.mark.parametrize(("joint", "value"), [(0, 0.191), (0, -0.191), (1, 0.511), (2, -0.211)])
 def test_workspace_latches_beyond_the_margin(joint: int, value: float):
     rows = script(400)
-    rows[200:, joint] = value * 0.999 if abs(value) < 0.19 else np.sign(value) * (abs(value) - 0.0015)
+    near = value * 0.999 if abs(value) < 0.19 else np.sign(value) * (abs(value) - 0.0015)
+    glide(rows, 100, joint, near, 190)
     rows[300:, joint] = value
     samples = scripted(rows, straight=None).advance(400)
     assert samples["state"][299] == SafetyState.ACTIVE
@@ -213,7 +216,8 @@ def test_hold_repeats_force_and_command():
 
 def test_damp_class_ramps_down_and_returns_by_soft_start():
     rows = script(2500)
-    rows[300:800, 2] = 0.012  # 2 mm into the wall: 4 N, below ramp_force
+    glide(rows, 300, 2, 0.012)  # 2 mm into the wall: 4 N, below ramp_force
+    glide(rows, 800, 2, 0.0)
     bench = scripted(rows)
     inputs = bench.advance(2500)
     inputs["held"][750] = 2

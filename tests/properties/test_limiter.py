@@ -12,6 +12,8 @@ from mimics_app.rendering.haptic.kernels.limiter import brake_at_limits, limit_f
 from mimics_app.rendering.haptic.kernels.noise import seed_noise, uniform
 from mimics_app.rendering.haptic.kernels.vectors import norm
 
+REST = np.zeros(3)
+
 ROUNDING = 1e-12
 """Relative: a dozen operations of 1e-16 each, with a wide margin."""
 
@@ -42,11 +44,12 @@ def _size(f):
 
 @kernel
 def _violations(seed, cases, counts):
-    """counts: NaN out, over the limit, rose too fast, turned, not zero when refused, refused, passed whole."""
+    """counts: NaN out, too much, rose too fast, turned, not zero when refused, refused, passed, power too much."""
     noise = np.zeros(1)
     seed_noise(noise, 0, seed)
     f = np.zeros(3)
     wanted = np.zeros(3)
+    v = np.zeros(3)
     for _ in range(cases):
         for i in range(3):
             wanted[i] = _nasty(noise)
@@ -54,7 +57,10 @@ def _violations(seed, cases, counts):
         rise = abs(_nasty(noise))
         ramp = uniform(noise, 0) * 1.5 - 0.2 if uniform(noise, 0) > 0.05 else _nasty(noise)
         last = norm(f)
-        accepted = limit_force(wanted, ramp, limit, rise, f)
+        for i in range(3):
+            v[i] = _nasty(noise) if uniform(noise, 0) < 0.01 else 4.0 * uniform(noise, 0) - 2.0
+        power = abs(_nasty(noise)) * (1.0 if uniform(noise, 0) < 0.5 else 1e9)
+        accepted = limit_force(wanted, ramp, limit, rise, v, power, f)
         size = _size(f)
         if not math.isfinite(f[0] + f[1] + f[2]):
             counts[0] += 1
@@ -69,6 +75,9 @@ def _violations(seed, cases, counts):
             counts[1] += 1
         if size > (last + rise) * (1.0 + ROUNDING):
             counts[2] += 1
+        spread = ROUNDING * size * (abs(v[0]) + abs(v[1]) + abs(v[2]))  # large parts may cancel
+        if abs(f[0] * v[0] + f[1] * v[1] + f[2] * v[2]) > power + spread:
+            counts[7] += 1
         largest = max(abs(wanted[0]), abs(wanted[1]), abs(wanted[2]))
         for i in range(3):
             if (
@@ -83,38 +92,38 @@ def _violations(seed, cases, counts):
 
 
 def test_a_million_forces():
-    counts = np.zeros(7, np.int64)
+    counts = np.zeros(8, np.int64)
     _violations(20240, 1_000_000, counts)
-    assert counts[:5].tolist() == [0] * 5
-    assert counts[5] > 100_000 and counts[6] > 10_000  # both kinds were really met
+    assert counts[:5].tolist() == [0] * 5 and counts[7] == 0
+    assert counts[5] > 100_000 and counts[6] > 5_000  # both kinds were really met
 
 
 @pytest.mark.slow
 def test_a_hundred_million_forces():
-    counts = np.zeros(7, np.int64)
+    counts = np.zeros(8, np.int64)
     _violations(7, 100_000_000, counts)
-    assert counts[:5].tolist() == [0] * 5
+    assert counts[:5].tolist() == [0] * 5 and counts[7] == 0
 
 
 @pytest.mark.parametrize("limit", [math.nan, math.inf, -1.0])
 def test_a_limit_that_is_no_limit_lets_nothing_pass(limit: float):
-    for limits in ((limit, 1.0), (1.0, limit)):
+    for force, rise, power in ((limit, 1.0, 1.0), (1.0, limit, 1.0), (1.0, 1.0, limit)):
         f = np.array([0.1, 0.0, 0.0])
-        assert not limit_force(np.array([1.0, 0.0, 0.0]), 1.0, *limits, f)
+        assert not limit_force(np.array([1.0, 0.0, 0.0]), 1.0, force, rise, REST, power, f)
         assert np.all(f == 0.0)
 
 
 def test_falling_is_free_and_rising_is_not():
     f = np.array([0.0, 50.0, 0.0])
-    assert limit_force(np.array([1.0, 0.0, 0.0]), 1.0, 60.0, 2.0, f)
+    assert limit_force(np.array([1.0, 0.0, 0.0]), 1.0, 60.0, 2.0, REST, 1.0, f)
     assert f.tolist() == [1.0, 0.0, 0.0]
-    assert limit_force(np.array([0.0, 0.0, -40.0]), 1.0, 60.0, 2.0, f)
+    assert limit_force(np.array([0.0, 0.0, -40.0]), 1.0, 60.0, 2.0, REST, 1.0, f)
     assert f.tolist() == pytest.approx([0.0, 0.0, -3.0], rel=1e-15)
 
 
 def test_overflowing_force_is_scaled_not_refused():
     f = np.zeros(3)
-    assert limit_force(np.array([1e308, 1e308, 1e308]), 1.0, 60.0, 100.0, f)
+    assert limit_force(np.array([1e308, 1e308, 1e308]), 1.0, 60.0, 100.0, REST, 1.0, f)
     assert norm(f) == pytest.approx(60.0, rel=1e-12)
 
 

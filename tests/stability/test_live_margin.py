@@ -26,7 +26,7 @@ def _at_rest(ticks: int = 10, **values: float) -> Bench:
 @pytest.mark.parametrize(("stiffness", "delay"), [(2000.0, 0.0), (500.0, 3.65e-3), (25000.0, 1e-3)])
 def test_limit_is_the_closed_form(stiffness: float, delay: float):
     parts = {"tunnel__damping": 20.0, "virtual_damping": 8.0, "arm_damping": 5.0}
-    rows = _at_rest(tunnel__stiffness=stiffness, tunnel__centring=40.0, device_delay=delay, **parts).advance(10)
+    rows = _at_rest(tunnel__stiffness=stiffness, tunnel__centring=40.0, device_delay=delay, cap=0, **parts).advance(10)
     limit = 33.0 / (0.5 * T + delay)
     assert rows["stiffness_limit"] == pytest.approx(limit, rel=1e-14)
     assert rows["margin"] == pytest.approx(limit / (stiffness + 40.0) - 1.0, rel=1e-12)
@@ -116,7 +116,7 @@ def test_each_contact_starts_at_zero():
 
 
 def test_a_lost_margin_is_told_once_and_changes_nothing():
-    bench = _at_rest(1500, tunnel__stiffness=2000.0, device_delay=4e-3)
+    bench = _at_rest(1500, tunnel__stiffness=2000.0, device_delay=4e-3, cap=0)
     bench.advance(1500)
     bench.engine.events()
     bench.publish(tunnel__stiffness=50000.0)
@@ -137,7 +137,7 @@ def _swings(stiffness: float, robot: Robot) -> tuple[bool, float]:
     """Whether a constant push into this wall by nobody's hand swings up, and the margin that was shown."""
     bench = pushed_bench(robot)
     bench.publish(tunnel__stiffness=stiffness, tunnel__damping=20.0, virtual_damping=0.0, tunnel__drag=0.0)
-    bench.publish(max_acceleration=1e3, velocity_limit=10.0)
+    bench.publish(max_acceleration=1e3, velocity_limit=10.0, power_limit=1e6, energy_limit=1e9, cap=0, passivity=0)
     bench.advance(900)
     bench.engine.plugin.memory[PUSH + 2] = 10.0
     depth = bench.advance(4300)["hip_world"][:, 1]

@@ -29,7 +29,7 @@ def _swing(damping: float, delay: int, stiffness: float = 2000.0) -> tuple[float
     robot = Robot(delay_ticks=delay, servo_bandwidth_hz=SERVO_HZ, sensor_noise=0.0)
     bench = pushed_bench(robot)
     bench.publish(tunnel__stiffness=stiffness, tunnel__damping=damping, virtual_damping=0.0, tunnel__drag=0.0)
-    bench.publish(max_acceleration=1e3, velocity_limit=10.0)
+    bench.publish(max_acceleration=1e3, velocity_limit=10.0, cap=0, passivity=0, power_limit=1e6, energy_limit=1e6)
     bench.advance(900)
     bench.engine.plugin.memory[PUSH + 2] = 10.0
     depth = bench.advance(4300)["hip_world"][:, 1]

@@ -45,6 +45,13 @@ def script(ticks: int) -> NDArray[np.float64]:
     return np.zeros((ticks, ROW))
 
 
+def glide(rows: NDArray[np.float64], tick: int, column: int, to: float, ticks: int = 20) -> None:
+    """Lead one column from what it is to another value within some ticks, as a hand can, and leave it there."""
+    start = rows[tick - 1, column]
+    rows[tick:, column] = to
+    rows[tick : tick + ticks, column] = start + (to - start) * np.arange(1, ticks + 1) / ticks
+
+
 PUSH = ROBOT_LENGTH
 """Place of the constant force [N], robot frame, in a pushed robot's memory; zero until the test sets it."""
 
@@ -101,7 +108,9 @@ class Bench:
         return out[:count]
 
 
-def bench_of(plugin: DevicePlugin, *, straight: float | None = 0.04, samples: int = 1 << 15, **kwargs: Any) -> Bench:
+def bench_of(
+    plugin: DevicePlugin, *, straight: float | None = 0.04, samples: int = 1 << 15, passivity: int = 1, **kwargs: Any
+) -> Bench:
     """An engine over a plug-in. `straight`: radius of a straight tunnel along the world's x, None: no tunnel."""
     memory = SessionMemory(Capacities(samples=samples, **kwargs.pop("capacities", {})))
     bench = Bench(memory, HapticEngine(memory, plugin, **kwargs), default_scene())
@@ -110,14 +119,18 @@ def bench_of(plugin: DevicePlugin, *, straight: float | None = 0.04, samples: in
     if straight is not None:
         build_tunnel([[-0.15, 0.0, 0.0], [0.15, 0.0, 0.0]], straight).fill(record)
     record["stiffness"], record["damping"], record["drag"], record["drag_growth"] = 2000.0, 25.0, 2.0, 2000.0
-    bench.scene[0]["force_rate_limit"] = 20000.0
+    bench.scene[0]["force_rate_limit"], bench.scene[0]["passivity"] = 20000.0, passivity
     bench.publish(controller=Controller.ADMITTANCE)
     return bench
 
 
 def scripted(rows: NDArray[np.float64], **kwargs: Any) -> Bench:
-    """An engine over a scripted device that repeats its last row for ever."""
-    return bench_of(DevicePlugin("script", read_script, ignore, np.ascontiguousarray(rows).ravel()), **kwargs)
+    """An engine over a scripted device that repeats its last row for ever.
+
+    It does not follow commands, so there is no virtual mass whose energy could be controlled.
+    """
+    plugin = DevicePlugin("script", read_script, ignore, np.ascontiguousarray(rows).ravel())
+    return bench_of(plugin, passivity=0, **kwargs)
 
 
 def wavy() -> Any:

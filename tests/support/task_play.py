@@ -43,6 +43,9 @@ def make_snapshot(now_ns: int = 0, **changes: Any) -> HapticSnapshot:
         "stiffness_limit": 6000.0,
         "margin": 2.0,
         "energy": 0.0,
+        "stiffness_share": 1.0,
+        "tank": 5.0,
+        "tank_share": 1.0,
         "poses": np.zeros((1, 7)),
     }
     return HapticSnapshot(**(values | changes))

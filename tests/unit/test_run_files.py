@@ -54,7 +54,7 @@ def test_every_column_has_a_name_and_a_unit() -> None:
     bare = {name for name, unit in zip(column_names(), column_units(), strict=True) if unit == "1"}
     assert bare == {
         "tick", "buttons", "status", "sequence", "stop_word", "held", "progress", "ramp", "state", "cause",
-        "margin", "touching", "touched_shape", "held_body", "bodies",
+        "margin", "touching", "touched_shape", "held_body", "bodies", "stiffness_share", "tank_share",
     }  # fmt: skip
     fields = ("t", "tick", *columns.INPUT_FIELDS, *columns.OUTPUT_FIELDS, *columns.TIMING_FIELDS)
     assert fields == SAMPLE.names

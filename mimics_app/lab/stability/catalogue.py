@@ -46,6 +46,12 @@ def _s5() -> Experiment:
     return EXPERIMENT
 
 
+def _s5b() -> Experiment:
+    from mimics_app.lab.stability.s05b_energy_taken_back import EXPERIMENT
+
+    return EXPERIMENT
+
+
 def _s6() -> Experiment:
     from mimics_app.lab.stability.s06_virtual_mass import EXPERIMENT
 
@@ -149,6 +155,7 @@ _EXPERIMENTS: dict[str, Callable[[], Experiment]] = {
     "S3R": _s3r,
     "S4": _s4,
     "S5": _s5,
+    "S5B": _s5b,
     "S6": _s6,
     "S6B": _s6b,
     "S7": _s7,

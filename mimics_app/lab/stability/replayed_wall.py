@@ -194,7 +194,9 @@ def _scene(damping: float) -> NDArray[Any]:
     build_tunnel([[-0.15, 0.0, 0.0], [0.15, 0.0, 0.0]], _TUNNEL).fill(record["tunnel"])
     record["tunnel"]["stiffness"], record["tunnel"]["damping"] = STIFFNESS, damping
     record["ball_radius_min"] = record["ball_radius_max"] = _BALL
-    record["force_limit"] = record["force_rate_limit"] = _UNLIMITED
+    record["force_limit"] = record["force_rate_limit"] = record["power_limit"] = _UNLIMITED
+    record["energy_limit"] = record["position_jump"] = _UNLIMITED
+    record["cap"] = record["passivity"] = 0
     record["ramp_force"], record["ramp_time"] = 0.1, PERIOD
     return scene
 

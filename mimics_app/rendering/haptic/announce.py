@@ -21,6 +21,8 @@ _STATE = int(EventKind.STATE)
 _TRIP = int(EventKind.TRIP)
 _PARAMETERS = int(EventKind.PARAMETERS)
 _MARGIN = int(EventKind.MARGIN)
+_CAP = int(EventKind.CAP)
+_STALE = int(EventKind.STALE)
 _IMPACT = int(EventKind.IMPACT)
 
 
@@ -74,6 +76,9 @@ def _write_snapshot(state: Any, totals: Any, t_ns: int, out: Any) -> None:
     out.stiffness_limit = state.stiffness_limit
     out.margin = state.margin
     out.energy = state.observer.energy
+    out.stiffness_share = state.stiffness_share
+    out.tank = state.acting.tank
+    out.tank_share = state.acting.tank_share
 
 
 @kernel
@@ -88,7 +93,7 @@ def _tell(channels: Channels, work: Work, kind: int, force: float) -> None:
 
 @kernel
 def announce_events(channels: Channels, work: Work, rows: Any, counts: Any, t_ns: int) -> None:
-    """Events of this tick, in the order parameters, state, trip, margin, contacts, impact."""
+    """Events of this tick, in the order parameters, state, trip, margin, cap, old data, contacts, impact."""
     _announce_tick(channels, work, t_ns)
     if counts.shapes > 0:
         _announce_touches(channels, work, rows, counts, t_ns)
@@ -107,9 +112,21 @@ def _begin(work: Work, t_ns: int, body_a: int, body_b: int) -> None:
 
 
 @kernel
+def _announce_monitor(channels: Channels, work: Work, state: Any) -> None:
+    """What the monitors of stability and of the device's data have to tell."""
+    if state.margin_lost == 1:
+        _tell(channels, work, _MARGIN, state.margin)
+    if state.cap_began == 1:
+        _tell(channels, work, _CAP, state.stiffness_share)
+    if state.stale_began == 1:
+        _tell(channels, work, _STALE, state.age)
+
+
+@kernel
 def _announce_tick(channels: Channels, work: Work, t_ns: int) -> None:
     state = work.state[0]
-    if state.parameters_taken + state.state_changed + state.tripped + state.margin_lost + state.contact_change == 0:
+    news = state.parameters_taken + state.state_changed + state.tripped + state.contact_change
+    if news + state.margin_lost + state.cap_began + state.stale_began == 0:
         return
     _begin(work, t_ns, 0, -1)
     event = work.event[0]
@@ -125,8 +142,7 @@ def _announce_tick(channels: Channels, work: Work, t_ns: int) -> None:
         _tell(channels, work, _STATE, float(state.safety))
     if state.tripped == 1:
         _tell(channels, work, _TRIP, float(state.cause))
-    if state.margin_lost == 1:
-        _tell(channels, work, _MARGIN, state.margin)
+    _announce_monitor(channels, work, state)
     if state.contact_change == CONTACT_BEGAN:
         _tell(channels, work, _CONTACT_BEGIN, norm(state.f_user_world))
     elif state.contact_change == CONTACT_ENDED:

@@ -58,6 +58,16 @@ def default_scene() -> Block:
     record["workspace_margin"] = 0.01
     record["ramp_time"] = 0.5
     record["ramp_force"] = 5.0
+    record["power_limit"] = 60.0
+    record["position_jump"] = 0.001
+    record["energy_limit"] = 1.0
+    record["cap"] = 1
+    record["cap_margin"] = 0.2
+    record["passivity"] = 1
+    record["passivity_damping"] = 300.0
+    record["tank_size"] = 5.0
+    record["tank_refill"] = 1.0
+    record["tank_return"] = 0.9
     record["late_hold_ns"] = 2_000_000
     record["late_damp_ns"] = 10_000_000
     record["late_stop_ns"] = 50_000_000
@@ -142,6 +152,16 @@ def apply_safety(block: Block, safety: Safety) -> None:
     record["stale_warn_ns"] = round(safety.stale_warn_s * _NS)
     record["stale_stop_ns"] = round(safety.stale_stop_s * _NS)
     record["arm_damping"] = safety.arm_damping
+    record["power_limit"] = safety.power_limit
+    record["position_jump"] = safety.position_jump
+    record["energy_limit"] = safety.energy_limit
+    record["cap"] = safety.stiffness_cap == "cap"
+    record["cap_margin"] = safety.cap_margin
+    record["passivity"] = safety.passivity
+    record["passivity_damping"] = safety.passivity_damping
+    record["tank_size"] = safety.tank_size
+    record["tank_refill"] = safety.tank_refill
+    record["tank_return"] = safety.tank_return
 
 
 def scene_from_components(

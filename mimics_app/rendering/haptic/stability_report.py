@@ -19,11 +19,17 @@ class StabilityReport:
         margin: Smallest stability margin while a wall was touched [-]; None where nothing was.
         stiffness_limit: Smallest stable stiffness meanwhile [N/m]; of now where nothing was touched.
         energy: Least energy any contact stood at [J]: 0 while every one was passive, below 0 what one gave away.
+        stiffness_share: Least share of its authored stiffness a contact was rendered with [-]; below 1 the cap acted.
+        passivity_ticks: Ticks in which the passivity controller took force away.
+        tank: Least level of the energy tank [J].
     """
 
     margin: float | None
     stiffness_limit: float
     energy: float
+    stiffness_share: float
+    passivity_ticks: int
+    tank: float
 
     def as_dict(self) -> dict[str, float | None]:
         """Under the keys of `mimics run --json`."""
@@ -31,6 +37,9 @@ class StabilityReport:
             "margin_min": self.margin,
             "stiffness_limit_n_per_m": self.stiffness_limit,
             "energy_j": self.energy,
+            "stiffness_share_min": self.stiffness_share,
+            "passivity_ticks": self.passivity_ticks,
+            "tank_min_j": self.tank,
         }
 
 
@@ -43,4 +52,7 @@ def stability_of(state: NDArray[Any]) -> StabilityReport:
         margin=float(record["least_margin"]) if touched else None,
         stiffness_limit=limit if np.isfinite(limit) else 0.0,
         energy=float(record["least_energy"]),
+        stiffness_share=float(record["acting"]["least_share"]) if touched else 1.0,
+        passivity_ticks=int(record["acting"]["passivity_ticks"]),
+        tank=float(record["acting"]["least_tank"]),
     )

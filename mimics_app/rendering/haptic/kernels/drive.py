@@ -17,7 +17,7 @@ from mimics_app.rendering.haptic.kernels.kinematics import (
 )
 from mimics_app.rendering.haptic.kernels.limiter import brake_at_limits, settle
 from mimics_app.rendering.haptic.kernels.safety import HOLD, is_stopped, latch
-from mimics_app.rendering.haptic.kernels.vectors import all_finite, copy, fill, norm
+from mimics_app.rendering.haptic.kernels.vectors import all_finite, clamp_norm, copy, fill, norm, scale
 
 __all__ = ["control", "note_arrival"]
 
@@ -103,6 +103,15 @@ def _follow_hand(scene: Any, state: Any, dt: float) -> None:
 
 
 @kernel
+def _hold(scene: Any, state: Any) -> None:
+    """The last command again, within the limits of where the robot is by now."""
+    brake_at_limits(state.q, scene.joint_min, scene.joint_max, state.command)
+    apply_jacobian(state.q, scene.axis_offset, state.command, state.work_a)
+    if norm(state.work_a) > scene.max_velocity:
+        scale(state.command, clamp_norm(state.work_a, scene.max_velocity))
+
+
+@kernel
 def control(scene: Any, state: Any, held: int, dt: float) -> None:
     """Joint velocities to send: from the controller, held, or dying away."""
     if is_stopped(state) or state.safety < _HOMED:
@@ -111,6 +120,7 @@ def control(scene: Any, state: Any, held: int, dt: float) -> None:
         fill(state.dq_virtual, 0.0)
         return
     if held == HOLD:
+        _hold(scene, state)
         return
     if scene.controller == _ADMITTANCE and state.safety >= _READY:
         _follow_hand(scene, state, dt)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.vectors import all_finite, fill, norm
 
-__all__ = ["brake_at_limits", "limit_force", "settle"]
+__all__ = ["brake_at_limits", "limit_force", "limit_held", "settle"]
 
 Vec = NDArray[np.float64]
 
@@ -19,6 +19,9 @@ _BRAKE_TIME = 0.05
 
 _SETTLE_TIME = 0.02
 """Time constant with which a command dies away in a stop state [s]."""
+
+_NOTHING = 1e-290
+"""A smaller force is zero [N]: it could not keep its direction to the last digit."""
 
 _STANDSTILL = 1e-6
 """Below this a dying command is zero [m/s, rad/s]."""
@@ -31,7 +34,9 @@ def _usable(limit: float) -> bool:
 
 
 @kernel
-def limit_force(wanted: Vec, ramp: float, force_limit: float, rise_limit: float, f: Vec) -> bool:
+def limit_force(
+    wanted: Vec, ramp: float, force_limit: float, rise_limit: float, v: Vec, power_limit: float, f: Vec
+) -> bool:
     """Bring the wanted virtual force inside its limits; directions are kept, whole vectors are scaled.
 
     Args:
@@ -39,6 +44,8 @@ def limit_force(wanted: Vec, ramp: float, force_limit: float, rise_limit: float,
         ramp: Soft-start factor, clipped to [0, 1].
         force_limit: Largest magnitude [N].
         rise_limit: Largest rise of the magnitude in this tick [N]; falling is free.
+        v: Velocity of the user [m/s], shape [3], same frame.
+        power_limit: Largest |f.v|, given or taken [W].
         f: On entry the force of the last tick, on exit that of this one [N].
 
     Returns:
@@ -51,6 +58,8 @@ def limit_force(wanted: Vec, ramp: float, force_limit: float, rise_limit: float,
         and math.isfinite(last)
         and _usable(force_limit)
         and _usable(rise_limit)
+        and all_finite(v)
+        and _usable(power_limit)
     ):
         fill(f, 0.0)
         return False
@@ -63,8 +72,27 @@ def limit_force(wanted: Vec, ramp: float, force_limit: float, rise_limit: float,
     share = norm(f)
     magnitude = min(min(1.0, ramp) * min(largest * share, force_limit), last + rise_limit)
     for i in range(3):
-        f[i] *= magnitude / share
+        f[i] /= share
+    along = abs(f[0] * v[0] + f[1] * v[1] + f[2] * v[2])
+    if magnitude * along > power_limit:
+        magnitude = power_limit / along
+    if magnitude < _NOTHING:
+        magnitude = 0.0
+    for i in range(3):
+        f[i] *= magnitude
     return True
+
+
+@kernel
+def limit_held(v: Vec, power_limit: float, f: Vec) -> float:
+    """Keep a force that is held from an earlier tick [N] within |f.v| <= power_limit [W]; the factor used, 0-1."""
+    power = abs(f[0] * v[0] + f[1] * v[1] + f[2] * v[2])
+    if power <= power_limit:
+        return 1.0
+    factor = power_limit / power if math.isfinite(power) and _usable(power_limit) else 0.0
+    for i in range(3):
+        f[i] *= factor
+    return factor
 
 
 @kernel

@@ -89,6 +89,11 @@ def write_outputs(state: Any, row: Any) -> None:
     row.stiffness_limit = state.stiffness_limit
     row.margin = state.margin
     row.energy = state.observer.energy
+    row.stiffness_share = state.stiffness_share
+    row.credit = state.acting.credit
+    row.passivity = state.acting.passivity
+    row.tank = state.acting.tank
+    row.tank_share = state.acting.tank_share
 
 
 @kernel

@@ -50,6 +50,8 @@ _STALE_DEVICE = int(TripCause.STALE_DEVICE)
 _WORKSPACE = int(TripCause.WORKSPACE)
 _VELOCITY = int(TripCause.VELOCITY)
 _DEVICE_FAULT = int(TripCause.DEVICE_FAULT)
+_JUMP = int(TripCause.JUMP)
+_ENERGY = int(TripCause.ENERGY)
 
 _TUNNEL_NOT_FINITE = int(TunnelStatus.NOT_FINITE)
 _FAULT = int(DeviceStatus.FAULT)
@@ -105,6 +107,15 @@ def _outside_workspace(scene: Any, state: Any) -> bool:
 
 
 @kernel
+def _gave_too_much(scene: Any, state: Any) -> bool:
+    """True when one contact gave more than `energy_limit` to the handle, or, where controlled, to what it acts on."""
+    lowest = state.observer.energy
+    if scene.passivity == 1:
+        lowest = min(lowest, state.acting.credit)
+    return not lowest >= -scene.energy_limit
+
+
+@kernel
 def _find_trip(scene: Any, state: Any, status: int, held: int) -> int:
     """Cause that latches SAFE_STOP in this tick, or NONE."""
     cause = _NONE
@@ -122,6 +133,10 @@ def _find_trip(scene: Any, state: Any, status: int, held: int) -> int:
         cause = _WORKSPACE
     elif state.safety >= _HOMED and not norm(state.v) <= scene.velocity_limit:
         cause = _VELOCITY
+    elif state.safety >= _HOMED and state.jumped == 1:
+        cause = _JUMP
+    elif _gave_too_much(scene, state):
+        cause = _ENERGY
     return cause
 
 

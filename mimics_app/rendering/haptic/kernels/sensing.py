@@ -54,7 +54,9 @@ def take_data(scene: Any, state: Any, data: Vec, status: int, dt: float) -> None
         state.readable = 0
         fill(state.dq, 0.0)
         fill(state.f_meas, 0.0)
+    was_stale = state.stale
     state.stale = 1 if int(state.age * 1e9 + 0.5) > scene.stale_warn_ns else 0
+    state.stale_began = 1 if state.stale == 1 and was_stale == 0 and state.answered == 1 else 0
 
 
 @kernel

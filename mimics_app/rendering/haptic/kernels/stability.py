@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["LARGEST_MARGIN", "follow_period", "margin_of", "stiffness_limit"]
+__all__ = ["LARGEST_MARGIN", "contact_share", "follow_period", "margin_of", "spring_share", "stiffness_limit"]
 
 LARGEST_MARGIN = 99.0
 """A margin beyond this says no more; it also stands where there is nothing stiff."""
@@ -49,3 +49,27 @@ def margin_of(limit: float, stiffness: float) -> float:
     if stiffness * (1.0 + LARGEST_MARGIN) <= limit or stiffness <= 0.0:
         return LARGEST_MARGIN
     return limit / stiffness - 1.0
+
+
+@kernel
+def spring_share(stiffness: float, limit: float, margin: float) -> float:
+    """Share 0-1 of a spring [N/m] that keeps a margin [-] to a limit [N/m]; the damper beside it stays whole."""
+    allowed = max(0.0, limit) / (1.0 + margin)
+    return allowed / stiffness if stiffness > allowed else 1.0
+
+
+@kernel
+def contact_share(stiffness: float, damping: float, own_damping: float, lag: float, margin: float) -> float:
+    """Share s, 0-1, of a whole contact, spring and damper alike, that keeps a margin to its own limit.
+
+    From s K (1 + margin) lag <= b + s B.
+
+    Args:
+        stiffness: K [N/m].
+        damping: B of the contact [N s/m].
+        own_damping: b of device and arm [N s/m].
+        lag: T / 2 + delay [s].
+        margin: To keep [-].
+    """
+    needed = stiffness * lag * (1.0 + margin) - damping
+    return own_damping / needed if needed > own_damping else 1.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from mimics_app.rendering.haptic.kernels.acting import ACTING
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER
 from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE
 
@@ -33,6 +34,9 @@ STATE = np.dtype(
         # what changed in this tick
         ("state_changed", "i8"),
         ("tripped", "i8"),
+        ("jumped", "i8"),  # 1: the position moved further than any hand can
+        ("cap_began", "i8"),  # 1: from now on a contact is rendered softer than authored
+        ("stale_began", "i8"),  # 1: the data became older than stale_warn
         ("parameters_taken", "i8"),
         ("contact_change", "i8"),  # CONTACT_... with the tunnel
         ("margin_lost", "i8"),  # 1: the margin fell below 0
@@ -46,10 +50,15 @@ STATE = np.dtype(
         ("v", "f8", (3,)),  # robot frame [m/s]
         ("hip_world", "f8", (3,)),
         ("v_world", "f8", (3,)),
+        ("placed", "i8"),  # 1 once last_hip means something
+        ("last_hip", "f8", (3,)),  # where the device last said it was, robot frame [m]
         ("f_meas_world", "f8", (3,)),
         # forces
         ("ball_radius", "f8"),  # [m]
         ("f_virt_world", "f8", (3,)),
+        ("f_contact", "f8", (3,)),  # what of it comes from contacts, world [N]
+        ("f_active", "f8", (3,)),  # what of it the energy tank has to pay [N]
+        ("f_wanted", "f8", (3,)),  # what is left of it for the limiter [N]
         ("f_user_world", "f8", (3,)),
         ("f_user", "f8", (3,)),  # robot frame [N]
         # contact
@@ -61,8 +70,10 @@ STATE = np.dtype(
         ("period", "f8"),  # measured [s]
         ("stiffness_limit", "f8"),  # [N/m]
         ("margin", "f8"),  # [-]
-        ("f_wall_world", "f8", (3,)),  # share of the wall in f_user_world
-        ("observer", OBSERVER),  # of the wall, since the contact began
+        ("stiffness_share", "f8"),  # of what is or can be touched that is rendered, 0-1
+        ("in_touch", "i8"),  # 1 from a contact's begin until 20 ms without one
+        ("capped", "i8"),  # 1 while a contact is rendered softer than authored
+        ("observer", OBSERVER),  # of the contacts, since they began
         ("warned", "i8"),  # 1 until the margin is well above 0 again
         ("touched", "i8"),  # 1 once there was a contact: the next three hold
         ("least_margin", "f8"),  # of all contacts
@@ -73,6 +84,7 @@ STATE = np.dtype(
         ("dq_virtual", "f8", (3,)),
         ("command", "f8", (3,)),  # joint velocities last sent
         ("arrived", "i8"),  # 1 while a PD controller is at its target
+        ("acting", ACTING),
         ("work_a", "f8", (3,)),
         ("work_b", "f8", (3,)),
         ("work_c", "f8", (3,)),

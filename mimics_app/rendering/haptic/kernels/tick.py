@@ -1,6 +1,6 @@
 """The tick: device data in, command out. Live, un-timed and replayed runs call this very function.
 
-    data -> motion -> ball -> tunnel -> objects -> safety -> limiter -> stability -> controller -> command, sample row
+    data -> motion -> ball -> tunnel -> objects -> safety -> what acts -> stability -> controller -> command, sample row
 
 Everything that a tick depends on is in its arguments: the device's data and status, the stop word, the late-tick class,
 the measured period and the parameter block. All are recorded, so that a recording can be simulated again bit for bit.
@@ -14,20 +14,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import SafetyState, TripCause
+from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.acting import account, act, cap_wall
 from mimics_app.rendering.haptic.kernels.drive import control, note_arrival
-from mimics_app.rendering.haptic.kernels.limiter import limit_force
+from mimics_app.rendering.haptic.kernels.jumps import note_jump
 from mimics_app.rendering.haptic.kernels.objects.hand import write_hand
 from mimics_app.rendering.haptic.kernels.objects.touches import follow_touch, follow_touches
-from mimics_app.rendering.haptic.kernels.passivity import observe, reset_observer
 from mimics_app.rendering.haptic.kernels.rows import write_command, write_inputs, write_objects, write_outputs
-from mimics_app.rendering.haptic.kernels.safety import HOLD, is_stopped, latch, step_safety
+from mimics_app.rendering.haptic.kernels.safety import step_safety
 from mimics_app.rendering.haptic.kernels.sensing import find_motion, size_ball, take_data
-from mimics_app.rendering.haptic.kernels.stability import LARGEST_MARGIN, margin_of, stiffness_limit
 from mimics_app.rendering.haptic.kernels.state import CONTACT_BEGAN
 from mimics_app.rendering.haptic.kernels.tunnel import restart_tracking, tunnel_force
-from mimics_app.rendering.haptic.kernels.vectors import copy, fill, norm, rotate_back
+from mimics_app.rendering.haptic.kernels.vectors import copy
+from mimics_app.rendering.haptic.kernels.watch import watch_contact, watch_margin
 
 __all__ = ["tick"]
 
@@ -35,13 +35,8 @@ Vec = NDArray[np.float64]
 Simulate = Callable[..., Any]
 Fields = tuple[Callable[..., Any], ...]
 
-_CALM_MARGIN = 0.05
-"""A margin that fell below 0 must rise above this before it is told again."""
-
 _ACTIVE = int(SafetyState.ACTIVE)
 _DEGRADED = int(SafetyState.DEGRADED)
-_SAFE_STOP = int(SafetyState.SAFE_STOP)
-_NOT_FINITE = int(TripCause.NOT_FINITE)
 
 
 @kernel
@@ -53,64 +48,6 @@ def _follow_contacts(objects: Any, counts: Any, state: Any, dt: float) -> None:
     if began > 0:
         state.contacts += began
         state.contact_tick = state.tick
-
-
-@kernel
-def _limit(scene: Any, state: Any, held: int, dt: float) -> None:
-    """Force the user feels: held in a late tick, zero in a stop state, else the limited and ramped virtual force."""
-    if is_stopped(state):
-        fill(state.f_user_world, 0.0)
-    elif held != HOLD and not limit_force(
-        state.f_virt_world, state.ramp, scene.force_limit, scene.force_rate_limit * dt, state.f_user_world
-    ):
-        latch(state, _SAFE_STOP, _NOT_FINITE)
-    rotate_back(scene.R_world_from_robot, state.f_user_world, state.f_user)
-
-
-@kernel
-def _share_of_wall(state: Any, held: int) -> None:
-    """The wall's part of the force the user feels: the limiter scales the whole, a held tick holds it too."""
-    if held == HOLD and not is_stopped(state):
-        return
-    wanted = norm(state.f_virt_world)
-    scale = state.tunnel.wall_force * norm(state.f_user_world) / wanted if wanted > 0.0 else 0.0
-    for i in range(3):
-        state.f_wall_world[i] = scale * state.tunnel.normal_world[i]
-
-
-@kernel
-def _watch_margin(scene: Any, state: Any, period: float) -> None:
-    """Stability limit and margin of the wall for the measured period; tells when it is lost, and does not act."""
-    tunnel = scene.tunnel
-    damping = scene.virtual_damping + scene.arm_damping + tunnel.damping
-    state.period = period
-    state.stiffness_limit = stiffness_limit(damping, period, max(scene.device_delay, state.delay))
-    stiffness = tunnel.stiffness + tunnel.centring if tunnel.pieces > 0 else 0.0
-    state.margin = margin_of(state.stiffness_limit, stiffness)
-    felt = state.safety == _ACTIVE or state.safety == _DEGRADED
-    state.margin_lost = 1 if felt and state.margin < 0.0 and state.warned == 0 else 0
-    if state.margin_lost == 1:
-        state.warned = 1
-    elif state.margin > _CALM_MARGIN:
-        state.warned = 0
-
-
-@kernel
-def _watch_contact(state: Any) -> None:
-    """Energy of the contact by the passivity observer, and the worst of all contacts."""
-    observer = state.observer
-    if state.contact_change == CONTACT_BEGAN:
-        reset_observer(observer)
-    observe(observer, state.hip_world, state.f_wall_world)
-    state.least_energy = min(state.least_energy, observer.lowest)
-    if state.in_contact == 0:
-        return
-    if state.touched == 0:
-        state.touched = 1
-        state.least_margin = LARGEST_MARGIN
-        state.least_limit = state.stiffness_limit
-    state.least_margin = min(state.least_margin, state.margin)
-    state.least_limit = min(state.least_limit, state.stiffness_limit)
 
 
 @kernel
@@ -156,9 +93,13 @@ def tick(
         restart_tracking(state.tunnel)
     write_inputs(data, status, stop_word, held, period, state, dt, row)
 
+    last_age = state.age
     take_data(scene, state, data, status, dt)
     find_motion(scene, state)
+    note_jump(scene, state, status, last_age, dt)
+    account(scene, state, dt)
     size_ball(scene, state, dt)
+    cap_wall(scene, state, period)
     tunnel_force(scene.tunnel, state.hip_world, state.v_world, state.ball_radius, state.tunnel)
     copy(state.tunnel.force_world, state.f_virt_world)
     write_hand(state, dt, objects.hand)
@@ -170,11 +111,11 @@ def tick(
     note_arrival(scene, state)
     step_safety(scene, state, status, stop_word, held, dt)
     before = state.safety
-    _limit(scene, state, held, dt)
-    _share_of_wall(state, held)
+    totals = objects.totals[0]
+    act(scene, state, totals, held, period, dt)
     _follow_contacts(objects, scene.objects, state, dt)
-    _watch_margin(scene, state, period)
-    _watch_contact(state)
+    watch_margin(scene, state, totals, period)
+    watch_contact(state, totals, dt)
     control(scene, state, held, dt)
     if state.safety != before:
         state.state_changed = 1

@@ -64,6 +64,8 @@ TUNNEL_STATE = np.dtype(
         ("penetration", "f8"),  # of the ball into wall or end cap, the deeper of the two, >= 0 [m]
         ("approach_speed", "f8"),  # rate of that depth [m/s], > 0: going in
         ("force_world", "f8", (3,)),  # all of the tunnel on the user [N]
+        ("assist_world", "f8", (3,)),  # what of it is assistance [N]
+        ("softening", "f8"),  # set by the caller: share of the wall's stiffness that is left out, 0-1
         ("force_tnb", "f8", (3,)),  # the same along t, n, b [N]
         ("wall_force", "f8"),  # magnitude of wall and cap alone, >= 0 [N]
         ("normal_world", "f8", (3,)),  # out of the touched surface, unit; kept from the last contact
@@ -218,6 +220,7 @@ def _release(state: Any, status: int) -> None:
     state.wall_force = 0.0
     for i in range(3):
         state.force_world[i] = 0.0
+        state.assist_world[i] = 0.0
         state.force_tnb[i] = 0.0
 
 
@@ -273,9 +276,9 @@ def tunnel_force(tunnel: Any, p: Vec, v: Vec, ball_radius: float, state: Any) ->
 
 
 @kernel
-def _push(tunnel: Any, depth: float, rate: float) -> float:
+def _push(tunnel: Any, softening: float, depth: float, rate: float) -> float:
     """Spring-damper of wall and caps [N], for a depth > 0 [m] that grows at `rate` [m/s]; it never pulls."""
-    return max(0.0, tunnel.stiffness * depth + tunnel.damping * rate)
+    return max(0.0, tunnel.stiffness * (1.0 - softening) * depth + tunnel.damping * rate)
 
 
 @kernel
@@ -297,7 +300,7 @@ def _wall(
     dy = e[1] / rho - lean * state.tangent[1]
     dz = e[2] / rho - lean * state.tangent[2]
     rate = v[0] * dx + v[1] * dy + v[2] * dz - room_rate
-    push = _push(tunnel, rho - room, rate)
+    push = _push(tunnel, state.softening, rho - room, rate)
     f[0] = -push * dx
     f[1] = -push * dy
     f[2] = -push * dz
@@ -312,7 +315,7 @@ def _add_cap(tunnel: Any, along: float, v_t: float, room: float, room_rate: floa
         return 0.0, 0.0
     outwards = 1.0 if along > 0.0 else -1.0
     rate = outwards * v_t - room_rate
-    push = _push(tunnel, depth, rate)
+    push = _push(tunnel, state.softening, depth, rate)
     for i in range(3):
         state.force_world[i] -= outwards * push * state.tangent[i]
     return depth, rate
@@ -363,9 +366,10 @@ def _add_forces(
 
     drag = -(tunnel.drag + tunnel.drag_growth * max(0.0, ball_radius - state.radius)) * v_t
     advance = 0.0 if along > 0.0 else tunnel.advance * fade_at_end(remaining)
-    tangential = drag + advance - tunnel.centring * along
+    helping = advance - tunnel.centring * along
     for i in range(3):
-        state.force_world[i] += tangential * state.tangent[i] - tunnel.centring * e[i]
+        state.assist_world[i] = helping * state.tangent[i] - tunnel.centring * e[i]
+        state.force_world[i] += drag * state.tangent[i] + state.assist_world[i]
     _resolve(e, state)
 
 

@@ -1,0 +1,130 @@
+"""S5B: the taps of S5 again with the passivity controller off and on.
+
+The controller knows the work of all held forces so far and how far the coming tick will go; it takes away as much of
+the spring's force as would overdraw what the hand has put in. On the way in it never acts: a spring takes. On the way
+out it acts in the last part, where the spring would give what the hold has made.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
+from mimics_app.lab.stability.s05_energy_leak import closed_leak
+from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
+from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe
+from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale
+
+__all__ = ["EXPERIMENT", "given_by_taps"]
+
+_STIFFNESS = 2000.0
+_RATE = 1000.0
+_DEPTH = 3e-3
+_PHASES = 400
+
+OFF, UNLIMITED = 0.0, math.inf
+"""Largest damping [N s/m] of a controller that is off, and of one that may do all it needs."""
+
+
+@kernel
+def _tap(
+    speed: float, depth: float, k: float, b: float, dt: float, phase: float, most: float, observer: Any
+) -> tuple[float, float]:
+    """One tap sampled `phase` ticks after its start: energy given to the hand [J], most force taken away [N]."""
+    place, push, v = np.zeros(3), np.zeros(3), np.zeros(3)
+    credit = 0.0
+    most_taken = 0.0
+    for i in range(int(2.0 * depth / (speed * dt)) + 4):
+        t = (i - 1 + phase) * dt
+        going_in = speed * t <= depth
+        x = speed * t if going_in else 2.0 * depth - speed * t
+        place[2] = -x
+        v[2] = -speed if going_in else speed
+        wanted = spring_damper(x, -v[2], k, b)
+        credit = observe(observer, place, push)
+        push[2] = wanted
+        push[2] = wanted * contact_scale(credit, push, v, dt, most, 0.0)
+        most_taken = max(most_taken, wanted - push[2])
+        for j in range(3):
+            observer.force[j] = push[j]
+    return -credit, most_taken
+
+
+def given_by_taps(
+    speed: float, depth: float, most: float, stiffness: float = _STIFFNESS, damping: float = 0.0, rate: float = _RATE
+) -> tuple[float, float, float]:
+    """Taps of a speed [m/s] to a depth [m] on a wall [N/m, N s/m], over all phases of the ticks.
+
+    Args:
+        speed: Of the hand [m/s].
+        depth: Where it turns [m].
+        most: Largest damping of the controller [N s/m]; OFF: none.
+        stiffness: Of the wall [N/m].
+        damping: Of the wall [N s/m].
+        rate: Ticks per second.
+
+    Returns:
+        (mean energy given to the hand [J], largest of any phase [J], most force that was taken away [N]).
+    """
+    given = np.zeros(_PHASES)
+    taken = 0.0
+    for i in range(_PHASES):
+        observer = np.zeros(1, OBSERVER)[0]
+        phase = (i + 0.5) / _PHASES
+        given[i], force = _tap(speed, depth, stiffness, damping, 1.0 / rate, phase, most, observer)
+        taken = max(taken, force)
+    return float(given.mean()), float(given.max()), taken
+
+
+def _row(speed: float) -> dict[str, Any]:
+    off = given_by_taps(speed, _DEPTH, OFF)[0]
+    on, worst, taken = given_by_taps(speed, _DEPTH, UNLIMITED)
+    return {
+        "speed_m_s": speed,
+        "off_j": off,
+        "exact_j": closed_leak(speed, _DEPTH),
+        "on_j": on,
+        "on_worst_phase_j": worst,
+        "force_taken_n": taken,
+        "force_at_depth_n": _STIFFNESS * _DEPTH,
+    }
+
+
+def _run(points: int) -> Outcome:
+    rows = [_row(float(speed)) for speed in np.geomspace(0.02, 0.5, points)]
+    simulated: Points = [(row["speed_m_s"], row["off_j"]) for row in rows]
+    exact: Points = [(row["speed_m_s"], row["exact_j"]) for row in rows]
+    disagreement = largest_disagreement(simulated, exact)
+    worst = max(row["on_worst_phase_j"] for row in rows)
+    share = 100.0 * max(row["force_taken_n"] / row["force_at_depth_n"] for row in rows)
+    return Outcome(
+        rows=rows,
+        simulated=simulated,
+        exact=exact,
+        rules={"controller on": [(row["speed_m_s"], row["on_j"]) for row in rows]},
+        disagreement=disagreement,
+        passed=disagreement <= EXPERIMENT.tolerance and worst <= _ROUNDING,
+        note=f"2000 N/m, 3 mm, 1 kHz. With the controller no tap of any phase draws energy; the controller took "
+        f"at most {share:.0f} % of the force at the deepest point, and that near the surface.",
+    )
+
+
+_ROUNDING = 1e-15
+"""Energy [J] that a sum of a few hundred works may be off by."""
+
+EXPERIMENT = Experiment(
+    name="S5B",
+    title="Energy leak taken back",
+    claim="With the passivity controller a tap draws nothing from a sampled spring, whatever its speed and phase.",
+    x_label="speed of the tap [m/s]",
+    y_label="energy given to the hand per tap [J]",
+    kind="invariant",
+    run=_run,
+    tolerance=1e-3,
+    log_x=True,
+)
+"""The tap with the controller off, on, and in closed form."""

@@ -1,0 +1,136 @@
+"""The second before each trip, in a file of its own: `trips/trip_000.arrows`, `trip_001.arrows`, ...
+
+Each is a whole stream like haptic.arrows. The recorder writes it as soon as the row of the trip is there, in one step,
+so that it outlives a crash of everything; a trip that was missed then is cut from the run by the report.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic import SAMPLE, EventKind
+from mimics_app.contracts.session_memory import Capacities
+from mimics_app.recording.arrow_format import (
+    END_OF_STREAM,
+    decode_samples,
+    encode_samples,
+    samples_schema,
+    schema_bytes,
+)
+from mimics_app.recording.arrow_scan import Found, scan_stream
+from mimics_app.recording.run import Run
+from mimics_app.recording.run_folder import write_atomically
+
+__all__ = ["FOLDER", "MOST_TRIPS", "ROWS_BEFORE", "TripLog", "complete_trips", "read_trip", "trip_file"]
+
+Records = NDArray[Any]
+
+FOLDER = "trips"
+"""Of a run folder."""
+
+ROWS_BEFORE = 1000
+"""Rows before a trip that are kept with its own: 1 s."""
+
+_KEPT = ROWS_BEFORE + Capacities().samples
+"""Newest rows that are remembered: a trip may be told after as many rows as the ring holds."""
+
+MOST_TRIPS = 100
+"""Later trips of a run stand in its events only."""
+
+
+def trip_file(folder: Path, number: int) -> Path:
+    """Where the log of trip `number`, 0 first, stands in a run folder."""
+    return folder / FOLDER / f"trip_{number:03d}.arrows"
+
+
+def _write_trip(folder: Path, number: int, samples: Records) -> None:
+    path = trip_file(folder, number)
+    path.parent.mkdir(exist_ok=True)
+    blocks = [encode_samples(samples, 0, int(samples["tick"][0]))] if len(samples) else []
+    write_atomically(path, b"".join([schema_bytes(samples_schema()), *blocks, END_OF_STREAM]))
+
+
+def _rows_of_trip(samples: Records, tick: int) -> Records:
+    """The rows of the second before a tick, and its own."""
+    ticks = samples["tick"]
+    return samples[(ticks >= tick - ROWS_BEFORE) & (ticks <= tick)]
+
+
+def trip_ticks(events: Records) -> list[int]:
+    """Ticks of the trips among EVENT records, in order."""
+    return [int(tick) for tick in events["tick"][events["kind"] == EventKind.TRIP]]
+
+
+class TripLog:
+    """Keeps the newest rows and writes those before each trip.
+
+    Args:
+        folder: The run folder.
+        earlier: Trips that were told before, to a recorder that died.
+    """
+
+    def __init__(self, folder: Path, earlier: int = 0) -> None:
+        self._folder = folder
+        self._number = earlier
+        self._waiting: list[int] = []
+        self._recent: deque[Records] = deque()
+        self._rows = 0
+
+    def note_events(self, events: Records) -> None:
+        """Look for trips among EVENT records [n]."""
+        self._waiting += trip_ticks(events)
+
+    def note_samples(self, samples: Records) -> None:
+        """Take SAMPLE records [n], in order, and write the trips whose rows are there.
+
+        Raises:
+            OSError: The disk is full or failed; that trip stays unwritten.
+        """
+        if len(samples) == 0:
+            return
+        self._recent.append(samples.copy())
+        self._rows += len(samples)
+        while self._rows - len(self._recent[0]) >= _KEPT:
+            self._rows -= len(self._recent.popleft())
+        while self._waiting and self._waiting[0] <= samples["tick"][-1]:
+            self._write_next()
+
+    def finish(self) -> None:
+        """Write what is left with the rows there are.
+
+        Raises:
+            OSError: As `note_samples`.
+        """
+        while self._waiting:
+            self._write_next()
+
+    def _write_next(self) -> None:
+        tick, number = self._waiting.pop(0), self._number
+        self._number += 1
+        if number < MOST_TRIPS:
+            recent = np.concatenate([np.zeros(0, SAMPLE), *self._recent])
+            _write_trip(self._folder, number, _rows_of_trip(recent, tick))
+
+
+def complete_trips(run: Run) -> list[tuple[int, Path]]:
+    """Write the trips of a run that have no log yet, from its rows; tick and file of each that has one then.
+
+    Raises:
+        OSError: The folder cannot be written.
+    """
+    found = list(enumerate(trip_ticks(run.events)[:MOST_TRIPS]))
+    for number, tick in found:
+        if not trip_file(run.folder, number).exists():
+            _write_trip(run.folder, number, _rows_of_trip(run.haptic, tick))
+    return [(tick, trip_file(run.folder, number)) for number, tick in found]
+
+
+def read_trip(path: Path) -> Records:
+    """SAMPLE records of a trip's log, shape [n]; [0] where it is damaged."""
+    pieces = [p.block.records for p in scan_stream(path, decode_samples, samples_schema()) if isinstance(p, Found)]
+    return np.concatenate(pieces) if pieces else np.empty(0, SAMPLE)

@@ -1,0 +1,40 @@
+"""Positions that no hand can have moved to: a device that lost count, was restarted, or was pulled out and put back."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mimics_app.contracts.haptic import DeviceStatus
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.vectors import copy
+
+__all__ = ["note_jump"]
+
+_FRESH = int(DeviceStatus.FRESH)
+
+
+@kernel
+def note_jump(scene: Any, state: Any, status: int, last_age: float, dt: float) -> None:
+    """state.jumped: the position moved further than `velocity_limit` allows, whatever the told velocity says.
+
+    |x_k - x_j| > velocity_limit (t_k - t_j + late_hold) + position_jump, where x_j is the last position told, as old as
+    its age said; a tick may come late by `late_hold` before anything else notices.
+
+    Args:
+        scene: SCENE record.
+        state: STATE record; hip as just found.
+        status: DeviceStatus of this tick's read.
+        last_age: Age of the data before this tick's [s].
+        dt: Tick [s].
+    """
+    state.jumped = 0
+    if status != _FRESH or state.readable == 0:
+        return
+    if state.placed == 1:
+        way = 0.0
+        for i in range(3):
+            way += (state.hip[i] - state.last_hip[i]) ** 2
+        reach = scene.velocity_limit * (last_age + dt + 1e-9 * scene.late_hold_ns) + scene.position_jump
+        state.jumped = 0 if way <= reach * reach else 1
+    state.placed = 1
+    copy(state.hip, state.last_hip)

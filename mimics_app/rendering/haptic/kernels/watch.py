@@ -1,0 +1,105 @@
+"""Live stability monitor: limit and margin of what is touched, and the energy of each contact."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mimics_app.contracts.haptic import SafetyState
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.acting import FREE_TIME, device_delay, own_damping
+from mimics_app.rendering.haptic.kernels.passivity import observe, reset_observer
+from mimics_app.rendering.haptic.kernels.stability import LARGEST_MARGIN, margin_of, stiffness_limit
+
+__all__ = ["felt_share", "watch_contact", "watch_margin"]
+
+_CALM_MARGIN = 0.05
+"""A margin that fell below 0 must rise above this before it is told again."""
+
+_ACTIVE = int(SafetyState.ACTIVE)
+_DEGRADED = int(SafetyState.DEGRADED)
+
+
+@kernel
+def _is_felt(state: Any) -> bool:
+    return state.safety == _ACTIVE or state.safety == _DEGRADED
+
+
+@kernel
+def felt_share(scene: Any, state: Any, totals: Any) -> float:
+    """Share 0-1 of the authored stiffness that is rendered: of touched shapes, else of the tunnel's wall."""
+    share = 1.0
+    if totals.touching > 0:
+        share = state.acting.shape_share
+    if scene.tunnel.pieces > 0 and (totals.touching == 0 or state.tunnel.penetration > 0.0):
+        share = min(share, state.acting.wall_share)
+    return share
+
+
+@kernel
+def watch_margin(scene: Any, state: Any, totals: Any, period: float) -> None:
+    """Stability limit and margin of what is rendered, for the measured period; tells when margin or stiffness is lost.
+
+    The wall of the tunnel counts before it is touched, shapes only while they are.
+    """
+    tunnel = scene.tunnel
+    own = own_damping(scene)
+    delay = device_delay(scene, state)
+    state.period = period
+    state.stiffness_limit = stiffness_limit(own + tunnel.damping, period, delay)
+    stiffness = state.acting.wall_share * tunnel.stiffness + tunnel.centring if tunnel.pieces > 0 else 0.0
+    state.margin = margin_of(state.stiffness_limit, stiffness)
+    if totals.touching > 0:
+        share = state.acting.shape_share
+        limit = stiffness_limit(own + share * totals.damping, period, delay)
+        margin = margin_of(limit, share * totals.stiffness)
+        if margin < state.margin or tunnel.pieces == 0:
+            state.margin = margin
+            state.stiffness_limit = limit
+    lost = _is_felt(state) and state.margin < 0.0 and state.warned == 0
+    state.margin_lost = 1 if lost else 0
+    if lost:
+        state.warned = 1
+    elif state.margin > _CALM_MARGIN:
+        state.warned = 0
+    state.stiffness_share = felt_share(scene, state, totals)
+
+
+@kernel
+def _follow_observer(state: Any, felt: bool, dt: float) -> None:
+    """Energy of the contacts by the passivity observer, from 0 at the begin of each."""
+    free = state.acting.free_ticks
+    if felt and free == 0 and state.in_touch == 0:
+        state.in_touch = 1
+        reset_observer(state.observer)
+    elif state.in_touch == 1 and (not felt or free * dt >= FREE_TIME):
+        state.in_touch = 0
+    observe(state.observer, state.hip_world, state.acting.contact)
+    state.least_energy = min(state.least_energy, state.observer.lowest)
+
+
+@kernel
+def watch_contact(state: Any, totals: Any, dt: float) -> None:
+    """Energy of the contacts, the worst of all, and when the cap begins to act.
+
+    Args:
+        state: STATE record.
+        totals: TOTALS record.
+        dt: Tick [s].
+    """
+    felt = _is_felt(state)
+    _follow_observer(state, felt, dt)
+    state.cap_began = 0
+    if not (felt and (state.in_touch == 1 or totals.touching > 0)):
+        state.capped = 0
+        return
+    if state.capped == 0 and state.stiffness_share < 1.0:
+        state.capped = 1
+        state.cap_began = 1
+    if state.touched == 0:
+        state.touched = 1
+        state.least_margin = LARGEST_MARGIN
+        state.least_limit = state.stiffness_limit
+        state.acting.least_share = 1.0
+    state.least_margin = min(state.least_margin, state.margin)
+    state.least_limit = min(state.least_limit, state.stiffness_limit)
+    state.acting.least_share = min(state.acting.least_share, state.stiffness_share)

@@ -1,0 +1,176 @@
+"""Every limit of the loop under an adversary: force, rate, power, commanded velocity, workspace, in one compiled loop.
+
+The adversary knows the numbers: NaN, infinities, sizes up to the largest float, jumps, stuck sensors, signs that
+alternate from tick to tick, lateness of every class. A law that breaks in one tick of a million fails the test.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from mimics_app.contracts.haptic import SAMPLE
+from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_LENGTH
+from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
+from mimics_app.rendering.haptic.kernels.kinematics import apply_jacobian
+from mimics_app.rendering.haptic.kernels.noise import seed_noise, uniform
+from mimics_app.rendering.haptic.kernels.state import new_state
+from mimics_app.rendering.haptic.kernels.tick import tick
+from mimics_app.rendering.haptic.kernels.vectors import norm
+from mimics_app.rendering.haptic.no_objects import NO_FIELDS, no_objects
+from mimics_app.rendering.haptic.objects import new_object_work
+from mimics_app.rendering.haptic.scene_block import default_scene
+from tests.support.haptic_bench import wavy
+
+LAWS = (
+    "everything sent is finite",
+    "force within its limit",
+    "force rises no faster than its limit",
+    "power within its limit",
+    "commanded speed within its limit",
+    "no command leads out of the workspace",
+    "too fast is stopped in the same tick",
+    "outside the workspace is stopped in the same tick",
+    "a jump is stopped in the same tick",
+    "what is not finite is stopped in the same tick",
+    "tank neither below empty nor above full",
+    "a contact owes no more than its limit",
+)
+
+HABITS = ("wander", "alternate", "stuck", "jump", "outside", "too fast", "not finite", "huge", "told late")
+
+BRAKE_TIME = 0.05
+"""[s], of limiter.brake_at_limits: a joint nears its limit no faster than room / time."""
+
+
+@kernel
+def _poison(noise):
+    kind = int(uniform(noise, 0) * 4.0)
+    if kind == 0:
+        return math.nan
+    if kind == 1:
+        return math.inf
+    return -math.inf if kind == 2 else 1e300 * (uniform(noise, 0) - 0.5)
+
+
+@kernel
+def _change_parameters(noise, scene):
+    scene.sequence += 1
+    scene.controller = 3 if uniform(noise, 0) < 0.8 else int(uniform(noise, 0) * 4.0)
+    scene.form = int(uniform(noise, 0) * 3.0)
+    scene.tunnel.stiffness = 10.0 ** (2.0 + 3.0 * uniform(noise, 0))
+    scene.tunnel.damping = 40.0 * uniform(noise, 0)
+    scene.tunnel.centring = 300.0 * uniform(noise, 0)
+    scene.tunnel.advance = 20.0 * uniform(noise, 0)
+    scene.virtual_damping = 20.0 * uniform(noise, 0)
+    scene.device_delay = 0.01 * uniform(noise, 0)
+    scene.force_limit = 5.0 + 100.0 * uniform(noise, 0)
+    scene.power_limit = 0.5 + 30.0 * uniform(noise, 0)
+    scene.force_rate_limit = 10.0 ** (2.0 + 3.0 * uniform(noise, 0))
+    scene.cap = int(uniform(noise, 0) * 2.0)
+    scene.passivity = int(uniform(noise, 0) * 2.0)
+    scene.tank_size = uniform(noise, 0)
+
+
+@kernel
+def _attack(seed, ticks, scenes, tables, objects, states, data, command, rows, broken, met):
+    """`broken` counts violated laws, `met` how often each habit began while the force was on."""
+    noise = np.zeros(1)
+    seed_noise(noise, 0, seed)
+    scene, state = scenes[0], states[0]
+    q, dq, v = np.zeros(3), np.zeros(3), np.zeros(3)
+    habit, left = 0, 0
+    for k in range(ticks):
+        last_force = norm(state.f_user_world)
+        was_acting = 2 <= state.safety <= 5
+        was_placed = was_acting and state.placed == 1
+        if k % 500 == 0:
+            _change_parameters(noise, scene)
+        if state.safety >= 6 and uniform(noise, 0) < 0.1:
+            scene.resets += 1
+            scene.sequence += 1
+        if left == 0:
+            strikes = state.safety == 4 and state.ramp == 1.0 and uniform(noise, 0) < 0.02
+            habit = 3 + int(uniform(noise, 0) * 6.0) if strikes else int(uniform(noise, 0) * 3.0)
+            left = 1 if habit >= 3 else 1 + int(uniform(noise, 0) * 60.0)
+            met[habit] += 1 if state.safety == 4 else 0
+        left -= 1
+        for i in range(3):
+            if habit == 1:
+                dq[i] = (1.0 if k % 2 == 0 else -1.0) * 0.6 * uniform(noise, 0)
+            elif habit != 2:
+                dq[i] += 0.1 * (uniform(noise, 0) - 0.5) - 0.05 * dq[i] - 0.02 * q[i]
+            q[i] = min(0.185, max(-0.185, q[i] + (0.0 if habit == 2 else 1e-3 * dq[i])))
+            data[i] = q[i]
+            data[3 + i] = dq[i]
+            data[6 + i] = 120.0 * (uniform(noise, 0) - 0.5) * (1.0 if habit != 1 else 10.0)
+        data[9], data[10], data[11], data[12] = 30.0 * uniform(noise, 0), 0.0, 0.0, 0.0
+        status, held, stopping = 0, 0, habit >= 3 and habit != 8
+        if habit == 3:
+            data[2] += 0.02 if q[2] < 0.0 else -0.02
+        elif habit == 4:
+            data[0] = 0.1901 if q[0] > 0.0 else -0.1901
+        elif habit == 5:
+            data[5] = 1.51
+        elif habit == 6 or habit == 7:
+            data[int(uniform(noise, 0) * 12.0)] = _poison(noise) if habit == 6 else 1e9 * (1.0 + uniform(noise, 0))
+        elif habit == 8:
+            held = 1 + int(uniform(noise, 0) * 2.0)
+            data[11] = 0.004 * uniform(noise, 0)
+            data[12] = 0.02 * uniform(noise, 0)
+        period = 1e-3 * (1.0 + uniform(noise, 0))
+        tick(
+            scene, tables, objects, no_objects, NO_FIELDS, state, data, status, 0, held, period, 1e-3, command, rows[0]
+        )
+
+        force = norm(state.f_user_world)
+        acting = state.safety < 6
+        total = force + norm(command[0:3]) + norm(command[3:6]) + state.acting.tank + state.acting.credit
+        broken[0] += 0 if math.isfinite(total) else 1
+        broken[1] += 1 if force > max(scene.force_limit, last_force if held == 1 else 0.0) * (1.0 + 1e-12) else 0
+        broken[2] += 1 if force > (last_force + scene.force_rate_limit * 1e-3) * (1.0 + 1e-12) else 0
+        power = 0.0
+        for i in range(3):
+            power += state.f_user_world[i] * state.v_world[i]
+        broken[3] += 1 if abs(power) > scene.power_limit * (1.0 + 1e-12) else 0
+        if acting:
+            apply_jacobian(state.q, scene.axis_offset, state.command, v)
+            broken[4] += 1 if norm(v) > scene.max_velocity * (1.0 + 1e-12) else 0
+            for i in range(3):
+                up = max(0.0, scene.joint_max[i] - state.q[i]) / BRAKE_TIME
+                down = max(0.0, state.q[i] - scene.joint_min[i]) / BRAKE_TIME
+                broken[5] += 0 if -down * (1.0 + 1e-12) <= state.command[i] <= up * (1.0 + 1e-12) else 1
+        if was_acting and acting and stopping:
+            broken[9 if habit >= 6 else 8 if habit == 3 and was_placed else 7 if habit == 4 else 6] += (
+                1 if habit != 3 or was_placed else 0
+            )
+        broken[10] += 0 if 0.0 <= state.acting.tank <= scene.tank_size else 1
+        broken[11] += 1 if acting and scene.passivity == 1 and state.acting.credit < -scene.energy_limit - 1.0 else 0
+
+
+def _run(seed: int, ticks: int) -> tuple[dict[str, int], dict[str, int]]:
+    scene = default_scene()
+    wavy().fill(scene[0]["tunnel"])
+    scene[0]["ramp_force"], scene[0]["ramp_time"] = 1000.0, 0.02
+    broken, met = np.zeros(len(LAWS), np.int64), np.zeros(len(HABITS), np.int64)
+    work = (np.zeros(DATA_LENGTH), np.zeros(COMMAND_LENGTH), np.zeros(1, SAMPLE))
+    tables, objects = new_rows(ObjectCapacities()), new_object_work(ObjectCapacities())
+    _attack(seed, ticks, scene, tables, objects, new_state(), *work, broken, met)
+    return dict(zip(LAWS, broken.tolist(), strict=True)), dict(zip(HABITS, met.tolist(), strict=True))
+
+
+def test_a_hundred_thousand_cases_break_no_limit():
+    broken, met = _run(11, 100_000)
+    assert broken == dict.fromkeys(LAWS, 0)
+    assert all(count >= 3 for count in met.values()), met  # each was tried against a force that was on
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(12, 17))
+def test_a_million_cases_break_no_limit(seed: int):
+    broken, met = _run(seed, 1_000_000)
+    assert broken == dict.fromkeys(LAWS, 0)
+    assert all(count >= 30 for count in met.values()), met

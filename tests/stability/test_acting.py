@@ -1,0 +1,239 @@
+"""What acts: the stiffness cap, the passivity controller and the energy tank, in the loop and in closed form."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mimics_app.contracts.haptic import EventKind, SafetyState, TripCause
+from mimics_app.lab.stability.s05b_energy_taken_back import UNLIMITED, given_by_taps
+from mimics_app.rendering.haptic.kernels.stability import contact_share, spring_share
+from mimics_app.rendering.haptic.kernels.tank import payable_share, settle_account
+from mimics_app.world.components_haptic import Robot
+from tests.support.haptic_bench import PUSH, Bench, glide, pushed_bench, script, scripted
+
+T = 1e-3
+OWN, WALL = 8.0, 20.0  # damping [N s/m] of the virtual mass and of the wall
+UNSTABLE = (2.0, 6.0)  # times the stiffness limit
+
+
+def _limit(damping: float, delay: float) -> float:
+    return damping / (0.5 * T + delay)
+
+
+def _pressed(stiffness: float, delay: float, **values: float) -> Bench:
+    """A scripted hand that presses 0.2 mm into the wall of a straight tunnel at tick 900, and leaves at 1100."""
+    rows = script(1200)
+    glide(rows, 850, 2, 0.0102)
+    glide(rows, 1100, 2, 0.0)
+    bench = scripted(rows)
+    bench.publish(tunnel__stiffness=stiffness, tunnel__damping=WALL, virtual_damping=OWN, device_delay=delay, **values)
+    return bench
+
+
+@pytest.mark.parametrize("delay", [1e-3, 4e-3, 12e-3])
+def test_a_wall_beyond_its_limit_is_rendered_with_the_margin_it_should_keep(delay: float):
+    stiffness = 3.0 * _limit(OWN + WALL, delay)
+    bench = _pressed(stiffness, delay)
+    rows = bench.advance(1200)
+    share = _limit(OWN + WALL, delay) / 1.2 / stiffness
+    assert rows["stiffness_share"] == pytest.approx(share, rel=1e-12)
+    assert rows["margin"] == pytest.approx(0.2, rel=1e-12)
+    assert np.linalg.norm(rows["f_user_world"][1000]) == pytest.approx(share * stiffness * 2e-4, rel=1e-9)
+    events = bench.engine.events()
+    capped = events[events["kind"] == EventKind.CAP]
+    assert len(capped) == 1 and capped["force"][0] == pytest.approx(share, rel=1e-6)
+    assert bench.engine.stability().stiffness_share == pytest.approx(share, rel=1e-12)
+
+
+def test_only_told_the_wall_stays_as_stiff_as_authored():
+    bench = _pressed(2.0 * _limit(OWN + WALL, 4e-3), 4e-3, cap=0)
+    rows = bench.advance(1200)
+    assert (rows["stiffness_share"] == 1.0).all() and rows["margin"][0] == pytest.approx(-0.5, rel=1e-12)
+    kinds = bench.engine.events()["kind"]
+    assert (kinds == EventKind.MARGIN).sum() == 1 and not (kinds == EventKind.CAP).any()
+
+
+def test_a_healthy_wall_is_left_alone():
+    bench = _pressed(0.5 * _limit(OWN + WALL, 4e-3), 4e-3)
+    assert (bench.advance(1200)["stiffness_share"] == 1.0).all()
+    assert not (bench.engine.events()["kind"] == EventKind.CAP).any()
+
+
+def test_a_contact_may_soften_but_never_stiffens_while_it_lasts():
+    """Stiffening under load would make 1/2 dK d^2 of energy: what comes back waits for free motion."""
+    stiffness = 1.5 * _limit(OWN + WALL, 4e-3)
+    bench = _pressed(stiffness, 4e-3)
+    bench.advance(950)
+    bench.publish(device_delay=8e-3)
+    soft = bench.advance(50)["stiffness_share"]
+    assert soft[-1] == pytest.approx(_limit(OWN + WALL, 8e-3) / 1.2 / stiffness)
+    bench.publish(device_delay=1e-3)
+    rows = bench.advance(200)
+    touching = rows["penetration"] > 0.0
+    assert touching[:50].all() and not touching[-1]
+    assert (rows["stiffness_share"][touching] == soft[-1]).all() and rows["stiffness_share"][-1] == 1.0
+
+
+@given(
+    stiffness=st.floats(10, 1e6), damping=st.floats(0, 100), own=st.floats(0, 100), lag=st.floats(1e-4, 0.1),
+    margin=st.floats(0, 1),
+)  # fmt: skip
+def test_shares_keep_the_margin_and_are_the_largest_that_do(
+    stiffness: float, damping: float, own: float, lag: float, margin: float
+):
+    share = contact_share(stiffness, damping, own, lag, margin)
+    assert 0.0 <= share <= 1.0
+    assert share * stiffness * lag * (1 + margin) <= (own + share * damping) * (1 + 1e-9)
+    more = 1.001 * share + 1e-9
+    assert share == 1.0 or more * stiffness * lag * (1 + margin) > own + more * damping
+    spring = spring_share(stiffness, (own + damping) / lag, margin)
+    assert spring * stiffness * (1 + margin) <= (own + damping) / lag * (1 + 1e-9)
+
+
+def _pushed(times: float, **values: float) -> tuple[np.ndarray, Bench]:
+    """A constant push by nobody's hand into a wall of so many times its limit, from 0.4 s on."""
+    robot = Robot(sensor_noise=0.0)
+    limit = WALL / (T + 1.0 / (2.0 * math.pi * robot.servo_bandwidth_hz))
+    bench = pushed_bench(robot)
+    bench.publish(tunnel__stiffness=times * limit, tunnel__damping=WALL, virtual_damping=0.0, tunnel__drag=0.0)
+    bench.publish(max_acceleration=1e3, velocity_limit=10.0, power_limit=1e6, energy_limit=1e6, **values)
+    bench.advance(900)
+    bench.engine.plugin.memory[PUSH + 2] = 10.0
+    return bench.advance(4300), bench
+
+
+def _swing(rows: np.ndarray) -> tuple[float, float]:
+    """In the first second and in the fourth [m]."""
+    height = rows["hip_world"][:, 1]
+    return float(np.ptp(height[300:1300])), float(np.ptp(height[3300:]))
+
+
+@pytest.mark.parametrize("times", UNSTABLE)
+def test_the_cap_brings_an_unstable_wall_to_rest(times: float):
+    wild, _ = _pushed(times, cap=0, passivity=0)
+    calm, _ = _pushed(times, cap=1, passivity=0)
+    assert _swing(wild)[1] > 0.08 and _swing(calm)[1] < 0.25 * _swing(calm)[0]
+    assert calm["margin"].min() == pytest.approx(0.2, rel=1e-9)
+
+
+@pytest.mark.parametrize("times", UNSTABLE)
+def test_the_passivity_controller_makes_no_energy_where_the_wall_swings_up(times: float):
+    """Without it the wall gives the virtual mass 0.1 J and more; with it next to nothing, and the swing never grows."""
+    wild, _ = _pushed(times, cap=0, passivity=0)
+    tame, bench = _pushed(times, cap=0, passivity=1)
+    assert wild["credit"].min() < -0.1 and wild["passivity"].max() == 0.0
+    assert tame["credit"].min() > -1e-3
+    early, late = _swing(tame)
+    assert late < 1.01 * early < 0.06
+    assert bench.engine.stability().passivity_ticks == (tame["passivity"] > 0.0).sum() > 20
+
+
+def test_the_handle_alone_would_not_show_it():
+    """Why the virtual mass is watched: at the measured position the wall that swings up has taken energy."""
+    wild, _ = _pushed(2.0, cap=0, passivity=0)
+    assert wild["energy"].min() >= 0.0 and wild["credit"].min() < -0.1
+
+
+@settings(max_examples=20, deadline=None)
+@given(speed=st.floats(0.02, 0.5), ticks=st.floats(4, 200), stiffness=st.floats(100, 5000))
+def test_with_the_controller_a_tap_draws_nothing(speed: float, ticks: float, stiffness: float):
+    """From four ticks in on; a hand that turns sooner turns before it has paid for the force it meets."""
+    depth = ticks * speed * T
+    _, worst, taken = given_by_taps(speed, depth, UNLIMITED, stiffness)
+    assert worst <= 1e-15 and 0.0 < taken < stiffness * depth
+
+
+def test_a_damped_wall_needs_no_controller():
+    """b > K T / 2: the force is the authored one in every tick."""
+    _, worst, taken = given_by_taps(0.1, 3e-3, UNLIMITED, 2000.0, 1.1)
+    assert worst < 0.0 and taken == 0.0
+
+
+def _advanced(size: float, refill: float = 0.0, seconds: float = 2.0) -> np.ndarray:
+    """A tunnel whose assistance of 5 N drives nobody's hand, with an energy tank."""
+    bench = pushed_bench(Robot(sensor_noise=0.0))
+    bench.publish(tank_size=size, tank_refill=refill, tank_return=0.0, tunnel__drag=0.0, virtual_damping=0.0)
+    bench.advance(600)
+    bench.publish(tunnel__advance=4.0)
+    return bench.advance(round(1000 * seconds))
+
+
+def _work(rows: np.ndarray) -> float:
+    """Of the force felt on the virtual mass [J]; robot axes x, y, z are world z, x, y."""
+    v = rows["v_virtual"][:, [1, 2, 0]]
+    return float(np.sum(rows["f_user_world"][1:] * 0.5 * (v[:-1] + v[1:])) * T)
+
+
+def test_assistance_ends_with_the_tank_and_softly():
+    rows = _advanced(0.05, seconds=0.9)
+    force = np.linalg.norm(rows["f_user_world"], axis=1)
+    assert 0.8 * 0.05 < _work(rows) <= 0.05 * (1 + 1e-9)
+    assert force.max() == pytest.approx(4.0, rel=1e-6) and force[-1] < 0.5
+    assert np.abs(np.diff(force[100:])).max() < 0.1
+    assert (rows["tank"] >= 0.0).all() and rows["tank_share"].min() < 0.1
+
+
+def test_a_full_tank_pays_all():
+    rows = _advanced(5.0, seconds=0.5)
+    assert (rows["tank_share"] == 1.0).all()
+
+
+@given(level=st.floats(0, 10), power=st.floats(-100, 100), inflow=st.floats(0, 5), size=st.floats(0, 10))
+def test_no_tick_overdraws_the_tank(level: float, power: float, inflow: float, size: float):
+    level = min(level, size)
+    share = payable_share(level, power, inflow)
+    assert 0.0 <= share <= 1.0 and (power > 0.0 or share == 1.0)
+    assert level - share * power * T + inflow * T >= -1e-12
+    assert 0.0 <= settle_account(level, share * power * T, inflow, size, T) <= size
+
+
+# what stops the loop
+
+
+def _jumping(way: float, *, silent: int = 0) -> np.ndarray:
+    rows = script(600)
+    rows[400:, 2] = way
+    rows[400 - silent : 400, -1] = 1.0
+    return scripted(rows, straight=None).advance(600)
+
+
+def test_a_position_that_jumps_stops_the_loop_although_the_told_velocity_stays():
+    """Reach: 1.5 m/s for the tick and 2 ms of lateness that nothing else notices, and 1 mm."""
+    assert _jumping(0.0054)["state"][-1] == SafetyState.ACTIVE
+    rows = _jumping(0.0056)
+    assert rows["state"][399] == SafetyState.ACTIVE
+    assert rows["state"][400] == SafetyState.SAFE_STOP and rows["cause"][400] == TripCause.JUMP
+    assert (rows["f_user_world"][400:] == 0.0).all()
+
+
+def test_after_a_silence_the_position_may_be_further_away():
+    assert _jumping(0.0125, silent=5)["state"][-1] == SafetyState.ACTIVE
+    assert _jumping(0.0131, silent=5)["cause"][-1] == TripCause.JUMP
+
+
+def test_one_contact_that_gives_too_much_stops_the_loop():
+    """A tap of 10 mm at 0.1 m/s draws K T v d = 2 mJ from an undamped wall of 2 kN/m; the limit is 1 mJ."""
+    rows = script(1500)
+    glide(rows, 600, 2, 0.02, 200)
+    glide(rows, 800, 2, 0.0, 200)
+    for limit, state in ((1.5e-3, SafetyState.SAFE_STOP), (2.5e-3, SafetyState.ACTIVE)):
+        bench = scripted(rows)
+        bench.publish(tunnel__damping=0.0, tunnel__drag=0.0, tunnel__drag_growth=0.0, energy_limit=limit)
+        samples = bench.advance(1500)
+        assert samples["state"][-1] == state
+    assert samples["energy"].min() == pytest.approx(-2e-3, rel=0.05)
+
+
+def test_silence_is_told_once_when_it_begins():
+    rows = script(600)
+    rows[300:308, -1] = 1.0
+    rows[400:402, -1] = 1.0
+    bench = scripted(rows)
+    bench.advance(600)
+    events = bench.engine.events()
+    assert [int(e["tick"]) for e in events if e["kind"] == EventKind.STALE] == [303]
