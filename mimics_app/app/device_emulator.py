@@ -8,7 +8,7 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Protocol
 
@@ -27,7 +27,7 @@ from mimics_app.world.scene_file import build_world
 
 __all__ = ["EMULATED", "EmulatorSettings", "open_emulator", "serve"]
 
-EMULATED = ("serial",)
+EMULATED = ("serial", "hapticmaster")
 
 _STEP_NS = 1_000_000
 _LATEST_NS = 20_000_000
@@ -60,11 +60,15 @@ class EmulatorSettings:
         scene: Scene whose way the person knows and whose robot it is; None: a relaxed arm on the usual robot.
         patient: Preset instead of the scene's; "" keeps it.
         seed: Of everything random.
+        port: A hapticmaster listens on; 0: any that is free.
+        delay_ms: Its answers wait before they leave [ms].
     """
 
     scene: Path | None = None
     patient: str = ""
     seed: int = 1
+    port: int = 0
+    delay_ms: int = 0
 
 
 @contextmanager
@@ -80,7 +84,7 @@ def open_emulator(name: str, settings: EmulatorSettings) -> Iterator[Emulator]:
         raise UsageError(f'there is no emulator of "{name}"', nearest(name, EMULATED))
     request = _request(settings)
     with tempfile.TemporaryDirectory(prefix="mimics-") as folder:
-        emulator = _open(request, Path(folder), settings.seed)
+        emulator = _open(name, request, Path(folder), settings)
         try:
             yield emulator
         finally:
@@ -133,13 +137,21 @@ class _Orders:
         return True
 
 
-def _open(request: DeviceRequest, folder: Path, seed: int) -> Emulator:
+def _open(name: str, request: DeviceRequest, folder: Path, settings: EmulatorSettings) -> Emulator:
+    from mimics_app.rendering.haptic.devices.emulators.hapticmaster import HapticMasterEmulator
+    from mimics_app.rendering.haptic.devices.emulators.hapticmaster_machine import RATE
     from mimics_app.rendering.haptic.devices.emulators.serial_robot import SerialRobotEmulator
     from mimics_app.rendering.haptic.devices.simulated_hapticmaster import build_simulated_hapticmaster
 
+    if name == "hapticmaster":
+        machine = build_simulated_hapticmaster(replace(request, rate=RATE))
+        try:
+            return HapticMasterEmulator(machine, settings.delay_ms, settings.seed, settings.port)
+        except OSError as failure:
+            raise DeviceError(f"port {settings.port} cannot be listened on: {failure.strerror}") from failure
     if not hasattr(os, "openpty"):
         raise DeviceError("this system has no pseudo-terminals", "emulate on Linux or macOS")
-    return SerialRobotEmulator(build_simulated_hapticmaster(request), folder / "robot", seed)
+    return SerialRobotEmulator(build_simulated_hapticmaster(request), folder / "robot", settings.seed)
 
 
 def _request(settings: EmulatorSettings) -> DeviceRequest:

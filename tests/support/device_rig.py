@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic.devices.emulators.faults import apply_order
+from mimics_app.rendering.haptic.devices.emulators.hapticmaster import HapticMasterEmulator
+from mimics_app.rendering.haptic.devices.emulators.hapticmaster_machine import RATE
 from mimics_app.rendering.haptic.devices.emulators.serial_robot import SerialRobotEmulator
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
@@ -95,5 +97,16 @@ def pushed_serial_rig(folder: Path) -> Iterator[Rig]:
     )
     try:
         yield Rig(emulator, "serial")
+    finally:
+        emulator.close()
+
+
+@contextmanager
+def hapticmaster_rig(**options: Any) -> Iterator[Rig]:
+    """An emulated HapticMaster on a loopback socket, held by a relaxed arm."""
+    plugin = build_simulated_hapticmaster(DeviceRequest(robot=Robot(delay_ticks=0, sensor_noise=0.0), rate=RATE))
+    emulator = HapticMasterEmulator(plugin, **options)
+    try:
+        yield Rig(emulator, "hapticmaster")
     finally:
         emulator.close()

@@ -12,7 +12,7 @@ from mimics_app.contracts.loop_ports import READ, WRITE, DevicePlugin
 from mimics_app.rendering.haptic.devices.conformance import CHECKS, Finding, check_device
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.world.components_haptic import Patient, Robot
-from tests.support.device_rig import serial_rig
+from tests.support.device_rig import hapticmaster_rig, serial_rig
 from tests.support.haptic_bench import patient_bench
 
 NEEDS_FAULTS = {
@@ -159,3 +159,10 @@ def test_a_device_that_cannot_be_closed_twice_fails():
 
     plugin = DevicePlugin("once", stand, write_nothing, np.zeros(1), close, follows="nothing")
     assert _verdicts(check_device(plugin)) == {"closes twice": "OSError: closed already"}
+
+
+def test_the_hapticmaster_conforms_with_all_its_faults():
+    with hapticmaster_rig() as rig:
+        findings = check_device(rig.build(), other_side=rig)
+    assert _verdicts(findings) == {}
+    assert {one.verdict for one in findings} == {"passed"}

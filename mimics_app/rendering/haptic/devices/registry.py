@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.errors import DeviceError, nearest
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic.devices.address import split_device
+from mimics_app.rendering.haptic.devices.device_objects import DeviceObject
 from mimics_app.rendering.haptic.devices.pointer import build_pointer
 from mimics_app.rendering.haptic.devices.replay import build_replay
 from mimics_app.rendering.haptic.devices.request import DeviceBuilder, DeviceRequest
@@ -33,15 +34,29 @@ def _build_serial(request: DeviceRequest) -> DevicePlugin:
     return build_serial(request)
 
 
+def _build_hapticmaster(request: DeviceRequest) -> DevicePlugin:
+    """A HapticMaster on the network, by its own commands."""
+    from mimics_app.rendering.haptic.devices.hapticmaster_port import build_hapticmaster
+
+    return build_hapticmaster(request)
+
+
 BUILT_IN: dict[str, DeviceBuilder] = {
     "simulated_hapticmaster": build_simulated_hapticmaster,
     "pointer": build_pointer,
     "replay": build_replay,
     "serial": _build_serial,
+    "hapticmaster": _build_hapticmaster,
 }
 """Devices that come with the product. A plug-in cannot take one of these names."""
 
-_ADDRESSES = {"simulated_hapticmaster": "", "pointer": "", "replay": "", "serial": "PORT[@BAUD]"}
+_ADDRESSES = {
+    "simulated_hapticmaster": "",
+    "pointer": "",
+    "replay": "",
+    "serial": "PORT[@BAUD]",
+    "hapticmaster": "HOST[:PORT]",
+}
 """What stands behind the colon of a built-in device's name; "": nothing may. Plug-ins judge theirs themselves."""
 
 
@@ -98,6 +113,7 @@ def build_device(
     rate: int = 1000,
     start_joints: tuple[float, float, float] = (0.0, 0.0, 0.0),
     samples: NDArray[np.void] | None = None,
+    objects: tuple[DeviceObject, ...] = (),
 ) -> DevicePlugin:
     """Build the device a scene asks for.
 
@@ -110,6 +126,7 @@ def build_device(
         rate: Ticks per second.
         start_joints: Where a simulated robot stands at first [m, rad, m].
         samples: SAMPLE rows, for the replay device.
+        objects: What a robot that renders objects by itself should make, robot frame.
 
     Raises:
         DeviceError: No such device, or it cannot be had.
@@ -124,6 +141,7 @@ def build_device(
         start_joints=start_joints,
         samples=samples,
         address=split_device(robot.device).address,
+        objects=objects,
     )
     check_device_name(robot.device)
     return find_builder(split_device(robot.device).name)(request)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.loop_ports import DevicePlugin
+from mimics_app.rendering.haptic.devices.device_objects import DeviceObject
 
 if TYPE_CHECKING:
     from mimics_app.world.components_haptic import Patient, Robot
@@ -34,6 +35,7 @@ class DeviceRequest:
         start_joints: Where a simulated robot stands at first [m, rad, m].
         samples: SAMPLE rows for the replay device.
         address: Where the device is, as the person wrote it after the name's colon; "" when nothing was said.
+        objects: What a robot that renders objects by itself should make, robot frame.
     """
 
     robot: Robot
@@ -44,6 +46,7 @@ class DeviceRequest:
     start_joints: tuple[float, float, float] = (0.0, 0.0, 0.0)
     samples: NDArray[Any] | None = None
     address: str = ""
+    objects: tuple[DeviceObject, ...] = ()
 
 
 DeviceBuilder = Callable[[DeviceRequest], DevicePlugin]

@@ -1,0 +1,131 @@
+"""Decimal numbers as ASCII, written and read by compiled code without taking memory.
+
+Reading is exact, the float64 that Python's float() gives, for up to 15 significant digits and powers of ten to 22:
+there digits and power are both float64 numbers and one division or multiplication rounds once (Clinger, How to read
+floating point numbers accurately, PLDI 1990). More digits cost at most 2 units in the last place; the 19th and all
+behind it are cut off.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+
+__all__ = ["read_number", "write_fixed", "write_whole"]
+
+Bytes = NDArray[np.uint8]
+
+_ZERO, _NINE = ord("0"), ord("9")
+_MINUS, _PLUS, _POINT = ord("-"), ord("+"), ord(".")
+_E_SMALL, _E_LARGE = ord("e"), ord("E")
+_MOST_DIGITS = 18
+_MOST_POWER = 22
+_POWERS = 10.0 ** np.arange(_MOST_POWER + 1)
+_LARGEST = 9.0e12
+
+
+@kernel
+def write_whole(value: int, text: Bytes, at: int) -> int:
+    """A whole number, not negative, into text[at:]; where it ends."""
+    size = 1
+    rest = value // 10
+    while rest > 0:
+        rest //= 10
+        size += 1
+    for i in range(size):
+        text[at + size - 1 - i] = _ZERO + value % 10
+        value //= 10
+    return at + size
+
+
+@kernel
+def write_fixed(value: float, decimals: int, text: Bytes, at: int) -> int:
+    """A number with a fixed count of decimals (0 to 9), rounded half up, into text[at:]; where it ends.
+
+    Nothing finite is larger than 9e12 here; what is, or is not finite, is written as 0.
+    """
+    scale = _POWERS[decimals]
+    if not abs(value) * scale < _LARGEST * 1e3:
+        value = 0.0
+    digits = int(abs(value) * scale + 0.5)
+    if value < 0.0 and digits > 0:
+        text[at] = _MINUS
+        at += 1
+    unit = int(scale)
+    at = write_whole(digits // unit, text, at)
+    if decimals > 0:
+        text[at] = _POINT
+        rest = digits % unit
+        for i in range(decimals):
+            text[at + decimals - i] = _ZERO + rest % 10
+            rest //= 10
+        at += 1 + decimals
+    return at
+
+
+@kernel
+def _is_digit(text: Bytes, at: int, end: int) -> bool:
+    return at < end and _ZERO <= text[at] <= _NINE
+
+
+@kernel
+def _read_exponent(text: Bytes, at: int, end: int) -> tuple[int, int]:
+    """(power of ten, where it ends) of e+12 at text[at:]; (0, at) where none stands."""
+    if at >= end or (text[at] != _E_SMALL and text[at] != _E_LARGE):
+        return 0, at
+    place = at + 1
+    negative = place < end and text[place] == _MINUS
+    if place < end and (text[place] == _MINUS or text[place] == _PLUS):
+        place += 1
+    if not _is_digit(text, place, end):
+        return 0, at
+    power = 0
+    while _is_digit(text, place, end):
+        power = min(9999, power * 10 + int(text[place]) - _ZERO)
+        place += 1
+    return -power if negative else power, place
+
+
+@kernel
+def _times_power(value: float, power: int) -> float:
+    """Value * 10^power in steps that are exact where one step is enough."""
+    while power > 0 and value != 0.0 and value < 1e300:
+        step = min(power, _MOST_POWER)
+        value *= _POWERS[step]
+        power -= step
+    while power < 0 and value != 0.0:
+        step = min(-power, _MOST_POWER)
+        value /= _POWERS[step]
+        power += step
+    return value
+
+
+@kernel
+def read_number(text: Bytes, at: int, end: int) -> tuple[float, int]:
+    """(value, where it ends) of the number that begins at text[at:end]; (0, at) when none does."""
+    place = at
+    negative = place < end and text[place] == _MINUS
+    if place < end and (text[place] == _MINUS or text[place] == _PLUS):
+        place += 1
+    digits, count, power, seen, behind_point = 0, 0, 0, 0, 0
+    while place < end:
+        if _is_digit(text, place, end):
+            seen += 1
+            if count < _MOST_DIGITS:
+                digits = digits * 10 + int(text[place]) - _ZERO
+                count += 1 if digits > 0 else 0
+                power -= behind_point
+            else:
+                power += 1 - behind_point
+        elif text[place] == _POINT and behind_point == 0:
+            behind_point = 1
+        else:
+            break
+        place += 1
+    if seen == 0:
+        return 0.0, at
+    exponent, place = _read_exponent(text, place, end)
+    value = _times_power(float(digits), power + exponent)
+    return -value if negative else value, place

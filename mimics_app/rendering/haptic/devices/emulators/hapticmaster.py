@@ -1,0 +1,146 @@
+"""A HapticMaster that is not there: its network interface on a loopback socket, with a simulated person on it."""
+
+from __future__ import annotations
+
+import socket
+from contextlib import suppress
+
+import numpy as np
+
+from mimics_app.contracts.loop_ports import DevicePlugin
+from mimics_app.rendering.haptic.devices.emulators.faults import Faults
+from mimics_app.rendering.haptic.devices.emulators.hapticmaster_model import HapticMasterModel
+
+__all__ = ["HapticMasterEmulator"]
+
+_HEADER = 8
+_MOST = 1 << 16
+
+
+class HapticMasterEmulator:
+    """One client at a time, as the machine has it.
+
+    Attributes:
+        faults: What it does wrong now.
+        model: The machine behind the socket.
+        commands: Frames it has taken.
+
+    Args:
+        plugin: Simulated robot and person, built for 2500 ticks per second.
+        delay_steps: Milliseconds each answer waits before it leaves: a slower network.
+        seed: Of random bytes.
+        port: To listen on; 0: any that is free.
+        calibrated: False: the program must have it search the ends of its axes first.
+    """
+
+    def __init__(
+        self, plugin: DevicePlugin, delay_steps: int = 0, seed: int = 0, port: int = 0, *, calibrated: bool = True
+    ) -> None:
+        self.faults = Faults()
+        self.model = HapticMasterModel(plugin, calibrated=calibrated)
+        self.commands = 0
+        self._delay = delay_steps
+        self._random = np.random.default_rng(seed)
+        self._waiting: list[tuple[int, bytes]] = []
+        self._heard = b""
+        self._step = 0
+        self._client: socket.socket | None = None
+        self._listener: socket.socket | None = None
+        self._port = port
+        self._listen()
+
+    @property
+    def address(self) -> str:
+        """What to write behind `hapticmaster:`."""
+        return f"127.0.0.1:{self._port}"
+
+    def step(self) -> None:
+        """One millisecond: hear, move, answer."""
+        self._follow_plug()
+        self._hear()
+        self.model.step()
+        self._step += 1
+        self._tell()
+
+    def greet(self) -> None:
+        """Answer without moving, while a program is being started."""
+        self._follow_plug()
+        self._hear()
+        if self.model.state == "init":
+            self.model.step()
+        self._tell(at_once=True)
+
+    def close(self) -> None:
+        """Take the socket away."""
+        self._hang_up()
+        if self._listener is not None:
+            self._listener.close()
+            self._listener = None
+        self.model.plugin.close()
+
+    def _listen(self) -> None:
+        self._listener = socket.create_server(("127.0.0.1", self._port), reuse_port=False)
+        self._listener.setblocking(False)
+        self._port = int(self._listener.getsockname()[1])
+
+    def _follow_plug(self) -> None:
+        if self.faults.plugged and self._listener is None:
+            self._listen()
+        elif not self.faults.plugged and self._listener is not None:
+            self._hang_up()
+            self._listener.close()
+            self._listener = None
+
+    def _hang_up(self) -> None:
+        if self._client is not None:
+            self._client.close()
+            self._client = None
+            self.model.let_go()
+        self._heard = b""
+        self._waiting.clear()
+
+    def _hear(self) -> None:
+        if self._client is None and self._listener is not None:
+            with suppress(BlockingIOError):
+                self._client, _ = self._listener.accept()
+                self._client.setblocking(False)
+                self._client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        if self._client is None:
+            return
+        try:
+            got = self._client.recv(_MOST)
+        except BlockingIOError:
+            return
+        except OSError:
+            got = b""
+        if not got:
+            self._hang_up()
+            return
+        if not self.faults.deaf:
+            self._heard += got
+            self._obey()
+
+    def _obey(self) -> None:
+        while len(self._heard) >= _HEADER:
+            length = int.from_bytes(self._heard[:4], "big")
+            if len(self._heard) < _HEADER + length:
+                return
+            text = self._heard[_HEADER : _HEADER + length].decode("ascii", "replace")
+            self._heard = self._heard[_HEADER + length :]
+            self.commands += 1
+            answer = self.model.answer(text).encode("ascii", "replace")
+            frame = len(answer).to_bytes(4, "big") + bytes(4) + answer
+            self._waiting.append((self._step + self._delay, frame))
+
+    def _tell(self, *, at_once: bool = False) -> None:
+        if self._client is None:
+            return
+        leaves = b""
+        while self._waiting and (at_once or self._waiting[0][0] < self._step):
+            leaves += self._waiting.pop(0)[1]
+        sent = self.faults.spoil(leaves, self._random)
+        if sent:
+            try:
+                self._client.sendall(sent)
+            except OSError:  # nobody takes it any more
+                self._hang_up()

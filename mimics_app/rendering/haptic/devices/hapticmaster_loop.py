@@ -1,0 +1,319 @@
+"""A HapticMaster on the network (hapticmaster:HOST[:PORT]): the loop's side, sending and receiving by itself.
+
+The machine runs its own admittance control at 2500 Hz: it moves the virtual mass that was set by the force it measures
+and by a bias force that comes from here each tick.
+
+    force stream   while ACTIVE the bias force is the virtual force of this program
+    objects        the machine renders the scene's objects itself; the bias force is zero while ACTIVE
+    otherwise      (driving to a start) a velocity servo: bias force = gain (velocity wanted - velocity told), limited
+
+Questions and answers come in order, so that the n-th answer tells when the n-th command was taken: the round trip. At
+most LARGEST_AHEAD questions are under way; a machine that answers more slowly is asked less often.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.descriptors import HUNG_UP, READABLE, look_at, receive_bytes, send_bytes
+from mimics_app.contracts.haptic import SafetyState
+from mimics_app.contracts.kernel import kernel, typed_kernel
+from mimics_app.contracts.loop_ports import (
+    COMMAND_DQ,
+    COMMAND_ENABLED,
+    COMMAND_FORCE,
+    COMMAND_LENGTH,
+    COMMAND_STATE,
+    DATA_AGE,
+    DATA_BUTTONS,
+    DATA_DELAY,
+    DATA_DQ,
+    DATA_FORCE,
+    DATA_GRASP,
+    DATA_Q,
+    INBOX_ACTIVE,
+    INBOX_BUTTONS,
+    INBOX_GRASP,
+    INBOX_LENGTH,
+    INBOX_TARGET,
+    INBOX_TRIAL,
+    READ,
+    WRITE,
+)
+from mimics_app.rendering.haptic.devices.hapticmaster_text import (
+    ERROR,
+    HEADER,
+    NUMBER,
+    VECTOR,
+    frame_length,
+    put_text,
+    put_vector,
+    seal_text,
+    take_answer,
+)
+from mimics_app.rendering.haptic.devices.link import LINK_LENGTH, drop_link, link_words, take_link
+from mimics_app.rendering.haptic.devices.round_trip import (
+    TRIP_LENGTH,
+    delay_of,
+    note_answer,
+    note_sent,
+    reset_trips,
+    silent_for,
+    worst_trip,
+)
+from mimics_app.rendering.haptic.kernels.kinematics import (
+    apply_inverse_jacobian,
+    apply_jacobian,
+    inverse,
+    robot_to_tool,
+)
+from mimics_app.rendering.haptic.kernels.vectors import all_finite, clamp_norm, fill
+
+__all__ = [
+    "ANSWERED",
+    "AXIS_OFFSET",
+    "EMULATED",
+    "ERRORS",
+    "GAIN",
+    "HAPTICMASTER_LENGTH",
+    "LARGEST_AHEAD",
+    "OBJECTS",
+    "OWN_DELAY",
+    "SKIPPED",
+    "TICK",
+    "read_hapticmaster",
+    "write_hapticmaster",
+]
+
+Bytes = NDArray[np.uint8]
+Vec = NDArray[np.float64]
+
+LARGEST_AHEAD = 8
+
+TRIPS = LINK_LENGTH
+TICK = TRIPS + TRIP_LENGTH  # [s]
+AXIS_OFFSET = TICK + 1  # d1 [m]
+GAIN = TICK + 2  # of the velocity servo [N s/m]
+OBJECTS = TICK + 3  # 1: the machine renders the objects itself
+OWN_DELAY = TICK + 4  # of the machine [s]
+EMULATED = TICK + 5  # 1: a simulated person is on it, who can be shown the screen and told of their grasp
+ANSWERED = TICK + 6  # frames that came
+ERRORS = TICK + 7  # answers that said so
+SKIPPED = TICK + 8  # commands that were not sent because too many were under way
+_ENABLED = TICK + 9  # what the machine was told last
+_FILL = TICK + 10  # bytes in the buffer
+_GRASP = TICK + 11  # [N]
+_SHOWN = TICK + 12  # tick of the last look at the screen
+_PENDING = TICK + 13  # bytes of the last frame not taken yet
+_TAKEN = TICK + 14  # bytes of it that were
+_Q = TICK + 15  # last joints
+_X = _Q + 3  # last position, velocity and force, robot frame
+_WORK = _X + 9
+_NOW = _WORK + 6
+_TOLD = _NOW + INBOX_LENGTH
+_OUT = _TOLD + INBOX_LENGTH
+_OUT_PLACES = 48
+_IN = _OUT + _OUT_PLACES
+_IN_PLACES = 512
+_POLL = _IN + _IN_PLACES
+HAPTICMASTER_LENGTH = _POLL + 1
+
+_FRESH, _NO_DATA, _FAULT = 0, 1, 2
+_ACTIVE = int(SafetyState.ACTIVE)
+
+_DEAF = 50
+_SCREEN_EVERY = 16
+_LARGEST_DRIVE = 40.0
+"""Of the velocity servo [N]: a person's hand may be on the handle."""
+
+_DECIMALS = 4
+
+
+def _words(text: str) -> Bytes:
+    return np.frombuffer(text.encode("ascii"), np.uint8)
+
+
+_START = _words("set state force;")
+_STOP = _words("set state stop;")
+_BIAS = _words("set mimics force ")
+_ASK = _words(";get modelpos;get modelvel;get measforce")
+_ASK_GRASP = _words(";get grasp")
+_PERSON = _words(";set person ")
+
+
+@kernel
+def _fill_buffer(memory: Vec, fd: int) -> bool:
+    """Take what came; False when the other side is gone."""
+    buffer = memory[_IN : _IN + _IN_PLACES].view(np.uint8)
+    seen = look_at(fd, memory[_POLL : _POLL + 1].view(np.int32))
+    if seen == READABLE:
+        start = int(memory[_FILL])
+        got = receive_bytes(fd, buffer, start, buffer.shape[0] - start)
+        if got == 0:
+            return False
+        memory[_FILL] = float(start + max(0, got))
+    return seen != HUNG_UP
+
+
+@kernel
+def _take_text(memory: Vec, begin: int, end: int) -> int:
+    """One frame of answers; FRESH when all of position, velocity and force stood in it, FAULT after an error."""
+    buffer = memory[_IN : _IN + _IN_PLACES].view(np.uint8)
+    values, found = memory[_WORK : _WORK + 3], 0
+    while begin < end:
+        kind, begin = take_answer(buffer, begin, end, values)
+        if kind == ERROR:
+            memory[ERRORS] += 1.0
+            return _FAULT
+        if kind == VECTOR and found < 3:
+            memory[_X + 3 * found : _X + 3 * found + 3] = values
+            found += 1
+        elif kind == NUMBER:
+            memory[_GRASP] = values[0]
+    return _FRESH if found == 3 else _NO_DATA
+
+
+@kernel
+def _take_frames(memory: Vec, tick: int) -> int:
+    """All whole frames; FRESH, NO_DATA or FAULT, -1 when what comes are no frames."""
+    buffer = memory[_IN : _IN + _IN_PLACES].view(np.uint8)
+    begin, end = 0, int(memory[_FILL])
+    status = _NO_DATA
+    length = frame_length(buffer, begin, end)
+    while length > 0:
+        told = _take_text(memory, begin + HEADER, begin + length)
+        status = told if told == _FAULT or status == _NO_DATA else status
+        memory[ANSWERED] += 1.0
+        note_answer(memory[TRIPS : TRIPS + TRIP_LENGTH], int(memory[ANSWERED]), tick)
+        begin += length
+        length = frame_length(buffer, begin, end)
+    for i in range(end - begin):
+        buffer[i] = buffer[begin + i]
+    memory[_FILL] = float(end - begin)
+    return -1 if length < 0 else status
+
+
+@kernel
+def _fill_data(memory: Vec, data: Vec) -> None:
+    """Position, velocity and force of the robot frame as joints and tool frame."""
+    q, d1 = memory[_Q : _Q + 3], memory[AXIS_OFFSET]
+    inverse(memory[_X : _X + 3], d1, q)
+    data[DATA_Q : DATA_Q + 3] = q
+    apply_inverse_jacobian(q, d1, memory[_X + 3 : _X + 6], data[DATA_DQ : DATA_DQ + 3])
+    robot_to_tool(q, memory[_X + 6 : _X + 9], data[DATA_FORCE : DATA_FORCE + 3])
+    now = memory[_NOW : _NOW + INBOX_LENGTH]
+    data[DATA_GRASP] = max(0.0, memory[_GRASP] if memory[EMULATED] == 1.0 else now[INBOX_GRASP])
+    data[DATA_BUTTONS] = max(0.0, now[INBOX_BUTTONS])
+    trips, dt = memory[TRIPS : TRIPS + TRIP_LENGTH], memory[TICK]
+    data[DATA_AGE] = 0.5 * dt * max(0.0, worst_trip(trips) - 1.0)
+    data[DATA_DELAY] = delay_of(trips, memory[OWN_DELAY], dt)
+
+
+@typed_kernel(READ)
+def read_hapticmaster(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
+    """What the machine answered since the last tick; FAULT without a line, after an error, or when it is silent."""
+    words = link_words(memory)
+    trips = memory[TRIPS : TRIPS + TRIP_LENGTH]
+    fd, is_new = take_link(words)
+    if fd < 0:
+        return _FAULT
+    if is_new:
+        reset_trips(trips)
+        memory[ANSWERED] = memory[_FILL] = memory[_PENDING] = memory[_ENABLED] = 0.0
+        memory[_TOLD] = math.nan
+    for i in range(INBOX_LENGTH):
+        memory[_NOW + i] = inbox[i] if math.isfinite(inbox[i]) else 0.0
+    status = _take_frames(memory, tick) if _fill_buffer(memory, fd) else -1
+    if status < 0:
+        drop_link(words)
+        return _FAULT
+    if status == _FRESH:
+        _fill_data(memory, data)
+    return _FAULT if silent_for(trips, tick) > _DEAF else status
+
+
+@kernel
+def _bias_force(memory: Vec, command: Vec, force: Vec) -> None:
+    """The bias force of this tick [N], robot frame."""
+    fill(force, 0.0)
+    if command[COMMAND_ENABLED] == 0.0:
+        return
+    if command[COMMAND_STATE] >= _ACTIVE:
+        if memory[OBJECTS] == 0.0:
+            force[:] = command[COMMAND_FORCE : COMMAND_FORCE + 3]
+        return
+    wanted = memory[_WORK + 3 : _WORK + 6]
+    apply_jacobian(memory[_Q : _Q + 3], memory[AXIS_OFFSET], command[COMMAND_DQ : COMMAND_DQ + 3], wanted)
+    for i in range(3):
+        force[i] = memory[GAIN] * (wanted[i] - memory[_X + 3 + i])
+    clamp_norm(force, _LARGEST_DRIVE)
+
+
+@kernel
+def _screen_is_due(memory: Vec, tick: int) -> bool:
+    if memory[EMULATED] == 0.0 or float(tick) - memory[_SHOWN] < _SCREEN_EVERY:
+        return False
+    for i in range(INBOX_LENGTH):
+        if memory[_NOW + i] != memory[_TOLD + i]:
+            return True
+    return False
+
+
+@kernel
+def _show_screen(memory: Vec, text: Bytes, at: int, tick: int) -> int:
+    """Add set person [active,trial,x,y,z,grasp]: what a simulated person sees."""
+    memory[_SHOWN] = float(tick)
+    memory[_TOLD : _TOLD + INBOX_LENGTH] = memory[_NOW : _NOW + INBOX_LENGTH]
+    seen = memory[_WORK : _WORK + 6]
+    seen[0], seen[1] = memory[_NOW + INBOX_ACTIVE], memory[_NOW + INBOX_TRIAL]
+    seen[2:5] = memory[_NOW + INBOX_TARGET : _NOW + INBOX_TARGET + 3]
+    seen[5] = memory[_NOW + INBOX_GRASP]
+    return put_vector(seen, _DECIMALS, text, put_text(_PERSON, text, at))
+
+
+@kernel
+def _send_rest(memory: Vec, fd: int) -> bool:
+    """Send what is left of the frame; True when nothing is."""
+    out = memory[_OUT : _OUT + _OUT_PLACES].view(np.uint8)
+    if memory[_PENDING] > 0.0:
+        taken = max(0, send_bytes(fd, out, int(memory[_TAKEN]), int(memory[_PENDING])))
+        memory[_TAKEN] += float(taken)
+        memory[_PENDING] -= float(taken)
+    return memory[_PENDING] == 0.0
+
+
+@typed_kernel(WRITE)
+def write_hapticmaster(memory: Vec, command: Vec, tick: int) -> int:
+    """Send bias force and questions; 0 when they left."""
+    fd, _ = take_link(link_words(memory))
+    trips = memory[TRIPS : TRIPS + TRIP_LENGTH]
+    if fd < 0:
+        return 1
+    if not _send_rest(memory, fd) or trips[0] - memory[ANSWERED] >= LARGEST_AHEAD:
+        memory[SKIPPED] += 1.0
+        return 1
+    force, text = memory[_WORK : _WORK + 3], memory[_OUT : _OUT + _OUT_PLACES].view(np.uint8)
+    usable = all_finite(command[:COMMAND_LENGTH])
+    enabled = 1.0 if usable and command[COMMAND_ENABLED] != 0.0 else 0.0
+    if usable:
+        _bias_force(memory, command, force)
+    else:
+        fill(force, 0.0)
+    at = HEADER
+    if enabled != memory[_ENABLED]:
+        at = put_text(_START if enabled == 1.0 else _STOP, text, at)
+        memory[_ENABLED] = enabled
+    at = put_vector(force, _DECIMALS, text, put_text(_BIAS, text, at))
+    at = put_text(_ASK, text, at)
+    if memory[EMULATED] == 1.0:
+        at = put_text(_ASK_GRASP, text, at)
+    if _screen_is_due(memory, tick):
+        at = _show_screen(memory, text, at, tick)
+    note_sent(trips, tick)
+    memory[_TAKEN] = 0.0
+    memory[_PENDING] = float(seal_text(text, at))
+    _send_rest(memory, fd)
+    return 0 if usable else 1

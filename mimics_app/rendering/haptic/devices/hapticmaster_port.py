@@ -1,0 +1,164 @@
+"""Connects to a HapticMaster and sets it up: the main side of hapticmaster:HOST[:PORT]."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.contracts.errors import DeviceError, nearest
+from mimics_app.contracts.loop_ports import DevicePlugin
+from mimics_app.rendering.haptic.devices import hapticmaster_loop as loop
+from mimics_app.rendering.haptic.devices.address import host_and_port
+from mimics_app.rendering.haptic.devices.device_objects import DeviceObject, hapticmaster_commands
+from mimics_app.rendering.haptic.devices.link import LinkKeeper
+from mimics_app.rendering.haptic.devices.request import DeviceRequest
+from mimics_app.rendering.haptic.scene_block import axis_offset
+
+__all__ = ["DEFAULT_PORT", "build_hapticmaster"]
+
+DEFAULT_PORT = 7654
+
+_HEADER = 8
+_CONNECT_S = 2.0
+_ANSWER_S = 2.0
+_INIT_NS = 90_000_000_000
+_LOOK_AGAIN_NS = 50_000_000
+_INNER_PERIOD = 1.0 / 2500.0
+
+_NUMBERS = {"inertia": (3.0, 0.5, 50.0), "servo_gain": (150.0, 1.0, 1000.0)}
+"""Settings that are numbers: default, least, most; [kg], [N s/m]."""
+
+_MODES = ("force_stream", "objects")
+
+
+class _Conversation:
+    """Commands and answers one after the other, before the loop takes the socket over."""
+
+    def __init__(self, host: str, port: int) -> None:
+        self._where = f"{host}:{port}"
+        try:
+            self._socket = socket.create_connection((host, port), timeout=_CONNECT_S)
+        except OSError as failure:
+            raise DeviceError(
+                f"no HapticMaster at {self._where}: {failure}", "is it on, and in this network?"
+            ) from failure
+        self._socket.settimeout(_ANSWER_S)
+        self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+
+    def ask(self, command: str) -> str:
+        """The answer, without its ";". DeviceError: the machine says no, or nothing."""
+        answer = self.try_to_ask(command)
+        if answer.startswith("--- ERROR"):
+            self._socket.close()
+            raise DeviceError(f'the HapticMaster at {self._where} refuses "{command}": {answer}')
+        return answer
+
+    def try_to_ask(self, command: str) -> str:
+        """The same, with the machine's own words where it says no."""
+        text = command.encode("ascii")
+        try:
+            self._socket.sendall(len(text).to_bytes(4, "big") + bytes(4) + text)
+            length = int.from_bytes(self._exactly(_HEADER)[:4], "big")
+            return self._exactly(length).decode("ascii", "replace").strip().rstrip(";")
+        except OSError as failure:
+            self._socket.close()
+            raise DeviceError(f"the HapticMaster at {self._where} does not answer: {failure}") from failure
+
+    def hand_over(self) -> socket.socket:
+        """The socket, non-blocking: the loop's from now on."""
+        self._socket.setblocking(False)
+        return self._socket
+
+    def _exactly(self, count: int) -> bytes:
+        got = b""
+        while len(got) < count:
+            piece = self._socket.recv(count - len(got))
+            if not piece:
+                raise ConnectionError("it has closed the connection")
+            got += piece
+        return got
+
+
+def build_hapticmaster(request: DeviceRequest) -> DevicePlugin:
+    """A HapticMaster on the network.
+
+    `robot.settings` may hold mode ("force_stream" or "objects"), inertia [kg] and servo_gain [N s/m].
+
+    Raises:
+        DeviceError: Nothing answers there, the machine refuses, or a setting is wrong.
+    """
+    host, port = host_and_port(request.address, DEFAULT_PORT)
+    settings = _settings(request.robot.settings)
+    memory = np.zeros(loop.HAPTICMASTER_LENGTH)
+    memory[loop.TICK] = 1.0 / request.rate
+    memory[loop.AXIS_OFFSET] = axis_offset(request.robot)
+    memory[loop.GAIN] = settings["servo_gain"]
+    memory[loop.OBJECTS] = float(settings["mode"] == "objects")
+    memory[loop.OWN_DELAY] = _INNER_PERIOD
+    objects = request.objects if settings["mode"] == "objects" else ()
+
+    def open_line() -> tuple[int, Callable[[], None]]:
+        talk = _Conversation(host, port)
+        memory[loop.EMULATED] = _set_up(talk, settings["inertia"], objects)
+        line = talk.hand_over()
+        return line.fileno(), line.close
+
+    keeper = LinkKeeper(memory, open_line, f"the HapticMaster at {host}:{port}")
+    return DevicePlugin(
+        "hapticmaster",
+        loop.read_hapticmaster,
+        loop.write_hapticmaster,
+        memory,
+        keeper.close,
+        delay=_INNER_PERIOD,
+        real_time=True,
+        trouble=keeper.trouble,
+    )
+
+
+def _settings(given: dict[str, Any]) -> dict[str, Any]:
+    """Checked settings with defaults."""
+    settings: dict[str, Any] = {"mode": "force_stream"} | {name: limits[0] for name, limits in _NUMBERS.items()}
+    for name, value in given.items():
+        if name not in settings:
+            raise DeviceError(f'the hapticmaster has no setting "{name}"', nearest(name, settings))
+        if name == "mode" and value not in _MODES:
+            raise DeviceError(f'the hapticmaster has no mode "{value}"', nearest(str(value), _MODES))
+        if name in _NUMBERS:
+            _, least, most = _NUMBERS[name]
+            if not isinstance(value, int | float) or not least <= value <= most:
+                raise DeviceError(f'the hapticmaster\'s setting "{name}" is {value!r}', f"give {least:g} to {most:g}")
+        settings[name] = value
+    return settings
+
+
+def _set_up(talk: _Conversation, inertia: float, objects: tuple[DeviceObject, ...]) -> float:
+    """Bring the machine to "stop" with its mass, a bias force and the objects; 1 when it is this program's emulator."""
+    talk.ask("remove all")
+    if talk.ask("get emergencybuttonpushed") == "true":
+        raise DeviceError("the HapticMaster's emergency button is down", "release it and press its start button")
+    if talk.ask("get position_calibrated") == "false":
+        _initialise(talk)
+    talk.ask("set state stop")
+    talk.ask(f"set inertia {inertia:.6g}")
+    for command in ("create biasforce mimics", "set mimics force [0,0,0]", "set mimics enable"):
+        talk.ask(command)
+    for thing in objects:
+        for command in hapticmaster_commands(thing):
+            talk.ask(command)
+    return float(talk.try_to_ask("get emulator") == '"mimics"')
+
+
+def _initialise(talk: _Conversation) -> None:
+    """Let the machine search the ends of its axes: it moves."""
+    clock = MonotonicClock()
+    end = clock.now_ns() + _INIT_NS
+    talk.ask("set state init")
+    while talk.ask("get state") != "stop":
+        if clock.now_ns() > end:
+            raise DeviceError("the HapticMaster does not find the ends of its axes")
+        clock.sleep_until_ns(clock.now_ns() + _LOOK_AGAIN_NS)

@@ -1,0 +1,121 @@
+"""Frames and sentences of the HapticMaster's network interface, in compiled code.
+
+A frame is 8 bytes of header, of which byte 3 is the length of the text behind it (facts: pyHapticMaster, O. Tokatli;
+API 4.2 as used by P. Maurice's HapticMaster programs). Bytes 2 and 3 are read here as one big-endian number, which is
+the same for every length that was seen. Commands are joined with ";", and every answer ends with one:
+
+    set mimics force [0.0000,1.5000,0.0000];get modelpos;get modelvel;get measforce
+    "Effect's force set";[0.01,0,0];[0,0,0];[0.2,0,-0.1];
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.devices.ascii_numbers import read_number, write_fixed
+
+__all__ = [
+    "ERROR",
+    "HEADER",
+    "LARGEST_TEXT",
+    "NUMBER",
+    "VECTOR",
+    "WORD",
+    "frame_length",
+    "put_text",
+    "put_vector",
+    "seal_text",
+    "take_answer",
+]
+
+Bytes = NDArray[np.uint8]
+Vec = NDArray[np.float64]
+
+HEADER = 8
+LARGEST_TEXT = 255
+"""Longest text sent: byte 3 alone can tell it."""
+
+_LONGEST_ANSWER = 1900
+
+WORD, NUMBER, VECTOR, ERROR = 0, 1, 2, 3
+"""What an answer is."""
+
+_OPEN, _CLOSE, _COMMA, _END = ord("["), ord("]"), ord(","), ord(";")
+_MINUS, _SPACE = ord("-"), ord(" ")
+
+
+@kernel
+def put_text(words: Bytes, text: Bytes, at: int) -> int:
+    """Copy words into text[at:]; where they end."""
+    for i in range(words.shape[0]):
+        text[at + i] = words[i]
+    return at + words.shape[0]
+
+
+@kernel
+def put_vector(values: Vec, decimals: int, text: Bytes, at: int) -> int:
+    """[a,b,c] into text[at:]; where it ends."""
+    text[at] = _OPEN
+    at += 1
+    for i in range(values.shape[0]):
+        if i > 0:
+            text[at] = _COMMA
+            at += 1
+        at = write_fixed(values[i], decimals, text, at)
+    text[at] = _CLOSE
+    return at + 1
+
+
+@kernel
+def seal_text(frame: Bytes, end: int) -> int:
+    """Put the header before the text that stands at frame[HEADER:end]; the length of the whole frame."""
+    for i in range(HEADER):
+        frame[i] = 0
+    frame[2] = ((end - HEADER) >> 8) & 0xFF
+    frame[3] = (end - HEADER) & 0xFF
+    return end
+
+
+@kernel
+def frame_length(buffer: Bytes, begin: int, end: int) -> int:
+    """Length of the frame at buffer[begin:end]; 0 when it is not whole yet, -1 when this is no frame at all."""
+    if end - begin < HEADER:
+        return 0
+    length = int(buffer[begin + 2]) << 8 | int(buffer[begin + 3])
+    strange = buffer[begin] != 0 or buffer[begin + 1] != 0
+    for i in range(4, HEADER):
+        strange = strange or buffer[begin + i] != 0
+    if strange or length > _LONGEST_ANSWER:
+        return -1
+    return HEADER + length if end - begin >= HEADER + length else 0
+
+
+@kernel
+def take_answer(text: Bytes, at: int, end: int, values: Vec) -> tuple[int, int]:
+    """(kind, where the next answer begins) of the answer at text[at:end]; its numbers are left in values.
+
+    Args:
+        text: ASCII.
+        at: Where the answer begins.
+        end: Where the text ends.
+        values: Out: three components of a vector, or a number in the first place, shape [3].
+    """
+    while at < end and text[at] == _SPACE:
+        at += 1
+    stop = at
+    while stop < end and text[stop] != _END:
+        stop += 1
+    if at < stop and text[at] == _OPEN:
+        place = at + 1
+        for i in range(3):
+            values[i], after = read_number(text, place, stop)
+            if after == place or after >= stop or text[after] != (_COMMA if i < 2 else _CLOSE):
+                return ERROR, stop + 1
+            place = after + 1
+        return VECTOR, stop + 1
+    if stop - at >= 3 and text[at] == _MINUS and text[at + 1] == _MINUS and text[at + 2] == _MINUS:
+        return ERROR, stop + 1
+    values[0], after = read_number(text, at, stop)
+    return (NUMBER if after == stop and stop > at else WORD), stop + 1
