@@ -1,4 +1,4 @@
-"""What rows of haptic objects must be before the loop may have them; the loop itself checks nothing."""
+"""What shapes and points must be beside finite and in range: sizes that hold something, surfaces that feed nobody."""
 
 from __future__ import annotations
 
@@ -6,97 +6,65 @@ import math
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic_objects import MAX_POINTS, STATIC, ForceLaw, ShapeKind
+from mimics_app.contracts.haptic_objects import ForceLaw, ShapeKind
 
-__all__ = ["check_rows"]
+__all__ = ["check_points", "check_shapes"]
 
-_SIZES = {
-    ShapeKind.WALL: 0,
-    ShapeKind.SPHERE: 1,
-    ShapeKind.BOX: 3,
-    ShapeKind.CYLINDER: 2,
-    ShapeKind.CAPSULE: 2,
-    ShapeKind.MESH: 0,
-}
-"""How many numbers of SHAPE.size count."""
+Records = NDArray[Any]
+
+_SIZES = np.array([0, 1, 3, 2, 2, 0])
+"""How many numbers of SHAPE.size count, by ShapeKind."""
 
 _UNIT = 1e-3
 
 
-def check_rows(rows: Any, counts: Any, meshes: int = 0) -> None:
-    """Refuse rows that the loop cannot work with.
+def check_shapes(shapes: Records, meshes: int) -> None:
+    """Refuse SHAPE rows that cannot be touched.
 
     Args:
-        rows: `Rows`.
-        counts: Record of OBJECT_COUNTS.
+        shapes: Rows in use, finite, with kinds and laws that exist.
         meshes: How many meshes the loop has.
 
     Raises:
-        ValueError: names the row, what is wrong with it and what would be right.
+        ValueError: names the row, the field and what would be right.
     """
-    for name in ("shapes", "bodies", "effects", "points", "wires"):
-        if not 0 <= counts[name] <= len(getattr(rows, name)):
-            raise ValueError(f"{counts[name]} {name} do not fit the {len(getattr(rows, name))} rows there are")
-    if counts["points"] > MAX_POINTS:
-        raise ValueError(f"{counts['points']} points are more than the {MAX_POINTS} there may be")
-    for i in range(int(counts["shapes"])):
-        fault = _shape_fault(rows.shapes[i], int(counts["bodies"]), meshes)
-        if fault:
-            raise ValueError(f"shape {i}: {fault}")
-    for i in range(int(counts["points"])):
-        radius = float(rows.points[i]["radius"])
-        if not (math.isfinite(radius) and radius >= 0.0 and np.isfinite(rows.points[i]["offset"]).all()):
-            raise ValueError(f"point {i}: radius {radius} and offset must be finite, the radius not negative")
+    _check_forms(shapes, meshes)
+    stiffness, damping = shapes["stiffness"], shapes["damping"]
+    _refuse(stiffness <= 0.0, "stiffness", stiffness, "must be above 0")
+    _refuse(damping < 0.0, "damping", damping, "must not be negative: it would feed the hand")
+    hertz = shapes["law"] == ForceLaw.HUNT_CROSSLEY
+    _refuse(hertz & (shapes["exponent"] < 1.0), "exponent", shapes["exponent"], "must be at least 1")
+    dynamic, static = shapes["friction_dynamic"], shapes["friction_static"]
+    _refuse((dynamic < 0.0) | (dynamic > static), "friction_dynamic", dynamic, "must be within 0 and friction_static")
+    _refuse(shapes["friction_stiffness"] < 0.0, "friction_stiffness", shapes["friction_stiffness"], "must not be < 0")
+    height, length = shapes["texture_height"], shapes["texture_length"]
+    steep = (height > 0.0) & (length < math.pi * height)
+    _refuse((height < 0.0) | steep, "texture_height", height, "must be within 0 and texture_length / pi: 45 degrees")
 
 
-def _shape_fault(shape: Any, bodies: int, meshes: int) -> str:
-    """What is wrong with a SHAPE row, "" for nothing."""
-    for name in shape.dtype.names:
-        if not np.isfinite(shape[name]).all():
-            return f"{name} is not finite"
-    if int(shape["kind"]) not in _SIZES:
-        return f"there is no kind {shape['kind']}"
-    if not STATIC <= shape["body"] < bodies:
-        return f"there is no body {shape['body']} of {bodies}"
-    if abs(float(np.linalg.norm(shape["orientation"])) - 1.0) > _UNIT:
-        return "orientation is no unit quaternion"
-    return _form_fault(shape, meshes) or _surface_fault(shape)
+def check_points(points: Records) -> None:
+    """Refuse POINT rows with a negative radius, by ValueError."""
+    _refuse(points["radius"] < 0.0, "radius", points["radius"], "must not be negative", "points")
 
 
-def _form_fault(shape: Any, meshes: int) -> str:
-    kind = ShapeKind(int(shape["kind"]))
-    size = shape["size"][: _SIZES[kind]]
-    if not (size > 0.0).all():
-        return f"size {size.tolist()} must be above 0"
-    if kind == ShapeKind.MESH and not 0 <= shape["mesh"] < meshes:
-        return f"there is no mesh {shape['mesh']} of {meshes}"
-    if shape["rounding"] < 0.0:
-        return "rounding is negative"
-    room = {ShapeKind.BOX: min(size, default=0.0) / 2.0}
-    if kind == ShapeKind.CYLINDER:
-        room[kind] = min(size[0], size[1] / 2.0)
-    if kind in room and shape["rounding"] > room[kind]:
-        return f"rounding {shape['rounding']:g} m leaves nothing of it: at most {room[kind]:g} m"
-    return ""
+def _check_forms(shapes: Records, meshes: int) -> None:
+    kind, size, rounding = shapes["kind"], shapes["size"], shapes["rounding"]
+    empty = ((size <= 0.0) & (np.arange(3) < _SIZES[kind][:, None])).any(axis=1)
+    _refuse(empty, "size", size, "must be above 0")
+    turn = np.linalg.norm(shapes["orientation"], axis=1)
+    _refuse(np.abs(turn - 1.0) > _UNIT, "orientation", shapes["orientation"], "must be a unit quaternion")
+    missing = (kind == ShapeKind.MESH) & ((shapes["mesh"] < 0) | (shapes["mesh"] >= meshes))
+    _refuse(missing, "mesh", shapes["mesh"], f"must be one of {meshes}")
+    room = np.full(len(shapes), math.inf)
+    room[kind == ShapeKind.BOX] = size[kind == ShapeKind.BOX].min(axis=1) / 2.0
+    round_ = kind == ShapeKind.CYLINDER
+    room[round_] = np.minimum(size[round_, 0], size[round_, 1] / 2.0)
+    _refuse((rounding < 0.0) | (rounding > room), "rounding", rounding, "must leave something of the shape")
 
 
-def _surface_fault(shape: Any) -> str:
-    if not shape["stiffness"] > 0.0:
-        return "stiffness must be above 0"
-    if shape["damping"] < 0.0:
-        return "damping is negative: it would feed the hand"
-    if shape["law"] not in tuple(ForceLaw):
-        return f"there is no law {shape['law']}"
-    if shape["law"] == ForceLaw.HUNT_CROSSLEY and not shape["exponent"] >= 1.0:
-        return "exponent of Hunt-Crossley must be at least 1"
-    if not 0.0 <= shape["friction_dynamic"] <= shape["friction_static"]:
-        return "friction: 0 <= dynamic <= static"
-    if shape["friction_stiffness"] < 0.0:
-        return "friction_stiffness is negative"
-    height, length = float(shape["texture_height"]), float(shape["texture_length"])
-    if height < 0.0 or (height > 0.0 and length < math.pi * height):
-        return (
-            f"ripples of {height:g} m every {length:g} m are steeper than 45 degrees: at least {math.pi * height:g} m"
-        )
-    return ""
+def _refuse(bad: Records, field: str, values: Records, rule: str, table: str = "shapes") -> None:
+    if bad.any():
+        first = int(bad.argmax())
+        raise ValueError(f"{table}[{first}].{field} is {values[first]}; it {rule}")

@@ -1,8 +1,9 @@
 """What a touched surface does: its ripple, its normal force, and its friction, all in the frame of the shape.
 
-Friction is the anchor of Hayward and Armstrong in that frame, hence rides with a moving object and does not drift: it is
-seen in the tangent plane of the tick, stays where it is while it holds, and is dragged at the cone. It breaks away at the static coefficient and
-slides at the dynamic one; while it holds, a damper as strong as the normal one calms it, clamped to the same cone.
+Friction is the anchor of Hayward and Armstrong in that frame, hence rides with a moving object and does not drift: it
+is seen in the tangent plane of the tick, stays where it is while it holds, and is dragged at the cone. It breaks away
+at the static coefficient and slides at the dynamic one; while it holds, a damper as strong as the normal one calms it,
+clamped to the same cone.
 """
 
 from __future__ import annotations
