@@ -40,6 +40,18 @@ def _friction() -> None:
     import mimics_app.rendering.haptic.methods_friction
 
 
+def _cull() -> None:
+    import mimics_app.rendering.haptic.methods_cull
+
+
+def _bounding() -> None:
+    import mimics_app.rendering.haptic.methods_bounding
+
+
+def _mesh() -> None:
+    import mimics_app.rendering.haptic.methods_mesh
+
+
 def _sound() -> None:
     import mimics_app.rendering.audio.methods
 
@@ -67,6 +79,9 @@ GROUPS: dict[str, Callable[[], None]] = {
     "box face": _contact,
     "friction": _friction,
     "colliding bodies": _bodies,
+    "shape cull": _cull,
+    "bounding geometry": _bounding,
+    "mesh finger": _mesh,
     "tunnel projection": _tunnel,
     "tunnel frame": _tunnel,
     "admittance form": _admittance,

@@ -9,7 +9,7 @@ import numpy as np
 from mimics_app.contracts.haptic_objects import MAX_POINTS, OBJECT_COUNTS, ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
-from mimics_app.rendering.haptic.kernels.objects.bodies import load_bodies, place_bodies, step_bodies
+from mimics_app.rendering.haptic.kernels.objects.bodies import place_bodies, step_bodies
 from mimics_app.rendering.haptic.kernels.objects.points import place_points
 from mimics_app.rendering.haptic.kernels.objects.poses import pose_shapes
 from mimics_app.rendering.haptic.kernels.objects.totals import clear_totals
@@ -70,7 +70,6 @@ def _follow(rows: Any, work: Any, counts: Any, path: Any, velocities: Any, dt: f
         for i in range(3):
             forces[tick, i] = work.totals[0].shape_force[i]
         if free:
-            load_bodies(rows, work, counts)
             step_bodies(rows, work, counts, dt)
 
 
@@ -96,3 +95,45 @@ def follow(play: Play, path: Any, velocities: Any = None, free: bool = False) ->
 def at_rest(play: Play, *points: Any) -> np.ndarray:
     """Force [N] at the last of these points, each reached at a tick, the velocity taken as 0."""
     return follow(play, points, np.zeros(3))[-1]
+
+
+@kernel
+def _push(
+    rows: Any,
+    work: Any,
+    counts: Any,
+    moving: Any,
+    load: Any,
+    tremor: Any,
+    mass: float,
+    drag: float,
+    dt: float,
+    path: Any,
+) -> None:
+    """A mass under a load that trembles at 5 Hz: moving is [place, velocity], rows of 3."""
+    for tick in range(path.shape[0]):
+        clear_totals(work.totals[0])
+        place_bodies(rows, work, counts)
+        pose_shapes(rows, work, counts)
+        place_points(rows, work, counts, moving[0], moving[1])
+        touch_points(rows, work, counts, dt)
+        share = np.sin(2.0 * np.pi * 5.0 * tick * dt)
+        for i in range(3):
+            force = work.totals[0].shape_force[i] + load[i] + share * tremor[i] - drag * moving[1, i]
+            moving[1, i] += dt * force / mass
+            moving[0, i] += dt * moving[1, i]
+            path[tick, i] = moving[0, i]
+
+
+def push(play: Play, start: Any, load: Any, tremor: Any, seconds: float, mass: float = 3.0, drag: float = 20.0) -> Any:
+    """Way [m], shape [ticks, 3], of a hand of `mass` [kg] on the point, from rest, under load and tremor [N]."""
+    path = np.empty((round(seconds / play.dt), 3))
+    moving = np.array([start, (0.0, 0.0, 0.0)], float)
+    load, tremor = np.asarray(load, float), np.asarray(tremor, float)
+    _push(play.rows, play.work, play.counts[0], moving, load, tremor, mass, drag, play.dt, path)
+    return path
+
+
+def energy_taken(path: np.ndarray, forces: np.ndarray) -> float:
+    """Work [J] done by the user: every force is held until the next tick."""
+    return float(-(forces[:-1] * np.diff(path, axis=0)).sum())

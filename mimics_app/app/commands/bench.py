@@ -20,7 +20,7 @@ _ALL_SECONDS = 10.0
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics bench`."""
-    parser.add_argument("what", choices=("all", "realtime", "methods", "sound", "render"), help="what to measure")
+    parser.add_argument("what", choices=("all", "realtime", "methods", "sound", "haptic", "render"), help="what to measure")
     _add_render_arguments(parser)
     parser.add_argument("--scene", type=Path, default=Path("scenes/wavy_tunnel.json"), help="scene of the load")
     parser.add_argument("--seconds", type=_positive, default=60.0, help="length of each real-time measurement [s]")
@@ -50,7 +50,7 @@ def run(args: argparse.Namespace) -> int:
     if args.what == "render":
         return _run_render(args)
 
-    parts = ("methods", "sound", "realtime") if args.what == "all" else (args.what,)
+    parts = ("methods", "sound", "haptic", "realtime") if args.what == "all" else (args.what,)
     answer: dict[str, Any] = {}
     for part in parts:
         measured = _MEASURES[part](args)
@@ -135,6 +135,13 @@ def _measure_sound(args: argparse.Namespace) -> dict[str, Any]:
     return {"skipped": missing} if missing else measure_live_latency(min(args.seconds, _ALL_SECONDS))
 
 
+def _measure_haptic(_: argparse.Namespace) -> dict[str, Any]:
+    """Shapes, meshes and bodies against a reference loop and the peers."""
+    from mimics_app.lab.haptic_bench import measure_haptic
+
+    return measure_haptic(lambda what: sys.stderr.write(f"{what}\n") and None)
+
+
 def _positive(text: str) -> float:
     try:
         value = float(text)
@@ -163,4 +170,4 @@ def _count(text: str) -> int:
     return int(text)
 
 
-_MEASURES = {"realtime": _measure_realtime, "methods": _measure_methods, "sound": _measure_sound}
+_MEASURES = {"realtime": _measure_realtime, "methods": _measure_methods, "sound": _measure_sound, "haptic": _measure_haptic}

@@ -88,6 +88,12 @@ def _s10() -> Experiment:
     return EXPERIMENT
 
 
+def _s10b() -> Experiment:
+    from mimics_app.lab.stability.s10b_rounded_edge import EXPERIMENT
+
+    return EXPERIMENT
+
+
 def _s11() -> Experiment:
     from mimics_app.lab.stability.s11_held_object import EXPERIMENT
 
@@ -162,6 +168,7 @@ _EXPERIMENTS: dict[str, Callable[[], Experiment]] = {
     "S8": _s8,
     "S9": _s9,
     "S10": _s10,
+    "S10B": _s10b,
     "S11": _s11,
     "S11B": _s11b,
     "S12": _s12,

@@ -18,6 +18,7 @@ from mimics_app.contracts.haptic_objects import (
     SignalTarget,
 )
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, count_rows
+from mimics_app.rendering.haptic.row_checks import check_points, check_shapes
 
 __all__ = ["check_block"]
 
@@ -41,16 +42,18 @@ _CHOICES: dict[str, dict[str, int]] = {
 """Likewise of each table's rows."""
 
 
-def check_block(scene: Records, rows: Rows | None, capacities: ObjectCapacities) -> None:
+def check_block(scene: Records, rows: Rows | None, capacities: ObjectCapacities, meshes: int = 0) -> None:
     """Refuse a parameter block that the loop could not run on.
 
     Args:
         scene: SCENE record, shape [1].
         rows: The tables of objects it counts; None where it counts none.
         capacities: Room there is for rows.
+        meshes: How many meshes shapes may refer to.
 
     Raises:
-        ValueError: A number is not finite, a choice, count or row out of range, or `sequence` is not positive.
+        ValueError: A number is not finite, a choice, count or row out of range, a shape without size, a surface that
+            would feed the hand, or `sequence` is not positive.
     """
     if int(scene[0]["sequence"]) < 1:
         raise ValueError("SCENE.sequence must count up from 1")
@@ -60,6 +63,9 @@ def check_block(scene: Records, rows: Rows | None, capacities: ObjectCapacities)
         if not np.all(np.isfinite(_part(scene, name))):
             raise ValueError(f"SCENE.{name} is not finite")
     _check_rows(scene[0]["objects"], rows, capacities)
+    if rows is not None:
+        check_shapes(rows.shapes[: scene[0]["objects"]["shapes"]], meshes)
+        check_points(rows.points[: scene[0]["objects"]["points"]])
 
 
 def _check_rows(counts: Any, rows: Rows | None, capacities: ObjectCapacities) -> None:

@@ -113,7 +113,7 @@ class HapticEngine:
         Raises:
             ValueError: A number is not finite, a choice, count or row out of range, or `sequence` not positive.
         """
-        check_block(scene, rows, self._memory.capacities.objects)
+        check_block(scene, rows, self._memory.capacities.objects, len(self._work.objects.meshes.rows))
         if int(scene[0]["resets"]) != self._resets:
             self._resets = int(scene[0]["resets"])
             self._memory.control[ControlWord.STOP] = 0

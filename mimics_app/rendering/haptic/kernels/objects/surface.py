@@ -1,8 +1,9 @@
 """What a touched surface does: its ripple, its normal force, and its friction, all in the frame of the shape.
 
-Friction is the anchor of Hayward and Armstrong in that frame, hence rides with a moving object and does not drift: the
-anchor is moved into the tangent plane of the tick and dragged at the cone. It breaks away at the static coefficient and
-slides at the dynamic one; while it holds, a damper as strong as the normal one calms it, clamped to the same cone.
+Friction is the anchor of Hayward and Armstrong in that frame, hence rides with a moving object and does not drift: it
+is seen in the tangent plane of the tick, stays where it is while it holds, and is dragged at the cone. It breaks away
+at the static coefficient and slides at the dynamic one; while it holds, a damper as strong as the normal one calms it,
+clamped to the same cone.
 """
 
 from __future__ import annotations
@@ -116,6 +117,8 @@ def rub(shape: Any, touched: Vec, v: Vec, normal: Vec, push: float, damping: flo
         memory.sticking = 0
         fill(out, 0.0)
         return
+    x, y, z = memory.anchor[0], memory.anchor[1], memory.anchor[2]
+    stays = memory.touching == 1
     stiffness = shape.friction_stiffness if shape.friction_stiffness > 0.0 else shape.stiffness
     held = memory.touching == 0 or memory.sticking == 1
     if memory.touching == 1:
@@ -127,4 +130,6 @@ def rub(shape: Any, touched: Vec, v: Vec, normal: Vec, push: float, damping: flo
         hayward_armstrong(touched, push, shape.friction_dynamic, stiffness, memory, out)
         memory.sticking = 0
     else:
+        if stays:  # an anchor that followed the turning plane would creep on curved surfaces
+            memory.anchor[0], memory.anchor[1], memory.anchor[2] = x, y, z
         _damp(v, normal, damping, shape.friction_static * push, out)

@@ -1,0 +1,224 @@
+"""`mimics bench haptic`: what touching shapes, meshes and bodies costs, beside a reference loop and the peers.
+
+Every row is one workload: cull, narrow, force and friction of one tick for shapes and meshes; the whole of collisions
+and motion for bodies. `ratio` is told against a loop of 1000 sphere tests timed in the same run, `tick_p99_us` is the
+99th percentile of the whole tick of the loop with that scene, simulated robot and person included, called one by one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.contracts.haptic_objects import OBJECT_COUNTS, STATIC, BodyFlag, ShapeKind
+from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
+from mimics_app.contracts.session_memory import Capacities, SessionMemory
+from mimics_app.lab.haptic_peers import PEERS, chai3d_us
+from mimics_app.rendering.haptic.devices.registry import build_device
+from mimics_app.rendering.haptic.engine import HapticEngine
+from mimics_app.rendering.haptic.kernels.objects.hand import HAND_LENGTH
+from mimics_app.rendering.haptic.no_objects import NO_FIELDS
+from mimics_app.rendering.haptic.objects import ObjectWork, new_object_work
+from mimics_app.rendering.haptic.probe import shortest_us
+from mimics_app.rendering.haptic.scene_block import scene_from_components
+from mimics_app.rendering.haptic.simulate import simulate_objects
+from mimics_app.rendering.haptic.touch_probe import DT, RADIUS, STIFFNESS, touch_scene
+from mimics_app.world.components_haptic import Patient, Robot
+
+__all__ = ["BODY_WORKLOADS", "BodyScene", "measure_haptic", "reference_us"]
+
+Array = NDArray[np.float64]
+Step = Callable[[str], None]
+
+_SHAPES = {
+    "sphere": ShapeKind.SPHERE,
+    "box": ShapeKind.BOX,
+    "cylinder": ShapeKind.CYLINDER,
+    "capsule": ShapeKind.CAPSULE,
+}
+_COUNTS = (1, 10, 100, 1000, 10_000)
+_TRIANGLES = (100, 1000, 10_000, 100_000, 1_000_000)
+_BODIES = (1, 10, 100, 1000)
+_SPHERES = 1000
+_TICKS = 1000
+_MASS = 0.2
+_GAP = 0.02
+_DAMPING = 5.0
+_SETTLE = 200
+_LONGEST = 0.5
+"""Time one run of a body workload may take [s]."""
+
+
+@kernel
+def _test_spheres(centres: Array, p: Array, calls: int) -> float:
+    """Depth of a point in each of many spheres, `calls` times: the loop that costs are told against."""
+    total = 0.0
+    for _ in range(calls):
+        for i in range(centres.shape[0]):
+            x, y, z = p[0] - centres[i, 0], p[1] - centres[i, 1], p[2] - centres[i, 2]
+            total += max(0.0, RADIUS - np.sqrt(x * x + y * y + z * z))
+        p[0] += 1e-9
+    return total
+
+
+def reference_us() -> float:
+    """Cost of 1000 sphere tests [us]."""
+    centres, p = np.random.default_rng(1).uniform(-0.5, 0.5, (_SPHERES, 3)), np.zeros(3)
+    return shortest_us(lambda: _test_spheres(centres, p, 1000), 1000)
+
+
+@dataclass(frozen=True)
+class _Row:
+    """A line of the answer."""
+
+    work: str
+    n: int
+    us: float
+    ratio: float
+    tick_p99_us: float
+    peer: str | None
+    peer_us: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class BodyScene:
+    """Bodies that move, ready to be simulated.
+
+    Attributes:
+        rows: Tables of objects.
+        counts: OBJECT_COUNTS, shape [1].
+        capacities: Rows there is room for.
+        hand: HIP [m], in touch with one of them, shape [3].
+    """
+
+    rows: Rows
+    counts: NDArray[Any]
+    capacities: ObjectCapacities
+    hand: Array
+
+
+@kernel
+def _simulate_often(
+    simulate: Any, rows: Any, work: Any, counts: Any, hand: Array, fields: Any, dt: float, force: Array, ticks: int
+) -> None:
+    for _ in range(ticks):
+        simulate(rows, work, counts, hand, fields, dt, force)
+
+
+def bodies_on_a_floor(kind: ShapeKind, count: int) -> BodyScene:
+    """Free bodies of 0.2 kg and 4 cm that rest on a floor, awake, the hand pressing on one: the peers' scene."""
+    capacities = ObjectCapacities(shapes=count + 1, bodies=count)
+    rows, counts = new_rows(capacities), np.zeros(1, OBJECT_COUNTS)
+    shapes, bodies, places = rows.shapes, rows.bodies, np.arange(count)
+    side = max(1, int(np.ceil(np.sqrt(count))))
+    shapes["enabled"], shapes["orientation"][:, 3], shapes["exponent"] = 1, 1.0, 1.0
+    shapes["stiffness"], shapes["damping"] = STIFFNESS, _DAMPING
+    shapes["friction_static"], shapes["friction_dynamic"] = 0.5, 0.4
+    shapes["kind"], shapes["body"] = kind, places_of(count)
+    shapes["size"] = {ShapeKind.BOX: (2 * RADIUS,) * 3, ShapeKind.CYLINDER: (RADIUS, 2 * RADIUS, 0.0)}.get(
+        kind, (RADIUS, 0.0, 0.0)
+    )
+    shapes["kind"][-1], shapes["orientation"][-1] = ShapeKind.WALL, (-np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5))
+    bodies["flags"] = BodyFlag.TRANSLATION | BodyFlag.ROTATION | BodyFlag.FORCE_ON_OBJECT | BodyFlag.TORQUE_ON_OBJECT
+    bodies["spawn"], bodies["mass"], bodies["orientation"][:, 3] = 1, _MASS, 1.0
+    bodies["inertia"] = np.eye(3) * _MASS * (2 * RADIUS) ** 2 / 6.0
+    bodies["gravity"] = (0.0, -9.81, 0.0)
+    bodies["position"][:, 0] = (places % side) * (2 * RADIUS + _GAP)
+    bodies["position"][:, 2] = (places // side) * (2 * RADIUS + _GAP)
+    bodies["position"][:, 1] = RADIUS - 5e-4
+    rows.points[0]["enabled"] = 1
+    counts["shapes"], counts["bodies"], counts["points"] = count + 1, count, 1
+    return BodyScene(rows, counts, capacities, bodies["position"][0] + (0.0, RADIUS - 1e-3, 0.0))
+
+
+def places_of(count: int) -> NDArray[np.int32]:
+    """Body of each shape: one each, and the floor that belongs to none."""
+    return np.append(np.arange(count), STATIC).astype(np.int32)
+
+
+BODY_WORKLOADS: dict[str, Callable[[int], BodyScene]] = {
+    "bodies sphere": partial(bodies_on_a_floor, ShapeKind.SPHERE),
+    "bodies box": partial(bodies_on_a_floor, ShapeKind.BOX),
+    "bodies cylinder": partial(bodies_on_a_floor, ShapeKind.CYLINDER),
+}
+"""Workloads of moving bodies: what makes the scene of n of them."""
+
+
+def _body_us(scene: BodyScene) -> float:
+    """Cost of one step of all of it [us] once it lies at rest."""
+    work = new_object_work(scene.capacities)
+    hand, force = np.zeros(HAND_LENGTH), np.zeros(3)
+    hand[:3] = scene.hand
+    run = partial(_simulate_often, simulate_objects, scene.rows, work, scene.counts[0], hand, NO_FIELDS, DT, force)
+    run(_SETTLE)
+    clock = MonotonicClock()
+    started = clock.now_ns()
+    run(10)
+    ticks = int(np.clip(_LONGEST * 1e10 / max(1, clock.now_ns() - started), 10, _TICKS))
+    return shortest_us(lambda: run(ticks), ticks)
+
+
+def _tick_p99_us(rows: Rows, counts: NDArray[Any], capacities: ObjectCapacities, work: ObjectWork) -> float:
+    """99th percentile [us] of the whole tick, one call each."""
+    memory = SessionMemory(Capacities(objects=capacities))
+    engine = HapticEngine(memory, build_device(Robot(), Patient(), np.zeros((2, 3)), 1), objects=work)
+    block = scene_from_components(Robot())
+    block["objects"] = counts
+    engine.publish(block, rows)
+    engine.advance(_SETTLE)
+    clock, spans = MonotonicClock(), np.empty(_TICKS)
+    for i in range(_TICKS):
+        started = clock.now_ns()
+        engine.advance(1)
+        spans[i] = clock.now_ns() - started
+    return float(np.percentile(spans, 99.0)) * 1e-3
+
+
+def _shape_rows(step: Step, reference: float) -> Iterator[_Row]:
+    for name, kind in _SHAPES.items():
+        for count in _COUNTS:
+            step(f"{name} x {count}")
+            yield _shape_row(name, count, kind, count, 0, reference)
+    for triangles in _TRIANGLES:
+        step(f"mesh of {triangles}")
+        yield _shape_row("mesh", triangles, ShapeKind.MESH, 1, triangles, reference)
+
+
+def _shape_row(work: str, n: int, kind: ShapeKind, count: int, triangles: int, reference: float) -> _Row:
+    scene = touch_scene(kind, count, triangles)
+    us = scene.cost_us()
+    capacities = ObjectCapacities(shapes=count)
+    rows = new_rows(capacities)
+    rows.shapes[:] = scene.rows.shapes
+    rows.points[:] = scene.rows.points
+    ticking = new_object_work(capacities, scene.work.meshes)
+    whole = _tick_p99_us(rows, scene.counts, capacities, ticking)
+    peer = chai3d_us(work, n)
+    return _Row(work, n, us, us / reference, whole, "CHAI3D 3.3.0 (quoted)" if peer else None, peer)
+
+
+def _body_rows(step: Step, reference: float) -> Iterator[_Row]:
+    for name, build in BODY_WORKLOADS.items():
+        for count in _BODIES:
+            step(f"{name} x {count}")
+            scene = build(count)
+            us = _body_us(scene)
+            whole = _tick_p99_us(scene.rows, scene.counts, scene.capacities, new_object_work(scene.capacities))
+            for peer, measure in PEERS.items():
+                told, peer_us = measure(name, count)
+                if peer_us is not None:
+                    yield _Row(name, count, us, us / reference, whole, f"{peer} ({told})", peer_us)
+
+
+def measure_haptic(step: Step = lambda _: None) -> dict[str, Any]:
+    """The object of `mimics bench haptic`; `step` is told what is measured next."""
+    reference = reference_us()
+    rows = [asdict(row) for part in (_shape_rows, _body_rows) for row in part(step, reference)]
+    return {"reference_ns": reference * 1e3, "rows": rows}

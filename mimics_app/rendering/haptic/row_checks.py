@@ -1,0 +1,70 @@
+"""What shapes and points must be beside finite and in range: sizes that hold something, surfaces that feed nobody."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic_objects import ForceLaw, ShapeKind
+
+__all__ = ["check_points", "check_shapes"]
+
+Records = NDArray[Any]
+
+_SIZES = np.array([0, 1, 3, 2, 2, 0])
+"""How many numbers of SHAPE.size count, by ShapeKind."""
+
+_UNIT = 1e-3
+
+
+def check_shapes(shapes: Records, meshes: int) -> None:
+    """Refuse SHAPE rows that cannot be touched.
+
+    Args:
+        shapes: Rows in use, finite, with kinds and laws that exist.
+        meshes: How many meshes the loop has.
+
+    Raises:
+        ValueError: names the row, the field and what would be right.
+    """
+    _check_forms(shapes, meshes)
+    stiffness, damping = shapes["stiffness"], shapes["damping"]
+    _refuse(stiffness <= 0.0, "stiffness", stiffness, "must be above 0")
+    _refuse(damping < 0.0, "damping", damping, "must not be negative: it would feed the hand")
+    hertz = shapes["law"] == ForceLaw.HUNT_CROSSLEY
+    _refuse(hertz & (shapes["exponent"] < 1.0), "exponent", shapes["exponent"], "must be at least 1")
+    dynamic, static = shapes["friction_dynamic"], shapes["friction_static"]
+    _refuse((dynamic < 0.0) | (dynamic > static), "friction_dynamic", dynamic, "must be within 0 and friction_static")
+    _refuse(shapes["friction_stiffness"] < 0.0, "friction_stiffness", shapes["friction_stiffness"], "must not be < 0")
+    height, length = shapes["texture_height"], shapes["texture_length"]
+    steep = (height > 0.0) & (length < math.pi * height)
+    _refuse((height < 0.0) | steep, "texture_height", height, "must be within 0 and texture_length / pi: 45 degrees")
+
+
+def check_points(points: Records) -> None:
+    """Refuse POINT rows with a negative radius, by ValueError."""
+    _refuse(points["radius"] < 0.0, "radius", points["radius"], "must not be negative", "points")
+
+
+def _check_forms(shapes: Records, meshes: int) -> None:
+    kind, size, rounding = shapes["kind"], shapes["size"], shapes["rounding"]
+    empty = ((size <= 0.0) & (np.arange(3) < _SIZES[kind][:, None])).any(axis=1)
+    _refuse(empty, "size", size, "must be above 0")
+    turn = np.linalg.norm(shapes["orientation"], axis=1)
+    _refuse(np.abs(turn - 1.0) > _UNIT, "orientation", shapes["orientation"], "must be a unit quaternion")
+    missing = (kind == ShapeKind.MESH) & ((shapes["mesh"] < 0) | (shapes["mesh"] >= meshes))
+    _refuse(missing, "mesh", shapes["mesh"], f"must be one of {meshes}")
+    room = np.full(len(shapes), math.inf)
+    room[kind == ShapeKind.BOX] = size[kind == ShapeKind.BOX].min(axis=1) / 2.0
+    round_ = kind == ShapeKind.CYLINDER
+    room[round_] = np.minimum(size[round_, 0], size[round_, 1] / 2.0)
+    _refuse((rounding < 0.0) | (rounding > room), "rounding", rounding, "must leave something of the shape")
+
+
+def _refuse(bad: Records, field: str, values: Records, rule: str, table: str = "shapes") -> None:
+    if bad.any():
+        first = int(bad.argmax())
+        raise ValueError(f"{table}[{first}].{field} is {values[first]}; it {rule}")

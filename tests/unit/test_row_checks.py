@@ -1,0 +1,63 @@
+"""Shapes and points that the loop may not have are refused by name, at its door too."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mimics_app.contracts.haptic import SCENE
+from mimics_app.contracts.haptic_objects import ForceLaw, ShapeKind
+from mimics_app.contracts.object_rows import ObjectCapacities
+from mimics_app.rendering.haptic.block_check import check_block
+from mimics_app.rendering.haptic.row_checks import check_points, check_shapes
+from tests.support.touch_play import KINDS, SOLIDS, add_point, new_touch_play
+
+FAULTS = [
+    (ShapeKind.SPHERE, {"size": (0.0, 0.0, 0.0)}, "size"),
+    (ShapeKind.BOX, {"size": (0.1, 0.0, 0.1)}, "size"),
+    (ShapeKind.CAPSULE, {"size": (0.1, -0.1, 0.0)}, "size"),
+    (ShapeKind.BOX, {"rounding": 0.021}, "rounding"),
+    (ShapeKind.CYLINDER, {"rounding": -0.001}, "rounding"),
+    (ShapeKind.MESH, {"mesh": 1}, "mesh is 1; it must be one of 1"),
+    (ShapeKind.BOX, {"orientation": (0.0, 0.0, 0.0, 2.0)}, "orientation"),
+    (ShapeKind.WALL, {"stiffness": 0.0}, "stiffness"),
+    (ShapeKind.WALL, {"damping": -1.0}, "damping"),
+    (ShapeKind.WALL, {"law": ForceLaw.HUNT_CROSSLEY, "exponent": 0.5}, "exponent"),
+    (ShapeKind.WALL, {"friction_static": 0.2, "friction_dynamic": 0.3}, "friction_dynamic"),
+    (ShapeKind.WALL, {"friction_stiffness": -1.0}, "friction_stiffness"),
+    (ShapeKind.WALL, {"texture_height": 1e-3, "texture_length": 1e-3}, "texture_height"),
+]
+
+
+def test_good_rows_pass():
+    play = new_touch_play()
+    for kind in KINDS:
+        play.add_shape(kind, SOLIDS.get(kind, ()))
+    add_point(play)
+    check_shapes(play.rows.shapes[: len(KINDS)], meshes=1)
+    check_points(play.rows.points)
+
+
+@pytest.mark.parametrize("kind, fields, told", FAULTS)
+def test_bad_shapes_are_named(kind, fields, told):
+    play = new_touch_play()
+    play.add_shape(ShapeKind.WALL, ())
+    play.add_shape(kind, SOLIDS.get(kind, ()))
+    for name, value in fields.items():
+        play.rows.shapes[1][name] = value
+    with pytest.raises(ValueError, match=rf"shapes\[1\]\.{told}"):
+        check_shapes(play.rows.shapes[:2], meshes=1)
+
+
+def test_the_door_of_the_loop_asks():
+    play = new_touch_play()
+    play.add_shape(ShapeKind.MESH, ())
+    add_point(play)
+    scene = np.zeros(1, SCENE)
+    scene["sequence"], scene["objects"] = 1, play.counts[0]
+    check_block(scene, play.rows, ObjectCapacities(), meshes=1)
+    with pytest.raises(ValueError, match="mesh"):
+        check_block(scene, play.rows, ObjectCapacities(), meshes=0)
+    play.rows.points[0]["radius"] = -0.001
+    with pytest.raises(ValueError, match=r"points\[0\]\.radius"):
+        check_block(scene, play.rows, ObjectCapacities(), meshes=1)
