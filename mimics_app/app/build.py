@@ -24,8 +24,9 @@ from mimics_app.app.session import Session
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.sound_stage import SoundStage
 from mimics_app.contracts.clock import MonotonicClock, VirtualClock
+from mimics_app.contracts.object_rows import Rows
 from mimics_app.contracts.scenario_port import Scenario
-from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.session_memory import Capacities, SessionMemory
 from mimics_app.contracts.stages import Learning
 from mimics_app.dsp.stage import NullDsp
 from mimics_app.estimation.stage import NullEstimation
@@ -36,10 +37,14 @@ from mimics_app.learning.stage import NullLearning
 from mimics_app.recording.recorder import Recorder
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import create_run_folder
+from mimics_app.recording.statics import Statics, write_statics
 from mimics_app.rendering.haptic import scheduler
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.engine import HapticEngine
+from mimics_app.rendering.haptic.scene_objects import SceneObjects, objects_of_scene
+from mimics_app.rendering.haptic.scene_work import Names, has_objects, row_names, statics_of
 from mimics_app.tasks.actions import build_action_space, fill_defaults
+from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.task_manager import TaskManager
 from mimics_app.tasks.trial_file import resolve_trials
@@ -52,7 +57,7 @@ from mimics_app.world.scene_file import build_world
 if TYPE_CHECKING:
     from mimics_app.contracts.audio_port import AudioOutput
 
-__all__ = ["build_session", "has_display", "start_loop"]
+__all__ = ["build_session", "has_display", "parameters_of", "start_loop"]
 
 _SIMULATED = "simulated_hapticmaster"
 _POINTER = "pointer"
@@ -80,8 +85,9 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
     plan = settle(scene, settings.profile)
     world = build_world(scene)
     scenario = open_scenario(scene, world)
-    desk = ParameterDesk(scenario.scene_block())
-    spec = fill_defaults(resolve_trials(_task_of(scene), scene.path.parent, scene.root), desk.value)
+    objects = objects_of_scene(scene)
+    desk = ParameterDesk(*parameters_of(scenario, objects))
+    spec = fill_defaults(resolve_trials(task_of(scene), scene.path.parent, scene.root), desk.value)
     learning = _learning(settings, spec)
     robot, patient = _who_moves(settings, scene, live=live)
     plugin = build_device(robot, patient, scenario.via_points_world, settings.seed, samples=_recorded(settings))
@@ -91,7 +97,7 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
         desk.change({"device_delay": plugin.delay})
         if plugin.follows == "nothing":  # no virtual mass moves with it whose energy could be controlled
             desk.change({"passivity": 0})
-        memory = SessionMemory()
+        memory = SessionMemory(Capacities(objects=objects.capacities))
         folder = create_run_folder(settings.runs, settings.seconds or 0.0)
         recorder = Recorder(memory, folder, _header(settings, scene, scenario, plan, robot, patient, live=live))
         recorder.start(wait=False)
@@ -99,7 +105,15 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
         sound = _open_sound(settings, scene, memory, folder, live=live)
         if sound is not None:
             stack.callback(sound.stop)
-        haptics = HapticEngine(memory, plugin, recipe=settings.recipe)
+        statics = statics_of(objects)
+        write_statics(folder, Statics(statics.arrays, statics.fields))
+        haptics = HapticEngine(
+            memory,
+            plugin,
+            recipe=settings.recipe,
+            objects=statics.work(objects.capacities) if has_objects(objects) else None,
+            fields=statics.functions(),
+        )
         stack.callback(haptics.stop)
         tasks = TaskManager(
             spec, scenario.task_context, settings.seed, on_trial=recorder.trial, on_event=recorder.journal
@@ -110,6 +124,7 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
             scene=scene,
             world=world,
             scenario=scenario,
+            objects=objects,
             memory=memory,
             clock=MonotonicClock() if live else VirtualClock(),
             desk=desk,
@@ -129,6 +144,13 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
     return session
 
 
+def parameters_of(scenario: Scenario, objects: SceneObjects) -> tuple[NDArray[Any], Rows, Names]:
+    """What a `ParameterDesk` starts from: the SCENE record with its counts, the rows, and the names of rows."""
+    block = scenario.scene_block()
+    block["objects"] = objects.counts
+    return block, objects.rows, row_names(objects)
+
+
 def start_loop(session: Session) -> str:
     """Start the live haptic loop and make way for it; the recipe granted, in words."""
     granted = session.haptics.start()
@@ -136,11 +158,6 @@ def start_loop(session: Session) -> str:
         scheduler.lower_this_thread()
     session.recorder.journal("scheduler", {"recipe": granted.recipe})
     return granted.recipe
-
-
-def _task_of(scene: Scene) -> TaskSpec:
-    task = scene.sections.get("task")
-    return task if isinstance(task, TaskSpec) else TaskSpec()
 
 
 def _intent(scene: Scene) -> bool:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from mimics_app.app.build import parameters_of
 from mimics_app.app.catalogue import open_scenario
 from mimics_app.app.plan import settle
 from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.app.session import Session
-from mimics_app.contracts.errors import SceneError
+from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.rendering.haptic.scene_objects import objects_of_scene
+from mimics_app.rendering.haptic.scene_work import fits
 from mimics_app.world.reload import reload_scene
 from mimics_app.world.scene_file import build_world
 from mimics_app.world.watcher import SceneWatcher
@@ -17,6 +20,7 @@ __all__ = ["SceneReload"]
 
 _LOOK_NS = 250_000_000
 _SHOW_NS = 6_000_000_000
+_NEW_TABLES = "models, paths or force fields changed, or there are more objects than there is room for"
 
 
 class SceneReload:
@@ -49,6 +53,9 @@ class SceneReload:
         try:
             candidate = load_checked_scene(session.scene.path)
             open_scenario(candidate, build_world(candidate))  # in a world of its own: its faults must not end this one
+            objects = objects_of_scene(candidate)
+            if not fits(objects, session.memory.capacities.objects, session.objects):
+                raise SceneError(Issue(candidate.file, "", _NEW_TABLES, "end the run and start it again"))
             scene, changes = reload_scene(session.world, session.scene)
         except SceneError as error:
             self._say(now_ns, str(error.issues[0]))
@@ -58,7 +65,7 @@ class SceneReload:
         session.scene, session.scenario = scene, open_scenario(scene, session.world)
         if session.picture is not None:
             session.picture.show(scene, session.world)
-        session.desk.replace(session.scenario.scene_block())
+        session.desk.replace(*parameters_of(session.scenario, objects))
         self._watcher.watch(scene.files)
         later = changes.sections | changes.systems
         self._say(now_ns, "scene reloaded" + (f"; {', '.join(sorted(later))} at the next start" if later else ""))

@@ -12,6 +12,7 @@ from mimics_app.contracts.resources import root
 from mimics_app.rendering.haptic import force_fields, scene_effects  # noqa: F401  their checks
 from mimics_app.rendering.haptic.kernels.kinematics import inverse
 from mimics_app.rendering.haptic.scene_block import axis_offset, robot_from_world
+from mimics_app.rendering.haptic.scene_objects import check_objects
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
 from mimics_app.tasks.actions import haptic_field
 from mimics_app.tasks.task import TaskSpec
@@ -31,7 +32,7 @@ def load_checked_scene(path: Path) -> Scene:
         SceneError: every fault found, each with file and JSON pointer.
     """
     scene = load_scene(find_scene(path))
-    issues = _check_widest_tunnel(scene) + _check_reach(scene)
+    issues = _check_widest_tunnel(scene) + _check_reach(scene) + check_objects(scene)
     if issues:
         raise SceneError(issues)
     return scene

@@ -14,7 +14,9 @@ from mimics_app.contracts.scenario_port import Home, Scenario, TaskContext
 from mimics_app.maths.quat import from_matrix
 from mimics_app.rendering.haptic.kernels.kinematics import inverse
 from mimics_app.rendering.haptic.scene_block import axis_offset, robot_from_world, scene_from_components
+from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
+from mimics_app.scenarios.body_nodes import BodyNodes
 from mimics_app.world.components import TunnelView
 from mimics_app.world.components_haptic import Admittance, Ball, JointPd, Robot, Safety, Tunnel, WorldPd
 from mimics_app.world.components_systems import HapticSettings
@@ -60,6 +62,7 @@ class WavyTunnel(Scenario):
         self._scale = self._tunnel.radius_scale
         self._wall_node = world.find(entity)
         self._ball = world.find(scene.one(Ball)[0])
+        self._bodies = BodyNodes(world, objects_of_scene(scene).body_entities)
         self._touching: bool | None = None
         self._show_tunnel()
         self._place_rings()
@@ -114,6 +117,7 @@ class WavyTunnel(Scenario):
         return self._scene.methods.get("tunnel projection", "newton warm")
 
     def apply(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
+        self._bodies.follow(snapshot.poses)
         self._ball.set_position(snapshot.hip_world)
         self._ball.set_scale((snapshot.ball_radius,) * 3)
         self._show_touch(touching=snapshot.penetration > 0.0 and bool(np.any(snapshot.f_user_world)))

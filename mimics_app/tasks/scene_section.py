@@ -6,21 +6,46 @@ from typing import TYPE_CHECKING
 
 from mimics_app.contracts.errors import Issue, SceneError, nearest
 from mimics_app.tasks.check import check_task
-from mimics_app.tasks.task import SoundDeed, TaskSpec
+from mimics_app.tasks.task import DurationGoal, ProgressGoal, SoundDeed, TaskSpec
 from mimics_app.tasks.trial_file import resolve_trials
 from mimics_app.world.components import Sound
+from mimics_app.world.components_haptic import Tunnel
 from mimics_app.world.registry import register_section
 
 if TYPE_CHECKING:
     from mimics_app.world.scene import Scene
 
-__all__ = ["check_section"]
+__all__ = ["check_section", "task_of"]
+
+_WITHOUT_A_TASK = TaskSpec(goals=[DurationGoal(seconds=60.0)], time_limit_s=120.0)
+"""What is done in a scene that says nothing and has no tunnel to travel: a minute of whatever one likes."""
+
+
+def task_of(scene: Scene) -> TaskSpec:
+    """The task of a scene; without one to travel its tunnel, or to be there for a minute."""
+    task = scene.sections.get("task")
+    if isinstance(task, TaskSpec):
+        return task
+    return TaskSpec() if scene.components(Tunnel) else _WITHOUT_A_TASK
 
 
 def check_section(spec: TaskSpec, scene: Scene) -> list[Issue]:
     """Faults of a scene's task: its own, those of its trial file, and sounds the scene does not have."""
     issues = [scene.issue(issue.pointer, issue.what, issue.fix) for issue in check_task(spec)]
-    return issues + _check_sounds(spec, scene) + _check_trial_file(spec, scene)
+    return issues + _check_goals(spec, scene) + _check_sounds(spec, scene) + _check_trial_file(spec, scene)
+
+
+def _check_goals(spec: TaskSpec, scene: Scene) -> list[Issue]:
+    """A share of a tunnel's length is no goal where there is no tunnel."""
+    if scene.components(Tunnel):
+        return []
+    written = "goals" in scene.task
+    what = "the goal is a share of a tunnel's length, and the scene has no tunnel"
+    return [
+        scene.issue(f"/task/goals/{i}" if written else "/task", what, "goals: duration, point")
+        for i, goal in enumerate(spec.goals)
+        if isinstance(goal, ProgressGoal)
+    ]
 
 
 def _check_sounds(spec: TaskSpec, scene: Scene) -> list[Issue]:

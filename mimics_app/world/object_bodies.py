@@ -33,11 +33,8 @@ from mimics_app.world.scene import Scene
 from mimics_app.world.solids import SolidMesh, enclosing_sphere, mesh_integrals, solid_mesh
 
 __all__ = [
-    "TICK_S",
     "BodyMass",
     "ObjectFault",
-    "contacts_of",
-    "lightest_mass",
     "mass_properties_of",
     "mesh_of",
     "rotation_of",
@@ -46,12 +43,7 @@ __all__ = [
 
 F8 = NDArray[np.float64]
 
-TICK_S = 1e-3
-"""Tick of the haptic loop [s] that masses are checked for."""
-
 _DEFAULT_MASS = 1.0
-_CONTACTS = {CubeSolid: 4, CylinderSolid: 4, CapsuleSolid: 2, SphereSolid: 1, MeshSolid: 4}
-"""Places a shape rests on at once."""
 
 
 class ObjectFault(Exception):
@@ -118,24 +110,6 @@ def mass_properties_of(scene: Scene, thing: HapticObject, shapes: tuple[Solid, .
         shift = np.array(thing.centre) - centre
         inertia = inertia + mass * (float(shift @ shift) * np.eye(3) - np.outer(shift, shift))
     return BodyMass(mass, centre if thing.centre is None else np.array(thing.centre), inertia)
-
-
-def contacts_of(shape: Solid) -> int:
-    """Places it rests on at once, on a plane."""
-    return _CONTACTS[type(shape)]
-
-
-def lightest_mass(surface: TouchSurface, contacts: int) -> float:
-    """Mass [kg] below which a tick of `TICK_S` makes the contact unstable: n (h^2 k + 2 h b) / 4.
-
-    Args:
-        surface: As `surface_of` gives it: nothing left out.
-        contacts: n, places that act together.
-    """
-    stiffness, damping = surface.stiffness or 0.0, surface.damping or 0.0
-    if surface.law == "hunt_crossley":
-        damping = 0.0  # it is 0 at first touch and stays below what holds the depth
-    return contacts * (TICK_S * TICK_S * stiffness + 2.0 * TICK_S * damping) / 4.0
 
 
 def rotation_of(quaternion: tuple[float, ...]) -> F8:

@@ -20,6 +20,11 @@ def at(x: float, y: float, z: float, entity: dict[str, Any], **transform: Any) -
     return {**entity, "transform": {"translation": [x, y, z], **transform}}
 
 
+def written(folder: Path, *entities: dict[str, Any], **parts: Any) -> Path:
+    """The file of a scene with these entities."""
+    return write(folder, scene(*entities, **parts))
+
+
 def loaded(folder: Path, *entities: dict[str, Any], **parts: Any) -> Scene:
     """A checked scene with these entities."""
     return load_checked_scene(write(folder, scene(*entities, **parts)))
@@ -90,4 +95,4 @@ def gltf_box(folder: Path, size: tuple[float, float, float], name: str = "box.gl
     return path
 
 
-__all__ = ["CUBE", "at", "gltf_box", "loaded", "objects", "thing", "told"]
+__all__ = ["CUBE", "at", "gltf_box", "loaded", "objects", "thing", "told", "written"]

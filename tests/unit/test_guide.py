@@ -7,11 +7,11 @@ import json
 import numpy as np
 import pytest
 
+from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.loop_ports import FIELD_PARAMETERS
 from mimics_app.rendering.haptic.force_fields import add_field
 from tests.support.guide import Piece, pieces, written_module, written_scene
-from tests.support.object_scenes import load_checked_scene
 from tests.support.scenes import write
 
 PIECES = pieces()
@@ -57,7 +57,10 @@ def test_fault_is_told_in_the_words_of_the_guide(tmp_path, i):
     assert (told.language, told.purpose) == ("text", "")
     with pytest.raises(SceneError) as caught:
         load_checked_scene(write(tmp_path, whole))
-    assert [f"{issue.what}; {issue.fix}" for issue in caught.value.issues] == [told.text.strip()]
+    own = [
+        issue for issue in caught.value.issues if issue.pointer.startswith(f"/entities/{len(whole['entities']) - 1}/")
+    ]
+    assert [f"{issue.what}; {issue.fix}" for issue in own] == [told.text.strip()]
 
 
 def test_force_of_your_own_is_the_force_it_says(field):

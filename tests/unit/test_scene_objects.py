@@ -235,7 +235,7 @@ def test_wires_name_rows(tmp_path):
     )
     rows = made.rows.wires
     assert rows["source"].tolist() == [SignalSource.POSITION_ROBOT, SignalSource.AXIS_Y_OBJECT, SignalSource.GRASP]
-    assert rows["source_row"].tolist() == [STATIC, 0, STATIC]
+    assert rows["source_row"].tolist() == [0, 0, 0]
     assert rows["target"].tolist() == [
         SignalTarget.FORCE_AUX,
         SignalTarget.TORQUE_AUX,

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.errors import SceneError
+from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.haptic import TUNNEL
 from mimics_app.contracts.haptic_objects import (
     BODY,
@@ -24,6 +24,8 @@ from mimics_app.contracts.haptic_objects import (
     ShapeKind,
 )
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows
+from mimics_app.rendering.haptic.body_checks import check_bodies
+from mimics_app.rendering.haptic.mesh_table import build_mesh_table
 from mimics_app.rendering.haptic.scene_effects import EffectRows
 from mimics_app.world.components_haptic import Ball
 from mimics_app.world.components_objects import (
@@ -52,9 +54,12 @@ from mimics_app.world.scene import Scene
 from mimics_app.world.signals import parse_source, parse_target
 from mimics_app.world.solids import SolidMesh
 
-__all__ = ["SceneObjects", "objects_of_scene"]
+__all__ = ["SceneObjects", "check_objects", "objects_of_scene"]
 
 Records = NDArray[Any]
+
+_TICK_S = 1e-3
+"""Tick of the haptic loop that masses are checked for [s]."""
 
 _LAWS = {"spring_damper": ForceLaw.SPRING_DAMPER, "hunt_crossley": ForceLaw.HUNT_CROSSLEY}
 _HALF = float(np.sqrt(0.5))
@@ -128,6 +133,24 @@ def objects_of_scene(scene: Scene) -> SceneObjects:
     return gathered.finish()
 
 
+def check_objects(scene: Scene) -> list[Issue]:
+    """Faults of a scene's objects together: bodies too light for their contacts, meshes that cannot be touched."""
+    try:
+        objects = objects_of_scene(scene)
+        build_mesh_table([(mesh.vertices, mesh.triangles) for mesh in objects.meshes])
+    except SceneError as error:
+        return error.issues
+    except ValueError as error:
+        place = next((pointer for _, _, pointer in scene.components(HapticObject)), "")
+        return [scene.issue(place, f"a mesh of the scene cannot be touched: {error}")]
+    pointers = {entity: pointer for entity, _, pointer in scene.components(HapticObject)}
+    issues = []
+    for fault in check_bodies(objects.rows, objects.counts[0], _TICK_S):
+        entity = objects.shape_entities[fault.shape] if fault.shape >= 0 else objects.body_entities[fault.body]
+        issues.append(scene.issue(f"{pointers.get(entity, '')}/mass", fault.what, fault.fix))
+    return issues
+
+
 @dataclass(eq=False)
 class _Gathered:
     """Rows found so far."""
@@ -194,6 +217,7 @@ class _Gathered:
                 bodies=max(room.bodies, len(rows.bodies)),
                 effects=max(room.effects, len(rows.effects)),
                 wires=max(room.wires, len(rows.wires)),
+                paths=max(room.paths, len(effects.paths)),
             ),
             body_entities=tuple(self.body_entities),
             shape_entities=tuple(self.shape_entities),
@@ -292,7 +316,7 @@ class _Gathered:
             source = parse_source(wire.source, self.body_entities)
             target = parse_target(wire.target, self.body_entities, effects)
             row["source"], row["target"] = source.signal, target.signal
-            row["source_row"] = self.body_entities.index(source.object) if source.object else STATIC
+            row["source_row"] = self.body_entities.index(source.object) if source.object else 0
             on_body = target.entity in self.body_entities and wire.target.rpartition(".")[2] in ("F_aux", "T_aux")
             row["target_row"] = (self.body_entities if on_body else effects).index(target.entity)
             row["gain"] = wire.gain if isinstance(wire.gain, tuple) else wire.gain * np.eye(3)

@@ -142,7 +142,8 @@ def carry_signals(rows: Any, work: Any, counts: Any, hand: Vec) -> None:
             memory.position[i] = effect.position[i]
     for k in range(counts.wires):
         wire = rows.wires[k]
-        if 0 <= wire.source_row < counts.bodies and not _is_placed(work.motions[wire.source_row]):
+        of_body = wire.source > _TIME and 0 <= wire.source_row < counts.bodies
+        if of_body and not _is_placed(work.motions[wire.source_row]):
             continue
         x, y, z = (
             _read(rows, work, counts, wire, hand, 0),

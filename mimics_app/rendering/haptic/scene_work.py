@@ -1,0 +1,56 @@
+"""What the loop needs of a scene's objects beside their rows: what it is given once, and the names of rows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from mimics_app.contracts.object_rows import ObjectCapacities, count_rows
+from mimics_app.rendering.haptic.mesh_table import build_mesh_table
+from mimics_app.rendering.haptic.object_statics import ObjectStatics
+from mimics_app.rendering.haptic.scene_objects import SceneObjects
+
+__all__ = ["Names", "fits", "has_objects", "row_names", "statics_of"]
+
+Names = Mapping[str, Mapping[str, tuple[int, ...]]]
+
+
+def has_objects(objects: SceneObjects) -> bool:
+    """Whether anything of the scene touches, moves or pulls; else the loop runs none of the objects' code."""
+    counts = count_rows(objects.counts[0])
+    return any(counts[name] for name in ("shapes", "bodies", "effects"))
+
+
+def statics_of(objects: SceneObjects) -> ObjectStatics:
+    """Meshes, paths and force fields of the scene.
+
+    Raises:
+        ValueError: a mesh cannot be touched; `check` would have told.
+    """
+    meshes = build_mesh_table([(mesh.vertices, mesh.triangles) for mesh in objects.meshes])
+    return ObjectStatics(meshes, objects.paths, objects.fields)
+
+
+def row_names(objects: SceneObjects) -> Names:
+    """Per table, the rows of each entity: what a task may change by "bodies.apple.mass", "shapes.table.stiffness"."""
+    tables = {
+        "bodies": objects.body_entities,
+        "shapes": objects.shape_entities,
+        "effects": objects.effect_entities,
+    }
+    names: dict[str, dict[str, tuple[int, ...]]] = {}
+    for table, entities in tables.items():
+        rows = names.setdefault(table, {})
+        for row, entity in enumerate(entities):
+            rows[entity] = (*rows.get(entity, ()), row)
+    return names
+
+
+def fits(objects: SceneObjects, room: ObjectCapacities, present: SceneObjects) -> bool:
+    """Whether a running session can take these rows: they have room, and meshes, paths and fields stayed the same."""
+    counts = count_rows(objects.counts[0])
+    same = objects.fields == present.fields and objects.paths.tobytes() == present.paths.tobytes()
+    ours, theirs = (
+        [(mesh.vertices.tobytes(), mesh.triangles.tobytes()) for mesh in each.meshes] for each in (objects, present)
+    )
+    grew = has_objects(objects) and not has_objects(present)
+    return same and not grew and ours == theirs and all(count <= getattr(room, name) for name, count in counts.items())

@@ -1,0 +1,105 @@
+"""Plays a scene that needs no code with the simulated patient through the real loop, without processes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mimics_app.app.build import parameters_of
+from mimics_app.app.catalogue import open_scenario
+from mimics_app.app.parameter_desk import ParameterDesk
+from mimics_app.app.scene_loading import load_checked_scene
+from mimics_app.contracts import ring
+from mimics_app.contracts.clock import ticks_until_frame
+from mimics_app.contracts.haptic import INBOX, SAMPLE
+from mimics_app.contracts.messages import PointerState, TaskOrders, VRInput
+from mimics_app.contracts.session_memory import Capacities, SessionMemory
+from mimics_app.rendering.haptic.devices.registry import build_device
+from mimics_app.rendering.haptic.engine import HapticEngine
+from mimics_app.rendering.haptic.scene_objects import objects_of_scene
+from mimics_app.rendering.haptic.scene_work import has_objects, statics_of
+from mimics_app.tasks.actions import fill_defaults
+from mimics_app.tasks.scene_section import task_of
+from mimics_app.tasks.task_manager import TaskManager
+from mimics_app.world.components_haptic import Patient, Robot
+from mimics_app.world.scene_file import build_world
+
+
+class ScenePlay:
+    """One scene, one seed, frame by frame.
+
+    Attributes:
+        objects: SceneObjects of the scene.
+        snapshots: Of every frame.
+        samples: SAMPLE rows of every tick so far.
+        events: EVENT rows so far.
+        blocks, rows: Every parameter block handed to the loop, and the tables beside it, by sequence number.
+    """
+
+    def __init__(self, file: Path, seed: int = 1) -> None:
+        scene = load_checked_scene(file)
+        self.world = build_world(scene)
+        self.scenario = open_scenario(scene, self.world)
+        self.objects = objects_of_scene(scene)
+        self.desk = ParameterDesk(*parameters_of(self.scenario, self.objects))
+        patients = scene.components(Patient)
+        plugin = build_device(
+            scene.one(Robot)[1], patients[0][1] if patients else None, self.scenario.via_points_world, seed
+        )
+        self.memory = SessionMemory(Capacities(objects=self.objects.capacities))
+        self.statics = statics_of(self.objects)
+        self.work = self.statics.work(self.objects.capacities) if has_objects(self.objects) else None
+        self.haptics = HapticEngine(self.memory, plugin, objects=self.work, fields=self.statics.functions())
+        self.tasks = TaskManager(fill_defaults(task_of(scene), self.desk.value), self.scenario.task_context, seed)
+        self._inbox: Any = np.zeros(1, INBOX)
+        self._out: Any = np.zeros(len(self.memory.samples), SAMPLE)
+        self._kept: list[Any] = []
+        self._events: list[Any] = []
+        self._frame = 0
+        self.snapshots: list[Any] = []
+        self.blocks: dict[int, Any] = {}
+        self.rows: dict[int, Any] = {}
+        self.desk.hand_to(self._keep, self.haptics.publish)
+
+    def _keep(self, block: Any, rows: Any) -> None:
+        sequence = int(block[0]["sequence"])
+        self.blocks[sequence] = block.copy()
+        self.rows[sequence] = type(rows)(*(table.copy() for table in rows))
+
+    def run(self, seconds: float) -> ScenePlay:
+        """Play on for a time."""
+        for _ in range(round(seconds * 60)):
+            self._step()
+        return self
+
+    def _step(self) -> None:
+        frame = self._frame
+        self.haptics.advance(ticks_until_frame(frame + 1) - ticks_until_frame(frame))
+        count = ring.drain(self.memory.sample_words, self.memory.samples, self._out)
+        self._kept.append(self._out[:count].copy())
+        snapshot, events = self.haptics.snapshot(), self.haptics.events()
+        vr = VRInput(pointer=PointerState((0.0, 0.0, 0.0), 0.0, active=True))
+        orders = self.tasks.step(vr, None, snapshot, events, ticks_until_frame(frame + 1) * 1_000_000)
+        self.desk.change(orders.haptic)
+        self._inbox[0]["active"] = int(orders.person_may_act)
+        self._inbox[0]["trial"] = self.desk.block["trial"][0]
+        self.haptics.tell(self._inbox)
+        self.scenario.apply(TaskOrders(), snapshot)
+        self._events.append(events)
+        self.snapshots.append(snapshot)
+        self._frame += 1
+
+    @property
+    def samples(self) -> Any:
+        return np.concatenate(self._kept)
+
+    @property
+    def events(self) -> Any:
+        return np.concatenate(self._events)
+
+    def motion(self, entity: str) -> Any:
+        """MOTION of the body of an entity, now."""
+        assert self.work is not None
+        return self.work.motions[self.objects.body_entities.index(entity)]
