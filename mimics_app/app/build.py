@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from mimics_app.app.catalogue import open_scenario
 from mimics_app.app.explain import describe_plan
-from mimics_app.app.parameter_desk import ParameterDesk
+from mimics_app.app.haptic_side import HapticSide
 from mimics_app.app.plan import Plan, settle
 from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.app.session import Session
@@ -36,9 +36,9 @@ from mimics_app.learning.stage import NullLearning
 from mimics_app.recording.recorder import Recorder
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import create_run_folder
+from mimics_app.recording.statics import write_statics
 from mimics_app.rendering.haptic import scheduler
 from mimics_app.rendering.haptic.devices.registry import build_device
-from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.tasks.actions import build_action_space, fill_defaults
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.task_manager import TaskManager
@@ -80,7 +80,8 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
     plan = settle(scene, settings.profile)
     world = build_world(scene)
     scenario = open_scenario(scene, world)
-    desk = ParameterDesk(scenario.scene_block())
+    side = HapticSide(scene)
+    desk = side.desk(scenario.scene_block())
     spec = fill_defaults(resolve_trials(_task_of(scene), scene.path.parent, scene.root), desk.value)
     learning = _learning(settings, spec)
     robot, patient = _who_moves(settings, scene, live=live)
@@ -89,15 +90,16 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
     with ExitStack() as stack:
         stack.callback(plugin.close)
         desk.change({"device_delay": plugin.delay})
-        memory = SessionMemory()
+        memory = side.memory()
         folder = create_run_folder(settings.runs, settings.seconds or 0.0)
         recorder = Recorder(memory, folder, _header(settings, scene, scenario, plan, robot, patient, live=live))
+        write_statics(folder, side.statics)
         recorder.start(wait=False)
         stack.callback(recorder.abandon)
         sound = _open_sound(settings, scene, memory, folder, live=live)
         if sound is not None:
             stack.callback(sound.stop)
-        haptics = HapticEngine(memory, plugin, recipe=settings.recipe)
+        haptics = side.engine(memory, plugin, recipe=settings.recipe)
         stack.callback(haptics.stop)
         tasks = TaskManager(
             spec, scenario.task_context, settings.seed, on_trial=recorder.trial, on_event=recorder.journal
@@ -113,7 +115,7 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
             desk=desk,
             haptics=haptics,
             tasks=tasks,
-            inputs=Inputs([SimulatedPatient(intent=_intent(scene))]),
+            inputs=Inputs([SimulatedPatient(intent=_intent(scene), follows_way=len(scenario.via_points_world) > 1)]),
             dsp=NullDsp(),
             estimation=NullEstimation(),
             learning=learning,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from mimics_app.app.catalogue import open_scenario
+from mimics_app.app.haptic_side import HapticSide
 from mimics_app.app.plan import settle
 from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.app.session import Session
@@ -58,7 +59,7 @@ class SceneReload:
         session.scene, session.scenario = scene, open_scenario(scene, session.world)
         if session.picture is not None:
             session.picture.show(scene, session.world)
-        session.desk.replace(session.scenario.scene_block())
+        session.desk.replace(*HapticSide(scene).parameters(session.scenario.scene_block()))
         self._watcher.watch(scene.files)
         later = changes.sections | changes.systems
         self._say(now_ns, "scene reloaded" + (f"; {', '.join(sorted(later))} at the next start" if later else ""))

@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mimics_app.contracts.errors import Issue, SceneError, nearest
-from mimics_app.tasks.check import check_task
+from mimics_app.tasks.check import check_task, object_of_target
 from mimics_app.tasks.task import SoundDeed, TaskSpec
 from mimics_app.tasks.trial_file import resolve_trials
 from mimics_app.world.components import Sound
+from mimics_app.world.json_text import escape
 from mimics_app.world.registry import register_section
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ __all__ = ["check_section"]
 def check_section(spec: TaskSpec, scene: Scene) -> list[Issue]:
     """Faults of a scene's task: its own, those of its trial file, and sounds the scene does not have."""
     issues = [scene.issue(issue.pointer, issue.what, issue.fix) for issue in check_task(spec)]
-    return issues + _check_sounds(spec, scene) + _check_trial_file(spec, scene)
+    return issues + _check_sounds(spec, scene) + _check_names(spec, scene) + _check_trial_file(spec, scene)
 
 
 def _check_sounds(spec: TaskSpec, scene: Scene) -> list[Issue]:
@@ -35,6 +36,24 @@ def _check_sounds(spec: TaskSpec, scene: Scene) -> list[Issue]:
         for i, trigger in enumerate(spec.triggers)
         for j, deed in enumerate(trigger.do)
         if isinstance(deed, SoundDeed) and deed.sound not in known
+    ]
+
+
+def _check_names(spec: TaskSpec, scene: Scene) -> list[Issue]:
+    """Entities that the task names must be there."""
+    named: dict[str, str] = {}
+    if spec.carry is not None:
+        named |= {"/task/carry/body": spec.carry.body, "/task/carry/to": spec.carry.to}
+    for name, parameter in spec.parameters.items():
+        for i, target in enumerate(parameter.maps):
+            who = object_of_target(target.to.removeprefix("haptic."))
+            if target.to.startswith("haptic.") and who is not None:
+                named[f"/task/parameters/{escape(name)}/maps/{i}/to"] = who
+    known = {entity.id for entity in scene.entities}
+    return [
+        scene.issue(place, f'no entity is called "{who}"', nearest(who, known))
+        for place, who in named.items()
+        if who not in known
     ]
 
 
