@@ -20,6 +20,10 @@ _MARGIN = 22.0
 _HEIGHT = 62.0
 _STOPPED = "stopped"
 
+_RIGHT: Colour = (0.36, 0.78, 0.47, 0.34)
+_GRASP_ROOM = 1.4
+"""The bar of the grip goes up to this many times what is right at most."""
+
 _MOST_SHOWN = 9.99
 _NARROW = 0.25
 """Below this margin a wall is near its limit: the rule itself may be off by as much."""
@@ -35,7 +39,8 @@ def draw_board(hud: Hud, figures: Mapping[str, object], show: Sequence[str], for
     Args:
         hud: What to draw on; cleared first.
         figures: `TaskOrders.hud`: title, message, state, trial, progress, time, time_limit, contacts, force, score;
-            margin [-] with energy [J] of the haptic loop's stability monitor, and stiffness_share 0-1 of its cap.
+            margin [-] with energy [J] of the haptic loop's stability monitor, and stiffness_share 0-1 of its cap; where
+            something is carried also grasp, grasp_least and grasp_most [N], placed and drops.
         show: Names of the figures wanted, in the order of the scene.
         force_full: Force that fills the bar [N].
     """
@@ -58,6 +63,9 @@ _WIDTHS = {
     "score": 130.0,
     "state": 170.0,
     "margin": 220.0,
+    "grasp": 250.0,
+    "placed": 130.0,
+    "drops": 120.0,
 }
 
 
@@ -67,8 +75,8 @@ def _draw_figure(
     x, y, width = place
     label, text = _LABELS.get(name, name.capitalize()), _text(name, figures)
     hud.text(x, y + 27.0, label, 15.0, _FAINT)
-    if name == "margin":
-        _draw_margin(hud, figures, place)
+    if name in _DRAWN:
+        _DRAWN[name](hud, figures, place)
         return
     if name not in ("progress", "force"):
         hud.text(x, y, text, 25.0, _INK, bold=True, width=width)
@@ -84,6 +92,8 @@ _LABELS = {
     "contacts": "Wall contacts",
     "force": "Force on the hand",
     "margin": "Stability",
+    "grasp": "Grip",
+    "placed": "Placed",
 }
 
 
@@ -95,7 +105,7 @@ def _text(name: str, figures: Mapping[str, object]) -> str:
         return f"{value:.1f} s"
     if name == "force":
         return f"{value:.1f} N"
-    if name == "contacts" or name == "score":
+    if name in ("contacts", "score", "placed", "drops"):
         return f"{value:.0f}"
     return str(figures.get(name, ""))
 
@@ -114,6 +124,18 @@ def _draw_margin(hud: Hud, figures: Mapping[str, object], place: tuple[float, fl
         text, colour = f"soft {100.0 * share:.0f} %", _WARN
     hud.text(x, y, text, 25.0, colour, bold=True, width=0.62 * width)
     hud.text(x + width, y + 4.0, f"{1e3 * energy:.1f} mJ", 17.0, _ALARM if energy < -_LEAK else _FAINT, align="right")
+
+
+def _draw_grasp(hud: Hud, figures: Mapping[str, object], place: tuple[float, float, float]) -> None:
+    """The grasp force on a bar that shows between which two forces it is right."""
+    x, y, width = place
+    grasp, least, most = (_number(figures, name) for name in ("grasp", "grasp_least", "grasp_most"))
+    full = _GRASP_ROOM * most if most > 0.0 else 1.0
+    right = least <= grasp <= most
+    hud.text(x + width, y + 27.0, f"{grasp:.1f} N", 17.0, _INK, bold=True, align="right")
+    left, wide = x + width * least / full, width * (most - least) / full
+    hud.box(left, y - 1.0, wide, 21.0, _RIGHT, radius=4.0)
+    hud.bar((x, y + 4.0, width, 11.0), grasp / full, _CALM if right else _ACCENT if grasp < least else _WARN)
 
 
 def _margin_colour(margin: float) -> Colour:
@@ -141,3 +163,7 @@ def _draw_message(hud: Hud, message: str, *, alarm: bool) -> None:
     x, y = 0.5 * (hud.width - width), 46.0
     hud.box(x, y, width, 64.0, (0.55, 0.08, 0.08, 0.86) if alarm else _PANEL, radius=18.0)
     hud.text(0.5 * hud.width, y + 21.0, message, size, _INK, bold=True, align="centre", width=width - 32.0)
+
+
+_DRAWN = {"margin": _draw_margin, "grasp": _draw_grasp}
+"""Figures that are more than a number or a bar."""

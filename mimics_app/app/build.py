@@ -17,16 +17,15 @@ from numpy.typing import NDArray
 
 from mimics_app.app.catalogue import open_scenario
 from mimics_app.app.explain import describe_plan
-from mimics_app.app.parameter_desk import ParameterDesk
+from mimics_app.app.haptic_side import HapticSide
 from mimics_app.app.plan import Plan, settle
 from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.app.session import Session
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.sound_stage import SoundStage
 from mimics_app.contracts.clock import MonotonicClock, VirtualClock
-from mimics_app.contracts.object_rows import Rows
 from mimics_app.contracts.scenario_port import Scenario
-from mimics_app.contracts.session_memory import Capacities, SessionMemory
+from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.contracts.stages import Learning
 from mimics_app.dsp.stage import NullDsp
 from mimics_app.estimation.stage import NullEstimation
@@ -37,12 +36,9 @@ from mimics_app.learning.stage import NullLearning
 from mimics_app.recording.recorder import Recorder
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import create_run_folder
-from mimics_app.recording.statics import Statics, write_statics
+from mimics_app.recording.statics import write_statics
 from mimics_app.rendering.haptic import scheduler
 from mimics_app.rendering.haptic.devices.registry import build_device
-from mimics_app.rendering.haptic.engine import HapticEngine
-from mimics_app.rendering.haptic.scene_objects import SceneObjects, objects_of_scene
-from mimics_app.rendering.haptic.scene_work import Names, has_objects, row_names, statics_of
 from mimics_app.tasks.actions import build_action_space, fill_defaults
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.task import TaskSpec
@@ -57,7 +53,7 @@ from mimics_app.world.scene_file import build_world
 if TYPE_CHECKING:
     from mimics_app.contracts.audio_port import AudioOutput
 
-__all__ = ["build_session", "has_display", "parameters_of", "start_loop"]
+__all__ = ["build_session", "has_display", "start_loop"]
 
 _SIMULATED = "simulated_hapticmaster"
 _POINTER = "pointer"
@@ -85,8 +81,8 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
     plan = settle(scene, settings.profile)
     world = build_world(scene)
     scenario = open_scenario(scene, world)
-    objects = objects_of_scene(scene)
-    desk = ParameterDesk(*parameters_of(scenario, objects))
+    side = HapticSide(scene)
+    desk = side.desk(scenario.scene_block())
     spec = fill_defaults(resolve_trials(task_of(scene), scene.path.parent, scene.root), desk.value)
     learning = _learning(settings, spec)
     robot, patient = _who_moves(settings, scene, live=live)
@@ -97,23 +93,16 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
         desk.change({"device_delay": plugin.delay})
         if plugin.follows == "nothing":  # no virtual mass moves with it whose energy could be controlled
             desk.change({"passivity": 0})
-        memory = SessionMemory(Capacities(objects=objects.capacities))
+        memory = side.memory()
         folder = create_run_folder(settings.runs, settings.seconds or 0.0)
         recorder = Recorder(memory, folder, _header(settings, scene, scenario, plan, robot, patient, live=live))
+        write_statics(folder, side.statics)
         recorder.start(wait=False)
         stack.callback(recorder.abandon)
         sound = _open_sound(settings, scene, memory, folder, live=live)
         if sound is not None:
             stack.callback(sound.stop)
-        statics = statics_of(objects)
-        write_statics(folder, Statics(statics.arrays, statics.fields))
-        haptics = HapticEngine(
-            memory,
-            plugin,
-            recipe=settings.recipe,
-            objects=statics.work(objects.capacities) if has_objects(objects) else None,
-            fields=statics.functions(),
-        )
+        haptics = side.engine(memory, plugin, recipe=settings.recipe)
         stack.callback(haptics.stop)
         tasks = TaskManager(
             spec, scenario.task_context, settings.seed, on_trial=recorder.trial, on_event=recorder.journal
@@ -124,13 +113,13 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
             scene=scene,
             world=world,
             scenario=scenario,
-            objects=objects,
+            side=side,
             memory=memory,
             clock=MonotonicClock() if live else VirtualClock(),
             desk=desk,
             haptics=haptics,
             tasks=tasks,
-            inputs=Inputs([SimulatedPatient(intent=_intent(scene))]),
+            inputs=Inputs([SimulatedPatient(intent=_intent(scene), follows_way=len(scenario.via_points_world) > 1)]),
             dsp=NullDsp(),
             estimation=NullEstimation(),
             learning=learning,
@@ -142,13 +131,6 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
         session.on_close = stack.pop_all()
     desk.hand_to(recorder.parameters, haptics.publish)
     return session
-
-
-def parameters_of(scenario: Scenario, objects: SceneObjects) -> tuple[NDArray[Any], Rows, Names]:
-    """What a `ParameterDesk` starts from: the SCENE record with its counts, the rows, and the names of rows."""
-    block = scenario.scene_block()
-    block["objects"] = objects.counts
-    return block, objects.rows, row_names(objects)
 
 
 def start_loop(session: Session) -> str:

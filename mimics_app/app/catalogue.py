@@ -10,8 +10,10 @@ from importlib.metadata import entry_points
 
 from mimics_app.contracts.errors import SceneError, nearest
 from mimics_app.contracts.scenario_port import Scenario
+from mimics_app.scenarios.pick_and_place import PickAndPlace
 from mimics_app.scenarios.touch_scene import TouchScene
 from mimics_app.scenarios.wavy_tunnel import WavyTunnel
+from mimics_app.world.components_hand import GraspingHand
 from mimics_app.world.components_haptic import Robot, Tunnel
 from mimics_app.world.scene import Scene
 from mimics_app.world.world import World
@@ -25,10 +27,10 @@ ONLY_LOOKED_AT = "none"
 
 _Builder = Callable[[Scene, World], Scenario]
 
-BUILT_IN: dict[str, _Builder] = {"wavy_tunnel": WavyTunnel}
+BUILT_IN: dict[str, _Builder] = {"wavy_tunnel": WavyTunnel, "pick_and_place": PickAndPlace}
 """Scenarios that come with the product, by name."""
 
-BY_COMPONENT: dict[type, _Builder] = {Tunnel: WavyTunnel, Robot: TouchScene}
+BY_COMPONENT: dict[type, _Builder] = {Tunnel: WavyTunnel, GraspingHand: PickAndPlace, Robot: TouchScene}
 """What plays a scene that names no scenario: by the first of these components it has."""
 
 

@@ -54,6 +54,8 @@ class Frames:
         orders = session.tasks.step(vr, action, snapshot, events, now_ns)
         self._touch(vr, orders, snapshot)
         session.scenario.apply(orders, snapshot)
+        session.desk.change(session.scenario.haptic_orders())
+        session.inputs.aim(session.scenario.aim(snapshot))
         session.world.update()
         if session.sound is not None:
             session.sound.step(orders, session.world, now_ns)

@@ -123,7 +123,10 @@ def _say(answer: dict[str, Any]) -> None:
     done = "completed" if task["completed"] else "not completed"
     trials = _count(task["trials"], "trial")
     print(f"task      {done}: {trials}, score {task['score']:.0f}, {task['time_s']:.1f} s under way")
-    print(f"path      error {1e3 * task['path_error_m']:.1f} mm, {_count(task['contacts'], 'wall contact')}")
+    print(f"path      error {1e3 * task['path_error_m']:.1f} mm, {_count(task['contacts'], 'contact')}")
+    if "drops" in task:
+        lost = f"{_count(task['drops'], 'drop')}, {_count(task['bruises'], 'bruise')}"
+        print(f"carried   {task['placed']} placed, {lost}, grasp off by {task['grasp_error_n']:.1f} N")
     print(f"touch     {answer['ticks']} ticks ({answer['recipe']}), {answer['missed']} missed, {safety['state']}")
     print(f"run       {answer['run_dir']}")
     for picture in answer["pictures"]:

@@ -8,13 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.app.catalogue import open_scenario
+from mimics_app.app.haptic_side import HapticSide
 from mimics_app.contracts import ring
 from mimics_app.contracts.clock import TICKS_PER_SECOND
 from mimics_app.contracts.haptic import INBOX, SAMPLE, Controller, SafetyState
 from mimics_app.contracts.scenario_port import Home
-from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.rendering.haptic.devices.registry import build_device
-from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.world.components_haptic import Patient, Robot
 from mimics_app.world.scene import Scene
 from mimics_app.world.scene_file import build_world
@@ -22,6 +21,7 @@ from mimics_app.world.scene_file import build_world
 __all__ = ["Rehearsal", "rehearse"]
 
 _LONGEST_HOMING_S = 20
+_LOOK_TICKS = 16
 
 
 class Rehearsal:
@@ -42,42 +42,55 @@ class Rehearsal:
             self.scenario.via_points_world,
             seed,
         )
-        self.memory = SessionMemory()
-        self.haptics = HapticEngine(self.memory, plugin)
+        side = HapticSide(scene)
+        self.memory = side.memory()
+        self.haptics = side.engine(self.memory, plugin)
+        self._aims = False
         self._rows = np.zeros(len(self.memory.samples), SAMPLE)
-        block = self.scenario.scene_block()
-        block["device_delay"] = plugin.delay
-        self._go_home(block)
-        self._let_go(block)
+        self._desk = side.desk(self.scenario.scene_block())
+        self._desk.change({"device_delay": plugin.delay})
+        self._inbox: NDArray[Any] = np.zeros(1, INBOX)
+        self._desk.hand_to(self.haptics.publish)
+        self._go_home()
+        self._let_go()
 
-    def _go_home(self, block: NDArray[Any]) -> None:
+    def _go_home(self) -> None:
         """Drive the robot to the start of a trial."""
         context = self.scenario.task_context
         home = context.home or Home(context.start_joints)
-        record = block[0]
-        record["controller"], record["target"] = home.controller, home.target
-        self.haptics.publish(block)
+        self._desk.change({"controller": int(home.controller), "target": home.target})
         for _ in range(_LONGEST_HOMING_S):
             self.advance(TICKS_PER_SECOND)
             if self.haptics.snapshot().state == SafetyState.READY:
                 return
 
-    def _let_go(self, block: NDArray[Any]) -> None:
+    def _let_go(self) -> None:
         """Hand the robot to the simulated person, forces on."""
-        record = block[0]
-        record["controller"], record["trial"] = Controller.ADMITTANCE, 1
-        record["sequence"] += 1
-        self.haptics.publish(block)
+        self._desk.change({"controller": int(Controller.ADMITTANCE), "trial": 1})
         self.advance(TICKS_PER_SECOND)
-        inbox = np.zeros(1, INBOX)
-        inbox["active"], inbox["trial"] = 1, 1
-        self.haptics.tell(inbox)
+        self._inbox["active"], self._inbox["trial"] = 1, 1
+        self._look()
 
     def advance(self, ticks: int) -> None:
-        """Run ticks, forgetting their samples."""
+        """Run ticks, forgetting their samples; the person looks at the scene once a frame where there is a need to."""
+        while self._aims and ticks > _LOOK_TICKS:
+            self._run(_LOOK_TICKS)
+            self._look()
+            ticks -= _LOOK_TICKS
+        self._run(ticks)
+
+    def _run(self, ticks: int) -> None:
         self.haptics.advance(ticks)
         ring.drain(self.memory.sample_words, self.memory.samples, self._rows)
         self.haptics.events()
+
+    def _look(self) -> None:
+        """Let the person see what is to be done."""
+        aim = self.scenario.aim(self.haptics.snapshot())
+        self._aims = aim is not None
+        if aim is not None:
+            self._inbox["target_world"], self._inbox["grasp"] = aim.target_world, float(aim.close)
+        self.haptics.tell(self._inbox)
 
 
 def rehearse(scene: Scene, ticks: int) -> Rehearsal:

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from mimics_app.app.build import parameters_of
 from mimics_app.app.catalogue import open_scenario
+from mimics_app.app.haptic_side import HapticSide
 from mimics_app.app.plan import settle
 from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.app.session import Session
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.rendering.haptic.scene_objects import objects_of_scene
-from mimics_app.rendering.haptic.scene_work import fits
 from mimics_app.world.reload import reload_scene
 from mimics_app.world.scene_file import build_world
 from mimics_app.world.watcher import SceneWatcher
@@ -53,8 +51,8 @@ class SceneReload:
         try:
             candidate = load_checked_scene(session.scene.path)
             open_scenario(candidate, build_world(candidate))  # in a world of its own: its faults must not end this one
-            objects = objects_of_scene(candidate)
-            if not fits(objects, session.memory.capacities.objects, session.objects):
+            side = HapticSide(candidate)
+            if not side.fits(session.side, session.memory):
                 raise SceneError(Issue(candidate.file, "", _NEW_TABLES, "end the run and start it again"))
             scene, changes = reload_scene(session.world, session.scene)
         except SceneError as error:
@@ -65,7 +63,7 @@ class SceneReload:
         session.scene, session.scenario = scene, open_scenario(scene, session.world)
         if session.picture is not None:
             session.picture.show(scene, session.world)
-        session.desk.replace(*parameters_of(session.scenario, objects))
+        session.desk.replace(*side.parameters(session.scenario.scene_block()))
         self._watcher.watch(scene.files)
         later = changes.sections | changes.systems
         self._say(now_ns, "scene reloaded" + (f"; {', '.join(sorted(later))} at the next start" if later else ""))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 import mimics_app.tasks.scene_section  # noqa: F401  registers the task block
 from mimics_app.contracts.errors import Issue, SceneError
@@ -17,6 +18,7 @@ from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
 from mimics_app.tasks.actions import haptic_field
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.world.components_haptic import Robot, Tunnel
+from mimics_app.world.placing import pose_of
 from mimics_app.world.scene import Scene
 from mimics_app.world.scene_file import load_scene
 
@@ -32,7 +34,7 @@ def load_checked_scene(path: Path) -> Scene:
         SceneError: every fault found, each with file and JSON pointer.
     """
     scene = load_scene(find_scene(path))
-    issues = _check_widest_tunnel(scene) + _check_reach(scene) + check_objects(scene)
+    issues = _check_widest_tunnel(scene) + _check_reach(scene) + _check_carry_reach(scene) + check_objects(scene)
     if issues:
         raise SceneError(issues)
     return scene
@@ -62,15 +64,42 @@ def _check_reach(scene: Scene) -> list[Issue]:
         return []
     _, robot, pointer = scene.one(Robot)
     curve, _ = tunnel_of_scene(scene)
-    q = np.zeros(3)
     for arc in np.linspace(0.0, curve.length, _REACH_CHECKS):
-        point = curve.point(curve.parameter_at(arc))
-        inverse(robot_from_world(robot, point)[0], axis_offset(robot), q)
-        if np.any(q < robot.joint_min) or np.any(q > robot.joint_max):
-            x, y, z = point[0]
-            what = f"the robot does not reach the tunnel {arc:.3f} m from its start, at ({x:.3f}, {y:.3f}, {z:.3f})"
+        point = curve.point(curve.parameter_at(arc))[0]
+        if not _reaches(robot, point):
+            what = f"the robot does not reach the tunnel {arc:.3f} m from its start, at {_place(point)}"
             return [scene.issue(f"{pointer}/robot_to_world", what, "move the robot or the tunnel")]
     return []
+
+
+def _check_carry_reach(scene: Scene) -> list[Issue]:
+    """The robot must reach the mark, and whatever lies below where the thing falls from."""
+    task = scene.sections.get("task")
+    if not isinstance(task, TaskSpec) or task.carry is None or not scene.components(Robot):
+        return []
+    robot, carry = scene.one(Robot)[1], task.carry
+    mark = pose_of(scene, carry.to)[0]
+    if not _reaches(robot, mark):
+        what = f'the robot does not reach "{carry.to}" at {_place(mark)}'
+        return [scene.issue("/task/carry/to", what, "move the robot or the mark")]
+    box, height = carry.falls_from, robot.robot_to_world.translation[1]
+    corners = [(x, height, z) for x in (box.low[0], box.high[0]) for z in (box.low[2], box.high[2])] if box else []
+    for corner in corners:
+        if not _reaches(robot, np.array(corner)):
+            what = f"the robot does not reach what lies below its corner at {_place(np.array(corner))}"
+            return [scene.issue("/task/carry/falls_from", what, "make it smaller or move the robot")]
+    return []
+
+
+def _reaches(robot: Robot, point_world: NDArray[np.float64]) -> bool:
+    q = np.zeros(3)
+    inverse(robot_from_world(robot, point_world.reshape(1, 3))[0], axis_offset(robot), q)
+    return bool(np.all(q >= robot.joint_min) and np.all(q <= robot.joint_max))
+
+
+def _place(point: NDArray[np.float64]) -> str:
+    x, y, z = point
+    return f"({x:.3f}, {y:.3f}, {z:.3f})"
 
 
 def find_scene(path: Path) -> Path:

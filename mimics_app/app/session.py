@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from mimics_app.app.governor import FrameGovernor
+from mimics_app.app.haptic_side import HapticSide
 from mimics_app.app.parameter_desk import ParameterDesk
 from mimics_app.app.picture import Picture
 from mimics_app.app.settings import RunSettings
@@ -21,7 +22,6 @@ from mimics_app.inputs.stage import Inputs
 from mimics_app.recording.manifest import Manifest
 from mimics_app.recording.recorder import Recorder
 from mimics_app.rendering.haptic.engine import HapticEngine
-from mimics_app.rendering.haptic.scene_objects import SceneObjects
 from mimics_app.tasks.task_manager import TaskManager
 from mimics_app.world.scene import Scene
 from mimics_app.world.world import World
@@ -34,7 +34,7 @@ class Session:
     """One run: its scene, its stages, its shared memory, its record.
 
     Attributes:
-        objects: What of the scene can be touched, as it was when the loop was built.
+        side: What of the scene can be touched, as it was when the loop was built.
         live: True when the haptic loop runs in real time; False on the virtual clock.
         picture: None while nothing is drawn.
         sound: None in a scene without sound.
@@ -47,7 +47,7 @@ class Session:
     scene: Scene
     world: World
     scenario: Scenario
-    objects: SceneObjects
+    side: HapticSide
     memory: SessionMemory
     clock: Clock
     desk: ParameterDesk

@@ -73,7 +73,7 @@ class SoundRow:
     Attributes:
         t_ns: When the event happened, on the session clock.
         tick: Haptic tick of a contact, -1 for a sound ordered by the task.
-        cause: "contact", "contact_end" or "order".
+        cause: "contact", "contact_end", "impact" or "order".
         sound: Name of the sound, with its variant.
         gain: Linear gain it was started with.
         submitted_ns: When the mixer was told, on the session clock.

@@ -296,6 +296,7 @@ SNAPSHOT = np.dtype(
         ("depth", "f8"),
         ("touched_shape", "i8"),
         ("held_body", "i8"),
+        ("crushed_body", "i8"),  # the same once it was gripped beyond its crush_force, -1: it was not
         ("ramp", "f8"),
         ("period_s", "f8"),  # these four as in SAMPLE
         ("stiffness_limit", "f8"),

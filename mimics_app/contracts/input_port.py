@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from mimics_app.contracts.messages import PointerState, SignalBlock
+from mimics_app.contracts.messages import Aim, PointerState, SignalBlock
 from mimics_app.contracts.window_input import GamepadState, InputEvent
 
 __all__ = ["PointerSource", "Ray", "RayFromWindow", "SignalSource", "Window", "WindowFrame"]
@@ -53,6 +53,10 @@ class PointerSource(Protocol):
 
     def hold_at(self, point_world: Vec3) -> None:
         """The robot is being driven: rest the cursor at this point [m] until the person moves it."""
+        ...
+
+    def aim(self, aim: Aim | None) -> None:
+        """What the scene asks the hand to do next; None where it leaves that to the person."""
         ...
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "Aim",
     "FeatureFrame",
     "HapticSnapshot",
     "PointerState",
@@ -31,6 +32,19 @@ class PointerState:
     grasp: float
     active: bool
     stop: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Aim:
+    """What a person in the scene does next with the hand.
+
+    Attributes:
+        target_world: Where the hand goes [m].
+        close: The hand closes, or stays closed.
+    """
+
+    target_world: Vec3
+    close: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,6 +148,7 @@ class HapticSnapshot:
     depth: float
     touched_shape: int
     held_body: int
+    crushed_body: int
     ramp: float
     period_s: float
     stiffness_limit: float

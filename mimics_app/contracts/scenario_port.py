@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import Controller
-from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
+from mimics_app.contracts.messages import Aim, HapticSnapshot, TaskOrders
 
 __all__ = ["Home", "Scenario", "TaskContext"]
 
@@ -37,14 +37,21 @@ class TaskContext:
     Attributes:
         start_joints: Where the robot begins a trial [m, rad, m].
         home: How it gets there; None: by joint PD.
+        bodies: Names of the haptic bodies in the order of their rows.
+        places: Where the entities are that a task may name [m].
     """
 
     start_joints: Vec3
     home: Home | None = None
+    bodies: tuple[str, ...] = ()
+    places: Mapping[str, Vec3] = field(default_factory=dict)
 
 
 class Scenario(Protocol):
-    """A scene brought to life; made with (scene, world), anew when the scene file is reloaded."""
+    """A scene brought to life; made with (scene, world), anew when the scene file is reloaded.
+
+    Inherit from it: what a scene does not need has an answer here already.
+    """
 
     @property
     def task_context(self) -> TaskContext:
@@ -68,3 +75,11 @@ class Scenario(Protocol):
     def apply(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         """Bring the world up to date with the newest haptic state and the task's visual parameters."""
         ...
+
+    def aim(self, snapshot: HapticSnapshot) -> Aim | None:
+        """What a person does next with the hand, going by what is seen; None where the way alone tells it."""
+        return None
+
+    def haptic_orders(self) -> Mapping[str, object]:
+        """Haptic fields by dotted name as the scene's own helpers want them now; unchanged values cost nothing."""
+        return {}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from mimics_app.contracts.input_port import PointerSource, SignalSource, Window, WindowFrame
-from mimics_app.contracts.messages import PointerState, SignalBlock, VRInput
+from mimics_app.contracts.messages import Aim, PointerState, SignalBlock, VRInput
 from mimics_app.contracts.window_input import GamepadState, InputEvent
 
 __all__ = ["Inputs", "pressed_names"]
@@ -42,6 +42,11 @@ class Inputs:
         states = [state for source in self._pointers if (state := source.read(self.frame, now_ns)) is not None]
         blocks: list[SignalBlock] = [block for source in self._signals for block in source.read(now_ns)]
         return VRInput(tuple(blocks), _one_pointer(states, stop=not _STOP_NAMES.isdisjoint(pressed)), pressed)
+
+    def aim(self, aim: Aim | None) -> None:
+        """Tell every pointing device what the scene asks the hand to do next."""
+        for source in self._pointers:
+            source.aim(aim)
 
     def hold_at(self, point_world: tuple[float, float, float]) -> None:
         """The robot is being driven: rest all cursors at this point [m] until the person moves them."""

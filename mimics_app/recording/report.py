@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import EventKind
 from mimics_app.recording.attempts import Attempt, find_attempts
+from mimics_app.recording.report_carry import carry_cards, carry_facts, draw_carry
 from mimics_app.recording.report_figures import draw_lateness, draw_path, draw_states, draw_traces
 from mimics_app.recording.report_governor import governor_text
 from mimics_app.recording.report_stability import smallest_margin, stability_text
@@ -37,7 +38,9 @@ __all__ = ["Punctuality", "punctuality", "write_report"]
 _OPEN_ATTEMPTS = 3
 _WARM_UP_TICKS = 1000
 _OWN_KEYS = ("format", "version", "versions", "machine", "clock", "plan")
-_COUNTED = "Score, time, path error and wall contacts tell of ended trials; practice counts only where it is all."
+_TUNNEL_COLOURS = "The path of the robot's top is blue, the bisector of the tunnel red, its walls green."
+_CARRY_COLOURS = "The path of the empty hand is blue, that of the hand with the thing in it orange, the mark green."
+_COUNTED = "Score, time, path and contacts tell of ended trials; practice counts only where it is all."
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,13 +153,15 @@ def _cards(run: Run, attempts: list[Attempt]) -> str:
     free = [attempt.samples[attempt.free] for attempt in attempts]
     felt = [_largest(rows["f_user_world"]) for rows in free]
     real_time = punctuality(run.haptic)
+    carried = carry_facts(run) is not None
     finished = sum(row.get("outcome") == "finished" for row in run.trials)
     cards = {
         "trials finished": f"{task.get('completed', finished)} of {task.get('trials', len(run.trials))}",
         "score": _one(task.get("score")),
         "time": _one(task.get("time_s"), "s"),
-        "path error": _one(_scaled(task.get("path_error_m"), 1000.0), "mm"),
-        "wall contacts": value(task.get("contacts")),
+        **({name: _card(*figure) for name, figure in carry_cards(task).items()} if carried else {}),
+        "off the straight way" if carried else "path error": _one(_scaled(task.get("path_error_m"), 1000.0), "mm"),
+        "contacts" if carried else "wall contacts": value(task.get("contacts")),
         "largest force felt": _one(max(felt, default=None), "N"),
         "smallest stability margin": _one(_scaled(smallest_margin(run.haptic), 100.0), "%"),
         "ticks missed": f"{real_time.missed} of {real_time.ticks:,}".replace(",", "\u2009")
@@ -167,6 +172,10 @@ def _cards(run: Run, attempts: list[Attempt]) -> str:
     items = "".join(f"<div><b>{text}</b><span>{name}</span></div>" for name, text in cards.items() if text != "–")
     note = _soft(_COUNTED) if task else ""
     return f'<div class="cards">{items}</div>{note}'
+
+
+def _card(number: Any, unit: str) -> str:
+    return _one(number, unit) if unit else value(number)
 
 
 def _largest(vectors: NDArray[np.float64]) -> float:
@@ -194,16 +203,18 @@ def _problems(run: Run) -> str:
 def _movement(run: Run, attempts: list[Attempt]) -> str:
     if not attempts:
         return _section("Movement", _soft("No tick was recorded."))
+    carry = carry_facts(run)
     text = _soft(
         "Frontal plane seen by the person: lateral to the right, vertical up. "
-        "The path of the robot's top is blue, the bisector of the tunnel red, its walls green."
+        + (_CARRY_COLOURS if carry is not None else _TUNNEL_COLOURS)
     )
     for i, attempt in enumerate(attempts):
-        traces = "".join(draw_traces(attempt))
-        content = f"{draw_path(attempt, run.events)}<h3>Force and velocity</h3>{traces}"
+        traces = "".join(draw_traces(attempt, carry))
+        path = draw_path(attempt, run.events) if carry is None else draw_carry(attempt, carry)
+        content = f"{path}<h3>Force and velocity</h3>{traces}"
         opened = " open" if i < _OPEN_ATTEMPTS else ""
         text += f"<details{opened}><summary>{escape(attempt.title)}</summary>{content}</details>"
-    return _section("Movement through the tunnel", text)
+    return _section("Movement through the tunnel" if carry is None else "Carrying", text)
 
 
 def _safety(run: Run) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.haptic import EventKind, SafetyState
 from mimics_app.recording.attempts import Attempt, TunnelShape
 from mimics_app.recording.plot import Axis, Plot, envelope
+from mimics_app.recording.report_carry import carry_lines
 from mimics_app.recording.report_stability import stability_lines
 
 __all__ = ["draw_lateness", "draw_path", "draw_states", "draw_traces"]
@@ -78,20 +80,36 @@ def _contacts_of(attempt: Attempt, events: NDArray[Any]) -> NDArray[Any]:
     return events[within & (events["kind"] == EventKind.CONTACT_BEGIN)]
 
 
-def draw_traces(attempt: Attempt) -> list[str]:
-    """Force, velocity, distance and stability over time; peaks are kept however long the attempt is."""
+def draw_traces(attempt: Attempt, carry: Mapping[str, Any] | None = None) -> list[str]:
+    """Force, velocity, distance and stability over time; peaks are kept however long the attempt is.
+
+    Args:
+        attempt: Whose.
+        carry: What the scenario told of the carrying (`report_carry.carry_facts`); None: a tunnel was travelled.
+    """
     samples = attempt.samples
     if len(samples) < 2:
         return []
+    force = {
+        "measured": ("force of the person on the handle", _norm(samples["f_meas"])),
+        "felt": ("virtual force on the person", _norm(samples["f_user_world"])),
+    }
+    own = _tunnel_traces(attempt) if carry is None else _carry_traces(attempt, carry)
     return [
-        _trace_plot(
-            attempt,
-            "force [N]",
-            {
-                "measured": ("force of the person on the handle", _norm(samples["f_meas"])),
-                "felt": ("virtual force on the person", _norm(samples["f_user_world"])),
-            },
-        ),
+        _trace_plot(attempt, "force [N]", force),
+        *own,
+        _trace_plot(attempt, "velocity [m/s]", {"robot": ("speed of the robot", _norm(samples["v_world"]))}),
+        *(_trace_plot(attempt, label, lines, only_free=True) for label, lines in stability_lines(attempt).items()),
+    ]
+
+
+def _carry_traces(attempt: Attempt, carry: Mapping[str, Any]) -> list[str]:
+    return [_trace_plot(attempt, label, lines, only_free=True) for label, lines in carry_lines(attempt, carry).items()]
+
+
+def _tunnel_traces(attempt: Attempt) -> list[str]:
+    samples = attempt.samples
+    return [
         _trace_plot(
             attempt,
             "tunnel force [N]",
@@ -102,7 +120,6 @@ def draw_traces(attempt: Attempt) -> list[str]:
             },
             only_free=True,
         ),
-        _trace_plot(attempt, "velocity [m/s]", {"robot": ("speed of the robot", _norm(samples["v_world"]))}),
         _trace_plot(
             attempt,
             "from bisector [mm]",
@@ -115,7 +132,6 @@ def draw_traces(attempt: Attempt) -> list[str]:
             },
             only_free=True,
         ),
-        *(_trace_plot(attempt, label, lines, only_free=True) for label, lines in stability_lines(attempt).items()),
     ]
 
 
@@ -133,7 +149,8 @@ def _trace_plot(attempt: Attempt, label: str, lines: dict[str, tuple[str, Values
     y = Axis.of(label, *[values for *_, values in drawn], zero=True)
     plot = Plot(x, y, f"{label} over time, {attempt.title}", height=170.0)
     plot.spans(*_stretches(t, ~free), "driven", "driven by the robot")
-    plot.spans(*_stretches(t, free & (attempt.samples["penetration"][near] > 0.0)), "touch", "ball in the wall")
+    touch = free & ((attempt.samples["penetration"][near] > 0.0) | (attempt.samples["touching"][near] > 0.0))
+    plot.spans(*_stretches(t, touch), "touch", "ball in the wall" if attempt.tunnel is not None else "touching")
     for kind, name, when, values in drawn:
         plot.line(when, values, kind, name)
     return plot.svg()

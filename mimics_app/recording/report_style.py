@@ -49,6 +49,7 @@ svg text { fill: var(--soft); font: 12px system-ui, "Segoe UI", sans-serif; }
 .line { fill: none; stroke: var(--ink); stroke-width: 1.5; stroke-linejoin: round; }
 .line.robot { stroke: var(--robot); stroke-width: 1.8; } .line.bisector { stroke: var(--bisector); stroke-width: 1.6;
   stroke-dasharray: 7 4; } .line.wall { stroke: var(--wall); stroke-width: 2.2; }
+.line.carried { stroke: var(--second); stroke-width: 2.2; }
 .line.felt { stroke: var(--robot); } .line.measured { stroke: var(--second); }
 .line.tangent { stroke: var(--robot); } .line.normal { stroke: var(--second); } .line.binormal { stroke: var(--third); }
 .line.margin { stroke: var(--wall); } .line.energy { stroke: var(--second); }

@@ -168,7 +168,7 @@ def _peaks(samples: NDArray[Any], begins: NDArray[Any]) -> list[tuple[float | No
 def contact_table(rows: Sequence[Mapping[str, Any]]) -> str:
     """The contacts, and what picture and sound took in the middle and at most."""
     if not rows:
-        return '<p class="soft">The ball never touched the wall.</p>'
+        return '<p class="soft">Nothing was touched.</p>'
     text = ""
     for name, what in (("frame after [ms]", "in the picture"), ("sound after [ms]", "heard")):
         taken = np.array([row[name] for row in rows if row[name] is not None], np.float64)

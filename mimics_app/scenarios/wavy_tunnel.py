@@ -8,17 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import Controller, Projection
+from mimics_app.contracts.haptic import Projection
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
-from mimics_app.contracts.scenario_port import Home, Scenario, TaskContext
+from mimics_app.contracts.scenario_port import Scenario, TaskContext
 from mimics_app.maths.quat import from_matrix
-from mimics_app.rendering.haptic.kernels.kinematics import inverse
-from mimics_app.rendering.haptic.scene_block import axis_offset, robot_from_world, scene_from_components
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
 from mimics_app.scenarios.body_nodes import BodyNodes
+from mimics_app.scenarios.robot_scene import robot_block, start_at
 from mimics_app.world.components import TunnelView
-from mimics_app.world.components_haptic import Admittance, Ball, JointPd, Robot, Safety, Tunnel, WorldPd
+from mimics_app.world.components_haptic import Ball, Robot, Tunnel
 from mimics_app.world.components_systems import HapticSettings
 from mimics_app.world.mesh import MeshData
 from mimics_app.world.primitives import tube
@@ -69,11 +68,7 @@ class WavyTunnel(Scenario):
 
     @property
     def task_context(self) -> TaskContext:
-        start = robot_from_world(self._robot, self._curve.point(0.0))[0]
-        q = np.zeros(3)
-        inverse(start, axis_offset(self._robot), q)
-        straight = Home(_triple(start), Controller.WORLD_PD)
-        return TaskContext(_triple(q), straight if self._scene.components(WorldPd) else None)
+        return TaskContext(*start_at(self._scene, self._curve.point(0.0)))
 
     @property
     def via_points_world(self) -> NDArray[np.float64]:
@@ -96,11 +91,7 @@ class WavyTunnel(Scenario):
         }
 
     def scene_block(self) -> NDArray[Any]:
-        parts = (_perhaps(self._scene, kind) for kind in (Admittance, Ball, Safety))
-        block = scene_from_components(self._robot, *parts)
-        gains = _perhaps(self._scene, WorldPd) or _perhaps(self._scene, JointPd)
-        if gains is not None:
-            block[0]["kp"], block[0]["kd"] = gains.kp, gains.kd
+        block = robot_block(self._scene)
         record = block[0]["tunnel"]
         self._curve.fill(record)
         for name in _FORCES:
@@ -188,13 +179,3 @@ class WavyTunnel(Scenario):
         wall.visible = look != "hidden"
         if look != "hidden" and look in self._world.materials:
             wall.set_material(look)
-
-
-def _perhaps(scene: Scene, kind: type[Any]) -> Any:
-    """The scene's first component of a type, or None."""
-    found = scene.components(kind)
-    return found[0][1] if found else None
-
-
-def _triple(values: NDArray[np.float64]) -> tuple[float, float, float]:
-    return float(values[0]), float(values[1]), float(values[2])

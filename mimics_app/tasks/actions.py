@@ -26,7 +26,7 @@ __all__ = [
 TARGET_GROUPS = ("haptic", "visual", "audio", "task")
 """First words of `MapSpec.to`."""
 
-TASK_TARGETS = ("time_limit_s", "rest_s")
+TASK_TARGETS = ("time_limit_s", "rest_s", "within")
 """What a parameter may change of the task itself."""
 
 

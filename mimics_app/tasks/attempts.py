@@ -37,7 +37,13 @@ class Attempts:
     """
 
     def __init__(
-        self, plan: Sequence[Trial], score: ScoreSpec, most_attempts: int, on_row: Callable[[Row], None]
+        self,
+        plan: Sequence[Trial],
+        score: ScoreSpec,
+        most_attempts: int,
+        on_row: Callable[[Row], None],
+        *,
+        carries: bool = False,
     ) -> None:
         self.plan = tuple(plan)
         self.number = -1
@@ -49,8 +55,14 @@ class Attempts:
         self._score_spec = score
         self._most = most_attempts
         self._on_row = on_row
+        self._carries = carries
         self._begin_ns = 0
         self._open = False
+
+    @property
+    def finished(self) -> int:
+        """Trials that reached their goal so far."""
+        return sum(row["outcome"] == FINISHED for row in self.rows)
 
     @property
     def trial(self) -> Trial:
@@ -112,8 +124,10 @@ class Attempts:
         if self._open and self.tally is not None:
             cut_off.append(self._row(ABORTED, SESSION_ENDED, {}, now_ns))
         counted = [row for row in ended if not row["practice"]]
-        completed = sum(row["outcome"] == FINISHED for row in self.rows)
-        return session_result(counted or ended or cut_off, trials=self.number + self.trial_over, completed=completed)
+        trials = self.number + self.trial_over
+        return session_result(
+            counted or ended or cut_off, trials=trials, completed=self.finished, carries=self._carries
+        )
 
     def _row(self, outcome: str, cause: str, parameters: Mapping[str, float], now_ns: int) -> Row:
         measures = self.tally.measures() if self.tally else Measures()

@@ -10,11 +10,21 @@ import numpy as np
 
 from mimics_app.contracts.errors import Issue, nearest
 from mimics_app.contracts.haptic import SCENE
+from mimics_app.contracts.haptic_objects import BODY, EFFECT, SHAPE
 from mimics_app.tasks.actions import TARGET_GROUPS, TASK_TARGETS, haptic_field
-from mimics_app.tasks.task import ActionDeed, BlockSpec, MapSpec, ParameterSpec, ScorePartSpec, TaskSpec
+from mimics_app.tasks.task import (
+    ActionDeed,
+    BlockSpec,
+    MapSpec,
+    ParameterSpec,
+    PlacedGoal,
+    ScorePartSpec,
+    ScoreSpec,
+    TaskSpec,
+)
 from mimics_app.world.json_text import escape
 
-__all__ = ["check_blocks", "check_task", "haptic_targets"]
+__all__ = ["check_blocks", "check_task", "haptic_targets", "object_of_target"]
 
 _MAX_TRIALS = 10_000
 
@@ -34,9 +44,10 @@ def check_task(spec: TaskSpec, pointer: str = "/task", file: str = "") -> list[I
         for j, deed in enumerate(trigger.do):
             if isinstance(deed, ActionDeed):
                 faults += _check_values(deed.values, spec.parameters, f"{pointer}/triggers/{i}/do/{j}/values")
-    for name in ("time", "path_error", "contacts", "smoothness"):
+    for name in ScoreSpec.__struct_fields__:
         faults += _check_score_part(getattr(spec.score, name), f"{pointer}/score/{name}")
     faults += _check_weights(spec, f"{pointer}/score")
+    faults += _check_carry(spec, pointer)
     issues = [Issue(file, place, what, fix) for place, what, fix in faults]
     return issues + ([] if isinstance(spec.trials, str) else check_blocks(spec, spec.trials, f"{pointer}/trials", file))
 
@@ -52,8 +63,24 @@ def check_blocks(spec: TaskSpec, blocks: list[BlockSpec], pointer: str, file: st
     return [Issue(file, place, what, fix) for place, what, fix in faults]
 
 
+_TABLES = {"shapes": SHAPE, "bodies": BODY, "effects": EFFECT}
+"""Tables of haptic objects whose rows have names."""
+
+
+def object_of_target(name: str) -> str | None:
+    """Entity of a haptic target such as "bodies.apple.mass"; None for another name, or where that is no number."""
+    table, *middle, field = name.split(".")
+    dtype = _TABLES.get(table)
+    if dtype is None or not middle or field not in (dtype.names or ()) or dtype[field].shape:
+        return None
+    return ".".join(middle)
+
+
 def haptic_targets() -> set[str]:
-    """Names a parameter may change in the haptic scene: single floating point numbers, also of its tunnel."""
+    """Names a parameter may change in the haptic scene: single floating point numbers, also of its tunnel.
+
+    Beside them numbers of its objects, see `object_of_target`.
+    """
     plain = {name for name in SCENE.names or () if SCENE[name] == np.float64}
     tunnel = SCENE["tunnel"]
     return plain | {f"tunnel.{name}" for name in tunnel.names or () if tunnel[name] == np.float64}
@@ -91,7 +118,7 @@ def _check_map(target: MapSpec, parameter: ParameterSpec, pointer: str) -> Itera
         yield f"{pointer}/to", f'"{target.to}" begins with no known group', nearest(group, TARGET_GROUPS)
     elif not name:
         yield f"{pointer}/to", f'"{target.to}" names nothing', f'write "{group}.NAME"'
-    elif group == "haptic" and name not in haptic_targets():
+    elif group == "haptic" and name not in haptic_targets() and object_of_target(name) is None:
         yield f"{pointer}/to", f'"{name}" is no number of the haptic scene', nearest(name, haptic_targets())
     elif group == "task" and name not in TASK_TARGETS:
         yield f"{pointer}/to", f'"{name}" is nothing a task can change', nearest(name, TASK_TARGETS)
@@ -128,9 +155,23 @@ def _check_score_part(part: ScorePartSpec, pointer: str) -> Iterator[_Fault]:
 
 
 def _check_weights(spec: TaskSpec, pointer: str) -> Iterator[_Fault]:
-    score = spec.score
-    if not score.time.weight + score.path_error.weight + score.contacts.weight + score.smoothness.weight > 0.0:
+    if not sum(getattr(spec.score, name).weight for name in ScoreSpec.__struct_fields__) > 0.0:
         yield pointer, "all weights are zero", "give at least one measure a weight"
+
+
+def _check_carry(spec: TaskSpec, pointer: str) -> Iterator[_Fault]:
+    carry = spec.carry
+    if carry is None:
+        for i, goal in enumerate(spec.goals):
+            if isinstance(goal, PlacedGoal):
+                yield f"{pointer}/goals/{i}", "nothing is carried in this task", 'say what and where under "carry"'
+        return
+    for name in ("falls_from", "lost_outside"):
+        box = getattr(carry, name)
+        if box is not None and any(low > high for low, high in zip(box.low, box.high, strict=True)):
+            yield f"{pointer}/carry/{name}", "low lies beyond high", "exchange the two"
+    if carry.grip.least >= carry.grip.most:
+        yield f"{pointer}/carry/grip/least", f"{carry.grip.least:g} is not below most, {carry.grip.most:g}", "lower it"
 
 
 def _outside(value: float, parameter: ParameterSpec) -> str:

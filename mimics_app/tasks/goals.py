@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from mimics_app.tasks.observation import Observation
-from mimics_app.tasks.task import DurationGoal, GoalSpec, PointGoal
+from mimics_app.tasks.task import DurationGoal, GoalSpec, PlacedGoal, PointGoal
 
 __all__ = ["Goals", "holds"]
 
@@ -43,4 +43,6 @@ def holds(goal: GoalSpec, seen: Observation, travelled_s: float) -> bool:
         return travelled_s >= goal.seconds
     if isinstance(goal, PointGoal):
         return math.dist(seen.ball_world, goal.position_world) <= goal.within
+    if isinstance(goal, PlacedGoal):
+        return seen.placed
     return seen.progress >= goal.at_least

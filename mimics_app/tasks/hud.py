@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from mimics_app.contracts.haptic import TripCause
+from mimics_app.tasks.carry import Stage
 from mimics_app.tasks.state_machine import State
 from mimics_app.tasks.task import StateName
 
-__all__ = ["BUILT_IN", "Board", "cause_words", "state_message"]
+__all__ = ["BUILT_IN", "STAGES", "Board", "cause_words", "state_message"]
 
 BUILT_IN: Mapping[State, str] = {
     State.APPROACH: "The robot moves to the start",
@@ -23,15 +24,28 @@ BUILT_IN: Mapping[State, str] = {
 }
 """Text of each state unless the scene has its own; {score}, {seconds}, {cause}, {trial}, {trials} are filled in."""
 
+STAGES: Mapping[str, str] = {
+    Stage.REACH: "Go to the {body}",
+    Stage.CLOSE: "Close your hand",
+    Stage.CARRY: "Carry it to the mark",
+    Stage.OPEN: "Open your hand",
+}
+"""What the person is to do next, while something is carried."""
+
 _GO_S = 1.5
 """How long the travel's message stays [s]; then the person has the picture to themselves."""
 
 
-def state_message(state: State, texts: Mapping[StateName, str], elapsed_s: float, fields: Mapping[str, str]) -> str:
-    """The line of a state, `elapsed_s` [s] after it began. Only the named fields are filled in; other braces stay."""
-    if state is State.TRAVEL and elapsed_s >= _GO_S:
-        return ""
+def state_message(
+    state: State, texts: Mapping[StateName, str], elapsed_s: float, fields: Mapping[str, str], stage: str = ""
+) -> str:
+    """The line of a state, `elapsed_s` [s] after it began, or of the stage in it.
+
+    Only the named fields are filled in; other braces stay.
+    """
     text = texts.get(state.value, BUILT_IN[state])
+    if state is State.TRAVEL and elapsed_s >= _GO_S:
+        text = STAGES.get(stage, "")
     for name, value in fields.items():
         text = text.replace("{" + name + "}", value)
     return text

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -51,6 +52,18 @@ class Observation:
         distance: Of the ball's centre from the bisector [m].
         touching: The ball is in the wall now.
         contacts: Since the last frame, oldest first.
+        grasp: Grasp force [N].
+        bodies: Middle of each haptic body by name [m].
+        held: Name of the body in the hand; "" for none.
+        placed: What is carried lies at its mark, let go.
+        drops: How often it was lost on the way, in this attempt.
+        crushed: Name of the body in the hand once it was pressed too hard; "" for none.
+        bruises: How often that happened to what is carried, in this attempt.
+        gripped: It came into the hand since the last frame.
+        dropped: It was lost since the last frame.
+        bruised: It was pressed too hard since the last frame.
+        grasp_error: Of the grasp force from what is right, while it is held [N].
+        stage: What the person is to do next (tasks.carry.Stage); "" where nothing is carried.
     """
 
     now_ns: int
@@ -66,10 +79,29 @@ class Observation:
     distance: float
     touching: bool
     contacts: tuple[Contact, ...]
+    grasp: float = 0.0
+    bodies: Mapping[str, Vec3] = field(default_factory=dict)
+    held: str = ""
+    placed: bool = False
+    drops: int = 0
+    crushed: str = ""
+    bruises: int = 0
+    gripped: bool = False
+    dropped: bool = False
+    bruised: bool = False
+    grasp_error: float = 0.0
+    stage: str = ""
 
 
-def observe(snapshot: HapticSnapshot, events: NDArray[Any], now_ns: int) -> Observation:
-    """Take what a task needs from the newest snapshot and the EVENT records since the last frame, shape [n]."""
+def observe(snapshot: HapticSnapshot, events: NDArray[Any], now_ns: int, bodies: Sequence[str] = ()) -> Observation:
+    """Take what a task needs from the newest snapshot and the EVENT records since the last frame, shape [n].
+
+    Args:
+        snapshot: The newest one.
+        events: Since the last frame.
+        now_ns: Of the frame.
+        bodies: Names of the haptic bodies in the order of their rows.
+    """
     contacts = tuple(
         Contact(int(event["t_ns"]), bool(event["kind"] == EventKind.CONTACT_BEGIN), float(event["force"]))
         for event in events
@@ -89,7 +121,15 @@ def observe(snapshot: HapticSnapshot, events: NDArray[Any], now_ns: int) -> Obse
         distance=snapshot.distance,
         touching=snapshot.penetration > 0.0,
         contacts=contacts,
+        grasp=snapshot.grasp,
+        bodies={name: _vector(snapshot.poses[row + 1]) for row, name in enumerate(bodies)},
+        held=_name(bodies, snapshot.held_body),
+        crushed=_name(bodies, snapshot.crushed_body),
     )
+
+
+def _name(bodies: Sequence[str], row: int) -> str:
+    return bodies[row] if 0 <= row < len(bodies) else ""
 
 
 def _vector(values: NDArray[np.float64]) -> Vec3:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mimics_app.contracts.errors import Issue, SceneError, nearest
-from mimics_app.tasks.check import check_task
+from mimics_app.tasks.check import check_task, object_of_target
 from mimics_app.tasks.task import DurationGoal, ProgressGoal, SoundDeed, TaskSpec
 from mimics_app.tasks.trial_file import resolve_trials
 from mimics_app.world.components import Sound
 from mimics_app.world.components_haptic import Tunnel
+from mimics_app.world.json_text import escape
 from mimics_app.world.registry import register_section
 
 if TYPE_CHECKING:
@@ -32,7 +33,8 @@ def task_of(scene: Scene) -> TaskSpec:
 def check_section(spec: TaskSpec, scene: Scene) -> list[Issue]:
     """Faults of a scene's task: its own, those of its trial file, and sounds the scene does not have."""
     issues = [scene.issue(issue.pointer, issue.what, issue.fix) for issue in check_task(spec)]
-    return issues + _check_goals(spec, scene) + _check_sounds(spec, scene) + _check_trial_file(spec, scene)
+    faults = _check_goals(spec, scene) + _check_sounds(spec, scene) + _check_names(spec, scene)
+    return issues + faults + _check_trial_file(spec, scene)
 
 
 def _check_goals(spec: TaskSpec, scene: Scene) -> list[Issue]:
@@ -60,6 +62,24 @@ def _check_sounds(spec: TaskSpec, scene: Scene) -> list[Issue]:
         for i, trigger in enumerate(spec.triggers)
         for j, deed in enumerate(trigger.do)
         if isinstance(deed, SoundDeed) and deed.sound not in known
+    ]
+
+
+def _check_names(spec: TaskSpec, scene: Scene) -> list[Issue]:
+    """Entities that the task names must be there."""
+    named: dict[str, str] = {}
+    if spec.carry is not None:
+        named |= {"/task/carry/body": spec.carry.body, "/task/carry/to": spec.carry.to}
+    for name, parameter in spec.parameters.items():
+        for i, target in enumerate(parameter.maps):
+            who = object_of_target(target.to.removeprefix("haptic."))
+            if target.to.startswith("haptic.") and who is not None:
+                named[f"/task/parameters/{escape(name)}/maps/{i}/to"] = who
+    known = {entity.id for entity in scene.entities}
+    return [
+        scene.issue(place, f'no entity is called "{who}"', nearest(who, known))
+        for place, who in named.items()
+        if who not in known
     ]
 
 

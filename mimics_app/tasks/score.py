@@ -16,7 +16,7 @@ def trial_points(spec: ScoreSpec, measures: Measures, *, finished: bool) -> floa
 
         100 * sum(weight_i * marks_i) / sum(weight_i), marks_i falling linearly from 1 at `best` to 0 at `worst`
 
-    A trial that did not reach its goal earns that times the share of the tunnel it came, so that a short unfinished
+    A trial that did not reach its goal earns that times the share of the way it came, so that a short unfinished
     travel cannot beat a finished one. Smoothness that cannot be judged (nothing moved) counts as 0 marks.
     """
     values = {
@@ -24,6 +24,10 @@ def trial_points(spec: ScoreSpec, measures: Measures, *, finished: bool) -> floa
         "path_error": measures.path_error_rms_m,
         "contacts": float(measures.contacts),
         "smoothness": -math.inf if measures.smoothness is None else measures.smoothness,
+        "path": measures.path_m,
+        "drops": float(measures.drops),
+        "bruises": float(measures.bruises),
+        "grasp_error": measures.grasp_error_n,
     }
     parts: dict[str, ScorePartSpec] = {name: getattr(spec, name) for name in values}
     total = sum(part.weight for part in parts.values())
@@ -38,18 +42,28 @@ def part_marks(part: ScorePartSpec, value: float) -> float:
     return min(max((part.worst - value) / (part.worst - part.best), 0.0), 1.0)
 
 
-def session_result(rows: Sequence[Mapping[str, object]], *, trials: int, completed: int) -> dict[str, float]:
+def session_result(
+    rows: Sequence[Mapping[str, object]], *, trials: int, completed: int, carries: bool = False
+) -> dict[str, float]:
     """Totals under the keys of `mimics run --json`.
 
     Args:
         rows: Trial rows that count.
         trials: Trials that are over.
         completed: Those that reached their goal.
+        carries: Something is carried in this task: every trial completed placed it.
 
     Returns:
         completed, trials; score, time_s [s] and path_error_m (rms) [m] as means over the rows; contacts as their sum;
-        placed is 0: nothing is carried in a tunnel.
+        placed: how often what is carried was set down at its mark. Where something is carried also drops and bruises
+        (sums), path_m [m] and grasp_error_n [N] (means).
     """
+    carried = {
+        "drops": int(sum(_number(row, "drops") for row in rows)),
+        "bruises": int(sum(_number(row, "bruises") for row in rows)),
+        "path_m": _mean(rows, "path_m"),
+        "grasp_error_n": _mean(rows, "grasp_error_n"),
+    }
     return {
         "completed": completed,
         "trials": trials,
@@ -57,7 +71,8 @@ def session_result(rows: Sequence[Mapping[str, object]], *, trials: int, complet
         "time_s": _mean(rows, "time_s"),
         "path_error_m": _mean(rows, "path_error_rms_m"),
         "contacts": int(sum(_number(row, "contacts") for row in rows)),
-        "placed": 0,
+        "placed": completed if carries else 0,
+        **(carried if carries else {}),
     }
 
 

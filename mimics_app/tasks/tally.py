@@ -26,7 +26,11 @@ class Measures:
         smoothness: SPARC [-], negative; None where nothing moved.
         force_mean_n: Time mean of the force felt [N].
         force_peak_n: Largest force felt [N].
-        progress: Farthest share of the tunnel's length.
+        progress: Farthest share of the way to the goal.
+        path_m: Length of the hand's way [m].
+        drops: How often what is carried was lost.
+        bruises: How often it was pressed too hard.
+        grasp_error_n: Root of the mean square of the grasp error over the time it was held [N].
     """
 
     time_s: float = 0.0
@@ -38,6 +42,10 @@ class Measures:
     force_mean_n: float = 0.0
     force_peak_n: float = 0.0
     progress: float = 0.0
+    path_m: float = 0.0
+    drops: int = 0
+    bruises: int = 0
+    grasp_error_n: float = 0.0
 
 
 class Tally:
@@ -57,6 +65,10 @@ class Tally:
         self._largest_distance = first.distance
         self._largest_force = first.force
         self._farthest = first.progress
+        self._path = 0.0
+        self._squared_grasp_error_s = 0.0
+        self._held_s = 0.0
+        self._drops, self._bruises = first.drops, first.bruises
         self._times_s = [0.0]
         self._speeds = [first.speed]
 
@@ -89,6 +101,11 @@ class Tally:
         self._largest_distance = max(self._largest_distance, seen.distance)
         self._largest_force = max(self._largest_force, seen.force)
         self._farthest = max(self._farthest, seen.progress)
+        self._path += math.dist(seen.ball_world, self._last.ball_world)
+        self._drops, self._bruises = seen.drops, seen.bruises
+        if seen.held:
+            self._held_s += seconds
+            self._squared_grasp_error_s += seconds * seen.grasp_error**2
         self._times_s.append((seen.now_ns - self._begin_ns) / 1e9)
         self._speeds.append(seen.speed)
         self._last, self._last_ns = seen, seen.now_ns
@@ -107,6 +124,10 @@ class Tally:
             force_mean_n=self._force_s / seconds if seconds > 0.0 else self._last.force,
             force_peak_n=self._largest_force,
             progress=self._farthest,
+            path_m=self._path,
+            drops=self._drops,
+            bruises=self._bruises,
+            grasp_error_n=math.sqrt(self._squared_grasp_error_s / self._held_s) if self._held_s > 0.0 else 0.0,
         )
 
     def _take_contact(self, contact: Contact) -> None:

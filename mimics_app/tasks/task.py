@@ -6,11 +6,13 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, field
 
+from mimics_app.tasks.carry_spec import CarrySpec
 from mimics_app.world.registry import Component
 
 __all__ = [
     "ActionDeed",
     "BlockSpec",
+    "CarryCondition",
     "ContactCondition",
     "Deed",
     "DurationGoal",
@@ -22,6 +24,7 @@ __all__ = [
     "MessageDeed",
     "Order",
     "ParameterSpec",
+    "PlacedGoal",
     "PointGoal",
     "ProgressCondition",
     "ProgressGoal",
@@ -53,8 +56,8 @@ class MapSpec(Component, frozen=True):
         str,
         Meta(
             description="Dotted name: 'haptic.FIELD' or 'haptic.tunnel.FIELD' is a number of the haptic scene; "
-            "'visual.NAME' and 'audio.NAME' are parameters of the scenario and the mixer; 'task.time_limit_s' and "
-            "'task.rest_s' change the task itself."
+            "'visual.NAME' and 'audio.NAME' are parameters of the scenario and the mixer; 'task.time_limit_s', "
+            "'task.rest_s' and 'task.within' (of `carry`) change the task itself."
         ),
     ]
     scale: Annotated[float, Meta(description="Target units per unit of the parameter.")] = 1.0
@@ -108,7 +111,13 @@ class DurationGoal(Component, frozen=True, tag="duration", tag_field="kind"):
     seconds: Annotated[Seconds, Meta(description="Since the person was let go [s].")]
 
 
-GoalSpec = ProgressGoal | PointGoal | DurationGoal
+class PlacedGoal(Component, frozen=True, tag="placed", tag_field="kind"):
+    """Set down what `carry` names at its mark, and let it go."""
+
+    hold_s: Annotated[Seconds, Meta(description="How long it must lie there [s].")] = 0.5
+
+
+GoalSpec = ProgressGoal | PointGoal | DurationGoal | PlacedGoal
 
 
 class EnterCondition(Component, frozen=True, tag="enter", tag_field="kind"):
@@ -135,13 +144,22 @@ class ContactCondition(Component, frozen=True, tag="contact", tag_field="kind"):
     min_force: Annotated[NotNegative, Meta(description="Weaker contacts do not count [N].")] = 0.0
 
 
+class CarryCondition(Component, frozen=True, tag="carry", tag_field="kind"):
+    """Something happens to what is carried."""
+
+    what: Annotated[
+        Literal["gripped", "dropped", "bruised"],
+        Meta(description="It came into the hand, was lost on the way, or was pressed too hard."),
+    ]
+
+
 class KeyCondition(Component, frozen=True, tag="key", tag_field="kind"):
     """A key or button goes down."""
 
     key: Annotated[str, Meta(description="Its name e.g. 'm', 'mouse_left' or 'pad_y'.")]
 
 
-TriggerCondition = EnterCondition | ExitCondition | ProgressCondition | ContactCondition | KeyCondition
+TriggerCondition = EnterCondition | ExitCondition | ProgressCondition | ContactCondition | CarryCondition | KeyCondition
 
 
 class SoundDeed(Component, frozen=True, tag="sound", tag_field="kind"):
@@ -255,6 +273,18 @@ class ScoreSpec(Component, frozen=True):
         ScorePartSpec,
         Meta(description="Spectral arc length of the speed (SPARC), negative; -1.4 is one minimum-jerk reach."),
     ] = ScorePartSpec(weight=0.15, best=-1.6, worst=-12.0)
+    path: Annotated[ScorePartSpec, Meta(description="Length of the hand's way [m].")] = ScorePartSpec(
+        weight=0.0, best=0.5, worst=3.0
+    )
+    drops: Annotated[ScorePartSpec, Meta(description="How often what is carried was lost.")] = ScorePartSpec(
+        weight=0.0, best=0.0, worst=4.0
+    )
+    bruises: Annotated[ScorePartSpec, Meta(description="How often what is carried was pressed too hard.")] = (
+        ScorePartSpec(weight=0.0, best=0.0, worst=3.0)
+    )
+    grasp_error: Annotated[
+        ScorePartSpec, Meta(description="Root mean square distance of the grasp force from what is right [N].")
+    ] = ScorePartSpec(weight=0.0, best=0.0, worst=8.0)
 
 
 class TaskSpec(Component, frozen=True):
@@ -267,6 +297,7 @@ class TaskSpec(Component, frozen=True):
     goals: Annotated[
         Annotated[list[GoalSpec], Meta(min_length=1)], Meta(description="All must be met at once to finish a trial.")
     ] = field(default_factory=lambda: [ProgressGoal()])
+    carry: Annotated[CarrySpec | None, Meta(description="What is carried where; absent: nothing is.")] = None
     triggers: Annotated[list[TriggerSpec], Meta(description="Sounds, messages and adaptations at given moments.")] = (
         field(default_factory=list)
     )

@@ -17,6 +17,7 @@ from mimics_app.tasks.actions import ActionSpace, Settings, build_action_space, 
 from mimics_app.tasks.adaptation import Adaptation
 from mimics_app.tasks.arrival import Arrival
 from mimics_app.tasks.attempts import ABORTED, FINISHED, SESSION_ENDED, TIMEOUT, Attempts, Row
+from mimics_app.tasks.carry import Carry
 from mimics_app.tasks.control import RobotControl
 from mimics_app.tasks.goals import Goals
 from mimics_app.tasks.hud import Board, cause_words, state_message
@@ -57,7 +58,11 @@ class TaskManager:
         self._on_event = on_event
         self._space = build_action_space(spec)
         self._adaptation = Adaptation(self._space)
-        self._attempts = Attempts(plan_trials(trial_blocks(spec), seed), spec.score, spec.start.attempts, on_trial)
+        plan = plan_trials(trial_blocks(spec), seed)
+        carries = spec.carry is not None
+        self._attempts = Attempts(plan, spec.score, spec.start.attempts, on_trial, carries=carries)
+        self._bodies = context.bodies
+        self._carry = Carry(spec.carry, context.places[spec.carry.to], seed) if spec.carry is not None else None
         self._arrival = Arrival(spec.start, context.start_joints)
         self._control = RobotControl(context.home or Home(context.start_joints))
         self._goals = Goals(spec.goals)
@@ -109,7 +114,10 @@ class TaskManager:
         now_ns: int,
     ) -> TaskOrders:
         """One frame: `events` are the EVENT records since the last one, shape [n]; `now_ns` never falls."""
-        seen = observe(snapshot, events, now_ns)
+        seen = observe(snapshot, events, now_ns, self._bodies)
+        if self._carry is not None:
+            self._carry.within = self._setting(None, "within", self._carry.usual_within)
+            seen = self._carry.see(seen)
         if action is not None:
             self._take(action, now_ns)
         left, entered = self._advance(seen)
@@ -196,6 +204,8 @@ class TaskManager:
         self._settings = settings_for(self._spec, self._adaptation.values)
         self._arrival.restart()
         self._triggers.restart()
+        if self._carry is not None:
+            self._carry.begin_attempt()
 
     def _take(self, action: TaskAction, now_ns: int) -> None:
         self._adaptation.take(action)
@@ -219,6 +229,8 @@ class TaskManager:
 
     def _orders(self, seen: Observation, sounds: tuple[SoundEvent, ...]) -> TaskOrders:
         haptic = {**self._settings.haptic, **self._control.wanted(), "trial": self._attempts.begun}
+        if self._carry is not None:
+            haptic |= self._carry.orders
         return TaskOrders(
             haptic=self._haptic.since_last(haptic),
             visual=self._visual.since_last(self._settings.visual),
@@ -230,7 +242,10 @@ class TaskManager:
         )
 
     def _hud(self, seen: Observation) -> Mapping[str, object]:
-        """Figures by name: progress 0-1, time and time_limit [s], contacts, force [N], score 0-100; else text."""
+        """Figures by name: progress 0-1, time and time_limit [s], contacts, force [N], score 0-100; else text.
+
+        Where something is carried also grasp, grasp_least and grasp_most [N], placed and drops.
+        """
         attempts = self._attempts
         score = self.result()["score"] if self.done else attempts.score
         number, count = str(attempts.number + 1), str(len(attempts.plan))
@@ -241,9 +256,11 @@ class TaskManager:
             "seconds": str(max(0, math.ceil(self._rest_s() - elapsed))),
             "trial": number,
             "trials": count,
+            "body": self._spec.carry.body if self._spec.carry else "",
         }
-        line = state_message(self._state, self._spec.messages, elapsed, fields)
+        line = state_message(self._state, self._spec.messages, elapsed, fields, seen.stage)
         return {
+            **self._carry_figures(seen),
             "title": self._spec.title,
             "message": self._board.line(seen.now_ns, line),
             "state": self._state.value,
@@ -254,6 +271,18 @@ class TaskManager:
             "contacts": attempts.tally.contacts if attempts.tally else 0,
             "force": seen.force,
             "score": score,
+        }
+
+    def _carry_figures(self, seen: Observation) -> Mapping[str, object]:
+        if self._spec.carry is None:
+            return {}
+        grip = self._spec.carry.grip
+        return {
+            "grasp": seen.grasp,
+            "grasp_least": grip.least,
+            "grasp_most": grip.most,
+            "placed": self._attempts.finished,
+            "drops": seen.drops,
         }
 
     def _elapsed_s(self, now_ns: int) -> float:

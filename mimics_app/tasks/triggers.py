@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.state_machine import State
 from mimics_app.tasks.task import (
+    CarryCondition,
     ContactCondition,
     Deed,
     EnterCondition,
@@ -66,6 +67,8 @@ class Triggers:
             return False
         if isinstance(when, ContactCondition):
             return any(contact.begins and contact.force >= when.min_force for contact in moment.seen.contacts)
+        if isinstance(when, CarryCondition):
+            return bool(getattr(moment.seen, when.what))
         return self._crosses(i, when, moment)
 
     def _crosses(self, i: int, when: ProgressCondition, moment: Moment) -> bool:

@@ -106,7 +106,7 @@ class Sound(Component, frozen=True):
         default_factory=dict
     )
     trigger: Annotated[
-        Literal["contact", "contact_end", "goal", "start", "step"] | None,
+        Literal["contact", "contact_end", "impact", "goal", "start", "step"] | None,
         Meta(description="What starts it without a task: touching or leaving the wall, the goal, a trial's start"),
     ] = None
     gain: Annotated[float, Meta(ge=0, le=4, description="Linear factor, 1 = as recorded")] = 1.0
@@ -133,7 +133,12 @@ class Hud(Component, frozen=True):
     """Figures and bars laid over the picture."""
 
     show: Annotated[
-        tuple[Literal["progress", "time", "contacts", "force", "score", "state", "trial", "margin"], ...],
+        tuple[
+            Literal[
+                "progress", "time", "contacts", "force", "score", "state", "trial", "margin", "grasp", "placed", "drops"
+            ],
+            ...,
+        ],
         Meta(description="What is shown, in order"),
     ] = ("progress", "time", "contacts", "force")
     depth: Annotated[float, Meta(gt=0, description="Distance before the eyes [m]")] = 1.0

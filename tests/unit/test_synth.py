@@ -55,7 +55,7 @@ def test_neighbouring_takes_are_different_recordings():
     assert not np.array_equal(first, second)
 
 
-@pytest.mark.parametrize("recipe", ["goal", "start", "trial_end", "tick", "scrape"])
+@pytest.mark.parametrize("recipe", ["goal", "start", "trial_end", "tick", "scrape", "grip", "slip", "knock"])
 def test_recipe_is_finite_below_full_scale_and_without_offset(recipe):
     samples = SoundBank({"it": SoundSpec(recipe=recipe)}, RATE)["it"].samples
     assert samples.dtype == np.float32

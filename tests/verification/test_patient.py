@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.haptic import Controller, SafetyState
-from mimics_app.rendering.haptic.devices.patients import PRESETS, impairment_of, lay_way
+from mimics_app.rendering.haptic.devices.patients import PRESETS, impairment_of, lay_way, write_arm
 from mimics_app.rendering.haptic.kernels import arm
 from mimics_app.rendering.haptic.kernels.noise import gauss, seed_noise, uniform
 from mimics_app.world.components_haptic import Patient
@@ -93,3 +93,56 @@ def test_random_numbers_are_uniform_normal_and_depend_on_every_seed():
     draws = np.array([gauss(memory, 0) for _ in range(20_000)])
     assert abs(draws.mean()) < 5 / np.sqrt(20_000) and draws.std() == pytest.approx(1.0, rel=0.03)
     assert np.mean(draws**4) == pytest.approx(3.0, rel=0.1)
+
+
+def _reach(preset: str, seed: int, target: tuple[float, float, float], load: float = 0.0, **changes: float):
+    """A person without a way on a handle that follows at once; positions per tick [n, 3], grasp [n]."""
+    memory = np.zeros(arm.ARM_LENGTH)
+    seed_noise(memory, arm.GENERATOR, seed)
+    write_arm(memory, impairment_of(Patient(preset=preset, tremor=0.0, **changes)), np.zeros((0, 3)), intent=True)
+    handle, aim = np.zeros(6), np.array(target)
+    ticks = 12_000
+    positions, grasps = np.zeros((ticks, 3)), np.zeros(ticks)
+    for t in range(ticks):
+        close = 1.0 if 3000 <= t < 9000 else 0.0
+        grasps[t] = arm.step_arm(memory, handle, True, 1.0, aim, close, 1e-3)
+        # the handle is a mass of 3 kg that the hand pulls, with a weight on it
+        force = memory[arm.GRIP_FORCE : arm.GRIP_FORCE + 3] + [0.0, 0.0, -load]
+        handle[3:6] += 1e-3 * (force - 8.0 * handle[3:6]) / 3.0
+        handle[0:3] += 1e-3 * handle[3:6]
+        positions[t] = handle[0:3]
+    return positions, grasps
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+def test_a_target_is_reached_and_kept(preset):
+    target = (0.06, -0.05, 0.03)
+    positions, _ = _reach(preset, 1, target)
+    error = np.linalg.norm(positions[-2000:] - target, axis=1)
+    assert error.max() < max(0.006, 1.5 * PRESETS[preset].aim_error), preset
+
+
+def test_the_more_impaired_take_longer():
+    times = []
+    for preset in PRESETS:
+        positions, _ = _reach(preset, 2, (0.08, 0.08, 0.0))
+        there = np.linalg.norm(positions - (0.08, 0.08, 0.0), axis=1) < 0.015
+        times.append(int(np.argmax(there)))
+    assert 0 < times[0] < times[1] < times[2]
+
+
+def test_what_a_weight_pulls_the_hand_down_by_is_corrected_as_it_is_seen():
+    """4 N on 350 N/m would hang 11 mm below the wish for ever."""
+    positions, _ = _reach("healthy", 3, (0.0, 0.0, 0.05), load=4.0)
+    assert abs(positions[-1, 2] - 0.05) < 0.005
+
+
+def test_the_hand_closes_when_asked_within_half_a_second_and_opens_again():
+    _, grasps = _reach("healthy", 4, (0.0, 0.0, 0.0))
+    assert not grasps[:3000].any() and not grasps[9500:].any()
+    assert grasps[3600:9000].mean() == pytest.approx(PRESETS["healthy"].grasp, rel=0.1)
+    assert grasps[3250] < 0.6 * PRESETS["healthy"].grasp
+
+
+def test_nobody_without_a_grip_presses():
+    assert not _reach("healthy", 5, (0.0, 0.0, 0.0), grasp=0.0, grasp_variation=0.0)[1].any()

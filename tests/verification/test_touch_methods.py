@@ -62,7 +62,14 @@ def test_bench_rows_say_what_was_measured(monkeypatch):
     found = haptic_bench.measure_haptic(told.append)
     assert found["reference_ns"] > 0.0
     rows = found["rows"]
-    assert {row["work"] for row in rows} == {"sphere", "box", "cylinder", "capsule", "mesh", *haptic_bench.BODY_WORKLOADS}
+    assert {row["work"] for row in rows} == {
+        "sphere",
+        "box",
+        "cylinder",
+        "capsule",
+        "mesh",
+        *haptic_bench.BODY_WORKLOADS,
+    }
     assert all(row["us"] > 0.0 and row["ratio"] > 0.0 and row["tick_p99_us"] > 0.0 for row in rows)
     assert next(row for row in rows if row["work"] == "box")["peer_us"] == 0.12
     assert {row["peer"].split()[0] for row in rows if row["work"] == "bodies box"} == {"MuJoCo", "Bullet"}

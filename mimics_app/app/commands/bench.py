@@ -20,7 +20,9 @@ _ALL_SECONDS = 10.0
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics bench`."""
-    parser.add_argument("what", choices=("all", "realtime", "methods", "sound", "haptic", "render"), help="what to measure")
+    parser.add_argument(
+        "what", choices=("all", "realtime", "methods", "sound", "haptic", "render"), help="what to measure"
+    )
     _add_render_arguments(parser)
     parser.add_argument("--scene", type=Path, default=Path("scenes/wavy_tunnel.json"), help="scene of the load")
     parser.add_argument("--seconds", type=_positive, default=60.0, help="length of each real-time measurement [s]")
@@ -170,4 +172,9 @@ def _count(text: str) -> int:
     return int(text)
 
 
-_MEASURES = {"realtime": _measure_realtime, "methods": _measure_methods, "sound": _measure_sound, "haptic": _measure_haptic}
+_MEASURES = {
+    "realtime": _measure_realtime,
+    "methods": _measure_methods,
+    "sound": _measure_sound,
+    "haptic": _measure_haptic,
+}

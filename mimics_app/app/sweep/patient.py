@@ -12,25 +12,18 @@ from pathlib import Path
 from typing import Any
 
 import msgspec
-import numpy as np
 
+from mimics_app.app.bare_play import BarePlay
 from mimics_app.app.catalogue import open_scenario
-from mimics_app.app.parameter_desk import ParameterDesk
+from mimics_app.app.haptic_side import HapticSide
 from mimics_app.app.plan import settle
 from mimics_app.app.scene_loading import find_scene, load_checked_scene
 from mimics_app.app.settings import PROFILES
-from mimics_app.contracts import ring
-from mimics_app.contracts.clock import ticks_until_frame
 from mimics_app.contracts.errors import Issue, MimicsError, nearest
-from mimics_app.contracts.haptic import INBOX, SAMPLE
-from mimics_app.contracts.messages import PointerState, TaskAction, VRInput
-from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.messages import TaskAction
 from mimics_app.lab.sweep.quantity import Columns, Quantity, SweepExperiment
-from mimics_app.rendering.haptic.devices.registry import build_device
-from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.tasks.actions import build_action_space, fill_defaults
 from mimics_app.tasks.task import BlockSpec, TaskSpec
-from mimics_app.tasks.task_manager import TaskManager
 from mimics_app.tasks.trial_file import resolve_trials
 from mimics_app.world.components_haptic import Patient, Robot
 from mimics_app.world.scene import Scene
@@ -81,33 +74,18 @@ def travel(
         it had not ended in time.
     """
     settle(scene, profile)
-    scenario = open_scenario(scene, build_world(scene))
     robots, patients = scene.components(Robot), scene.components(Patient)
     patient = patients[0][1] if patients else Patient()
     if preset:
         patient = msgspec.structs.replace(patient, preset=preset)
-    plugin = build_device(robots[0][1] if robots else Robot(), patient, scenario.via_points_world, seed)
-    memory, desk = SessionMemory(), ParameterDesk(scenario.scene_block())
-    haptics = HapticEngine(memory, plugin)
-    tasks = TaskManager(fill_defaults(_task_of(scene), desk.value), scenario.task_context, seed)
-    desk.hand_to(haptics.publish)
+    play = BarePlay(scene, _task_of(scene), robots[0][1] if robots else Robot(), patient, seed)
     first = TaskAction(dict(action), at_trial=0) if action else None
-    inbox: Any = np.zeros(1, INBOX)
-    drained = np.zeros(len(memory.samples), SAMPLE)
-    for frame in range(round(seconds * 60.0)):
-        begin, end = ticks_until_frame(frame), ticks_until_frame(frame + 1)
-        haptics.advance(end - begin)
-        ring.drain(memory.sample_words, memory.samples, drained)
-        vr = VRInput(pointer=PointerState((0.0, 0.0, 0.0), 0.0, active=True))
-        orders = tasks.step(vr, first, haptics.snapshot(), haptics.events(), end * _TICK_NS)
+    for _ in range(round(seconds * 60.0)):
+        play.step(first)
         first = None
-        if tasks.done:
+        if play.tasks.done:
             break
-        desk.change(orders.haptic)
-        inbox[0]["active"] = int(orders.person_may_act)
-        inbox[0]["trial"] = desk.block["trial"][0]
-        haptics.tell(inbox)
-    return dict(tasks.rows[-1]) if tasks.rows else {}
+    return dict(play.tasks.rows[-1]) if play.tasks.rows else {}
 
 
 def _run(values: Columns, folder: Path) -> Columns:
@@ -153,7 +131,7 @@ def _check(values: Columns, file: Path) -> tuple[list[Issue], str]:
 
 
 def _action_faults(scene: Scene, values: Columns, file: str) -> list[Issue]:
-    desk = ParameterDesk(open_scenario(scene, build_world(scene)).scene_block())
+    desk = HapticSide(scene).desk(open_scenario(scene, build_world(scene)).scene_block())
     space = build_action_space(fill_defaults(_task_of(scene), desk.value))
     issues = []
     for name in (name for name in values if name.startswith(_ACTION)):

@@ -1,4 +1,4 @@
-"""Grasp force from a wheel, keys, or a trigger."""
+"""Grasp force from a button, a wheel, keys, or a trigger."""
 
 from __future__ import annotations
 
@@ -8,13 +8,17 @@ __all__ = ["GraspControl"]
 
 _TRIGGER_DEAD_ZONE = 0.05
 _HOLD_KEY = "g"
+_HOLD_BUTTON = "left"
+_BUTTON_SHARE = 0.5
+"""A mouse button has no pressure: held down it stands for a firm but easy grip, this share of the largest."""
 _MORE, _LESS = ("page_up", "equal", "kp_add"), ("page_down", "minus", "kp_subtract")
 
 
 class GraspControl:
     """What the hand would press with [N], from 0 to `full`.
 
-    The wheel, + and - set a level that stays; G held and the triggers squeeze beyond it while they are pressed.
+    The wheel, + and - set a level that stays; the left mouse button, G and the triggers squeeze beyond it while they
+    are pressed: the button up to half the largest force, G up to all of it.
 
     Args:
         full: Largest grasp force [N].
@@ -29,6 +33,7 @@ class GraspControl:
         self._level = 0.0
         self._squeeze = 0.0
         self._held = False
+        self._button = False
 
     def read(self, window: WindowFrame, seconds: float) -> float:
         """Grasp force [N] after one frame of `seconds` [s]."""
@@ -41,9 +46,16 @@ class GraspControl:
                 self._change(-1.0)
             elif event.kind == "key" and event.name == _HOLD_KEY:
                 self._held = event.pressed
-        change = self._rise * seconds if self._held else -self._rise * seconds
-        self._squeeze = self._within(self._squeeze + change)
+            elif event.kind == "button" and event.name == _HOLD_BUTTON:
+                self._button = event.pressed
+        wish = self._full if self._held else _BUTTON_SHARE * self._full if self._button else 0.0
+        self._squeeze_towards(wish, seconds)
         return max(self._level, self._squeeze, self._trigger(window))
+
+    def _squeeze_towards(self, force: float, seconds: float) -> None:
+        """Go towards a force [N] as fast as a hand does."""
+        most = self._rise * seconds
+        self._squeeze += min(max(force - self._squeeze, -most), most)
 
     def _change(self, notches: float) -> None:
         self._level = self._within(self._level + notches * self._step)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mimics_app.contracts.input_port import Ray, Vec3
 
@@ -64,6 +64,11 @@ class FrontalPlane:
     def at(self, x: float, y: float) -> Vec3:
         """The point x [m] to the right and y [m] above the centre."""
         return _plus(_plus(self.centre, self.right, x), self.up, y)
+
+    def through(self, point: Vec3) -> FrontalPlane:
+        """The same rectangle moved along its normal until it contains a point's depth."""
+        normal = _cross(self.right, self.up)
+        return replace(self, centre=_plus(self.centre, normal, _dot(_minus(point, self.centre), normal)))
 
     def move(self, point: Vec3, x: float, y: float) -> Vec3:
         """A point moved by x [m] to the right and y [m] up, drawn back into reach."""

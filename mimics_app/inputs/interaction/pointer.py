@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 
 from mimics_app.contracts.input_port import RayFromWindow, Vec3, WindowFrame
-from mimics_app.contracts.messages import PointerState
+from mimics_app.contracts.messages import Aim, PointerState
 from mimics_app.inputs.interaction.grasp import GraspControl
 from mimics_app.inputs.interaction.plane import FrontalPlane
 from mimics_app.inputs.interaction.stick import StickResponse
@@ -40,9 +40,10 @@ class PointerSettings:
 class Pointer:
     """A `PointerSource` for a person at a window.
 
-    The mouse points: the cursor is where its ray meets the plane. Arrow keys and sticks move: the cursor travels at a
-    speed, within reach. Whichever acts last has it. Space or gamepad B asks for a stop in the frame it goes down, and
-    for as long as it is held. Nobody is there (`active` False) before the first movement.
+    The mouse points: the cursor is where its ray meets the plane. Where the scene asks for something, the plane lies at
+    the depth of that, so that a flat device reaches everything that is to be reached. Arrow keys and sticks move: the
+    cursor travels at a speed, within reach. Whichever acts last has it. Space or gamepad B asks for a stop in the frame
+    it goes down, and for as long as it is held. Nobody is there (`active` False) before the first movement.
 
     Args:
         plane: Where the cursor can be.
@@ -69,6 +70,12 @@ class Pointer:
         stop = self._take_events(window)
         self._move(window, seconds)
         return PointerState(self._cursor, self._grasp.read(window, seconds), self._active, stop)
+
+    def aim(self, aim: Aim | None) -> None:
+        """Move the plane to the depth of what is to be done; the cursor goes with it."""
+        if aim is not None:
+            self._plane = self._plane.through(aim.target_world)
+            self._cursor = self._plane.clamp(self._cursor)
 
     def hold_at(self, point_world: Vec3) -> None:
         """Rest the cursor here [m] until the person moves it; a resting mouse does not pull it back."""

@@ -3,26 +3,40 @@
 from __future__ import annotations
 
 from mimics_app.contracts.input_port import Vec3, WindowFrame
-from mimics_app.contracts.messages import PointerState
+from mimics_app.contracts.messages import Aim, PointerState
 
 __all__ = ["SimulatedPatient"]
 
 
 class SimulatedPatient:
-    """Says only that somebody is there; where they push is decided in the device, tick by tick.
+    """Says that somebody is there, and what they see there is to do; how they do it is decided in the device.
 
     Args:
         intent: False: the person takes the handle but wants nothing.
+        follows_way: The device was given a way to follow; else the person acts only while there is something to do.
     """
 
-    def __init__(self, *, intent: bool = True) -> None:
+    def __init__(self, *, intent: bool = True, follows_way: bool = True) -> None:
         self._intent = intent
+        self._follows_way = follows_way
         self._point: Vec3 = (0.0, 0.0, 0.0)
+        self._aim: Aim | None = None
 
     def read(self, window: WindowFrame, now_ns: int) -> PointerState:
-        """Active whenever the person has an intent; the grasp force comes from the device's own profile."""
-        return PointerState(self._point, 0.0, self._intent)
+        """Active whenever the person has an intent and something to do.
+
+        The grasp is 1 where the hand is to close, else 0: the force comes from the device's own profile.
+        """
+        aim = self._aim
+        active = self._intent and (self._follows_way or aim is not None)
+        if aim is None:
+            return PointerState(self._point, 0.0, active)
+        return PointerState(aim.target_world, 1.0 if aim.close else 0.0, active)
 
     def hold_at(self, point_world: Vec3) -> None:
         """Keep the point, so that a recorded pointer never names a place nobody was at."""
         self._point = point_world
+
+    def aim(self, aim: Aim | None) -> None:
+        """Take what the scene asks for; it is seen from the next frame on."""
+        self._aim = aim

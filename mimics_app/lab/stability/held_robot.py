@@ -133,13 +133,13 @@ def _hold_softly(machine: Vec, person: Vec, mass: float, damping: float, ticks: 
     dt = machine[robot.TICK]
     scratch, v, dq, data = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(DATA_LENGTH)
     place_handle(machine)
-    step_arm(person, machine[robot.HANDLE : robot.HANDLE + 6], True, 0.0, dt)
+    step_arm(person, machine[robot.HANDLE : robot.HANDLE + 6], True, 0.0, scratch, 0.0, dt)
     machine[robot.Q + _AXIS] = _APART
     place_handle(machine)
     for i in range(ticks):
         if i > 0:
             step_robot(machine)
-        step_arm(person, machine[robot.HANDLE : robot.HANDLE + 6], True, 0.0, dt)
+        step_arm(person, machine[robot.HANDLE : robot.HANDLE + 6], True, 0.0, scratch, 0.0, dt)
         sense(machine, person[arm.GRIP_FORCE : arm.GRIP_FORCE + 3], data)
         q, force = data[DATA_Q : DATA_Q + 3], data[DATA_FORCE : DATA_FORCE + 3]
         admit(_CARTESIAN, q, force, mass, damping, _FREE, _FREE, 1.0, dt, scratch, v, dq)

@@ -16,7 +16,7 @@ from mimics_app.rendering.audio import synth
 from mimics_app.rendering.audio.settings import SoundSpec
 from mimics_app.rendering.audio.wav_file import WavWriter, read_wav
 
-__all__ = ["RECIPES", "Sound", "SoundBank", "write_sounds"]
+__all__ = ["FAMILIES", "RECIPES", "Sound", "SoundBank", "write_sounds"]
 
 CONTACT_TAKES = 3
 """Strike points a contact is synthesised for, taken in turn so that no two neighbours are the same recording."""
@@ -45,14 +45,19 @@ def _trial_end(rate: int) -> NDArray[np.float32]:
     return synth.synthesise_chord((783.99, 523.25), 0.14, 0.8, rate, peak=0.4)
 
 
+FAMILIES = {"contact": synth.synthesise_contact, "knock": synth.synthesise_knock}
+"""Recipes with a sound for every speed step and take."""
+
 RECIPES = {
     "goal": _goal,
     "start": _start,
     "trial_end": _trial_end,
     "tick": synth.synthesise_tick,
     "scrape": synth.synthesise_scrape,
+    "grip": synth.synthesise_grip,
+    "slip": synth.synthesise_slip,
 }
-"""Recipes with one sound each; "contact" has one for every speed step and take."""
+"""Recipes with one sound each."""
 
 
 class SoundBank:
@@ -85,10 +90,11 @@ class SoundBank:
 
     def _add(self, name: str, spec: SoundSpec) -> None:
         rate = round(self.rate / spec.pitch)  # made for a slower rate and played at ours: higher by that ratio
-        if spec.recipe == "contact":
+        if spec.recipe in FAMILIES:
+            strike = FAMILIES[spec.recipe]
             for step, speed in enumerate(synth.CONTACT_SPEEDS):
                 for take in range(CONTACT_TAKES):
-                    self._put(f"{name}:{step}:{take}", synth.synthesise_contact(speed, take, rate), spec)
+                    self._put(f"{name}:{step}:{take}", strike(speed, take, rate), spec)
             self.sounds[name] = self.sounds[f"{name}:{len(synth.CONTACT_SPEEDS) // 2}:0"]
             self._families.add(name)
         elif spec.file is not None:
@@ -97,7 +103,7 @@ class SoundBank:
             looping = spec.loop or spec.recipe == "scrape"
             self._put(name, RECIPES[spec.recipe](rate), replace(spec, loop=looping))
         else:
-            known = nearest(spec.recipe, [*RECIPES, "contact"])
+            known = nearest(spec.recipe, [*RECIPES, *FAMILIES])
             raise SceneError(Issue("", f"/sounds/{name}/recipe", f'no recipe "{spec.recipe}"', known))
 
     def _put(self, name: str, samples: NDArray[np.float32], spec: SoundSpec) -> None:

@@ -49,6 +49,7 @@ class SoundDirector:
         self._clock = clock
         self._begin_gate = ContactGate()
         self._end_gate = ContactGate()
+        self._impact_gate = ContactGate()
         self._emitters: dict[str, tuple[int, float]] = {}
         self._drained = np.zeros(256, EVENT)
 
@@ -61,7 +62,7 @@ class SoundDirector:
                 return
 
     def play_contacts(self, events: NDArray[Any]) -> None:
-        """Start the sounds of EVENT records, shape [n]; only contacts that begin or end have one."""
+        """Start the sounds of EVENT records, shape [n]; only contacts that begin or end and impacts have one."""
         now = self._clock.now_ns()
         for event in events:
             kind = int(event["kind"])
@@ -69,6 +70,8 @@ class SoundDirector:
                 self._play_contact(event, self._settings.contact, self._begin_gate, "contact", now)
             elif kind == EventKind.CONTACT_END and self._settings.contact_end:
                 self._play_contact(event, self._settings.contact_end, self._end_gate, "contact_end", now)
+            elif kind == EventKind.IMPACT and self._settings.impact:
+                self._play_contact(event, self._settings.impact, self._impact_gate, "impact", now)
 
     def play_order(self, order: SoundEvent) -> None:
         """Start a sound the task asked for; a name the bank does not know is ignored, the app has refused it before."""

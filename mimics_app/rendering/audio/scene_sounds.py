@@ -13,7 +13,7 @@ from mimics_app.world.components import Sound, SoundEmitter
 
 __all__ = ["settings_from_components"]
 
-_RECIPES = ("contact", "goal", "scrape", "start", "tick", "trial_end")
+_RECIPES = ("contact", "goal", "grip", "knock", "scrape", "slip", "start", "tick", "trial_end")
 _PARAMETERS = {"pitch": (0.25, 4.0)}
 
 
@@ -52,6 +52,7 @@ def settings_from_components(
         sounds=specs,
         contact=triggers.pop("contact", ""),
         contact_end=triggers.pop("contact_end", ""),
+        impact=triggers.pop("impact", ""),
         scrape=next((name for name, sound, _ in sounds if sound.synth == "scrape"), ""),
         cues={str(trigger): name for trigger, name in triggers.items()},
         emitters=tuple(name for name, emitter, _ in emitters if emitter.autoplay),

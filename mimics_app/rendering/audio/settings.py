@@ -17,7 +17,8 @@ class SoundSpec:
     """One sound of a scene: made by a recipe of the synthesiser, or read from a wave file.
 
     Attributes:
-        recipe: Name of a recipe ("contact", "goal", "start", "trial_end", "tick", "scrape"); "" when a file is given.
+        recipe: Name of a recipe ("contact", "goal", "start", "trial_end", "tick", "scrape", "knock", "grip",
+            "slip"); "" when a file is given.
         file: Wave file (PCM or float, any rate, mixed to one channel); None when a recipe is given.
         gain: Linear gain it is authored with.
         pitch: Ratio that raises or lowers a recipe.
@@ -53,6 +54,7 @@ class AudioSettings:
         sounds: Sounds of the scene by the name that `SoundEvent.sound` uses.
         contact: Sound of a contact, or "" for silent contacts.
         contact_end: Sound of letting go, or "".
+        impact: Sound of a body that hits another or the scene, or "".
         scrape: Looping sound of sliding along a wall, or "" for none.
         cues: Sounds of other triggers by their name ("goal", "start", "step"); the app plays them.
         emitters: Looping sounds that begin with the scene; the app places them with `AudioOutput.emitter`.
@@ -74,6 +76,7 @@ class AudioSettings:
     sounds: Mapping[str, SoundSpec] = field(default_factory=_default_sounds)
     contact: str = "contact"
     contact_end: str = ""
+    impact: str = ""
     scrape: str = "scrape"
     cues: Mapping[str, str] = field(default_factory=dict)
     emitters: tuple[str, ...] = ()
@@ -103,6 +106,8 @@ class AudioSettings:
             )
         if not 1 <= self.voices <= 200:
             raise ValueError(f"{self.voices} voices are not between 1 and 200")
-        for name in filter(None, (self.contact, self.contact_end, self.scrape, *self.cues.values(), *self.emitters)):
+        for name in filter(
+            None, (self.contact, self.contact_end, self.impact, self.scrape, *self.cues.values(), *self.emitters)
+        ):
             if name not in self.sounds:
                 raise ValueError(f'sound "{name}" is used but not among the sounds: {", ".join(self.sounds)}')

@@ -16,7 +16,10 @@ __all__ = [
     "CONTACT_SPEEDS",
     "synthesise_chord",
     "synthesise_contact",
+    "synthesise_grip",
+    "synthesise_knock",
     "synthesise_scrape",
+    "synthesise_slip",
     "synthesise_tick",
 ]
 
@@ -40,6 +43,20 @@ _TUBE_MODES = (
     (5400.0, 0.015, 0.50),
 )
 
+# The same of a table board: lower, drier, a little clack in it.
+_WOOD_MODES = (
+    (142.0, 0.090, 0.70),
+    (287.0, 0.110, 1.00),
+    (468.0, 0.095, 0.90),
+    (742.0, 0.070, 0.85),
+    (1180.0, 0.048, 0.75),
+    (1935.0, 0.030, 0.55),
+    (3120.0, 0.018, 0.35),
+)
+
+# Skin on skin: a few low modes that die at once.
+_PAT_MODES = ((170.0, 0.045, 1.0), (310.0, 0.035, 0.8), (560.0, 0.024, 0.45), (940.0, 0.016, 0.25))
+
 # A felt-like pad stiffens as it is compressed: force ~ compression^p with p about 2.2, so the pulse shortens as
 # speed^-((p - 1) / (p + 1)) (Hertz's sphere is the case p = 3/2, exponent -1/5).
 _PULSE_AT_ONE = 0.00026
@@ -52,12 +69,49 @@ def synthesise_contact(speed: float, take: int = 0, rate: int = 48_000) -> Sampl
 
     Every variant has the same energy in its first 50 ms; how loud a contact is stays with the contact law.
     """
+    return _strike(_TUBE_MODES, speed, take, rate)
+
+
+def synthesise_knock(speed: float, take: int = 0, rate: int = 48_000) -> Samples:
+    """Something set down or fallen on a board, as `synthesise_contact`."""
+    return _strike(_WOOD_MODES, speed, take, rate)
+
+
+def synthesise_grip(rate: int = 48_000) -> Samples:
+    """Fingers that close on something: two soft pats, one shortly after the other."""
+    length, later = int(0.16 * rate), int(0.034 * rate)
+    pat = np.asarray(_strike(_PAT_MODES, 0.05, 0, rate), np.float64)[:length]
+    both = np.zeros(length)
+    both[: len(pat)] += 0.7 * pat
+    both[later:] += pat[: length - later]
+    return _finish(both * _fade_out(length, int(0.03 * rate)), peak=0.4)
+
+
+def synthesise_slip(rate: int = 48_000) -> Samples:
+    """Something that slides out of the fingers: a short rub that falls in pitch."""
+    length = int(0.22 * rate)
+    time = np.arange(length) / rate
+    noise = np.random.default_rng(17).standard_normal(length)
+    spectrum = np.fft.rfft(noise)
+    frequency = np.fft.rfftfreq(length, 1.0 / rate)
+    spectrum *= frequency**2 / (frequency**2 + 300.0**2) / (1.0 + (frequency / 1400.0) ** 2)
+    spectrum[0] = 0.0
+    rub = np.fft.irfft(spectrum, length)
+    rub /= np.abs(rub).max()
+    tone = np.sin(2.0 * np.pi * (520.0 * time - 900.0 * time * time))
+    shape = np.sin(np.pi * np.minimum(time / 0.22, 1.0)) ** 1.5
+    sound = (0.7 * rub + 0.35 * tone) * shape
+    return _finish(sound - sound.mean() * shape / shape.mean(), peak=0.4)
+
+
+def _strike(modes: tuple[tuple[float, float, float], ...], speed: float, take: int, rate: int) -> Samples:
+    """Modes struck at a speed, of one energy in the first 50 ms."""
     pulse = _force_pulse(speed, rate)
     length = int(0.25 * rate)
     time = np.arange(length) / rate
-    strike = np.random.default_rng(1000 + take).uniform(0.85, 1.15, len(_TUBE_MODES))
+    strike = np.random.default_rng(1000 + take).uniform(0.85, 1.15, len(modes))
     response = np.zeros(length)
-    for (frequency, fall, weight), shape in zip(_TUBE_MODES, strike, strict=True):
+    for (frequency, fall, weight), shape in zip(modes, strike, strict=True):
         response += weight * shape * _mode_acceleration(time, frequency, fall)
     knock = np.convolve(response, pulse)[:length]
     knock *= _fade_out(length, int(0.02 * rate))

@@ -71,6 +71,7 @@ def _write_snapshot(state: Any, totals: Any, t_ns: int, out: Any) -> None:
     out.depth = totals.depth
     out.touched_shape = totals.shape
     out.held_body = totals.held
+    out.crushed_body = totals.crushed
     out.ramp = state.ramp
     out.period_s = state.period
     out.stiffness_limit = state.stiffness_limit

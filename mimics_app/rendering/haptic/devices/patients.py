@@ -19,6 +19,13 @@ _BEYOND_END = 0.012
 """The person means to pass the last point by this much [m], as one walks through a finish."""
 
 
+_FINEST_AIM = 0.002
+"""Nobody corrects less than this [m]."""
+
+_CONTENT_SHARE = 0.4
+"""A hand this share of its own aim error away from a target is left there."""
+
+
 @dataclass(frozen=True, slots=True)
 class Impairment:
     """One kind of person.
@@ -102,6 +109,7 @@ def write_arm(memory: NDArray[np.float64], person: Impairment, way: NDArray[np.f
         arm.GRASP_MEAN: person.grasp,
         arm.GRASP_VARIATION: person.grasp_variation,
         arm.CORNER_CUTTING: person.corner_cutting,
+        arm.CONTENT: max(_FINEST_AIM, _CONTENT_SHARE * person.aim_error),
         arm.INTENT: float(intent),
     }
     for place, value in values.items():

@@ -15,6 +15,8 @@ from mimics_app.contracts.loop_ports import (
     DATA_GRASP,
     INBOX_ACTIVE,
     INBOX_BUTTONS,
+    INBOX_GRASP,
+    INBOX_TARGET,
     INBOX_TRIAL,
     READ,
     WRITE,
@@ -53,7 +55,8 @@ def read_patient(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
         step_robot(machine)
     active = inbox[INBOX_ACTIVE] != 0.0
     handle = machine[HANDLE : HANDLE + 6]
-    data[DATA_GRASP] = step_arm(person, handle, active, inbox[INBOX_TRIAL], machine[TICK])
+    target = inbox[INBOX_TARGET : INBOX_TARGET + 3]
+    data[DATA_GRASP] = step_arm(person, handle, active, inbox[INBOX_TRIAL], target, inbox[INBOX_GRASP], machine[TICK])
     data[DATA_BUTTONS] = inbox[INBOX_BUTTONS]
     sense(machine, person[GRIP_FORCE : GRIP_FORCE + 3], data)
     return 0

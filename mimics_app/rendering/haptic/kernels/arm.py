@@ -5,6 +5,11 @@ stiffness and damping. The intention is a chain of minimum-jerk movements (Flash
 starts where the last one meant to end, aims at the point of the way that lies one reach ahead of where the hand is
 now, and misses it by a random error that shrinks with the length of the movement (Fitts 1954, Schmidt et al. 1979).
 Between its ends a movement follows the way, but cuts its corners by a share of what the straight line would.
+
+Without a way the person goes after a target that is told (where the scene's task asks the hand to be), as far as it is
+seen: a movement towards it no longer than a reach, a pause, a look at what is still missing, the next movement. What
+the weight of a held thing pulls the hand down by is thus corrected as it is seen. The hand closes when asked to.
+
 Tremor is a force. Nothing here touches the robot: the only result is the force of the grip on the handle.
 """
 
@@ -17,7 +22,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.noise import gauss, uniform
-from mimics_app.rendering.haptic.kernels.vectors import copy
+from mimics_app.rendering.haptic.kernels.vectors import copy, fill
 
 __all__ = [
     "AIM_ERROR",
@@ -25,6 +30,7 @@ __all__ = [
     "ARM_LENGTH",
     "ARM_MASS",
     "ARM_STIFFNESS",
+    "CONTENT",
     "CORNER_CUTTING",
     "GENERATOR",
     "GRASP_MEAN",
@@ -81,7 +87,11 @@ WAY_STEP = 46  # arc length between way points [m]
 FROM_INDEX = 47  # way point at the start of the movement
 TO_INDEX = 48  # and at its end
 CORNER_CUTTING = 49  # 0: follows the way, 1: straight lines
-WAY = 50
+SPEED = 50  # velocity 50:53 of the wish when the present movement to a target began [m/s]
+CLOSED = 53  # how far the hand is closed, 0-1, as a share of the closing time
+CONTENT = 54  # a target nearer than this is reached [m]
+SETTLED = 55  # 1 once the target was reached and as long as it stays about there
+WAY = 56
 ARM_LENGTH = WAY + 3 * MAX_WAY
 
 _GRIP_STIFFNESS = 4000.0
@@ -93,6 +103,10 @@ _GRASP_DRIFT_TIME = 0.4
 _LOOK_BEHIND = 20
 _LOOK_AHEAD = 40
 _PEAK_OF_MIN_JERK = 1.875
+_WHOLE_AIM = 0.1
+"""Length of a movement to a target that is missed by the whole aim error, where a reach is shorter [m]."""
+_LEAVES_REST = 2.5
+"""A settled hand moves again when the target is farther than this many times the distance that contents it."""
 
 
 @kernel
@@ -139,12 +153,18 @@ def _plan_movement(arm: Vec) -> None:
 
 
 @kernel
-def _begin(arm: Vec) -> None:
-    """Start acting: from where the hand is, at the beginning of the way."""
+def _begin(arm: Vec, target: Vec) -> None:
+    """Start acting: from where the hand is, at the beginning of the way, or towards the target, the hand open."""
     copy(arm[HAND : HAND + 3], arm[WISH : WISH + 3])
     arm[INDEX] = 0.0
     arm[TIME] = 0.0
-    _plan_movement(arm)
+    if arm[WAY_POINTS] > 1.0:
+        _plan_movement(arm)
+        return
+    fill(arm[WISH + 3 : WISH + 6], 0.0)
+    arm[CLOSED] = 0.0
+    arm[SETTLED] = 0.0
+    _aim(arm, target)
 
 
 @kernel
@@ -172,16 +192,70 @@ def _wish(arm: Vec, dt: float) -> None:
 
 
 @kernel
-def _grasp(arm: Vec, dt: float) -> float:
-    """Grasp force [N]: closing within half a second, then wavering slowly around its mean."""
-    share = dt / _GRASP_DRIFT_TIME
-    arm[GRASP_DRIFT] += -share * arm[GRASP_DRIFT] + math.sqrt(2.0 * share) * gauss(arm, GENERATOR)
-    closed = min_jerk(arm[TIME] / _GRASP_TIME)
-    return max(0.0, closed * (arm[GRASP_MEAN] + arm[GRASP_VARIATION] * arm[GRASP_DRIFT]))
+def _aim(arm: Vec, target: Vec) -> None:
+    """Choose the next movement to a target: as far as a reach goes, missed by an error that shrinks with the length."""
+    missing = 0.0
+    for i in range(3):
+        missing += (target[i] - arm[HAND + i]) ** 2
+    missing = math.sqrt(missing)
+    content = arm[CONTENT] * (_LEAVES_REST if arm[SETTLED] != 0.0 else 1.0)
+    arm[SETTLED] = 1.0 if missing <= content else 0.0
+    arm[ELAPSED] = 0.0
+    share = 0.0
+    error = 0.0
+    if arm[SETTLED] == 0.0:
+        reach = arm[REACH] * (0.8 + 0.4 * uniform(arm, GENERATOR))
+        share = min(1.0, reach / missing)
+        error = arm[AIM_ERROR] * min(1.0, share * missing / max(arm[REACH], _WHOLE_AIM))
+    length = 0.0
+    for i in range(3):
+        arm[FROM + i] = arm[WISH + i]
+        arm[SPEED + i] = arm[WISH + 3 + i]
+        step = share * (target[i] - arm[HAND + i]) + error * gauss(arm, GENERATOR)
+        arm[TO + i] = arm[WISH + i] + step
+        length += step * step
+    arm[DURATION] = max(_SHORTEST_MOVEMENT, _PEAK_OF_MIN_JERK * math.sqrt(length) / arm[PEAK_SPEED])
 
 
 @kernel
-def step_arm(arm: Vec, handle: Vec, active: bool, trial: float, dt: float) -> float:
+def _go_after(arm: Vec, target: Vec, dt: float) -> None:
+    """Advance the intended movement to a target: minimum jerk from where and how fast the last one left the wish."""
+    arm[ELAPSED] += dt
+    if arm[ELAPSED] >= arm[DURATION] + arm[REACTION]:
+        _aim(arm, target)
+    u = min(1.0, arm[ELAPSED] / arm[DURATION])
+    for i in range(3):
+        way = arm[TO + i] - arm[FROM + i]
+        begun = arm[SPEED + i] * arm[DURATION]
+        curve = 10.0 * way - 6.0 * begun + u * (-15.0 * way + 8.0 * begun + u * (6.0 * way - 3.0 * begun))
+        wish = arm[FROM + i] + u * (begun + u * u * curve)
+        arm[WISH + 3 + i] = (wish - arm[WISH + i]) / dt
+        arm[WISH + i] = wish
+
+
+@kernel
+def _grasp(arm: Vec, closed: float, dt: float) -> float:
+    """Grasp force [N] of a hand closed by a share 0-1 of the closing time: wavering slowly around its mean."""
+    share = dt / _GRASP_DRIFT_TIME
+    arm[GRASP_DRIFT] += -share * arm[GRASP_DRIFT] + math.sqrt(2.0 * share) * gauss(arm, GENERATOR)
+    return max(0.0, min_jerk(closed) * (arm[GRASP_MEAN] + arm[GRASP_VARIATION] * arm[GRASP_DRIFT]))
+
+
+@kernel
+def _act(arm: Vec, target: Vec, close: float, dt: float) -> float:
+    """One tick of intent: along the way, or after the target. The grasp force [N]."""
+    arm[TIME] += dt
+    if arm[WAY_POINTS] > 1.0:
+        _wish(arm, dt)
+        return _grasp(arm, arm[TIME] / _GRASP_TIME, dt)
+    _go_after(arm, target, dt)
+    change = dt / _GRASP_TIME
+    arm[CLOSED] = min(1.0, max(0.0, arm[CLOSED] + (change if close > 0.0 else -change)))
+    return _grasp(arm, arm[CLOSED], dt)
+
+
+@kernel
+def step_arm(arm: Vec, handle: Vec, active: bool, trial: float, target: Vec, close: float, dt: float) -> float:
     """Advance the person by one tick.
 
     Args:
@@ -189,6 +263,8 @@ def step_arm(arm: Vec, handle: Vec, active: bool, trial: float, dt: float) -> fl
         handle: Position [m] and velocity [m/s] of the handle, robot frame, shape [6].
         active: Whether the person may act; otherwise the arm hangs on the handle and follows.
         trial: Counts trials; a change starts the way over.
+        target: Where a person without a way is to bring the hand, robot frame [m].
+        close: Above 0: that person is to close the hand.
         dt: Tick [s].
 
     Returns:
@@ -197,16 +273,14 @@ def step_arm(arm: Vec, handle: Vec, active: bool, trial: float, dt: float) -> fl
     if arm[PLACED] == 0.0:
         arm[PLACED] = 1.0
         copy(handle[0:3], arm[HAND : HAND + 3])
-    acting = active and arm[INTENT] != 0.0 and arm[WAY_POINTS] > 1.0
+    acting = active and arm[INTENT] != 0.0
     if acting and (arm[ACTING] == 0.0 or arm[TRIAL] != trial):
-        _begin(arm)
+        _begin(arm, target)
     arm[ACTING] = 1.0 if acting else 0.0
     arm[TRIAL] = trial
     grasp = 0.0
     if acting:
-        _wish(arm, dt)
-        arm[TIME] += dt
-        grasp = _grasp(arm, dt)
+        grasp = _act(arm, target, close, dt)
     for i in range(3):
         x = arm[HAND + i]
         v = arm[HAND + 3 + i]

@@ -312,7 +312,8 @@ def grip_bodies(rows: Any, work: Any, counts: Any, grasp: float, dt: float) -> N
     """Let the fingers take, hold and lose bodies for one tick.
 
     Adds to totals.grip_force, totals.stiffness and totals.damping, to force, torque and force_user of the body held,
-    and names it in totals.held. A body without friction cannot be held; one that is put back to its start is let go.
+    and names it in totals.held, and in totals.crushed once it was pressed too hard. A body without friction cannot be
+    held; one that is put back to its start is let go.
 
     Args:
         rows: Tables of the main thread; bodies with `grip` set can be held, `crush_force` bruises them.
@@ -363,3 +364,4 @@ def grip_bodies(rows: Any, work: Any, counts: Any, grasp: float, dt: float) -> N
     totals.stiffness += 2.0 * k
     totals.damping += 2.0 * surface.damping
     totals.held = grip.body
+    totals.crushed = grip.crushed

@@ -24,6 +24,7 @@ TOTALS = np.dtype(
         ("normal", "f8", (3,)),  # out of it, world, unit; kept from the last contact
         ("approach_speed", "f8"),  # rate of its depth [m/s]
         ("held", "i8"),  # row of the body that is gripped, -1: none
+        ("crushed", "i8"),  # the same once the grip went beyond its crush_force, -1: it did not
         ("impact", "f8"),  # largest approach speed of bodies that began to touch in this tick [m/s]
         ("impact_force", "f8"),  # force of that contact [N]
         ("impact_a", "i8"),  # its bodies, STATIC: the scene; both STATIC: no impact
@@ -53,6 +54,7 @@ def clear_totals(totals: Any) -> None:
     totals.shape = -1
     totals.approach_speed = 0.0
     totals.held = -1
+    totals.crushed = -1
     totals.impact = 0.0
     totals.impact_force = 0.0
     totals.impact_a = -1

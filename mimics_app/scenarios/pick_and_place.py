@@ -1,0 +1,193 @@
+"""Pick and place (D2.1 3.2.3): an apple falls beside a stall; it is gripped, carried and set down at the mark."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import SceneError
+from mimics_app.contracts.haptic_objects import ShapeKind
+from mimics_app.contracts.messages import Aim, HapticSnapshot, TaskOrders
+from mimics_app.contracts.scenario_port import Scenario, TaskContext
+from mimics_app.rendering.haptic.scene_objects import SceneObjects, objects_of_scene
+from mimics_app.scenarios.body_nodes import BodyNodes
+from mimics_app.scenarios.picking import Picker, Sight
+from mimics_app.scenarios.robot_scene import robot_block, start_at, triple
+from mimics_app.tasks.carry_spec import CarrySpec
+from mimics_app.tasks.task import TaskSpec
+from mimics_app.world.components_hand import GraspingHand
+from mimics_app.world.components_haptic import Robot
+from mimics_app.world.scene import Scene
+from mimics_app.world.scene_node import SceneNode
+from mimics_app.world.world import World
+
+__all__ = ["PickAndPlace"]
+
+_HELP = "help"
+"""Id of the effect that guides the hand, where the scene has one."""
+
+_HELP_STEP = 0.03
+"""The guiding effect follows what it guides to in steps of this [m]: a new parameter block each."""
+
+_HELP_STIFFNESS = f"effects.{_HELP}.stiffness"
+
+
+class PickAndPlace(Scenario):
+    """Hand, bodies, mark and obstacles of the scene.
+
+    Args:
+        scene: The checked scene; needs a robot, an entity with `grasping_hand`, and a task that carries something.
+        world: The world built from it.
+
+    Raises:
+        SceneError: something the scenario needs is missing.
+    """
+
+    def __init__(self, scene: Scene, world: World) -> None:
+        self._scene = scene
+        self._world = world
+        self._carry = _carry_of(scene)
+        self._objects = objects_of_scene(scene)
+        self._bodies = BodyNodes(world, self._objects.body_entities)
+        name, self._hand, _ = scene.one(GraspingHand)
+        self._hand_node = world.find(name)
+        self._fingers = tuple(world.find(finger) for finger in self._hand.fingers)
+        self._start = self._hand_node.world_matrix()[:3, 3].copy()
+        self._mark_node = world.find(self._carry.to)
+        self._mark = triple(self._mark_node.world_matrix()[:3, 3])
+        self._row = self._row_of_body()
+        self._half_height = _half_height(self._objects, self._row)
+        self._picker = Picker(self._mark, self._half_height, self._carry.within)
+        self._guided_to: NDArray[np.float64] | None = None
+        self._helps = False
+        self._reached: bool | None = None
+
+    @property
+    def task_context(self) -> TaskContext:
+        joints, home = start_at(self._scene, self._start)
+        return TaskContext(joints, home, self._objects.body_entities, {self._carry.to: self._mark})
+
+    @property
+    def via_points_world(self) -> NDArray[np.float64]:
+        return np.zeros((0, 3))
+
+    @property
+    def facts(self) -> Mapping[str, Any]:
+        placed = self._scene.one(Robot)[1].robot_to_world
+        grip = self._carry.grip
+        return {
+            "carry": {
+                "body": self._carry.body,
+                "row": self._row,
+                "mark_world": self._mark,
+                "within_m": self._carry.within,
+                "grasp_n": [grip.least, grip.most],
+            },
+            "robot_to_world": {"rotation": placed.rotation, "translation": placed.translation},
+        }
+
+    def scene_block(self) -> NDArray[Any]:
+        return robot_block(self._scene)
+
+    def apply(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
+        self._bodies.follow(snapshot.poses)
+        self._guide(orders, snapshot)
+        self._show_hand(snapshot)
+        self._show_mark(orders, snapshot)
+        count = orders.visual.get("obstacles")
+        if isinstance(count, int | float):
+            self._show_obstacles(round(float(count)))
+
+    def aim(self, snapshot: HapticSnapshot) -> Aim | None:
+        if not snapshot.poses[self._row + 1, 3:7].any():
+            return None
+        aim = self._picker.aim(
+            Sight(
+                time=snapshot.t_ns * 1e-9,
+                hand=triple(snapshot.hip_world),
+                thing=triple(snapshot.poses[self._row + 1]),
+                held=snapshot.held_body == self._row,
+            )
+        )
+        return aim
+
+    def haptic_orders(self) -> Mapping[str, object]:
+        return {} if self._guided_to is None else {f"effects.{_HELP}.position": triple(self._guided_to)}
+
+    def _guide(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
+        """Let the guiding effect pull to the thing, then to above the mark; while it is off it stays where it was."""
+        stiffness = orders.haptic.get(_HELP_STIFFNESS)
+        if isinstance(stiffness, int | float):
+            self._helps = float(stiffness) > 0.0
+        if not self._helps or _HELP not in self._objects.effect_entities:
+            return
+        carried = np.array(self._mark) + [0.0, 2.0 * self._half_height, 0.0]
+        target = carried if snapshot.held_body == self._row else snapshot.poses[self._row + 1, :3].copy()
+        if self._guided_to is None or np.linalg.norm(target - self._guided_to) >= _HELP_STEP:
+            self._guided_to = target
+
+    def _row_of_body(self) -> int:
+        if self._carry.body not in self._objects.body_entities:
+            what = f'"{self._carry.body}" is no haptic object that moves'
+            raise SceneError(self._scene.issue("/task/carry/body", what, 'give it a "haptic_object" with grip'))
+        return self._objects.body_entities.index(self._carry.body)
+
+    def _show_hand(self, snapshot: HapticSnapshot) -> None:
+        """The hand where it is; its fingers at the sides of what they hold, else as far closed as they are pressed."""
+        self._hand_node.set_position(snapshot.hip_world)
+        hand = self._hand
+        closing = min(1.0, snapshot.grasp / hand.closing_force)
+        gap = hand.open + closing * (hand.closed - hand.open)
+        if snapshot.held_body >= 0:
+            gap = max(gap, _half_height(self._objects, snapshot.held_body))
+        for finger, side in zip(self._fingers, (-1.0, 1.0), strict=True):
+            finger.set_position((side * gap, 0.0, 0.0))
+
+    def _show_mark(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
+        """The mark as large as what counts as placed; it lights up once the thing is over it."""
+        within = orders.visual.get("mark")
+        if isinstance(within, int | float):
+            self._picker.within = float(within)
+            share = float(within) / self._carry.within
+            self._mark_node.set_scale((share, 1.0, share))
+        x, y, z = snapshot.poses[self._row + 1, :3]
+        level = float(np.hypot(x - self._mark[0], z - self._mark[2]))
+        over = level <= self._picker.within and y > self._mark[1]
+        if over != self._reached:
+            self._reached = over
+            for node in self._mark_node.children:
+                _dress(node, self._world, "mark_reached" if over else "mark", f"{self._carry.to}_")
+
+    def _show_obstacles(self, count: int) -> None:
+        """The first `count` entities called obstacle_1, obstacle_2 and so on."""
+        number = 1
+        while f"obstacle_{number}" in self._world:
+            node = self._world.find(f"obstacle_{number}")
+            node.visible = number <= count
+            number += 1
+
+
+def _carry_of(scene: Scene) -> CarrySpec:
+    task = scene.sections.get("task")
+    if not isinstance(task, TaskSpec) or task.carry is None:
+        raise SceneError(scene.issue("/task", "nothing is carried in this task", 'say what and where under "carry"'))
+    return task.carry
+
+
+def _half_height(objects: SceneObjects, row: int) -> float:
+    """From the middle of a body to its surface, by its first shape [m]."""
+    shapes = objects.rows.shapes
+    shape = next(shapes[i] for i in range(len(shapes)) if shapes[i]["body"] == row)
+    size = shape["size"]
+    return float(0.5 * size.max() if shape["kind"] == ShapeKind.BOX else size[0])
+
+
+def _dress(node: SceneNode, world: World, look: str, prefix: str) -> None:
+    """Give a node another material of the scene: LOOK, or LOOK_REST for an entity called PREFIX + REST."""
+    rest = node.name.removeprefix(prefix)
+    name = f"{look}_{rest}" if f"{look}_{rest}" in world.materials else look
+    if node.entity is not None and name in world.materials:
+        node.entity.set_material(name)

@@ -1,0 +1,72 @@
+"""Models of the market: as shipped they are what their builder makes, and as large as what is touched there."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mimics_app.contracts.resources import root
+from mimics_app.world.builders.market.build import build
+from mimics_app.world.builders.market.fruit import APPLE_RADIUS
+from mimics_app.world.gltf_file import GltfDocument, load_gltf
+
+FOLDER = root() / "assets" / "models" / "market"
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory) -> dict[str, Path]:
+    return {file.name: file for file in build(tmp_path_factory.mktemp("market"), 1)}
+
+
+def positions(document: GltfDocument) -> np.ndarray:
+    return np.concatenate([part.mesh.positions for mesh in document.meshes for part in mesh.primitives])
+
+
+def test_shipped_files_are_those_of_the_builder(built):
+    """To a micrometre: sines may differ in their last digit from machine to machine."""
+    assert sorted(built) == sorted(file.name for file in FOLDER.glob("*.glb"))
+    for name, file in built.items():
+        shipped, made = load_gltf(FOLDER / name), load_gltf(file)
+        np.testing.assert_allclose(positions(shipped), positions(made), atol=1e-6, err_msg=name)
+
+
+def test_another_seed_grows_another_garden(built, tmp_path):
+    other = {file.name: file for file in build(tmp_path, 2)}
+    assert other["meadow.glb"].read_bytes() != built["meadow.glb"].read_bytes()
+    assert other["apple.glb"].read_bytes() == built["apple.glb"].read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("name", "size", "within"),
+    [
+        ("fence", (0.010, 0.100, 0.176), 0.004),
+        ("crate", (0.075, 0.090, 0.085), 0.002),
+        ("jug", (0.030, 0.046, 0.030), 0.013),  # the handle is not touched
+        ("barrel", (0.072, 0.115, 0.072), 0.004),
+    ],
+)
+def test_what_is_seen_is_as_large_as_what_is_touched(built, name, size, within):
+    at = positions(load_gltf(built[f"{name}.glb"]))
+    assert np.abs(at.max(axis=0) - at.min(axis=0) - size).max() < within
+
+
+def test_the_apple_is_round_about_its_middle(built):
+    body = positions(load_gltf(built["apple.glb"]))[: 37 * 57]
+    level = np.abs(body[:, 1]) < 0.1 * APPLE_RADIUS
+    assert np.hypot(body[level, 0], body[level, 2]) == pytest.approx(APPLE_RADIUS, rel=0.05)
+    assert -body[:, 1].min() == pytest.approx(APPLE_RADIUS, rel=0.12)
+
+
+def test_every_triangle_faces_its_normals(built):
+    for name, file in built.items():
+        for mesh in load_gltf(file).meshes:
+            for part in mesh.primitives:
+                corners = part.mesh.positions.astype(float)[part.mesh.indices.reshape(-1, 3)]
+                faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+                mean = part.mesh.normals[part.mesh.indices.reshape(-1, 3)].mean(axis=1)
+                against = np.einsum("ij,ij->i", faces, mean) < -1e-12
+                if name == "meadow.glb":  # blades of grass are lit from above on both sides
+                    continue
+                assert against.mean() < 0.01, f"{name} {mesh.name}: {against.mean():.1%} turned over"
