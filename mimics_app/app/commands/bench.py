@@ -141,7 +141,10 @@ def _measure_haptic(_: argparse.Namespace) -> dict[str, Any]:
     """Shapes, meshes and bodies against a reference loop and the peers."""
     from mimics_app.lab.haptic_bench import measure_haptic
 
-    return measure_haptic(lambda what: sys.stderr.write(f"{what}\n") and None)
+    def tell(what: str) -> None:
+        sys.stderr.write(f"{what}\n")
+
+    return measure_haptic(tell)
 
 
 def _positive(text: str) -> float:

@@ -2,8 +2,9 @@
 
 A point d deep under the top slides out of the side. With edges of radius r > d the surface is the offset of a core: at
 the height t = r - d above the core and u beyond its edge the force is k (r - rho) along (u, t) / rho with
-rho = hypot(u, t), and changes by k hypot(u / rho, (r - rho) t / rho^2) per metre: most of all k max(1, d / (r - d)),
-about. Nothing is dropped. With r <= d the point is in the core, where the face of entry is held, and drops what is left.
+rho = hypot(u, t), and changes by k hypot(u / rho, (r - rho) t / rho^2) per metre: most of all about
+k max(1, d / (r - d)). Nothing is dropped. With r <= d the point is in the core, where the face of entry is held, and
+drops what is left.
 """
 
 from __future__ import annotations
@@ -55,7 +56,7 @@ def _leave(rounding: float, ticks: int, core: Vec, p: Vec, v: Vec, contacts: Any
 
 
 def leaving_change(rounding: float) -> float:
-    """Greatest change of the force in one tick [N] of a slide at 10 mm/s, 3 mm deep, over an edge of this radius [m]."""
+    """Greatest change of the force in one tick [N] of a slide at 10 mm/s, 3 mm deep, over an edge of this radius."""
     reach = max(rounding, _DEPTH) + _RUN_UP
     p, v = np.array([0.5 * _EDGE - reach, 0.0, 0.5 * _EDGE + 1e-3]), np.array([_SPEED, 0.0, 0.0])
     contacts, force, core = np.zeros(1, CONTACT), np.zeros(3), np.full(3, _EDGE - 2.0 * rounding)

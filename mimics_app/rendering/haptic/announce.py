@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 from mimics_app.contracts.haptic import EventKind
 from mimics_app.contracts.kernel import kernel
@@ -82,30 +82,53 @@ def _write_snapshot(state: Any, totals: Any, t_ns: int, out: Any) -> None:
     out.tank_share = state.acting.tank_share
 
 
+class _Outlets(NamedTuple):
+    """The event being filled and its three consumers: a small tuple, for tuples travel by value."""
+
+    event: Any
+    main_words: Any
+    main: Any
+    audio_words: Any
+    audio: Any
+    recorder_words: Any
+    recorder: Any
+
+
 @kernel
-def _tell(channels: Channels, work: Work, kind: int, force: float) -> None:
+def _tell(outlets: _Outlets, kind: int, force: float) -> None:
     """Send the event being filled to its three consumers."""
-    work.event[0].kind = kind
-    work.event[0].force = force
-    push(channels.main_event_words, channels.main_events, work.event)
-    push(channels.audio_event_words, channels.audio_events, work.event)
-    push(channels.recorder_event_words, channels.recorder_events, work.event)
+    event = outlets.event
+    event[0].kind = kind
+    event[0].force = force
+    push(outlets.main_words, outlets.main, event)
+    push(outlets.audio_words, outlets.audio, event)
+    push(outlets.recorder_words, outlets.recorder, event)
 
 
 @kernel
 def announce_events(channels: Channels, work: Work, rows: Any, counts: Any, t_ns: int) -> None:
     """Events of this tick, in the order parameters, state, trip, margin, cap, old data, contacts, impact."""
-    _announce_tick(channels, work, t_ns)
+    outlets = _Outlets(
+        work.event,
+        channels.main_event_words,
+        channels.main_events,
+        channels.audio_event_words,
+        channels.audio_events,
+        channels.recorder_event_words,
+        channels.recorder_events,
+    )
+    state = work.state[0]
+    _announce_tick(outlets, state, t_ns)
     if counts.shapes > 0:
-        _announce_touches(channels, work, rows, counts, t_ns)
-        _announce_impact(channels, work, t_ns)
+        totals = work.objects.totals[0]
+        _announce_touches(outlets, state, totals, work.objects.touches, rows.shapes, counts.bodies, t_ns)
+        _announce_impact(outlets, state, totals, t_ns)
 
 
 @kernel
-def _begin(work: Work, t_ns: int, body_a: int, body_b: int) -> None:
-    event = work.event[0]
+def _begin(event: Any, state: Any, t_ns: int, body_a: int, body_b: int) -> None:
     event.t_ns = t_ns
-    event.tick = work.state[0].tick - 1
+    event.tick = state.tick - 1
     event.body_a = body_a
     event.body_b = body_b
     event.material_a = 0
@@ -113,24 +136,23 @@ def _begin(work: Work, t_ns: int, body_a: int, body_b: int) -> None:
 
 
 @kernel
-def _announce_monitor(channels: Channels, work: Work, state: Any) -> None:
+def _announce_monitor(outlets: _Outlets, state: Any) -> None:
     """What the monitors of stability and of the device's data have to tell."""
     if state.margin_lost == 1:
-        _tell(channels, work, _MARGIN, state.margin)
+        _tell(outlets, _MARGIN, state.margin)
     if state.cap_began == 1:
-        _tell(channels, work, _CAP, state.stiffness_share)
+        _tell(outlets, _CAP, state.stiffness_share)
     if state.stale_began == 1:
-        _tell(channels, work, _STALE, state.age)
+        _tell(outlets, _STALE, state.age)
 
 
 @kernel
-def _announce_tick(channels: Channels, work: Work, t_ns: int) -> None:
-    state = work.state[0]
+def _announce_tick(outlets: _Outlets, state: Any, t_ns: int) -> None:
     news = state.parameters_taken + state.state_changed + state.tripped + state.contact_change
     if news + state.margin_lost + state.cap_began + state.stale_began == 0:
         return
-    _begin(work, t_ns, 0, -1)
-    event = work.event[0]
+    event = outlets.event[0]
+    _begin(event, state, t_ns, 0, -1)
     event.speed = state.tunnel.approach_speed
     event.value = state.tunnel.s
     for i in range(3):
@@ -138,51 +160,51 @@ def _announce_tick(channels: Channels, work: Work, t_ns: int) -> None:
         event.position_world[i] = state.hip_world[i] - state.ball_radius * normal
         event.normal_world[i] = normal
     if state.parameters_taken == 1:
-        _tell(channels, work, _PARAMETERS, float(state.sequence))
+        _tell(outlets, _PARAMETERS, float(state.sequence))
     if state.state_changed == 1:
-        _tell(channels, work, _STATE, float(state.safety))
+        _tell(outlets, _STATE, float(state.safety))
     if state.tripped == 1:
-        _tell(channels, work, _TRIP, float(state.cause))
-    _announce_monitor(channels, work, state)
+        _tell(outlets, _TRIP, float(state.cause))
+    _announce_monitor(outlets, state)
     if state.contact_change == CONTACT_BEGAN:
-        _tell(channels, work, _CONTACT_BEGIN, norm(state.f_user_world))
+        _tell(outlets, _CONTACT_BEGIN, norm(state.f_user_world))
     elif state.contact_change == CONTACT_ENDED:
-        _tell(channels, work, _CONTACT_END, norm(state.f_user_world))
+        _tell(outlets, _CONTACT_END, norm(state.f_user_world))
 
 
 @kernel
-def _announce_touches(channels: Channels, work: Work, rows: Any, counts: Any, t_ns: int) -> None:
+def _announce_touches(
+    outlets: _Outlets, state: Any, totals: Any, touches: Any, shapes: Any, bodies: int, t_ns: int
+) -> None:
     """Contacts of the hand with the static scene (partner 0) and with bodies."""
-    totals, state = work.objects.totals[0], work.state[0]
-    for k in range(counts.bodies + 1):
-        change = work.objects.touches[k].change
+    for k in range(bodies + 1):
+        change = touches[k].change
         if change != CONTACT_BEGAN and change != CONTACT_ENDED:
             continue
-        _begin(work, t_ns, 0, k if k > 0 else -1)
-        event = work.event[0]
-        event.material_b = rows.shapes[totals.shape].material if totals.shape >= 0 else 0
+        event = outlets.event[0]
+        _begin(event, state, t_ns, 0, k if k > 0 else -1)
+        event.material_b = shapes[totals.shape].material if totals.shape >= 0 else 0
         event.speed = totals.approach_speed
         event.value = float(totals.shape)
         for i in range(3):
             event.position_world[i] = state.hip_world[i]
             event.normal_world[i] = totals.normal[i]
         kind = _CONTACT_BEGIN if change == CONTACT_BEGAN else _CONTACT_END
-        _tell(channels, work, kind, norm(totals.shape_force))
+        _tell(outlets, kind, norm(totals.shape_force))
 
 
 @kernel
-def _announce_impact(channels: Channels, work: Work, t_ns: int) -> None:
+def _announce_impact(outlets: _Outlets, state: Any, totals: Any, t_ns: int) -> None:
     """The hardest contact between bodies that began in this tick."""
-    totals = work.objects.totals[0]
     if totals.impact <= 0.0:
         return
     a = totals.impact_a + 1 if totals.impact_a >= 0 else -1
     b = totals.impact_b + 1 if totals.impact_b >= 0 else -1
-    _begin(work, t_ns, a, b)
-    event = work.event[0]
+    event = outlets.event[0]
+    _begin(event, state, t_ns, a, b)
     event.speed = totals.impact
     event.value = 0.0
     for i in range(3):
         event.position_world[i] = totals.impact_position[i]
         event.normal_world[i] = totals.impact_normal[i]
-    _tell(channels, work, _IMPACT, totals.impact_force)
+    _tell(outlets, _IMPACT, totals.impact_force)
