@@ -12,7 +12,10 @@ from mimics_app.world.render_list import RenderList, SubEntityTable
 from mimics_app.world.table import ComponentTable
 from mimics_app.world.transforms import TransformTable
 
-__all__ = ["Content"]
+__all__ = ["MAX_LEVELS", "Content"]
+
+MAX_LEVELS = 8
+"""Levels of detail a body can have."""
 
 _NONE = -1
 
@@ -25,6 +28,7 @@ class Content:
         parts: One row per SubEntity.
         lights, cameras: Their settings.
         occluders: Boxes inside a body, in its node's frame [m], that hide what is behind them: an author's word.
+        levels: Of bodies with several levels of detail: how many, and the least coverage of the picture for each.
         tables: Further component tables by name, for scenarios and plug-ins.
     """
 
@@ -42,6 +46,7 @@ class Content:
         )
         self.cameras = ComponentTable(vertical_fov=(np.float64, ()), near=(np.float64, ()), far=(np.float64, ()))
         self.occluders = ComponentTable(centre=(np.float64, (3,)), size=(np.float64, (3,)))
+        self.levels = ComponentTable(count=(np.int32, ()), coverages=(np.float64, (MAX_LEVELS,)))
         self.tables: dict[str, ComponentTable] = {}
         self._stale = True
         self._revision = 0
@@ -59,6 +64,27 @@ class Content:
         self.bodies.add(index, first=len(self.parts), count=len(parts))
         for mesh, material in parts:
             self.parts.append(index, mesh, material)
+        self.touch()
+
+    def add_levels(self, index: int, levels: Sequence[Sequence[tuple[str, str]]], coverages: Sequence[float]) -> None:
+        """Show one of several levels of (mesh, material) parts on a node, by how much of the picture it covers.
+
+        Args:
+            index: Of the node.
+            levels: Finest first, at most `MAX_LEVELS`.
+            coverages: Least share of the picture for each level, falling; below the last one nothing is shown.
+
+        Raises:
+            ValueError: a body is there already, or a number does not fit.
+        """
+        if not 0 < len(levels) == len(coverages) <= MAX_LEVELS or any(np.diff(coverages) >= 0.0):
+            raise ValueError(f"{len(levels)} levels of detail for coverages {list(coverages)}")
+        self.bodies.add(index, first=len(self.parts), count=sum(len(parts) for parts in levels))
+        for level, parts in enumerate(levels):
+            for mesh, material in parts:
+                self.parts.append(index, mesh, material, level)
+        padded = [*coverages, *[0.0] * (MAX_LEVELS - len(coverages))]
+        self.levels.add(index, count=len(levels), coverages=padded)
         self.touch()
 
     def add_light(self, index: int, kind: LightKind, settings: dict[str, object]) -> None:
@@ -79,13 +105,15 @@ class Content:
             ValueError: a body is there already.
         """
         self.bodies.move(source, target)
+        if source in self.levels:
+            self.levels.move(source, target)
         owner = self.parts.owner[: len(self.parts)]
         owner[owner == source] = target
         self.touch()
 
     def drop(self, gone: NDArray[np.int32]) -> None:
         """Forget everything these entities carried."""
-        for table in (self.lights, self.cameras, self.occluders, *self.tables.values()):
+        for table in (self.lights, self.cameras, self.occluders, self.levels, *self.tables.values()):
             for index in gone.tolist():
                 table.remove(index)
         self.drop_bodies(gone)
@@ -97,6 +125,7 @@ class Content:
             return
         for index in with_body:
             self.bodies.remove(index)
+            self.levels.remove(index)
         owner = self.parts.owner[: len(self.parts)]
         owner[np.isin(owner, with_body)] = _NONE
         old_rows = self.parts.compact()
@@ -122,6 +151,7 @@ class Content:
                 material=list(self.parts.material),
                 visible=np.empty(count, np.uint8),
                 casts_shadow=self.parts.casts_shadow[:count].copy(),
+                level=self.parts.level[:count].copy(),
                 entity=owner,
                 revision=self._revision,
             )

@@ -32,6 +32,7 @@ SUPPORTED_EXTENSIONS = frozenset(
         "KHR_mesh_quantization",
         "KHR_node_visibility",
         "KHR_texture_transform",
+        "MSFT_lod",
     }
 )
 """Extensions a file may require."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass, field
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from mimics_app.maths.decompose import decompose_trs
+from mimics_app.world.content import MAX_LEVELS
 from mimics_app.world.gltf_source import GltfSource
 from mimics_app.world.light import LightKind
 
@@ -44,6 +46,8 @@ class GltfNode:
         mesh, camera, light: Indices into the file's lists, or None.
         visible: From KHR_node_visibility.
         occluder: Centre and size [m] of `extras.mimics.occluder`, a box inside the body that hides what is behind it.
+        levels: Nodes shown in its place when it is small, ever coarser (MSFT_lod).
+        coverages: Least share of the picture for itself and each of them; [] where the file does not say.
         components: `extras.mimics.components`, undecoded.
         extras: All of `extras`.
     """
@@ -58,6 +62,8 @@ class GltfNode:
     camera: int | None = None
     light: int | None = None
     visible: bool = True
+    levels: list[int] = field(default_factory=list)
+    coverages: list[float] = field(default_factory=list)
     occluder: tuple[Triple, Triple] | None = None
     components: dict[str, Any] = field(default_factory=dict)
     extras: dict[str, Any] = field(default_factory=dict)
@@ -144,6 +150,7 @@ class GltfNodes:
             node.light = source.index(punctual["light"], len(self.lights), "lights", where)
         visibility = source.object(extensions, "KHR_node_visibility", f"{place}/extensions")
         node.visible = visibility.get("visible") is not False
+        self._read_levels(node, source.object(extensions, "MSFT_lod", f"{place}/extensions"), item, place)
         extras = item.get("extras")
         if isinstance(extras, dict):
             node.extras = extras
@@ -151,6 +158,25 @@ class GltfNodes:
             node.components = source.object(ours, "components", f"{place}/extras/mimics")
             node.occluder = self._occluder(ours, f"{place}/extras/mimics")
         return node
+
+    def _read_levels(self, node: GltfNode, lod: dict[str, Any], item: dict[str, Any], place: str) -> None:
+        if not lod:
+            return
+        source, count = self._source, len(self._source.table("nodes"))
+        where = f"{place}/extensions/MSFT_lod/ids"
+        for i, value in enumerate(source.list(lod, "ids", f"{place}/extensions/MSFT_lod")):
+            node.levels.append(source.index(value, count, "nodes", f"{where}/{i}"))
+        if len(node.levels) >= MAX_LEVELS:
+            source.fail(where, f"{len(node.levels)} coarser levels are more than {MAX_LEVELS - 1}")
+        extras = item.get("extras")
+        told = extras.get("MSFT_screencoverage") if isinstance(extras, dict) else None
+        if isinstance(told, list) and told:
+            numbers = [float(part) for part in told if isinstance(part, int | float) and 0.0 <= part <= 1.0]
+            falling = all(after < before for before, after in itertools.pairwise(numbers))
+            if len(numbers) != len(told) or len(told) != len(node.levels) + 1 or not falling:
+                what = f"is not {len(node.levels) + 1} falling numbers from 1 to 0"
+                source.fail(f"{place}/extras/MSFT_screencoverage", what)
+            node.coverages = numbers
 
     def _occluder(self, ours: dict[str, Any], place: str) -> tuple[Triple, Triple] | None:
         if "occluder" not in ours:

@@ -56,7 +56,9 @@ class ModelPrefab:
 
     def _fill(self, world: World, node: SceneNode, index: int) -> None:
         model, source = self._part.model, self._part.model.nodes[index]
-        if source.mesh is not None:
+        if source.mesh is not None and source.levels:
+            self._show_levels(world, node, index)
+        elif source.mesh is not None:
             self._show(world, node, source.mesh)
         if source.occluder is not None and node.index not in world.content.occluders:
             centre, size = source.occluder
@@ -76,12 +78,23 @@ class ModelPrefab:
             node.create_camera(camera.vertical_fov, camera.near, camera.far)
 
     def _show(self, world: World, node: SceneNode, mesh: int) -> None:
-        parts = [
+        parts = self._parts(mesh)
+        if parts:
+            world.show(node, parts)
+
+    def _show_levels(self, world: World, node: SceneNode, index: int) -> None:
+        """All levels of detail of a node stand where it stands, whatever the placement of theirs in the file."""
+        source, nodes = self._part.model.nodes[index], self._part.model.nodes
+        meshes = [source.mesh, *(nodes[level].mesh for level in source.levels)]
+        levels = [[] if mesh is None else self._parts(mesh) for mesh in meshes]
+        halved = [*(0.25 ** (k + 1) for k in range(len(levels) - 1)), 0.0]
+        world.content.add_levels(node.index, levels, source.coverages or halved)
+
+    def _parts(self, mesh: int) -> list[tuple[str, str]]:
+        return [
             (self._mesh_key(mesh, number), self._material or self._material_key(primitive.material))
             for number, primitive in enumerate(self._part.model.meshes[mesh].primitives)
         ]
-        if parts:
-            world.show(node, parts)
 
     def _load(self, world: World) -> None:
         """Put the file's data into the world, once per file."""

@@ -22,6 +22,7 @@ class RenderList:
         material: Key in `World.materials`, per SubEntity.
         visible: 1 where it and its node are shown, uint8 [n].
         casts_shadow: 1 where it belongs into shadow maps, uint8 [n].
+        level: Level of detail it belongs to, 0 the finest; uint8 [n].
         entity: Entity index of the node, int32 [n].
         revision: Changes when the list or a material or mesh name in it does: cache by it.
     """
@@ -31,6 +32,7 @@ class RenderList:
     material: list[str]
     visible: NDArray[np.uint8]
     casts_shadow: NDArray[np.uint8]
+    level: NDArray[np.uint8]
     entity: NDArray[np.int32]
     revision: int
 
@@ -44,20 +46,23 @@ class SubEntityTable:
     owner: NDArray[np.int32] = field(default_factory=lambda: np.zeros(64, np.int32))
     visible: NDArray[np.uint8] = field(default_factory=lambda: np.zeros(64, np.uint8))
     casts_shadow: NDArray[np.uint8] = field(default_factory=lambda: np.zeros(64, np.uint8))
+    level: NDArray[np.uint8] = field(default_factory=lambda: np.zeros(64, np.uint8))
 
     def __len__(self) -> int:
         """Rows in use, holes included."""
         return len(self.mesh)
 
-    def append(self, owner: int, mesh: str, material: str) -> int:
-        """Add a visible, shadow-casting row of an entity index; returns it."""
+    def append(self, owner: int, mesh: str, material: str, level: int = 0) -> int:
+        """Add a visible, shadow-casting row of an entity index to a level of detail; returns it."""
         row = len(self.mesh)
         self.mesh.append(mesh)
         self.material.append(material)
         self.owner = grown(self.owner, row + 1)
         self.visible = grown(self.visible, row + 1)
         self.casts_shadow = grown(self.casts_shadow, row + 1)
+        self.level = grown(self.level, row + 1)
         self.owner[row] = owner
+        self.level[row] = level
         self.visible[row] = self.casts_shadow[row] = 1
         return row
 
@@ -66,6 +71,6 @@ class SubEntityTable:
         kept = np.flatnonzero(self.owner[: len(self.mesh)] >= 0)
         self.mesh = [self.mesh[row] for row in kept]
         self.material = [self.material[row] for row in kept]
-        for array in (self.owner, self.visible, self.casts_shadow):
+        for array in (self.owner, self.visible, self.casts_shadow, self.level):
             array[: kept.size] = array[kept]
         return kept

@@ -29,6 +29,8 @@ def as_items(half: F8) -> DrawItems:
         transparent=~flags,
         solid=flags,
         casting=flags,
+        levels=np.zeros(count, np.uint8),
+        families=zeros - 1,
         ranges=np.array([[36, 0, 0]], np.int32),
         of_state=[],
         of_shadow=[],

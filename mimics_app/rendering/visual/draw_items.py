@@ -47,6 +47,8 @@ class DrawItems:
         transparent: True where it is blended, [n].
         solid: True where nothing can be seen through it, [n].
         casting: True where it belongs into shadow maps, [n].
+        levels: Level of detail each belongs to, uint8 [n].
+        families: Number of the body whose levels it is one of, -1: of none; int32 [n].
         ranges: Indices, first index and base vertex of each mesh, int32 [meshes, 3].
         of_state: The states.
         of_shadow: The states of the shadow pass.
@@ -63,6 +65,8 @@ class DrawItems:
     transparent: Flags
     solid: Flags
     casting: Flags
+    levels: NDArray[np.uint8]
+    families: I4
     ranges: I4
     of_state: list[DrawState]
     of_shadow: list[DrawState]
@@ -109,12 +113,23 @@ def list_items(world: World, arena: MeshArena, materials: MaterialStore) -> Draw
         transparent=_spread(np.array([look.transparent for look in looks], np.bool_), kind),
         solid=_spread(np.array([look.solid for look in looks], np.bool_), kind),
         casting=np.asarray(listed.casts_shadow, np.bool_),
+        levels=listed.level,
+        families=_families(world),
         ranges=np.array([(p.count, p.first, p.base_vertex) if p else (0, 0, 0) for p in ranges], np.int32).reshape(
             -1, 3
         ),
         of_state=states.found,
         of_shadow=shadows.found,
     )
+
+
+def _families(world: World) -> I4:
+    """Row in the table of levels of each sub-entity's body, -1: it has only one."""
+    table, entities = world.content.levels, world.subentities().entity
+    row_of = np.full(int(entities.max(initial=-1)) + 1, -1, np.int32)
+    known = table.entities[table.entities < len(row_of)]
+    row_of[known] = np.flatnonzero(table.entities < len(row_of))
+    return row_of[entities]
 
 
 class _States:

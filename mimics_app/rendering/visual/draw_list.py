@@ -12,6 +12,7 @@ from mimics_app.rendering.visual.draw_items import DrawItems, list_items
 from mimics_app.rendering.visual.draw_order import DrawOrder
 from mimics_app.rendering.visual.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.kernels.bounds import update_bounds
+from mimics_app.rendering.visual.levels import Levels
 from mimics_app.rendering.visual.materials import MaterialStore
 from mimics_app.rendering.visual.mesh_arena import MeshArena
 from mimics_app.rendering.visual.occlusion import LEAST_ITEMS, OcclusionPass, gather_occluders
@@ -44,6 +45,7 @@ class Casters:
 class Tally:
     """What became of the items of a frame, all views together: how many there were, outside, hidden; tests made."""
 
+    views: int = 0
     items: int = 0
     culled: int = 0
     hidden: int = 0
@@ -51,6 +53,7 @@ class Tally:
 
     def count(self, items: int, in_frustum: int, drawn: int, tests: int) -> None:
         """Add one view."""
+        self.views += 1
         self.tests += tests
         self.items += items
         self.culled += items - in_frustum
@@ -93,6 +96,7 @@ class DrawList:
         stale = meshes or materials or revision != self._revision
         if stale:
             self._take_structure(list_items(world, self._arena, self._materials))
+            self._levels = Levels(world, self.items)
             nodes = world.transforms
             self._culler = make_culler(settings.culling, self.items, nodes.parent_rows, nodes.world[:, :3, 3])
             self._revision = revision
@@ -116,7 +120,8 @@ class DrawList:
         Args:
             longest: Bodies of a radius beyond this [m] are left out of the spheres: grounds and skies.
         """
-        casting = np.flatnonzero(self._shown * self.items.casting).astype(np.int32)
+        shown = self._levels.show_finest(self._shown)
+        casting = np.flatnonzero(shown * self.items.casting).astype(np.int32)
         held = casting[self.radii[casting] <= longest]
         return Casters(casting, self.centres[held], self.radii[held])
 
@@ -144,11 +149,12 @@ class DrawList:
         """
         items, eye, picked = self.items, view.eye_world, self._picked
         planes = compute_frustum_planes(view.clip_from_world)
+        shown = self._levels.show(self.tally.views, view, self._shown, self.centres, self.radii)
         before = self._culler.tests
-        seen = count = self._culler.cull(planes, self._shown, self._world, self.centres, self.radii, picked)
+        seen = count = self._culler.cull(planes, shown, self._world, self.centres, self.radii, picked)
         if self._occlusion is not None:
             count = self._occlusion.remove_hidden(picked, seen, view, size, samples, items, self._world, self.centres)
-        self.tally.count(int(self._shown.sum()), seen, count, self._culler.tests - before)
+        self.tally.count(int(shown.sum()), seen, count, self._culler.tests - before)
         blended = self._split(count)
         solid = count - len(blended)
         self._order.sort(picked, solid, eye, self.centres, self.radii, self._mirrored)

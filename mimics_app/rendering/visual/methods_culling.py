@@ -106,6 +106,8 @@ def _boxes(rows: I4) -> DrawItems:
         transparent=~yes,
         solid=yes,
         casting=yes,
+        levels=np.zeros(count, np.uint8),
+        families=zeros - 1,
         ranges=np.array([[36, 0, 0]], np.int32),
         of_state=[],
         of_shadow=[],
