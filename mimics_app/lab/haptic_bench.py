@@ -51,7 +51,13 @@ _TICKS = 1000
 _MASS = 0.2
 _GAP = 0.02
 _DAMPING = 5.0
+_PRESSED = 4e-3
+"""How deep the hand is in its body at first [m]; the floor gives way by 2 mm under the weight."""
+
 _SETTLE = 200
+_WAY = np.array([[0.0, 0.0, 0.0], [0.05, 0.0, 0.0]])
+"""Of the simulated person [m]."""
+
 _LONGEST = 0.5
 """Time one run of a body workload may take [s]."""
 
@@ -135,7 +141,7 @@ def bodies_on_a_floor(kind: ShapeKind, count: int) -> BodyScene:
     bodies["position"][:, 1] = RADIUS - 5e-4
     rows.points[0]["enabled"] = 1
     counts["shapes"], counts["bodies"], counts["points"] = count + 1, count, 1
-    return BodyScene(rows, counts, capacities, bodies["position"][0] + (0.0, RADIUS - 1e-3, 0.0))
+    return BodyScene(rows, counts, capacities, bodies["position"][0] + (0.0, RADIUS - _PRESSED, 0.0))
 
 
 def places_of(count: int) -> NDArray[np.int32]:
@@ -168,7 +174,7 @@ def _body_us(scene: BodyScene) -> float:
 def _tick_p99_us(rows: Rows, counts: NDArray[Any], capacities: ObjectCapacities, work: ObjectWork) -> float:
     """99th percentile [us] of the whole tick, one call each."""
     memory = SessionMemory(Capacities(objects=capacities))
-    engine = HapticEngine(memory, build_device(Robot(), Patient(), np.zeros((2, 3)), 1), objects=work)
+    engine = HapticEngine(memory, build_device(Robot(), Patient(), _WAY, 1), objects=work)
     block = scene_from_components(Robot())
     block["objects"] = counts
     engine.publish(block, rows)
