@@ -98,9 +98,8 @@ def _time_frames(wanted: RenderBench, workload: Workload, renderer: Renderer, su
             processor = process_seconds()
         started = clock.now_ns()
         workload.update(frame)
-        view = workload.view(frame, wanted.size)
         handed = clock.now_ns()
-        stats = renderer.draw_finished([view])
+        stats = renderer.draw_finished([workload.view(frame, wanted.size)])
         done = clock.now_ns()
         if frame >= wanted.warmup:
             updates.append((handed - started) * 1e-6)
