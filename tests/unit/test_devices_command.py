@@ -58,6 +58,16 @@ def test_an_emulator_serves_until_it_is_told_to_quit_and_takes_orders(stdin, cap
     assert 'no order "nonsense"' in capsys.readouterr().err
 
 
+def test_an_emulated_hapticmaster_is_found_at_its_address(stdin):
+    with open_emulator("hapticmaster", EmulatorSettings(delay_ms=2)) as emulator:
+        thread = threading.Thread(target=serve, args=(emulator, None))
+        thread.start()
+        build_device(Robot(device=f"hapticmaster:{emulator.address}")).close()
+        stdin.write("quit\n")
+        thread.join(60.0)
+        assert not thread.is_alive()
+
+
 def test_orders_are_understood_or_refused_with_the_nearest():
     faults = Faults()
     for order in ("silence", "deaf", "garbage 7", "drop 0.1", "unplug"):

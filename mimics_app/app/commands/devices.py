@@ -2,7 +2,7 @@
 
 mimics devices                                  robots, displays, gamepads, serial ports, sound
 mimics devices check NAME[:ADDRESS]             the conformance kit; exit 4 when a check fails
-mimics devices emulate serial [--scene FILE]    a robot that is not there; its address is the first line
+mimics devices emulate serial|hapticmaster      a robot that is not there; its address is the first line
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import argparse
 import inspect
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +28,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scene", type=Path, help="whose way and robot the emulated person has")
     parser.add_argument("--patient", choices=("healthy", "moderate", "severe"), default="", help="who is emulated")
     parser.add_argument("--seed", type=int, default=1, help="of the emulated person and sensors")
+    parser.add_argument("--port", type=_whole(65535), default=0, help="a hapticmaster listens on; 0: any")
+    parser.add_argument("--delay", type=_whole(200), default=0, metavar="MS", help="of a hapticmaster's answers")
     parser.add_argument("--seconds", type=float, help="how long to emulate [s]")
+
+
+def _whole(largest: int) -> Callable[[str], int]:
+    """A whole number from 0 to `largest` from the command line."""
+
+    def read(text: str) -> int:
+        if not (text.isdecimal() and int(text) <= largest):
+            raise argparse.ArgumentTypeError(f"{text} is no whole number from 0 to {largest}")
+        return int(text)
+
+    return read
 
 
 def run(args: argparse.Namespace) -> int:
@@ -61,7 +74,8 @@ def _emulate(args: argparse.Namespace) -> int:
     """A robot that is not there, until it is told to end."""
     from mimics_app.app.device_emulator import EmulatorSettings, open_emulator, serve
 
-    with open_emulator(args.device, EmulatorSettings(args.scene, args.patient, args.seed)) as emulator:
+    settings = EmulatorSettings(args.scene, args.patient, args.seed, args.port, args.delay)
+    with open_emulator(args.device, settings) as emulator:
         address = f"{args.device}:{emulator.address}"
         if args.json:
             from mimics_app.app.output import write_object

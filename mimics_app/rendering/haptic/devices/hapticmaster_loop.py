@@ -125,6 +125,8 @@ _FRESH, _NO_DATA, _FAULT = 0, 1, 2
 _ACTIVE = int(SafetyState.ACTIVE)
 
 _DEAF = 50
+"""Ticks without an answer after which the conversation is given up and begun anew: nothing tells what was missed."""
+
 _SCREEN_EVERY = 16
 _LARGEST_DRIVE = 40.0
 """Of the velocity servo [N]: a person's hand may be on the handle."""
@@ -227,12 +229,12 @@ def read_hapticmaster(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
     for i in range(INBOX_LENGTH):
         memory[_NOW + i] = inbox[i] if math.isfinite(inbox[i]) else 0.0
     status = _take_frames(memory, tick) if _fill_buffer(memory, fd) else -1
-    if status < 0:
+    if status < 0 or silent_for(trips, tick) > _DEAF:
         drop_link(words)
         return _FAULT
     if status == _FRESH:
         _fill_data(memory, data)
-    return _FAULT if silent_for(trips, tick) > _DEAF else status
+    return status
 
 
 @kernel

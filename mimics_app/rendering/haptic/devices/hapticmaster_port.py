@@ -23,6 +23,7 @@ __all__ = ["DEFAULT_PORT", "build_hapticmaster"]
 DEFAULT_PORT = 7654
 
 _HEADER = 8
+_LONGEST_ANSWER = 65535
 _CONNECT_S = 2.0
 _ANSWER_S = 2.0
 _INIT_NS = 90_000_000_000
@@ -62,7 +63,10 @@ class _Conversation:
         text = command.encode("ascii")
         try:
             self._socket.sendall(len(text).to_bytes(4, "big") + bytes(4) + text)
-            length = int.from_bytes(self._exactly(_HEADER)[:4], "big")
+            header = self._exactly(_HEADER)
+            length = int.from_bytes(header[:4], "big")
+            if length > _LONGEST_ANSWER or any(header[4:]):
+                raise ConnectionError("what comes is not in its frames")
             return self._exactly(length).decode("ascii", "replace").strip().rstrip(";")
         except OSError as failure:
             self._socket.close()
