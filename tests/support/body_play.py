@@ -33,6 +33,6 @@ class Play(BodyWorld):
         _fly(self.rows, self.work, self.counts[0], self.dt, ticks)
 
 
-def new_play(bodies: int = 8, shapes: int = 32, dt: float = 1e-3) -> Play:
+def new_play(bodies: int = 8, shapes: int = 32, dt: float = 1e-3, meshes: Any = None) -> Play:
     capacities = ObjectCapacities(shapes=shapes, bodies=bodies)
-    return Play(new_rows(capacities), new_object_work(capacities), dt=dt)
+    return Play(new_rows(capacities), new_object_work(capacities, meshes), dt=dt)

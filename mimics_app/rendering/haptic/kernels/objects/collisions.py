@@ -1,6 +1,7 @@
 """Collisions of haptic objects (4.2.9): near pairs, their contact points, their forces, who wakes whom.
 
-Figures 40-44 and beyond: sphere, capsule, cylinder, box and wall, each with each, any number of shapes to a body.
+Figures 40-44 and beyond: sphere, capsule, cylinder, box and wall, each with each, and meshes of the static scene; any
+number of shapes to a body.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.bodies import is_free, load_bodies, rest_time, wake
 from mimics_app.rendering.haptic.kernels.objects.collisions_boxes import separate_boxes
 from mimics_app.rendering.haptic.kernels.objects.collisions_hulls import separate_hulls
+from mimics_app.rendering.haptic.kernels.objects.collisions_mesh import touch_mesh
 from mimics_app.rendering.haptic.kernels.objects.collisions_round import touch_by_capsule, touch_by_sphere
 from mimics_app.rendering.haptic.kernels.objects.collisions_walls import touch_wall
 from mimics_app.rendering.haptic.kernels.objects.manifold import lay_over, write_feature
@@ -26,6 +28,7 @@ _SPHERE = int(ShapeKind.SPHERE)
 _BOX = int(ShapeKind.BOX)
 _CYLINDER = int(ShapeKind.CYLINDER)
 _CAPSULE = int(ShapeKind.CAPSULE)
+_MESH = int(ShapeKind.MESH)
 
 _TILTED = 1e-2
 """1 - cosine between a normal and the nearer face from which the rounding of edges counts in full."""
@@ -105,16 +108,12 @@ def _rouse(pair: Any, bodies: Any, motions: Any, dynamics: Any, doze: int) -> No
 
 
 @kernel
-def _collide_pair(pair: Any, a: Any, b: Any, first: Any, second: Any, room: Any, totals: Any, dt: float) -> bool:
-    """Contact and forces of one pair; False when it does not touch."""
-    found = 0
-    if b.kind == _WALL or near(a, b):
-        found = _touch(pair, a, b, room)
-    if found == 0:
-        part(pair)
-        return False
-    push_apart(pair, room.points, found, first, second, totals, dt)
-    return True
+def _touch_mesh(pair: Any, a: Any, b: Any, meshes: Any, vertices: Any, corners: Any, boxes: Any, room: Any) -> int:
+    """`_touch` of a mesh: it alone needs the tables of triangles."""
+    last = (pair.normal[0], pair.normal[1], pair.normal[2])
+    count, n = touch_mesh(a, b, last, meshes, vertices, corners, boxes, room)
+    pair.normal[0], pair.normal[1], pair.normal[2] = n
+    return count
 
 
 @kernel
@@ -126,6 +125,10 @@ def _collide(
     aux_forces: Any,
     aux_torques: Any,
     solids: Any,
+    meshes: Any,
+    vertices: Any,
+    corners: Any,
+    boxes: Any,
     moving: Any,
     order: Any,
     following: Any,
@@ -144,18 +147,29 @@ def _collide(
         return
     load_bodies(bodies, motions, dynamics, aux_forces, aux_torques, counts.bodies)
     find_pairs(
-        bodies, shapes, motions, dynamics, solids, moving, order, following, pairs, slots, tracking, sweep, counts, dt
-    )
+        bodies, shapes, motions, dynamics, solids, meshes, boxes, moving, order, following, pairs, slots, tracking,
+        sweep, counts, dt,
+    )  # fmt: skip
     doze = rest_time(dt)
     for k in range(sweep.pairs):
         pair = pairs[k]
         i, j = pair.body_a, pair.body_b
         if not (_is_awake(bodies, motions, i) or _is_awake(bodies, motions, j)):
             continue
+        a, b = solids[pair.a], solids[pair.b]
+        found = 0
+        if b.kind == _MESH:
+            if near(a, b):
+                found = _touch_mesh(pair, a, b, meshes, vertices, corners, boxes, room)
+        elif b.kind == _WALL or near(a, b):
+            found = _touch(pair, a, b, room)
+        if found == 0:
+            part(pair)
+            continue
         first = motions[i] if i >= 0 else still[0]
         second = motions[j] if j >= 0 else still[0]
-        if _collide_pair(pair, solids[pair.a], solids[pair.b], first, second, room, totals, dt):
-            _rouse(pair, bodies, motions, dynamics, doze)
+        push_apart(pair, room.points, found, first, second, totals, dt)
+        _rouse(pair, bodies, motions, dynamics, doze)
 
 
 @kernel
@@ -174,6 +188,7 @@ def collide_bodies(rows: Any, work: Any, counts: Any, dt: float) -> None:
     # One step, without a branch: else every array of both tuples is counted, atomically, on the way in and out.
     _collide(
         rows.bodies, rows.shapes, work.motions, work.dynamics, work.aux_forces, work.aux_torques, work.solids,
-        work.moving_shapes, work.order, work.next_moving, work.pairs, work.pair_slots, work.still, work.tracking[0],
+        work.meshes.rows, work.meshes.vertices, work.meshes.corners, work.meshes.boxes, work.moving_shapes,
+        work.order, work.next_moving, work.pairs, work.pair_slots, work.still, work.tracking[0],
         work.sweep[0], work.scratch[0], work.totals[0], counts, dt,
     )  # fmt: skip

@@ -37,7 +37,7 @@ def bounding_radius(shape: Any) -> float:
 def _take_row(shape: Any, solid: Any, turn: Any) -> None:
     """What does not change while a shape moves."""
     solid.kind, solid.body, solid.enabled = shape.kind, shape.body, shape.enabled
-    solid.rounding = shape.rounding
+    solid.mesh, solid.rounding = shape.mesh, shape.rounding
     solid.radius = bounding_radius(shape)
     for j in range(3):
         solid.size[j] = shape.size[j]

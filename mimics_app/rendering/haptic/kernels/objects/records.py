@@ -114,6 +114,7 @@ SOLID = np.dtype(
         ("kind", "i4"),  # of SHAPE
         ("body", "i4"),
         ("enabled", "i4"),
+        ("mesh", "i4"),
         ("size", "f8", (3,)),
         ("rounding", "f8"),
         ("radius", "f8"),  # of the sphere about its origin that holds it [m]
@@ -173,6 +174,10 @@ SCRATCH = np.dtype(
         ("points", "f8", (MOST_POINTS, 5)),  # of contact
         ("simplex", "f8", (4, 3)),
         ("cosines", "f8", (3, 3)),
+        ("normals", "f8", (MOST_POINTS, 3)),
+        ("mesh_point", "f8", (3,)),
+        ("mesh_closest", "f8", (3,)),
+        ("mesh_normal", "f8", (3,)),
     ],
     align=True,
 )

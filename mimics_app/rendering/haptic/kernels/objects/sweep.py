@@ -28,6 +28,7 @@ _SPHERE = int(ShapeKind.SPHERE)
 _BOX = int(ShapeKind.BOX)
 _CYLINDER = int(ShapeKind.CYLINDER)
 _CAPSULE = int(ShapeKind.CAPSULE)
+_MESH = int(ShapeKind.MESH)
 
 _MARGIN = 0.05
 """Room around a shape, as a share of its bounding radius."""
@@ -82,6 +83,19 @@ def _bound(solid: Any) -> None:
 
 
 @kernel
+def _bound_mesh(solid: Any, mesh: Any, boxes: Any) -> None:
+    """Bounds of a mesh of the static scene, by the box of its whole tree."""
+    R, node = solid.rotation, mesh.first_node
+    for k in range(3):
+        place, reach = solid.position[k], 0.0
+        for j in range(3):
+            place += 0.5 * R[k, j] * (boxes[node, j] + boxes[node, j + 3])
+            reach += 0.5 * abs(R[k, j]) * (boxes[node, j + 3] - boxes[node, j])
+        solid.low[k] = place - reach
+        solid.high[k] = place + reach
+
+
+@kernel
 def _draw_room(solid: Any, room: float) -> None:
     for k in range(3):
         solid.room_low[k] = solid.low[k] - room
@@ -107,8 +121,11 @@ def _has_left(solid: Any) -> bool:
 
 
 @kernel
-def _take_shapes(solids: Any, order: Order, sweep: Any, count: int) -> None:
-    """Fill the order from changed rows: enabled shapes with bounds from the front, walls from the back."""
+def _take_shapes(solids: Any, meshes: Any, boxes: Any, order: Order, sweep: Any, count: int) -> None:
+    """Fill the order from changed rows: enabled shapes with bounds from the front, walls from the back.
+
+    A mesh that moves has no bounds and meets nothing: give its body shapes that stand for it (4.2.8).
+    """
     sweep.sorted = 0
     sweep.walls = 0
     for i in range(count):
@@ -119,7 +136,10 @@ def _take_shapes(solids: Any, order: Order, sweep: Any, count: int) -> None:
             sweep.walls += 1
             order[order.shape[0] - sweep.walls] = i
             continue
-        _bound(solid)
+        if solid.kind == _MESH and solid.body == STATIC:
+            _bound_mesh(solid, meshes[solid.mesh], boxes)
+        else:
+            _bound(solid)
         _draw_room(solid, 0.0)
         if math.isfinite(solid.low[0]):
             order[sweep.sorted] = i
@@ -267,6 +287,8 @@ def find_pairs(
     motions: Any,
     dynamics: Any,
     solids: Any,
+    meshes: Any,
+    boxes: Any,
     moving: Order,
     order: Order,
     following: Order,
@@ -285,6 +307,8 @@ def find_pairs(
         motions: MOTION rows.
         dynamics: DYNAMICS rows; `placed` is taken back.
         solids: SOLID rows, posed; their bounds are updated.
+        meshes: MeshTable.rows.
+        boxes: MeshTable.boxes.
         moving: ObjectWork.moving_shapes.
         order: ObjectWork.order, updated.
         following: ObjectWork.next_moving, updated.
@@ -298,7 +322,7 @@ def find_pairs(
     changed = tracking.paired_revision != counts.revision + 1
     if changed:
         tracking.paired_revision = counts.revision + 1
-        _take_shapes(solids, order, sweep, counts.shapes)
+        _take_shapes(solids, meshes, boxes, order, sweep, counts.shapes)
     stale = _look(solids, motions, moving, tracking) or changed
     _forget_placed(pairs, dynamics, sweep, counts.bodies)
     if not stale:

@@ -1,0 +1,137 @@
+"""A body against a triangle mesh of the static scene: its ends and corners, each at its closest triangle.
+
+A sphere is tested by its middle, a capsule by those of its ends, a box by its corners, a cylinder by points of its
+rims. What of the mesh pokes into a face between them is not seen: a mesh must be coarse beside the bodies that rest on
+it. All points of a contact push along one normal, the mean of theirs by depth.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic_objects import ShapeKind
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.objects.manifold import add_point
+from mimics_app.rendering.haptic.kernels.objects.mesh_tree import closest_on_triangle, closest_triangle, triangle_normal
+from mimics_app.rendering.haptic.kernels.objects.triples import (
+    Three,
+    along,
+    axis,
+    dot,
+    into,
+    middle,
+    minus,
+    out_of,
+    times,
+    unit,
+)
+
+__all__ = ["touch_mesh"]
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int32]
+
+_SPHERE = int(ShapeKind.SPHERE)
+_BOX = int(ShapeKind.BOX)
+_CAPSULE = int(ShapeKind.CAPSULE)
+
+_RIM = 8
+
+_DEEPEST = 0.5
+"""How deep a corner is looked for behind the surface, as a share of the shape's thinnest side: beyond it is through."""
+
+
+@kernel
+def _samples(solid: Any) -> tuple[int, float, float, float]:
+    """(points, their radius [m], share of the stiffness of each, how far behind the surface they are seen [m])."""
+    size = solid.size
+    if solid.kind == _SPHERE:
+        return 1, size[0], 1.0, size[0]
+    if solid.kind == _CAPSULE:
+        return 2, size[0], 0.5, size[0]
+    if solid.kind == _BOX:
+        return 8, 0.0, 0.25, _DEEPEST * min(size[0], min(size[1], size[2]))
+    return 2 * _RIM, 0.0, 1.0 / _RIM, _DEEPEST * min(2.0 * size[0], size[1])
+
+
+@kernel
+def _sample(solid: Any, k: int) -> Three:
+    """Point k of a shape, world [m]."""
+    size, p = solid.size, middle(solid)
+    if solid.kind == _SPHERE:
+        return p
+    if solid.kind == _BOX:
+        for j in range(3):
+            p = along(p, 0.5 * size[j] if k & (1 << j) else -0.5 * size[j], axis(solid, j))
+        return p
+    p = along(p, 0.5 * size[1] if k % 2 == 1 else -0.5 * size[1], axis(solid, 1))
+    if solid.kind == _CAPSULE:
+        return p
+    angle = 2.0 * math.pi * (k // 2) / _RIM
+    p = along(p, size[0] * math.cos(angle), axis(solid, 0))
+    return along(p, size[0] * math.sin(angle), axis(solid, 2))
+
+
+@kernel
+def _depth(
+    mesh: Any, vertices: Array, corners: Indices, boxes: Array, p: Three, radius: float, reach: float, room: Any
+) -> tuple[float, Three]:
+    """Depth of a ball about p, in the mesh's frame, and the outward normal there; 0 where it does not touch."""
+    q, closest, n = room.mesh_point, room.mesh_closest, room.mesh_normal
+    q[0], q[1], q[2] = p
+    t = closest_triangle(mesh, vertices, corners, boxes, q, reach, closest)
+    if t < 0:
+        return 0.0, p
+    closest_on_triangle(vertices, corners, t, q, closest)
+    size = triangle_normal(vertices, corners, t, n)
+    out = (n[0] / size, n[1] / size, n[2] / size)
+    way = minus(p, (closest[0], closest[1], closest[2]))
+    far = math.sqrt(dot(way, way))
+    if dot(way, out) < 0.0:
+        return radius + far, unit(times(-1.0, way), out)
+    if far >= radius:
+        return 0.0, p
+    return radius - far, unit(way, out)
+
+
+@kernel
+def touch_mesh(
+    a: Any, b: Any, last: Three, meshes: Any, vertices: Array, corners: Indices, boxes: Array, room: Any
+) -> tuple[int, Three]:
+    """Contact points of shape a at a mesh.
+
+    Args:
+        a: SOLID of a sphere, box, cylinder or capsule.
+        b: SOLID of the mesh.
+        last: Normal of the last tick from a to b; kept where nothing touches.
+        meshes: MeshTable.rows.
+        vertices: MeshTable.vertices.
+        corners: MeshTable.corners.
+        boxes: MeshTable.boxes.
+        room: SCRATCH; `points` receives the points.
+
+    Returns:
+        (points, unit normal from a to b).
+    """
+    count, mean = 0, (0.0, 0.0, 0.0)
+    samples, radius, share, reach = _samples(a)
+    normals = room.normals
+    for k in range(samples):
+        p = _sample(a, k)
+        local = into(b, minus(p, middle(b)))
+        depth, n = _depth(meshes[b.mesh], vertices, corners, boxes, local, radius, reach, room)
+        if depth > 0.0:
+            n = out_of(b, n)
+            normals[count, 0], normals[count, 1], normals[count, 2] = n
+            mean = along(mean, depth, n)
+            count = add_point(room.points, count, along(p, 0.5 * depth - radius, n), depth, share)
+    if count == 0:
+        return 0, last
+    up = unit(mean, (0.0, 1.0, 0.0))
+    for k in range(count):
+        room.points[k, 3] *= max(0.0, dot(up, (normals[k, 0], normals[k, 1], normals[k, 2])))
+    return count, times(-1.0, up)
