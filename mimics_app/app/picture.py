@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -53,7 +54,9 @@ def picture_quality(scene: Scene, profile: Profile) -> RenderSettings:
         samples, shadow_size = 0, min(512, visual.shadow_size)
     else:
         samples, shadow_size = visual.samples, visual.shadow_size
-    return RenderSettings(msaa=samples, shadow_size=shadow_size, hud_depth=depth, fog_density=visual.fog_density)
+    return RenderSettings(
+        msaa=samples, shadow_size=shadow_size, hud_depth=depth, fog_density=visual.fog_density, profile=profile
+    )
 
 
 class Picture:
@@ -104,7 +107,9 @@ class Picture:
     def draw(self, figures: Mapping[str, object]) -> FrameStats:
         """Draw one frame with the task's figures over it."""
         self.lay_out(figures)
-        return self.renderer.draw(self.views)
+        stats = self.renderer.draw(self.views)
+        self.tell_issues()
+        return stats
 
     def show_frame(self, figures: Mapping[str, object], clock: Clock) -> int:
         """Draw one frame, bring it to the glass, and tell when its work was done [ns].
@@ -120,7 +125,13 @@ class Picture:
         self.renderer.draw_finished(self.views)
         done_ns = clock.now_ns()
         self.surface.swap()
+        self.tell_issues()
         return done_ns
+
+    def tell_issues(self) -> None:
+        """Say on stderr what was drawn otherwise than the scene asks, a line for each fault, once."""
+        for issue in self.renderer.take_issues():
+            sys.stderr.write(f"mimics: {issue}\n")
 
     def lay_out(self, figures: Mapping[str, object]) -> None:
         """Put the task's figures over the picture."""

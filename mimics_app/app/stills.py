@@ -78,6 +78,7 @@ def draw_stills(
     info = picture.surface.ctx.info
     gl = f"{info['GL_VERSION']}, {info['GL_RENDERER']}"
     stills = Stills(drawn.files, picture.surface.backend, gl, drawn.ms_median)
+    picture.tell_issues()
     picture.close()
     return stills
 

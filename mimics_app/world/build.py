@@ -40,13 +40,14 @@ def build(scene: Scene) -> World:
 
 
 def load_library(world: World, scene: Scene) -> None:
-    """Put the scene's materials, pictures and sky into the world, replacing those of the same name."""
+    """Put the scene's materials, techniques, pictures and sky into the world, replacing those of the same name."""
     for material in scene.materials.values():
         if world.materials.get(material.name) != material:
             world.set_material(material)
     for asset in scene.assets.values():
         if asset.picture is not None:
             world.textures[asset.id] = asset.picture
+    world.techniques = dict(scene.techniques)
     found = scene.components(Environment)
     sky = found[0][1] if found else Environment()
     world.environment = Sky(sky.zenith, sky.horizon, sky.ground, sky.ambient)

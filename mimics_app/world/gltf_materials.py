@@ -11,27 +11,49 @@ from numpy.typing import NDArray
 
 from mimics_app.world.gltf_images import GltfImages
 from mimics_app.world.gltf_source import GltfSource
-from mimics_app.world.material import AlphaMode, Material
+from mimics_app.world.material import IDENTITY, MAPS, Affine, AlphaMode, Material
 
 __all__ = ["GltfMaterial", "GltfMaterials"]
 
 _ALPHA_MODES: dict[str, AlphaMode] = {"OPAQUE": "opaque", "MASK": "mask", "BLEND": "blend"}
-_UNUSED_TEXTURES = ("normalTexture", "occlusionTexture", "emissiveTexture")
+_PLACES = {
+    "base": "baseColorTexture",
+    "normal": "normalTexture",
+    "surface": "metallicRoughnessTexture",
+    "occlusion": "occlusionTexture",
+    "emission": "emissiveTexture",
+}
+"""What the file calls each of our maps."""
+
+_IN_SHADING = ("base", "surface")
+_LEAST_AREA = 1e-12
+"""Of the unit square of texture coordinates under a transform that can be undone."""
+_PLAIN = np.eye(3)[:2]
 
 
 @dataclass(frozen=True, eq=False)
 class GltfMaterial:
-    """A material and how its texture lies on a mesh.
+    """A material and how its textures lie on a mesh.
 
     Attributes:
-        material: Its `base_texture` is a key of the file's textures.
-        uv_set: Which TEXCOORD_n the texture uses.
+        material: Its textures are keys of the file's textures; where they lie is told from the mesh's coordinates as
+            placed by `uv_transform`.
+        uv_set: Which TEXCOORD_n the first texture uses.
         uv_transform: Rows of the 2 x 3 matrix applied to those coordinates (KHR_texture_transform), [2, 3].
     """
 
     material: Material
     uv_set: int
     uv_transform: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class _Placed:
+    """One texture of a material: its key, its set of coordinates, and where it lies on them [2, 3]."""
+
+    key: str
+    uv_set: int
+    transform: NDArray[np.float64]
 
 
 class GltfMaterials:
@@ -60,21 +82,54 @@ class GltfMaterials:
         mode = source.text(item, "alphaMode", place, "OPAQUE")
         if mode not in _ALPHA_MODES:
             source.fail(f"{place}/alphaMode", f'"{mode[:40]}" is not one of {", ".join(_ALPHA_MODES)}')
-        texture, uv_set, transform = self._base_texture(shading, below)
+        name = self._unique(source.text(item, "name", place) or f"material{number}")
+        maps, uv_set, first = self._maps(item, place, name)
+        unlit = "KHR_materials_unlit" in extensions
+        keys: dict[str, Any] = {f"{which}_texture": used.key for which, used in maps.items()}
         material = Material(
-            name=self._unique(source.text(item, "name", place) or f"material{number}"),
-            technique="unlit" if "KHR_materials_unlit" in extensions else "lit",
+            name=name,
+            technique="unlit" if unlit else "pbr" if maps.keys() - {"base"} else "lit",
             base_colour=cast(Any, source.vector(shading, "baseColorFactor", below, (1.0, 1.0, 1.0, 1.0))),
             metallic=min(source.number(shading, "metallicFactor", below, 1.0, 0.0), 1.0),
             roughness=min(source.number(shading, "roughnessFactor", below, 1.0, 0.0), 1.0),
             emission=self._emission(item, place),
-            base_texture=texture,
+            normal_scale=self._figure(item, place, "normal", "scale"),
+            occlusion_strength=min(self._figure(item, place, "occlusion", "strength"), 1.0),
+            uv_transforms=tuple(_beyond(first, maps[which].transform if which in maps else first) for which in MAPS),
             alpha_mode=_ALPHA_MODES[mode],
             alpha_cutoff=source.number(item, "alphaCutoff", place, 0.5, 0.0),
             double_sided=item.get("doubleSided") is True,
+            **keys,
         )
-        self._note_unused(item, shading, material.name)
-        return GltfMaterial(material, uv_set, transform)
+        return GltfMaterial(material, uv_set, first)
+
+    def _maps(self, item: dict[str, Any], place: str, name: str) -> tuple[dict[str, _Placed], int, NDArray[np.float64]]:
+        """Every map that can be used, the set of coordinates of the first, and where that one lies on it."""
+        source, maps = self._source, {}
+        for which in MAPS:
+            holder, above = item, place
+            if which in _IN_SHADING:
+                holder, above = source.object(item, "pbrMetallicRoughness", place), f"{place}/pbrMetallicRoughness"
+            if _PLACES[which] in holder:
+                maps[which] = self._placed(source.object(holder, _PLACES[which], above), f"{above}/{_PLACES[which]}")
+        if not maps:
+            return {}, 0, _PLAIN
+        first = next(iter(maps.values()))
+        flat = abs(np.linalg.det(first.transform[:, :2])) < _LEAST_AREA
+        usable = {
+            which: used
+            for which, used in maps.items()
+            if used.uv_set == first.uv_set and (not flat or np.array_equal(used.transform, first.transform))
+        }
+        unused = [_PLACES[which] for which in maps.keys() - usable.keys()]
+        if unused:
+            why = "they lie on other texture coordinates than the first"
+            source.notes.append(f'material "{name}": not used: {", ".join(sorted(unused))}; {why}')
+        return usable, first.uv_set, first.transform
+
+    def _figure(self, item: dict[str, Any], place: str, which: str, key: str) -> float:
+        key_of_map = _PLACES[which]
+        return self._source.number(self._source.object(item, key_of_map, place), key, f"{place}/{key_of_map}", 1.0)
 
     def _emission(self, item: dict[str, Any], place: str) -> tuple[float, float, float]:
         source = self._source
@@ -85,20 +140,16 @@ class GltfMaterials:
         red, green, blue = source.vector(item, "emissiveFactor", place, (0.0, 0.0, 0.0))
         return red * strength, green * strength, blue * strength
 
-    def _base_texture(self, shading: dict[str, Any], place: str) -> tuple[str | None, int, NDArray[np.float64]]:
+    def _placed(self, info: dict[str, Any], here: str) -> _Placed:
         source = self._source
-        if "baseColorTexture" not in shading:
-            return None, 0, np.eye(3)[:2]
-        info = source.object(shading, "baseColorTexture", place)
-        here = f"{place}/baseColorTexture"
         key = self._images.texture(info.get("index"), f"{here}/index")
         uv_set = source.whole(info, "texCoord", here, 0)
         extensions = source.object(info, "extensions", here)
         if "KHR_texture_transform" not in extensions:
-            return key, uv_set, np.eye(3)[:2]
+            return _Placed(key, uv_set, _PLAIN)
         shift = source.object(extensions, "KHR_texture_transform", f"{here}/extensions")
         there = f"{here}/extensions/KHR_texture_transform"
-        return key, source.whole(shift, "texCoord", there, uv_set), self._uv_transform(shift, there)
+        return _Placed(key, source.whole(shift, "texCoord", there, uv_set), self._uv_transform(shift, there))
 
     def _uv_transform(self, shift: dict[str, Any], place: str) -> NDArray[np.float64]:
         offset = self._source.vector(shift, "offset", place, (0.0, 0.0))
@@ -109,12 +160,6 @@ class GltfMaterials:
             [[cos * scale[0], sin * scale[1], offset[0]], [-sin * scale[0], cos * scale[1], offset[1]]], np.float64
         )
 
-    def _note_unused(self, item: dict[str, Any], shading: dict[str, Any], name: str) -> None:
-        unused = [key for key in _UNUSED_TEXTURES if key in item]
-        unused += ["metallicRoughnessTexture"] if "metallicRoughnessTexture" in shading else []
-        if unused:
-            self._source.notes.append(f'material "{name}": not used: {", ".join(unused)}')
-
     def _unique(self, name: str) -> str:
         number, unique = 1, name
         while unique in self._names:
@@ -122,3 +167,12 @@ class GltfMaterials:
             number += 1
         self._names.add(unique)
         return unique
+
+
+def _beyond(first: NDArray[np.float64], wanted: NDArray[np.float64]) -> Affine:
+    """Rows of the matrix that leads from coordinates placed by `first` to those placed by `wanted`."""
+    if np.array_equal(first, wanted):
+        return IDENTITY
+    lowest = np.array([[0.0, 0.0, 1.0]])
+    rows = (np.vstack([wanted, lowest]) @ np.linalg.inv(np.vstack([first, lowest])))[:2]
+    return cast(Affine, tuple(rows.ravel().tolist()))

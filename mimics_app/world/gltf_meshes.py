@@ -136,7 +136,7 @@ class GltfMeshes:
         used = None if material is None else self._materials[material]
         name = "TEXCOORD_0" if used is None else f"TEXCOORD_{used.uv_set}"
         uvs = self._optional(attributes, name, place, vertices, "VEC2")
-        if used is None or used.material.base_texture is None:
+        if used is None or not used.material.textures:
             return uvs
         if uvs is None:
             self._source.notes.append(f"{place}: its material has a texture, but there is no {name}")

@@ -8,12 +8,18 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["AlphaMode", "Filter", "Material", "Technique", "TextureData", "Wrap"]
+__all__ = ["IDENTITY", "MAPS", "Affine", "AlphaMode", "Filter", "Material", "TextureData", "Wrap"]
 
-Technique = Literal["lit", "unlit", "glass"]
 AlphaMode = Literal["opaque", "mask", "blend"]
 Wrap = Literal["repeat", "mirror", "clamp"]
 Filter = Literal["nearest", "linear", "trilinear"]
+Affine = tuple[float, float, float, float, float, float]
+"""Rows of the 2 x 3 matrix that gives a map's texture coordinates from the mesh's (KHR_texture_transform)."""
+
+IDENTITY: Affine = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
+
+MAPS = ("base", "normal", "surface", "occlusion", "emission")
+"""Pictures a material can have, in the order of their bindings and of `Material.uv_transforms`."""
 
 
 @dataclass(frozen=True)
@@ -22,12 +28,20 @@ class Material:
 
     Attributes:
         name: Key in `World.materials`.
-        technique: "lit" by lights and sky, "unlit" (base colour only), or "glass" (translucent, rim brighter).
+        technique: How it is drawn: "pbr" (by lights and sky, all maps), "lit" (the same, base map only), "lit_matt",
+            "unlit" (base colour only), "glass" (translucent, rim brighter), or one of the scene's `techniques`.
         base_colour: Linear RGBA, 0-1; alpha is opacity where `alpha_mode` is "blend".
         metallic: 0 (dielectric) to 1 (metal).
         roughness: 0 (mirror) to 1 (matt).
         emission: Linear RGB light given off, >= 0.
         base_texture: Key in `World.textures` of a picture multiplied with the base colour, or None.
+        normal_texture: The same of normals in the frame of the texture, x right, y against v, z outwards.
+        surface_texture: The same of roughness (green) and metal (blue), multiplied with the figures above.
+        occlusion_texture: The same of the share of the sky's light that arrives (red).
+        emission_texture: The same of colours multiplied with `emission`.
+        normal_scale: Factor on x and y of the normal map.
+        occlusion_strength: How much of the occlusion map counts, 0-1.
+        uv_transforms: Where each of the `MAPS` lies, from the mesh's texture coordinates.
         alpha_mode: "opaque", "mask" (cut out below `alpha_cutoff`) or "blend".
         alpha_cutoff: Opacity below which "mask" draws nothing, 0-1.
         double_sided: True when back faces are drawn too.
@@ -36,16 +50,29 @@ class Material:
     """
 
     name: str
-    technique: Technique = "lit"
+    technique: str = "lit"
     base_colour: tuple[float, float, float, float] = (0.8, 0.8, 0.8, 1.0)
     metallic: float = 0.0
     roughness: float = 0.6
     emission: tuple[float, float, float] = (0.0, 0.0, 0.0)
     base_texture: str | None = None
+    normal_texture: str | None = None
+    surface_texture: str | None = None
+    occlusion_texture: str | None = None
+    emission_texture: str | None = None
+    normal_scale: float = 1.0
+    occlusion_strength: float = 1.0
+    uv_transforms: tuple[Affine, ...] = (IDENTITY,) * len(MAPS)
     alpha_mode: AlphaMode = "opaque"
     alpha_cutoff: float = 0.5
     double_sided: bool = False
     grid: float = 0.0
+
+    @property
+    def textures(self) -> dict[str, str]:
+        """Key in `World.textures` of each of the `MAPS` it has."""
+        keys = {name: getattr(self, f"{name}_texture") for name in MAPS}
+        return {name: key for name, key in keys.items() if key is not None}
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 from mimics_app.world.scene_assets import ModelPart
 from mimics_app.world.scene_node import SceneNode
@@ -106,8 +107,8 @@ class ModelPrefab:
         for key, texture in model.textures.items():
             world.textures[f"{asset}#{key}"] = texture
         for i, material in enumerate(model.materials):
-            texture_key = None if material.base_texture is None else f"{asset}#{material.base_texture}"
-            own = replace(material, name=self._material_key(i), base_texture=texture_key)
+            keys: dict[str, Any] = {f"{which}_texture": f"{asset}#{key}" for which, key in material.textures.items()}
+            own = replace(material, name=self._material_key(i), **keys)
             if world.materials.get(own.name) != own:
                 world.set_material(own)
 

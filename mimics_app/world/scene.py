@@ -15,6 +15,7 @@ from mimics_app.world.provenance import Origins
 from mimics_app.world.registry import component_types
 from mimics_app.world.scene_assets import AssetKind, SceneAsset, find_in_model
 from mimics_app.world.scene_spec import TransformSpec
+from mimics_app.world.technique import TechniqueSpec
 
 __all__ = ["Scene", "SceneEntity"]
 
@@ -55,7 +56,8 @@ class Scene:
         scenario: Name of the scenario that runs it.
         hash: SHA-256 of that object and of every asset's bytes, in hexadecimal.
         entities: In the order of the files.
-        materials: By id; `base_texture` is an asset id.
+        materials: By id; their textures are asset ids.
+        techniques: The scene's own, by id.
         assets: By id.
         systems: Settings of the stages, decoded, by name.
         task: The task as plain JSON, {} where there is none.
@@ -78,6 +80,7 @@ class Scene:
     hash: str = ""
     entities: list[SceneEntity] = field(default_factory=list)
     materials: dict[str, Material] = field(default_factory=dict)
+    techniques: dict[str, TechniqueSpec] = field(default_factory=dict)
     assets: dict[str, SceneAsset] = field(default_factory=dict)
     systems: dict[str, msgspec.Struct] = field(default_factory=dict)
     task: dict[str, Any] = field(default_factory=dict)

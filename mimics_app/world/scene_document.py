@@ -24,7 +24,7 @@ _ID = re.compile(r"[A-Za-z0-9_.-]+")
 _MAX_NESTING = 32
 """Most prefabs inside each other."""
 
-_TABLES = ("assets", "materials", "prefabs")
+_TABLES = ("assets", "materials", "techniques", "prefabs")
 
 
 @dataclass(eq=False)
@@ -64,7 +64,7 @@ class SceneDocument:
 
     Attributes:
         origins: Where each value was written.
-        tables: `assets`, `materials`, `prefabs`: layer of each item, by id.
+        tables: `assets`, `materials`, `techniques`, `prefabs`: layer of each item, by id.
         entities: In the order of the files, prefabs unfolded.
         sections: `systems` item by item ("systems/NAME"), `task` and other registered sections: layer of each.
     """

@@ -9,15 +9,15 @@ import msgspec
 
 from mimics_app.contracts.errors import Issue, SceneError, nearest
 from mimics_app.world.json_text import escape
-from mimics_app.world.material import Material
 from mimics_app.world.model_unfolding import unfold_model
 from mimics_app.world.paths import PathFault, find_file
 from mimics_app.world.registry import component_types, section_of, system_types
 from mimics_app.world.scene import Scene, SceneEntity
 from mimics_app.world.scene_assets import read_asset
 from mimics_app.world.scene_document import EntityDraft, SceneDocument, resolve
+from mimics_app.world.scene_materials import load_materials, load_techniques
 from mimics_app.world.scene_source import SceneSource
-from mimics_app.world.scene_spec import MaterialSpec, TransformSpec
+from mimics_app.world.scene_spec import TransformSpec
 from mimics_app.world.struct_reader import FAILED, read_struct
 
 __all__ = ["SceneLoader"]
@@ -41,7 +41,8 @@ class SceneLoader:
         scene.scenario = _text(main, "scenario") or scene.name
         scene.files = [source.path.resolve() for source in self._sources]
         self._load_assets()
-        self._load_materials()
+        load_techniques(scene, self._document, self._issues)
+        load_materials(scene, self._document, self._issues)
         for draft in list(self._document.entities):
             unfold_model(draft, self._document, scene.assets, self._issues)
         scene.document = self._resolved(main)
@@ -63,22 +64,6 @@ class SceneLoader:
                 self._scene.files += [file for file in asset.files if file not in self._scene.files]
                 if asset.model is not None:
                     self._scene.notes += [f"{asset.model.file}: {note}" for note in asset.model.notes]
-
-    def _load_materials(self) -> None:
-        known = self._document.tables["assets"]
-        for name, layer in self._document.tables["materials"].items():
-            spec: Any = read_struct(MaterialSpec, layer.value, lambda *fault: None)  # told with the file's shape
-            if spec is FAILED:
-                continue
-            texture = spec.base_texture
-            asset = self._scene.assets.get(texture)
-            place = f"{layer.pointer}/base_texture"
-            if texture is not None and texture not in known:
-                hint = nearest(texture, known) if known else "the scene has no assets"
-                self._issues.append(Issue(layer.file, place, f'no asset "{texture}"', hint))
-            elif asset is not None and asset.kind != "picture":
-                self._issues.append(Issue(layer.file, place, f'asset "{texture}" is a {asset.kind}, not a picture'))
-            self._scene.materials[name] = Material(name, **{key: getattr(spec, key) for key in spec.__struct_fields__})
 
     def _entity(self, draft: EntityDraft, plain: dict[str, Any], pointer: str) -> SceneEntity:
         types = component_types()
@@ -134,7 +119,8 @@ class SceneLoader:
         }
         result |= {
             table: {name: layer.value for name, layer in document.tables[table].items()}
-            for table in ("assets", "materials")
+            for table in ("assets", "materials", "techniques")
+            if table != "techniques" or document.tables[table]
         }
         result["entities"] = [
             {

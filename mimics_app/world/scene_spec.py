@@ -7,8 +7,9 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta
 
-from mimics_app.world.material import AlphaMode, Filter, Technique, Wrap
+from mimics_app.world.material import AlphaMode, Filter, Wrap
 from mimics_app.world.registry import Component
+from mimics_app.world.technique import TechniqueSpec
 
 __all__ = [
     "FORMAT",
@@ -20,6 +21,7 @@ __all__ = [
     "PrefabSpec",
     "SceneSpec",
     "TransformSpec",
+    "UvTransform",
 ]
 
 FORMAT = "mimics-scene"
@@ -89,10 +91,24 @@ class AssetSpec(Component, frozen=True):
     filter: Annotated[Filter, Meta(description="Picture: how texels are mixed")] = "trilinear"
 
 
+class UvTransform(Component, frozen=True):
+    """Where the pictures of a material lie (KHR_texture_transform): scaled, then turned, then shifted."""
+
+    offset: Annotated[tuple[float, float], Meta(description="Of the origin, in texture coordinates")] = (0.0, 0.0)
+    rotation: Annotated[float, Meta(description="Anticlockwise about the origin, as texture coordinates lie [rad]")] = (
+        0.0
+    )
+    scale: Annotated[tuple[float, float], Meta(description="Factors on u and v")] = (1.0, 1.0)
+
+
 class MaterialSpec(Component, frozen=True):
     """How a surface answers light; colours are linear."""
 
-    technique: Annotated[Technique, Meta(description="Lit, unlit, or glass (translucent with a bright rim)")] = "lit"
+    inherits: Annotated[str | None, Meta(description="Material whose keys it takes over where it has none")] = None
+    technique: Annotated[
+        str,
+        Meta(description="pbr, lit, lit_matt, unlit, glass (translucent with a bright rim), or one of `techniques`"),
+    ] = "lit"
     base_colour: Annotated[tuple[Share, Share, Share, Share], Meta(description="Linear RGBA")] = (0.8, 0.8, 0.8, 1.0)
     metallic: Annotated[float, Meta(ge=0, le=1, description="0 dielectric, 1 metal")] = 0.0
     roughness: Annotated[float, Meta(ge=0, le=1, description="0 mirror, 1 matt")] = 0.6
@@ -102,6 +118,13 @@ class MaterialSpec(Component, frozen=True):
         0.0,
     )
     base_texture: Annotated[str | None, Meta(description="Of the scene's `assets`, a picture")] = None
+    normal_texture: Annotated[str | None, Meta(description="Picture of normals, y upwards")] = None
+    surface_texture: Annotated[str | None, Meta(description="Picture of roughness (green) and metal (blue)")] = None
+    occlusion_texture: Annotated[str | None, Meta(description="Picture of sky light let in (red)")] = None
+    emission_texture: Annotated[str | None, Meta(description="Picture multiplied with `emission`")] = None
+    normal_scale: Annotated[float, Meta(description="Factor on the slopes of the normal picture")] = 1.0
+    occlusion_strength: Annotated[float, Meta(ge=0, le=1, description="How much of the occlusion picture counts")] = 1.0
+    uv_transform: Annotated[UvTransform, Meta(description="Where its pictures lie")] = UvTransform()
     alpha_mode: Annotated[AlphaMode, Meta(description="What alpha does")] = "opaque"
     alpha_cutoff: Annotated[float, Meta(ge=0, le=1, description="Where mask cuts")] = 0.5
     double_sided: Annotated[bool, Meta(description="Back faces are drawn too")] = False
@@ -125,6 +148,9 @@ class SceneSpec(Component, frozen=True):
     )
     assets: Annotated[dict[str, AssetSpec], Meta(description="Files by id")] = msgspec.field(default_factory=dict)
     materials: Annotated[dict[str, MaterialSpec], Meta(description="By id")] = msgspec.field(default_factory=dict)
+    techniques: Annotated[dict[str, TechniqueSpec], Meta(description="Further ways to draw surfaces, by id")] = (
+        msgspec.field(default_factory=dict)
+    )
     prefabs: Annotated[dict[str, PrefabSpec], Meta(description="By id")] = msgspec.field(default_factory=dict)
     entities: Annotated[list[EntitySpec], Meta(description="Everything in the scene")] = msgspec.field(
         default_factory=list

@@ -16,6 +16,7 @@ from mimics_app.world.material import Material, TextureData
 from mimics_app.world.mesh import MeshData
 from mimics_app.world.render_list import RenderList
 from mimics_app.world.scene_node import SceneNode
+from mimics_app.world.technique import TechniqueSpec
 from mimics_app.world.transforms import TransformTable
 
 __all__ = ["DEFAULT_MATERIAL", "World"]
@@ -33,6 +34,7 @@ class World:
         meshes: By key; replace one with `replace_mesh`, so that renderers see it.
         materials: By key; change one with `set_material`.
         textures: By key.
+        techniques: Further ways to draw materials, by the name a material calls them.
         environment: The sky.
     """
 
@@ -42,6 +44,7 @@ class World:
         self.meshes: dict[str, MeshData] = {}
         self.materials: dict[str, Material] = {DEFAULT_MATERIAL: Material(DEFAULT_MATERIAL)}
         self.textures: dict[str, TextureData] = {}
+        self.techniques: dict[str, TechniqueSpec] = {}
         self.environment = Sky()
         self._mesh_revisions: dict[str, int] = {}
         self._material_revision = 0

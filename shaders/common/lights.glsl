@@ -26,7 +26,8 @@ vec3 shine_of_sky(Surface s, float roughness) {
 #endif
 }
 
-vec3 shine(Surface s, float roughness, vec3 position_eye, float sun_share) {
+// sun_share: of the sun that arrives; occlusion: of the sky.
+vec3 shine(Surface s, float roughness, vec3 position_eye, float sun_share, float occlusion) {
     vec3 light = sun_share * sun_colour.rgb * reflect_light(s, sun_direction.xyz);
 #ifdef PLACED_LIGHTS
     // A variant and not a loop of none: software renderers go through a loop's body once whatever its count.
@@ -35,5 +36,5 @@ vec3 shine(Surface s, float roughness, vec3 position_eye, float sun_share) {
         light += shine_of_light(i, position_eye, s);
     }
 #endif
-    return light + shine_of_sky(s, roughness);
+    return light + occlusion * shine_of_sky(s, roughness);
 }

@@ -1,20 +1,88 @@
-// One material. Filled by rendering/visual/materials.py: same order, std140.
+// One material. Filled by rendering/visual/look.py: same order, std140.
 
 layout(std140, binding = 1) uniform MaterialBlock {
     vec4 base_colour;           // linear RGBA
     vec4 emission;              // linear; w: alpha below which a masked material draws nothing, -1 for no mask
     vec4 finish;                // metallic, roughness, grid spacing [m], 1 for double-sided
     vec4 uv_scale;              // on both texture coordinates
+    vec4 map_strength;          // factor on slopes of the normal map, share of the occlusion map
+    vec4 uv_rows[10];           // rows of the 2 x 3 matrix that places each map: base, normal, surface, ...
 };
 
 #ifdef TEXTURED
 layout(binding = 0) uniform sampler2D base_texture;
 #endif
+#ifdef NORMAL_MAP
+layout(binding = 5) uniform sampler2D normal_texture;
+#endif
+#ifdef SURFACE_MAP
+layout(binding = 6) uniform sampler2D surface_texture;
+#endif
+#ifdef OCCLUSION_MAP
+layout(binding = 7) uniform sampler2D occlusion_texture;
+#endif
+#ifdef EMISSION_MAP
+layout(binding = 8) uniform sampler2D emission_texture;
+#endif
+
+const int BASE = 0, NORMAL = 1, SURFACE = 2, OCCLUSION = 3, EMISSION = 4;
+
+vec2 map_place(int map, vec2 uv) {
+#ifdef UV_TRANSFORMS
+    vec3 at = vec3(uv, 1.0);
+    uv = vec2(dot(uv_rows[2 * map].xyz, at), dot(uv_rows[2 * map + 1].xyz, at));
+#endif
+    return map == BASE ? uv * uv_scale.xy : uv;
+}
 
 vec4 material_colour(vec4 vertex_colour, vec2 uv) {
     vec4 colour = base_colour * vertex_colour;
 #ifdef TEXTURED
-    colour *= texture(base_texture, uv * uv_scale.xy);
+    colour *= texture(base_texture, map_place(BASE, uv));
 #endif
     return colour;
 }
+
+// Metal and roughness.
+vec2 material_finish(vec2 uv) {
+    vec2 figures = finish.xy;
+#ifdef SURFACE_MAP
+    figures *= texture(surface_texture, map_place(SURFACE, uv)).bg;
+#endif
+    return figures;
+}
+
+// Share of the sky's light that is let in.
+float material_occlusion(vec2 uv) {
+#ifdef OCCLUSION_MAP
+    return 1.0 + map_strength.y * (texture(occlusion_texture, map_place(OCCLUSION, uv)).r - 1.0);
+#else
+    return 1.0;
+#endif
+}
+
+vec3 material_emission(vec2 uv) {
+#ifdef EMISSION_MAP
+    return emission.rgb * texture(emission_texture, map_place(EMISSION, uv)).rgb;
+#else
+    return emission.rgb;
+#endif
+}
+
+#ifdef NORMAL_MAP
+// The frame of the texture from how position and coordinates change over the screen (Mikkelsen 2010), so that meshes
+// need no tangents. Unnormalised tangents keep the ratio of slopes; u grows along the first, v against the second.
+vec3 material_normal(vec3 normal, vec3 position, vec2 uv) {
+    vec2 place = map_place(NORMAL, uv);
+    vec3 along_x = dFdx(position), along_y = dFdy(position);
+    vec2 step_x = dFdx(place), step_y = dFdy(place);
+    vec3 across_x = cross(normal, along_x), across_y = cross(along_y, normal);
+    vec3 tangent = across_y * step_x.x + across_x * step_y.x;
+    vec3 bitangent = across_y * step_x.y + across_x * step_y.y;
+    float longest = max(dot(tangent, tangent), dot(bitangent, bitangent));
+    vec3 slope = 2.0 * texture(normal_texture, place).xyz - 1.0;
+    slope.xy *= map_strength.x;
+    float scale = inversesqrt(max(longest, 1e-30));
+    return normalize(scale * (tangent * slope.x - bitangent * slope.y) + normal * slope.z);
+}
+#endif

@@ -25,7 +25,12 @@ void main() {
 #endif
     float distance = length(position_eye);
     vec3 n = normalize(gl_FrontFacing ? normal : -normal);
-    Surface surface = make_surface(base.rgb, finish.x, finish.y, n, position_eye / -distance);
-    vec3 light = emission.rgb + shine(surface, finish.y, position_eye, sun_visibility(position_eye, n));
+    vec2 figures = material_finish(uv);
+    float sun_share = sun_visibility(position_eye, n);
+#ifdef NORMAL_MAP
+    n = material_normal(n, position_eye, uv);
+#endif
+    Surface surface = make_surface(base.rgb, figures.x, figures.y, n, position_eye / -distance);
+    vec3 light = material_emission(uv) + shine(surface, figures.y, position_eye, sun_share, material_occlusion(uv));
     colour = vec4(encode_output(apply_fog(light, distance)), base.a);
 }

@@ -211,6 +211,41 @@ def test_material_values_defaults_and_unique_names(tmp_path):
     assert (unlit.technique, unlit.name) == ("unlit", "Paint.001")
 
 
+def test_all_maps_of_a_material_are_read_each_with_its_place(tmp_path):
+    document = square()
+    buffer = io.BytesIO()
+    Image.new("RGB", (2, 2)).save(buffer, "PNG")
+    picture = base64.b64encode(buffer.getvalue()).decode()
+    document["images"] = [{"uri": f"data:image/png;base64,{picture}"}]
+    document["textures"] = [{"source": 0}]
+    shifted = {"KHR_texture_transform": {"offset": [0.25, 0.5], "scale": [2, 4]}}
+    base_place = {"KHR_texture_transform": {"offset": [0.5, 0], "scale": [2, 2]}}
+    document["materials"] = [
+        {
+            "pbrMetallicRoughness": {
+                "baseColorTexture": {"index": 0, "extensions": base_place},
+                "metallicRoughnessTexture": {"index": 0, "extensions": base_place},
+            },
+            "normalTexture": {"index": 0, "scale": 0.5, "extensions": shifted},
+            "occlusionTexture": {"index": 0, "strength": 0.25, "texCoord": 1},
+            "emissiveTexture": {"index": 0},
+            "emissiveFactor": [1, 1, 1],
+        }
+    ]
+    model = load_gltf(write_gltf(tmp_path / "m.gltf", document))
+    material = model.materials[0]
+    assert material.technique == "pbr"
+    assert material.textures == {which: "texture0" for which in ("base", "normal", "surface", "emission")}
+    assert (material.normal_scale, material.occlusion_strength) == (0.5, 0.25)
+    assert model.notes == [
+        'material "material0": not used: occlusionTexture; they lie on other texture coordinates than the first'
+    ]
+    # The mesh's coordinates are 2 uv + (1/2, 0) already; from there to 2 u + 1/4, 4 v + 1/2, and back to u, v.
+    assert material.uv_transforms[0] == material.uv_transforms[2] == (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
+    assert material.uv_transforms[1] == pytest.approx((1.0, 0.0, -0.25, 0.0, 2.0, 0.5), abs=1e-15)
+    assert material.uv_transforms[4] == pytest.approx((0.5, 0.0, -0.25, 0.0, 0.5, 0.0), abs=1e-15)
+
+
 def test_a_node_matrix_is_taken_apart_column_by_column_also_mirrored(tmp_path):
     document = square()
     matrix = np.array([[0, -2, 0, 5], [-1, 0, 0, 6], [0, 0, 3, 7], [0, 0, 0, 1.0]])  # determinant < 0

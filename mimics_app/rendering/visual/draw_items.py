@@ -9,7 +9,8 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.rendering.visual.materials import Look, MaterialStore
+from mimics_app.rendering.visual.look import Look
+from mimics_app.rendering.visual.materials import MaterialStore
 from mimics_app.rendering.visual.mesh_arena import MeshArena
 from mimics_app.world.world import World
 

@@ -90,7 +90,9 @@ class DrawList:
         listed = world.subentities()
         worth = len(listed.row) >= LEAST_ITEMS
         meshes = self._arena.update(world, solid=worth)
-        materials = self._materials.update(world, placed_lights=placed_lights, shading=settings.shading)
+        materials = self._materials.update(
+            world, placed_lights=placed_lights, shading=settings.shading, profile=settings.profile
+        )
         wanted = settings.occlusion if worth else "off"
         revision = (id(world), listed.revision, wanted, settings.culling)
         stale = meshes or materials or revision != self._revision

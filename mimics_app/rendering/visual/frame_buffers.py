@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.rendering.visual.kernels.commands import write_commands, write_instances
-from mimics_app.rendering.visual.materials import Look
+from mimics_app.rendering.visual.look import Look
 from mimics_app.rendering.visual.mesh_arena import COMMAND_WORDS, MeshArena
 from mimics_app.world.store import grown
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     import moderngl
 
     from mimics_app.rendering.visual.draw_items import DrawItems, DrawState
+    from mimics_app.rendering.visual.shader_library import ShaderProgram
 
 __all__ = ["DrawRun", "FrameBuffers"]
 
@@ -128,13 +129,13 @@ class FrameBuffers:
         self._buffer.orphan()
         self._buffer.write(self._commands[: self.command_count])
 
-    def draw(self, arena: MeshArena, run: DrawRun, *, shadow: bool = False) -> None:
-        """Issue one run with its look already bound."""
+    def draw(self, arena: MeshArena, run: DrawRun, shader: ShaderProgram) -> None:
+        """Issue one run by a shader of its look, which is bound already."""
         import moderngl
 
         assert self._buffer is not None, "runs are drawn after upload"
         self._ctx.front_face = "cw" if run.mirrored else "ccw"
-        array = arena.vertex_array(run.look.shadow_shader if shadow else run.look.shader, wide=run.wide)
+        array = arena.vertex_array(shader, wide=run.wide)
         array.render_indirect(self._buffer, moderngl.TRIANGLES, run.count, first=run.first)
 
     def release(self) -> None:

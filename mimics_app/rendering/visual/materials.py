@@ -1,106 +1,96 @@
-"""Materials and textures on the GPU, and which shader draws each."""
+"""Looks of the world's materials: which technique draws each, with which variant of its shaders."""
 
 from __future__ import annotations
 
-from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mimics_app.rendering.visual.picture_arrays import PictureArray, PictureArrays, encode_srgb, set_sampling, unfolded
+from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.rendering.visual.capabilities import Capabilities
+from mimics_app.rendering.visual.look import Look, make_pass, pack_material
+from mimics_app.rendering.visual.picture_arrays import PictureArrays, encode_srgb
 from mimics_app.rendering.visual.settings import Shading
 from mimics_app.rendering.visual.shader_library import ShaderLibrary, ShaderProgram
-from mimics_app.world.material import Material, TextureData
+from mimics_app.rendering.visual.techniques import SAFE, Choice, choose_technique, technique_chain
+from mimics_app.rendering.visual.texture_store import TextureStore
+from mimics_app.world.material import IDENTITY, MAPS, Material, TextureData
+from mimics_app.world.technique import Profile, TechniqueSpec
+from mimics_app.world.technique_library import built_in_techniques
 from mimics_app.world.world import World
 
 if TYPE_CHECKING:
     import moderngl
 
-__all__ = ["Look", "MaterialStore"]
+__all__ = ["MaterialStore"]
 
-_BLOCK = np.dtype(
-    [("base_colour", "f4", (4,)), ("emission", "f4", (4,)), ("finish", "f4", (4,)), ("uv_scale", "f4", (4,))]
-)
-"""The layout of shaders/common/material.glsl, std140."""
+_BINDINGS = {"base": 0, "normal": 5, "surface": 6, "occlusion": 7, "emission": 8}
+"""Of the maps' samplers in shaders/common/material.glsl."""
 
-_BLOCK_BINDING, _TEXTURE_BINDING = 1, 0
-_SRGB8_ALPHA8 = 0x8C43
+_FIGURES = ("normal", "surface", "occlusion")
+"""Maps whose texels are no colours."""
+
+_PLAIN = "plain"
 _MATT = 0.95
 """Roughness from which a dielectric's mirroring is left out: it is spread out to about 2 % of what shines on it."""
 _FALLBACK = Material("")
 
+_Pictures = dict[str, TextureData]
 
-@dataclass(eq=False)
-class Look:
-    """One material ready to draw.
 
-    Attributes:
-        material: What it shows.
-        shader: Draws it to the picture.
-        shadow_shader: Draws its depth seen from the sun.
-        block: The material's numbers.
-        texture: Its picture, or None; an array of pictures where `paint` says which.
-        state: Equal for looks that one call to the driver may draw together: only `paint` tells them apart then.
-        shadow_state: The same for the shadow pass.
-        paint: Four numbers that come with each instance; what they mean is the shader's to say.
-    """
+@dataclass(frozen=True)
+class _Variant:
+    """What all looks depend on."""
 
-    material: Material
-    shader: ShaderProgram
-    shadow_shader: ShaderProgram
-    block: moderngl.Buffer
-    texture: moderngl.Texture | PictureArray | None
-    state: Hashable
-    shadow_state: Hashable
-    paint: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
-
-    @property
-    def transparent(self) -> bool:
-        """True when it is blended and has to be sorted."""
-        return self.material.technique == "glass" or self.material.alpha_mode == "blend"
-
-    @property
-    def solid(self) -> bool:
-        """True when nothing can be seen through it: no blending, no holes."""
-        return self.material.technique != "glass" and self.material.alpha_mode == "opaque"
-
-    def bind(self) -> None:
-        """Make it what the shaders read."""
-        self.block.bind_to_uniform_block(_BLOCK_BINDING)
-        if self.texture is not None:
-            self.texture.use(_TEXTURE_BINDING)
+    placed_lights: bool = False
+    shading: Shading = "full"
+    profile: Profile = "training"
 
 
 class MaterialStore:
-    """Looks by material, made on demand and anew when the world's material or texture object is another."""
+    """Looks by material, made on demand and anew when the world's material or a texture of it is another.
 
-    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
+    Attributes:
+        issues: What could not be drawn as the world asks, each told once; take them out when they were told.
+    """
+
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, has: Capabilities) -> None:
         self._ctx = ctx
         self._shaders = shaders
+        self._has = has
         self._looks: dict[tuple[str, bool], Look] = {}
-        self._known: dict[str, tuple[Material, TextureData | None]] = {}
-        self._textures: dict[str, tuple[TextureData, moderngl.Texture]] = {}
+        self._known: dict[str, tuple[Material, _Pictures]] = {}
+        self._techniques: dict[str, TechniqueSpec] = dict(built_in_techniques())
+        self._broken: dict[str, str] = {}
+        self._textures = TextureStore(ctx, has.texture_size)
         self._arrays = PictureArrays(ctx)
-        self._variant: tuple[bool, Shading] = (False, "full")
+        self._variant = _Variant()
+        self._told: set[Issue] = set()
+        self.issues: list[Issue] = []
 
-    def update(self, world: World, *, placed_lights: bool, shading: Shading = "full") -> bool:
+    def update(
+        self, world: World, *, placed_lights: bool, shading: Shading = "full", profile: Profile = "training"
+    ) -> bool:
         """Bring the looks up to the world's materials.
 
         Args:
             world: Whose materials.
             placed_lights: True when a point or spot light shines; without one the shaders leave them out.
             shading: Which techniques may be used.
+            profile: The same.
 
         Returns:
             True when one came, went or changed.
         """
-        known = {name: (material, _picture(material, world)) for name, material in world.materials.items()}
-        if known == self._known and (placed_lights, shading) == self._variant:
-            return False  # what is the very same object is equal at once
-        if (placed_lights, shading) != self._variant:
-            self._variant = (placed_lights, shading)
+        known = {name: (material, _pictures(material, world)) for name, material in world.materials.items()}
+        variant = _Variant(placed_lights, shading, profile)
+        techniques = {**built_in_techniques(), **world.techniques}
+        if variant != self._variant or techniques != self._techniques:
+            self._variant, self._techniques = variant, techniques
             stale = {name for name, _ in self._looks} | {""}
+        elif known == self._known:
+            return False  # what is the very same object is equal at once
         else:
             stale = {name for name, was in self._known.items() if not _same(was, known.get(name))}
         changed = bool(stale) or known.keys() != self._known.keys()
@@ -119,114 +109,140 @@ class MaterialStore:
         if name not in self._known:
             name = ""
         if (name, coloured) not in self._looks:
-            self._looks[name, coloured] = self._make(name, *self._known.get(name, (_FALLBACK, None)), coloured)
+            self._looks[name, coloured] = self._make(name, *self._known.get(name, (_FALLBACK, {})), coloured)
         return self._looks[name, coloured]
 
     def release(self) -> None:
         """Free all buffers and textures."""
         for look in self._looks.values():
             look.block.release()
-        for _, texture in self._textures.values():
-            texture.release()
+        self._textures.release()
         self._arrays.release()
         self._looks.clear()
-        self._textures.clear()
 
-    def _make(self, name: str, material: Material, picture: TextureData | None, coloured: bool) -> Look:
-        block = self._ctx.buffer(_pack(material, picture).tobytes())
-        shadow_shader = self._shadow_shader(material, picture is not None)
+    def _make(self, name: str, material: Material, pictures: _Pictures, coloured: bool) -> Look:
+        self._tell_of_textures(material, pictures)
+        if self._variant.shading == "plain" and _can_be_plain(material, self._chain(material)):
+            return self._make_plain(name, material, pictures, coloured, self._techniques[_PLAIN])
+        while True:
+            choice = choose_technique(
+                material.technique, self._techniques, self._has, self._variant.profile, self._broken
+            )
+            if choice.fault:
+                self._tell(f'material "{name}": {choice.why}')
+            try:
+                if choice.name == _PLAIN:
+                    return self._make_plain(name, material, pictures, coloured, choice.spec)
+                return self._make_own(name, material, pictures, coloured, choice)
+            except SceneError as error:
+                if choice.name == SAFE:
+                    raise
+                self._broken[choice.name] = f"does not compile ({error.issues[0]})"
+
+    def _make_own(self, name: str, material: Material, pictures: _Pictures, coloured: bool, choice: Choice) -> Look:
+        """A look whose state nobody shares."""
+        features = self._features(material, pictures, coloured)
+        passes = []
+        for spec in choice.spec.passes:
+            defines = (*spec.defines, *(each for each in features if each in spec.features))
+            passes.append(make_pass(spec, self._shaders.program(spec.vertex, spec.fragment, defines), material))
+        read = {feature for spec in choice.spec.passes for feature in spec.features}
+        textures = tuple(
+            (_BINDINGS[which], self._textures.get(material.textures[which], picture, figures=which in _FIGURES))
+            for which, picture in pictures.items()
+            if _feature_of(which) in read
+        )
+        block = self._ctx.buffer(pack_material(material, pictures).tobytes())
+        shadow_shader = self._shadow_shader(material, pictures, blended=any(each.blend != "none" for each in passes))
+        look = Look(material, tuple(passes), shadow_shader, block, textures, (name, coloured), (name, coloured))
         # Depth of what has no holes looks the same whatever its material.
-        solid = material.alpha_mode == "opaque" and material.technique != "glass"
-        shadow_state = "solid" if solid else (name, coloured)
-        if _can_be_plain(material) and self._variant[1] == "plain":
-            return self._make_plain(material, picture, coloured, block, shadow_shader)
-        texture = self._upload(material.base_texture or "", picture) if picture is not None else None
-        shader = self._shader(material, texture is not None, coloured)
-        return Look(material, shader, shadow_shader, block, texture, (name, coloured), shadow_state)
+        look.shadow_state = "solid" if look.solid else (name, coloured)
+        return look
 
     def _make_plain(
-        self,
-        material: Material,
-        picture: TextureData | None,
-        coloured: bool,
-        block: moderngl.Buffer,
-        shadow_shader: ShaderProgram,
+        self, name: str, material: Material, pictures: _Pictures, coloured: bool, spec: TechniqueSpec
     ) -> Look:
         """A look whose state it shares with all others of its kind."""
-        layer, array = 0, None
-        defines = ["COLOURED"] if coloured else []
+        textures: tuple[tuple[int, object], ...] = ()
+        layer, array, picture = 0, None, pictures.get("base")
+        features = ["COLOURED"] if coloured else []
         if picture is not None:
-            array, layer = self._arrays.place(material.base_texture or "", picture)
+            array, layer = self._arrays.place(material.textures["base"], picture)
+            textures = ((_BINDINGS["base"], array),)
             sides = zip(picture.wrap, ("MIRROR_U", "MIRROR_V"), strict=True)
-            defines += ["TEXTURED", *(define for wrap, define in sides if wrap == "mirror")]
-        shader = self._shaders.program("plain/plain.vert", "plain/plain.frag", tuple(defines))
-        state = (shader.defines, id(array), material.double_sided)
+            features += ["TEXTURED", *(feature for wrap, feature in sides if wrap == "mirror")]
+        first = spec.passes[0]
+        defines = (*first.defines, *(each for each in features if each in first.features))
+        drawn = make_pass(first, self._shaders.program(first.vertex, first.fragment, defines), material)
+        state = (drawn.shader.defines, id(array), drawn.cull, drawn.blend)
         red, green, blue = encode_srgb(np.array(material.base_colour[:3])).tolist()
-        number = layer + 1.0 if material.technique == "lit" else -(layer + 1.0)
-        return Look(material, shader, shadow_shader, block, array, state, "solid", (red, green, blue, number))
+        number = layer + 1.0 if SAFE not in self._chain(material) else -(layer + 1.0)
+        block = self._ctx.buffer(pack_material(material, pictures).tobytes())
+        shadow_shader = self._shadow_shader(material, pictures, blended=False)
+        shadow_state = "solid" if material.alpha_mode == "opaque" else (name, coloured)
+        paint = (red, green, blue, number)
+        return Look(material, (drawn,), shadow_shader, block, textures, state, shadow_state, paint)  # type: ignore[arg-type]
 
-    def _shader(self, material: Material, textured: bool, coloured: bool) -> ShaderProgram:
-        defines = ["COLOURED"] if coloured else []
-        if textured:
-            defines.append("TEXTURED")
-        if material.alpha_mode == "mask" and material.technique != "glass":
-            defines.append("MASKED")
-        if material.technique == "lit" and self._variant[0]:
-            defines.append("PLACED_LIGHTS")
-        if material.technique == "lit" and material.roughness >= _MATT and material.metallic == 0.0:
-            defines.append("MATT")
-        if material.grid > 0.0 and material.technique != "unlit":
-            defines.append("GRID")
-        return self._shaders.program(
-            "common/mesh.vert", f"{material.technique}/{material.technique}.frag", tuple(defines)
-        )
+    def _chain(self, material: Material) -> list[str]:
+        return technique_chain(material.technique, self._techniques) or ["lit", _PLAIN]
 
-    def _shadow_shader(self, material: Material, textured: bool) -> ShaderProgram:
+    def _features(self, material: Material, pictures: _Pictures, coloured: bool) -> list[str]:
+        """What shaders may be asked for, in a fixed order."""
+        placed = any(transform != IDENTITY for transform in material.uv_transforms)
+        placed = placed or any("mirror" in picture.wrap for which, picture in pictures.items() if which != "base")
+        has = {
+            "COLOURED": coloured,
+            **{_feature_of(which): which in pictures for which in MAPS},
+            "MASKED": material.alpha_mode == "mask",
+            "PLACED_LIGHTS": self._variant.placed_lights,
+            "MATT": material.roughness >= _MATT and material.metallic == 0.0 and "surface" not in pictures,
+            "GRID": material.grid > 0.0,
+            "UV_TRANSFORMS": placed and bool(pictures),
+        }
+        return [feature for feature, wanted in has.items() if wanted]
+
+    def _shadow_shader(self, material: Material, pictures: _Pictures, *, blended: bool) -> ShaderProgram:
         defines = []
-        if textured and material.alpha_mode == "mask":
+        if "base" in pictures and material.alpha_mode == "mask":
             defines.append("TEXTURED")
-        if material.technique == "glass" or material.alpha_mode == "blend":
+            if material.uv_transforms[0] != IDENTITY:
+                defines.append("UV_TRANSFORMS")
+        if blended:
             defines.append("TRANSLUCENT")
         return self._shaders.program("shadow/shadow.vert", "shadow/shadow.frag", tuple(defines))
 
-    def _upload(self, name: str, picture: TextureData) -> moderngl.Texture:
-        known = self._textures.get(name)
-        if known and known[0] is picture:
-            return known[1]
-        if known:
-            known[1].release()
-        texture = _make_texture(self._ctx, picture)
-        self._textures[name] = (picture, texture)
-        return texture
+    def _tell_of_textures(self, material: Material, pictures: _Pictures) -> None:
+        for which, key in material.textures.items():
+            if which not in pictures:
+                self._tell(f'material "{material.name}": no texture "{key}"; drawn without it')
+            elif not self._textures.fits(pictures[which]):
+                height, width = pictures[which].pixels.shape[:2]
+                most = self._has.texture_size
+                self._tell(f'texture "{key}": {width} x {height} is more than the driver\'s {most}; drawn smaller')
+
+    def _tell(self, what: str) -> None:
+        issue = Issue("", "", what)
+        if issue not in self._told:
+            self._told.add(issue)
+            self.issues.append(issue)
 
 
-def _picture(material: Material, world: World) -> TextureData | None:
-    return world.textures.get(material.base_texture) if material.base_texture else None
+def _feature_of(which: str) -> str:
+    return "TEXTURED" if which == "base" else f"{which.upper()}_MAP"
 
 
-def _same(was: tuple[Material, TextureData | None], now: tuple[Material, TextureData | None] | None) -> bool:
-    return now is not None and was[0] is now[0] and was[1] is now[1]
+def _pictures(material: Material, world: World) -> _Pictures:
+    return {which: world.textures[key] for which, key in material.textures.items() if key in world.textures}
 
 
-def _can_be_plain(material: Material) -> bool:
+def _same(was: tuple[Material, _Pictures], now: tuple[Material, _Pictures] | None) -> bool:
+    if now is None or was[0] is not now[0] or was[1].keys() != now[1].keys():
+        return False
+    return all(picture is now[1][which] for which, picture in was[1].items())
+
+
+def _can_be_plain(material: Material, chain: list[str]) -> bool:
     """True for an opaque surface that the plain technique shows whole: no holes, lines or light of its own."""
-    opaque = material.alpha_mode == "opaque" and material.technique in ("lit", "unlit")
-    return opaque and material.grid == 0.0 and not any(material.emission)
-
-
-def _pack(material: Material, picture: TextureData | None) -> np.ndarray[tuple[()], np.dtype[np.void]]:
-    block = np.zeros((), _BLOCK)
-    block["base_colour"] = material.base_colour
-    block["emission"] = (*material.emission, material.alpha_cutoff if material.alpha_mode == "mask" else -1.0)
-    block["finish"] = (material.metallic, material.roughness, material.grid, float(material.double_sided))
-    wrap = picture.wrap if picture is not None else ("repeat", "repeat")
-    block["uv_scale"] = (*(0.5 if side == "mirror" else 1.0 for side in wrap), 0.0, 0.0)
-    return block
-
-
-def _make_texture(ctx: moderngl.Context, picture: TextureData) -> moderngl.Texture:
-    pixels = unfolded(picture)
-    height, width = pixels.shape[:2]
-    texture = ctx.texture((width, height), 4, pixels.tobytes(), internal_format=_SRGB8_ALPHA8 if picture.srgb else None)
-    set_sampling(texture, picture)
-    return texture
+    opaque = material.alpha_mode == "opaque" and _PLAIN in chain and chain[0] != "glass"
+    still = material.uv_transforms[0] == IDENTITY
+    return opaque and still and material.grid == 0.0 and not any(material.emission)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.errors import Issue, UsageError
+from mimics_app.rendering.visual.capabilities import read_capabilities
 from mimics_app.rendering.visual.draw_list import DrawList
 from mimics_app.rendering.visual.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.frame_stats import FrameStats
@@ -19,10 +20,9 @@ from mimics_app.rendering.visual.materials import MaterialStore
 from mimics_app.rendering.visual.mesh_arena import MeshArena
 from mimics_app.rendering.visual.passes.enlarge import EnlargePass
 from mimics_app.rendering.visual.passes.hud import HudPass, plane_of_views
-from mimics_app.rendering.visual.passes.opaque import draw_opaque
 from mimics_app.rendering.visual.passes.shadow import draw_shadow
 from mimics_app.rendering.visual.passes.sky import SkyPass, flat_sky
-from mimics_app.rendering.visual.passes.transparent import draw_transparent
+from mimics_app.rendering.visual.passes.states import draw_runs
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.surface import Surface
@@ -74,7 +74,7 @@ class Renderer:
         self._shaders = ShaderLibrary(ctx, shader_folder)
         self.hud = Hud()
         self._arena = MeshArena(ctx)
-        self._materials = MaterialStore(ctx, self._shaders)
+        self._materials = MaterialStore(ctx, self._shaders, read_capabilities(ctx))
         self._list = DrawList(self._arena, self._materials)
         self._frame = FrameBuffers(ctx)
         self._enlarge = EnlargePass(ctx, self._shaders)
@@ -123,6 +123,11 @@ class Renderer:
         """Compile changed shaders anew; returns what is wrong with them, old programs stay in use."""
         return self._shaders.reload()
 
+    def take_issues(self) -> list[Issue]:
+        """What could not be drawn as the world asks since the last call; each fault is told once."""
+        taken, self._materials.issues = self._materials.issues, []
+        return taken
+
     def release(self) -> None:
         """Free everything but the surface."""
         parts = (self._hud_pass, self._sky, self._block, self._shadow, self._picture, self._enlarge, self._frame)
@@ -167,9 +172,9 @@ class Renderer:
             self._block.fill(view, lighting)
             target.viewport = self._picture.rectangle(view.rectangle)
             self._block.bind()
-            draws += draw_opaque(ctx, self._arena, self._frame, opaque)
+            draws += draw_runs(target, self._arena, self._frame, opaque)
             draws += 0 if background else self._sky.draw()
-            draws += draw_transparent(target, self._arena, self._frame, transparent)
+            draws += draw_runs(target, self._arena, self._frame, transparent)
         draws += self._draw_over(views)
         everything = [*shadow_runs, *(run for runs in view_runs for part in runs for run in part)]
         return sum(run.triangles for run in everything), draws

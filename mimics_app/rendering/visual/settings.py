@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from mimics_app.contracts.errors import UsageError
+from mimics_app.world.technique import Profile
 
 __all__ = ["Culling", "Occlusion", "RenderSettings", "Shading"]
 
@@ -35,6 +36,7 @@ class RenderSettings:
         hud_depth: Distance of the heads-up display from the eyes [m].
         scale: Width and height of the world's picture as drawn over those shown, 0.25 to 1; figures stay sharp.
         shading: Which techniques draw opaque surfaces, see `Shading`.
+        profile: What it is drawn for; techniques that are not for it give way to their fallbacks.
         occlusion: Which boxes may hide what is behind them; the picture is the same with any found ones and none.
         culling: How the items in a view are found; the picture is the same.
         timer: True asks the driver how long it drew, where it can tell.
@@ -49,6 +51,7 @@ class RenderSettings:
     hud_depth: float = 1.0
     scale: float = 1.0
     shading: Shading = "full"
+    profile: Profile = "training"
     occlusion: Occlusion = "all"
     culling: Culling = "auto"
     timer: bool = False

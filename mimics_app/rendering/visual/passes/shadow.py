@@ -44,6 +44,6 @@ def draw_shadow(
     for run in runs:
         run.look.bind()
         run.look.shadow_shader.set_matrix("clip_from_eye", clip_from_centre)
-        frame.draw(arena, run, shadow=True)
+        frame.draw(arena, run, run.look.shadow_shader)
     ctx.polygon_offset = (0.0, 0.0)
     return len(runs)
