@@ -8,7 +8,7 @@ from collections.abc import Container
 import numpy as np
 
 from mimics_app.world.components import CameraComponent, Environment, LightComponent, MeshComponent
-from mimics_app.world.environment import Sky
+from mimics_app.world.environment import Backdrop, Fog, Sky
 from mimics_app.world.model_prefab import ModelPrefab
 from mimics_app.world.primitives import build_shape
 from mimics_app.world.scene import Scene, SceneEntity
@@ -50,7 +50,10 @@ def load_library(world: World, scene: Scene) -> None:
     world.techniques = dict(scene.techniques)
     found = scene.components(Environment)
     sky = found[0][1] if found else Environment()
-    world.environment = Sky(sky.zenith, sky.horizon, sky.ground, sky.ambient)
+    fog = None if sky.fog is None else Fog(sky.fog.kind, sky.fog.density, sky.fog.start, sky.fog.colour)
+    over = sky.backdrop
+    backdrop = None if over is None else Backdrop(over.kind, over.textures, over.height, over.tile)
+    world.environment = Sky(sky.zenith, sky.horizon, sky.ground, sky.ambient, fog, backdrop)
 
 
 def build_entity(world: World, scene: Scene, entity: SceneEntity) -> SceneNode:

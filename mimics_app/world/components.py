@@ -18,8 +18,10 @@ if TYPE_CHECKING:
     from mimics_app.world.scene import Scene
 
 __all__ = [
+    "BackdropSpec",
     "CameraComponent",
     "Environment",
+    "FogSpec",
     "Hud",
     "LightComponent",
     "MeshComponent",
@@ -70,7 +72,7 @@ class LightComponent(Component, frozen=True):
     range: Annotated[Positive | None, Meta(description="Beyond it is dark [m]; absent: unlimited")] = None
     inner_cone: Annotated[float, Meta(ge=0, lt=1.5708, description="Half angle of full strength (spot) [rad]")] = 0.0
     outer_cone: Annotated[float, Meta(gt=0, lt=1.5708, description="Half angle where it ends (spot) [rad]")] = 0.785398
-    casts_shadow: Annotated[bool, Meta(description="Has a shadow map (directional)")] = False
+    casts_shadow: Annotated[bool, Meta(description="Has shadows (directional, spot)")] = False
     target: Annotated[Point | None, Meta(description="World point it is turned to [m]")] = None
 
 
@@ -86,6 +88,30 @@ class CameraComponent(Component, frozen=True):
     target: Annotated[Point | None, Meta(description="World point it is turned to [m]")] = None
 
 
+class FogSpec(Component, frozen=True):
+    """Haze with distance."""
+
+    density: Annotated[float, Meta(ge=0, description="[1/m]")]
+    kind: Annotated[
+        Literal["squared", "exponential", "linear"],
+        Meta(description="What is seen at s beyond start: exp(-(density s)^2), exp(-density s), 1 - density s"),
+    ] = "exponential"
+    start: Annotated[float, Meta(ge=0, description="Distance up to which nothing is lost [m]")] = 0.0
+    colour: Annotated[Colour | None, Meta(description="Linear RGB; absent: the horizon's")] = None
+
+
+class BackdropSpec(Component, frozen=True):
+    """Pictures laid over the sky; where they are clear the sky's colours are seen."""
+
+    kind: Annotated[
+        Literal["box", "dome", "plane"],
+        Meta(description="box: six pictures towards +x -x +y -y +z -z; dome: longitude by latitude; plane: clouds"),
+    ]
+    textures: Annotated[tuple[str, ...], Meta(description="Of the scene's `assets`, six pictures (box) or one")]
+    height: Annotated[Positive, Meta(description="Of the plane above the eye [m]")] = 40.0
+    tile: Annotated[Positive, Meta(description="Width of the picture on the plane [m]")] = 100.0
+
+
 @component("environment")
 class Environment(Component, frozen=True):
     """Sky and the light that comes from everywhere; one per scene."""
@@ -94,6 +120,8 @@ class Environment(Component, frozen=True):
     horizon: Annotated[Colour, Meta(description="Sky at the horizon, linear RGB")] = (0.62, 0.70, 0.78)
     ground: Annotated[Colour, Meta(description="Below the horizon, linear RGB")] = (0.20, 0.19, 0.18)
     ambient: Annotated[float, Meta(ge=0, description="Factor on the sky's light on surfaces")] = 0.5
+    fog: Annotated[FogSpec | None, Meta(description="Haze; absent: as systems.visual.fog_density says")] = None
+    backdrop: Annotated[BackdropSpec | None, Meta(description="Pictures over the sky: sky box, dome or plane")] = None
 
 
 @component("sound")
@@ -185,9 +213,17 @@ def _check_camera(camera: CameraComponent, pointer: str, scene: Scene) -> list[I
 
 def _check_environment(environment: Environment, pointer: str, scene: Scene) -> list[Issue]:
     first = scene.components(Environment)[0][2]
-    if pointer == first:
-        return []
-    return [scene.issue(pointer, f"a second environment; the first is {scene.place(first)}", "keep one")]
+    if pointer != first:
+        return [scene.issue(pointer, f"a second environment; the first is {scene.place(first)}", "keep one")]
+    backdrop, issues = environment.backdrop, []
+    if backdrop is not None:
+        below = f"{pointer}/backdrop/textures"
+        wanted = 6 if backdrop.kind == "box" else 1
+        if len(backdrop.textures) != wanted:
+            issues.append(scene.issue(below, f"a {backdrop.kind} has {wanted} pictures, not {len(backdrop.textures)}"))
+        for number, texture in enumerate(backdrop.textures):
+            issues += scene.check_asset(f"{below}/{number}", texture, "picture")
+    return issues
 
 
 def _check_sound(sound: Sound, pointer: str, scene: Scene) -> list[Issue]:

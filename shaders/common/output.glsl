@@ -26,8 +26,10 @@ vec3 encode_output(vec3 linear) {
     return encode_srgb(sky_ground.w > 0.5 ? tone_map_neutral(max(exposed, 0.0)) : exposed);
 }
 
-// Haze towards the horizon's colour with distance.
+// Haze with distance.
 vec3 apply_fog(vec3 linear, float distance) {
-    float density = sky_horizon.w * distance;
-    return mix(sky_horizon.rgb, linear, exp2(-1.4427 * density * density));
+    float depth = fog_figures.x * max(distance - fog_figures.y, 0.0);
+    float lost = fog_figures.z < 0.5 ? depth * depth : depth;
+    float seen = fog_figures.z < 1.5 ? exp2(-1.4427 * lost) : 1.0 - min(depth, 1.0);
+    return mix(fog_colour.rgb, linear, seen);
 }

@@ -13,10 +13,12 @@ layout(std140, binding = 0) uniform ViewBlock {
     vec4 sun_direction;         // unit, towards the sun; w: 1 where it has a shadow map
     vec4 sun_colour;            // linear; 1 makes a white surface facing it white
     vec4 sky_zenith;            // linear radiance; w: exposure
-    vec4 sky_horizon;           // w: fog density [1/m]
+    vec4 sky_horizon;           // w: unused
     vec4 sky_ground;            // w: 1 for the neutral tone map, 0 for none
     vec4 ambient;               // rgb: factor on the sky's light on surfaces; w: number of lights below
     vec4 shadow;                // texel [uv], texel [m], unused, unused
+    vec4 fog_colour;            // linear; w: unused
+    vec4 fog_figures;           // density [1/m], start [m], kind: 0 squared, 1 exponential, 2 linear
     vec4 light_position[MAX_LIGHTS];   // eye frame; w: range [m], 0 for unlimited
     vec4 light_colour[MAX_LIGHTS];     // linear, at 1 m; w: cosine of the outer cone, -2 for a point light
     vec4 light_direction[MAX_LIGHTS];  // unit, where it shines; w: cosine of the inner cone

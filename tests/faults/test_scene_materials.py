@@ -78,3 +78,12 @@ def test_an_unknown_technique_is_a_note_because_a_safe_one_stands_in(tmp_path):
 )
 def test_a_picture_that_is_not_there_is_named(tmp_path, key):
     assert faults(tmp_path, materials={"m": {key: "nothing"}}) == [(f"/materials/m/{key}", 'no asset "nothing"')]
+
+
+def test_a_backdrop_with_too_few_pictures_is_named(tmp_path):
+    environment = {"backdrop": {"kind": "box", "textures": ["sky"]}}
+    entities = [{"id": "e", "components": {"environment": environment}}]
+    found = faults(tmp_path, entities=entities)
+    below = "/entities/0/components/environment/backdrop/textures"
+    assert (below, "a box has 6 pictures, not 1") in found
+    assert (f"{below}/0", 'no asset "sky"') in found

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.world.environment import Backdrop, Fog
 from mimics_app.world.light import Light
 from mimics_app.world.world import World
 
@@ -53,6 +54,8 @@ class Lighting:
     ground: F8
     ambient: F8
     places: list[Light]
+    fog: Fog | None
+    backdrop: Backdrop | None
     shadow: ShadowFrustum | None = None
 
     @property
@@ -86,6 +89,8 @@ def gather_lighting(world: World) -> Lighting:
         ground=np.asarray(sky.ground, np.float64),
         ambient=sky.ambient + flat,
         places=_strongest([light for light in world.lights if light.kind in ("point", "spot")]),
+        fog=sky.fog,
+        backdrop=sky.backdrop,
     )
 
 

@@ -74,14 +74,15 @@ class Renderer:
         self._shaders = ShaderLibrary(ctx, shader_folder)
         self.hud = Hud()
         self._arena = MeshArena(ctx)
-        self._materials = MaterialStore(ctx, self._shaders, read_capabilities(ctx))
+        has = read_capabilities(ctx)
+        self._materials = MaterialStore(ctx, self._shaders, has)
         self._list = DrawList(self._arena, self._materials)
         self._frame = FrameBuffers(ctx)
         self._enlarge = EnlargePass(ctx, self._shaders)
         self._picture = PictureTarget(surface, self.settings.msaa, self.settings.scale, self._enlarge)
         self._shadow = ShadowTarget(ctx, self.settings.shadow_size)
         self._block = ViewBlock(ctx, self.settings)
-        self._sky = SkyPass(ctx, self._shaders)
+        self._sky = SkyPass(ctx, self._shaders, has.texture_size)
         self._hud_pass = HudPass(ctx, self._shaders)
         self._timer = ctx.query(time=True) if self.settings.timer else None
 
@@ -125,7 +126,8 @@ class Renderer:
 
     def take_issues(self) -> list[Issue]:
         """What could not be drawn as the world asks since the last call; each fault is told once."""
-        taken, self._materials.issues = self._materials.issues, []
+        taken = [*self._materials.issues, *self._sky.issues]
+        self._materials.issues, self._sky.issues = [], []
         return taken
 
     def release(self) -> None:
@@ -167,6 +169,8 @@ class Renderer:
         target = self._picture.begin()
         target.use()
         background = flat_sky(lighting, self.settings)
+        if background is None:
+            self._sky.prepare(self.world)
         target.clear(*(background or (0.0, 0.0, 0.0)), 1.0, depth=1.0)
         for view, (opaque, transparent) in zip(views, view_runs, strict=True):
             self._block.fill(view, lighting)

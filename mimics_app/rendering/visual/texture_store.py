@@ -13,9 +13,10 @@ from mimics_app.world.material import TextureData
 if TYPE_CHECKING:
     import moderngl
 
-__all__ = ["TextureStore", "halved"]
+__all__ = ["SRGB8_ALPHA8", "TextureStore", "halved"]
 
-_SRGB8_ALPHA8 = 0x8C43
+SRGB8_ALPHA8 = 0x8C43
+"""Internal format of pictures whose colours the sampler decodes."""
 
 
 class TextureStore:
@@ -63,7 +64,7 @@ class TextureStore:
         while max(pixels.shape[:2]) > self._longest:
             pixels = halved(pixels)
         height, width = pixels.shape[:2]
-        inner = _SRGB8_ALPHA8 if srgb else None
+        inner = SRGB8_ALPHA8 if srgb else None
         texture = self._ctx.texture((width, height), 4, pixels.tobytes(), internal_format=inner)
         set_sampling(texture, picture)
         return texture

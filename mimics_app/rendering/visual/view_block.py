@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mimics_app.rendering.visual.lighting import MAX_LIGHTS, Lighting
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
+from mimics_app.world.environment import Fog, FogKind
 
 if TYPE_CHECKING:
     import moderngl
@@ -33,6 +34,8 @@ VIEW_BLOCK = np.dtype(
         ("sky_ground", "f4", (4,)),
         ("ambient", "f4", (4,)),
         ("shadow", "f4", (4,)),
+        ("fog_colour", "f4", (4,)),
+        ("fog_figures", "f4", (4,)),
         ("light_position", "f4", (MAX_LIGHTS, 4)),
         ("light_colour", "f4", (MAX_LIGHTS, 4)),
         ("light_direction", "f4", (MAX_LIGHTS, 4)),
@@ -41,6 +44,8 @@ VIEW_BLOCK = np.dtype(
 """std140: vec4 and mat4 only, so that it has no holes. Matrices are stored column after column."""
 
 _BINDING = 0
+_FOG_KINDS: tuple[FogKind, ...] = ("squared", "exponential", "linear")
+"""In the order of their numbers in shaders/common/output.glsl."""
 
 
 class ViewBlock:
@@ -75,9 +80,12 @@ class ViewBlock:
     def _fill_sky(self, lighting: Lighting) -> None:
         data, settings = self._data, self._settings
         data["sky_zenith"] = (*lighting.zenith, settings.exposure)
-        data["sky_horizon"] = (*lighting.horizon, settings.fog_density)
+        data["sky_horizon"] = (*lighting.horizon, 0.0)
         data["sky_ground"] = (*lighting.ground, 1.0 if settings.tone_map == "neutral" else 0.0)
         data["ambient"] = (*lighting.ambient, lighting.place_count)
+        fog = lighting.fog or Fog(density=settings.fog_density)
+        data["fog_colour"] = (*(lighting.horizon if fog.colour is None else fog.colour), 0.0)
+        data["fog_figures"] = (fog.density, fog.start, _FOG_KINDS.index(fog.kind), 0.0)
 
     def _fill_sun(self, lighting: Lighting, eye: F8) -> None:
         data, frustum = self._data, lighting.shadow

@@ -6,42 +6,76 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mimics_app.contracts.errors import Issue
 from mimics_app.rendering.visual.lighting import Lighting
 from mimics_app.rendering.visual.picture_arrays import encode_srgb
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.shader_library import ShaderLibrary, ShaderProgram
+from mimics_app.rendering.visual.texture_store import SRGB8_ALPHA8, TextureStore
+from mimics_app.world.environment import Backdrop
+from mimics_app.world.material import TextureData
+from mimics_app.world.world import World
 
 if TYPE_CHECKING:
     import moderngl
 
 __all__ = ["SkyPass", "flat_sky"]
 
+_BINDING = 9
+
 
 def flat_sky(lighting: Lighting, settings: RenderSettings) -> tuple[float, float, float] | None:
     """Display values of a sky of one colour, which plain shading clears with instead of drawing; None for any other."""
     same = np.array_equal(lighting.zenith, lighting.horizon) and np.array_equal(lighting.horizon, lighting.ground)
-    if settings.shading != "plain" or not same:
+    if settings.shading != "plain" or not same or lighting.backdrop is not None:
         return None
     red, green, blue = encode_srgb(settings.exposure * lighting.zenith).tolist()
     return red, green, blue
 
 
 class SkyPass:
-    """Draws the sky wherever nothing opaque was drawn."""
+    """Draws the sky wherever nothing opaque was drawn, with the pictures of its backdrop where there are any.
 
-    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
+    Attributes:
+        issues: Backdrops that could not be drawn, each told once; take them out when they were told.
+    """
+
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, longest: int) -> None:
         self._ctx = ctx
+        self._shaders = shaders
+        self._textures = TextureStore(ctx, longest)
         self._shader = shaders.program("sky/sky.vert", "sky/sky.frag")
-        self._revision = -1
+        self._made_for: tuple[ShaderProgram, int] | None = None
         self._array: moderngl.VertexArray | None = None
+        self._cube: tuple[list[TextureData], moderngl.TextureCube] | None = None
+        self._told: set[Backdrop] = set()
+        self.issues: list[Issue] = []
+
+    def prepare(self, world: World) -> None:
+        """Take over the backdrop of a world's environment."""
+        backdrop = world.environment.backdrop
+        pictures = self._pictures(backdrop, world)
+        defines: tuple[str, ...] = ()
+        if backdrop is not None and pictures:
+            defines = (backdrop.kind.upper(),)
+            if backdrop.kind == "box":
+                self._box(pictures).use(_BINDING)
+            else:
+                self._textures.get(backdrop.textures[0], pictures[0]).use(_BINDING)
+        self._shader = self._shaders.program("sky/sky.vert", "sky/sky.frag", defines)
+        if backdrop is not None and defines == ("PLANE",):
+            self._shader.set_number("height", backdrop.height / backdrop.tile)
 
     def draw(self) -> int:
         """Draw it; returns the draw calls made."""
         import moderngl
 
-        if self._array is None or self._revision != self._shader.revision:
+        wanted = (self._shader, self._shader.revision)
+        if self._array is None or self._made_for != wanted:
+            if self._array is not None:
+                self._array.release()
             self._array = self._ctx.vertex_array(self._shader.program, [])
-            self._revision = self._shader.revision
+            self._made_for = wanted
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         self._ctx.depth_func = "<="
         self._array.render(moderngl.TRIANGLES, vertices=3)
@@ -49,7 +83,43 @@ class SkyPass:
         return 1
 
     def release(self) -> None:
-        """Free the vertex array."""
+        """Free the vertex array and the pictures."""
         if self._array is not None:
             self._array.release()
             self._array = None
+        if self._cube is not None:
+            self._cube[1].release()
+            self._cube = None
+        self._textures.release()
+
+    def _pictures(self, backdrop: Backdrop | None, world: World) -> list[TextureData]:
+        """All pictures of a backdrop, or none where one is missing or a box's differ in size."""
+        if backdrop is None:
+            return []
+        found = [world.textures[key] for key in backdrop.textures if key in world.textures]
+        sizes = {picture.pixels.shape for picture in found}
+        square = all(height == width for height, width, _ in sizes)
+        fault = ""
+        if len(found) != len(backdrop.textures) or len(found) != (6 if backdrop.kind == "box" else 1):
+            missing = [key for key in backdrop.textures if key not in world.textures]
+            fault = f"no texture {', '.join(missing)}" if missing else f"{len(found)} pictures are no {backdrop.kind}"
+        elif backdrop.kind == "box" and (len(sizes) > 1 or not square):
+            fault = "its six pictures are not squares of one size"
+        if fault and backdrop not in self._told:
+            self._told.add(backdrop)
+            self.issues.append(Issue("", "", f"backdrop of the sky: {fault}; drawn without it"))
+        return [] if fault else found
+
+    def _box(self, pictures: list[TextureData]) -> moderngl.TextureCube:
+        if self._cube is not None and all(a is b for a, b in zip(self._cube[0], pictures, strict=True)):
+            return self._cube[1]
+        if self._cube is not None:
+            self._cube[1].release()
+        # A cube's faces are laid out as seen from outside: the sides are mirrored, top and bottom turned over.
+        faces = [np.flip(each.pixels, 0 if number in (2, 3) else 1) for number, each in enumerate(pictures)]
+        data = b"".join(np.ascontiguousarray(face).tobytes() for face in faces)
+        size = (pictures[0].pixels.shape[1], pictures[0].pixels.shape[0])
+        inner = SRGB8_ALPHA8 if pictures[0].srgb else None
+        cube = self._ctx.texture_cube(size, 4, data, internal_format=inner)
+        self._cube = (pictures, cube)
+        return cube
