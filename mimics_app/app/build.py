@@ -86,7 +86,14 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
     spec = fill_defaults(resolve_trials(task_of(scene), scene.path.parent, scene.root), desk.value)
     learning = _learning(settings, spec)
     robot, patient = _who_moves(settings, scene, live=live)
-    plugin = build_device(robot, patient, scenario.via_points_world, settings.seed, samples=_recorded(settings))
+    plugin = build_device(
+        robot,
+        patient,
+        scenario.via_points_world,
+        settings.seed,
+        samples=_recorded(settings),
+        objects=side.for_robot(robot),
+    )
     live = live or plugin.real_time
     with ExitStack() as stack:
         stack.callback(plugin.close)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import os
 import select
+import signal
 import sys
 import tempfile
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -98,7 +100,8 @@ def serve(emulator: Emulator, seconds: float | None) -> None:
         emulator: The robot.
         seconds: How long [s]; None: until it is told to end.
     """
-    scheduler.arrange_thread("auto")  # a robot does not wait for the rest of this machine
+    if threading.current_thread() is threading.main_thread():
+        _hurry()
     clock = MonotonicClock()
     due = clock.now_ns()
     end = 1 << 62 if seconds is None else due + round(seconds * 1e9)
@@ -111,6 +114,17 @@ def serve(emulator: Emulator, seconds: float | None) -> None:
             return
         due = max(due + _STEP_NS, clock.now_ns() - _LATEST_NS)
         clock.sleep_until_ns(due)
+
+
+def _hurry() -> None:
+    """A robot does not wait for the rest of this machine; one that computes without end loses the privilege.
+
+    Only a process of its own may: the limit on such threads is the process's, and its signal would end it.
+    """
+    if sys.platform.startswith("linux"):
+        thread = threading.get_native_id()
+        signal.signal(signal.SIGXCPU, lambda *_: scheduler.demote(thread))
+    scheduler.arrange_thread("auto")
 
 
 class _Orders:

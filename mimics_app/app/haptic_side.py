@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
 from numpy.typing import NDArray
@@ -11,9 +12,12 @@ from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.contracts.object_rows import Rows
 from mimics_app.contracts.session_memory import Capacities, SessionMemory
 from mimics_app.recording.statics import Statics
+from mimics_app.rendering.haptic.devices.device_objects import DEFAULT_INERTIA, DeviceObject
+from mimics_app.rendering.haptic.devices.objects_of_rows import device_objects_of
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.rendering.haptic.scene_work import Names, fits, has_objects, row_names, statics_of
+from mimics_app.world.components_haptic import Robot
 from mimics_app.world.scene import Scene
 
 __all__ = ["HapticSide"]
@@ -35,6 +39,17 @@ class HapticSide:
     def statics(self) -> Statics:
         """What the recording keeps of it beside the parameters."""
         return Statics(self._statics.arrays, self._statics.fields)
+
+    def for_robot(self, robot: Robot) -> tuple[DeviceObject, ...]:
+        """What a robot that renders objects by itself should make; what it cannot is told on stderr."""
+        if robot.settings.get("mode") != "objects":
+            return ()
+        shapes = self._objects.rows.shapes[: int(self._objects.counts[0]["shapes"])]
+        inertia = float(robot.settings.get("inertia", DEFAULT_INERTIA))
+        objects, left_out = device_objects_of(shapes, self._objects.shape_entities, robot, inertia)
+        for entity, reason in left_out.items():
+            sys.stderr.write(f'mimics: "{entity}" cannot be felt: the robot does not make it, {reason}\n')
+        return objects
 
     def memory(self) -> SessionMemory:
         """Shared memory with room for them."""

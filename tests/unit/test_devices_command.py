@@ -91,14 +91,16 @@ def _unplug_after(emulator: Any, commands: int) -> None:
 
 def test_a_headless_run_on_a_robot_with_a_time_of_its_own_is_live(stdin, tmp_path: Path, capsys):
     """The robot is unplugged under way: the run goes on recording to its end, in a latched stop."""
+    quiet = ["--headless", "--pictures", "0", "--sound", "off", "--json", "--runs", str(tmp_path)]
+    main(["run", "scenes/wavy_tunnel.json", "--seconds", "0.02", *quiet])  # compiles what would stop the robot's thread
+    capsys.readouterr()
     with open_emulator("serial", EmulatorSettings()) as emulator:
         thread = threading.Thread(target=serve, args=(emulator, None))
         thread.start()
         try:
-            threading.Thread(target=_unplug_after, args=(emulator, 300), daemon=True).start()
-            arguments = ["--headless", "--seconds", "3", "--pictures", "0", "--sound", "off", "--json"]
-            device = ["--device", f"serial:{emulator.address}", "--runs", str(tmp_path)]
-            code = main(["run", "scenes/wavy_tunnel.json", *arguments, *device])
+            threading.Thread(target=_unplug_after, args=(emulator, 100), daemon=True).start()
+            device = ["--device", f"serial:{emulator.address}", "--seconds", "5"]
+            code = main(["run", "scenes/wavy_tunnel.json", *device, *quiet])
         finally:
             stdin.write("quit\n")
             thread.join(60.0)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 __all__ = [
+    "DEFAULT_INERTIA",
     "DeviceBlock",
     "DeviceCylinder",
     "DeviceDamper",
@@ -15,10 +16,14 @@ __all__ = [
     "DevicePlane",
     "DeviceSphere",
     "DeviceSpring",
+    "Point",
     "hapticmaster_commands",
 ]
 
 Point = tuple[float, float, float]
+
+DEFAULT_INERTIA = 3.0
+"""Virtual mass of a robot that is told none [kg]."""
 
 
 @dataclass(frozen=True, slots=True)

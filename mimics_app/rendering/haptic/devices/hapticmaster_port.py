@@ -13,7 +13,7 @@ from mimics_app.contracts.errors import DeviceError, nearest
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic.devices import hapticmaster_loop as loop
 from mimics_app.rendering.haptic.devices.address import host_and_port
-from mimics_app.rendering.haptic.devices.device_objects import DeviceObject, hapticmaster_commands
+from mimics_app.rendering.haptic.devices.device_objects import DEFAULT_INERTIA, DeviceObject, hapticmaster_commands
 from mimics_app.rendering.haptic.devices.link import LinkKeeper
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.scene_block import axis_offset
@@ -30,7 +30,7 @@ _INIT_NS = 90_000_000_000
 _LOOK_AGAIN_NS = 50_000_000
 _INNER_PERIOD = 1.0 / 2500.0
 
-_NUMBERS = {"inertia": (3.0, 0.5, 50.0), "servo_gain": (150.0, 1.0, 1000.0)}
+_NUMBERS = {"inertia": (DEFAULT_INERTIA, 0.5, 50.0), "servo_gain": (150.0, 1.0, 1000.0)}
 """Settings that are numbers: default, least, most; [kg], [N s/m]."""
 
 _MODES = ("force_stream", "objects")
