@@ -7,6 +7,7 @@ when a scene has such a shape. Its hulls and fitted spheres would need scipy, so
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -53,7 +54,13 @@ def solid_mesh(assets: dict[str, SceneAsset], source: str, scale: float = 1.0, *
         KeyError: the source refers to nothing.
         ValueError: it holds no triangles, or its hull is flat.
     """
-    vertices, triangles = _gather(find_in_model(assets, source))
+    return _solid(find_in_model(assets, source).asset, source, scale, hull)
+
+
+@lru_cache(maxsize=64)
+def _solid(asset: SceneAsset, source: str, scale: float, hull: bool) -> SolidMesh:
+    """`solid_mesh` of one asset, made once: a check, a scenario and a session all ask for it."""
+    vertices, triangles = _gather(find_in_model({asset.id: asset}, source))
     vertices = vertices * scale
     if hull:
         vertices, triangles = convex_hull(vertices)

@@ -7,19 +7,16 @@ from typing import Any
 
 import numpy as np
 
-from mimics_app.app.build import parameters_of
 from mimics_app.app.catalogue import open_scenario
-from mimics_app.app.parameter_desk import ParameterDesk
+from mimics_app.app.haptic_side import HapticSide
 from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.contracts import ring
 from mimics_app.contracts.clock import ticks_until_frame
 from mimics_app.contracts.haptic import INBOX, SAMPLE
 from mimics_app.contracts.messages import PointerState, TaskOrders, VRInput
-from mimics_app.contracts.session_memory import Capacities, SessionMemory
 from mimics_app.rendering.haptic.devices.registry import build_device
-from mimics_app.rendering.haptic.engine import HapticEngine
+from mimics_app.rendering.haptic.object_statics import ObjectStatics
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
-from mimics_app.rendering.haptic.scene_work import has_objects, statics_of
 from mimics_app.tasks.actions import fill_defaults
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.task_manager import TaskManager
@@ -43,15 +40,15 @@ class ScenePlay:
         self.world = build_world(scene)
         self.scenario = open_scenario(scene, self.world)
         self.objects = objects_of_scene(scene)
-        self.desk = ParameterDesk(*parameters_of(self.scenario, self.objects))
+        side = HapticSide(scene)
+        self.desk = side.desk(self.scenario.scene_block())
         patients = scene.components(Patient)
         plugin = build_device(
             scene.one(Robot)[1], patients[0][1] if patients else None, self.scenario.via_points_world, seed
         )
-        self.memory = SessionMemory(Capacities(objects=self.objects.capacities))
-        self.statics = statics_of(self.objects)
-        self.work = self.statics.work(self.objects.capacities) if has_objects(self.objects) else None
-        self.haptics = HapticEngine(self.memory, plugin, objects=self.work, fields=self.statics.functions())
+        self.memory = side.memory()
+        self.statics = ObjectStatics.from_arrays(side.statics.arrays, side.statics.fields)
+        self.haptics = side.engine(self.memory, plugin)
         self.tasks = TaskManager(fill_defaults(task_of(scene), self.desk.value), self.scenario.task_context, seed)
         self._inbox: Any = np.zeros(1, INBOX)
         self._out: Any = np.zeros(len(self.memory.samples), SAMPLE)
@@ -66,7 +63,8 @@ class ScenePlay:
     def _keep(self, block: Any, rows: Any) -> None:
         sequence = int(block[0]["sequence"])
         self.blocks[sequence] = block.copy()
-        self.rows[sequence] = type(rows)(*(table.copy() for table in rows))
+        if rows is not None:
+            self.rows[sequence] = type(rows)(*(table.copy() for table in rows))
 
     def run(self, seconds: float) -> ScenePlay:
         """Play on for a time."""
@@ -99,7 +97,12 @@ class ScenePlay:
     def events(self) -> Any:
         return np.concatenate(self._events)
 
-    def motion(self, entity: str) -> Any:
-        """MOTION of the body of an entity, now."""
-        assert self.work is not None
-        return self.work.motions[self.objects.body_entities.index(entity)]
+    def pose(self, entity: str) -> Any:
+        """Pose of the body of an entity in the newest frame: position [m], quaternion xyzw."""
+        return self.snapshots[-1].poses[1 + self.objects.body_entities.index(entity)]
+
+    def speed(self, entity: str) -> float:
+        """Of the same between the last two frames [m/s]."""
+        row = 1 + self.objects.body_entities.index(entity)
+        before, after = (snapshot.poses[row, :3] for snapshot in self.snapshots[-2:])
+        return float(np.linalg.norm(after - before) * 60.0)
