@@ -2,13 +2,13 @@
 
 Every row is one workload: cull, narrow, force and friction of one tick for shapes and meshes; the whole of collisions
 and motion for bodies. `ratio` is told against a loop of 1000 sphere tests timed in the same run, `tick_p99_us` is the
-99th percentile of the whole tick of the loop with that scene, simulated robot and person included, called one by one.
+99th percentile of the whole tick's work in the live loop with that scene, simulated robot and person included.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from functools import partial
 from typing import Any
 
@@ -24,6 +24,7 @@ from mimics_app.lab.haptic_peers import PEERS, chai3d_us
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.kernels.objects.hand import HAND_LENGTH
+from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS
 from mimics_app.rendering.haptic.objects import ObjectWork, new_object_work
 from mimics_app.rendering.haptic.probe import shortest_us
@@ -32,7 +33,7 @@ from mimics_app.rendering.haptic.simulate import simulate_objects
 from mimics_app.rendering.haptic.touch_probe import DT, RADIUS, STIFFNESS, touch_scene
 from mimics_app.world.components_haptic import Patient, Robot
 
-__all__ = ["BODY_WORKLOADS", "BodyScene", "measure_haptic", "reference_us"]
+__all__ = ["BODY_WORKLOADS", "Scene", "measure_haptic", "reference_us"]
 
 Array = NDArray[np.float64]
 Step = Callable[[str], None]
@@ -48,6 +49,7 @@ _TRIANGLES = (100, 1000, 10_000, 100_000, 1_000_000)
 _BODIES = (1, 10, 100, 1000)
 _SPHERES = 1000
 _TICKS = 1000
+_LIVE_S = 2.5
 _MASS = 0.2
 _GAP = 0.02
 _DAMPING = 5.0
@@ -94,20 +96,26 @@ class _Row:
 
 
 @dataclass(frozen=True, eq=False)
-class BodyScene:
-    """Bodies that move, ready to be simulated.
+class Scene:
+    """Objects, ready to be simulated.
 
     Attributes:
         rows: Tables of objects.
         counts: OBJECT_COUNTS, shape [1].
         capacities: Rows there is room for.
         hand: HIP [m], in touch with one of them, shape [3].
+        meshes: Triangles by SHAPE.mesh.
     """
 
     rows: Rows
     counts: NDArray[Any]
     capacities: ObjectCapacities
     hand: Array
+    meshes: MeshTable = field(default_factory=build_mesh_table)
+
+    def fresh_work(self) -> ObjectWork:
+        """What the loop needs for them."""
+        return new_object_work(self.capacities, self.meshes)
 
 
 @kernel
@@ -118,7 +126,7 @@ def _simulate_often(
         simulate(rows, work, counts, hand, fields, dt, force)
 
 
-def bodies_on_a_floor(kind: ShapeKind, count: int) -> BodyScene:
+def bodies_on_a_floor(kind: ShapeKind, count: int) -> Scene:
     """Free bodies of 0.2 kg and 4 cm that rest on a floor, awake, the hand pressing on one: the peers' scene."""
     capacities = ObjectCapacities(shapes=count + 1, bodies=count)
     rows, counts = new_rows(capacities), np.zeros(1, OBJECT_COUNTS)
@@ -127,7 +135,7 @@ def bodies_on_a_floor(kind: ShapeKind, count: int) -> BodyScene:
     shapes["enabled"], shapes["orientation"][:, 3], shapes["exponent"] = 1, 1.0, 1.0
     shapes["stiffness"], shapes["damping"] = STIFFNESS, _DAMPING
     shapes["friction_static"], shapes["friction_dynamic"] = 0.5, 0.4
-    shapes["kind"], shapes["body"] = kind, places_of(count)
+    shapes["kind"], shapes["body"] = kind, _bodies_of_shapes(count)
     shapes["size"] = {ShapeKind.BOX: (2 * RADIUS,) * 3, ShapeKind.CYLINDER: (RADIUS, 2 * RADIUS, 0.0)}.get(
         kind, (RADIUS, 0.0, 0.0)
     )
@@ -141,15 +149,15 @@ def bodies_on_a_floor(kind: ShapeKind, count: int) -> BodyScene:
     bodies["position"][:, 1] = RADIUS - 5e-4
     rows.points[0]["enabled"] = 1
     counts["shapes"], counts["bodies"], counts["points"] = count + 1, count, 1
-    return BodyScene(rows, counts, capacities, bodies["position"][0] + (0.0, RADIUS - _PRESSED, 0.0))
+    return Scene(rows, counts, capacities, bodies["position"][0] + (0.0, RADIUS - _PRESSED, 0.0))
 
 
-def places_of(count: int) -> NDArray[np.int32]:
+def _bodies_of_shapes(count: int) -> NDArray[np.int32]:
     """Body of each shape: one each, and the floor that belongs to none."""
     return np.append(np.arange(count), STATIC).astype(np.int32)
 
 
-BODY_WORKLOADS: dict[str, Callable[[int], BodyScene]] = {
+BODY_WORKLOADS: dict[str, Callable[[int], Scene]] = {
     "bodies sphere": partial(bodies_on_a_floor, ShapeKind.SPHERE),
     "bodies box": partial(bodies_on_a_floor, ShapeKind.BOX),
     "bodies cylinder": partial(bodies_on_a_floor, ShapeKind.CYLINDER),
@@ -157,9 +165,9 @@ BODY_WORKLOADS: dict[str, Callable[[int], BodyScene]] = {
 """Workloads of moving bodies: what makes the scene of n of them."""
 
 
-def _body_us(scene: BodyScene) -> float:
+def _body_us(scene: Scene) -> float:
     """Cost of one step of all of it [us] once it lies at rest."""
-    work = new_object_work(scene.capacities)
+    work = scene.fresh_work()
     hand, force = np.zeros(HAND_LENGTH), np.zeros(3)
     hand[:3] = scene.hand
     run = partial(_simulate_often, simulate_objects, scene.rows, work, scene.counts[0], hand, NO_FIELDS, DT, force)
@@ -171,20 +179,18 @@ def _body_us(scene: BodyScene) -> float:
     return shortest_us(lambda: run(ticks), ticks)
 
 
-def _tick_p99_us(rows: Rows, counts: NDArray[Any], capacities: ObjectCapacities, work: ObjectWork) -> float:
-    """99th percentile [us] of the whole tick, one call each."""
-    memory = SessionMemory(Capacities(objects=capacities))
-    engine = HapticEngine(memory, build_device(Robot(), Patient(), _WAY, 1), objects=work)
+def _tick_p99_us(scene: Scene) -> float:
+    """99th percentile [us] of the whole tick's work in the live loop, after its first second."""
+    memory = SessionMemory(Capacities(objects=scene.capacities))
+    engine = HapticEngine(memory, build_device(Robot(), Patient(), _WAY, 1), objects=scene.fresh_work())
     block = scene_from_components(Robot())
-    block["objects"] = counts
-    engine.publish(block, rows)
-    engine.advance(_SETTLE)
-    clock, spans = MonotonicClock(), np.empty(_TICKS)
-    for i in range(_TICKS):
-        started = clock.now_ns()
-        engine.advance(1)
-        spans[i] = clock.now_ns() - started
-    return float(np.percentile(spans, 99.0)) * 1e-3
+    block["objects"] = scene.counts
+    engine.publish(block, scene.rows)
+    engine.start()
+    clock = MonotonicClock()
+    clock.sleep_until_ns(clock.now_ns() + round(_LIVE_S * 1e9))
+    engine.stop()
+    return engine.histogram().duration_p99
 
 
 def _shape_rows(step: Step, reference: float) -> Iterator[_Row]:
@@ -204,8 +210,7 @@ def _shape_row(work: str, n: int, kind: ShapeKind, count: int, triangles: int, r
     rows = new_rows(capacities)
     rows.shapes[:] = scene.rows.shapes
     rows.points[:] = scene.rows.points
-    ticking = new_object_work(capacities, scene.work.meshes)
-    whole = _tick_p99_us(rows, scene.counts, capacities, ticking)
+    whole = _tick_p99_us(Scene(rows, scene.counts, capacities, scene.way[-1], scene.work.meshes))
     peer = chai3d_us(work, n)
     return _Row(work, n, us, us / reference, whole, "CHAI3D 3.3.0 (quoted)" if peer else None, peer)
 
@@ -216,7 +221,7 @@ def _body_rows(step: Step, reference: float) -> Iterator[_Row]:
             step(f"{name} x {count}")
             scene = build(count)
             us = _body_us(scene)
-            whole = _tick_p99_us(scene.rows, scene.counts, scene.capacities, new_object_work(scene.capacities))
+            whole = _tick_p99_us(scene)
             for peer, measure in PEERS.items():
                 told, peer_us = measure(name, count)
                 if peer_us is not None:

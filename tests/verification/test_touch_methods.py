@@ -58,6 +58,7 @@ def test_bench_rows_say_what_was_measured(monkeypatch):
     for name, values in (("_COUNTS", (1, 10)), ("_TRIANGLES", (100,)), ("_BODIES", (1,)), ("_TICKS", 20)):
         monkeypatch.setattr(haptic_bench, name, values)
     monkeypatch.setattr(haptic_bench, "_LONGEST", 0.01)
+    monkeypatch.setattr(haptic_bench, "_tick_p99_us", lambda scene: 1.0 + len(scene.rows.shapes))
     told = []
     found = haptic_bench.measure_haptic(told.append)
     assert found["reference_ns"] > 0.0
@@ -74,6 +75,11 @@ def test_bench_rows_say_what_was_measured(monkeypatch):
     assert next(row for row in rows if row["work"] == "box")["peer_us"] == 0.12
     assert {row["peer"].split()[0] for row in rows if row["work"] == "bodies box"} == {"MuJoCo", "Bullet"}
     assert len(told) == len({(row["work"], row["n"]) for row in rows})
+
+
+def test_whole_tick_is_that_of_the_live_loop(monkeypatch):
+    monkeypatch.setattr(haptic_bench, "_LIVE_S", 1.2)
+    assert 0.5 < haptic_bench._tick_p99_us(haptic_bench.BODY_WORKLOADS["bodies sphere"](2)) < 1e6
 
 
 def test_bodies_of_the_bench_lie_on_the_floor_and_touch_it():

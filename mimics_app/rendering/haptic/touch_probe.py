@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.borrowed import borrowed
 from mimics_app.contracts.haptic_objects import OBJECT_COUNTS, STATIC, ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
@@ -47,6 +48,7 @@ _SIZES = {
 
 @kernel
 def _touch_often(rows: Any, work: Any, counts: Any, way: Array, velocities: Array, dt: float, forces: Array) -> None:
+    rows, work = borrowed(rows), borrowed(work)
     pose_shapes(rows, work, counts)
     for tick in range(way.shape[0]):
         clear_totals(work.totals[0])
