@@ -59,8 +59,16 @@ class Frames:
         session.world.update()
         if session.sound is not None:
             session.sound.step(orders, session.world, now_ns)
-        session.recorder.journal("frame", {"frame": self.number, "tick": snapshot.tick, "t_ns": now_ns})
+        self._journal(snapshot, now_ns)
         self.number, self.orders, self.snapshot = self.number + 1, orders, snapshot
+
+    def _journal(self, snapshot: HapticSnapshot, now_ns: int) -> None:
+        """What this frame saw: the tick, and where every haptic body was."""
+        line: dict[str, object] = {"frame": self.number, "tick": snapshot.tick, "t_ns": now_ns}
+        bodies = int(self._session.desk.block["objects"]["bodies"][0])
+        if bodies:
+            line["bodies"] = snapshot.poses[1 : 1 + bodies].tolist()
+        self._session.recorder.journal("frame", line)
 
     def _touch(self, vr: VRInput, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         """Hand the task's haptic orders and the person's pointer to the loop."""

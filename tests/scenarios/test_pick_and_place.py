@@ -47,6 +47,13 @@ def test_its_replay_is_equal_bit_for_bit(answer):
     assert json.loads(done.stdout)["ticks"] == 60_000
 
 
+def test_every_frame_says_where_the_apple_was(answer):
+    frames = Run.open(Path(answer["run_dir"])).lines_of("app", "frame")
+    places = np.array([line["bodies"][0] for line in frames])
+    assert places.shape == (answer["frames"], 7)
+    assert np.ptp(places[:, 0]) > 0.1 and np.allclose(np.linalg.norm(places[60:, 3:], axis=1), 1.0)
+
+
 def test_its_report_tells_of_the_carrying(answer):
     report = Path(answer["report"]).read_text()
     for words in ("apple in the hand", "grasp force", "right at least", "drops", "Carrying"):
