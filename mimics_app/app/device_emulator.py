@@ -50,6 +50,9 @@ class Emulator(Protocol):
     def step(self) -> None:
         """One millisecond."""
 
+    def rehearse(self) -> None:
+        """Do all it can do once, before anybody waits for it."""
+
     def close(self) -> None:
         """Take it away."""
 
@@ -88,6 +91,7 @@ def open_emulator(name: str, settings: EmulatorSettings) -> Iterator[Emulator]:
     with tempfile.TemporaryDirectory(prefix="mimics-") as folder:
         emulator = _open(name, request, Path(folder), settings)
         try:
+            emulator.rehearse()
             yield emulator
         finally:
             emulator.close()

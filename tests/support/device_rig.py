@@ -24,7 +24,7 @@ from mimics_app.rendering.haptic.devices.simulated_hapticmaster import (
     write_robot,
     write_robot_memory,
 )
-from mimics_app.world.components_haptic import Robot
+from mimics_app.world.components_haptic import Patient, Robot
 from tests.support.haptic_bench import PUSH, Bench, read_pushed
 
 
@@ -103,8 +103,10 @@ def pushed_serial_rig(folder: Path) -> Iterator[Rig]:
 
 @contextmanager
 def hapticmaster_rig(**options: Any) -> Iterator[Rig]:
-    """An emulated HapticMaster on a loopback socket, held by a relaxed arm."""
-    plugin = build_simulated_hapticmaster(DeviceRequest(robot=Robot(delay_ticks=0, sensor_noise=0.0), rate=RATE))
+    """An emulated HapticMaster on a loopback socket; a person holds it who means to lift it by 50 mm when asked to."""
+    robot, upwards = Robot(delay_ticks=0, sensor_noise=0.0), np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.05]])
+    person = Patient(tremor=0.0, aim_error=0.0, grasp_variation=0.0)
+    plugin = build_simulated_hapticmaster(DeviceRequest(robot, person, upwards, rate=RATE))
     emulator = HapticMasterEmulator(plugin, **options)
     try:
         yield Rig(emulator, "hapticmaster")

@@ -62,6 +62,10 @@ class HapticMasterEmulator:
         self._step += 1
         self._tell()
 
+    def rehearse(self) -> None:
+        """Go through a step once, so that nothing is compiled while it has to keep time."""
+        self.model.step()
+
     def greet(self) -> None:
         """Answer without moving, while a program is being started."""
         self._follow_plug()
