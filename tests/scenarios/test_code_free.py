@@ -20,7 +20,7 @@ TOUCHED = ("falling_pairs", "free_objects", "models", "rollers", "shaking_and_st
 PULLED = ("force_field", "guided_path", "shaking_and_sticking", "springs_and_magnets", "wired")
 ALL = sorted({*TOUCHED, *PULLED, "tower", "two_fingers"})
 
-SECONDS = {"guided_path": 12.0}
+SECONDS = {"guided_path": 12.0, "wired": 12.0}
 """Where it takes longer than `_ENOUGH` to see what a scene shows [s]."""
 
 _ENOUGH = 9.0
