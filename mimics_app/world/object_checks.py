@@ -74,7 +74,7 @@ def _check_body(thing: HapticObject, pointer: str, scene: Scene) -> list[Issue]:
     if moves and any(thing.gravity) and all(isinstance(shape, MeshSolid) for shape in shapes):
         name = _owner(pointer, scene)
         scene.notes.append(
-            f'"{name}" falls through everything: triangles are met by the hand alone; add a simple shape'
+            f'"{name}" falls through everything: triangles that move are met by the hand alone; add a simple shape'
         )
     return []
 
