@@ -7,15 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.world.levels import MAX_LEVELS
 from mimics_app.world.light import LIGHT_KINDS, LightKind
 from mimics_app.world.render_list import RenderList, SubEntityTable
 from mimics_app.world.table import ComponentTable
 from mimics_app.world.transforms import TransformTable
 
-__all__ = ["MAX_LEVELS", "Content"]
-
-MAX_LEVELS = 8
-"""Levels of detail a body can have."""
+__all__ = ["Content"]
 
 _NONE = -1
 

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from mimics_app.maths.decompose import decompose_trs
-from mimics_app.world.content import MAX_LEVELS
 from mimics_app.world.gltf_source import GltfSource
+from mimics_app.world.levels import MAX_LEVELS
 from mimics_app.world.light import LightKind
 
 __all__ = ["MAX_DEPTH", "MAX_NODES", "GltfCamera", "GltfLight", "GltfNode", "GltfNodes"]

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.maths.quat import to_matrix
 from mimics_app.world import shapes as visible
 from mimics_app.world.components import MeshComponent
 from mimics_app.world.components_objects import HapticObject
@@ -114,6 +113,8 @@ def mass_properties_of(scene: Scene, thing: HapticObject, shapes: tuple[Solid, .
 
 def rotation_of(quaternion: tuple[float, ...]) -> F8:
     """Matrix of a quaternion xyzw, shape [3, 3]."""
+    from mimics_app.maths.quat import to_matrix  # compiled: reading a scene without objects does not need it
+
     unit = np.array(quaternion)
     R = np.zeros((3, 3))
     to_matrix(unit / np.linalg.norm(unit), R)

@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import SceneError
 from mimics_app.maths.decompose import decompose_trs
-from mimics_app.maths.mat import compose
 from mimics_app.world.components import MeshComponent
 from mimics_app.world.scene import Scene, SceneEntity
 from mimics_app.world.scene_assets import ModelPart, find_in_model
@@ -16,6 +15,7 @@ from mimics_app.world.scene_spec import TransformSpec
 __all__ = ["model_matrix", "pose_of", "world_matrix"]
 
 Array = NDArray[np.float64]
+Triple = tuple[float, float, float]
 
 _SCALE_TOLERANCE = 1e-6
 
@@ -50,7 +50,7 @@ def model_matrix(part: ModelPart, index: int) -> Array:
     node = part.model.nodes[index]
     if index == part.node:
         return np.eye(4)
-    own = compose(node.translation, node.rotation, node.scale)
+    own = _compose(node.translation, node.rotation, node.scale)
     return own if node.parent is None else model_matrix(part, node.parent) @ own
 
 
@@ -60,4 +60,10 @@ def _local_matrix(scene: Scene, entity: SceneEntity) -> Array:
         if isinstance(mesh, MeshComponent) and mesh.source is not None:
             part = find_in_model(scene.assets, mesh.source)
             return model_matrix(part, part.model.find_node(entity.id.removeprefix(f"{entity.parent}/")))
-    return compose(entity.transform.translation, entity.transform.rotation, entity.transform.scale)
+    return _compose(entity.transform.translation, entity.transform.rotation, entity.transform.scale)
+
+
+def _compose(translation: Triple, rotation: tuple[float, ...], scale: Triple) -> Array:
+    from mimics_app.maths.mat import compose  # compiled: reading a scene without objects does not need it
+
+    return compose(translation, rotation, scale)

@@ -77,14 +77,14 @@ def test_a_reload_takes_good_shaders_and_keeps_the_old_one_for_bad(folder):
         renderer.draw(views)
         before = read_pixels(surface)
         assert renderer.reload_shaders() == []
-        rewrite(folder / "sky" / "sky.frag", "encode_output(light)", "encode_output(lihgt)")
+        rewrite(folder / "sky" / "sky.frag", "mix(light, over.rgb, over.a)", "mix(lihgt, over.rgb, over.a)")
         issues = renderer.reload_shaders()
         assert {Path(issue.file).name for issue in issues} == {"sky.frag"}
         assert "lihgt" in issues[0].what
         renderer.draw(views)
         assert np.array_equal(read_pixels(surface), before), "a broken shader must not change the picture"
         assert renderer.reload_shaders() == [], "a fault is told once, not every frame"
-        rewrite(folder / "sky" / "sky.frag", "encode_output(lihgt)", "vec3(1.0, 0.0, 1.0)")
+        rewrite(folder / "sky" / "sky.frag", "encode_output(mix(lihgt, over.rgb, over.a))", "vec3(1.0, 0.0, 1.0)")
         assert renderer.reload_shaders() == []
         renderer.draw(views)
         after = read_pixels(surface)

@@ -169,6 +169,7 @@ class PaperScene:
     def __init__(self, folder, sounds=("goal",)):
         self.file, self.root, self._sounds = str(folder / "scene.json"), folder, sounds
         self.path = folder / "scene.json"
+        self.entities = ()
 
     def issue(self, pointer, what, fix=""):
         return Issue(self.file, pointer, what, fix)
