@@ -8,7 +8,7 @@ and motion for bodies. `ratio` is told against a loop of 1000 sphere tests timed
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -21,6 +21,7 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.contracts.session_memory import Capacities, SessionMemory
 from mimics_app.lab.haptic_peers import PEERS, chai3d_us
+from mimics_app.rendering.haptic.body_worlds import heap_of_boxes
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.kernels.objects.hand import HAND_LENGTH
@@ -47,6 +48,8 @@ _SHAPES = {
 _COUNTS = (1, 10, 100, 1000, 10_000)
 _TRIANGLES = (100, 1000, 10_000, 100_000, 1_000_000)
 _BODIES = (1, 10, 100, 1000)
+_HEAPS = (10, 100)
+_HEAP_TICKS = 4000
 _SPHERES = 1000
 _TICKS = 1000
 _LIVE_S = 2.5
@@ -157,6 +160,19 @@ def _bodies_of_shapes(count: int) -> NDArray[np.int32]:
     return np.append(np.arange(count), STATIC).astype(np.int32)
 
 
+def boxes_in_a_heap(count: int) -> Scene:
+    """Boxes that have come to rest in a shaft, on and beside one another, awake; the hand is elsewhere.
+
+    Args:
+        count: How many; beyond some hundred the lowest would be pressed flat.
+    """
+    world = heap_of_boxes(count)
+    world.run(_HEAP_TICKS)
+    bodies = world.rows.bodies
+    bodies["position"], bodies["orientation"] = world.motions["position"], world.motions["orientation"]
+    return Scene(world.rows, world.counts, ObjectCapacities(shapes=count + 5, bodies=count), np.full(3, 1.0))
+
+
 BODY_WORKLOADS: dict[str, Callable[[int], Scene]] = {
     "bodies sphere": partial(bodies_on_a_floor, ShapeKind.SPHERE),
     "bodies box": partial(bodies_on_a_floor, ShapeKind.BOX),
@@ -215,21 +231,32 @@ def _shape_row(work: str, n: int, kind: ShapeKind, count: int, triangles: int, r
     return _Row(work, n, us, us / reference, whole, "CHAI3D 3.3.0 (quoted)" if peer else None, peer)
 
 
+def _body_row(name: str, count: int, scene: Scene, reference: float) -> _Row:
+    us = _body_us(scene)
+    whole = _tick_p99_us(scene)
+    return _Row(name, count, us, us / reference, whole, None, None)
+
+
+def _heap_rows(step: Step, reference: float) -> Iterator[_Row]:
+    """Boxes on boxes, which no peer was measured on."""
+    for count in _HEAPS:
+        step(f"bodies heap x {count}")
+        yield _body_row("bodies heap", count, boxes_in_a_heap(count), reference)
+
+
 def _body_rows(step: Step, reference: float) -> Iterator[_Row]:
     for name, build in BODY_WORKLOADS.items():
         for count in _BODIES:
             step(f"{name} x {count}")
-            scene = build(count)
-            us = _body_us(scene)
-            whole = _tick_p99_us(scene)
+            row = _body_row(name, count, build(count), reference)
             for peer, measure in PEERS.items():
                 told, peer_us = measure(name, count)
                 if peer_us is not None:
-                    yield _Row(name, count, us, us / reference, whole, f"{peer} ({told})", peer_us)
+                    yield replace(row, peer=f"{peer} ({told})", peer_us=peer_us)
 
 
 def measure_haptic(step: Step = lambda _: None) -> dict[str, Any]:
     """The object of `mimics bench haptic`; `step` is told what is measured next."""
     reference = reference_us()
-    rows = [asdict(row) for part in (_shape_rows, _body_rows) for row in part(step, reference)]
+    rows = [asdict(row) for part in (_shape_rows, _body_rows, _heap_rows) for row in part(step, reference)]
     return {"reference_ns": reference * 1e3, "rows": rows}
