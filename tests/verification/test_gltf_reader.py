@@ -7,6 +7,7 @@ import io
 import math
 import os
 import struct
+from pathlib import Path
 
 import numpy as np
 import pytest
