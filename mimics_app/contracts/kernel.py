@@ -11,6 +11,7 @@ from __future__ import annotations
 import hashlib
 import os
 import tempfile
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -18,6 +19,7 @@ from typing import Any, ParamSpec, TypeVar
 
 import numba
 from numba import njit
+from numba.core.errors import NumbaExperimentalFeatureWarning
 
 __all__ = ["cache_folder", "kernel", "typed_kernel"]
 
@@ -76,6 +78,9 @@ cache_folder: Path | None = _choose_cache_folder()
 
 if cache_folder is not None:
     numba.config.CACHE_DIR = str(cache_folder)  # type: ignore[attr-defined]
+
+# Plug-ins of the loop travel as first-class functions: pinned, tested, and nothing a person at the console can act on.
+warnings.filterwarnings("ignore", "First-class function type", NumbaExperimentalFeatureWarning)
 
 _OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "cache": cache_folder is not None}
 
