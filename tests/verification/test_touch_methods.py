@@ -69,6 +69,7 @@ def test_bench_rows_say_what_was_measured(monkeypatch):
         "cylinder",
         "capsule",
         "mesh",
+        "bodies heap",
         *haptic_bench.BODY_WORKLOADS,
     }
     assert all(row["us"] > 0.0 and row["ratio"] > 0.0 and row["tick_p99_us"] > 0.0 for row in rows)
