@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.app.catalogue import open_scenario
+from mimics_app.app.device_fit import device_values, fit_context
 from mimics_app.app.haptic_side import HapticSide
 from mimics_app.contracts import ring
 from mimics_app.contracts.clock import ticks_until_frame
@@ -63,8 +64,9 @@ class BarePlay:
         self.memory = side.memory()
         self.haptics = side.engine(self.memory, plugin)
         self.desk = side.desk(self.scenario.scene_block())
-        self.desk.change({"device_delay": plugin.delay})
-        self.tasks = TaskManager(fill_defaults(spec, self.desk.value), self.scenario.task_context, seed)
+        self.desk.change(device_values(plugin, scene))
+        context = fit_context(self.scenario.task_context, plugin)
+        self.tasks = TaskManager(fill_defaults(spec, self.desk.value), context, seed)
         self.inputs = Inputs([SimulatedPatient(intent=patient.intent, follows_way=len(way) > 1)])
         self.samples: NDArray[Any] = np.zeros(0, SAMPLE)
         self._out = np.zeros(len(self.memory.samples), SAMPLE)

@@ -16,6 +16,7 @@ import msgspec
 from numpy.typing import NDArray
 
 from mimics_app.app.catalogue import open_scenario
+from mimics_app.app.device_fit import device_values, fit_context
 from mimics_app.app.explain import describe_plan
 from mimics_app.app.haptic_side import HapticSide
 from mimics_app.app.plan import Plan, settle
@@ -97,9 +98,7 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
     live = live or plugin.real_time
     with ExitStack() as stack:
         stack.callback(plugin.close)
-        desk.change({"device_delay": plugin.delay})
-        if plugin.follows == "nothing":  # no virtual mass moves with it whose energy could be controlled
-            desk.change({"passivity": 0})
+        desk.change(device_values(plugin, scene))
         memory = side.memory()
         folder = create_run_folder(settings.runs, settings.seconds or 0.0)
         recorder = Recorder(memory, folder, _header(settings, scene, scenario, plan, robot, patient, live=live))
@@ -112,7 +111,11 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
         haptics = side.engine(memory, plugin, recipe=settings.recipe)
         stack.callback(haptics.stop)
         tasks = TaskManager(
-            spec, scenario.task_context, settings.seed, on_trial=recorder.trial, on_event=recorder.journal
+            spec,
+            fit_context(scenario.task_context, plugin),
+            settings.seed,
+            on_trial=recorder.trial,
+            on_event=recorder.journal,
         )
         session = Session(
             settings=settings,

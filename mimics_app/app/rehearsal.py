@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.app.catalogue import open_scenario
+from mimics_app.app.device_fit import device_values, feel_of
 from mimics_app.app.haptic_side import HapticSide
 from mimics_app.contracts import ring
 from mimics_app.contracts.clock import TICKS_PER_SECOND
-from mimics_app.contracts.haptic import INBOX, SAMPLE, Controller, SafetyState
+from mimics_app.contracts.haptic import INBOX, SAMPLE, SafetyState
 from mimics_app.contracts.scenario_port import Home
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.world.components_haptic import Patient, Robot
@@ -48,7 +49,7 @@ class Rehearsal:
         self._aims = False
         self._rows = np.zeros(len(self.memory.samples), SAMPLE)
         self._desk = side.desk(self.scenario.scene_block())
-        self._desk.change({"device_delay": plugin.delay})
+        self._desk.change(device_values(plugin, scene))
         self._inbox: NDArray[Any] = np.zeros(1, INBOX)
         self._desk.hand_to(self.haptics.publish)
         self._go_home()
@@ -66,7 +67,7 @@ class Rehearsal:
 
     def _let_go(self) -> None:
         """Hand the robot to the simulated person, forces on."""
-        self._desk.change({"controller": int(Controller.ADMITTANCE), "trial": 1})
+        self._desk.change({"controller": int(feel_of(self.haptics.plugin)), "trial": 1})
         self.advance(TICKS_PER_SECOND)
         self._inbox["active"], self._inbox["trial"] = 1, 1
         self._look()

@@ -39,7 +39,7 @@ def summarise(session: Session, frames: Frames, sound: AudioReport | None, wall_
 
 _READ = frozenset(
     "admittance ball camera connections environment force_field grasping_hand haptic_effect haptic_object haptic_path "
-    "haptic_walls hud interaction_points joint_pd light mesh patient robot safety sound sound_emitter tunnel "
+    "haptic_walls hud impedance interaction_points joint_pd light mesh patient robot safety sound sound_emitter tunnel "
     "tunnel_view world_pd".split()
 )
 """Component types that a run makes use of."""

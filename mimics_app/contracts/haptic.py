@@ -78,6 +78,7 @@ class Controller(IntEnum):
     JOINT_PD = 1
     WORLD_PD = 2
     ADMITTANCE = 3
+    IMPEDANCE = 4
 
 
 class AdmittanceForm(IntEnum):
@@ -157,7 +158,12 @@ SCENE = np.dtype(
         ("kp", "f8", (3,)),  # [1/s] per joint
         ("kd", "f8", (3,)),  # [-] per joint
         ("virtual_mass", "f8"),  # [kg]
-        ("virtual_damping", "f8"),  # [N s/m]
+        ("virtual_damping", "f8"),  # [N s/m] of the virtual mass; IMPEDANCE: rendered viscosity
+        ("force_driven", "i8"),  # 1: the device is told forces (COMMAND_FORCE), 0: velocities (COMMAND_DQ)
+        ("device_damping", "f8"),  # [N s/m] of a force driven device itself
+        ("drive_stiffness", "f8"),  # [N/m] of the spring that draws a force driven device to a target
+        ("drive_damping", "f8"),  # [N s/m] of the damper beside it
+        ("drive_force", "f8"),  # [N] most that both do
         ("max_acceleration", "f8"),  # [m/s^2] of the virtual mass
         ("max_velocity", "f8"),  # [m/s] of the command
         ("device_delay", "f8"),  # from command to motion [s]; as the device plug-in states it
@@ -252,6 +258,7 @@ SAMPLE = np.dtype(
         ("tunnel_radius", "f8"),  # at s, scaled [m]
         ("v_virtual", "f8", (3,)),  # velocity of the virtual mass, robot frame [m/s]
         ("command", "f8", (3,)),  # joint velocities sent [m/s, rad/s, m/s]
+        ("f_command", "f8", (3,)),  # force sent, robot frame [N]
         ("ramp", "f8"),  # soft-start factor 0-1
         ("state", "f8"),  # SafetyState
         ("cause", "f8"),  # TripCause

@@ -39,12 +39,14 @@ class TaskContext:
         home: How it gets there; None: by joint PD.
         bodies: Names of the haptic bodies in the order of their rows.
         places: Where the entities are that a task may name [m].
+        feel: Controller under which the person leads: ADMITTANCE, or IMPEDANCE on a force driven device.
     """
 
     start_joints: Vec3
     home: Home | None = None
     bodies: tuple[str, ...] = ()
     places: Mapping[str, Vec3] = field(default_factory=dict)
+    feel: Controller = Controller.ADMITTANCE
 
 
 class Scenario(Protocol):

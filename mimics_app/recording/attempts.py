@@ -34,7 +34,7 @@ class Attempt:
     Attributes:
         number: SCENE.trial while it lasted.
         samples: SAMPLE records, shape [n].
-        free: Where the person moved the robot (admittance control), shape [n]; elsewhere it was driven.
+        free: Where the person led (admittance or impedance control), shape [n]; elsewhere the robot was driven.
         tunnel: The tunnel it went through, None where there is none.
         row: Its row of trials.csv, {} where it has none.
     """
@@ -76,7 +76,7 @@ def find_attempts(run: Run) -> list[Attempt]:
     attempts = []
     for i, number in enumerate(begun):
         mine = numbers == number
-        free = controllers[mine] == Controller.ADMITTANCE
+        free = np.isin(controllers[mine], (Controller.ADMITTANCE, Controller.IMPEDANCE))
         tunnel = next((tunnel_shape(blocks[s]) for s in _in_order(sequences[mine]) if s in blocks), None)
         row = run.trials[i] if i < len(run.trials) else {}
         attempts.append(Attempt(number, samples[mine], free, tunnel, row))

@@ -64,6 +64,7 @@ _UNITS: dict[str, str | tuple[str, ...]] = {
     "tunnel_radius": "m",
     "v_virtual": "m/s",
     "command": ("m/s", "rad/s", "m/s"),
+    "f_command": "N",
     "stiffness_limit": "N/m",
     "energy": "J",
     "credit": "J",

@@ -15,13 +15,14 @@ _FREE = (State.READY, State.TRAVEL)
 
 
 class RobotControl:
-    """Approach: PD to the start. Ready and travel: admittance. Stopped: off. Otherwise: hold where it is.
+    """Approach: PD to the start. Ready and travel: the person leads. Stopped: off. Otherwise: hold where it is.
 
     Holding between trials carries the arm, and nothing moves a hand that rests.
     """
 
-    def __init__(self, home: Home) -> None:
+    def __init__(self, home: Home, feel: Controller = Controller.ADMITTANCE) -> None:
         self._home = home
+        self._feel = feel
         self._controller = Controller.OFF
         self._target = home.target
         self._holding = False
@@ -33,7 +34,7 @@ class RobotControl:
         if state is State.STOPPED:
             self._controller = Controller.OFF
         elif state in _FREE:
-            self._controller = Controller.ADMITTANCE
+            self._controller = self._feel
         else:
             self._controller = Controller.JOINT_PD
         if state is State.APPROACH:

@@ -64,7 +64,7 @@ class TaskManager:
         self._bodies = context.bodies
         self._carry = Carry(spec.carry, context.places[spec.carry.to], seed) if spec.carry is not None else None
         self._arrival = Arrival(spec.start, context.start_joints)
-        self._control = RobotControl(context.home or Home(context.start_joints))
+        self._control = RobotControl(context.home or Home(context.start_joints), context.feel)
         self._goals = Goals(spec.goals)
         self._triggers = Triggers(spec.triggers)
         self._board = Board()

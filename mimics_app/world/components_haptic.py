@@ -13,7 +13,18 @@ from msgspec import Meta
 
 from mimics_app.world.registry import Component, component
 
-__all__ = ["Admittance", "Ball", "JointPd", "Patient", "Robot", "RobotToWorld", "Safety", "Tunnel", "WorldPd"]
+__all__ = [
+    "Admittance",
+    "Ball",
+    "Impedance",
+    "JointPd",
+    "Patient",
+    "Robot",
+    "RobotToWorld",
+    "Safety",
+    "Tunnel",
+    "WorldPd",
+]
 
 Point = tuple[float, float, float]
 NotNegative = Annotated[float, Meta(ge=0)]
@@ -137,6 +148,21 @@ class Admittance(Component, frozen=True):
         Literal["cartesian", "polar", "seed"],
         Meta(description="Cartesian, polar with coupling terms, or as printed in D2.1 per axis"),
     ] = "cartesian"
+
+
+@component("impedance")
+class Impedance(Component, frozen=True):
+    """Impedance control: a device that is told forces renders the virtual force; inertia and gravity are its own."""
+
+    damping: Annotated[float, Meta(ge=0, description="Viscosity rendered with every force [N s/m]")] = 1.0
+    device_damping: Annotated[
+        float, Meta(ge=0, description="Friction of the device, counted on in the live stability limit [N s/m]")
+    ] = 0.0
+    drive_stiffness: Annotated[
+        float, Meta(gt=0, description="Of the spring that draws the device to a trial's start [N/m]")
+    ] = 600.0
+    drive_damping: Annotated[float, Meta(ge=0, description="Of the damper beside it [N s/m]")] = 20.0
+    drive_force: Annotated[float, Meta(gt=0, description="Most that both do [N]")] = 10.0
 
 
 @component("joint_pd")

@@ -255,7 +255,7 @@ def test_parameters_that_are_not_finite_are_refused_by_name():
 
 @pytest.mark.parametrize(
     ("where", "name", "value"),
-    [("", "controller", 4), ("", "form", -1), ("tunnel", "projection", 9), ("tunnel", "pieces", MAX_PIECES + 1)],
+    [("", "controller", 5), ("", "form", -1), ("tunnel", "projection", 9), ("tunnel", "pieces", MAX_PIECES + 1)],
 )
 def test_choices_and_counts_out_of_range_are_refused_by_name(where: str, name: str, value: int):
     """A count of pieces beyond the array would make compiled code read foreign memory."""

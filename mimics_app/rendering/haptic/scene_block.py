@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.haptic import SCENE, AdmittanceForm, Controller
 
 if TYPE_CHECKING:
-    from mimics_app.world.components_haptic import Admittance, Ball, JointPd, Robot, Safety, WorldPd
+    from mimics_app.world.components_haptic import Admittance, Ball, Impedance, JointPd, Robot, Safety, WorldPd
 
 __all__ = [
     "apply_admittance",
@@ -21,6 +21,7 @@ __all__ = [
     "apply_world_pd",
     "axis_offset",
     "default_scene",
+    "impedance_values",
     "robot_from_world",
     "scene_from_components",
 ]
@@ -43,6 +44,7 @@ def default_scene() -> Block:
     record["kd"] = 0.1
     record["virtual_mass"] = 3.0
     record["virtual_damping"] = 5.0
+    record["drive_stiffness"], record["drive_damping"], record["drive_force"] = 600.0, 20.0, 10.0
     record["max_acceleration"] = 20.0
     record["max_velocity"] = 0.8
     record["axis_offset"] = 0.46
@@ -108,6 +110,19 @@ def apply_admittance(block: Block, admittance: Admittance) -> None:
     record["virtual_damping"] = admittance.damping
     record["max_acceleration"] = admittance.max_acceleration
     record["max_velocity"] = admittance.max_velocity
+
+
+def impedance_values(impedance: Impedance) -> dict[str, object]:
+    """SCENE fields of a device that is told forces, under impedance control."""
+    return {
+        "controller": int(Controller.IMPEDANCE),
+        "force_driven": 1,
+        "virtual_damping": impedance.damping,
+        "device_damping": impedance.device_damping,
+        "drive_stiffness": impedance.drive_stiffness,
+        "drive_damping": impedance.drive_damping,
+        "drive_force": impedance.drive_force,
+    }
 
 
 def apply_joint_pd(block: Block, joint_pd: JointPd, target_joints: Vec) -> None:

@@ -15,6 +15,7 @@ from mimics_app.rendering.haptic.devices.pointer import build_pointer
 from mimics_app.rendering.haptic.devices.replay import build_replay
 from mimics_app.rendering.haptic.devices.request import DeviceBuilder, DeviceRequest
 from mimics_app.rendering.haptic.devices.simulated_hapticmaster import build_simulated_hapticmaster
+from mimics_app.rendering.haptic.devices.simulated_impedance import build_simulated_impedance
 from mimics_app.rendering.haptic.scene_block import robot_from_world
 
 if TYPE_CHECKING:
@@ -43,6 +44,7 @@ def _build_hapticmaster(request: DeviceRequest) -> DevicePlugin:
 
 BUILT_IN: dict[str, DeviceBuilder] = {
     "simulated_hapticmaster": build_simulated_hapticmaster,
+    "simulated_impedance": build_simulated_impedance,
     "pointer": build_pointer,
     "replay": build_replay,
     "serial": _build_serial,
@@ -52,6 +54,7 @@ BUILT_IN: dict[str, DeviceBuilder] = {
 
 _ADDRESSES = {
     "simulated_hapticmaster": "",
+    "simulated_impedance": "",
     "pointer": "",
     "replay": "",
     "serial": "PORT[@BAUD]",

@@ -13,6 +13,7 @@ import math
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import Controller, SafetyState, TripCause
 from mimics_app.contracts.kernel import kernel
@@ -23,7 +24,12 @@ from mimics_app.rendering.haptic.kernels.stability import contact_share, spring_
 from mimics_app.rendering.haptic.kernels.tank import payable_share, settle_account
 from mimics_app.rendering.haptic.kernels.vectors import fill, norm, rotate, rotate_back, scale
 
-__all__ = ["ACTING", "FREE_TIME", "account", "act", "cap_wall", "device_delay", "own_damping"]
+__all__ = ["ACTING", "FREE_TIME", "account", "act", "acting_contact", "cap_wall", "device_delay", "own_damping"]
+
+Vec = NDArray[np.float64]
+
+_LINE = 32
+"""Ticks of delay that can be counted; what is longer is counted as this."""
 
 ACTING = np.dtype(
     [
@@ -33,6 +39,8 @@ ACTING = np.dtype(
         ("way", "f8", (3,)),  # what it has gone since the last tick [m]
         ("contact", "f8", (3,)),  # share of the contacts in the force on the user, held since then, world [N]
         ("active", "f8", (3,)),  # share of the active forces in it [N]
+        ("contacts", "f8", (_LINE, 3)),  # `contact` of the last ticks, by tick
+        ("actives", "f8", (_LINE, 3)),  # `active` likewise
         ("credit", "f8"),  # what contacts may still give [J]; below 0 they owe
         ("free_ticks", "i8"),  # in a row without a contact
         ("tank", "f8"),  # [J]
@@ -58,6 +66,7 @@ _DEGRADED = int(SafetyState.DEGRADED)
 _SAFE_STOP = int(SafetyState.SAFE_STOP)
 _NOT_FINITE = int(TripCause.NOT_FINITE)
 _ADMITTANCE = int(Controller.ADMITTANCE)
+_IMPEDANCE = int(Controller.IMPEDANCE)
 
 _STABLE_DAMPER = 0.5
 """A damper of this many masses a tick stops a mass in two ticks; from 2 on it would swing up."""
@@ -71,8 +80,8 @@ def device_delay(scene: Any, state: Any) -> float:
 
 @kernel
 def own_damping(scene: Any) -> float:
-    """Damping that every contact can count on: virtual or the device's own, and the arm's [N s/m]."""
-    return scene.virtual_damping + scene.arm_damping
+    """Damping that every contact can count on: virtual, the device's own, and the arm's [N s/m]."""
+    return scene.virtual_damping + scene.device_damping + scene.arm_damping
 
 
 @kernel
@@ -124,6 +133,45 @@ def _find_way(scene: Any, state: Any, dt: float) -> None:
 
 
 @kernel
+def delay_ticks(scene: Any, state: Any, dt: float) -> int:
+    """Ticks from a force to where it acts: the virtual mass takes it at once, a device after its delay."""
+    if scene.force_driven == 0:
+        return 0
+    return min(_LINE - 2, int(device_delay(scene, state) / dt + 0.5))
+
+
+@kernel
+def _lay_down(state: Any) -> None:
+    """Remember this tick's shares of the force on the user for when they act."""
+    acting = state.acting
+    slot = state.tick % _LINE
+    for i in range(3):
+        acting.contacts[slot, i] = acting.contact[i]
+        acting.actives[slot, i] = acting.active[i]
+
+
+@kernel
+def acting_contact(scene: Any, state: Any, dt: float, f: Vec) -> None:
+    """Share of the contacts f [N] in what acts from this tick on, world frame; after `act`."""
+    late = delay_ticks(scene, state, dt)
+    slot = (state.tick - late) % _LINE
+    for i in range(3):
+        f[i] = state.acting.contacts[slot, i] if state.tick >= late else 0.0
+
+
+@kernel
+def _under_way(scene: Any, state: Any, dt: float) -> float:
+    """Energy [J] that contact forces which were sent but do not act yet will give at the present velocity."""
+    acting = state.acting
+    energy = 0.0
+    for late in range(1, min(delay_ticks(scene, state, dt), state.tick) + 1):
+        slot = (state.tick - late) % _LINE
+        for i in range(3):
+            energy += acting.contacts[slot, i] * acting.v[i] * dt
+    return energy
+
+
+@kernel
 def account(scene: Any, state: Any, dt: float) -> None:
     """Count the exact work of the forces held since the last tick: credit of the contacts, and energy tank."""
     acting = state.acting
@@ -137,9 +185,12 @@ def account(scene: Any, state: Any, dt: float) -> None:
     _find_way(scene, state, dt)
     acting.known = 1
     active = 0.0
-    for i in range(3):
-        acting.credit -= acting.contact[i] * acting.way[i]
-        active += acting.active[i] * acting.way[i]
+    acted = state.tick - 1 - delay_ticks(scene, state, dt)
+    if acted >= 0:
+        slot = acted % _LINE
+        for i in range(3):
+            acting.credit -= acting.contacts[slot, i] * acting.way[i]
+            active += acting.actives[slot, i] * acting.way[i]
     speed = norm(acting.v)
     acting.inflow = scene.tank_refill + scene.tank_return * scene.virtual_damping * speed * speed
     acting.tank = settle_account(acting.tank, active, acting.inflow, scene.tank_size, dt)
@@ -192,7 +243,8 @@ def _take_back(scene: Any, state: Any, dt: float) -> float:
     most, least = scene.passivity_damping, 0.0
     if scene.controller == _ADMITTANCE:
         most, least = min(most, _STABLE_DAMPER * scene.virtual_mass / dt), -math.inf
-    factor = contact_scale(acting.credit, state.f_contact, acting.v, dt, most, least)
+    credit = acting.credit - _under_way(scene, state, dt)
+    factor = contact_scale(credit, state.f_contact, acting.v, dt, most, least)
     acting.passivity = abs(1.0 - factor) * norm(state.f_contact)
     acting.passivity_ticks += 1 if acting.passivity > 0.0 else 0
     return factor
@@ -215,10 +267,11 @@ def _compose(scene: Any, state: Any, totals: Any, period: float, dt: float) -> N
     _follow_credit(scene, state, totals, dt)
     factor = _take_back(scene, state, dt)
     acting.tank_share = _pay(state)
+    viscosity = scene.virtual_damping if scene.controller == _IMPEDANCE else 0.0
     for i in range(3):
         less = (1.0 - acting.shape_share) * totals.shape_force[i]
         less += (1.0 - factor) * state.f_contact[i] + (1.0 - acting.tank_share) * state.f_active[i]
-        state.f_wanted[i] = state.f_virt_world[i] - less
+        state.f_wanted[i] = state.f_virt_world[i] - less - viscosity * state.v_world[i]
         acting.contact[i] = factor * state.f_contact[i]
         acting.active[i] = acting.tank_share * state.f_active[i]
 
@@ -254,4 +307,5 @@ def act(scene: Any, state: Any, totals: Any, held: int, period: float, dt: float
         scale(acting.active, felt)
     if is_stopped(state):
         acting.credit = 0.0
+    _lay_down(state)
     rotate_back(scene.R_world_from_robot, f, state.f_user)

@@ -1,4 +1,4 @@
-"""From forces to joint velocities: the controller of a tick, and what it sends while it may not act."""
+"""From forces to commands: the controller of a tick, and what it sends while it may not act."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Any
 from mimics_app.contracts.haptic import Controller, SafetyState, TripCause
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.control.admittance import admit, limit_motion
+from mimics_app.rendering.haptic.control.impedance import draw_along
 from mimics_app.rendering.haptic.control.joint_pd import joint_pd
 from mimics_app.rendering.haptic.control.world_pd import world_pd_straight, world_pd_through_joints
 from mimics_app.rendering.haptic.kernels.kinematics import (
@@ -16,7 +17,7 @@ from mimics_app.rendering.haptic.kernels.kinematics import (
     robot_to_tool,
 )
 from mimics_app.rendering.haptic.kernels.limiter import brake_at_limits, settle
-from mimics_app.rendering.haptic.kernels.safety import HOLD, is_stopped, latch
+from mimics_app.rendering.haptic.kernels.safety import HOLD, is_stopped, latch, lets_feel
 from mimics_app.rendering.haptic.kernels.vectors import all_finite, clamp_norm, copy, fill, norm, scale
 
 __all__ = ["control", "note_arrival"]
@@ -104,7 +105,9 @@ def _follow_hand(scene: Any, state: Any, dt: float) -> None:
 
 @kernel
 def _hold(scene: Any, state: Any) -> None:
-    """The last command again, within the limits of where the robot is by now."""
+    """The last command again, within the limits of where the robot is by now; so the force, as the user feels it."""
+    if lets_feel(scene.controller):
+        copy(state.f_user, state.f_command)
     brake_at_limits(state.q, scene.joint_min, scene.joint_max, state.command)
     apply_jacobian(state.q, scene.axis_offset, state.command, state.work_a)
     if norm(state.work_a) > scene.max_velocity:
@@ -112,16 +115,21 @@ def _hold(scene: Any, state: Any) -> None:
 
 
 @kernel
-def control(scene: Any, state: Any, held: int, dt: float) -> None:
-    """Joint velocities to send: from the controller, held, or dying away."""
-    if is_stopped(state) or state.safety < _HOMED:
-        settle(state.command, dt)
-        fill(state.v_virtual, 0.0)
-        fill(state.dq_virtual, 0.0)
-        return
-    if held == HOLD:
-        _hold(scene, state)
-        return
+def _give_up(state: Any, dt: float) -> None:
+    """What would be sent is not finite: a latched stop, and nothing."""
+    latch(state, _SAFE_STOP, _NOT_FINITE)
+    state.state_changed = 1
+    fill(state.f_user_world, 0.0)
+    fill(state.f_user, 0.0)
+    fill(state.f_command, 0.0)
+    fill(state.v_virtual, 0.0)
+    fill(state.dq_virtual, 0.0)
+    settle(state.command, dt)
+
+
+@kernel
+def _control_motion(scene: Any, state: Any, dt: float) -> None:
+    """Joint velocities for a device that follows them."""
     if scene.controller == _ADMITTANCE and state.safety >= _READY:
         _follow_hand(scene, state, dt)
     elif scene.controller == _JOINT_PD or scene.controller == _WORLD_PD:
@@ -135,10 +143,48 @@ def control(scene: Any, state: Any, held: int, dt: float) -> None:
     if all_finite(state.dq_virtual) and all_finite(state.v_virtual):
         copy(state.dq_virtual, state.command)
     else:
-        latch(state, _SAFE_STOP, _NOT_FINITE)
-        state.state_changed = 1
-        fill(state.f_user_world, 0.0)
-        fill(state.f_user, 0.0)
+        _give_up(state, dt)
+
+
+@kernel
+def _control_force(scene: Any, state: Any, dt: float) -> None:
+    """Force for a device that renders it: what the user is to feel, or what draws the device to a target."""
+    if scene.controller == _JOINT_PD or scene.controller == _WORLD_PD:
+        _drive_to_target(scene, state, dt)
+        draw_along(
+            state.hip,
+            state.v,
+            state.v_virtual,
+            scene.drive_stiffness,
+            scene.drive_damping,
+            scene.drive_force,
+            dt,
+            state.reference,
+            state.f_command,
+        )
+    else:
+        copy(state.hip, state.reference)
+        fill(state.v_virtual, 0.0)
+        copy(state.f_user, state.f_command)
+    fill(state.dq_virtual, 0.0)
+    fill(state.command, 0.0)
+    if not all_finite(state.f_command):
+        _give_up(state, dt)
+
+
+@kernel
+def control(scene: Any, state: Any, held: int, dt: float) -> None:
+    """What to send, velocities or a force: from the controller, held, or dying away."""
+    if is_stopped(state) or state.safety < _HOMED:
+        settle(state.command, dt)
         fill(state.v_virtual, 0.0)
         fill(state.dq_virtual, 0.0)
-        settle(state.command, dt)
+        fill(state.f_command, 0.0)
+        copy(state.hip, state.reference)
+    elif held == HOLD:
+        _hold(scene, state)
+    elif scene.force_driven == 1:
+        _control_force(scene, state, dt)
+    else:
+        copy(state.f_user, state.f_command)
+        _control_motion(scene, state, dt)

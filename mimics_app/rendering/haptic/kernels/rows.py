@@ -37,7 +37,7 @@ def write_command(state: Any, command: Vec) -> None:
     """Command vector for the device."""
     for i in range(3):
         command[COMMAND_DQ + i] = state.command[i]
-        command[COMMAND_FORCE + i] = state.f_user[i]
+        command[COMMAND_FORCE + i] = state.f_command[i]
     command[COMMAND_ENABLED] = 1.0 if _HOMED <= state.safety < _SAFE_STOP else 0.0
     command[COMMAND_STATE] = float(state.safety)
 
@@ -75,6 +75,7 @@ def write_outputs(state: Any, row: Any) -> None:
         row.f_tunnel[i] = state.tunnel.force_tnb[i]
         row.v_virtual[i] = state.v_virtual[i]
         row.command[i] = state.command[i]
+        row.f_command[i] = state.f_command[i]
     row.s = state.tunnel.s
     row.progress = state.tunnel.progress
     row.distance = state.tunnel.distance

@@ -5,7 +5,7 @@
     OFF       no parameters yet; no motion
     INIT      waiting for the device's first finite data; no motion
     HOMED     device answers; a PD controller drives to its target
-    READY     target reached, or admittance chosen: the robot follows the hand, the virtual force is still off
+    READY     target reached, or admittance or impedance chosen: the hand leads, the virtual force is still off
     ACTIVE    the virtual force has been below `ramp_force` for 100 ms; it ramps from 0 to 1
     DEGRADED  a tick came too late: the virtual force ramps down, motion is damped; back by the same soft start
     SAFE_STOP, E_STOP   no force, motion dies away, until SCENE.resets changes; then INIT again, never straight ACTIVE
@@ -23,7 +23,17 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.tunnel import TunnelStatus
 from mimics_app.rendering.haptic.kernels.vectors import norm
 
-__all__ = ["HOLD", "IN_TIME", "LATE_DAMP", "LATE_STOP", "MISSED_STOP", "is_stopped", "latch", "step_safety"]
+__all__ = [
+    "HOLD",
+    "IN_TIME",
+    "LATE_DAMP",
+    "LATE_STOP",
+    "MISSED_STOP",
+    "is_stopped",
+    "latch",
+    "lets_feel",
+    "step_safety",
+]
 
 IN_TIME, HOLD, LATE_DAMP, LATE_STOP, MISSED_STOP = 0, 1, 2, 3, 4
 """Late-tick classes, SAMPLE.held."""
@@ -58,12 +68,19 @@ _FAULT = int(DeviceStatus.FAULT)
 _STOP_BUTTON = int(Button.STOP)
 _CONTROLLER_OFF = int(Controller.OFF)
 _ADMITTANCE = int(Controller.ADMITTANCE)
+_IMPEDANCE = int(Controller.IMPEDANCE)
 
 
 @kernel
 def is_stopped(state: Any) -> bool:
     """True in the two latched states."""
     return state.safety >= _SAFE_STOP
+
+
+@kernel
+def lets_feel(controller: int) -> bool:
+    """True for the controllers under which the person leads and feels the virtual force."""
+    return controller == _ADMITTANCE or controller == _IMPEDANCE
 
 
 @kernel
@@ -144,7 +161,7 @@ def _find_trip(scene: Any, state: Any, status: int, held: int) -> int:
 def _come_up(scene: Any, state: Any, quiet: bool) -> None:
     """OFF to ACTIVE, at most one step a tick; READY falls back to HOMED when a PD target moves away."""
     safety = state.safety
-    haptic = scene.controller == _ADMITTANCE
+    haptic = lets_feel(scene.controller)
     if safety == _OFF:
         state.safety = _INIT if scene.sequence > 0 else _OFF
     elif safety == _INIT:
@@ -161,7 +178,7 @@ def _come_up(scene: Any, state: Any, quiet: bool) -> None:
 @kernel
 def _stay_active(scene: Any, state: Any, quiet: bool, held: int) -> None:
     """ACTIVE and DEGRADED: leave for HOMED with another controller, degrade when late, return when quiet."""
-    if scene.controller != _ADMITTANCE:
+    if not lets_feel(scene.controller):
         state.safety = _HOMED
     elif state.safety == _ACTIVE and held == LATE_DAMP:
         state.safety = _DEGRADED

@@ -83,6 +83,8 @@ STATE = np.dtype(
         ("v_virtual", "f8", (3,)),  # robot frame [m/s]
         ("dq_virtual", "f8", (3,)),
         ("command", "f8", (3,)),  # joint velocities last sent
+        ("f_command", "f8", (3,)),  # force last sent, robot frame [N]
+        ("reference", "f8", (3,)),  # what a force driven device is drawn to, robot frame [m]
         ("arrived", "i8"),  # 1 while a PD controller is at its target
         ("acting", ACTING),
         ("work_a", "f8", (3,)),

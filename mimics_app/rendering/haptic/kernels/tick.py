@@ -115,7 +115,7 @@ def tick(
     act(scene, state, totals, held, period, dt)
     _follow_contacts(objects, scene.objects, state, dt)
     watch_margin(scene, state, totals, period)
-    watch_contact(state, totals, dt)
+    watch_contact(scene, state, totals, dt)
     control(scene, state, held, dt)
     if state.safety != before:
         state.state_changed = 1

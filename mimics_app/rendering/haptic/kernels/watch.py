@@ -6,7 +6,7 @@ from typing import Any
 
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.acting import FREE_TIME, device_delay, own_damping
+from mimics_app.rendering.haptic.kernels.acting import FREE_TIME, acting_contact, device_delay, own_damping
 from mimics_app.rendering.haptic.kernels.passivity import observe, reset_observer
 from mimics_app.rendering.haptic.kernels.stability import LARGEST_MARGIN, margin_of, stiffness_limit
 
@@ -65,7 +65,7 @@ def watch_margin(scene: Any, state: Any, totals: Any, period: float) -> None:
 
 
 @kernel
-def _follow_observer(state: Any, felt: bool, dt: float) -> None:
+def _follow_observer(scene: Any, state: Any, felt: bool, dt: float) -> None:
     """Energy of the contacts by the passivity observer, from 0 at the begin of each."""
     free = state.acting.free_ticks
     if felt and free == 0 and state.in_touch == 0:
@@ -73,21 +73,23 @@ def _follow_observer(state: Any, felt: bool, dt: float) -> None:
         reset_observer(state.observer)
     elif state.in_touch == 1 and (not felt or free * dt >= FREE_TIME):
         state.in_touch = 0
-    observe(state.observer, state.hip_world, state.acting.contact)
+    acting_contact(scene, state, dt, state.work_a)
+    observe(state.observer, state.hip_world, state.work_a)
     state.least_energy = min(state.least_energy, state.observer.lowest)
 
 
 @kernel
-def watch_contact(state: Any, totals: Any, dt: float) -> None:
+def watch_contact(scene: Any, state: Any, totals: Any, dt: float) -> None:
     """Energy of the contacts, the worst of all, and when the cap begins to act.
 
     Args:
+        scene: SCENE record.
         state: STATE record.
         totals: TOTALS record.
         dt: Tick [s].
     """
     felt = _is_felt(state)
-    _follow_observer(state, felt, dt)
+    _follow_observer(scene, state, felt, dt)
     state.cap_began = 0
     if not (felt and (state.in_touch == 1 or totals.touching > 0)):
         state.capped = 0

@@ -1,0 +1,48 @@
+"""Impedance control: motion in, force out, for devices that are told forces and whose own inertia is small.
+
+    F = F_virtual - b v
+
+Gravity and inertia are the device's: nothing is done about them. The viscosity b is rendered, so that a light device
+has damping to count on. To a trial's start the device is drawn by a spring and damper behind a reference that moves as
+the PD controllers of D2.1 4.2.5 and 4.2.6 would move a robot that follows.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.vectors import clamp_norm
+
+__all__ = ["draw_along"]
+
+Vec = NDArray[np.float64]
+
+
+@kernel
+def draw_along(
+    x: Vec, v: Vec, v_reference: Vec, stiffness: float, damping: float, most: float, dt: float, reference: Vec, f: Vec
+) -> None:
+    """Force f [N] that draws the device behind a reference that moves on with v_reference.
+
+    The reference waits for the device: it is never further away than where the spring alone reaches `most`.
+
+    Args:
+        x: Where the device is [m], shape [3], any frame.
+        v: Its velocity [m/s].
+        v_reference: Velocity of the reference [m/s].
+        stiffness: Of the spring [N/m], > 0.
+        damping: Of the damper [N s/m].
+        most: Largest force [N].
+        dt: Tick [s].
+        reference: Where the reference is [m]; moved on.
+        f: Force out.
+    """
+    for i in range(3):
+        f[i] = reference[i] + v_reference[i] * dt - x[i]
+    clamp_norm(f, most / stiffness)
+    for i in range(3):
+        reference[i] = x[i] + f[i]
+        f[i] = stiffness * f[i] + damping * (v_reference[i] - v[i])
+    clamp_norm(f, most)

@@ -1,0 +1,129 @@
+"""A light robot that is told forces: one mass at the handle, friction, encoders, a delay line; no force sensor.
+
+It can be pushed about by a hand and is felt only as its own small mass. As on real ones of its kind the motors are
+weak, and what they cannot do is cut off.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop_ports import DATA_AGE, DATA_DELAY, DATA_DQ, DATA_FORCE, DATA_Q
+from mimics_app.rendering.haptic.kernels.kinematics import apply_inverse_jacobian, clamp_joints, forward, inverse
+from mimics_app.rendering.haptic.kernels.vectors import clamp_norm, copy, fill
+
+__all__ = [
+    "AXIS_OFFSET",
+    "DAMPING",
+    "DELAY",
+    "ENCODER",
+    "HANDLE",
+    "JOINT_MAX",
+    "JOINT_MIN",
+    "LENGTH",
+    "MASS",
+    "MAX_DELAY",
+    "MOTOR_FORCE",
+    "SEEN",
+    "TICK",
+    "command_force",
+    "sense_position",
+    "step_light_robot",
+]
+
+Vec = NDArray[np.float64]
+
+MAX_DELAY = 50
+
+HANDLE = 0  # position 0:3 [m] and velocity 3:6 [m/s], robot frame
+SEEN = 6  # position as the encoders last gave it [m]
+SPEED = 9  # velocity from the encoders, filtered [m/s]
+MASS = 12  # [kg]
+DAMPING = 13  # own friction [N s/m]
+MOTOR_FORCE = 14  # largest, at the handle [N]
+ENCODER = 15  # quantum at the handle [m]
+TICK = 16  # [s]
+AXIS_OFFSET = 17  # d1 [m]
+JOINT_MIN = 18
+JOINT_MAX = 21
+DELAY = 24  # of the command [ticks]
+WRITTEN = 25  # commands written so far
+WORK = 26  # joints, and scratch
+BRAKING = 32  # 1 while no command may be followed: the motors brake
+LINE = 33  # ring of the last MAX_DELAY + 1 forces
+LENGTH = LINE + 3 * (MAX_DELAY + 1)
+
+_SPEED_FILTER_HZ = 150.0
+_BRAKE = 60.0
+"""Damping of short-circuited motors [N s/m]."""
+
+
+@kernel
+def command_force(robot: Vec, f: Vec, enabled: bool) -> None:
+    """Put a force on the user [N], robot frame, into the delay line; not enabled: none, and the motors brake."""
+    slot = LINE + 3 * (int(robot[WRITTEN]) % (MAX_DELAY + 1))
+    for i in range(3):
+        robot[slot + i] = f[i] if enabled else 0.0
+    robot[BRAKING] = 0.0 if enabled else 1.0
+    robot[WRITTEN] += 1.0
+
+
+@kernel
+def _stop_at_limits(robot: Vec) -> None:
+    """End stops: no further, and at rest there."""
+    q = robot[WORK : WORK + 3]
+    inverse(robot[HANDLE : HANDLE + 3], robot[AXIS_OFFSET], q)
+    if clamp_joints(q, robot[JOINT_MIN : JOINT_MIN + 3], robot[JOINT_MAX : JOINT_MAX + 3]) != 0:
+        forward(q, robot[AXIS_OFFSET], robot[HANDLE : HANDLE + 3])
+        fill(robot[HANDLE + 3 : HANDLE + 6], 0.0)
+
+
+@kernel
+def step_light_robot(robot: Vec, hand: Vec) -> None:
+    """One tick: exact for motor and hand forces that are constant meanwhile.
+
+    Args:
+        robot: Robot memory, shape [LENGTH].
+        hand: Force of the hand on the handle, robot frame [N].
+    """
+    dt, m = robot[TICK], robot[MASS]
+    c = robot[DAMPING] + _BRAKE * robot[BRAKING]
+    push = robot[WORK + 3 : WORK + 6]
+    fill(push, 0.0)
+    late = robot[WRITTEN] - 1.0 - robot[DELAY]
+    if late >= 0.0:
+        slot = LINE + 3 * (int(late) % (MAX_DELAY + 1))
+        copy(robot[slot : slot + 3], push)
+        clamp_norm(push, robot[MOTOR_FORCE])
+    keep = math.exp(-c * dt / m)
+    reach = (1.0 - keep) * m / c if c > 0.0 else dt
+    for i in range(3):
+        v = robot[HANDLE + 3 + i]
+        steady = (push[i] + hand[i]) / c if c > 0.0 else 0.0
+        gain = 0.0 if c > 0.0 else (push[i] + hand[i]) / m * dt
+        robot[HANDLE + i] += steady * dt + (v - steady) * reach + 0.5 * gain * dt
+        robot[HANDLE + 3 + i] = steady + (v - steady) * keep + gain
+    _stop_at_limits(robot)
+
+
+@kernel
+def sense_position(robot: Vec, data: Vec) -> None:
+    """Fill the data vector from the encoders; there is no force sensor, grasp and buttons are left to the caller."""
+    blend = 1.0 - math.exp(-2.0 * math.pi * _SPEED_FILTER_HZ * robot[TICK])
+    for i in range(3):
+        shown = math.floor(robot[HANDLE + i] / robot[ENCODER] + 0.5) * robot[ENCODER]
+        difference = (shown - robot[SEEN + i]) / robot[TICK]
+        robot[SPEED + i] += blend * (difference - robot[SPEED + i])
+        robot[SEEN + i] = shown
+    copy(robot[WORK : WORK + 3], data[DATA_Q : DATA_Q + 3])
+    inverse(robot[SEEN : SEEN + 3], robot[AXIS_OFFSET], data[DATA_Q : DATA_Q + 3])
+    apply_inverse_jacobian(
+        data[DATA_Q : DATA_Q + 3], robot[AXIS_OFFSET], robot[SPEED : SPEED + 3], data[DATA_DQ : DATA_DQ + 3]
+    )
+    fill(data[DATA_FORCE : DATA_FORCE + 3], 0.0)
+    data[DATA_AGE] = 0.0
+    data[DATA_DELAY] = 0.0
