@@ -73,6 +73,7 @@ def _change_parameters(noise, scene):
     scene.cap = int(uniform(noise, 0) * 2.0)
     scene.passivity = int(uniform(noise, 0) * 2.0)
     scene.tank_size = uniform(noise, 0)
+    scene.energy_limit = 1.0 if uniform(noise, 0) < 0.2 else 1e6  # this device does not follow its virtual mass
 
 
 @kernel
@@ -81,7 +82,7 @@ def _attack(seed, ticks, scenes, tables, objects, states, data, command, rows, b
     noise = np.zeros(1)
     seed_noise(noise, 0, seed)
     scene, state = scenes[0], states[0]
-    q, dq, v = np.zeros(3), np.zeros(3), np.zeros(3)
+    q, dq, v, lean = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
     habit, left = 0, 0
     for k in range(ticks):
         last_force = norm(state.f_user_world)
@@ -89,24 +90,27 @@ def _attack(seed, ticks, scenes, tables, objects, states, data, command, rows, b
         was_placed = was_acting and state.placed == 1
         if k % 500 == 0:
             _change_parameters(noise, scene)
-        if state.safety >= 6 and uniform(noise, 0) < 0.1:
+        if k % 3000 == 0:
+            for i in range(3):
+                lean[i] = 2.0 * uniform(noise, 0) - 1.0
+        if state.safety >= 6 and uniform(noise, 0) < 0.3:
             scene.resets += 1
             scene.sequence += 1
         if left == 0:
-            strikes = state.safety == 4 and state.ramp == 1.0 and uniform(noise, 0) < 0.02
+            strikes = state.safety == 4 and state.ramp == 1.0 and uniform(noise, 0) < 0.3
             habit = 3 + int(uniform(noise, 0) * 6.0) if strikes else int(uniform(noise, 0) * 3.0)
-            left = 1 if habit >= 3 else 1 + int(uniform(noise, 0) * 60.0)
+            left = 1 if 3 <= habit < 8 else 1 + int(uniform(noise, 0) * 40.0)
             met[habit] += 1 if state.safety == 4 else 0
         left -= 1
         for i in range(3):
             if habit == 1:
                 dq[i] = (1.0 if k % 2 == 0 else -1.0) * 0.6 * uniform(noise, 0)
             elif habit != 2:
-                dq[i] += 0.1 * (uniform(noise, 0) - 0.5) - 0.05 * dq[i] - 0.02 * q[i]
+                dq[i] += 0.1 * (uniform(noise, 0) - 0.5) - 0.05 * dq[i] - 0.1 * q[i] + 0.04 * lean[i]
             q[i] = min(0.185, max(-0.185, q[i] + (0.0 if habit == 2 else 1e-3 * dq[i])))
             data[i] = q[i]
             data[3 + i] = dq[i]
-            data[6 + i] = 120.0 * (uniform(noise, 0) - 0.5) * (1.0 if habit != 1 else 10.0)
+            data[6 + i] = 80.0 * lean[i] + 120.0 * (uniform(noise, 0) - 0.5) * (1.0 if habit != 1 else 10.0)
         data[9], data[10], data[11], data[12] = 30.0 * uniform(noise, 0), 0.0, 0.0, 0.0
         status, held, stopping = 0, 0, habit >= 3 and habit != 8
         if habit == 3:
@@ -165,7 +169,7 @@ def _run(seed: int, ticks: int) -> tuple[dict[str, int], dict[str, int]]:
 def test_a_hundred_thousand_cases_break_no_limit():
     broken, met = _run(11, 100_000)
     assert broken == dict.fromkeys(LAWS, 0)
-    assert all(count >= 3 for count in met.values()), met  # each was tried against a force that was on
+    assert all(count >= 20 for count in met.values()), met  # each was tried against a force that was on
 
 
 @pytest.mark.slow
@@ -173,4 +177,4 @@ def test_a_hundred_thousand_cases_break_no_limit():
 def test_a_million_cases_break_no_limit(seed: int):
     broken, met = _run(seed, 1_000_000)
     assert broken == dict.fromkeys(LAWS, 0)
-    assert all(count >= 30 for count in met.values()), met
+    assert all(count >= 200 for count in met.values()), met

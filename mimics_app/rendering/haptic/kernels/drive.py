@@ -177,6 +177,7 @@ def control(scene: Any, state: Any, held: int, dt: float) -> None:
     """What to send, velocities or a force: from the controller, held, or dying away."""
     if is_stopped(state) or state.safety < _HOMED:
         settle(state.command, dt)
+        brake_at_limits(state.q, scene.joint_min, scene.joint_max, state.command)
         fill(state.v_virtual, 0.0)
         fill(state.dq_virtual, 0.0)
         fill(state.f_command, 0.0)
