@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.borrowed import borrowed
 from mimics_app.contracts.haptic_objects import BodyFlag, ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact import forget, to_object
@@ -252,6 +253,8 @@ def _touch_all(
     dt: float,
 ) -> None:
     """`touch_points`, its arrays one by one."""
+    if counts.shapes == 0 or counts.points == 0:
+        return
     notice_changes(shapes, motions, counts, desk, births, befores)
     for point in range(counts.points):
         setting = points[point]
@@ -288,15 +291,15 @@ def touch_points(rows: Any, work: Any, counts: Any, dt: float) -> None:
     """Forces between the points in use and all shapes: on the user, and the opposite on the bodies.
 
     Args:
-        rows: Tables of objects; counted references cost more than a contact, so let it and work be `borrowed`.
+        rows: Tables of objects.
         work: ObjectWork with points and shapes placed for this tick; `point_forces`, `totals` (shape_force, stiffness,
             damping, touching, static_touching, depth, shape, normal, approach_speed, status) and the bodies' force,
             torque, force_user, touched are added to. A force that is not finite is left out, status becomes 1.
         counts: SCENE.objects.
         dt: Tick [s].
     """
-    if counts.shapes == 0 or counts.points == 0:
-        return
+    # One way through this function: with a branch in it every array of both tuples would be counted in and out.
+    rows, work = borrowed(rows), borrowed(work)
     _touch_all(
         rows.shapes,
         rows.bodies,
