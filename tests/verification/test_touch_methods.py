@@ -27,9 +27,9 @@ def test_cull_finds_walls_always_and_disabled_shapes_never(find):
     bounds[3] = 0.1
     bounds[3, 70], bounds[3, 129], bounds[3, 5] = np.inf, np.inf, -1.0
     near = np.zeros(130, np.int64)
-    assert near[: find(bounds, 130, 5.0, 0.0, 0.0, 0.02, near)].tolist() == [70, 129]
-    assert near[: find(bounds, 129, 7.11, 0.0, 0.0, 0.02, near)].tolist() == [7, 70]
-    assert find(bounds, 130, math.nan, 0.0, 0.0, 0.02, near) == 0
+    assert near[: find(bounds, 130, np.array([5.0, 0.0, 0.0]), 0.02, near)].tolist() == [70, 129]
+    assert near[: find(bounds, 129, np.array([7.11, 0.0, 0.0]), 0.02, near)].tolist() == [7, 70]
+    assert find(bounds, 130, np.array([math.nan, 0.0, 0.0]), 0.02, near) == 0
 
 
 def test_bounding_geometries_err_as_their_form_does():

@@ -56,13 +56,12 @@ def _cull_often(
 ) -> None:
     shapes = bounds.shape[1]
     for k in range(points.shape[0]):
-        x, y = points[k, 0], points[k, 1]
         if number == 0:
-            totals[k] = find_near(bounds, shapes, x, y, 0.0, 0.0, near)
+            totals[k] = find_near(bounds, shapes, points[k], 0.0, near)
         elif number == 1:
-            totals[k] = find_near_plain(bounds, shapes, x, y, 0.0, 0.0, near)
+            totals[k] = find_near_plain(bounds, shapes, points[k], 0.0, near)
         else:
-            totals[k] = _in_cell(starts, members, bounds, side, x, y, near)
+            totals[k] = _in_cell(starts, members, bounds, side, points[k, 0], points[k, 1], near)
 
 
 def spread_bounds(count: int) -> tuple[Array, int]:
@@ -77,7 +76,7 @@ def spread_bounds(count: int) -> tuple[Array, int]:
 def _cull_arguments(count: int) -> tuple[Any, ...]:
     bounds, side = spread_bounds(count)
     cells = np.arange(side * side + 1)
-    points = np.random.default_rng(1).uniform(-0.5 * _CELL, (side - 0.5) * _CELL, (_QUERIES, 2))
+    points = np.random.default_rng(1).uniform(-0.5 * _CELL, (side - 0.5) * _CELL, (_QUERIES, 3)) * (1.0, 1.0, 0.0)
     near, totals = np.zeros(count, np.int64), np.zeros(_QUERIES, np.int64)
     return bounds, points, np.minimum(cells, count), np.arange(count), side, near, totals
 
@@ -92,7 +91,7 @@ def misses(number: int, count: int = _TYPICAL) -> float:
     arguments = _cull_arguments(count)
     _cull_often(number, *arguments)
     bounds, points = arguments[0], arguments[1]
-    squares = (bounds[0] - points[:, :1]) ** 2 + (bounds[1] - points[:, 1:]) ** 2
+    squares = (bounds[0] - points[:, :1]) ** 2 + (bounds[1] - points[:, 1:2]) ** 2
     return float(np.count_nonzero((squares < RADIUS * RADIUS).sum(axis=1) != arguments[-1]))
 
 

@@ -48,7 +48,11 @@ _SIZES = {
 
 @kernel
 def _touch_often(rows: Any, work: Any, counts: Any, way: Array, velocities: Array, dt: float, forces: Array) -> None:
-    rows, work = borrowed(rows), borrowed(work)
+    _touch_borrowed(borrowed(rows), borrowed(work), counts, way, velocities, dt, forces)
+
+
+@kernel
+def _touch_borrowed(rows: Any, work: Any, counts: Any, way: Array, velocities: Array, dt: float, forces: Array) -> None:
     pose_shapes(rows, work, counts)
     for tick in range(way.shape[0]):
         clear_totals(work.totals[0])

@@ -14,6 +14,7 @@ from mimics_app.contracts.kernel import kernel
 __all__ = ["find_near", "find_near_plain"]
 
 Array = NDArray[np.float64]
+Vec = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
 _GROUP = 64
@@ -28,22 +29,21 @@ def _reaches(bounds: Array, i: int, x: float, y: float, z: float, radius: float)
 
 
 @kernel
-def find_near(bounds: Array, shapes: int, x: float, y: float, z: float, radius: float, near: Rows) -> int:
+def find_near(bounds: Array, shapes: int, p: Vec, radius: float, near: Rows) -> int:
     """Rows of the shapes whose bounding sphere the point's ball reaches, ascending.
 
     Args:
         bounds: Rows x, y, z, radius [m], shape [4, >= shapes]; a radius < 0 is left out (less than minus that of the
             ball), an infinite one always found.
         shapes: Shapes in use.
-        x: Of the point, world [m].
-        y: Likewise.
-        z: Likewise.
+        p: The point, world [m], shape [3].
         radius: Of the point's ball [m].
         near: Receives the rows, shape [>= shapes].
 
     Returns:
         How many were found.
     """
+    x, y, z = p[0], p[1], p[2]
     bx, by, bz, br = bounds[0], bounds[1], bounds[2], bounds[3]
     found = 0
     grouped = shapes - shapes % _GROUP
@@ -66,8 +66,9 @@ def find_near(bounds: Array, shapes: int, x: float, y: float, z: float, radius: 
 
 
 @kernel
-def find_near_plain(bounds: Array, shapes: int, x: float, y: float, z: float, radius: float, near: Rows) -> int:
+def find_near_plain(bounds: Array, shapes: int, p: Vec, radius: float, near: Rows) -> int:
     """Rival of `find_near` that asks one shape after the other; arguments and result alike."""
+    x, y, z = p[0], p[1], p[2]
     found = 0
     for i in range(shapes):
         if _reaches(bounds, i, x, y, z, radius):

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.borrowed import borrowed
 from mimics_app.contracts.haptic_objects import BodyFlag, ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact import forget, to_object
@@ -41,17 +42,6 @@ def _take_point(desk: Any, point: int, positions: Array, velocities: Array, radi
 
 
 @kernel
-def _take_shape(desk: Any, row: int, rotations: Array, positions: Array) -> None:
-    """Put the pose of a shape at rest on the desk."""
-    for i in range(3):
-        desk.position[i] = positions[row, i]
-        desk.drift[i] = 0.0
-        desk.spin[i] = 0.0
-        for j in range(3):
-            desk.rotation[i, j] = rotations[row, i, j]
-
-
-@kernel
 def _take_motion(desk: Any, motion: Any) -> None:
     """Let the shape on the desk move with its body: velocity of its origin, and spin."""
     copy(motion.omega, desk.spin)
@@ -62,6 +52,19 @@ def _take_motion(desk: Any, motion: Any) -> None:
     desk.drift[0] = motion.velocity[0] + spin[1] * z - spin[2] * y
     desk.drift[1] = motion.velocity[1] + spin[2] * x - spin[0] * z
     desk.drift[2] = motion.velocity[2] + spin[0] * y - spin[1] * x
+
+
+@kernel
+def _take_shape(desk: Any, row: int, body: int, rotations: Array, positions: Array, motions: Any) -> None:
+    """Put the pose of a shape on the desk, and the motion of its body."""
+    for i in range(3):
+        desk.position[i] = positions[row, i]
+        desk.drift[i] = 0.0
+        desk.spin[i] = 0.0
+        for j in range(3):
+            desk.rotation[i, j] = rotations[row, i, j]
+    if body >= 0:
+        _take_motion(desk, motions[body])
 
 
 @kernel
@@ -153,6 +156,13 @@ def _react(desk: Any, motion: Any, flags: int) -> None:
 
 
 @kernel
+def _hand_over(desk: Any, forces: Array, point: int) -> None:
+    """What the point at hand has felt, to its row."""
+    for i in range(3):
+        forces[point, i] += desk.felt[i]
+
+
+@kernel
 def _note_wall(desk: Any, wall: Any, row: int, contact: Any) -> None:
     """Keep what pressing a wall needs until all walls of the point are known."""
     wall.row = row
@@ -176,42 +186,20 @@ def _settle(desk: Any, shape: Any, row: int, memory: Any, depth: float, totals: 
 
 
 @kernel
-def _touch_near(
+def _settle_walls(
     desk: Any,
     point: int,
-    found: int,
-    near: NDArray[np.int64],
     walls: Any,
+    met: int,
     shapes: Any,
     bodies: Any,
     motions: Any,
     rotations: Array,
     positions: Array,
     memories: Any,
-    births: Any,
-    befores: Any,
     totals: Any,
-    meshes: Any,
 ) -> None:
-    """The point at hand at every shape near it; walls together at last, since they share a corner."""
-    met = 0
-    for k in range(found):
-        row = near[k]
-        shape, memory = shapes[row], memories[point, row]
-        if shape.enabled == 0:
-            continue
-        _take_shape(desk, row, rotations, positions)
-        if shape.body >= 0:
-            _take_motion(desk, motions[shape.body])
-        recall(desk, point, shape, births[row].tick, befores, memory)
-        _look(desk)
-        if not _feel(desk, shape, memory, meshes):
-            continue
-        if shape.kind == _WALL and met < MOST_WALLS:
-            _note_wall(desk, walls[met], row, memory.contact)
-            met += 1
-        else:
-            _settle(desk, shape, row, memory, memory.contact.depth, totals, motions, bodies)
+    """Press the walls that the point at hand met, their corner shared out."""
     share_corner(walls, met, desk.a, desk.b, desk.c)
     for k in range(met):
         row = walls[k].row
@@ -219,9 +207,7 @@ def _touch_near(
         if walls[k].depth <= 0.0:
             memory.touching = 0
             continue
-        _take_shape(desk, row, rotations, positions)
-        if shape.body >= 0:
-            _take_motion(desk, motions[shape.body])
+        _take_shape(desk, row, shape.body, rotations, positions, motions)
         _look(desk)
         copy(walls[k].slope, desk.slope)
         desk.rate = walls[k].rate
@@ -251,35 +237,32 @@ def _touch_all(
     counts: Any,
     dt: float,
 ) -> None:
-    """`touch_points`, its arrays one by one."""
+    """`touch_points`, its arrays one by one; in one piece, since handing so many on costs as much as a contact."""
+    if counts.shapes == 0:
+        return
     notice_changes(shapes, motions, counts, desk, births, befores)
     for point in range(counts.points):
-        setting = points[point]
-        _take_point(desk, point, point_positions, point_velocities, setting.radius)
-        follow_point(desk, point, setting.enabled != 0, dt)
-        if setting.enabled == 0:
+        _take_point(desk, point, point_positions, point_velocities, points[point].radius)
+        follow_point(desk, point, points[point].enabled != 0, dt)
+        if points[point].enabled == 0:
             continue
-        x = desk.point
-        found = find_near(bounds, counts.shapes, x[0], x[1], x[2], setting.radius, near)
-        _touch_near(
-            desk,
-            point,
-            found,
-            near,
-            walls,
-            shapes,
-            bodies,
-            motions,
-            rotations,
-            positions,
-            memories,
-            births,
-            befores,
-            totals,
-            meshes,
-        )
-        for i in range(3):
-            point_forces[point, i] += desk.felt[i]
+        met = 0
+        for k in range(find_near(bounds, counts.shapes, desk.point, desk.radius, near)):
+            row = near[k]
+            shape, memory = shapes[row], memories[point, row]
+            _take_shape(desk, row, shape.body, rotations, positions, motions)
+            recall(desk, point, shape, births[row].tick, befores, memory)
+            _look(desk)
+            if not _feel(desk, shape, memory, meshes):
+                continue
+            if shape.kind == _WALL and met < MOST_WALLS:
+                _note_wall(desk, walls[met], row, memory.contact)
+                met += 1
+            else:
+                _settle(desk, shape, row, memory, memory.contact.depth, totals, motions, bodies)
+        if met > 0:
+            _settle_walls(desk, point, walls, met, shapes, bodies, motions, rotations, positions, memories, totals)
+        _hand_over(desk, point_forces, point)
     keep_poses(motions, counts.bodies, befores)
 
 
@@ -288,15 +271,15 @@ def touch_points(rows: Any, work: Any, counts: Any, dt: float) -> None:
     """Forces between the points in use and all shapes: on the user, and the opposite on the bodies.
 
     Args:
-        rows: Tables of objects; counted references cost more than a contact, so let it and work be `borrowed`.
+        rows: Tables of objects.
         work: ObjectWork with points and shapes placed for this tick; `point_forces`, `totals` (shape_force, stiffness,
             damping, touching, static_touching, depth, shape, normal, approach_speed, status) and the bodies' force,
             torque, force_user, touched are added to. A force that is not finite is left out, status becomes 1.
         counts: SCENE.objects.
         dt: Tick [s].
     """
-    if counts.shapes == 0 or counts.points == 0:
-        return
+    # One way through this function: with a branch in it every array of both tuples would be counted in and out.
+    rows, work = borrowed(rows), borrowed(work)
     _touch_all(
         rows.shapes,
         rows.bodies,
