@@ -1,4 +1,4 @@
-"""Where a frame is drawn before it reaches the surface: the picture, and the depth map of the sun."""
+"""Where a frame is drawn before it reaches the surface: the picture, and the atlas of shadow maps."""
 
 from __future__ import annotations
 
@@ -113,7 +113,13 @@ class ShadowTarget:
     def begin(self) -> None:
         """Draw into it from here on, onto an empty map."""
         self._framebuffer.use()
+        self._framebuffer.viewport = (0, 0, self.size, self.size)
         self._framebuffer.clear(depth=1.0)
+
+    def enter(self, tile: tuple[int, int], grid: int) -> None:
+        """Draw into one of grid x grid tiles from here on."""
+        width = self.size // grid
+        self._framebuffer.viewport = (tile[0] * width, tile[1] * width, width, width)
 
     def bind(self) -> None:
         """Make it the map the shaders read."""
