@@ -24,11 +24,14 @@ bool in_tile(vec2 at, float width) {
 
 float sun_visibility(vec3 position_eye, vec3 normal) {
 #ifdef SUN_SHADOW
+    // All maps look the same way, so that one projection serves them all. The count is a constant: with one that is
+    // not, software renderers gather every number from memory pixel by pixel.
+    vec3 first = (shadow_from_eye * vec4(position_eye, 1.0)).xyz;
+    vec3 lift = 0.5 * (mat3(shadow_from_eye) * normal);
     vec3 place = vec3(0.0);
     bool asked = false;
-    for (int i = int(shadow.w) - 1; i >= 0; --i) {
-        vec3 lifted = position_eye + normal * (0.5 * shadow_tile[i].w);
-        vec3 at = (shadow_from_eye[i] * vec4(lifted, 1.0)).xyz;
+    for (int i = 3; i >= 0; --i) {
+        vec3 at = (first + lift * shadow_scale[i].w) * shadow_scale[i].xyz + shadow_offset[i].xyz;
         bool inside = in_tile(at.xy, shadow_tile[i].z);
         place = inside ? vec3(shadow_tile[i].xy + at.xy * shadow_tile[i].z, at.z) : place;
         asked = asked || inside;

@@ -159,10 +159,10 @@ def test_volumes_are_closed_and_cover_what_is_behind():
 
 @pytest.mark.parametrize("slope", [0.45, -0.3])
 def test_cascades_put_the_edge_where_one_map_does(slope):
-    """The innermost of three boxes to 30 m holds it: 30 / 1.6 / 3.5^2 m about a point before the eye, 512 texels."""
+    """The innermost of three boxes to 30 m holds it: 30 / 1.6 / 3.5^2 x 8/7 m about a point before the eye."""
     settings = replace(PLAIN, shadow_distance=30.0, cascades=3)
     row = draw(make_world(slope), settings)[90]
-    radius = 30.0 / 1.6 / 3.5**2
+    radius = 30.0 / 1.6 / 3.5**2 * 8 / 7
     texel = 2.0 * radius / 512 / np.cos(np.arctan(slope))
     expected = (-0.3 if slope > 0.0 else 0.0) - PLATE_HEIGHT * slope
     assert edge_of(row, slope) == pytest.approx(expected, abs=texel + 0.8 / SIZE[0])
@@ -224,3 +224,29 @@ def test_a_spot_light_casts_a_shadow_of_its_own(lamp_x, side, expected):
 def test_a_number_of_maps_that_cannot_be_is_refused():
     with pytest.raises(UsageError):
         RenderSettings(cascades=5)
+
+
+def test_a_map_is_drawn_again_only_when_something_in_it_changed():
+    """Draw calls into the maps: all at first, none while nothing moves, all when a caster moves, and the new shadow."""
+    world = make_world(0.45)
+    with create_surface("egl", SIZE) as surface:
+        renderer = Renderer(surface, world, replace(PLAIN, shadow_distance=30.0))
+        first = renderer.draw([view_from()]).draws
+        still = renderer.draw([view_from()]).draws
+        assert first - still >= 3
+        world.update()
+        assert renderer.draw([view_from()]).draws == still
+        world.find("plate").translate((0.2, 0.0, 0.0))
+        world.update()
+        assert renderer.draw([view_from()]).draws == first
+        moved = read_pixels(surface)[..., 0].astype(float)
+        world.find("plate").entity.visible = False
+        world.update()
+        renderer.draw([view_from()])
+        empty = read_pixels(surface)[..., 0].astype(float)
+        renderer.release()
+    assert np.ptp(empty) == 0.0
+    fresh = make_world(0.45)
+    fresh.find("plate").translate((0.2, 0.0, 0.0))
+    fresh.update()
+    assert np.array_equal(moved, draw(fresh, replace(PLAIN, shadow_distance=30.0)))

@@ -155,7 +155,7 @@ class Renderer:
         lighting, settings = gather_lighting(self.world), self.settings
         self._list.update(self.world, settings, light_features=light_features(lighting, settings))
         self._frame.begin()
-        self._shadows.prepare(lighting, views, self._list, self._frame, settings)
+        self._shadows.prepare(lighting, views, self.world, self._list, self._frame, settings)
         view_runs = [self._batch(view) for view in views]
         self._frame.upload(self._arena)
         draws = self._shadows.draw(self._arena, self._frame)
@@ -180,7 +180,7 @@ class Renderer:
                 draws += self._light_by_stencil(target, view, lighting, opaque) if additive else self._darken()
             draws += draw_runs(target, self._arena, self._frame, transparent)
         draws += self._draw_over(views)
-        everything = [*self._shadows.runs, *(part for runs in view_runs for part in runs)]
+        everything = [*filter(None, self._shadows.runs), *(part for runs in view_runs for part in runs)]
         return sum(run.triangles for runs in everything for run in runs), draws
 
     def _light_by_stencil(

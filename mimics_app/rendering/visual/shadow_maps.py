@@ -37,6 +37,9 @@ _AHEAD = 0.6
 _GROWTH = 3.5
 """Each cascade's radius over that of the one inside it."""
 
+_STEPS = 8
+"""Steps in which a cascade moves, to its radius."""
+
 _NEAR_OF_SPOT, _REACH_OF_SPOT = 0.05, 50.0
 _TO_TEXTURE = np.array([[0.5, 0.0, 0.0, 0.5], [0.0, 0.5, 0.0, 0.5], [0.0, 0.0, 0.5, 0.5], [0.0, 0.0, 0.0, 1.0]])
 
@@ -110,8 +113,9 @@ def fit_cascades(
 ) -> list[ShadowMap]:
     """Boxes along the sun's rays about the eyes, one in another; right for any number of views at once.
 
-    Each box is a cube of fixed size about a point before the eyes, snapped to whole texels, so that neither turning
-    nor walking makes edges crawl. Its depth reaches to the farthest caster towards the sun.
+    Each box is of fixed size about a point before the eyes, which moves in steps of many whole texels: neither turning
+    nor walking makes edges crawl, and between two steps the map of a scene that stands still is the same one. Its depth
+    reaches to the farthest caster towards the sun.
 
     Args:
         sun_direction: Unit, towards the sun.
@@ -127,10 +131,12 @@ def fit_cascades(
     placed = (casters.centres - eye) @ rotation.T
     maps = []
     for number in range(count):
-        radius = distance / (1.0 + _AHEAD) * _GROWTH ** (number + 1 - count)
+        seen = distance / (1.0 + _AHEAD) * _GROWTH ** (number + 1 - count)
+        radius = seen / (1.0 - 1.0 / _STEPS)
         texel = 2.0 * radius / size
-        middle = rotation @ (eye + _AHEAD * radius * forward)
-        middle[:2] = np.round(middle[:2] / texel) * texel
+        step = max(1, size // (2 * _STEPS)) * texel
+        middle = rotation @ (eye + _AHEAD * seen * forward)
+        middle = np.round(middle / step) * step
         offset = placed - (middle - rotation @ eye)
         near = (np.abs(offset[:, :2]).max(axis=1, initial=0.0) < radius + casters.radii) & (
             offset[:, 2] > -radius - casters.radii

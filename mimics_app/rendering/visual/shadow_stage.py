@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.rendering.visual.draw_items import DrawItems
 from mimics_app.rendering.visual.draw_list import DrawList
 from mimics_app.rendering.visual.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.lighting import Lighting, fit_shadow_frustum
@@ -23,6 +28,7 @@ from mimics_app.rendering.visual.shadow_maps import (
 )
 from mimics_app.rendering.visual.targets import ShadowTarget
 from mimics_app.rendering.visual.view import View
+from mimics_app.world.world import World
 
 if TYPE_CHECKING:
     import moderngl
@@ -45,25 +51,34 @@ class ShadowStage:
 
     Attributes:
         plan: The maps of the frame.
-        runs: What is drawn into each of its maps.
+        runs: What is drawn into each of its maps; None for one that is still what it was.
     """
 
     def __init__(self, ctx: moderngl.Context, size: int) -> None:
         self._ctx = ctx
         self._target = ShadowTarget(ctx, size)
         self.plan = ShadowPlan(1, [], {})
-        self.runs: list[list[DrawRun]] = []
+        self.runs: list[list[DrawRun] | None] = []
+        self._drawn: dict[tuple[int, int], _Drawn] = {}
+        self._updates = 0
 
     def resize(self, size: int) -> None:
         """Give the atlas another width [texel]; 0 leaves it as it is, unused."""
         if size not in (0, self._target.size):
             self._target.release()
             self._target = ShadowTarget(self._ctx, size)
+            self._drawn.clear()
 
     def prepare(
-        self, lighting: Lighting, views: Sequence[View], listed: DrawList, frame: FrameBuffers, settings: RenderSettings
+        self,
+        lighting: Lighting,
+        views: Sequence[View],
+        world: World,
+        listed: DrawList,
+        frame: FrameBuffers,
+        settings: RenderSettings,
     ) -> None:
-        """Choose the frame's maps and queue what casts into them."""
+        """Choose the frame's maps and queue what casts into those that have changed."""
         sun_maps = (settings.cascades if settings.shadow_distance > 0.0 else 1) * _sun_has_map(lighting, settings)
         spots = _spots(lighting) if settings.shadow_size else []
         tile = settings.shadow_size // max(1, math.ceil(math.sqrt(sun_maps + len(spots))))
@@ -79,7 +94,11 @@ class ShadowStage:
         every = listed.casters(math.inf) if spots else None
         cones = {number: fit_spot(lighting.places[number], every, tile) for number in spots if every is not None}
         self.plan = lay_out(sun, cones)
-        self.runs = [listed.batch_casters(frame, each.casters, each.origin) for each in self.plan.maps]
+        moved = self._moved(world, listed)
+        self.runs = [
+            listed.batch_casters(frame, each.casters, each.origin) if self._is_stale(each, listed, moved) else None
+            for each in self.plan.maps
+        ]
 
     def draw(self, arena: MeshArena, frame: FrameBuffers) -> int:
         """Fill the atlas and make it what the shaders read; returns the draw calls made."""
@@ -90,6 +109,37 @@ class ShadowStage:
     def release(self) -> None:
         """Free the atlas."""
         self._target.release()
+
+    def _moved(self, world: World, listed: DrawList) -> NDArray[np.bool_] | None:
+        """Which items moved since the last frame; None where that cannot be told."""
+        updates, last = world.transforms.updates, self._updates
+        self._updates = updates
+        if updates > last + 1:
+            return None
+        changed = world.transforms.changed[listed.items.rows] if updates > last else np.zeros(len(listed.items.rows))
+        return np.asarray(changed, np.bool_)
+
+    def _is_stale(self, shadow: ShadowMap, listed: DrawList, moved: NDArray[np.bool_] | None) -> bool:
+        """True when a map's tile does not hold it already; takes down that it will."""
+        was = self._drawn.get(shadow.tile)
+        now = _Drawn(self.plan.grid, listed.items, shadow.clip_from_world, shadow.casters.items)
+        self._drawn[shadow.tile] = now
+        return was is None or not was.same(now) or moved is None or bool(moved[shadow.casters.items].any())
+
+
+@dataclass(frozen=True, eq=False)
+class _Drawn:
+    """What a tile holds: how many tiles there were, structure, projection and casters."""
+
+    grid: int
+    items: DrawItems
+    clip: NDArray[np.float64]
+    casters: NDArray[np.int32]
+
+    def same(self, other: _Drawn) -> bool:
+        """True when drawing the other gives the same depths, if nothing has moved."""
+        alike = self.grid == other.grid and self.items is other.items
+        return alike and np.array_equal(self.clip, other.clip) and np.array_equal(self.casters, other.casters)
 
 
 def _sun_has_map(lighting: Lighting, settings: RenderSettings) -> bool:

@@ -111,15 +111,15 @@ class ShadowTarget:
         self._framebuffer = ctx.framebuffer(depth_attachment=self._texture)
 
     def begin(self) -> None:
-        """Draw into it from here on, onto an empty map."""
+        """Draw into it from here on."""
         self._framebuffer.use()
-        self._framebuffer.viewport = (0, 0, self.size, self.size)
-        self._framebuffer.clear(depth=1.0)
 
     def enter(self, tile: tuple[int, int], grid: int) -> None:
-        """Draw into one of grid x grid tiles from here on."""
+        """Empty one of grid x grid tiles, and draw into it from here on."""
         width = self.size // grid
-        self._framebuffer.viewport = (tile[0] * width, tile[1] * width, width, width)
+        rectangle = (tile[0] * width, tile[1] * width, width, width)
+        self._framebuffer.viewport = rectangle
+        self._framebuffer.clear(depth=1.0, viewport=rectangle)
 
     def bind(self) -> None:
         """Make it the map the shaders read."""

@@ -23,7 +23,9 @@ F8 = NDArray[np.float64]
 VIEW_BLOCK = np.dtype(
     [
         ("clip_from_eye", "f4", (4, 4)),
-        ("shadow_from_eye", "f4", (MAX_CASCADES, 4, 4)),
+        ("shadow_from_eye", "f4", (4, 4)),
+        ("shadow_scale", "f4", (MAX_CASCADES, 4)),
+        ("shadow_offset", "f4", (MAX_CASCADES, 4)),
         ("shadow_tile", "f4", (MAX_CASCADES, 4)),
         ("spot_from_eye", "f4", (MAX_SPOT_MAPS, 4, 4)),
         ("spot_tile", "f4", (MAX_SPOT_MAPS, 4)),
@@ -49,6 +51,8 @@ VIEW_BLOCK = np.dtype(
 """std140: vec4 and mat4 only, so that it has no holes. Matrices are stored column after column."""
 
 _BINDING = 0
+_NOWHERE = 9.0
+"""A place outside every map."""
 _FOG_KINDS: tuple[FogKind, ...] = ("squared", "exponential", "linear")
 """In the order of their numbers in shaders/common/output.glsl."""
 
@@ -110,10 +114,16 @@ class ViewBlock:
         world_from_eye = np.eye(4)
         world_from_eye[:3, 3] = eye
         tone = settings.shadow_tone if settings.shadows == "texture_modulative" else 0.0
-        data["shadow"] = (1.0 / max(settings.shadow_size, 1), tone, 0.0, len(plan.sun))
+        data["shadow"] = (1.0 / max(settings.shadow_size, 1), tone, 0.0, 0.0)
+        data["shadow_scale"], data["shadow_offset"], data["shadow_tile"] = 0.0, _NOWHERE, (0.0, 0.0, 1.0, 0.0)
         for number, shadow in enumerate(plan.sun):
-            data["shadow_from_eye"][number] = (texture_from_world(shadow) @ world_from_eye).T
-            data["shadow_tile"][number] = (*plan.tile_of(shadow), shadow.texel)
+            first = texture_from_world(plan.sun[0]) @ world_from_eye
+            own = texture_from_world(shadow) @ world_from_eye
+            scale = np.linalg.norm(own[:3, :3], axis=1) / np.linalg.norm(first[:3, :3], axis=1)
+            data["shadow_from_eye"] = first.T
+            data["shadow_scale"][number] = (*scale, shadow.texel)
+            data["shadow_offset"][number, :3] = own[:3, 3] - scale * first[:3, 3]
+            data["shadow_tile"][number] = (*plan.tile_of(shadow), 0.0)
         data["light_shadow"][:, 0] = -1.0
         for number, (light, shadow) in enumerate(plan.spots.items()):
             data["spot_from_eye"][number] = (texture_from_world(shadow) @ world_from_eye).T

@@ -25,9 +25,9 @@ def draw_shadows(
     frame: FrameBuffers,
     target: ShadowTarget,
     plan: ShadowPlan,
-    runs: list[list[DrawRun]],
+    runs: list[list[DrawRun] | None],
 ) -> int:
-    """Fill the atlas; without a map it stays what it was, and the view block says not to ask it.
+    """Fill the tiles of maps that have changed; the others stay what they were.
 
     Args:
         ctx: Whose state is set.
@@ -35,19 +35,20 @@ def draw_shadows(
         frame: Has the instances, each map's relative to its own origin.
         target: The atlas.
         plan: Its maps.
-        runs: What to draw into each of `plan.maps`.
+        runs: What to draw into each of `plan.maps`; None leaves it as it is.
 
     Returns:
         Draw calls made.
     """
     import moderngl
 
-    if not plan.maps:
+    changed = [(shadow, drawn) for shadow, drawn in zip(plan.maps, runs, strict=True) if drawn is not None]
+    if not changed:
         return 0
     target.begin()
     ctx.enable_only(moderngl.DEPTH_TEST)
     ctx.polygon_offset = (_SLOPE_BIAS, _CONSTANT_BIAS)
-    for shadow, drawn in zip(plan.maps, runs, strict=True):
+    for shadow, drawn in changed:
         target.enter(shadow.tile, plan.grid)
         clip_from_origin = shadow.clip_from_world.copy()
         clip_from_origin[:, 3] += shadow.clip_from_world[:, :3] @ shadow.origin
@@ -56,4 +57,4 @@ def draw_shadows(
             run.look.shadow_shader.set_matrix("clip_from_eye", clip_from_origin)
             frame.draw(arena, run, run.look.shadow_shader)
     ctx.polygon_offset = (0.0, 0.0)
-    return sum(map(len, runs))
+    return sum(len(drawn) for _, drawn in changed)
