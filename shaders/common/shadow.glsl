@@ -22,20 +22,29 @@ bool in_tile(vec2 at, float width) {
 }
 #endif
 
+#ifdef SUN_CASCADES
+#define SUN_MAPS 4
+#else
+#define SUN_MAPS 1
+#endif
+
 float sun_visibility(vec3 position_eye, vec3 normal) {
 #ifdef SUN_SHADOW
-    // All maps look the same way, so that one projection serves them all. The count is a constant: with one that is
-    // not, software renderers gather every number from memory pixel by pixel.
+    // All maps look the same way and have texels of one size in the atlas: one projection serves them all. The count is
+    // a constant: with one that is not, software renderers gather every number from memory pixel by pixel.
     vec3 first = (shadow_from_eye * vec4(position_eye, 1.0)).xyz;
-    vec3 lift = 0.5 * (mat3(shadow_from_eye) * normal);
+    vec3 lift = mat3(shadow_from_eye) * normal;
     vec3 place = vec3(0.0);
     bool asked = false;
-    for (int i = 3; i >= 0; --i) {
-        vec3 at = (first + lift * shadow_scale[i].w) * shadow_scale[i].xyz + shadow_offset[i].xyz;
-        bool inside = in_tile(at.xy, shadow_tile[i].z);
-        place = inside ? vec3(shadow_tile[i].xy + at.xy * shadow_tile[i].z, at.z) : place;
+    for (int i = SUN_MAPS - 1; i >= 0; --i) {
+        vec3 at = first * shadow_scale[i].xxy + shadow_offset[i].xyz;
+        vec2 edge = abs(at.xy - shadow_tile[i].xy);
+        bool inside = max(edge.x, edge.y) < shadow_scale[i].w;
+        at.z += lift.z * shadow_scale[i].z;
+        place = inside ? at : place;
         asked = asked || inside;
     }
+    place.xy += lift.xy * shadow.z;
     return asked ? filtered_shadow(place) : 1.0;
 #else
     return 1.0;

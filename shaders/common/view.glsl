@@ -6,9 +6,9 @@
 layout(std140, binding = 0) uniform ViewBlock {
     mat4 clip_from_eye;
     mat4 shadow_from_eye;       // to coordinates in the tile and depth of the sun's innermost map, 0 to 1
-    vec4 shadow_scale[4];       // xyz: from there to each map's own coordinates; w: its texel [m]
-    vec4 shadow_offset[4];      // xyz: the same; far outside for a map that is not there
-    vec4 shadow_tile[4];        // lower left corner and width in the atlas
+    vec4 shadow_scale[4];       // from there to the atlas: across, along; depth of a texel; half of what may be asked
+    vec4 shadow_offset[4];      // the same; w unused
+    vec4 shadow_tile[4];        // middle in the atlas, far away for a map that is not there
     mat4 spot_from_eye[4];      // the same of spot lights, before the division by w
     vec4 spot_tile[4];          // texel [m] at 1 m
     vec4 tangents;              // left, right, bottom, top
@@ -21,7 +21,7 @@ layout(std140, binding = 0) uniform ViewBlock {
     vec4 sky_horizon;           // w: unused
     vec4 sky_ground;            // w: 1 for the neutral tone map, 0 for none
     vec4 ambient;               // rgb: factor on the sky's light on surfaces; w: number of lights below
-    vec4 shadow;                // texel of the atlas [uv], tone of modulative shadows or 0, unused, unused
+    vec4 shadow;                // texel of the atlas [uv], tone of modulative shadows or 0, lift across by the normal, unused
     vec4 fog_colour;            // linear; w: unused
     vec4 fog_figures;           // density [1/m], start [m], kind: 0 squared, 1 exponential, 2 linear
     vec4 light_position[MAX_LIGHTS];   // eye frame; w: range [m], 0 for unlimited

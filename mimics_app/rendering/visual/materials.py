@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ["LIGHT_FEATURES", "MaterialStore"]
 
-LIGHT_FEATURES = ("PLACED_LIGHTS", "SUN_SHADOW", "SPOT_SHADOWS")
+LIGHT_FEATURES = ("PLACED_LIGHTS", "SUN_SHADOW", "SUN_CASCADES", "SPOT_SHADOWS")
 """Features of shaders that hang on what shines."""
 
 _BINDINGS = {"base": 0, "normal": 5, "surface": 6, "occlusion": 7, "emission": 8}
@@ -79,7 +79,7 @@ class MaterialStore:
 
         Args:
             world: Whose materials.
-            light_features: What of PLACED_LIGHTS, SUN_SHADOW, SPOT_SHADOWS the frame has; shaders leave out the rest.
+            light_features: What of `LIGHT_FEATURES` the frame has; shaders leave out the rest.
             shading: Which techniques may be used.
             profile: The same.
 

@@ -41,6 +41,7 @@ def light_features(lighting: Lighting, settings: RenderSettings) -> frozenset[st
     wanted = {
         "PLACED_LIGHTS": lighting.place_count > 0,
         "SUN_SHADOW": _sun_has_map(lighting, settings),
+        "SUN_CASCADES": _sun_has_map(lighting, settings) and settings.shadow_distance > 0.0,
         "SPOT_SHADOWS": settings.shadow_size > 0 and bool(_spots(lighting)),
     }
     return frozenset(feature for feature, has in wanted.items() if has)

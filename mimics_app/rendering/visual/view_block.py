@@ -114,16 +114,22 @@ class ViewBlock:
         world_from_eye = np.eye(4)
         world_from_eye[:3, 3] = eye
         tone = settings.shadow_tone if settings.shadows == "texture_modulative" else 0.0
-        data["shadow"] = (1.0 / max(settings.shadow_size, 1), tone, 0.0, 0.0)
-        data["shadow_scale"], data["shadow_offset"], data["shadow_tile"] = 0.0, _NOWHERE, (0.0, 0.0, 1.0, 0.0)
+        texel = 1.0 / max(settings.shadow_size, 1)
+        data["shadow"] = (texel, tone, 0.0, 0.0)
+        data["shadow_tile"] = _NOWHERE
         for number, shadow in enumerate(plan.sun):
             first = texture_from_world(plan.sun[0]) @ world_from_eye
             own = texture_from_world(shadow) @ world_from_eye
+            left, bottom, width = plan.tile_of(shadow)
             scale = np.linalg.norm(own[:3, :3], axis=1) / np.linalg.norm(first[:3, :3], axis=1)
+            offset = own[:3, 3] - scale * first[:3, 3]
+            # Half a texel along the normal: of one size across for all maps, of each one's own along the rays.
+            data["shadow"][2] = 0.5 * shadow.texel * scale[0] * width
+            depth, most = 0.5 * shadow.texel * scale[2], 0.5 * width - 2.0 * texel
             data["shadow_from_eye"] = first.T
-            data["shadow_scale"][number] = (*scale, shadow.texel)
-            data["shadow_offset"][number, :3] = own[:3, 3] - scale * first[:3, 3]
-            data["shadow_tile"][number] = (*plan.tile_of(shadow), 0.0)
+            data["shadow_scale"][number] = (scale[0] * width, scale[2], depth, most)
+            data["shadow_offset"][number, :3] = (left + width * offset[0], bottom + width * offset[1], offset[2])
+            data["shadow_tile"][number, :2] = (left + 0.5 * width, bottom + 0.5 * width)
         data["light_shadow"][:, 0] = -1.0
         for number, (light, shadow) in enumerate(plan.spots.items()):
             data["spot_from_eye"][number] = (texture_from_world(shadow) @ world_from_eye).T
