@@ -55,7 +55,14 @@ def picture_quality(scene: Scene, profile: Profile) -> RenderSettings:
     else:
         samples, shadow_size = visual.samples, visual.shadow_size
     return RenderSettings(
-        msaa=samples, shadow_size=shadow_size, hud_depth=depth, fog_density=visual.fog_density, profile=profile
+        msaa=samples,
+        shadow_size=shadow_size,
+        shadows=visual.shadows,
+        shadow_distance=visual.shadow_distance,
+        cascades=visual.cascades,
+        hud_depth=depth,
+        fog_density=visual.fog_density,
+        profile=profile,
     )
 
 

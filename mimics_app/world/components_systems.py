@@ -25,6 +25,14 @@ class VisualSettings(Component, frozen=True):
 
     samples: Annotated[Literal[0, 2, 4, 8], Meta(description="Of multisample anti-aliasing; 0: none")] = 4
     shadow_size: Annotated[int, Meta(ge=0, le=8192, description="Side of the shadow map [pixels]; 0: no shadows")] = 512
+    shadows: Annotated[
+        Literal["texture_additive", "texture_modulative", "stencil_additive", "stencil_modulative"],
+        Meta(description="How the sun's shadows are made: maps or volumes, light left out or the picture darkened"),
+    ] = "texture_additive"
+    shadow_distance: Annotated[
+        float, Meta(ge=0, description="How far from the eye shadows are seen [m], in `cascades`; 0: one map of it all")
+    ] = 0.0
+    cascades: Annotated[int, Meta(ge=1, le=4, description="Maps of the sun, one in another")] = 3
     fog_density: Annotated[float, Meta(ge=0, description="Haze of the horizon's colour with distance [1/m]")] = 0.12
 
 

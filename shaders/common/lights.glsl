@@ -11,6 +11,9 @@ vec3 shine_of_light(int i, vec3 position_eye, Surface s) {
     float outer = light_colour[i].w;
     float cone = smoothstep(outer, max(light_direction[i].w, outer + 1e-4), dot(-direction, light_direction[i].xyz));
     float strength = window * window / distance2 * (outer < -1.5 ? 1.0 : cone);
+#ifdef SPOT_SHADOWS
+    strength *= spot_visibility(i, position_eye, s.normal);
+#endif
     return strength * light_colour[i].rgb * reflect_light(s, direction);
 }
 #endif

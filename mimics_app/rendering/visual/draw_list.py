@@ -79,19 +79,19 @@ class DrawList:
         self._updates = 0
         self._world: F8 = np.zeros((0, 4, 4))
 
-    def update(self, world: World, settings: RenderSettings, *, placed_lights: bool) -> None:
+    def update(self, world: World, settings: RenderSettings, *, light_features: frozenset[str]) -> None:
         """Take over structure where it changed, and this frame's transforms always.
 
         Args:
             world: What is drawn.
             settings: Which techniques and which occluders may be used.
-            placed_lights: True when a point or spot light shines.
+            light_features: See `MaterialStore.update`.
         """
         listed = world.subentities()
         worth = len(listed.row) >= LEAST_ITEMS
         meshes = self._arena.update(world, solid=worth)
         materials = self._materials.update(
-            world, placed_lights=placed_lights, shading=settings.shading, profile=settings.profile
+            world, light_features=light_features, shading=settings.shading, profile=settings.profile
         )
         wanted = settings.occlusion if worth else "off"
         revision = (id(world), listed.revision, wanted, settings.culling)

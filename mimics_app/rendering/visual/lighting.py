@@ -12,7 +12,7 @@ from mimics_app.world.environment import Backdrop, Fog
 from mimics_app.world.light import Light
 from mimics_app.world.world import World
 
-__all__ = ["MAX_LIGHTS", "Lighting", "ShadowFrustum", "fit_shadow_frustum", "gather_lighting"]
+__all__ = ["MAX_LIGHTS", "Lighting", "ShadowFrustum", "fit_shadow_frustum", "gather_lighting", "sun_axes"]
 
 F8 = NDArray[np.float64]
 
@@ -56,7 +56,6 @@ class Lighting:
     places: list[Light]
     fog: Fog | None
     backdrop: Backdrop | None
-    shadow: ShadowFrustum | None = None
 
     @property
     def place_count(self) -> int:
@@ -114,7 +113,7 @@ def fit_shadow_frustum(sun_direction: F8, centres: F8, radii: F8, size: int) -> 
     # Two texels of margin for the filter, then up to the next step.
     radius = 2.0 ** (math.ceil(math.log2(max(reach, 1e-3) * size / (size - 4)) * _RADIUS_STEPS) / _RADIUS_STEPS)
     texel = 2.0 * radius / size
-    rotation = _sun_axes(sun_direction)
+    rotation = sun_axes(sun_direction)
     snapped = rotation @ middle
     snapped[:2] = np.round(snapped[:2] / texel) * texel
     clip_from_world = np.eye(4)
@@ -125,7 +124,7 @@ def fit_shadow_frustum(sun_direction: F8, centres: F8, radii: F8, size: int) -> 
     return ShadowFrustum(clip_from_world, texture_from_clip @ clip_from_world, rotation.T @ snapped, texel, size)
 
 
-def _sun_axes(sun_direction: F8) -> F8:
+def sun_axes(sun_direction: F8) -> F8:
     """Rows: right, up and towards the sun, a right-handed frame that does not depend on the view."""
     towards = sun_direction / np.linalg.norm(sun_direction)
     helper = np.array([0.0, 0.0, 1.0]) if abs(towards[2]) < 0.9 else np.array([1.0, 0.0, 0.0])

@@ -23,7 +23,10 @@ from mimics_app.world.world import World
 if TYPE_CHECKING:
     import moderngl
 
-__all__ = ["MaterialStore"]
+__all__ = ["LIGHT_FEATURES", "MaterialStore"]
+
+LIGHT_FEATURES = ("PLACED_LIGHTS", "SUN_SHADOW", "SUN_CASCADES", "SPOT_SHADOWS")
+"""Features of shaders that hang on what shines."""
 
 _BINDINGS = {"base": 0, "normal": 5, "surface": 6, "occlusion": 7, "emission": 8}
 """Of the maps' samplers in shaders/common/material.glsl."""
@@ -43,7 +46,7 @@ _Pictures = dict[str, TextureData]
 class _Variant:
     """What all looks depend on."""
 
-    placed_lights: bool = False
+    light_features: frozenset[str] = frozenset()
     shading: Shading = "full"
     profile: Profile = "training"
 
@@ -70,13 +73,13 @@ class MaterialStore:
         self.issues: list[Issue] = []
 
     def update(
-        self, world: World, *, placed_lights: bool, shading: Shading = "full", profile: Profile = "training"
+        self, world: World, *, light_features: frozenset[str], shading: Shading = "full", profile: Profile = "training"
     ) -> bool:
         """Bring the looks up to the world's materials.
 
         Args:
             world: Whose materials.
-            placed_lights: True when a point or spot light shines; without one the shaders leave them out.
+            light_features: What of `LIGHT_FEATURES` the frame has; shaders leave out the rest.
             shading: Which techniques may be used.
             profile: The same.
 
@@ -84,7 +87,7 @@ class MaterialStore:
             True when one came, went or changed.
         """
         known = {name: (material, _pictures(material, world)) for name, material in world.materials.items()}
-        variant = _Variant(placed_lights, shading, profile)
+        variant = _Variant(light_features, shading, profile)
         techniques = {**built_in_techniques(), **world.techniques}
         if variant != self._variant or techniques != self._techniques:
             self._variant, self._techniques = variant, techniques
@@ -194,7 +197,7 @@ class MaterialStore:
             "COLOURED": coloured,
             **{_feature_of(which): which in pictures for which in MAPS},
             "MASKED": material.alpha_mode == "mask",
-            "PLACED_LIGHTS": self._variant.placed_lights,
+            **{each: each in self._variant.light_features for each in LIGHT_FEATURES},
             "MATT": material.roughness >= _MATT and material.metallic == 0.0 and "surface" not in pictures,
             "GRID": material.grid > 0.0,
             "UV_TRANSFORMS": placed and bool(pictures),

@@ -15,24 +15,26 @@ from mimics_app.rendering.visual.draw_list import DrawList
 from mimics_app.rendering.visual.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.frame_stats import FrameStats
 from mimics_app.rendering.visual.hud import Hud
-from mimics_app.rendering.visual.lighting import fit_shadow_frustum, gather_lighting
+from mimics_app.rendering.visual.lighting import Lighting, gather_lighting
 from mimics_app.rendering.visual.materials import MaterialStore
 from mimics_app.rendering.visual.mesh_arena import MeshArena
 from mimics_app.rendering.visual.passes.enlarge import EnlargePass
 from mimics_app.rendering.visual.passes.hud import HudPass, plane_of_views
-from mimics_app.rendering.visual.passes.shadow import draw_shadow
 from mimics_app.rendering.visual.passes.sky import SkyPass, flat_sky
 from mimics_app.rendering.visual.passes.states import draw_runs
+from mimics_app.rendering.visual.passes.volumes import VolumePass
+from mimics_app.rendering.visual.raw_gl import EQUAL
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.shadow_stage import ShadowStage, light_features
 from mimics_app.rendering.visual.surface import Surface
-from mimics_app.rendering.visual.targets import PictureTarget, ShadowTarget
+from mimics_app.rendering.visual.targets import PictureTarget
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_block import ViewBlock
 from mimics_app.world.world import World
 
 if TYPE_CHECKING:
-    pass
+    import moderngl
 
 __all__ = ["Renderer"]
 
@@ -80,7 +82,8 @@ class Renderer:
         self._frame = FrameBuffers(ctx)
         self._enlarge = EnlargePass(ctx, self._shaders)
         self._picture = PictureTarget(surface, self.settings.msaa, self.settings.scale, self._enlarge)
-        self._shadow = ShadowTarget(ctx, self.settings.shadow_size)
+        self._shadows = ShadowStage(ctx, self.settings.shadow_size)
+        self._volumes = VolumePass(ctx, self._shaders)
         self._block = ViewBlock(ctx, self.settings)
         self._sky = SkyPass(ctx, self._shaders, has.texture_size)
         self._hud_pass = HudPass(ctx, self._shaders)
@@ -115,9 +118,8 @@ class Renderer:
         settings = self.settings
         shadow_size = settings.shadow_size if shadow_size is None else shadow_size
         self.settings = replace(settings, shadow_size=shadow_size, scale=settings.scale if scale is None else scale)
-        if shadow_size not in (0, self._shadow.size):
-            self._shadow.release()
-            self._shadow = ShadowTarget(self._surface.ctx, shadow_size)
+        self._block.settings = self.settings
+        self._shadows.resize(shadow_size)
         self._picture.scale = self.settings.scale
 
     def reload_shaders(self) -> list[Issue]:
@@ -132,8 +134,8 @@ class Renderer:
 
     def release(self) -> None:
         """Free everything but the surface."""
-        parts = (self._hud_pass, self._sky, self._block, self._shadow, self._picture, self._enlarge, self._frame)
-        for part in (*parts, self._materials, self._arena):
+        parts = (self._hud_pass, self._sky, self._block, self._shadows, self._picture, self._enlarge, self._frame)
+        for part in (*parts, self._volumes, self._materials, self._arena):
             part.release()
 
     def _measure(self, views: Sequence[View], *, finish: bool) -> FrameStats:
@@ -150,38 +152,51 @@ class Renderer:
         return FrameStats(cpu_ms, self._timer.elapsed * 1e-6 if self._timer else None, triangles, draws, *told)
 
     def _draw(self, views: Sequence[View]) -> tuple[int, int]:
-        lighting = gather_lighting(self.world)
-        self._list.update(self.world, self.settings, placed_lights=lighting.place_count > 0)
+        lighting, settings = gather_lighting(self.world), self.settings
+        self._list.update(self.world, settings, light_features=light_features(lighting, settings))
         self._frame.begin()
-        shadow_runs: list[DrawRun] = []
-        if lighting.sun_casts_shadow and self.settings.shadow_size:
-            casters = self._list.casters(self.settings.shadow_reach)
-            lighting.shadow = fit_shadow_frustum(
-                lighting.sun_direction, casters.centres, casters.radii, self.settings.shadow_size
-            )
-            if lighting.shadow:
-                shadow_runs = self._list.batch_casters(self._frame, casters, lighting.shadow.centre)
+        self._shadows.prepare(lighting, views, self.world, self._list, self._frame, settings)
         view_runs = [self._batch(view) for view in views]
         self._frame.upload(self._arena)
-        ctx = self._surface.ctx
-        draws = draw_shadow(ctx, self._arena, self._frame, self._shadow, lighting.shadow, shadow_runs)
-        self._shadow.bind()
+        draws = self._shadows.draw(self._arena, self._frame)
         target = self._picture.begin()
+        by_stencil = settings.shadows.startswith("stencil") and lighting.sun_casts_shadow and settings.shadow_size > 0
+        if by_stencil:
+            self._volumes.gl.attach_stencil(target, self._picture.samples)
         target.use()
-        background = flat_sky(lighting, self.settings)
+        background = flat_sky(lighting, settings)
         if background is None:
             self._sky.prepare(self.world)
         target.clear(*(background or (0.0, 0.0, 0.0)), 1.0, depth=1.0)
         for view, (opaque, transparent) in zip(views, view_runs, strict=True):
-            self._block.fill(view, lighting)
             target.viewport = self._picture.rectangle(view.rectangle)
+            additive = by_stencil and settings.shadows == "stencil_additive"
+            self._block.fill(view, lighting, self._shadows.plan, sun=not additive)
             self._block.bind()
             draws += draw_runs(target, self._arena, self._frame, opaque)
             draws += 0 if background else self._sky.draw()
+            if by_stencil:
+                draws += self._volumes.count(target, self.world, self._list.items, view, lighting)
+                draws += self._light_by_stencil(target, view, lighting, opaque) if additive else self._darken()
             draws += draw_runs(target, self._arena, self._frame, transparent)
         draws += self._draw_over(views)
-        everything = [*shadow_runs, *(run for runs in view_runs for part in runs for run in part)]
-        return sum(run.triangles for run in everything), draws
+        everything = [*filter(None, self._shadows.runs), *(part for runs in view_runs for part in runs)]
+        return sum(run.triangles for runs in everything for run in runs), draws
+
+    def _light_by_stencil(
+        self, target: moderngl.Framebuffer, view: View, lighting: Lighting, opaque: list[DrawRun]
+    ) -> int:
+        """Draw what is seen once more, now with the sun, where no volume covers it."""
+        self._block.fill(view, lighting, self._shadows.plan)
+        self._volumes.gl.draw_where(EQUAL)
+        self._surface.ctx.depth_func = "=="
+        draws = draw_runs(target, self._arena, self._frame, opaque)
+        self._surface.ctx.depth_func = "<"
+        self._volumes.gl.draw_everywhere()
+        return draws
+
+    def _darken(self) -> int:
+        return self._volumes.darken(self.settings.shadow_tone)
 
     def _batch(self, view: View) -> tuple[list[DrawRun], list[DrawRun]]:
         size = self._picture.rectangle(view.rectangle)[2:]

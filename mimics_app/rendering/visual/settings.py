@@ -8,7 +8,7 @@ from typing import Literal
 from mimics_app.contracts.errors import UsageError
 from mimics_app.world.technique import Profile
 
-__all__ = ["Culling", "Occlusion", "RenderSettings", "Shading"]
+__all__ = ["Culling", "Occlusion", "RenderSettings", "Shading", "ShadowKind"]
 
 Shading = Literal["full", "plain"]
 """Which techniques draw opaque surfaces: each material's own, or for all that can be the cheapest lit one, whose light
@@ -22,6 +22,11 @@ Occlusion = Literal["off", "derived", "authored", "all"]
 """Which boxes may hide what is behind them: none, those found inside meshes, those written into models, or both."""
 
 
+ShadowKind = Literal["texture_additive", "texture_modulative", "stencil_additive", "stencil_modulative"]
+"""How the sun's shadows are made: depth maps or volumes; and whether its light is left out where it does not arrive,
+or the finished picture darkened there."""
+
+
 @dataclass(frozen=True, slots=True)
 class RenderSettings:
     """Quality of the picture.
@@ -29,6 +34,11 @@ class RenderSettings:
     Attributes:
         msaa: Samples per pixel: 0 (off), 2 or 4; more than the driver offers becomes what it offers.
         shadow_size: Width of the sun's shadow map [texel]; 0 leaves shadows out.
+        shadows: How the sun's shadows are made.
+        shadow_tone: What modulative shadows leave of the picture's display values, 0-1.
+        shadow_distance: How far from the eyes the sun's shadows are seen [m], in `cascades` maps one inside another;
+            0: everywhere, in one map about all casters.
+        cascades: Maps of the sun, 1 to 4.
         shadow_reach: Casters of a bounding radius beyond this [m] receive shadows but do not widen the map.
         tone_map: "neutral" (Khronos PBR neutral: base colours stay what they are) or "none" (clamped, for tests).
         exposure: Factor on all light before the tone map.
@@ -44,6 +54,10 @@ class RenderSettings:
 
     msaa: int = 4
     shadow_size: int = 512
+    shadows: ShadowKind = "texture_additive"
+    shadow_tone: float = 0.55
+    shadow_distance: float = 0.0
+    cascades: int = 3
     shadow_reach: float = 2.0
     tone_map: Literal["neutral", "none"] = "neutral"
     exposure: float = 1.0
@@ -61,5 +75,7 @@ class RenderSettings:
             raise UsageError(f"{self.msaa} samples per pixel cannot be", "give 0, 2, 4 or 8")
         if not 0.25 <= self.scale <= 1.0:
             raise UsageError(f"a picture drawn at {self.scale} of its size cannot be", "give 0.25 to 1")
+        if not 1 <= self.cascades <= 4:
+            raise UsageError(f"{self.cascades} shadow maps of the sun cannot be", "give 1 to 4")
         if not 0 <= self.shadow_size <= 8192:
             raise UsageError(f"a shadow map of {self.shadow_size} texels cannot be", "give 0 to 8192")

@@ -1,4 +1,4 @@
-"""Where a frame is drawn before it reaches the surface: the picture, and the depth map of the sun."""
+"""Where a frame is drawn before it reaches the surface: the picture, and the atlas of shadow maps."""
 
 from __future__ import annotations
 
@@ -111,9 +111,15 @@ class ShadowTarget:
         self._framebuffer = ctx.framebuffer(depth_attachment=self._texture)
 
     def begin(self) -> None:
-        """Draw into it from here on, onto an empty map."""
+        """Draw into it from here on."""
         self._framebuffer.use()
-        self._framebuffer.clear(depth=1.0)
+
+    def enter(self, tile: tuple[int, int], grid: int) -> None:
+        """Empty one of grid x grid tiles, and draw into it from here on."""
+        width = self.size // grid
+        rectangle = (tile[0] * width, tile[1] * width, width, width)
+        self._framebuffer.viewport = rectangle
+        self._framebuffer.clear(depth=1.0, viewport=rectangle)
 
     def bind(self) -> None:
         """Make it the map the shaders read."""

@@ -1,0 +1,151 @@
+"""The sun's shadows by stencil: volumes counted behind what is seen."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.rendering.visual.draw_items import DrawItems
+from mimics_app.rendering.visual.lighting import Lighting
+from mimics_app.rendering.visual.raw_gl import NOT_EQUAL, RawGL
+from mimics_app.rendering.visual.shader_library import ShaderLibrary, ShaderProgram
+from mimics_app.rendering.visual.shadow_volumes import VolumeSource, extrude
+from mimics_app.rendering.visual.view import View
+from mimics_app.world.mesh import MeshData
+from mimics_app.world.world import World
+
+if TYPE_CHECKING:
+    import moderngl
+
+__all__ = ["VolumePass"]
+
+F8 = NDArray[np.float64]
+
+_BIAS = (0.05, 8.0)
+"""Depth slopes per pixel and smallest depth steps by which volumes lie behind the surfaces that cast them: a cap that
+won against its own surface would put it in its own shadow. More than rounding needs would move the shadows' edges."""
+
+_SAME_LIGHT = 1e-4
+"""Farthest the light may have turned in a body's frame for its volume to be used again [rad]."""
+
+
+class VolumePass:
+    """Draws the volumes of everything that casts a shadow, and darkens or spares what they cover.
+
+    Volumes are made per body on the processor and kept while the light stands still in the body's frame.
+    """
+
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
+        self.gl = RawGL(ctx)
+        self._ctx = ctx
+        self._shader = shaders.program("volume/volume.vert", "volume/volume.frag")
+        self._darken = shaders.program("enlarge/enlarge.vert", "volume/darken.frag")
+        self._sources: dict[str, tuple[MeshData, VolumeSource]] = {}
+        self._kept: dict[int, _Volume] = {}
+        self._screen: tuple[int, moderngl.VertexArray] | None = None
+
+    def count(
+        self, target: moderngl.Framebuffer, world: World, items: DrawItems, view: View, lighting: Lighting
+    ) -> int:
+        """Count the volumes into the target's stencil, whose depth has all that receives.
+
+        What is blended has no volume; what has holes casts as a whole.
+
+        Returns:
+            Draw calls made.
+        """
+        import moderngl
+
+        ctx, listed = self._ctx, world.subentities()
+        self.gl.clear_stencil()
+        ctx.enable_only(moderngl.DEPTH_TEST)
+        ctx.front_face = "ccw"
+        self.gl.count_faces()
+        target.depth_mask = False
+        ctx.polygon_offset = _BIAS
+        casting = np.flatnonzero(listed.visible & items.casting & ~items.transparent)
+        drawn = 0
+        for item in casting.tolist():
+            world_from_node = world.transforms.world[listed.row[item]]
+            volume = self._volume(item, listed.mesh[item], world, world_from_node, lighting.sun_direction)
+            if volume is not None:
+                self._shader.set_matrix("clip_from_volume", view.clip_from_eye @ _eye_from_node(world_from_node, view))
+                volume.array.render(moderngl.TRIANGLES)
+                drawn += 1
+        ctx.polygon_offset = (0.0, 0.0)
+        target.depth_mask = True
+        self.gl.draw_everywhere()
+        return drawn
+
+    def darken(self, tone: float) -> int:
+        """Leave `tone` of the display values wherever a volume counts; returns the draw calls."""
+        import moderngl
+
+        ctx = self._ctx
+        if self._screen is None or self._screen[0] != self._darken.revision:
+            self._screen = (self._darken.revision, ctx.vertex_array(self._darken.program, []))
+        self._darken.set_number("tone", tone)
+        ctx.enable_only(moderngl.BLEND)
+        ctx.blend_func = moderngl.DST_COLOR, moderngl.ZERO
+        self.gl.draw_where(NOT_EQUAL)
+        self._screen[1].render(moderngl.TRIANGLES, vertices=3)
+        self.gl.draw_everywhere()
+        return 1
+
+    def release(self) -> None:
+        """Free all volumes and buffers."""
+        for volume in self._kept.values():
+            volume.release()
+        self._kept.clear()
+        if self._screen is not None:
+            self._screen[1].release()
+            self._screen = None
+        self.gl.release()
+
+    def _volume(self, item: int, name: str, world: World, world_from_node: F8, towards: F8) -> _Volume | None:
+        mesh = world.meshes.get(name)
+        if mesh is None:
+            return None
+        # Rows of the axes: a direction goes back into the node's frame by the inverse of the matrix itself.
+        local = np.asarray(np.linalg.solve(world_from_node[:3, :3], towards), np.float64)
+        local = local / np.linalg.norm(local)
+        kept = self._kept.get(item)
+        if kept is not None and kept.fits(mesh, local, self._shader):
+            return kept
+        if kept is not None:
+            kept.release()
+        known = self._sources.get(name)
+        if known is None or known[0] is not mesh:
+            known = self._sources[name] = (mesh, VolumeSource(mesh))
+        self._kept[item] = _Volume(self._ctx, self._shader, mesh, local, extrude(known[1], local))
+        return self._kept[item]
+
+
+class _Volume:
+    """A volume on the GPU, and what it was made for."""
+
+    def __init__(
+        self, ctx: moderngl.Context, shader: ShaderProgram, mesh: MeshData, light: F8, corners: NDArray[np.float32]
+    ) -> None:
+        self._made_for = (mesh, shader.revision)
+        self._light = light
+        self._buffer = ctx.buffer(corners.tobytes() or bytes(16))
+        self.array = ctx.vertex_array(shader.program, [(self._buffer, "4f", "in_corner")])
+
+    def fits(self, mesh: MeshData, light: F8, shader: ShaderProgram) -> bool:
+        """True when it can be used again."""
+        same = self._made_for[0] is mesh and self._made_for[1] == shader.revision
+        return same and float(np.linalg.norm(light - self._light)) <= _SAME_LIGHT
+
+    def release(self) -> None:
+        """Free it."""
+        self.array.release()
+        self._buffer.release()
+
+
+def _eye_from_node(world_from_node: F8, view: View) -> F8:
+    eye_from_node = world_from_node.copy()
+    eye_from_node[:3, 3] -= view.eye_world
+    return eye_from_node

@@ -1,0 +1,100 @@
+"""The few OpenGL functions that moderngl leaves out, called in its context: stencil tests and their buffer."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import moderngl
+
+__all__ = ["ALWAYS", "DECREMENT", "EQUAL", "INCREMENT", "KEEP", "NOT_EQUAL", "RawGL"]
+
+ALWAYS, EQUAL, NOT_EQUAL = 0x0207, 0x0202, 0x0205
+KEEP, INCREMENT, DECREMENT = 0x1E00, 0x8507, 0x8508
+"""Stencil operations; the counting ones wrap round."""
+
+_STENCIL_TEST, _DEPTH_CLAMP, _STENCIL_BUFFER_BIT = 0x0B90, 0x864F, 0x0400
+_FRONT, _BACK = 0x0404, 0x0405
+_RENDERBUFFER, _FRAMEBUFFER, _DEPTH_STENCIL_ATTACHMENT, _DEPTH24_STENCIL8 = 0x8D41, 0x8D40, 0x821A, 0x88F0
+
+_UINT, _INT, _BYTE = ctypes.c_uint, ctypes.c_int, ctypes.c_ubyte
+_ARGUMENTS: dict[str, tuple[Any, ...]] = {
+    "glStencilFunc": (_UINT, _INT, _UINT),
+    "glStencilOpSeparate": (_UINT, _UINT, _UINT, _UINT),
+    "glClearStencil": (_INT,),
+    "glStencilMask": (_UINT,),
+    "glClear": (_UINT,),
+    "glColorMask": (_BYTE, _BYTE, _BYTE, _BYTE),
+    "glGenRenderbuffers": (_INT, ctypes.POINTER(_UINT)),
+    "glDeleteRenderbuffers": (_INT, ctypes.POINTER(_UINT)),
+    "glBindRenderbuffer": (_UINT, _UINT),
+    "glRenderbufferStorageMultisample": (_UINT, _INT, _UINT, _INT, _INT),
+    "glBindFramebuffer": (_UINT, _UINT),
+    "glFramebufferRenderbuffer": (_UINT, _UINT, _UINT, _UINT),
+}
+
+
+class RawGL:
+    """Functions by their addresses, which the context's own loader gives: the same for EGL, OSMesa and windows."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self._ctx = ctx
+        loader: Any = ctx.mglo._context  # what moderngl loads its own functions with
+        self._calls = {
+            name: ctypes.CFUNCTYPE(None, *arguments)(loader.load_opengl_function(name))
+            for name, arguments in _ARGUMENTS.items()
+        }
+        self._buffers: dict[int, int] = {}
+
+    def attach_stencil(self, framebuffer: moderngl.Framebuffer, samples: int) -> None:
+        """Put a buffer of depth and stencil in the place of a framebuffer's depth; stays until `release`."""
+        width, height = framebuffer.size
+        if framebuffer.glo in self._buffers:
+            return
+        name = _UINT()
+        self._calls["glGenRenderbuffers"](1, ctypes.byref(name))
+        self._calls["glBindRenderbuffer"](_RENDERBUFFER, name.value)
+        self._calls["glRenderbufferStorageMultisample"](_RENDERBUFFER, samples, _DEPTH24_STENCIL8, width, height)
+        self._calls["glBindFramebuffer"](_FRAMEBUFFER, framebuffer.glo)
+        place = (_FRAMEBUFFER, _DEPTH_STENCIL_ATTACHMENT, _RENDERBUFFER)
+        self._calls["glFramebufferRenderbuffer"](*place, name.value)
+        self._buffers[framebuffer.glo] = name.value
+
+    def clear_stencil(self) -> None:
+        """Set the stencil of the framebuffer in use to 0."""
+        self._calls["glStencilMask"](0xFF)
+        self._calls["glClearStencil"](0)
+        self._calls["glClear"](_STENCIL_BUFFER_BIT)
+
+    def count_faces(self) -> None:
+        """From here on faces hidden behind what is drawn count: +1 for back faces, -1 for front ones (Carmack 2000).
+
+        No colours are written, and depth is clamped, so that volumes may reach through the near and the far plane.
+        """
+        self._calls["glColorMask"](0, 0, 0, 0)
+        self._ctx.enable_direct(_STENCIL_TEST)
+        self._ctx.enable_direct(_DEPTH_CLAMP)
+        self._calls["glStencilFunc"](ALWAYS, 0, 0xFF)
+        self._calls["glStencilOpSeparate"](_BACK, KEEP, INCREMENT, KEEP)
+        self._calls["glStencilOpSeparate"](_FRONT, KEEP, DECREMENT, KEEP)
+
+    def draw_where(self, test: int) -> None:
+        """From here on only pixels are drawn whose count passes: EQUAL to 0, or NOT_EQUAL."""
+        self._ctx.enable_direct(_STENCIL_TEST)
+        self._ctx.disable_direct(_DEPTH_CLAMP)
+        self._calls["glStencilFunc"](test, 0, 0xFF)
+        for face in (_FRONT, _BACK):
+            self._calls["glStencilOpSeparate"](face, KEEP, KEEP, KEEP)
+
+    def draw_everywhere(self) -> None:
+        """Back to drawing colours without a stencil."""
+        self._calls["glColorMask"](1, 1, 1, 1)
+        self._ctx.disable_direct(_STENCIL_TEST)
+        self._ctx.disable_direct(_DEPTH_CLAMP)
+
+    def release(self) -> None:
+        """Free the buffers; framebuffers that had them have no depth afterwards."""
+        for name in self._buffers.values():
+            self._calls["glDeleteRenderbuffers"](1, ctypes.byref(_UINT(name)))
+        self._buffers.clear()

@@ -1,0 +1,3 @@
+// Volumes only count.
+void main() {
+}
