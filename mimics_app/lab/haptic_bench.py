@@ -48,6 +48,7 @@ _SHAPES = {
 _COUNTS = (1, 10, 100, 1000, 10_000)
 _TRIANGLES = (100, 1000, 10_000, 100_000, 1_000_000)
 _BODIES = (1, 10, 100, 1000)
+_MIXED, _MOVING = 100, 10
 _HEAPS = (10, 100)
 _HEAP_TICKS = 4000
 _SPHERES = 1000
@@ -129,16 +130,23 @@ def _simulate_often(
         simulate(rows, work, counts, hand, fields, dt, force)
 
 
-def bodies_on_a_floor(kind: ShapeKind, count: int) -> Scene:
-    """Free bodies of 0.2 kg and 4 cm that rest on a floor, awake, the hand pressing on one: the peers' scene."""
-    capacities = ObjectCapacities(shapes=count + 1, bodies=count)
+def bodies_on_a_floor(kind: ShapeKind, count: int, fixed: int = 0) -> Scene:
+    """Free bodies of 0.2 kg and 4 cm that rest on a floor, awake, the hand pressing on one: the peers' scene.
+
+    Args:
+        kind: Of their shapes.
+        count: Bodies that move.
+        fixed: Shapes of the same kind beside them that belong to the floor.
+    """
+    capacities = ObjectCapacities(shapes=count + fixed + 1, bodies=count)
     rows, counts = new_rows(capacities), np.zeros(1, OBJECT_COUNTS)
-    shapes, bodies, places = rows.shapes, rows.bodies, np.arange(count)
-    side = max(1, int(np.ceil(np.sqrt(count))))
+    shapes, bodies = rows.shapes, rows.bodies
+    places = _places_on_a_floor(count + fixed)
     shapes["enabled"], shapes["orientation"][:, 3], shapes["exponent"] = 1, 1.0, 1.0
     shapes["stiffness"], shapes["damping"] = STIFFNESS, _DAMPING
     shapes["friction_static"], shapes["friction_dynamic"] = 0.5, 0.4
-    shapes["kind"], shapes["body"] = kind, _bodies_of_shapes(count)
+    shapes["kind"], shapes["body"][:count], shapes["body"][count:] = kind, np.arange(count), STATIC
+    shapes["position"][count : count + fixed] = places[count:]
     shapes["size"] = {ShapeKind.BOX: (2 * RADIUS,) * 3, ShapeKind.CYLINDER: (RADIUS, 2 * RADIUS, 0.0)}.get(
         kind, (RADIUS, 0.0, 0.0)
     )
@@ -146,18 +154,18 @@ def bodies_on_a_floor(kind: ShapeKind, count: int) -> Scene:
     bodies["flags"] = BodyFlag.TRANSLATION | BodyFlag.ROTATION | BodyFlag.FORCE_ON_OBJECT | BodyFlag.TORQUE_ON_OBJECT
     bodies["spawn"], bodies["mass"], bodies["orientation"][:, 3] = 1, _MASS, 1.0
     bodies["inertia"] = np.eye(3) * _MASS * (2 * RADIUS) ** 2 / 6.0
-    bodies["gravity"] = (0.0, -9.81, 0.0)
-    bodies["position"][:, 0] = (places % side) * (2 * RADIUS + _GAP)
-    bodies["position"][:, 2] = (places // side) * (2 * RADIUS + _GAP)
-    bodies["position"][:, 1] = RADIUS - 5e-4
+    bodies["gravity"], bodies["position"] = (0.0, -9.81, 0.0), places[:count]
     rows.points[0]["enabled"] = 1
-    counts["shapes"], counts["bodies"], counts["points"] = count + 1, count, 1
+    counts["shapes"], counts["bodies"], counts["points"] = count + fixed + 1, count, 1
     return Scene(rows, counts, capacities, bodies["position"][0] + (0.0, RADIUS - _PRESSED, 0.0))
 
 
-def _bodies_of_shapes(count: int) -> NDArray[np.int32]:
-    """Body of each shape: one each, and the floor that belongs to none."""
-    return np.append(np.arange(count), STATIC).astype(np.int32)
+def _places_on_a_floor(count: int) -> Array:
+    """Middles of bodies side by side on a square, half a millimetre in the floor [m], shape [count, 3]."""
+    side, numbers = max(1, int(np.ceil(np.sqrt(count)))), np.arange(count)
+    places = np.full((count, 3), RADIUS - 5e-4)
+    places[:, 0], places[:, 2] = (numbers % side) * (2 * RADIUS + _GAP), (numbers // side) * (2 * RADIUS + _GAP)
+    return places
 
 
 def boxes_in_a_heap(count: int) -> Scene:
@@ -237,6 +245,13 @@ def _body_row(name: str, count: int, scene: Scene, reference: float) -> _Row:
     return _Row(name, count, us, us / reference, whole, None, None)
 
 
+def _mixed_row(step: Step, reference: float) -> Iterator[_Row]:
+    """A hundred boxes of which ten move: what a scene of some size asks of the whole tick."""
+    step(f"{_MIXED} boxes, {_MOVING} of them moving")
+    scene = bodies_on_a_floor(ShapeKind.BOX, _MOVING, _MIXED - _MOVING)
+    yield _body_row(f"boxes, {_MOVING} moving", _MIXED, scene, reference)
+
+
 def _heap_rows(step: Step, reference: float) -> Iterator[_Row]:
     """Boxes on boxes, which no peer was measured on."""
     for count in _HEAPS:
@@ -258,5 +273,5 @@ def _body_rows(step: Step, reference: float) -> Iterator[_Row]:
 def measure_haptic(step: Step = lambda _: None) -> dict[str, Any]:
     """The object of `mimics bench haptic`; `step` is told what is measured next."""
     reference = reference_us()
-    rows = [asdict(row) for part in (_shape_rows, _body_rows, _heap_rows) for row in part(step, reference)]
+    rows = [asdict(row) for part in (_shape_rows, _body_rows, _mixed_row, _heap_rows) for row in part(step, reference)]
     return {"reference_ns": reference * 1e3, "rows": rows}

@@ -70,6 +70,7 @@ def test_bench_rows_say_what_was_measured(monkeypatch):
         "capsule",
         "mesh",
         "bodies heap",
+        "boxes, 10 moving",
         *haptic_bench.BODY_WORKLOADS,
     }
     assert all(row["us"] > 0.0 and row["ratio"] > 0.0 and row["tick_p99_us"] > 0.0 for row in rows)
@@ -98,3 +99,11 @@ def test_bodies_of_the_bench_lie_on_the_floor_and_touch_it():
     assert (work.motions["collided"] == 1).all() and (work.motions["asleep"] == 0).all()
     assert force[1] > 0.5
     assert np.abs(work.motions["position"][:, 1] - 0.02).max() < 4e-3
+
+
+def test_fixed_shapes_of_the_bench_stand_beside_the_bodies_that_move():
+    scene = haptic_bench.bodies_on_a_floor(haptic_bench.ShapeKind.BOX, 2, fixed=3)
+    assert scene.rows.shapes["body"].tolist() == [0, 1, -1, -1, -1, -1]
+    places = np.concatenate([scene.rows.bodies["position"], scene.rows.shapes["position"][2:5]])
+    assert np.unique(places, axis=0).shape == (5, 3)
+    assert scene.rows.shapes["kind"].tolist() == [haptic_bench.ShapeKind.BOX] * 5 + [haptic_bench.ShapeKind.WALL]

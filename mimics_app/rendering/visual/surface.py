@@ -64,6 +64,8 @@ class Surface:
         old = self.framebuffer
         self.framebuffer = self._make_framebuffer(size)
         self.size = size
+        # The driver goes back to the framebuffer that was in use after making another; it must not be a freed one.
+        self.framebuffer.use()
         _release_framebuffer(old)
 
     def close(self) -> None:

@@ -50,6 +50,7 @@ class PictureTarget:
     def begin(self) -> moderngl.Framebuffer:
         """The framebuffer to draw into, for the surface's present size and the present scale."""
         if self._made_for != (self._surface.size, self.scale):
+            self._surface.framebuffer.use()
             self.release()
             self._make()
             self._made_for = (self._surface.size, self.scale)
