@@ -223,6 +223,9 @@ prepare() { # the kinds of system packages this word needs: run, test
     system_packages "$@"
 }
 
+# A file of tests stays in one process: its fixtures are made once.
+pytest_on_two() { "$vpython" -m pytest --numprocesses=2 --dist=loadfile "$@"; }
+
 # --- words -------------------------------------------------------------------------------------------------------
 
 check() {
@@ -237,7 +240,7 @@ check() {
     step format "$venv/bin/ruff" format --check .
     step mypy "$venv/bin/mypy"
     step imports "$venv/bin/lint-imports"
-    step tests "$vpython" -m pytest -q -m "not slow and not hardware and not gpu" tests/unit tests/architecture tests/properties
+    step tests pytest_on_two -q -m "not slow and not hardware and not gpu" tests/unit tests/architecture tests/properties
     [ -z "$failed" ] || { say "red:$failed"; exit 1; }
     say "all green"
 }
@@ -255,11 +258,11 @@ case $word in
         ;;
     test)
         prepare run test
-        exec "$vpython" -m pytest -m "not slow and not hardware and not gpu" "$@"
+        pytest_on_two -m "not slow and not hardware and not gpu" "$@"
         ;;
     test-long)
         prepare run test
-        exec "$vpython" -m pytest --hypothesis-profile=random "$@"
+        pytest_on_two --hypothesis-profile=random "$@"
         ;;
     check)
         prepare run
