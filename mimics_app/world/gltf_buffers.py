@@ -28,7 +28,7 @@ class GltfBuffers:
         source = self._source
         view = source.item("bufferViews", index, pointer)
         place = f"/bufferViews/{index}"
-        buffer = self._buffer(source.whole(view, "buffer", place), f"{place}/buffer")
+        buffer = self.whole(source.whole(view, "buffer", place), f"{place}/buffer")
         offset = source.whole(view, "byteOffset", place, 0)
         length = source.whole(view, "byteLength", place, None, 1)
         if offset + length > len(buffer):
@@ -38,7 +38,13 @@ class GltfBuffers:
             source.fail(f"{place}/byteStride", f"{stride} is not between 4 and 252")
         return buffer[offset : offset + length], stride
 
-    def _buffer(self, index: int, pointer: str) -> memoryview:
+    def whole(self, index: int, pointer: str) -> memoryview:
+        """All bytes of a buffer.
+
+        Args:
+            index: As the file gives it.
+            pointer: Where the index stands.
+        """
         if index not in self._buffers:
             buffer = self._source.item("buffers", index, pointer)
             self._buffers[index] = memoryview(self._read(buffer, index))

@@ -12,10 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["GltfWriter", "MeshPart", "WrittenPart"]
+__all__ = ["GltfWriter", "MeshPart", "WrittenPart", "pack_glb"]
 
 _ARRAY_BUFFER, _ELEMENT_BUFFER = 34962, 34963
 _CODES = {"|u1": 5121, "<u2": 5123, "<u4": 5125, "<f4": 5126}
+_JSON_CHUNK, _BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 _PLACE = ("translation", "rotation", "scale")
 _SHAPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
 _SHORT_LIMIT = 65535
@@ -47,6 +48,16 @@ class WrittenPart:
 
     attributes: tuple[tuple[str, int], ...]
     indices: int
+
+
+def pack_glb(document: dict[str, Any], binary: bytes) -> bytes:
+    """A JSON document and its one buffer as GLB (glTF 2.0 4.4)."""
+    text = json.dumps(document, separators=(",", ":"), allow_nan=False).encode("ascii")
+    text += b" " * (-len(text) % 4)
+    binary += b"\0" * (-len(binary) % 4)
+    body = struct.pack("<II", len(text), _JSON_CHUNK) + text
+    body += struct.pack("<II", len(binary), _BINARY_CHUNK) + binary
+    return b"glTF" + struct.pack("<II", 2, 12 + len(body)) + body
 
 
 class GltfWriter:
@@ -170,12 +181,7 @@ class GltfWriter:
             document["extensionsUsed"] = sorted(self._extensions)
         document |= self._tables
         document["buffers"] = [{"byteLength": len(self._blob)}]
-        text = json.dumps(document, separators=(",", ":"), allow_nan=False).encode("ascii")
-        text += b" " * (-len(text) % 4)
-        binary = bytes(self._blob) + b"\0" * (-len(self._blob) % 4)
-        body = struct.pack("<II", len(text), 0x4E4F534A) + text
-        body += struct.pack("<II", len(binary), 0x004E4942) + binary
-        return b"glTF" + struct.pack("<II", 2, 12 + len(body)) + body
+        return pack_glb(document, bytes(self._blob))
 
     def write(self, path: Path) -> Path:
         """Write the file and return its path; its folder is made when missing."""

@@ -1,4 +1,4 @@
-"""`mimics assets ACTION [NAME]`: what builds the shipped models and sounds, and building them anew."""
+"""`mimics assets ACTION [NAME]`: what builds the shipped models and sounds, and coarser forms of anybody's models."""
 
 from __future__ import annotations
 
@@ -12,27 +12,70 @@ _MAX_SEED = 2**63 - 1
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("action", choices=("build", "list"), help="build: write the files of NAME; list: the names")
-    parser.add_argument("name", nargs="?", default="", help="what to build")
+    parser.add_argument(
+        "action",
+        choices=("build", "list", "levels"),
+        help="build: write the files of NAME; list: the names; levels: write a model with levels of detail",
+    )
+    parser.add_argument("name", nargs="?", default="", help="what to build; of levels: a .glb or .gltf file")
     parser.add_argument("--seed", type=_seed, default=1, help="the same seed makes the same bytes on any machine")
     parser.add_argument("--out", type=Path, default=Path("."), metavar="DIR", help="folder of the files")
+    parser.add_argument(
+        "--shares", type=_share, nargs="+", metavar="SHARE", help="of levels: of the triangles, falling (0.5 0.2 0.06)"
+    )
+    parser.add_argument("--pixels", type=_pixels, default=1.0, help="of levels: largest error seen [px]")
 
 
 def run(args: argparse.Namespace) -> int:
-    """List the builders, or run one."""
+    """List the builders, run one, or coarsen a model."""
+    return {"list": _list, "build": _build, "levels": _levels}[args.action](args)
+
+
+def _list(args: argparse.Namespace) -> int:
     from mimics_app.app import output
-    from mimics_app.app.asset_builders import find_builder, find_builders
+    from mimics_app.app.asset_builders import find_builders
+
+    builders = find_builders()
+    if args.json:
+        rows = [{"name": each.name, "what": each.what, "file": each.file} for each in builders]
+        output.write_object("assets", {"builders": rows})
+        return 0
+    for each in builders:
+        print(f"{each.name:12} {each.what}")
+    return 0
+
+
+def _levels(args: argparse.Namespace) -> int:
+    from dataclasses import asdict
+
+    from mimics_app.app import output
+    from mimics_app.contracts.errors import UsageError
+    from mimics_app.world.gltf_levels import SHARES, write_levels
+
+    file = Path(args.name)
+    if not args.name:
+        raise UsageError("levels of which model?", "name a .glb or .gltf file")
+    out = args.out / f"{file.stem}_levels.glb"
+    try:
+        levels = write_levels(file, out, args.shares or SHARES, args.pixels)
+    except ValueError as error:
+        raise UsageError(str(error), "give --shares 0.5 0.2 0.06, say") from error
+    if args.json:
+        output.write_object("assets", {"file": out, "meshes": [asdict(each) for each in levels]})
+        return 0
+    for each in levels:
+        steps = zip(each.triangles, each.errors, each.coverages, strict=True)
+        told = ", ".join(f"{n} triangles ({error:.2g} m, from {100.0 * c:.2g} %)" for n, error, c in steps)
+        print(f"{each.name}: {told}")
+    print(f"{out}: {len(levels)} meshes have levels")
+    return 0
+
+
+def _build(args: argparse.Namespace) -> int:
+    from mimics_app.app import output
+    from mimics_app.app.asset_builders import find_builder
     from mimics_app.contracts.errors import UsageError
 
-    if args.action == "list":
-        builders = find_builders()
-        if args.json:
-            rows = [{"name": each.name, "what": each.what, "file": each.file} for each in builders]
-            output.write_object("assets", {"builders": rows})
-        else:
-            for each in builders:
-                print(f"{each.name:12} {each.what}")
-        return 0
     if not args.name:
         raise UsageError("build what?", "mimics assets list names what can be built")
     files = find_builder(args.name).build(args.out, args.seed)
@@ -43,6 +86,24 @@ def run(args: argparse.Namespace) -> int:
     for file in files:
         print(f"{file}: {file.stat().st_size} bytes, sha256 {_digest(file)}")
     return 0
+
+
+def _share(text: str) -> float:
+    return _between(text, 0.0, 1.0, "share between 0 and 1")
+
+
+def _pixels(text: str) -> float:
+    return _between(text, 0.0, 1000.0, "number of pixels between 0 and 1000")
+
+
+def _between(text: str, least: float, most: float, what: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = least
+    if not least < value < most:
+        raise argparse.ArgumentTypeError(f"{text} is no {what}")
+    return value
 
 
 def _seed(text: str) -> int:

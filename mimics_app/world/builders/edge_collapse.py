@@ -1,0 +1,344 @@
+"""Edge collapse on arrays: corners of a surface, the vertices (wedges) that stand at them, and an ordered heap."""
+
+from __future__ import annotations
+
+import heapq
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+
+__all__ = ["collapse", "farthest"]
+
+F8 = NDArray[np.float64]
+I8 = NDArray[np.int64]
+
+_LEAST_TURN = 0.25
+"""Cosine of the most a triangle's normal may turn by a collapse: about 75 degrees, so that nothing folds over."""
+
+_MAX_RING = 64
+"""Triangles about a corner that are looked at; a corner with more stays."""
+
+
+@kernel
+def _link_corners(corners: I8, first: I8, following: I8) -> None:
+    """Chain the triangles' slots by their corner."""
+    for t in range(corners.shape[0]):
+        for k in range(3):
+            following[3 * t + k] = first[corners[t, k]]
+            first[corners[t, k]] = 3 * t + k
+
+
+@kernel
+def collapse(
+    places: F8, wedges: I8, corners: I8, quadrics: F8, alive: NDArray[np.bool_], wanted: int, most: float
+) -> None:
+    """Collapse edges, the least loss first.
+
+    Args:
+        places: Of the corners [m], [c, 3].
+        wedges: Vertices of the triangles, written, [t, 3].
+        corners: Their corners, written, [t, 3].
+        quadrics: Of the corners, written, [c, 11].
+        alive: False where a triangle is gone, written, [t].
+        wanted: Triangles to stop at.
+        most: Mean square distance to stop at [m^2].
+    """
+    first = np.full(places.shape[0], -1, np.int64)
+    following = np.full(3 * wedges.shape[0], -1, np.int64)
+    stamps = np.zeros(places.shape[0], np.int64)
+    rings, pairs = np.empty((2, _MAX_RING), np.int64), np.empty((2, _MAX_RING), np.int64)
+    _link_corners(corners, first, following)
+    heap = [(0.0, 0, 0, 0, 0) for _ in range(0)]
+    for t in range(wedges.shape[0]):
+        _push(heap, t, -1, corners, quadrics, places, stamps)
+    left = wedges.shape[0]
+    while left > wanted and len(heap):
+        loss, u, v, stamp_u, stamp_v = heapq.heappop(heap)
+        if loss > most:
+            break
+        if stamps[u] != stamp_u or stamps[v] != stamp_v:
+            continue
+        gone = _try_collapse(u, v, wedges, corners, places, first, following, alive, rings, pairs)
+        if gone == 0:
+            continue
+        left -= gone
+        quadrics[v] += quadrics[u]
+        stamps[u], stamps[v] = -1, stamps[v] + 1
+        for i in range(_ring(v, first, following, alive, rings[0])):
+            _push(heap, rings[0, i], v, corners, quadrics, places, stamps)
+
+
+@kernel
+def _push(heap: Any, t: int, only: int, corners: I8, quadrics: F8, places: F8, stamps: I8) -> None:
+    """Queue a triangle's edges, both ways; of one corner only, or of all: -1."""
+    for k in range(3):
+        u, v = corners[t, k], corners[t, (k + 1) % 3]
+        if only in (-1, u, v):
+            heapq.heappush(heap, (_loss(quadrics, u, v, places), u, v, stamps[u], stamps[v]))
+            heapq.heappush(heap, (_loss(quadrics, v, u, places), v, u, stamps[v], stamps[u]))
+
+
+@kernel
+def _try_collapse(
+    u: int,
+    v: int,
+    wedges: I8,
+    corners: I8,
+    places: F8,
+    first: I8,
+    following: I8,
+    alive: NDArray[np.bool_],
+    rings: I8,
+    pairs: I8,
+) -> int:
+    """Move u to v where nothing folds or tears; returns how many triangles vanish, 0: u stays."""
+    count_u, count_v = _ring(u, first, following, alive, rings[0]), _ring(v, first, following, alive, rings[1])
+    if count_u <= 0 or count_v <= 0:
+        return 0
+    count, gone = _match_wedges(u, v, wedges, corners, rings[0], count_u, pairs[0], pairs[1])
+    if count == 0 or not _keeps_topology(u, v, gone, corners, rings[0], count_u, rings[1], count_v):
+        return 0
+    if not _stay_sound(u, v, wedges, corners, places, rings[0], count_u, pairs[0], count):
+        return 0
+    _move(u, v, wedges, corners, first, following, alive, pairs, count)
+    return gone
+
+
+@kernel
+def _loss(quadrics: F8, u: int, v: int, places: F8) -> float:
+    """Mean square distance [m^2] of v's place from the planes of both corners."""
+    x, y, z = places[v, 0], places[v, 1], places[v, 2]
+    total = 0.0
+    weight = quadrics[u, 10] + quadrics[v, 10]
+    if weight <= 0.0:
+        return 0.0
+    for k in (u, v):
+        q = quadrics[k]
+        total += q[0] * x * x + q[4] * y * y + q[7] * z * z + q[9]
+        total += 2.0 * (q[1] * x * y + q[2] * x * z + q[3] * x + q[5] * y * z + q[6] * y + q[8] * z)
+    return max(0.0, total / weight)
+
+
+@kernel
+def _ring(corner: int, first: I8, following: I8, alive: NDArray[np.bool_], out: I8) -> int:
+    """Triangles about a corner; -1: too many."""
+    count = 0
+    slot = first[corner]
+    while slot >= 0:
+        if alive[slot // 3]:
+            if count == out.shape[0]:
+                return -1
+            out[count] = slot // 3
+            count += 1
+        slot = following[slot]
+    return count
+
+
+@kernel
+def _shared_corners(u: int, v: int, corners: I8, ring_u: I8, count_u: int, ring_v: I8, count_v: int) -> int:
+    """Corners that are neighbours of both u and v."""
+    shared = 0
+    for i in range(count_u):
+        for k in range(3):
+            w = corners[ring_u[i], k]
+            if w in (u, v):
+                continue
+            again = False
+            for j in range(i):
+                for m in range(3):
+                    again = again or corners[ring_u[j], m] == w
+            if again:
+                continue
+            found = False
+            for j in range(count_v):
+                for m in range(3):
+                    found = found or corners[ring_v[j], m] == w
+            shared += found
+    return shared
+
+
+@kernel
+def _turns_over(u: int, v: int, triangle: int, corners: I8, places: F8) -> bool:
+    """Whether a triangle's normal turns too far, or vanishes, when its corner u goes to v."""
+    before, after = np.empty((3, 3)), np.empty((3, 3))
+    for k in range(3):
+        corner = corners[triangle, k]
+        for m in range(3):
+            before[k, m] = places[corner, m]
+            after[k, m] = places[v if corner == u else corner, m]
+    old, new = (
+        np.cross(before[1] - before[0], before[2] - before[0]),
+        np.cross(after[1] - after[0], after[2] - after[0]),
+    )
+    old2, new2 = (old * old).sum(), (new * new).sum()
+    return new2 <= 1e-12 * old2 or (old * new).sum() < _LEAST_TURN * np.sqrt(old2 * new2)
+
+
+@kernel
+def _match_wedges(u: int, v: int, wedges: I8, corners: I8, ring: I8, count: int, olds: I8, news: I8) -> tuple[int, int]:
+    """(pairs (wedge of u, wedge of v in the same triangle) written, triangles that u and v share).
+
+    No pairs where one wedge of u would have to become two of v.
+    """
+    pairs, gone = 0, 0
+    for i in range(count):
+        t = ring[i]
+        old, new = -1, -1
+        for k in range(3):
+            if corners[t, k] == u:
+                old = wedges[t, k]
+            if corners[t, k] == v:
+                new = wedges[t, k]
+        if new < 0:
+            continue
+        gone += 1
+        at = _find(olds, pairs, old)
+        if at < 0:
+            olds[pairs], news[pairs] = old, new
+            pairs += 1
+        elif news[at] != new:
+            return 0, gone
+    return pairs, gone
+
+
+@kernel
+def _find(values: I8, count: int, wanted: int) -> int:
+    """Where a value stands, -1: nowhere."""
+    for i in range(count):
+        if values[i] == wanted:
+            return i
+    return -1
+
+
+@kernel
+def _stay_sound(
+    u: int, v: int, wedges: I8, corners: I8, places: F8, ring: I8, count: int, olds: I8, pairs: int
+) -> bool:
+    """Whether u's triangles that are left have a wedge to go to and do not turn over.
+
+    A wedge without one ends at a seam: u on a seam goes along the seam only.
+    """
+    for i in range(count):
+        t = ring[i]
+        if v in (corners[t, 0], corners[t, 1], corners[t, 2]):
+            continue
+        for k in range(3):
+            if corners[t, k] == u and _find(olds, pairs, wedges[t, k]) < 0:
+                return False
+        if _turns_over(u, v, t, corners, places):
+            return False
+    return True
+
+
+@kernel
+def _keeps_topology(u: int, v: int, gone: int, corners: I8, ring_u: I8, count_u: int, ring_v: I8, count_v: int) -> bool:
+    """The link condition: u and v share as many neighbours as triangles; on a border u goes along it."""
+    if gone == 0 or gone > 2:
+        return False
+    if _shared_corners(u, v, corners, ring_u, count_u, ring_v, count_v) != gone:
+        return False
+    return gone == 2 or _on_border(u, corners, ring_u, count_u)
+
+
+@kernel
+def _on_border(u: int, corners: I8, ring: I8, count: int) -> bool:
+    """Whether u's triangles are one open fan."""
+    ends = 0
+    for i in range(count):
+        for k in range(3):
+            w = corners[ring[i], k]
+            if w == u:
+                continue
+            uses = 0
+            for j in range(count):
+                for m in range(3):
+                    uses += corners[ring[j], m] == w
+            ends += uses == 1
+    return ends == 2
+
+
+@kernel
+def _move(
+    u: int,
+    v: int,
+    wedges: I8,
+    corners: I8,
+    first: I8,
+    following: I8,
+    alive: NDArray[np.bool_],
+    pairs: I8,
+    count: int,
+) -> None:
+    """Give u's triangles to v; those that both have vanish."""
+    last, slot = -1, first[u]
+    while slot >= 0:
+        t, k = slot // 3, slot % 3
+        if alive[t]:
+            if v in (corners[t, 0], corners[t, 1], corners[t, 2]):
+                alive[t] = False
+            else:
+                wedges[t, k] = pairs[1, _find(pairs[0], count, wedges[t, k])]
+                corners[t, k] = v
+        last, slot = slot, following[slot]
+    following[last] = first[v]
+    first[v] = first[u]
+    first[u] = -1
+
+
+@kernel
+def farthest(points: F8, triangles: F8) -> float:
+    """Largest distance [m] of a point, [n, 3], from the nearest of some triangles, [t, 3, 3]."""
+    count = triangles.shape[0]
+    balls = np.empty((count, 4))
+    for t in range(count):
+        balls[t, 3] = 0.0
+        for k in range(3):
+            balls[t, k] = (triangles[t, 0, k] + triangles[t, 1, k] + triangles[t, 2, k]) / 3.0
+        for k in range(3):
+            balls[t, 3] = max(balls[t, 3], _apart(balls[t], triangles[t, k]))
+    worst = 0.0
+    for i in range(points.shape[0]):
+        nearest = np.inf
+        for t in range(count):
+            if _apart(balls[t], points[i]) - balls[t, 3] < nearest:
+                nearest = min(nearest, np.sqrt(_distance2(points[i], triangles[t])))
+                if nearest <= worst:
+                    break
+        worst = max(worst, nearest)
+    return worst
+
+
+@kernel
+def _apart(a: F8, b: F8) -> float:
+    return float(np.sqrt((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 + (a[2] - b[2]) ** 2))
+
+
+@kernel
+def _distance2(p: F8, triangle: F8) -> float:
+    """Squared distance [m^2] of a point from a triangle by its regions (Ericson 2005, 5.1.5)."""
+    a, b, c = triangle[0], triangle[1], triangle[2]
+    ab, ac, ap = b - a, c - a, p - a
+    d1, d2 = (ab * ap).sum(), (ac * ap).sum()
+    d3, d4 = d1 - (ab * ab).sum(), d2 - (ab * ac).sum()
+    d5, d6 = d1 - (ab * ac).sum(), d2 - (ac * ac).sum()
+    va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
+    if d1 <= 0.0 and d2 <= 0.0:
+        s, t = 0.0, 0.0
+    elif d3 >= 0.0 and d4 <= d3:
+        s, t = 1.0, 0.0
+    elif d6 >= 0.0 and d5 <= d6:
+        s, t = 0.0, 1.0
+    elif vc <= 0.0 and d1 >= 0.0 and d3 <= 0.0:
+        s, t = d1 / (d1 - d3), 0.0
+    elif vb <= 0.0 and d2 >= 0.0 and d6 <= 0.0:
+        s, t = 0.0, d2 / (d2 - d6)
+    elif va <= 0.0 and d4 >= d3 and d5 >= d6:
+        t = (d4 - d3) / ((d4 - d3) + (d5 - d6))
+        s = 1.0 - t
+    else:
+        s, t = vb / (va + vb + vc), vc / (va + vb + vc)
+    away = ap - s * ab - t * ac
+    return float((away * away).sum())
