@@ -195,7 +195,10 @@ def test_between_two_processes():
     child.start()
     try:
         _empty(arrays["ring_words"], arrays["ring_slots"], out, 300_000, 60_000_000_000, ringed)
-        _read(arrays["words"], arrays["slots"], 1_500_000_000, False, result)
+        for _ in range(40):  # a busy machine gives either process its turn seldom
+            _read(arrays["words"], arrays["slots"], 1_500_000_000, False, result)
+            if result[3] > 1000:
+                break
     finally:
         arrays["control"][STOP] = 1
         child.join(20.0)
