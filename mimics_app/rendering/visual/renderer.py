@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.errors import Issue, UsageError
@@ -17,7 +18,6 @@ from mimics_app.rendering.visual.hud import Hud
 from mimics_app.rendering.visual.lighting import gather_lighting
 from mimics_app.rendering.visual.materials import MaterialStore
 from mimics_app.rendering.visual.mesh_arena import MeshArena
-from mimics_app.rendering.visual.passes.enlarge import EnlargePass
 from mimics_app.rendering.visual.passes.hud import HudPass, plane_of_views
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.shader_library import ShaderLibrary
@@ -72,8 +72,7 @@ class Renderer:
         self._materials = MaterialStore(ctx, self._shaders, has)
         self._list = DrawList(self._arena, self._materials)
         self._frame = FrameBuffers(ctx)
-        self._enlarge = EnlargePass(ctx, self._shaders)
-        self._picture = PictureTarget(surface, self.settings.msaa, self.settings.scale, self._enlarge)
+        self._picture = PictureTarget(surface, self._shaders, self.settings)
         self._shadows = ShadowStage(ctx, self.settings.shadow_size)
         self._world = WorldStage(ctx, self._shaders, self._arena, self._frame, self.settings, has.texture_size)
         self._hud_pass = HudPass(ctx, self._shaders)
@@ -95,21 +94,32 @@ class Renderer:
         """As `draw`, but return only when the driver has drawn all of it: `cpu_ms` is the frame's whole cost."""
         return self._measure(views, finish=True)
 
-    def set_quality(self, *, shadow_size: int | None = None, scale: float | None = None) -> None:
-        """Change what a governor may change, from the next frame on.
+    def set_quality(
+        self,
+        *,
+        shadow_size: int | None = None,
+        scale: float | None = None,
+        msaa: int | None = None,
+        fxaa: bool | None = None,
+        bloom: float | None = None,
+    ) -> None:
+        """Change what a governor may change, from the next frame on; None leaves a figure as it is.
 
         Args:
-            shadow_size: Width of the shadow map [texel], 0: no shadows; None: as it is.
-            scale: Of the world's picture, see `RenderSettings`; None: as it is.
+            shadow_size: Width of the shadow map [texel], 0: no shadows.
+            scale: Of the world's picture.
+            msaa: Samples per pixel.
+            fxaa: Whether edges are smoothed in the finished picture.
+            bloom: Share of the light that is spread.
 
         Raises:
             UsageError: a value that cannot be.
         """
-        settings = self.settings
-        shadow_size = settings.shadow_size if shadow_size is None else shadow_size
-        self.settings = replace(settings, shadow_size=shadow_size, scale=settings.scale if scale is None else scale)
-        self._shadows.resize(shadow_size)
-        self._picture.scale = self.settings.scale
+        wanted = {"shadow_size": shadow_size, "scale": scale, "msaa": msaa, "fxaa": fxaa, "bloom": bloom}
+        changes: dict[str, Any] = {name: value for name, value in wanted.items() if value is not None}
+        self.settings = replace(self.settings, **changes)
+        self._shadows.resize(self.settings.shadow_size)
+        self._picture.settings = self.settings
 
     def reload_shaders(self) -> list[Issue]:
         """Compile changed shaders anew; returns what is wrong with them, old programs stay in use."""
@@ -123,7 +133,7 @@ class Renderer:
 
     def release(self) -> None:
         """Free everything but the surface."""
-        parts = (self._hud_pass, self._world, self._shadows, self._picture, self._enlarge, self._frame)
+        parts = (self._hud_pass, self._world, self._shadows, self._picture, self._frame)
         for part in (*parts, self._materials, self._arena):
             part.release()
 
@@ -143,7 +153,7 @@ class Renderer:
     def _draw(self, views: Sequence[View]) -> tuple[int, int]:
         """The stages of a frame in their order; returns triangles and draw calls."""
         scene = self._prepare(views)
-        drawn = [self._batch(view) for view in views]
+        drawn = [self._batch(number, view) for number, view in enumerate(views)]
         self._frame.upload(self._arena)
         draws = self._shadows.draw(self._arena, self._frame)
         draws += self._world.draw(self._picture.begin(), self._picture.samples, scene, drawn)
@@ -159,20 +169,18 @@ class Renderer:
         self._shadows.prepare(lighting, views, self.world, self._list, self._frame, settings)
         return FrameScene(self.world, self._list.items, lighting, self._shadows.plan, settings)
 
-    def _batch(self, view: View) -> ViewDraws:
+    def _batch(self, number: int, view: View) -> ViewDraws:
         """Queue what is seen in a view."""
         rectangle = self._picture.rectangle(view.rectangle)
-        runs = self._list.batch_view(self._frame, view, rectangle[2:], self._picture.samples)
+        runs = self._list.batch_view(self._frame, view, rectangle[2:], self._picture.samples, number)
         return ViewDraws(view, rectangle, *runs)
 
     def _draw_over(self, views: Sequence[View]) -> int:
-        """Show the world's picture with the heads-up display, which is never drawn smaller."""
-        if self._picture.scale < 1.0:
-            self._picture.end()
-            return 1 + self._draw_hud(views)
-        draws = self._draw_hud(views)
-        self._picture.end()
-        return draws
+        """Show the world's picture with the heads-up display, which no filter touches and which is never smaller."""
+        rectangles = [view.rectangle for view in views]
+        if self._picture.filtered:
+            return self._picture.end(rectangles) + self._draw_hud(views)
+        return self._draw_hud(views) + self._picture.end(rectangles)
 
     def _draw_hud(self, views: Sequence[View]) -> int:
         draws = 0
