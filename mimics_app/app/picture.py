@@ -36,7 +36,7 @@ _SOFTWARE = ("llvmpipe", "softpipe", "SwiftShader")
 def live_quality(scene: Scene, profile: Profile, surface: Surface) -> RenderSettings:
     """Quality of a picture that must keep up: on a software renderer only a study keeps its smooth edges."""
     quality = picture_quality(scene, profile)
-    return replace(quality, msaa=0) if draws_in_software(surface) and profile != "study" else quality
+    return replace(quality, msaa=0, fxaa=False) if draws_in_software(surface) and profile != "study" else quality
 
 
 def draws_in_software(surface: Surface) -> bool:
@@ -50,13 +50,12 @@ def picture_quality(scene: Scene, profile: Profile) -> RenderSettings:
     visual = wanted if isinstance(wanted, VisualSettings) else VisualSettings()
     boards = scene.components(HudComponent)
     depth = boards[0][1].depth if boards else RenderSettings().hud_depth
-    if profile == "draft":
-        samples, shadow_size = 0, min(512, visual.shadow_size)
-    else:
-        samples, shadow_size = visual.samples, visual.shadow_size
+    draft = profile == "draft"
     return RenderSettings(
-        msaa=samples,
-        shadow_size=shadow_size,
+        msaa=visual.samples if visual.anti_aliasing in ("samples", "both") and not draft else 0,
+        fxaa=visual.anti_aliasing in ("filter", "both") and not draft,
+        bloom=0.0 if draft else visual.bloom,
+        shadow_size=min(512, visual.shadow_size) if draft else visual.shadow_size,
         shadows=visual.shadows,
         shadow_distance=visual.shadow_distance,
         cascades=visual.cascades,

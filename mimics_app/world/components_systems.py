@@ -23,7 +23,14 @@ class HapticSettings(Component, frozen=True):
 class VisualSettings(Component, frozen=True):
     """The picture."""
 
+    anti_aliasing: Annotated[
+        Literal["none", "samples", "filter", "both"],
+        Meta(description="Smooth edges: several `samples` a pixel, a filter of the finished picture, or both"),
+    ] = "samples"
     samples: Annotated[Literal[0, 2, 4, 8], Meta(description="Of multisample anti-aliasing; 0: none")] = 4
+    bloom: Annotated[float, Meta(ge=0, le=1, description="Share of the light that glows about its source; 0: none")] = (
+        0.0
+    )
     shadow_size: Annotated[int, Meta(ge=0, le=8192, description="Side of the shadow map [pixels]; 0: no shadows")] = 512
     shadows: Annotated[
         Literal["texture_additive", "texture_modulative", "stencil_additive", "stencil_modulative"],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,7 +46,6 @@ class Casters:
 class Tally:
     """What became of the items of a frame, all views together: how many there were, outside, hidden; tests made."""
 
-    views: int = 0
     items: int = 0
     culled: int = 0
     hidden: int = 0
@@ -53,7 +53,6 @@ class Tally:
 
     def count(self, items: int, in_frustum: int, drawn: int, tests: int) -> None:
         """Add one view."""
-        self.views += 1
         self.tests += tests
         self.items += items
         self.culled += items - in_frustum
@@ -135,7 +134,7 @@ class DrawList:
         return frame.add(self._picked, count, origin, self.items, self._world, self._mirrored, shadow=True)
 
     def batch_view(
-        self, frame: FrameBuffers, view: View, size: tuple[int, int], samples: int
+        self, frame: FrameBuffers, view: View, size: tuple[int, int], samples: int, key: Hashable
     ) -> tuple[list[DrawRun], list[DrawRun]]:
         """Queue what is in a view's frustum and not hidden.
 
@@ -144,6 +143,7 @@ class DrawList:
             view: From where.
             size: Of the picture drawn [px].
             samples: Per pixel.
+            key: Of the view, the same from frame to frame.
 
         Returns:
             Opaque runs, the states with the nearest items first and near to far within each; and blended runs, each
@@ -151,11 +151,12 @@ class DrawList:
         """
         items, eye, picked = self.items, view.eye_world, self._picked
         planes = compute_frustum_planes(view.clip_from_world)
-        shown = self._levels.show(self.tally.views, view, self._shown, self.centres, self.radii)
+        shown = self._levels.show(key, view, self._shown, self.centres, self.radii)
         before = self._culler.tests
         seen = count = self._culler.cull(planes, shown, self._world, self.centres, self.radii, picked)
         if self._occlusion is not None:
-            count = self._occlusion.remove_hidden(picked, seen, view, size, samples, items, self._world, self.centres)
+            spheres = (self.centres, self.radii)
+            count = self._occlusion.remove_hidden(picked, seen, view, size, samples, items, self._world, *spheres)
         self.tally.count(int(shown.sum()), seen, count, self._culler.tests - before)
         blended = self._split(count)
         solid = count - len(blended)

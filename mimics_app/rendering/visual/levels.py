@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,7 +20,7 @@ U1 = NDArray[np.uint8]
 
 
 class Levels:
-    """Remembers for each view of a frame, by its place in the list, what it showed last.
+    """Remembers for each view what it showed last.
 
     Args:
         world: Whose bodies.
@@ -33,7 +35,7 @@ class Levels:
         self._leads = np.full(len(self._counts), -1, np.int32)
         finest = np.flatnonzero((items.levels == 0) & (items.families >= 0))[::-1]
         self._leads[items.families[finest]] = finest
-        self._chosen: list[I4] = []
+        self._chosen: dict[Hashable, I4] = {}
         self._shown = np.zeros(len(items.rows), np.uint8)
 
     @property
@@ -41,24 +43,21 @@ class Levels:
         """True when some body has levels."""
         return len(self._counts) > 0
 
-    def show(self, number: int, view: View, shown: U1, centres: F8, radii: F8) -> U1:
+    def show(self, key: Hashable, view: View, shown: U1, centres: F8, radii: F8) -> U1:
         """What may be drawn in a view, [n]; good until the next call.
 
         Args:
-            number: Of the view in its frame.
-            view: From where.
+            key: Of the view, the same from frame to frame.
+            view: From where; a part of a picture shows what the whole of it would.
             shown: 1 where an item may be drawn at all, [n].
             centres: Of the items' spheres, world [m], [n, 3].
             radii: Of the same [m], [n].
         """
         if not self.any:
             return shown
-        while len(self._chosen) <= number:
-            self._chosen.append(np.full(len(self._counts), -1, np.int32))
-        left, right, bottom, top = view.tangents
-        chosen, eye = self._chosen[number], np.ascontiguousarray(view.eye_world)
-        window = (right - left) * (top - bottom)
-        choose_levels(self._leads, centres, radii, self._counts, self._coverages, eye, window, chosen)
+        chosen = self._chosen.setdefault(key, np.full(len(self._counts), -1, np.int32))
+        eye = np.ascontiguousarray(view.eye_world)
+        choose_levels(self._leads, centres, radii, self._counts, self._coverages, eye, view.window, chosen)
         show_levels(shown, self._items.levels, self._items.families, chosen, self._shown)
         return self._shown
 

@@ -101,6 +101,7 @@ class OcclusionPass:
         items: DrawItems,
         world: F8,
         centres: F8,
+        radii: F8,
     ) -> int:
         """Take out of the items of a view those that cannot be seen.
 
@@ -113,14 +114,15 @@ class OcclusionPass:
             items: What the numbers mean.
             world: T_world_from_node per row, [rows, 4, 4].
             centres: Of the items' spheres, world [m], [n, 3].
+            radii: Of the same [m], [n].
 
         Returns:
             How many stay.
         """
         known, eye = self._occluders, np.ascontiguousarray(view.eye_world)
-        chosen = pick_occluders(
-            picked, count, eye, known.of_item, known.inner_half, items.rows, world, centres, self._chosen, self._score
-        )
+        able = picked[:count] if view.clip_plane is None else _before(picked[:count], view.clip_plane, centres, radii)
+        box = (known.of_item, known.inner_half)
+        chosen = pick_occluders(able, len(able), eye, *box, items.rows, world, centres, self._chosen, self._score)
         if not chosen:
             return count
         block = max(1, -(-size[0] // _BLOCKS_ACROSS))
@@ -148,7 +150,8 @@ class OcclusionPass:
             known.caps_from,
             self._nearness,
         )
-        step = _DEPTH_STEPS * (view.far - view.near) / (view.far * view.near)
+        # Depth is linear in 1/w with this factor, whichever way the near plane lies.
+        step = _DEPTH_STEPS * 2.0 / abs(float(view.clip_from_eye[2, 3]))
         return remove_hidden(
             picked,
             count,
@@ -166,6 +169,12 @@ class OcclusionPass:
             items.half,
             self._nearness,
         )
+
+
+def _before(picked: I4, plane: F8, centres: F8, radii: F8) -> I4:
+    """Those wholly before a plane, whose front faces it does not cut away."""
+    whole = centres[picked] @ plane[:3] + plane[3] >= radii[picked]
+    return np.ascontiguousarray(picked[whole])
 
 
 def _screen(view: View, size: tuple[int, int]) -> tuple[F8, F8, F8]:

@@ -34,25 +34,48 @@ class PictureStep:
 
 
 def quality_steps(renderer: Renderer) -> list[PictureStep]:
-    """The steps of a renderer, from what is missed least: finer shadow edges, sharpness, shadows at all.
+    """The steps of a renderer, from what is missed least: glow, finer shadow edges, smooth edges, sharpness, shadows.
 
     Each begins at the quality the renderer has now; one that it does without anyway is left out.
     """
-    full, scale = renderer.settings.shadow_size, renderer.settings.scale
+    settings = renderer.settings
+    steps = [_bloom(renderer)] if settings.bloom else []
+    steps += _shadow_steps(renderer) if settings.shadow_size >= 8 else []
+    steps += [_edges(renderer)] if settings.msaa or settings.fxaa else []
+    return sorted([*steps, _scale(renderer)], key=lambda step: step.order)
+
+
+def _bloom(renderer: Renderer) -> PictureStep:
+    full = renderer.settings.bloom
+    return PictureStep("bloom", 1, ("on", "off"), lambda level: renderer.set_quality(bloom=0.0 if level else full))
+
+
+def _shadow_steps(renderer: Renderer) -> list[PictureStep]:
+    full = renderer.settings.shadow_size
     sizes = (full, full // 2)
-    scales = tuple(scale * share for share in _SCALES if scale * share >= 0.25)
-    steps = [
+    names = tuple(map(str, sizes))
+    return [
+        PictureStep("shadow size", 3, names, lambda level: renderer.set_quality(shadow_size=sizes[level])),
         PictureStep(
-            "shadow size", 1, tuple(map(str, sizes)), lambda level: renderer.set_quality(shadow_size=sizes[level])
-        ),
-        PictureStep(
-            "resolution scale",
-            2,
-            tuple(f"{s:g}" for s in scales),
-            lambda level: renderer.set_quality(scale=scales[level]),
-        ),
-        PictureStep(
-            "shadows", 3, ("on", "off"), lambda level: renderer.set_quality(shadow_size=0 if level else sizes[-1])
+            "shadows", 6, ("on", "off"), lambda level: renderer.set_quality(shadow_size=0 if level else sizes[-1])
         ),
     ]
-    return [step for step in steps if len(step.levels) > 1 and (full >= 8 or not step.name.startswith("shadow"))]
+
+
+def _edges(renderer: Renderer) -> PictureStep:
+    """From samples over the filter alone, which costs less, to none."""
+    settings = renderer.settings
+    kept = [(settings.msaa, settings.fxaa), *([(0, True)] if settings.msaa else []), (0, False)]
+    names = tuple(f"{samples} samples" if samples else "filtered" if fxaa else "off" for samples, fxaa in kept)
+    return PictureStep("anti-aliasing", 4, names, lambda level: _smooth(renderer, *kept[level]))
+
+
+def _smooth(renderer: Renderer, msaa: int, fxaa: bool) -> None:
+    renderer.set_quality(msaa=msaa, fxaa=fxaa)
+
+
+def _scale(renderer: Renderer) -> PictureStep:
+    full = renderer.settings.scale
+    scales = tuple(full * share for share in _SCALES if full * share >= 0.25)
+    names = tuple(f"{scale:g}" for scale in scales)
+    return PictureStep("resolution scale", 5, names, lambda level: renderer.set_quality(scale=scales[level]))

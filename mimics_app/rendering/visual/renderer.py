@@ -6,35 +6,27 @@ from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.errors import Issue, UsageError
 from mimics_app.rendering.visual.capabilities import read_capabilities
 from mimics_app.rendering.visual.draw_list import DrawList
-from mimics_app.rendering.visual.frame_buffers import DrawRun, FrameBuffers
+from mimics_app.rendering.visual.frame_buffers import FrameBuffers
 from mimics_app.rendering.visual.frame_stats import FrameStats
 from mimics_app.rendering.visual.hud import Hud
-from mimics_app.rendering.visual.lighting import Lighting, gather_lighting
+from mimics_app.rendering.visual.lighting import gather_lighting
 from mimics_app.rendering.visual.materials import MaterialStore
 from mimics_app.rendering.visual.mesh_arena import MeshArena
-from mimics_app.rendering.visual.passes.enlarge import EnlargePass
 from mimics_app.rendering.visual.passes.hud import HudPass, plane_of_views
-from mimics_app.rendering.visual.passes.sky import SkyPass, flat_sky
-from mimics_app.rendering.visual.passes.states import draw_runs
-from mimics_app.rendering.visual.passes.volumes import VolumePass
-from mimics_app.rendering.visual.raw_gl import EQUAL
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.shadow_stage import ShadowStage, light_features
 from mimics_app.rendering.visual.surface import Surface
 from mimics_app.rendering.visual.targets import PictureTarget
 from mimics_app.rendering.visual.view import View
-from mimics_app.rendering.visual.view_block import ViewBlock
+from mimics_app.rendering.visual.world_stage import FrameScene, ViewDraws, WorldStage
 from mimics_app.world.world import World
-
-if TYPE_CHECKING:
-    import moderngl
 
 __all__ = ["Renderer"]
 
@@ -42,9 +34,9 @@ __all__ = ["Renderer"]
 class Renderer:
     """Draws a world on a surface.
 
-    Passes of a frame: the sun's shadow map once, then per view opaque, sky, transparent and heads-up display. Light
-    is computed linearly and encoded for the display by the shaders themselves, so that all backends agree; blending
-    and multisampling mix display values.
+    Stages of a frame: shadow maps, the world in every view, the heads-up display. Light is computed linearly and
+    encoded for the display by the shaders themselves, so that all backends agree; blending and multisampling mix
+    display values.
 
     Attributes:
         world: What is drawn; may be exchanged between frames.
@@ -80,12 +72,9 @@ class Renderer:
         self._materials = MaterialStore(ctx, self._shaders, has)
         self._list = DrawList(self._arena, self._materials)
         self._frame = FrameBuffers(ctx)
-        self._enlarge = EnlargePass(ctx, self._shaders)
-        self._picture = PictureTarget(surface, self.settings.msaa, self.settings.scale, self._enlarge)
+        self._picture = PictureTarget(surface, self._shaders, self.settings)
         self._shadows = ShadowStage(ctx, self.settings.shadow_size)
-        self._volumes = VolumePass(ctx, self._shaders)
-        self._block = ViewBlock(ctx, self.settings)
-        self._sky = SkyPass(ctx, self._shaders, has.texture_size)
+        self._world = WorldStage(ctx, self._shaders, self._arena, self._frame, self.settings, has.texture_size)
         self._hud_pass = HudPass(ctx, self._shaders)
         self._timer = ctx.query(time=True) if self.settings.timer else None
 
@@ -105,22 +94,32 @@ class Renderer:
         """As `draw`, but return only when the driver has drawn all of it: `cpu_ms` is the frame's whole cost."""
         return self._measure(views, finish=True)
 
-    def set_quality(self, *, shadow_size: int | None = None, scale: float | None = None) -> None:
-        """Change what a governor may change, from the next frame on.
+    def set_quality(
+        self,
+        *,
+        shadow_size: int | None = None,
+        scale: float | None = None,
+        msaa: int | None = None,
+        fxaa: bool | None = None,
+        bloom: float | None = None,
+    ) -> None:
+        """Change what a governor may change, from the next frame on; None leaves a figure as it is.
 
         Args:
-            shadow_size: Width of the shadow map [texel], 0: no shadows; None: as it is.
-            scale: Of the world's picture, see `RenderSettings`; None: as it is.
+            shadow_size: Width of the shadow map [texel], 0: no shadows.
+            scale: Of the world's picture.
+            msaa: Samples per pixel.
+            fxaa: Whether edges are smoothed in the finished picture.
+            bloom: Share of the light that is spread.
 
         Raises:
             UsageError: a value that cannot be.
         """
-        settings = self.settings
-        shadow_size = settings.shadow_size if shadow_size is None else shadow_size
-        self.settings = replace(settings, shadow_size=shadow_size, scale=settings.scale if scale is None else scale)
-        self._block.settings = self.settings
-        self._shadows.resize(shadow_size)
-        self._picture.scale = self.settings.scale
+        wanted = {"shadow_size": shadow_size, "scale": scale, "msaa": msaa, "fxaa": fxaa, "bloom": bloom}
+        changes: dict[str, Any] = {name: value for name, value in wanted.items() if value is not None}
+        self.settings = replace(self.settings, **changes)
+        self._shadows.resize(self.settings.shadow_size)
+        self._picture.settings = self.settings
 
     def reload_shaders(self) -> list[Issue]:
         """Compile changed shaders anew; returns what is wrong with them, old programs stay in use."""
@@ -128,14 +127,14 @@ class Renderer:
 
     def take_issues(self) -> list[Issue]:
         """What could not be drawn as the world asks since the last call; each fault is told once."""
-        taken = [*self._materials.issues, *self._sky.issues]
-        self._materials.issues, self._sky.issues = [], []
+        taken = [*self._materials.issues, *self._world.sky.issues]
+        self._materials.issues, self._world.sky.issues = [], []
         return taken
 
     def release(self) -> None:
         """Free everything but the surface."""
-        parts = (self._hud_pass, self._sky, self._block, self._shadows, self._picture, self._enlarge, self._frame)
-        for part in (*parts, self._volumes, self._materials, self._arena):
+        parts = (self._hud_pass, self._world, self._shadows, self._picture, self._frame)
+        for part in (*parts, self._materials, self._arena):
             part.release()
 
     def _measure(self, views: Sequence[View], *, finish: bool) -> FrameStats:
@@ -152,64 +151,36 @@ class Renderer:
         return FrameStats(cpu_ms, self._timer.elapsed * 1e-6 if self._timer else None, triangles, draws, *told)
 
     def _draw(self, views: Sequence[View]) -> tuple[int, int]:
+        """The stages of a frame in their order; returns triangles and draw calls."""
+        scene = self._prepare(views)
+        drawn = [self._batch(number, view) for number, view in enumerate(views)]
+        self._frame.upload(self._arena)
+        draws = self._shadows.draw(self._arena, self._frame)
+        draws += self._world.draw(self._picture.begin(), self._picture.samples, scene, drawn)
+        draws += self._draw_over(views)
+        shadow_triangles = sum(run.triangles for runs in self._shadows.runs for run in runs or ())
+        return shadow_triangles + sum(each.triangles for each in drawn), draws
+
+    def _prepare(self, views: Sequence[View]) -> FrameScene:
+        """Take over the world, and queue what casts shadows."""
         lighting, settings = gather_lighting(self.world), self.settings
         self._list.update(self.world, settings, light_features=light_features(lighting, settings))
         self._frame.begin()
         self._shadows.prepare(lighting, views, self.world, self._list, self._frame, settings)
-        view_runs = [self._batch(view) for view in views]
-        self._frame.upload(self._arena)
-        draws = self._shadows.draw(self._arena, self._frame)
-        target = self._picture.begin()
-        by_stencil = settings.shadows.startswith("stencil") and lighting.sun_casts_shadow and settings.shadow_size > 0
-        if by_stencil:
-            self._volumes.gl.attach_stencil(target, self._picture.samples)
-        target.use()
-        background = flat_sky(lighting, settings)
-        if background is None:
-            self._sky.prepare(self.world)
-        target.clear(*(background or (0.0, 0.0, 0.0)), 1.0, depth=1.0)
-        for view, (opaque, transparent) in zip(views, view_runs, strict=True):
-            target.viewport = self._picture.rectangle(view.rectangle)
-            additive = by_stencil and settings.shadows == "stencil_additive"
-            self._block.fill(view, lighting, self._shadows.plan, sun=not additive)
-            self._block.bind()
-            draws += draw_runs(target, self._arena, self._frame, opaque)
-            draws += 0 if background else self._sky.draw()
-            if by_stencil:
-                draws += self._volumes.count(target, self.world, self._list.items, view, lighting)
-                draws += self._light_by_stencil(target, view, lighting, opaque) if additive else self._darken()
-            draws += draw_runs(target, self._arena, self._frame, transparent)
-        draws += self._draw_over(views)
-        everything = [*filter(None, self._shadows.runs), *(part for runs in view_runs for part in runs)]
-        return sum(run.triangles for runs in everything for run in runs), draws
+        return FrameScene(self.world, self._list.items, lighting, self._shadows.plan, settings)
 
-    def _light_by_stencil(
-        self, target: moderngl.Framebuffer, view: View, lighting: Lighting, opaque: list[DrawRun]
-    ) -> int:
-        """Draw what is seen once more, now with the sun, where no volume covers it."""
-        self._block.fill(view, lighting, self._shadows.plan)
-        self._volumes.gl.draw_where(EQUAL)
-        self._surface.ctx.depth_func = "=="
-        draws = draw_runs(target, self._arena, self._frame, opaque)
-        self._surface.ctx.depth_func = "<"
-        self._volumes.gl.draw_everywhere()
-        return draws
-
-    def _darken(self) -> int:
-        return self._volumes.darken(self.settings.shadow_tone)
-
-    def _batch(self, view: View) -> tuple[list[DrawRun], list[DrawRun]]:
-        size = self._picture.rectangle(view.rectangle)[2:]
-        return self._list.batch_view(self._frame, view, size, self._picture.samples)
+    def _batch(self, number: int, view: View) -> ViewDraws:
+        """Queue what is seen in a view."""
+        rectangle = self._picture.rectangle(view.rectangle)
+        runs = self._list.batch_view(self._frame, view, rectangle[2:], self._picture.samples, number)
+        return ViewDraws(view, rectangle, *runs)
 
     def _draw_over(self, views: Sequence[View]) -> int:
-        """Show the world's picture with the heads-up display, which is never drawn smaller."""
-        if self._picture.scale < 1.0:
-            self._picture.end()
-            return 1 + self._draw_hud(views)
-        draws = self._draw_hud(views)
-        self._picture.end()
-        return draws
+        """Show the world's picture with the heads-up display, which no filter touches and which is never smaller."""
+        rectangles = [view.rectangle for view in views]
+        if self._picture.filtered:
+            return self._picture.end(rectangles) + self._draw_hud(views)
+        return self._draw_hud(views) + self._picture.end(rectangles)
 
     def _draw_hud(self, views: Sequence[View]) -> int:
         draws = 0

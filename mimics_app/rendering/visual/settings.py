@@ -33,6 +33,7 @@ class RenderSettings:
 
     Attributes:
         msaa: Samples per pixel: 0 (off), 2 or 4; more than the driver offers becomes what it offers.
+        fxaa: True smooths edges in the finished picture.
         shadow_size: Width of the sun's shadow map [texel]; 0 leaves shadows out.
         shadows: How the sun's shadows are made.
         shadow_tone: What modulative shadows leave of the picture's display values, 0-1.
@@ -42,6 +43,7 @@ class RenderSettings:
         shadow_reach: Casters of a bounding radius beyond this [m] receive shadows but do not widen the map.
         tone_map: "neutral" (Khronos PBR neutral: base colours stay what they are) or "none" (clamped, for tests).
         exposure: Factor on all light before the tone map.
+        bloom: Share of the light that is spread about, 0 to 1; 0 leaves it out.
         fog_density: Share of the horizon's colour mixed in per metre of distance [1/m]; 0 leaves fog out.
         hud_depth: Distance of the heads-up display from the eyes [m].
         scale: Width and height of the world's picture as drawn over those shown, 0.25 to 1; figures stay sharp.
@@ -53,6 +55,7 @@ class RenderSettings:
     """
 
     msaa: int = 4
+    fxaa: bool = False
     shadow_size: int = 512
     shadows: ShadowKind = "texture_additive"
     shadow_tone: float = 0.55
@@ -61,6 +64,7 @@ class RenderSettings:
     shadow_reach: float = 2.0
     tone_map: Literal["neutral", "none"] = "neutral"
     exposure: float = 1.0
+    bloom: float = 0.0
     fog_density: float = 0.12
     hud_depth: float = 1.0
     scale: float = 1.0
@@ -75,6 +79,8 @@ class RenderSettings:
             raise UsageError(f"{self.msaa} samples per pixel cannot be", "give 0, 2, 4 or 8")
         if not 0.25 <= self.scale <= 1.0:
             raise UsageError(f"a picture drawn at {self.scale} of its size cannot be", "give 0.25 to 1")
+        if not 0.0 <= self.bloom <= 1.0:
+            raise UsageError(f"a bloom of {self.bloom} of the light cannot be", "give 0 to 1")
         if not 1 <= self.cascades <= 4:
             raise UsageError(f"{self.cascades} shadow maps of the sun cannot be", "give 1 to 4")
         if not 0 <= self.shadow_size <= 8192:

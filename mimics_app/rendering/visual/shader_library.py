@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -53,6 +54,11 @@ class ShaderProgram:
         """Give a float uniform its value."""
         uniform: Any = self.program[name]
         uniform.value = value
+
+    def set_numbers(self, name: str, values: Sequence[float]) -> None:
+        """Give a vector uniform its value."""
+        uniform: Any = self.program[name]
+        uniform.value = tuple(values)
 
 
 class ShaderLibrary:

@@ -9,7 +9,7 @@ from mimics_app.contracts.window_input import GamepadState, InputEvent
 if TYPE_CHECKING:
     import moderngl
 
-__all__ = ["Size", "Surface"]
+__all__ = ["Size", "Surface", "release_framebuffer"]
 
 Size = tuple[int, int]
 
@@ -63,10 +63,9 @@ class Surface:
             return
         old = self.framebuffer
         self.framebuffer = self._make_framebuffer(size)
+        self.framebuffer.use()  # moderngl goes back to the one in use after making another, and that is to be freed
         self.size = size
-        # The driver goes back to the framebuffer that was in use after making another; it must not be a freed one.
-        self.framebuffer.use()
-        _release_framebuffer(old)
+        release_framebuffer(old)
 
     def close(self) -> None:
         """Free the context. Nothing of the surface may be used afterwards."""
@@ -82,7 +81,8 @@ class Surface:
         return self.ctx.framebuffer([self.ctx.renderbuffer(size, 4)], self.ctx.depth_renderbuffer(size))
 
 
-def _release_framebuffer(framebuffer: moderngl.Framebuffer) -> None:
+def release_framebuffer(framebuffer: moderngl.Framebuffer) -> None:
+    """Free a framebuffer with what is attached to it."""
     attachments = [*framebuffer.color_attachments, framebuffer.depth_attachment]
     framebuffer.release()
     for attachment in attachments:

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from mimics_app.rendering.visual.passes.enlarge import EnlargePass
-from mimics_app.rendering.visual.surface import Size, Surface
+from mimics_app.rendering.visual.draw_buffer import DrawBuffer, texture_of
+from mimics_app.rendering.visual.passes.bloom import BloomPass
+from mimics_app.rendering.visual.passes.screen import PictureFilter
+from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.surface import Size, Surface, release_framebuffer
 from mimics_app.rendering.visual.view import Rect
 
 if TYPE_CHECKING:
@@ -13,31 +18,46 @@ if TYPE_CHECKING:
 
 __all__ = ["PictureTarget", "ShadowTarget"]
 
+_EDGE_STEPS = 9.0
+"""Steps in which an edge is followed each way: 22 pixels."""
+
 
 class PictureTarget:
-    """Where the world is drawn: the surface's framebuffer itself, its multisampled twin, or a smaller one.
+    """Where the world is drawn: the surface's framebuffer itself, its multisampled twin, or a buffer to be filtered.
 
     Attributes:
-        samples: Samples per pixel in use; what was asked for, or the most the driver has.
-        scale: Width and height of the picture drawn over those of the surface, in (0, 1].
+        settings: Of the frame: samples, scale and filters.
     """
 
-    def __init__(self, surface: Surface, samples: int, scale: float, enlarge: EnlargePass) -> None:
+    def __init__(self, surface: Surface, shaders: ShaderLibrary, settings: RenderSettings) -> None:
+        self.settings = settings
         self._surface = surface
-        self._enlarge = enlarge
-        self.samples = min(samples, surface.ctx.max_samples)
-        self.scale = scale
-        self._made_for: tuple[Size, float] | None = None
+        self._most_samples = surface.ctx.max_samples
+        self._bloom = BloomPass(surface.ctx, shaders, settings)
+        self._edges = PictureFilter(surface.ctx, shaders, "post/edges.frag", steps=_EDGE_STEPS)
+        self._enlarge = PictureFilter(surface.ctx, shaders, "post/enlarge.frag")
+        self._made_for: object = None
         self._multisampled: moderngl.Framebuffer | None = None
-        self._small: moderngl.Framebuffer | None = None
-        # The same buffers without depth: copying resolves every attachment both sides have, and depth is not wanted.
-        self._colours: tuple[moderngl.Framebuffer, moderngl.Framebuffer] | None = None
+        # The surface without depth: copying resolves every attachment both sides have, and depth is not wanted.
+        self._shown: moderngl.Framebuffer | None = None
+        self._buffer: DrawBuffer | None = None
+        self._between: list[moderngl.Framebuffer] = []
+
+    @property
+    def samples(self) -> int:
+        """Samples per pixel in use; what was asked for, or the most the driver has."""
+        return min(self.settings.msaa, self._most_samples)
+
+    @property
+    def filtered(self) -> bool:
+        """True when the picture is not yet the surface's when the world is drawn."""
+        return bool(self._filters)
 
     @property
     def size(self) -> Size:
         """Of the picture drawn [px]."""
-        width, height = self._surface.size
-        return max(1, round(width * self.scale)), max(1, round(height * self.scale))
+        (width, height), scale = self._surface.size, self.settings.scale
+        return max(1, round(width * scale)), max(1, round(height * scale))
 
     def rectangle(self, of_surface: Rect) -> Rect:
         """Where a rectangle of the surface lies in the picture drawn [px]; neighbours stay neighbours."""
@@ -48,48 +68,78 @@ class PictureTarget:
         return left, bottom, max(1, right - left), max(1, top - bottom)
 
     def begin(self) -> moderngl.Framebuffer:
-        """The framebuffer to draw into, for the surface's present size and the present scale."""
-        if self._made_for != (self._surface.size, self.scale):
-            self._surface.framebuffer.use()
-            self.release()
+        """The framebuffer to draw into, for the surface's present size and the present settings."""
+        self._bloom.settings = self.settings
+        wanted = (self.size, self._surface.framebuffer, self.samples, self.settings.bloom > 0.0, self._filters)
+        if self._made_for != wanted:
+            self._free()
             self._make()
-            self._made_for = (self._surface.size, self.scale)
-        return self._multisampled or self._small or self._surface.framebuffer
+            self._made_for = wanted
+        drawn = self._buffer.framebuffer if self._buffer else self._multisampled
+        return drawn or self._surface.framebuffer
 
-    def end(self) -> None:
-        """Bring the picture to the surface's framebuffer: each pixel the mean of its samples, enlarged if need be."""
-        if self._colours is not None:
-            self._surface.ctx.copy_framebuffer(*self._colours)
-        self._surface.framebuffer.use()
-        if self._small is not None:
-            self._surface.framebuffer.viewport = (0, 0, *self._surface.size)
-            self._enlarge.draw(self._small.color_attachments[0])  # type: ignore[arg-type]  # made with a texture
+    def end(self, rectangles: Sequence[Rect]) -> int:
+        """Bring the picture to the surface's framebuffer: each pixel the mean of its samples, then the filters.
+
+        Args:
+            rectangles: Of the views on the surface [px].
+
+        Returns:
+            Draw calls made.
+        """
+        draws, surface = 0, self._surface
+        if self._buffer is not None:
+            self._buffer.finish()
+            picture, drawn = self._buffer.texture, [self.rectangle(each) for each in rectangles]
+            for step, between in zip(self._filters, self._between, strict=False):
+                draws += step.draw(picture, between, drawn, drawn)
+                picture = texture_of(between)
+            draws += self._filters[-1].draw(picture, surface.framebuffer, drawn, rectangles)
+        elif self._multisampled is not None and self._shown is not None:
+            surface.ctx.copy_framebuffer(self._shown, self._multisampled)
+        surface.framebuffer.use()
+        return draws
 
     def release(self) -> None:
-        """Free the buffers."""
-        for framebuffer in self._colours or ():
-            framebuffer.release()
-        for own in (self._multisampled, self._small):
-            if own is None:
-                continue
-            attachments = [*own.color_attachments, own.depth_attachment]
-            own.release()
-            for attachment in attachments:
-                if attachment is not None:
-                    attachment.release()
-        self._multisampled = self._small = self._colours = self._made_for = None
+        """Free buffers and filters."""
+        self._free()
+        for step in (self._bloom, self._edges, self._enlarge):
+            step.release()
+
+    @property
+    def _filters(self) -> list[BloomPass | PictureFilter]:
+        """What the picture goes through, the last one onto the surface."""
+        settings = self.settings
+        wanted = (
+            (settings.bloom > 0.0, self._bloom),
+            (settings.fxaa, self._edges),
+            (settings.scale < 1.0, self._enlarge),
+        )
+        return [step for applies, step in wanted if applies]
 
     def _make(self) -> None:
-        ctx, size = self._surface.ctx, self.size
-        if self.scale < 1.0:
-            picture = ctx.texture(size, 4)
-            picture.repeat_x = picture.repeat_y = False
-            self._small = ctx.framebuffer([picture], None if self.samples else ctx.depth_renderbuffer(size))
-        if self.samples:
-            colour = ctx.renderbuffer(size, 4, samples=self.samples)
-            self._multisampled = ctx.framebuffer([colour], ctx.depth_renderbuffer(size, samples=self.samples))
-            shown = (self._small or self._surface.framebuffer).color_attachments[0]
-            self._colours = (ctx.framebuffer([shown]), ctx.framebuffer([colour]))
+        ctx, size, samples = self._surface.ctx, self.size, self.samples
+        if self.filtered:
+            self._buffer = DrawBuffer(ctx, size, samples, "f2" if self.settings.bloom > 0.0 else "f1")
+            for _ in self._filters[1:]:
+                texture = ctx.texture(size, 4)
+                texture.repeat_x = texture.repeat_y = False
+                self._between.append(ctx.framebuffer([texture]))
+        elif samples:
+            colour = ctx.renderbuffer(size, 4, samples=samples)
+            self._multisampled = ctx.framebuffer([colour], ctx.depth_renderbuffer(size, samples=samples))
+            self._shown = ctx.framebuffer([self._surface.framebuffer.color_attachments[0]])
+
+    def _free(self) -> None:
+        for own in (*self._between, self._multisampled):
+            if own is not None:
+                release_framebuffer(own)
+        if self._buffer is not None:
+            self._buffer.release()
+        if self._shown is not None:
+            self._shown.release()
+        self._between, self._multisampled, self._shown = [], None, None
+        self._buffer, self._made_for = None, None
 
 
 class ShadowTarget:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import UsageError
 
-__all__ = ["Rect", "Tangents", "View", "compose_clip_from_view", "compute_frustum_planes"]
+__all__ = ["Rect", "Tangents", "View", "compose_clip_from_view", "compute_frustum_planes", "tilt_near_plane"]
 
 F8 = NDArray[np.float64]
 Tangents = tuple[float, float, float, float]
@@ -27,6 +27,9 @@ class View:
         near: Distance of the near plane [m], > 0.
         far: Distance of the far plane [m], > near.
         screen: Which physical screen the picture belongs to; views of one screen share their heads-up display.
+        clip_plane: World plane before which alone things are seen, unit normal and offset, float64 [4]; None: the near
+            plane. The eye is behind it.
+        part_of: Tangents of the picture this is a part of, by which levels of detail go; None: it is the whole.
     """
 
     world_from_eye: F8
@@ -35,6 +38,8 @@ class View:
     near: float = 0.05
     far: float = 100.0
     screen: int = 0
+    clip_plane: F8 | None = None
+    part_of: Tangents | None = None
 
     def __post_init__(self) -> None:
         left, right, bottom, top = self.tangents
@@ -50,6 +55,12 @@ class View:
         return self.world_from_eye[:3, 3]
 
     @property
+    def window(self) -> float:
+        """Area of the whole picture at distance 1."""
+        left, right, bottom, top = self.part_of or self.tangents
+        return (right - left) * (top - bottom)
+
+    @property
     def clip_from_eye(self) -> F8:
         """Projection from the frame "eye": world axes, origin at the eye (float64 [4, 4]).
 
@@ -58,7 +69,11 @@ class View:
         """
         view_from_eye = np.eye(4)
         view_from_eye[:3, :3] = self.world_from_eye[:3, :3].T
-        return compose_clip_from_view(self.tangents, self.near, self.far) @ view_from_eye
+        clip_from_eye = compose_clip_from_view(self.tangents, self.near, self.far) @ view_from_eye
+        if self.clip_plane is None:
+            return clip_from_eye
+        offset = self.clip_plane[:3] @ self.eye_world + self.clip_plane[3]
+        return tilt_near_plane(clip_from_eye, np.array([*self.clip_plane[:3], offset]))
 
     @property
     def clip_from_world(self) -> F8:
@@ -89,6 +104,26 @@ def compose_clip_from_view(tangents: Tangents, near: float, far: float) -> F8:
             [0.0, 0.0, -1.0, 0.0],
         ]
     )
+
+
+def tilt_near_plane(clip_from_eye: F8, plane: F8) -> F8:
+    """A projection with another near plane, which cuts off nothing else of what is before it (Lengyel 2005).
+
+    Places on the screen stay; only depth is counted from the new plane on.
+
+    Args:
+        clip_from_eye: Perspective, float64 [4, 4].
+        plane: In the eye's frame, normal towards what is seen and offset, [4]; the eye is behind it: offset < 0.
+
+    Returns:
+        The same with another row for depth, float64 [4, 4].
+    """
+    # The corner of the frustum farthest before the plane stays on the far plane.
+    in_clip = np.linalg.solve(clip_from_eye.T, plane)
+    corner = np.linalg.solve(clip_from_eye, [np.sign(in_clip[0]), np.sign(in_clip[1]), 1.0, 1.0])
+    tilted = clip_from_eye.copy()
+    tilted[2] = plane * (2.0 * (clip_from_eye[3] @ corner) / (plane @ corner)) - clip_from_eye[3]
+    return tilted
 
 
 def compute_frustum_planes(clip_from_world: F8) -> F8:

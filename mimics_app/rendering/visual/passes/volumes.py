@@ -41,7 +41,7 @@ class VolumePass:
         self.gl = RawGL(ctx)
         self._ctx = ctx
         self._shader = shaders.program("volume/volume.vert", "volume/volume.frag")
-        self._darken = shaders.program("enlarge/enlarge.vert", "volume/darken.frag")
+        self._darken = shaders.program("post/screen.vert", "volume/darken.frag")
         self._sources: dict[str, tuple[MeshData, VolumeSource]] = {}
         self._kept: dict[int, _Volume] = {}
         self._screen: tuple[int, moderngl.VertexArray] | None = None

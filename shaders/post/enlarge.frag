@@ -1,9 +1,8 @@
 // A smaller picture brought to full size; the texture filters linearly.
-layout(binding = 4) uniform sampler2D picture;
+#include "post/region.glsl"
 
-in vec2 place;
 out vec4 colour;
 
 void main() {
-    colour = texture(picture, place);
+    colour = vec4(region_colour(region_texel()), 1.0);
 }

@@ -1,0 +1,58 @@
+"""A picture off the surface, to be drawn into and read as a texture afterwards."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mimics_app.rendering.visual.surface import Size, release_framebuffer
+
+if TYPE_CHECKING:
+    import moderngl
+
+__all__ = ["DrawBuffer", "texture_of"]
+
+
+class DrawBuffer:
+    """A picture off the surface: a texture, or its multisampled twin until it is finished, and depth.
+
+    Args:
+        ctx: Where it lives.
+        size: [px].
+        samples: Per pixel, 0: one.
+        dtype: "f1" for 8 bits, "f2" for half floats.
+
+    Attributes:
+        size: [px].
+        samples: Per pixel.
+        texture: The finished picture.
+        framebuffer: Where to draw.
+    """
+
+    def __init__(self, ctx: moderngl.Context, size: Size, samples: int, dtype: str = "f1") -> None:
+        self._ctx = ctx
+        self.size, self.samples = size, samples
+        self.texture = ctx.texture(size, 4, dtype=dtype)
+        self.texture.repeat_x = self.texture.repeat_y = False
+        depth = ctx.depth_renderbuffer(size, samples=samples)
+        drawn = ctx.renderbuffer(size, 4, samples=samples, dtype=dtype) if samples else self.texture
+        self.framebuffer = ctx.framebuffer([drawn], depth)
+        # Framebuffers without depth: copying resolves every attachment both sides have, and depth is not wanted.
+        self._copy = (ctx.framebuffer([self.texture]), ctx.framebuffer([drawn])) if samples else ()
+
+    def finish(self) -> None:
+        """Make each pixel of the texture the mean of its samples."""
+        if self._copy:
+            self._ctx.copy_framebuffer(*self._copy)
+
+    def release(self) -> None:
+        """Free it."""
+        for framebuffer in self._copy:
+            framebuffer.release()
+        release_framebuffer(self.framebuffer)
+        if self.samples:
+            self.texture.release()
+
+
+def texture_of(framebuffer: moderngl.Framebuffer) -> moderngl.Texture:
+    """The first texture of a framebuffer that was made with one."""
+    return framebuffer.color_attachments[0]  # type: ignore[return-value]  # no renderbuffer

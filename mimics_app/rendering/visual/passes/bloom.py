@@ -1,0 +1,109 @@
+"""A share of all light spread about, as an eye or a lens does: half-size copies down, and added up again."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from mimics_app.rendering.visual.draw_buffer import texture_of
+from mimics_app.rendering.visual.passes.screen import ScreenPass
+from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.surface import Size
+from mimics_app.rendering.visual.view import Rect
+
+if TYPE_CHECKING:
+    import moderngl
+
+__all__ = ["BloomPass"]
+
+_LEVELS = 6
+_SMALLEST = 4
+"""Side below which no smaller copy is made [texels]."""
+
+_WIDER = 0.6
+"""Share of each level that comes from the wider ones."""
+
+_BINDING = 21
+
+
+class BloomPass:
+    """Mixes a picture's light with a wide blur of it: no threshold, no light made or lost but over the border.
+
+    The picture holds display values as half floats; their tone map is undone for the blur, which is of light.
+    Copies are made per view and clamped at its borders, so that views beside each other stay apart.
+
+    Attributes:
+        settings: Of the frame: `bloom` is the share of the light that is spread.
+    """
+
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, settings: RenderSettings) -> None:
+        self.settings = settings
+        self._ctx = ctx
+        self._first = ScreenPass(ctx, shaders, "post/spread.frag", ("FROM_DISPLAY",))
+        self._spread = ScreenPass(ctx, shaders, "post/spread.frag")
+        self._gather = ScreenPass(ctx, shaders, "post/gather.frag")
+        self._mix = ScreenPass(ctx, shaders, "post/bloom.frag")
+        self._levels: dict[Size, list[moderngl.Framebuffer]] = {}
+
+    def draw(
+        self, source: moderngl.Texture, target: moderngl.Framebuffer, regions: Sequence[Rect], places: Sequence[Rect]
+    ) -> int:
+        """Fill a target; the arguments of `PictureFilter.draw`."""
+        self._drop_unused(regions)
+        neutral = float(self.settings.tone_map == "neutral")
+        draws = 0
+        for region, place in zip(regions, places, strict=True):
+            levels = self._copies(region[2:])
+            draws += self._blur(source, region, levels, neutral)
+            texture_of(levels[0]).use(_BINDING)
+            target.use()
+            draws += self._mix.draw(source, region, place, share=self.settings.bloom, neutral=neutral)
+        return draws
+
+    def release(self) -> None:
+        """Free copies and vertex arrays."""
+        for part in (self._first, self._spread, self._gather, self._mix):
+            part.release()
+        for size in list(self._levels):
+            self._free(size)
+
+    def _blur(self, source: moderngl.Texture, region: Rect, levels: list[moderngl.Framebuffer], neutral: float) -> int:
+        """Fill the copies: downwards each the mean of 4 x 4 texels, upwards the wider one mixed in by a tent."""
+        levels[0].use()
+        draws = self._first.draw(source, region, _whole(levels[0]), neutral=neutral)
+        for finer, wider in itertools.pairwise(levels):
+            wider.use()
+            draws += self._spread.draw(texture_of(finer), _whole(finer), _whole(wider))
+        for finer, wider in reversed(list(itertools.pairwise(levels))):
+            finer.use()
+            draws += self._gather.draw(texture_of(wider), _whole(wider), _whole(finer), blend=True, share=_WIDER)
+        return draws
+
+    def _copies(self, size: Size) -> list[moderngl.Framebuffer]:
+        if size not in self._levels:
+            levels: list[moderngl.Framebuffer] = []
+            width, height = size
+            while not levels or (len(levels) < _LEVELS and min(width, height) >= 2 * _SMALLEST):
+                width, height = (width + 1) // 2, (height + 1) // 2
+                texture = self._ctx.texture((width, height), 4, dtype="f2")
+                texture.repeat_x = texture.repeat_y = False
+                levels.append(self._ctx.framebuffer([texture]))
+            self._levels[size] = levels
+        return self._levels[size]
+
+    def _drop_unused(self, regions: Sequence[Rect]) -> None:
+        wanted = {region[2:] for region in regions}
+        for size in [size for size in self._levels if size not in wanted]:
+            self._free(size)
+
+    def _free(self, size: Size) -> None:
+        for level in self._levels.pop(size):
+            texture = texture_of(level)
+            level.release()
+            texture.release()
+
+
+def _whole(framebuffer: moderngl.Framebuffer) -> Rect:
+    return (0, 0, *framebuffer.size)

@@ -1,0 +1,104 @@
+"""One triangle over a rectangle, filled by a fragment shader from a part of a picture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from mimics_app.rendering.visual.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.view import Rect
+
+if TYPE_CHECKING:
+    import moderngl
+
+__all__ = ["PictureFilter", "ScreenPass"]
+
+_BINDING = 20
+"""Of the picture in shaders/post/region.glsl."""
+
+
+class ScreenPass:
+    """A fragment shader run over a rectangle of the framebuffer in use; compiled when it is first needed.
+
+    Args:
+        ctx: Whose state is set.
+        shaders: Has the shader.
+        fragment: Path of one that includes post/region.glsl.
+        defines: Its variant.
+    """
+
+    def __init__(
+        self, ctx: moderngl.Context, shaders: ShaderLibrary, fragment: str, defines: tuple[str, ...] = ()
+    ) -> None:
+        self._ctx = ctx
+        self._shaders = shaders
+        self._fragment, self._defines = fragment, defines
+        self._made: tuple[int, moderngl.VertexArray] | None = None
+
+    def draw(
+        self, source: moderngl.Texture, region: Rect, place: Rect, *, blend: bool = False, **numbers: float
+    ) -> int:
+        """Fill a rectangle.
+
+        Args:
+            source: The picture.
+            region: The part of it that is shown and not looked out of [texels].
+            place: Where, in the framebuffer in use [px].
+            blend: True mixes with what is there by the shader's alpha.
+            numbers: Uniforms.
+
+        Returns:
+            Draw calls made.
+        """
+        import moderngl
+
+        shader = self._shaders.program("post/screen.vert", self._fragment, self._defines)
+        if self._made is None or self._made[0] != shader.revision:
+            self.release()
+            self._made = (shader.revision, self._ctx.vertex_array(shader.program, []))
+        shader.set_numbers("region", region)
+        for name, value in numbers.items():
+            shader.set_number(name, value)
+        self._ctx.viewport = place
+        self._ctx.enable_only(moderngl.BLEND if blend else moderngl.NOTHING)
+        if blend:
+            self._ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
+        source.use(_BINDING)
+        self._made[1].render(moderngl.TRIANGLES, vertices=3)
+        return 1
+
+    def release(self) -> None:
+        """Free the vertex array."""
+        if self._made is not None:
+            self._made[1].release()
+            self._made = None
+
+
+class PictureFilter:
+    """Shows each view's part of a picture in its place, through one shader with some fixed uniforms."""
+
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, fragment: str, **numbers: float) -> None:
+        self._pass = ScreenPass(ctx, shaders, fragment)
+        self._numbers = numbers
+
+    def draw(
+        self, source: moderngl.Texture, target: moderngl.Framebuffer, regions: Sequence[Rect], places: Sequence[Rect]
+    ) -> int:
+        """Fill a target.
+
+        Args:
+            source: The picture.
+            target: Where to.
+            regions: Each view's part of it [texels].
+            places: Where each goes [px].
+
+        Returns:
+            Draw calls made.
+        """
+        target.use()
+        each = zip(regions, places, strict=True)
+        return sum(self._pass.draw(source, region, place, blend=False, **self._numbers) for region, place in each)
+
+    def release(self) -> None:
+        """Free the vertex array."""
+        self._pass.release()

@@ -1,0 +1,42 @@
+// From linear light to display values and back.
+
+const float TONE_START = 0.76;
+const float TONE_DESATURATION = 0.15;
+
+// Khronos PBR neutral tone mapper: colours below 0.76 keep their hue and, but for a small toe, their value.
+vec3 tone_map_neutral(vec3 colour) {
+    float least = min(colour.r, min(colour.g, colour.b));
+    float offset = least < 0.08 ? least - 6.25 * least * least : 0.04;
+    colour -= offset;
+    float peak = max(colour.r, max(colour.g, colour.b));
+    float room = 1.0 - TONE_START;
+    float compressed = 1.0 - room * room / (peak + room - TONE_START);
+    float grey = 1.0 - 1.0 / (TONE_DESATURATION * (peak - compressed) + 1.0);
+    vec3 bright = mix(colour * (compressed / max(peak, 1e-6)), vec3(compressed), grey);
+    return peak < TONE_START ? colour : bright;
+}
+
+// The same backwards, step by step; the brightest that is told apart is some thirty times white.
+vec3 undo_tone_map_neutral(vec3 colour) {
+    float compressed = min(max(colour.r, max(colour.g, colour.b)), 0.998);
+    float room = 1.0 - TONE_START;
+    float peak = room * room / (1.0 - compressed) - room + TONE_START;
+    float kept = 1.0 / (TONE_DESATURATION * (peak - compressed) + 1.0);
+    vec3 hue = max((colour - compressed * (1.0 - kept)) / kept, 0.0);
+    vec3 bright = hue * (peak / compressed);
+    vec3 risen = compressed < TONE_START ? colour : bright;
+    float least = min(risen.r, min(risen.g, risen.b));
+    return risen + (least < 0.04 ? sqrt(max(least, 0.0) / 6.25) - least : 0.04);
+}
+
+vec3 encode_srgb(vec3 linear) {
+    vec3 clamped = clamp(linear, 0.0, 1.0);
+    vec3 curve = 1.055 * pow(clamped, vec3(1.0 / 2.4)) - 0.055;
+    return mix(12.92 * clamped, curve, step(0.0031308, clamped));
+}
+
+vec3 decode_srgb(vec3 display) {
+    vec3 clamped = clamp(display, 0.0, 1.0);
+    vec3 curve = pow((clamped + 0.055) / 1.055, vec3(2.4));
+    return mix(clamped / 12.92, curve, step(0.04045, clamped));
+}
