@@ -151,12 +151,8 @@ class Picture:
 
     def ray(self, right: float, up: float) -> Ray | None:
         """The ray through a place of the window, each coordinate in [-1, 1]."""
-        view = self.views[0]
-        left, far_right, bottom, top = view.tangents
-        x = left + 0.5 * (right + 1.0) * (far_right - left)
-        y = bottom + 0.5 * (up + 1.0) * (top - bottom)
-        direction = view.world_from_eye[:3, :3] @ np.array([x, y, -1.0])
-        return _triple(view.eye_world), _triple(direction)
+        origin, direction = self.views[0].ray(right, up)
+        return _triple(origin), _triple(direction)
 
     def save(self, file: Path) -> None:
         """Write the frame drawn last as PNG."""

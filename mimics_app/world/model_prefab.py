@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from mimics_app.world.gltf_file import GltfDocument
 from mimics_app.world.scene_assets import ModelPart
 from mimics_app.world.scene_node import SceneNode
 from mimics_app.world.world import DEFAULT_MATERIAL, World
@@ -23,6 +24,11 @@ class ModelPrefab:
     def __init__(self, part: ModelPart, material: str | None = None) -> None:
         self._part = part
         self._material = material
+
+    @property
+    def document(self) -> GltfDocument:
+        """The file it is of."""
+        return self._part.model
 
     def instantiate(self, world: World, node: SceneNode) -> list[SceneNode]:
         """Put an instance on a node; returns it and all new nodes.

@@ -43,6 +43,11 @@ class ComponentTable:
         """Entity index of each row, int32 [rows]; a view."""
         return self._entities[: self._count]
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the columns."""
+        return tuple(self._columns)
+
     def column(self, name: str) -> NDArray[Any]:
         """One column, [rows, ...]; a view that is good until the next `add`."""
         return self._columns[name][: self._count]

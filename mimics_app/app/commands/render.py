@@ -7,7 +7,7 @@ from pathlib import Path
 
 from mimics_app.app.settings import PROFILES
 
-__all__ = ["add_arguments", "run"]
+__all__ = ["add_arguments", "frame_count", "run"]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -17,7 +17,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", type=Path, help="scene file")
     parser.add_argument("--backend", choices=("auto", "egl", "osmesa", "window"), default="auto", help="GL context")
     parser.add_argument("--camera", default="", metavar="ENTITY", help="whose camera is looked through; else the first")
-    parser.add_argument("--frames", type=_count, default=1, help="how many, spread over --seconds of simulated play")
+    parser.add_argument(
+        "--frames", type=frame_count, default=1, help="how many, spread over --seconds of simulated play"
+    )
     parser.add_argument("--seconds", type=_seconds, default=2.0, help="simulated time played by the patient [s]")
     parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="of the picture [px]")
     parser.add_argument("--seed", type=random_seed, default=1, help="of the simulated patient")
@@ -54,7 +56,8 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _count(text: str) -> int:
+def frame_count(text: str) -> int:
+    """A number of frames from the command line, at least one."""
     if not (text.isdecimal() and 1 <= int(text) <= 100_000):
         raise argparse.ArgumentTypeError(f"{text} is no number of frames from 1 to 100000")
     return int(text)

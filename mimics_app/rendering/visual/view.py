@@ -82,6 +82,21 @@ class View:
         eye_from_world[:3, 3] = -self.eye_world
         return self.clip_from_eye @ eye_from_world
 
+    def ray(self, right: float, up: float) -> tuple[F8, F8]:
+        """The ray through a place of the picture.
+
+        Args:
+            right: In [-1, 1], from its left edge to its right one.
+            up: The same from its lower edge to its upper one.
+
+        Returns:
+            Where the eye is, world [m], and the direction, 1 m deep: float64 [3] each.
+        """
+        left, far_right, bottom, top = self.tangents
+        x = left + 0.5 * (right + 1.0) * (far_right - left)
+        y = bottom + 0.5 * (up + 1.0) * (top - bottom)
+        return self.eye_world, self.world_from_eye[:3, :3] @ np.array([x, y, -1.0])
+
 
 def compose_clip_from_view(tangents: Tangents, near: float, far: float) -> F8:
     """Off-axis perspective from the view frame (camera along -z) to GL clip space (Kooima 2008).

@@ -1,0 +1,123 @@
+"""`mimics view FILE`: look at a model or a scene from all sides, move things, see what the renderer does."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mimics_app.app.settings import PROFILES
+from mimics_app.contracts.errors import DeviceError, UsageError
+
+if TYPE_CHECKING:
+    from mimics_app.app.viewer.shown import Shown
+
+__all__ = ["add_arguments", "run"]
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `mimics view`."""
+    from mimics_app.app.commands.render import frame_count
+    from mimics_app.app.commands.run import picture_size
+
+    parser.add_argument("file", type=Path, nargs="?", help="scene, .glb .gltf model, or .stl .obj .ply .off mesh")
+    parser.add_argument("--sheet", type=Path, metavar="FOLDER", help="draw every model of a folder onto one PNG")
+    parser.add_argument("--headless", action="store_true", help="no window: draw PNG files")
+    parser.add_argument(
+        "--output", type=Path, default=Path("view.png"), metavar="PNG", help="file of --headless, --sheet"
+    )
+    parser.add_argument("--frames", type=frame_count, default=1, help="of --headless: pictures of one turn round it")
+    parser.add_argument("--caption", action="store_true", help="of --headless: name and notes over the picture")
+    parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="of the picture [px]")
+    parser.add_argument("--up", choices=("y", "z"), default="y", help="which axis of a mesh file is up")
+    parser.add_argument(
+        "--camera", default="", metavar="ENTITY", help="where to begin; else the scene's first, or all seen"
+    )
+    parser.add_argument("--profile", choices=PROFILES, default="training", help="quality of a scene's picture")
+    parser.add_argument("--backend", choices=("auto", "egl", "osmesa"), default="auto", help="GL context of --headless")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Show it, or draw it.
+
+    Raises:
+        UsageError: neither a file nor a folder is given, or both.
+        DeviceError: there is no display for a window.
+    """
+    if (args.file is None) == (args.sheet is None):
+        raise UsageError("give one file to look at, or --sheet FOLDER", "see mimics view --help")
+    if args.frames > 1 and not args.headless:
+        raise UsageError("--frames is of --headless", "add --headless --output turn.png")
+    if args.sheet is not None:
+        return _draw_sheet(args)
+    from mimics_app.app.build import has_display
+    from mimics_app.app.viewer.shown import open_shown
+
+    if not (args.headless or has_display()):
+        raise DeviceError("no display for a window", "add --headless --output picture.png")
+    shown = open_shown(args.file, args.up)
+    return _draw(args, shown) if args.headless else _look(args, shown)
+
+
+def _look(args: argparse.Namespace, shown: Shown) -> int:
+    from mimics_app.app.viewer.session import ViewerSession
+
+    with ViewerSession(shown, args.size, args.profile, args.camera, args.up) as session:
+        session.run()
+        saved, pictures, backend = session.saved, session.pictures, session.backend
+    _answer(args, {**_describe(shown), "backend": backend, "files": pictures, "saved": saved})
+    return 0
+
+
+def _draw(args: argparse.Namespace, shown: Shown) -> int:
+    from mimics_app.app.viewer.stills import draw_turntable
+
+    stills = draw_turntable(
+        shown,
+        args.output,
+        args.size,
+        frames=args.frames,
+        backend=args.backend,
+        profile=args.profile,
+        camera=args.camera,
+        caption=args.caption,
+    )
+    drawn = {"backend": stills.backend, "gl": stills.gl, "files": stills.files, "ms_median": stills.ms_median}
+    _answer(args, {**_describe(shown), **drawn})
+    return 0
+
+
+def _draw_sheet(args: argparse.Namespace) -> int:
+    from mimics_app.app.viewer.sheet import draw_sheet
+
+    sheet = draw_sheet(args.sheet, args.output, backend=args.backend)
+    models = [
+        {"file": tile.file, "ok": not tile.issues, "empty": tile.empty, "errors": [str(issue) for issue in tile.issues]}
+        for tile in sheet.tiles
+    ]
+    shown = sum(not (tile.issues or tile.empty) for tile in sheet.tiles)
+    if not args.json:
+        for tile in sheet.tiles:
+            for issue in tile.issues:
+                print(f"not shown {issue}")
+        print(f"{shown} of {len(sheet.tiles)} models shown")
+    _answer(args, {"backend": sheet.backend, "gl": sheet.gl, "files": [sheet.file], "models": models})
+    return 0
+
+
+def _describe(shown: Shown) -> dict[str, Any]:
+    return {"title": shown.title, "holds": shown.size, "notes": shown.notes}
+
+
+def _answer(args: argparse.Namespace, answer: dict[str, Any]) -> None:
+    from mimics_app.app import output
+
+    if args.json:
+        output.write_object("view", answer)
+        return
+    if "title" in answer:
+        print(f"{answer['title']}: {answer['holds']}")
+        for note in answer["notes"]:
+            print(f"note {note}")
+    for file in [*answer["files"], *answer.get("saved", [])]:
+        print(file)

@@ -1,0 +1,128 @@
+"""The eye of the viewer: it goes round a point, nearer and farther, sideways, or flies."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.maths.mat import look_at
+from mimics_app.rendering.visual.displays.desktop import compute_tangents
+from mimics_app.rendering.visual.surface import Size
+from mimics_app.rendering.visual.view import View
+from mimics_app.world.camera import Camera
+from mimics_app.world.extent import Extent
+
+__all__ = ["ViewerEye"]
+
+F8 = NDArray[np.float64]
+
+_STEEPEST = math.radians(89.0)
+_FOV = math.radians(40.0)
+_WHOLE_TURN_PX = 1200.0
+"""Pixels of the pointer's way for a whole turn."""
+_PER_STEP = 0.87
+"""Factor on the distance for one step of the wheel."""
+_NEAREST, _FARTHEST = 1e-5, 1e7
+_MARGIN = 1.08
+_LOOKED_DOWN, _LOOKED_ASIDE = math.radians(20.0), math.radians(32.0)
+"""From where a model is first seen."""
+
+
+class ViewerEye:
+    """Looks at a target from a distance; +y is up.
+
+    Attributes:
+        target: What it goes round, world [m], float64 [3].
+        distance: From there to the eye [m].
+        yaw: About +y, 0 looks along -z from +z [rad].
+        pitch: Height over the horizon as seen from the target [rad].
+        fov: Vertical angle of view [rad].
+        reach: Of the scene about the target [m], for the far plane.
+    """
+
+    def __init__(self) -> None:
+        self.target: F8 = np.zeros(3)
+        self.distance, self.reach = 3.0, 10.0
+        self.yaw, self.pitch, self.fov = _LOOKED_ASIDE, _LOOKED_DOWN, _FOV
+
+    @property
+    def backward(self) -> F8:
+        """From the target to the eye, unit, [3]."""
+        level = math.cos(self.pitch)
+        return np.array([level * math.sin(self.yaw), math.sin(self.pitch), level * math.cos(self.yaw)])
+
+    @property
+    def position(self) -> F8:
+        """Where the eye is, world [m], [3]."""
+        return self.target + self.distance * self.backward
+
+    @property
+    def pose(self) -> F8:
+        """world_from_eye, float64 [4, 4]."""
+        return look_at(self.position, self.target)
+
+    def view(self, size: Size) -> View:
+        """What it sees on a surface of a size [px]."""
+        near = max(0.004 * min(self.distance, self.reach), 1e-6)
+        far = 40.0 * (self.distance + self.reach)
+        return View(self.pose, compute_tangents(self.fov, size), (0, 0, *size), near, far)
+
+    def frame(self, extent: Extent, size: Size, *, turn: bool = True) -> None:
+        """Go where a box is seen whole on a surface of a size [px].
+
+        Args:
+            extent: The box.
+            size: Of the surface [px].
+            turn: True to look from where a model is first seen; False keeps the direction.
+        """
+        least, greatest = extent
+        radius = max(0.5 * float(np.linalg.norm(greatest - least)), _NEAREST)
+        if turn:
+            self.yaw, self.pitch = _LOOKED_ASIDE, _LOOKED_DOWN
+        self.target = 0.5 * (least + greatest)
+        up = math.tan(0.5 * self.fov)
+        narrow = math.atan(min(up, up * size[0] / size[1]))
+        self.distance, self.reach = _MARGIN * radius / math.sin(narrow), radius
+
+    def stand_at(self, camera: Camera, reach: float) -> None:
+        """Begin where a camera of the scene is, looking as it does; what it rolls is left out."""
+        pose = camera.world_from_eye
+        backward = pose[:3, 2]
+        self.fov, self.reach = camera.vertical_fov, max(reach, _NEAREST)
+        self.yaw = math.atan2(backward[0], backward[2])
+        self.pitch = min(max(math.asin(min(max(backward[1], -1.0), 1.0)), -_STEEPEST), _STEEPEST)
+        self.distance = max(0.2 * self.reach, 50.0 * camera.near)
+        self.target = pose[:3, 3] - self.distance * self.backward
+
+    def orbit(self, right_px: float, up_px: float) -> None:
+        """Go round the target as the pointer moves; the scene turns with it."""
+        self.yaw -= 2.0 * math.pi * right_px / _WHOLE_TURN_PX
+        self._tilt(-up_px)
+
+    def look_round(self, right_px: float, up_px: float) -> None:
+        """Turn on the spot."""
+        here = self.position
+        self.yaw -= math.pi * right_px / _WHOLE_TURN_PX
+        self._tilt(-0.5 * up_px)
+        self.target = here - self.distance * self.backward
+
+    def pan(self, right_px: float, up_px: float, height_px: int) -> None:
+        """Shift eye and target so that what is at the target stays under the pointer."""
+        per_px = 2.0 * self.distance * math.tan(0.5 * self.fov) / height_px
+        axes = self.pose[:3, :3]
+        self.target = self.target - per_px * (right_px * axes[:, 0] + up_px * axes[:, 1])
+
+    def zoom(self, steps: float) -> None:
+        """Go nearer by steps of the wheel."""
+        self.distance = min(max(self.distance * _PER_STEP**steps, _NEAREST), _FARTHEST)
+
+    def fly(self, right: float, up: float, forward: float) -> None:
+        """Move eye and target along the eye's own axes [m], `up` along +y."""
+        axes = self.pose[:3, :3]
+        self.target = self.target + right * axes[:, 0] - forward * axes[:, 2] + np.array([0.0, up, 0.0])
+
+    def _tilt(self, up_px: float) -> None:
+        pitch = self.pitch + 2.0 * math.pi * up_px / _WHOLE_TURN_PX
+        self.pitch = min(max(pitch, -_STEEPEST), _STEEPEST)

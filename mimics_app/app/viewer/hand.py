@@ -1,0 +1,180 @@
+"""The person's hand in the viewer: chooses what is under the pointer, drags it, and saves where it was put."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.app.viewer.shown import Shown
+from mimics_app.rendering.visual.view import View
+from mimics_app.world.raycast import cast_ray
+from mimics_app.world.scene_edit import is_written_in_file, write_translation
+from mimics_app.world.scene_node import SceneNode
+
+__all__ = ["Hand", "drag_offset"]
+
+F8 = NDArray[np.float64]
+Ray = tuple[F8, F8]
+
+_FLAT = 0.17
+"""Sine of the angle to the horizon below which a floor is seen too flat to drag along."""
+_UP = np.array([0.0, 1.0, 0.0])
+
+
+class Hand:
+    """Chooses and moves nodes of what is shown.
+
+    Attributes:
+        chosen: The node, or None.
+        axis: 0, 1 or 2: it moves along x, y or z; None: along the floor, or across the view where that is seen flat.
+    """
+
+    def __init__(self, shown: Shown) -> None:
+        self._shown = shown
+        self.chosen: SceneNode | None = None
+        self.axis: int | None = None
+        self._grip: tuple[F8, F8] | None = None
+        self._undo: list[tuple[SceneNode, F8]] = []
+        self._moved: dict[str, SceneNode] = {}
+
+    @property
+    def holding(self) -> bool:
+        """Whether something is being dragged."""
+        return self._grip is not None
+
+    @property
+    def unsaved(self) -> Mapping[str, SceneNode]:
+        """Entities that were moved and not saved, by id."""
+        return self._moved
+
+    def show(self, shown: Shown) -> None:
+        """Go over to the same thing read anew, keeping what is chosen where it is still there."""
+        name = self.chosen.name if self.chosen is not None else ""
+        self._shown, self._grip = shown, None
+        self._undo.clear()
+        self.chosen = shown.world.find(name) if name and name in shown.world else None
+        self._moved = {name: node for name, node in self._moved.items() if name in shown.world}
+
+    def choose(self, ray: Ray) -> SceneNode | None:
+        """Take what a ray meets first, as the scene file names it; None where it meets nothing that may be chosen."""
+        self.chosen = self._under(ray)
+        return self.chosen
+
+    def grab(self, ray: Ray) -> bool:
+        """Begin to drag, if the ray meets what is chosen."""
+        if self.chosen is None:
+            return False
+        point = self._meets(ray, self.chosen)
+        if point is None:
+            return False
+        self._grip = (point, self.chosen.position)
+        self._undo.append((self.chosen, self.chosen.position))
+        return True
+
+    def drag(self, ray: Ray, view: View) -> None:
+        """Bring what is held to where a ray points now."""
+        if self.chosen is None or self._grip is None:
+            return
+        point, before = self._grip
+        offset = drag_offset(point, ray, view, self.axis)
+        parent = self.chosen.parent
+        turn = np.eye(3) if parent is None else parent.world_matrix()[:3, :3]
+        place: F8 = before + np.linalg.solve(turn, offset)
+        self.chosen.set_position(place.round(4))
+
+    def release(self) -> None:
+        """Let go."""
+        if self._grip is None or self.chosen is None:
+            return
+        before, self._grip = self._grip[1], None
+        if np.array_equal(before, self.chosen.position):
+            self._undo.pop()
+        elif self._shown.scene is not None:
+            self._moved[self.chosen.name] = self.chosen
+
+    def undo(self) -> bool:
+        """Put back what was moved last; False where nothing was."""
+        if not self._undo or self.holding:
+            return False
+        node, place = self._undo.pop()
+        node.set_position(place)
+        if self._shown.scene is not None:
+            self._moved[node.name] = node
+        return True
+
+    def save(self) -> list[Path]:
+        """Write every entity that was moved to the file it stands in; returns the files.
+
+        Raises:
+            SceneError: one of them cannot be written; what was written before stays, the rest is still unsaved.
+        """
+        scene, files = self._shown.scene, []
+        for name, node in list(self._moved.items()):
+            if scene is not None:
+                x, y, z = node.position.tolist()
+                files.append(write_translation(scene, name, (x, y, z)))
+            del self._moved[name]
+        return list(dict.fromkeys(files))
+
+    def _under(self, ray: Ray) -> SceneNode | None:
+        for hit in cast_ray(self._shown.world, *ray):
+            node = self._owner(self._shown.world.node(hit.entity))
+            if node is not None:
+                return node
+        return None
+
+    def _meets(self, ray: Ray, node: SceneNode) -> F8 | None:
+        """Where a ray first meets what hangs on a node, if nothing that may be chosen stands before it."""
+        for hit in cast_ray(self._shown.world, *ray):
+            owner = self._owner(self._shown.world.node(hit.entity))
+            if owner is not None:
+                return hit.point_world if owner == node else None
+        return None
+
+    def _owner(self, node: SceneNode) -> SceneNode | None:
+        """What of the scene file, or which part of the model, a node belongs to."""
+        shown = self._shown
+        if shown.scene is None:
+            inside = shown.stand is not None and shown.world.graph.hierarchy.is_inside(node.index, shown.stand.index)
+            return node if inside else None
+        above: SceneNode | None = node
+        while above is not None and not is_written_in_file(shown.scene, above.name):
+            above = above.parent
+        return above
+
+
+def drag_offset(point: F8, ray: Ray, view: View, axis: int | None) -> F8:
+    """How far what was grabbed at a point goes, so that it stays under the pointer, world [m], [3].
+
+    Args:
+        point: Where it was grabbed, world [m], [3].
+        ray: Through the pointer now.
+        view: What is seen.
+        axis: 0, 1 or 2 for a line along x, y or z; None for a plane: that of the floor, or across the view.
+    """
+    origin, direction = ray
+    if axis is not None:
+        return _along(point, np.eye(3)[axis], origin, direction)
+    forward = -view.world_from_eye[:3, 2]
+    normal = _UP if abs(forward[1]) > _FLAT else forward
+    facing = float(normal @ direction)
+    if abs(facing) < 1e-9:
+        return np.zeros(3)
+    distance = float(normal @ (point - origin)) / facing
+    return np.asarray(origin + distance * direction - point) if distance > 0.0 else np.zeros(3)
+
+
+def _along(point: F8, line: F8, origin: F8, direction: F8) -> F8:
+    """From a point of a line to where it comes nearest to a ray; nothing where both are parallel."""
+    across = direction - (direction @ line) * line
+    square = float(across @ across)
+    if square < 1e-9 * float(direction @ direction):
+        return np.zeros(3)
+    away = point - origin
+    # The ray's parameter at its nearest place to the line, then that place's shadow on the line.
+    parameter = float((away - (away @ line) * line) @ across) / square
+    nearest = origin + parameter * direction
+    return np.asarray(((nearest - point) @ line) * line)

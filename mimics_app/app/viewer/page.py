@@ -1,0 +1,115 @@
+"""The words over the viewer's picture: what is shown, what there is to say about it, and the keys."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from mimics_app.contracts.errors import Issue
+from mimics_app.rendering.visual.hud import CANVAS_HEIGHT, Colour, Hud
+
+__all__ = ["KEYS", "draw_caption", "draw_hint", "draw_keys", "draw_message", "draw_reason"]
+
+KEYS: tuple[tuple[str, str], ...] = (
+    ("Drag", "go round; on the chosen thing: move it"),
+    ("Shift + drag, middle", "shift the view"),
+    ("Right drag", "look round"),
+    ("Wheel", "nearer, farther"),
+    ("W A S D, E Q", "fly; Shift: faster"),
+    ("F", "see the chosen thing, or all, whole"),
+    ("Home", "back to the first view"),
+    ("Click", "choose what is under the pointer"),
+    ("X  Y  Z", "move along one axis; again: freely"),
+    ("Ctrl + Z", "put back where it was"),
+    ("Ctrl + S", "save moved things to the scene file"),
+    ("G   L", "floor;  studio light or the model's own"),
+    ("F1 - F6", "frame graph, wireframe, bounds, lights, forces, shadow atlas"),
+    ("F11   F12", "full screen;  picture to a PNG file"),
+    ("H   Esc", "this page;  leave"),
+)
+"""Keys and what they do, in the order they are listed."""
+
+_PANEL: Colour = (0.05, 0.06, 0.08, 0.66)
+_INK: Colour = (0.96, 0.97, 0.98, 1.0)
+_FAINT: Colour = (0.74, 0.79, 0.84, 1.0)
+_WARN: Colour = (0.98, 0.76, 0.40, 1.0)
+
+_ALARM: Colour = (0.98, 0.50, 0.44, 1.0)
+
+_MARGIN, _PAD = 18.0, 16.0
+_LINE = 21.0
+_MOST_NOTES = 3
+_MOST_ISSUES, _REASON_LINES = 4, 5
+
+
+def draw_caption(hud: Hud, title: str, lines: Sequence[str], notes: Sequence[str] = (), *, scale: float = 1.0) -> None:
+    """What is shown, in the lower left corner.
+
+    Args:
+        hud: What to draw on.
+        title: What people call it.
+        lines: What there is of it.
+        notes: What is to be known about it; of many the first ones.
+        scale: Of the letters.
+    """
+    told = list(notes[:_MOST_NOTES])
+    if len(notes) > _MOST_NOTES:
+        told[-1] = f"{told[-1]}, and {len(notes) - _MOST_NOTES} more"
+    small, large, step = 15.0 * scale, 22.0 * scale, _LINE * scale
+    widest = hud.width - 2.0 * (_MARGIN + _PAD)
+    wanted = [hud.measure(title, large, bold=True), *(hud.measure(line, small) for line in (*lines, *told))]
+    width, height = min(max(wanted), widest) + 2.0 * _PAD, 2.0 * _PAD + large + step * (len(lines) + len(told))
+    hud.box(_MARGIN, _MARGIN, width, height, _PANEL, radius=12.0)
+    x, y = _MARGIN + _PAD, _MARGIN + height - _PAD - 0.8 * large
+    hud.text(x, y, title, large, _INK, bold=True, width=widest)
+    for number, line in enumerate((*lines, *told)):
+        ink = _FAINT if number < len(lines) else _WARN
+        hud.text(x, y - step * (number + 1), line, small, ink, width=widest)
+
+
+def draw_hint(hud: Hud, hint: str) -> None:
+    """A few words in the upper right corner."""
+    wide = hud.measure(hint, 15.0) + 24.0
+    x, top = hud.width - _MARGIN - wide, CANVAS_HEIGHT - _MARGIN - 30.0
+    hud.box(x, top, wide, 30.0, _PANEL, radius=10.0)
+    hud.text(x + 12.0, top + 10.0, hint, 15.0, _FAINT)
+
+
+def draw_reason(hud: Hud, title: str, verdict: str, issues: Sequence[Issue], scale: float) -> None:
+    """Why there is no picture, all over the canvas."""
+    small, large = 15.0 * scale, 22.0 * scale
+    width = hud.width - 2.0 * (_MARGIN + _PAD)
+    x, y = _MARGIN + _PAD, CANVAS_HEIGHT - _MARGIN - _PAD - large
+    hud.text(x, y, title, large, _INK, bold=True, width=width)
+    hud.text(x, y - 1.6 * large, verdict, small, _ALARM, bold=True)
+    y -= 1.8 * large
+    for issue in issues[:_MOST_ISSUES]:
+        place = f"{issue.pointer}: " if issue.pointer else ""
+        for line in hud.wrap(f"{place}{issue.what}", small, width, _REASON_LINES):
+            y -= 1.35 * small
+            hud.text(x, y, line, small, _FAINT)
+        y -= 0.5 * small
+    if len(issues) > _MOST_ISSUES:
+        hud.text(x, y - 1.35 * small, f"and {len(issues) - _MOST_ISSUES} more", small, _FAINT)
+
+
+def draw_keys(hud: Hud) -> None:
+    """All keys, in the middle."""
+    left = max(hud.measure(key, 17.0, bold=True) for key, _ in KEYS)
+    right = max(hud.measure(what, 17.0) for _, what in KEYS)
+    width, height = left + right + 84.0, 30.0 * len(KEYS) + 44.0
+    x, y = 0.5 * (hud.width - width), 0.5 * (CANVAS_HEIGHT - height)
+    hud.box(x, y, width, height, (0.05, 0.06, 0.08, 0.88), radius=18.0)
+    for number, (key, what) in enumerate(KEYS):
+        line = y + height - 44.0 - 30.0 * number
+        hud.text(x + 30.0, line, key, 17.0, _INK, bold=True)
+        hud.text(x + 54.0 + left, line, what, 17.0, _FAINT)
+
+
+def draw_message(hud: Hud, text: str, *, alarm: bool = False) -> None:
+    """One line of news, below the middle."""
+    if not text:
+        return
+    width = min(hud.measure(text, 19.0) + 48.0, hud.width - 2.0 * _MARGIN)
+    x = 0.5 * (hud.width - width)
+    hud.box(x, 132.0, width, 46.0, (0.50, 0.09, 0.08, 0.90) if alarm else _PANEL, radius=14.0)
+    hud.text(0.5 * hud.width, 148.0, text, 19.0, _INK, align="centre", width=width - 32.0)

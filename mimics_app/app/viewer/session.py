@@ -1,0 +1,189 @@
+"""The viewer's window: events in, a picture out whenever something is another than before, and the file watched."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from mimics_app.app.settings import Profile
+from mimics_app.app.viewer.controls import ViewerControls
+from mimics_app.app.viewer.hand import Hand
+from mimics_app.app.viewer.page import draw_caption, draw_hint, draw_keys, draw_message
+from mimics_app.app.viewer.shown import Shown, Up, open_shown
+from mimics_app.app.viewer.stage import ViewerStage
+from mimics_app.contracts.clock import Clock, MonotonicClock
+from mimics_app.contracts.errors import MimicsError, SceneError
+from mimics_app.rendering.visual.contexts import create_surface
+from mimics_app.rendering.visual.headless import save_png
+from mimics_app.rendering.visual.surface import Size
+from mimics_app.world.watcher import SceneWatcher
+
+__all__ = ["ViewerSession"]
+
+_NS = 1_000_000_000
+_FRAME_NS = _NS // 60
+_LOOK_NS = _NS // 4
+_SHOW_NS = 5 * _NS
+_LONGEST_STEP_S = 0.1
+
+
+class ViewerSession:
+    """One window, from opening to closing.
+
+    Args:
+        shown: What is shown first.
+        size: Of the window [px].
+        profile: Quality of a scene's picture.
+        camera: As `ViewerStage`.
+        up: Of a mesh file, for reading it anew.
+
+    Attributes:
+        pictures: PNG files the person made.
+        saved: Scene files that were written.
+        backend: What drew it.
+    """
+
+    def __init__(self, shown: Shown, size: Size, profile: Profile = "training", camera: str = "", up: Up = "y") -> None:
+        self._clock: Clock = MonotonicClock()
+        self._up = up
+        self._surface = create_surface("window", size, f"{shown.title} - mimics")
+        self._stage = ViewerStage(self._surface, shown, profile, camera)
+        self._hand = Hand(shown)
+        self._controls = ViewerControls(self._stage, self._hand, self._commands())
+        self._watcher = SceneWatcher(shown.files)
+        self._keys_shown = self._left = self._alarm = False
+        self._message, self._message_until_ns = "", 0
+        self.pictures: list[Path] = []
+        self.saved: list[Path] = []
+        self.backend = self._surface.backend
+
+    def run(self) -> None:
+        """Show it until the window closes."""
+        due = looked = before = self._clock.now_ns()
+        while not (self._surface.should_close or self._left):
+            now = self._clock.now_ns()
+            self._controls.handle(self._surface.poll())
+            self._controls.fly(min((now - before) / _NS, _LONGEST_STEP_S))
+            before = now
+            if now - looked >= _LOOK_NS:
+                looked = now
+                self._look(now)
+            if self._controls.dirty:
+                self._controls.dirty = False
+                self._draw()
+            due = max(due + _FRAME_NS, self._clock.now_ns() - _FRAME_NS)
+            self._clock.sleep_until_ns(due)
+
+    def __enter__(self) -> ViewerSession:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self._stage.release()
+        self._surface.close()
+
+    def _draw(self) -> None:
+        shown, hud = self._stage.shown, self._stage.renderer.hud
+        shown.world.update()
+        hud.clear()
+        lines = [shown.size]
+        if self._hand.chosen is not None:
+            lines.append(self._describe_chosen())
+        draw_caption(hud, shown.title, lines, shown.notes)
+        draw_hint(hud, "H: keys")
+        draw_message(hud, self._message, alarm=self._alarm)
+        if self._keys_shown:
+            draw_keys(hud)
+        self._stage.draw()
+        self._surface.swap()
+
+    def _describe_chosen(self) -> str:
+        node = self._hand.chosen
+        assert node is not None
+        x, y, z = node.world_matrix()[:3, 3]
+        axis = "" if self._hand.axis is None else f", along {'xyz'[self._hand.axis]}"
+        unsaved = ", not saved (Ctrl + S)" if node.name in self._hand.unsaved else ""
+        return f"{node.name or 'a part'} at {x:.3f}, {y:.3f}, {z:.3f} m{axis}{unsaved}"
+
+    def _commands(self) -> dict[str, Callable[[], object]]:
+        return {
+            "h": self._toggle_keys,
+            "escape": self._leave,
+            "g": self._toggle_floor,
+            "l": self._toggle_lights,
+            "f12": self._take_picture,
+            "ctrl+s": self._save,
+        }
+
+    def _toggle_keys(self) -> None:
+        self._keys_shown = not self._keys_shown
+
+    def _toggle_floor(self) -> None:
+        if self._stage.studio is not None:
+            self._stage.studio.toggle_floor()
+
+    def _toggle_lights(self) -> None:
+        studio = self._stage.studio
+        if studio is None or not studio.has_own_lights:
+            self._say("it has no lights of its own" if studio is not None else "the scene has its own light")
+        else:
+            studio.toggle_lights()
+
+    def _leave(self) -> None:
+        """Close what is open first: the page of keys, then what is chosen, then the window."""
+        if self._keys_shown:
+            self._keys_shown = False
+        elif self._hand.chosen is not None:
+            self._hand.chosen = None
+        else:
+            self._left = True
+
+    def _take_picture(self) -> None:
+        number = 1
+        while (file := Path(f"{self._stage.shown.path.stem}_{number:03d}.png")).exists():
+            number += 1
+        save_png(self._surface, file)
+        self.pictures.append(file)
+        self._say(f"picture: {file}")
+
+    def _save(self) -> None:
+        if self._stage.shown.scene is None:
+            self._say("a model is changed in its modeller; what is saved here are scene files", alarm=True)
+            return
+        try:
+            files = self._hand.save()
+        except SceneError as error:
+            self._say(str(error.issues[0]), alarm=True)
+            return
+        self.saved += [file for file in files if file not in self.saved]
+        self._say(f"saved {', '.join(str(file) for file in files)}" if files else "nothing was moved")
+
+    def _look(self, now_ns: int) -> None:
+        """Take over changed files, and let old news go."""
+        if self._message and now_ns > self._message_until_ns:
+            self._message, self._controls.dirty = "", True
+        if self._hand.holding or not self._watcher.changed():
+            return
+        try:
+            self._take_over()
+        except MimicsError as error:
+            self._say(str(error.issues[0]), alarm=True)
+
+    def _take_over(self) -> None:
+        """Show the file as it is now; where that cannot be, the old picture stays."""
+        shown = self._stage.shown
+        if shown.scene is None:
+            fresh = open_shown(shown.path, self._up)
+            self._stage.show(fresh)
+            self._hand.show(fresh)
+        else:
+            from mimics_app.world.reload import reload_scene
+
+            shown.scene, _ = reload_scene(shown.world, shown.scene)
+            shown.files, shown.notes = list(shown.scene.files), list(shown.scene.notes)
+        self._watcher.watch(self._stage.shown.files)
+        self._say("loaded again")
+
+    def _say(self, text: str, *, alarm: bool = False) -> None:
+        self._message, self._alarm = text, alarm
+        self._message_until_ns = self._clock.now_ns() + _SHOW_NS
+        self._controls.dirty = True

@@ -1,0 +1,174 @@
+"""A contact sheet: every model of a folder as a tile; one that cannot be read as a tile with the reason."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.app.viewer.page import draw_caption, draw_reason
+from mimics_app.app.viewer.shown import MODEL_SUFFIXES, Shown, open_shown
+from mimics_app.app.viewer.stage import ViewerStage
+from mimics_app.contracts.errors import Issue, SceneError, UsageError
+from mimics_app.rendering.visual.displays.desktop import compute_tangents
+from mimics_app.rendering.visual.headless import open_offscreen, read_pixels
+from mimics_app.rendering.visual.hud import CANVAS_HEIGHT
+from mimics_app.rendering.visual.renderer import Renderer
+from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.surface import Surface
+from mimics_app.rendering.visual.view import View
+from mimics_app.world.environment import Sky
+from mimics_app.world.world import World
+
+__all__ = ["Sheet", "Tile", "draw_sheet", "models_in"]
+
+U1 = NDArray[np.uint8]
+
+TILE = (400, 300)
+"""Width and height of a tile [px]."""
+
+_GAP = 6
+_GROUND = (22, 24, 28)
+_WALL = (0.035, 0.035, 0.042)
+"""Sky behind a reason, linear RGB."""
+_MOST_MODELS = 1000
+_SCALE = 1.8
+"""Of the letters on a tile."""
+_RAISED, _BACK = 0.13, -1.6
+"""How far a model is lifted above its caption, in tiles, and the eye taken back, in steps of the wheel."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tile:
+    """One model of a sheet: its file, why it cannot be shown ([] where it can), and whether there is nothing in it."""
+
+    file: Path
+    issues: list[Issue]
+    empty: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Sheet:
+    """What was drawn: the file, its tiles in reading order, backend and driver."""
+
+    file: Path
+    tiles: list[Tile]
+    backend: str
+    gl: str
+
+
+def models_in(folder: Path) -> list[Path]:
+    """Every model in a folder and all below it, in the order of their names.
+
+    Raises:
+        SceneError: it is no folder, or holds no model.
+    """
+    if not folder.is_dir():
+        raise SceneError(Issue(str(folder), "", "is no folder"))
+    found = sorted(file for file in folder.rglob("*") if file.suffix.lower() in MODEL_SUFFIXES and file.is_file())
+    if not found:
+        raise SceneError(Issue(str(folder), "", "holds no model", f"known: {', '.join(MODEL_SUFFIXES)}"))
+    return found
+
+
+def draw_sheet(folder: Path, output: Path, *, backend: str = "auto") -> Sheet:
+    """Draw every model of a folder onto one PNG.
+
+    Args:
+        folder: Where they are.
+        output: The PNG file.
+        backend: "auto", "egl", "osmesa" or "window".
+
+    Raises:
+        SceneError: no model is there; a model that is wrong is no error but a tile.
+        UsageError: there are more than a sheet can hold.
+        DeviceError: the context cannot be had.
+    """
+    from PIL import Image
+
+    models = models_in(folder)
+    if len(models) > _MOST_MODELS:
+        raise UsageError(f"{len(models)} models do not go on a sheet of {_MOST_MODELS}", "give a folder below it")
+    output.parent.mkdir(parents=True, exist_ok=True)
+    surface = open_offscreen(backend, TILE)
+    press = _Press(surface)
+    tiles, pictures = [], []
+    for file in models:
+        tiles.append(press.print(file))
+        pictures.append(read_pixels(surface)[..., :3])
+    info = surface.ctx.info
+    gl = f"{info['GL_VERSION']}, {info['GL_RENDERER']}"
+    press.release()
+    surface.close()
+    Image.fromarray(_laid_out(pictures)).save(output, optimize=True)
+    return Sheet(output, tiles, surface.backend, gl)
+
+
+class _Press:
+    """Draws one tile after the other on one surface."""
+
+    def __init__(self, surface: Surface) -> None:
+        self._surface = surface
+        self._stage: ViewerStage | None = None
+        wall = World()
+        wall.environment = Sky(_WALL, _WALL, _WALL, 0.0)
+        self._wall = Renderer(surface, wall, RenderSettings(msaa=0, shadow_size=0, fog_density=0.0))
+
+    def print(self, file: Path) -> Tile:
+        """Draw a model, or why it cannot be drawn."""
+        try:
+            shown = open_shown(file)
+        except SceneError as error:
+            self._print_reason(file.name, "cannot be shown", error.issues)
+            return Tile(file, error.issues)
+        if shown.extent is None:
+            self._print_reason(file.name, "nothing to see", [Issue("", "", "no mesh in its scene")])
+            return Tile(file, [], empty=True)
+        stage = self._put_on(shown)
+        stage.eye.pan(0.0, _RAISED * TILE[1], TILE[1])
+        stage.eye.zoom(_BACK)
+        hud = stage.renderer.hud
+        hud.clear()
+        hud.width = CANVAS_HEIGHT * TILE[0] / TILE[1]
+        draw_caption(hud, file.name, [shown.size], shown.notes[:1], scale=_SCALE)
+        stage.draw_finished()
+        return Tile(file, [])
+
+    def release(self) -> None:
+        """Free everything but the surface."""
+        self._wall.release()
+        if self._stage is not None:
+            self._stage.release()
+
+    def _put_on(self, shown: Shown) -> ViewerStage:
+        if self._stage is None:
+            self._stage = ViewerStage(self._surface, shown)
+        else:
+            self._stage.show(shown)
+            self._stage.reset()
+        return self._stage
+
+    def _print_reason(self, name: str, verdict: str, issues: Sequence[Issue]) -> None:
+        hud = self._wall.hud
+        hud.clear()
+        hud.width = CANVAS_HEIGHT * TILE[0] / TILE[1]
+        draw_reason(hud, name, verdict, issues, _SCALE)
+        self._wall.draw_finished([View(np.eye(4), compute_tangents(1.0, TILE), (0, 0, *TILE))])
+
+
+def _laid_out(pictures: Sequence[U1]) -> U1:
+    """Tiles in rows, about half as wide again as high."""
+    width, height = TILE
+    columns = min(len(pictures), max(1, round(math.sqrt(1.5 * len(pictures) * height / width))))
+    rows = -(-len(pictures) // columns)
+    sheet = np.empty((rows * (height + _GAP) + _GAP, columns * (width + _GAP) + _GAP, 3), np.uint8)
+    sheet[:] = _GROUND
+    for number, picture in enumerate(pictures):
+        top = _GAP + (number // columns) * (height + _GAP)
+        left = _GAP + (number % columns) * (width + _GAP)
+        sheet[top : top + height, left : left + width] = picture
+    return sheet

@@ -1,0 +1,133 @@
+"""What the viewer shows: a scene, a glTF model or another mesh file, as a world with what there is to say about it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.world.extent import Extent, world_extent
+from mimics_app.world.mesh_file import MESH_SUFFIXES, add_mesh_file
+from mimics_app.world.model_world import read_model
+from mimics_app.world.scene_node import SceneNode
+from mimics_app.world.world import World
+
+if TYPE_CHECKING:
+    from mimics_app.world.scene import Scene
+
+__all__ = ["MODEL_SUFFIXES", "Shown", "Up", "open_shown"]
+
+Up = Literal["y", "z"]
+"""Which axis of a model is up; a scene and a glTF file say it themselves."""
+
+_GLTF_SUFFIXES = (".glb", ".gltf")
+MODEL_SUFFIXES = (*_GLTF_SUFFIXES, *MESH_SUFFIXES)
+"""Endings of the files that are models."""
+
+_QUARTER = (-(0.5**0.5), 0.0, 0.0, 0.5**0.5)
+"""Turns +z up to +y up."""
+
+
+@dataclass(eq=False)
+class Shown:
+    """One thing to look at.
+
+    Attributes:
+        path: The file.
+        world: What it holds, after its update.
+        scene: The scene, or None for a model.
+        stand: What a model hangs on; None for a scene.
+        notes: What was left out, repaired or is not shown, for people.
+        files: Every file it was read from.
+    """
+
+    path: Path
+    world: World
+    scene: Scene | None = None
+    stand: SceneNode | None = None
+    notes: list[str] = field(default_factory=list)
+    files: list[Path] = field(default_factory=list)
+
+    @property
+    def title(self) -> str:
+        """What people call it."""
+        return self.path.name if self.scene is None else self.scene.title
+
+    @property
+    def extent(self) -> Extent | None:
+        """The box about what is seen; None where nothing is."""
+        return world_extent(self.world, None if self.stand is None else self.stand.index)
+
+    @property
+    def size(self) -> str:
+        """How much there is of it, in words."""
+        listed, world = self.world.subentities(), self.world
+        inside = [
+            name
+            for name, owner in zip(listed.mesh, listed.entity.tolist(), strict=True)
+            if self.stand is None or world.graph.hierarchy.is_inside(owner, self.stand.index)
+        ]
+        triangles = sum(world.meshes[name].triangle_count for name in inside if name in world.meshes)
+        parts = f"{len(inside)} part{'' if len(inside) == 1 else 's'}"
+        words = [f"{triangles:,} triangles".replace(",", " "), parts]
+        extent = self.extent
+        if extent is not None:
+            words.append(" x ".join(f"{side:.3g}" for side in extent[1] - extent[0]) + " m")
+        return ", ".join(words)
+
+
+def open_shown(path: Path, up: Up = "y") -> Shown:
+    """Read a file to be looked at.
+
+    Args:
+        path: A scene (also by the name of a shipped one), a glTF model, or one of `MESH_SUFFIXES`.
+        up: Which axis of a mesh file is up.
+
+    Raises:
+        SceneError: there is no such file, it is of no kind that is shown, or it is wrong.
+    """
+    suffix = path.suffix.lower()
+    if suffix in (".json", ""):
+        return _open_scene(path)
+    if suffix not in MODEL_SUFFIXES:
+        known = ", ".join((".json", *MODEL_SUFFIXES))
+        raise SceneError(Issue(str(path), "", f'a file "{suffix}" is of no kind that is shown', f"known: {known}"))
+    world = World()
+    stand = world.root.create_child("model")
+    if up == "z":
+        stand.set_orientation(_QUARTER)
+    shown = Shown(path, world, stand=stand, files=[path])
+    if suffix in _GLTF_SUFFIXES:
+        model = read_model(path)
+        model.instantiate(world, stand)
+        shown.files, shown.notes = model.document.files, [*model.document.notes, *_still(model.document.raw)]
+    else:
+        add_mesh_file(world, stand, path)
+        shown.notes = [f"a {suffix[1:].upper()} file names no unit: taken as metres"]
+    world.update()
+    return shown
+
+
+def _open_scene(path: Path) -> Shown:
+    from mimics_app.app.catalogue import is_playable, open_scenario
+    from mimics_app.app.scene_loading import load_checked_scene
+    from mimics_app.world.scene_file import build_world
+
+    scene = load_checked_scene(path)
+    world = build_world(scene)
+    if is_playable(scene):
+        open_scenario(scene, world)  # what only its scenario makes: tunnel walls, hands
+        world.update()
+    return Shown(scene.path, world, scene, None, list(scene.notes), list(scene.files))
+
+
+def _still(document: dict[str, object]) -> list[str]:
+    """What moves in a glTF file and is shown at rest."""
+    counted = [(word, document.get(f"{word}s")) for word in ("animation", "skin")]
+    there = [
+        f"{len(value)} {word}{'s' if len(value) > 1 else ''}"
+        for word, value in counted
+        if isinstance(value, list) and value
+    ]
+    return [f"shown in its rest pose: {' and '.join(there)} not played"] if there else []

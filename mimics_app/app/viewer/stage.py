@@ -1,0 +1,116 @@
+"""The viewer's stage: what is shown, with studio or without, before an eye, on a surface."""
+
+from __future__ import annotations
+
+import sys
+
+from mimics_app.app.picture import draws_in_software, picture_quality
+from mimics_app.app.settings import Profile
+from mimics_app.app.viewer.eye import ViewerEye
+from mimics_app.app.viewer.shown import Shown
+from mimics_app.app.viewer.studio import Studio, studio_settings
+from mimics_app.contracts.errors import Issue, SceneError, nearest
+from mimics_app.rendering.visual.frame_stats import FrameStats
+from mimics_app.rendering.visual.hud import CANVAS_HEIGHT
+from mimics_app.rendering.visual.renderer import Renderer
+from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.surface import Surface
+from mimics_app.rendering.visual.view import View
+from mimics_app.world.camera import Camera
+
+__all__ = ["ViewerStage"]
+
+
+class ViewerStage:
+    """Draws one thing.
+
+    Args:
+        surface: Where to draw; owned by the caller.
+        shown: What.
+        profile: Quality of a scene's picture.
+        camera: Entity whose camera the eye begins at; "": the scene's first one, or one that sees all.
+
+    Attributes:
+        surface: Where it is drawn.
+        shown: What is shown now.
+        eye: From where.
+        renderer: What draws it.
+        studio: What was put about a model; None for a scene.
+
+    Raises:
+        SceneError: there is nothing to see, or no camera of that name.
+    """
+
+    def __init__(self, surface: Surface, shown: Shown, profile: Profile = "training", camera: str = "") -> None:
+        self.surface = surface
+        self.eye = ViewerEye()
+        self._profile: Profile = profile
+        self._camera = camera
+        self.studio: Studio | None = None
+        self.shown = shown
+        settings = self._furnish(shown)
+        self.renderer = Renderer(surface, shown.world, settings)
+        self.reset()
+
+    @property
+    def in_software(self) -> bool:
+        """Whether the processor draws."""
+        return draws_in_software(self.surface)
+
+    def show(self, shown: Shown) -> None:
+        """Show another thing, or the same read anew; the eye stays where it is."""
+        self._furnish(shown)
+        self.shown = shown
+        self.renderer.world = shown.world
+
+    def reset(self) -> None:
+        """Go back to the first view."""
+        start, extent = self._start(), self.shown.extent
+        if start is not None:
+            reach = 1.0 if extent is None else 0.5 * float(((extent[1] - extent[0]) ** 2).sum() ** 0.5)
+            self.eye.stand_at(start, reach)
+        elif extent is not None:
+            self.eye.frame(extent, self.surface.size)
+
+    def draw(self) -> FrameStats:
+        """Draw one frame with what is on the heads-up display."""
+        return self._tell(self.renderer.draw(self._views()))
+
+    def draw_finished(self) -> FrameStats:
+        """As `draw`, but return only when the driver has drawn all of it."""
+        return self._tell(self.renderer.draw_finished(self._views()))
+
+    def release(self) -> None:
+        """Free everything but the surface."""
+        self.renderer.release()
+
+    def _views(self) -> list[View]:
+        width, height = self.surface.size
+        self.renderer.hud.width = CANVAS_HEIGHT * width / height
+        return [self.eye.view(self.surface.size)]
+
+    def _tell(self, stats: FrameStats) -> FrameStats:
+        """Say on stderr what was drawn otherwise than the file asks, a line for each fault, once."""
+        for issue in self.renderer.take_issues():
+            sys.stderr.write(f"mimics: {issue}\n")
+        return stats
+
+    def _furnish(self, shown: Shown) -> RenderSettings:
+        if shown.scene is not None:
+            return picture_quality(shown.scene, self._profile)
+        extent = shown.extent
+        if extent is None:
+            raise SceneError(Issue(str(shown.path), "", "there is nothing to see: no mesh in its scene"))
+        before, self.studio = self.studio, Studio(shown.world, extent, ViewerEye().yaw)
+        if before is not None:
+            self.studio.take_over(before)
+        return studio_settings(extent)
+
+    def _start(self) -> Camera | None:
+        cameras = {camera.node.name: camera for camera in self.shown.world.cameras}
+        if not self._camera:
+            return next(iter(cameras.values()), None) if self.shown.scene is not None else None
+        if self._camera not in cameras:
+            what = f'has no camera "{self._camera}"'
+            raise SceneError(Issue(str(self.shown.path), "", what, nearest(self._camera, cameras) if cameras else ""))
+        return cameras[self._camera]

@@ -1,0 +1,144 @@
+"""The viewer's eye and hand, and meshes without normals: geometry with closed forms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mimics_app.app.viewer.eye import ViewerEye
+from mimics_app.app.viewer.hand import Hand, drag_offset
+from mimics_app.app.viewer.shown import Shown, open_shown
+from mimics_app.contracts.errors import SceneError
+from mimics_app.world.extent import world_extent
+from mimics_app.world.primitives import box, sphere
+from mimics_app.world.shading_groups import shaded_mesh
+from mimics_app.world.world import World
+
+SIZE = (1280, 720)
+EXTENT = (np.array([-1.0, 0.0, -2.0]), np.array([1.0, 1.0, 2.0]))
+
+
+def project(eye: ViewerEye, point: np.ndarray) -> np.ndarray:
+    x, y, _, w = eye.view(SIZE).clip_from_world @ [*point, 1.0]
+    return np.array([x, y]) / w
+
+
+def test_a_framed_box_is_seen_whole_from_every_side():
+    eye = ViewerEye()
+    eye.frame(EXTENT, SIZE)
+    corners = [np.where(mask, EXTENT[0], EXTENT[1]) for mask in np.ndindex(2, 2, 2)]
+    for _ in range(12):
+        assert np.abs([project(eye, corner) for corner in corners]).max() < 1.0
+        eye.orbit(100.0, 7.0)
+
+
+def test_panning_keeps_the_target_under_the_pointer():
+    eye = ViewerEye()
+    eye.frame(EXTENT, SIZE)
+    before = eye.target.copy()
+    eye.pan(64.0, -36.0, SIZE[1])
+    assert project(eye, before) == pytest.approx([64.0 / 640.0, -36.0 / 360.0], abs=1e-9)
+
+
+def test_a_look_round_leaves_the_eye_where_it_is_and_never_tips_over():
+    eye = ViewerEye()
+    here = eye.position
+    eye.look_round(333.0, 4000.0)
+    assert eye.position == pytest.approx(here, abs=1e-12)
+    assert eye.pose[1, 1] > 0.0, "its up is never down"
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_dragging_along_an_axis_follows_the_pointer_and_stays_on_it(axis):
+    eye = ViewerEye()
+    eye.frame(EXTENT, SIZE)
+    grabbed, wanted = np.array([0.3, 0.5, 0.2]), np.zeros(3)
+    wanted[axis] = 0.4
+    offset = drag_offset(grabbed, eye.view(SIZE).ray(*project(eye, grabbed + wanted)), eye.view(SIZE), axis)
+    assert offset == pytest.approx(wanted, abs=1e-9)
+
+
+def test_dragging_over_the_floor_stays_at_its_height_and_flat_views_drag_across():
+    eye = ViewerEye()
+    eye.frame(EXTENT, SIZE)
+    grabbed = np.array([0.3, 0.5, 0.2])
+    offset = drag_offset(grabbed, eye.view(SIZE).ray(0.2, -0.1), eye.view(SIZE), None)
+    assert offset[1] == pytest.approx(0.0, abs=1e-12) and np.linalg.norm(offset) > 0.01
+    assert project(eye, grabbed + offset) == pytest.approx([0.2, -0.1], abs=1e-9)
+    eye.pitch = 0.01
+    offset = drag_offset(grabbed, eye.view(SIZE).ray(0.2, -0.1), eye.view(SIZE), None)
+    assert offset @ eye.backward == pytest.approx(0.0, abs=1e-9) and abs(offset[1]) > 0.01
+
+
+@pytest.mark.parametrize("axis", [0, None])
+def test_a_ray_along_the_axis_or_the_floor_moves_nothing(axis):
+    eye = ViewerEye()
+    eye.frame(EXTENT, SIZE)
+    ray = (eye.position, np.array([1.0, 0.0, 0.0]))
+    assert drag_offset(np.zeros(3), ray, eye.view(SIZE), axis) == pytest.approx(np.zeros(3), abs=0.0)
+
+
+def test_a_hand_moves_what_hangs_on_a_turned_and_scaled_parent_and_puts_it_back():
+    world = World()
+    world.replace_mesh("box", box(0.5, 0.5, 0.5))
+    stand = world.root.create_child("model", orientation=(0.0, np.sin(0.4), 0.0, np.cos(0.4)), scale=(2.0, 2.0, 2.0))
+    stand.create_child("thing").create_entity("box")
+    world.update()
+    eye, hand = ViewerEye(), Hand(Shown(path=None, world=world, stand=stand))
+    eye.frame(world_extent(world), SIZE)
+    assert hand.choose(eye.view(SIZE).ray(0.0, 0.0)).name == "model/thing" or hand.chosen.name == "thing"
+    assert hand.grab(eye.view(SIZE).ray(0.0, 0.0))
+    hand.axis = 0
+    hand.drag(eye.view(SIZE).ray(0.3, 0.0), eye.view(SIZE))
+    hand.release()
+    world.update()
+    moved = hand.chosen.world_matrix()[:3, 3]
+    assert moved[0] > 0.05 and moved[1:] == pytest.approx([0.0, 0.0], abs=2e-4)  # rounded to a tenth of a millimetre
+    assert hand.undo() and not hand.undo()
+    assert hand.chosen.position == pytest.approx(np.zeros(3), abs=0.0)
+    assert hand.choose(eye.view(SIZE).ray(0.99, 0.99)) is None and not hand.grab(eye.view(SIZE).ray(0.0, 0.0))
+
+
+def soup(mesh) -> tuple[np.ndarray, np.ndarray]:
+    """Triangles that share no corner, as an STL file has them."""
+    corners = mesh.positions[mesh.indices].astype(float)
+    return corners, np.arange(len(corners)).reshape(-1, 3)
+
+
+def test_a_soup_of_a_cube_gets_creased_normals_and_one_of_a_ball_smooth_ones():
+    cube = shaded_mesh(*soup(box(1.0, 1.0, 1.0)))
+    assert len(cube.positions) == 24, "four corners for each of six faces"
+    assert np.abs(cube.normals).max(axis=1) == pytest.approx(np.ones(24), abs=1e-6)
+    ball = shaded_mesh(*soup(sphere(1.0, 32)))
+    out = np.einsum("ij,ij->i", ball.normals.astype(float), ball.positions.astype(float))
+    assert out.min() > 0.99
+    assert len(ball.positions) < 0.3 * ball.indices.size
+
+
+def test_degenerate_triangles_are_left_out():
+    points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [2.0, 0.0, 0.0]])
+    mesh = shaded_mesh(points, np.array([[0, 1, 2], [0, 1, 3], [1, 1, 2]]))
+    assert mesh.triangle_count == 1
+    assert mesh.normals == pytest.approx(np.tile([0.0, 0.0, 1.0], (3, 1)))
+
+
+@pytest.mark.parametrize("suffix", ["stl", "obj", "ply", "off"])
+def test_mesh_files_are_shown_and_damaged_ones_named(tmp_path, suffix):
+    import trimesh
+
+    file = tmp_path / f"thing.{suffix}"
+    trimesh.creation.box((1.0, 2.0, 3.0)).export(file)
+    shown = open_shown(file, "z")
+    assert shown.extent[1] - shown.extent[0] == pytest.approx([1.0, 3.0, 2.0], abs=1e-6)
+    assert "12 triangles" in shown.size
+    file.write_bytes(b"\x00\xff nothing of the kind")
+    with pytest.raises(SceneError) as caught:
+        open_shown(file)
+    assert caught.value.issues[0].file == str(file)
+
+
+def test_a_file_of_no_kind_and_one_that_is_not_there_are_named(tmp_path):
+    with pytest.raises(SceneError, match="of no kind that is shown"):
+        open_shown(tmp_path / "a.max")
+    with pytest.raises(SceneError, match="missing.stl"):
+        open_shown(tmp_path / "missing.stl")
