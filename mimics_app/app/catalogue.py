@@ -18,7 +18,7 @@ from mimics_app.world.components_haptic import Robot, Tunnel
 from mimics_app.world.scene import Scene
 from mimics_app.world.world import World
 
-__all__ = ["BUILT_IN", "BY_COMPONENT", "ENTRY_POINT_GROUP", "ONLY_LOOKED_AT", "is_playable", "open_scenario"]
+__all__ = ["BUILT_IN", "BY_COMPONENT", "ENTRY_POINT_GROUP", "ONLY_LOOKED_AT", "is_part", "is_playable", "open_scenario"]
 
 ENTRY_POINT_GROUP = "mimics_app.scenarios"
 
@@ -41,6 +41,11 @@ def open_scenario(scene: Scene, world: World) -> Scenario:
         SceneError: no scenario can play it, or the one that would misses a part.
     """
     return _find_builder(scene)(scene, world)
+
+
+def is_part(scene: Scene) -> bool:
+    """Whether a file is there to be included: something would play it, but it has neither a robot nor a task."""
+    return is_playable(scene) and not scene.components(Robot) and "task" not in scene.sections
 
 
 def is_playable(scene: Scene) -> bool:

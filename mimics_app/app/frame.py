@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.app.loss_watch import LossWatch
 from mimics_app.app.session import Session
 from mimics_app.contracts.haptic import INBOX
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders, VRInput
@@ -24,6 +25,7 @@ class Frames:
         number: Frames done.
         orders: What the task wanted in the newest frame.
         snapshot: The haptic state the newest frame saw.
+        losses: What of the scene's objects is not simulated any more.
     """
 
     def __init__(self, session: Session) -> None:
@@ -32,6 +34,7 @@ class Frames:
         self.number = 0
         self.orders = TaskOrders()
         self.snapshot: HapticSnapshot | None = None
+        self.losses = LossWatch(session.side.effect_entities)
 
     @property
     def figures(self) -> dict[str, object]:
@@ -51,6 +54,7 @@ class Frames:
         state = session.estimation.update(features)
         action = session.learning.choose(state, now_ns)
         snapshot, events = session.haptics.snapshot(), session.haptics.events()
+        self.losses.see(events)
         orders = session.tasks.step(vr, action, snapshot, events, now_ns)
         self._touch(vr, orders, snapshot)
         session.scenario.apply(orders, snapshot)

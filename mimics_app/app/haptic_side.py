@@ -40,6 +40,11 @@ class HapticSide:
         """What the recording keeps of it beside the parameters."""
         return Statics(self._statics.arrays, self._statics.fields)
 
+    @property
+    def effect_entities(self) -> tuple[str, ...]:
+        """Id of the entity of each row of effects."""
+        return self._objects.effect_entities
+
     def for_robot(self, robot: Robot) -> tuple[DeviceObject, ...]:
         """What a robot that renders objects by itself should make; what it cannot is told on stderr."""
         if robot.settings.get("mode") != "objects":

@@ -29,6 +29,7 @@ def summarise(session: Session, frames: Frames, sound: AudioReport | None, wall_
         "lateness_us": {"p50": late.p50, "p99": late.p99, "p99_9": late.p99_9, "max": late.max},
         "lateness": late.as_dict(),
         "stability": session.haptics.stability().as_dict(),
+        "losses": frames.losses.summary(),
         "missed": late.missed,
         **({} if session.governor is None else {"governor": session.governor.summary()}),
         "recipe": late.recipe,

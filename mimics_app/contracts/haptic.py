@@ -125,6 +125,8 @@ class EventKind(IntEnum):
     IMPACT = 7
     CAP = 8
     STALE = 9
+    LEFT_OUT = 10
+    QUARANTINE = 11
 
 
 TUNNEL = np.dtype(
@@ -333,7 +335,8 @@ EVENT = np.dtype(
         ("normal_world", "f4", (3,)),  # out of the touched surface
         ("speed", "f4"),  # approach speed [m/s]
         ("force", "f4"),  # [N]; STATE, TRIP, PARAMETERS, MARGIN: the new state, cause, sequence or margin;
-        # CAP: share of the stiffness that is left; STALE: age of the device's data [s]
+        # CAP: share of the stiffness that is left; STALE: age of the device's data [s]; LEFT_OUT: pairs of shapes near
+        # each other that do not collide for want of room; QUARANTINE: row of the effect whose field was put away
         ("value", "f4"),  # kind-specific: tunnel parameter s of a contact
     ]
 )

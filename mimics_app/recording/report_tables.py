@@ -185,16 +185,26 @@ def contact_table(rows: Sequence[Mapping[str, Any]]) -> str:
 
 
 def event_table(events: NDArray[Any]) -> str:
-    """Trips with their causes, and below them every change of state."""
+    """Trips with their causes, what of the scene was not simulated any more, and below them every change of state."""
     text = ""
     trips = [(int(e["tick"]), _word(TripCause, e["force"])) for e in events[events["kind"] == EventKind.TRIP]]
     if trips:
         text += table(["trip at tick", "cause"], trips)
+    losses = [(int(e["tick"]), _loss(e)) for e in events if e["kind"] in (EventKind.LEFT_OUT, EventKind.QUARANTINE)]
+    if losses:
+        text += table(["from tick", "not simulated"], losses[:_MOST_ROWS])
     states = [(int(e["tick"]), _word(SafetyState, e["force"])) for e in events[events["kind"] == EventKind.STATE]]
     if states:
         listed = table(["tick", "state from then on"], states[:_MOST_ROWS])
         text += f"<details><summary>Every change of state ({len(states)})</summary>{listed}</details>"
     return text
+
+
+def _loss(event: Any) -> str:
+    number = int(event["force"])
+    if event["kind"] == EventKind.LEFT_OUT:
+        return f"{number} pair{'' if number == 1 else 's'} of shapes near each other, for want of room"
+    return f"the force field of effect {number + 1}: it gave a number that is not finite"
 
 
 def _word(kinds: type[SafetyState] | type[TripCause], number: float) -> str:

@@ -34,7 +34,7 @@ class TouchSurface(Component, frozen=True):
     """How a surface feels. A shape takes what it leaves out from its object."""
 
     stiffness: Annotated[
-        Annotated[float, Meta(ge=0, le=_STIFFEST)] | None,
+        Annotated[float, Meta(gt=0, le=_STIFFEST)] | None,
         Meta(description="[N/m], Hunt-Crossley [N/m^exponent]; nowhere said: 1000"),
     ] = None
     damping: Annotated[

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from mimics_app.contracts.errors import Issue, SceneError
@@ -19,7 +19,7 @@ from mimics_app.world.components_objects import (
     HapticWalls,
     InteractionPoints,
 )
-from mimics_app.world.haptic_shapes import CubeSolid, CylinderSolid, MeshSolid, Solid, TouchSurface
+from mimics_app.world.haptic_shapes import CubeSolid, CylinderSolid, MeshSolid, Solid, TouchSurface, surface_of
 from mimics_app.world.object_bodies import ObjectFault, mass_properties_of, shapes_of
 from mimics_app.world.placing import pose_of
 from mimics_app.world.registry import register_check
@@ -30,12 +30,14 @@ if TYPE_CHECKING:
 
 __all__ = ["check_path"]
 
+Layer = tuple[TouchSurface, str]
+"""What is said of a surface, and the pointer where it stands."""
+
 _TURN_TOLERANCE = 1e-3
-_ALL_OFF = "nothing of it moves; leave this out, or enable translation or rotation"
 
 
 def _check_object(thing: HapticObject, pointer: str, scene: Scene) -> list[Issue]:
-    issues = _check_place(pointer, scene) + _check_surface(thing, pointer, scene)
+    issues = _check_place(pointer, scene)
     if thing.mass is not None and thing.density is not None:
         issues.append(scene.issue(f"{pointer}/density", "gives the mass a second time", "leave one of the two out"))
     if thing.enable_translation is False and any(thing.initial_velocity):
@@ -52,6 +54,9 @@ def _check_object(thing: HapticObject, pointer: str, scene: Scene) -> list[Issue
         issues.append(scene.issue(f"{pointer}/crush_force", "nothing grips it", 'set "grip": true'))
     for i, shape in enumerate(thing.shapes):
         issues += _check_shape(shape, f"{pointer}/shapes/{i}", scene)
+    own: Layer = (thing, pointer)
+    special: list[Layer] = [(shape, f"{pointer}/shapes/{i}") for i, shape in enumerate(thing.shapes)]
+    issues += _check_surfaces([[layer, own] for layer in special] or [[own]], scene)
     return issues or _check_body(thing, pointer, scene)
 
 
@@ -70,17 +75,11 @@ def _check_body(thing: HapticObject, pointer: str, scene: Scene) -> list[Issue]:
         mass_properties_of(scene, thing, shapes)
     except ObjectFault as fault:
         return [scene.issue(f"{pointer}{fault.place}", fault.what, fault.fix)]
-    moves = thing.enable_translation or thing.enable_rotation
-    if moves and any(thing.gravity) and all(isinstance(shape, MeshSolid) for shape in shapes):
-        name = _owner(pointer, scene)
-        scene.notes.append(
-            f'"{name}" falls through everything: triangles that move are met by the hand alone; add a simple shape'
-        )
     return []
 
 
 def _check_shape(shape: Solid, pointer: str, scene: Scene) -> list[Issue]:
-    issues = _check_surface(shape, pointer, scene) + _check_turn(shape.rotation, pointer, scene)
+    issues = _check_turn(shape.rotation, pointer, scene)
     if isinstance(shape, MeshSolid):
         issues += scene.check_model_reference(f"{pointer}/source", shape.source)
     smallest = math.inf
@@ -94,12 +93,31 @@ def _check_shape(shape: Solid, pointer: str, scene: Scene) -> list[Issue]:
     return issues
 
 
-def _check_surface(surface: TouchSurface, pointer: str, scene: Scene) -> list[Issue]:
-    static, dynamic = surface.friction_static, surface.friction_dynamic
-    if static is not None and dynamic is not None and static < dynamic:
+def _check_surfaces(surfaces: Sequence[Sequence[Layer]], scene: Scene) -> list[Issue]:
+    """Faults of surfaces, each in layers with their pointers, the most special first; what is alike is told once."""
+    issues: list[Issue] = []
+    for layers in surfaces:
+        issues += [issue for issue in _check_surface(layers, scene) if issue not in issues]
+    return issues
+
+
+def _check_surface(layers: Sequence[Layer], scene: Scene) -> list[Issue]:
+    surface = surface_of(*(layer for layer, _ in layers))
+    issues = []
+
+    def tell(field: str, what: str, fix: str = "") -> None:
+        place = next(pointer for layer, pointer in layers if getattr(layer, field) is not None)
+        issues.append(scene.issue(f"{place}/{field}", what, fix))
+
+    static, dynamic = surface.friction_static or 0.0, surface.friction_dynamic or 0.0
+    if static < dynamic:
         what = f"{static:g} is below friction_dynamic, {dynamic:g}: it would slide more easily at rest"
-        return [scene.issue(f"{pointer}/friction_static", what)]
-    return []
+        tell("friction_static", what)
+    height, length = surface.texture_height or 0.0, surface.texture_length or 0.0
+    if length < math.pi * height:
+        what = f"ripples {height:g} m high and {length:g} m long are steeper than 45 degrees"
+        tell("texture_height", what, f"stay below texture_length / pi = {length / math.pi:.3g} m")
+    return issues
 
 
 def _check_turn(rotation: tuple[float, ...] | None, pointer: str, scene: Scene) -> list[Issue]:
@@ -110,12 +128,12 @@ def _check_turn(rotation: tuple[float, ...] | None, pointer: str, scene: Scene) 
 
 
 def _check_walls(walls: HapticWalls, pointer: str, scene: Scene) -> list[Issue]:
-    issues = _check_place(pointer, scene) + _check_surface(walls, pointer, scene)
+    issues = _check_place(pointer, scene)
+    sides = [(getattr(walls, side), f"{pointer}/{side}") for side in SIDES]
+    issues += _check_surfaces([[side, (walls, pointer)] for side in sides], scene)
     for side in SIDES:
         wall = getattr(walls, side)
-        issues += _check_surface(wall, f"{pointer}/{side}", scene) + _check_turn(
-            wall.rotation, f"{pointer}/{side}", scene
-        )
+        issues += _check_turn(wall.rotation, f"{pointer}/{side}", scene)
         if wall.enabled and walls.size is None and wall.position is None:
             what = f'the wall "{side}" stands nowhere'
             issues.append(scene.issue(pointer, what, f'give the walls a "size", {side} a position, or disable it'))

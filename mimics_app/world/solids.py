@@ -17,7 +17,7 @@ from mimics_app.world.convex_hull import convex_hull
 from mimics_app.world.placing import model_matrix
 from mimics_app.world.scene_assets import ModelPart, SceneAsset, find_in_model
 
-__all__ = ["SolidMesh", "enclosing_sphere", "mesh_integrals", "solid_mesh"]
+__all__ = ["SolidMesh", "enclosing_sphere", "hull_corners", "mesh_integrals", "solid_mesh"]
 
 F8 = NDArray[np.float64]
 I4 = NDArray[np.int32]
@@ -84,6 +84,15 @@ def mesh_integrals(mesh: SolidMesh) -> tuple[float, F8, F8]:
     volume = float(solid.volume)
     turned = -1.0 if volume < 0.0 else 1.0
     return turned * volume, np.array(solid.center_mass), turned * np.array(solid.moment_inertia)
+
+
+@lru_cache(maxsize=64)
+def hull_corners(mesh: SolidMesh) -> F8:
+    """Corners of the convex hull of a mesh [m], shape [n, 3]; all its corners where they lie in one plane."""
+    try:
+        return convex_hull(mesh.vertices)[0]
+    except ValueError:
+        return mesh.vertices
 
 
 def enclosing_sphere(vertices: F8) -> tuple[F8, float]:

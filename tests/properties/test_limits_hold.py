@@ -1,5 +1,7 @@
 """Every limit of the loop under an adversary: force, rate, power, commanded velocity, workspace, in one compiled loop.
 
+In a tunnel, and among objects: every shape and effect, bodies that fly about, a force field that breaks.
+
 The adversary knows the numbers: NaN, infinities, sizes up to the largest float, jumps, stuck sensors, signs that
 alternate from tick to tick, lateness of every class. A law that breaks in one tick of a million fails the test.
 """
@@ -10,20 +12,24 @@ import math
 
 import numpy as np
 import pytest
+from numba import from_dtype, types
 
-from mimics_app.contracts.haptic import SAMPLE
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_LENGTH
-from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
+from mimics_app.contracts.haptic import SAMPLE, SCENE
+from mimics_app.contracts.haptic_objects import EffectKind, ShapeKind
+from mimics_app.contracts.kernel import kernel, typed_kernel
+from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_LENGTH, FIELD, FIELDS
 from mimics_app.rendering.haptic.kernels.kinematics import apply_jacobian
 from mimics_app.rendering.haptic.kernels.noise import seed_noise, uniform
-from mimics_app.rendering.haptic.kernels.state import new_state
+from mimics_app.rendering.haptic.kernels.state import STATE, new_state
 from mimics_app.rendering.haptic.kernels.tick import tick
 from mimics_app.rendering.haptic.kernels.vectors import norm
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, no_objects
-from mimics_app.rendering.haptic.objects import new_object_work
+from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROWS, SIMULATE, load_simulation
 from mimics_app.rendering.haptic.scene_block import default_scene
+from tests.support.body_play import Play
 from tests.support.haptic_bench import wavy
+from tests.support.object_bench import FACING_UP
+from tests.support.touch_play import KINDS, SOLIDS, add_point, new_touch_play
 
 LAWS = (
     "everything sent is finite",
@@ -41,6 +47,8 @@ LAWS = (
 )
 
 HABITS = ("wander", "alternate", "stuck", "jump", "outside", "too fast", "not finite", "huge", "told late")
+
+_VECTOR = types.float64[::1]
 
 BRAKE_TIME = 0.05
 """[s], of limiter.brake_at_limits: a joint nears its limit no faster than room / time."""
@@ -77,7 +85,45 @@ def _change_parameters(noise, scene):
 
 
 @kernel
-def _attack(seed, ticks, scenes, tables, objects, states, data, command, rows, broken, met):
+def _change_objects(noise, scene, tables):
+    """Other places, surfaces and strengths; bodies are put back, for some were thrown out of the world."""
+    scene.objects.revision += 1
+    for i in range(scene.objects.shapes):
+        shape = tables.shapes[i]
+        shape.stiffness = 10.0 ** (2.0 + 3.0 * uniform(noise, 0))
+        shape.damping = 40.0 * uniform(noise, 0)
+        shape.law = 1 if uniform(noise, 0) < 0.2 else 0
+        shape.friction_dynamic = uniform(noise, 0)
+        shape.friction_static = shape.friction_dynamic + uniform(noise, 0)
+        shape.texture_height = 1e-3 * uniform(noise, 0) if uniform(noise, 0) < 0.3 else 0.0
+        shape.enabled = 1 if uniform(noise, 0) < 0.9 else 0
+        if shape.body < 0 and shape.kind > 0:
+            for j in range(3):
+                shape.position[j] = 0.2 * (uniform(noise, 0) - 0.5)
+    for k in range(scene.objects.bodies):
+        body = tables.bodies[k]
+        body.spawn += 1
+        body.mass = 10.0 ** (uniform(noise, 0) * 2.0 - 1.5)
+        for j in range(3):
+            body.position[j] = 0.2 * (uniform(noise, 0) - 0.5)
+            body.velocity[j] = 2.0 * (uniform(noise, 0) - 0.5)
+            body.omega[j] = 40.0 * (uniform(noise, 0) - 0.5)
+    for k in range(scene.objects.effects):
+        effect = tables.effects[k]
+        effect.enabled = 1 if uniform(noise, 0) < 0.5 else 0
+        effect.stiffness = 10.0 ** (1.0 + 3.0 * uniform(noise, 0))
+        effect.damping = 40.0 * uniform(noise, 0)
+        effect.force = 200.0 * uniform(noise, 0)
+        effect.radius = 0.3 * uniform(noise, 0)
+
+
+@typed_kernel(
+    types.void(
+        types.int64, types.int64, from_dtype(SCENE)[::1], ROWS, OBJECT_WORK, types.FunctionType(SIMULATE), FIELDS,
+        from_dtype(STATE)[::1], _VECTOR, _VECTOR, from_dtype(SAMPLE)[::1], types.int64[::1], types.int64[::1],
+    )
+)  # fmt: skip
+def _attack(seed, ticks, scenes, tables, objects, simulate, fields, states, data, command, rows, broken, met):
     """`broken` counts violated laws, `met` how often each habit began while the force was on."""
     noise = np.zeros(1)
     seed_noise(noise, 0, seed)
@@ -88,8 +134,11 @@ def _attack(seed, ticks, scenes, tables, objects, states, data, command, rows, b
         last_force = norm(state.f_user_world)
         was_acting = 2 <= state.safety <= 5
         was_placed = was_acting and state.placed == 1
+        if objects.totals[0].touching > 0 and state.safety == 4:
+            met[len(HABITS)] += 1
         if k % 500 == 0:
             _change_parameters(noise, scene)
+            _change_objects(noise, scene, tables)
         if k % 3000 == 0:
             for i in range(3):
                 lean[i] = 2.0 * uniform(noise, 0) - 1.0
@@ -126,9 +175,7 @@ def _attack(seed, ticks, scenes, tables, objects, states, data, command, rows, b
             data[11] = 0.004 * uniform(noise, 0)
             data[12] = 0.02 * uniform(noise, 0)
         period = 1e-3 * (1.0 + uniform(noise, 0))
-        tick(
-            scene, tables, objects, no_objects, NO_FIELDS, state, data, status, 0, held, period, 1e-3, command, rows[0]
-        )
+        tick(scene, tables, objects, simulate, fields, state, data, status, 0, held, period, 1e-3, command, rows[0])
 
         force = norm(state.f_user_world)
         acting = state.safety < 6
@@ -155,26 +202,66 @@ def _attack(seed, ticks, scenes, tables, objects, states, data, command, rows, b
         broken[11] += 1 if acting and scene.passivity == 1 and state.acting.credit < -scene.energy_limit - 1.0 else 0
 
 
-def _run(seed: int, ticks: int) -> tuple[dict[str, int], dict[str, int]]:
+@typed_kernel(FIELD)
+def _breaks(parameters, p, v, t, out):
+    """A force field that is not finite in every fifth centimetre."""
+    far = 100.0 * (p[0] + p[1] + p[2])
+    out[0] = math.nan if far - math.floor(far) < 0.2 else 3.0 * parameters[0] * p[0]
+    out[1] = 1e5 * p[1]
+
+
+def _objects() -> Play:
+    """One of everything: fixed and flying shapes, every effect, one hand that may grip."""
+    play = new_touch_play()
+    for kind in KINDS:
+        play.add_shape(kind, SOLIDS.get(kind, ()), position=(0.0, -0.12, 0.0), orientation=FACING_UP)
+    for kind in (ShapeKind.SPHERE, ShapeKind.BOX, ShapeKind.CYLINDER, ShapeKind.CAPSULE):
+        body = play.add_body(grip=1, crush_force=10.0, gravity=(0.0, -9.81, 0.0))
+        play.add_shape(kind, SOLIDS[kind], body, exponent=1.5, texture_length=5e-3)
+    play.rows.shapes["exponent"], play.rows.shapes["texture_length"] = 1.5, 5e-3
+    for k, kind in enumerate(kind for kind in EffectKind if kind not in (EffectKind.PATH_SPRING, EffectKind.GUIDANCE)):
+        effect = play.rows.effects[k]
+        effect["kind"], effect["body"], effect["path"] = kind, k % 4 if k % 2 else -1, -1
+        effect["direction"], effect["frequency"], effect["slip"] = (0.6, 0.8, 0.0), 80.0, 0.004
+        play.counts[0]["effects"] = k + 1
+    for offset in ((-0.02, 0.0, 0.0), (0.02, 0.0, 0.0)):
+        add_point(play, offset, 0.008)
+    return play
+
+
+def _run(seed: int, ticks: int, among: bool = False) -> tuple[dict[str, int], dict[str, int], int]:
+    """(times each law was broken, times each habit met a force, ticks in which something was touched)."""
     scene = default_scene()
-    wavy().fill(scene[0]["tunnel"])
+    if not among:
+        wavy().fill(scene[0]["tunnel"])
     scene[0]["ramp_force"], scene[0]["ramp_time"] = 1000.0, 0.02
-    broken, met = np.zeros(len(LAWS), np.int64), np.zeros(len(HABITS), np.int64)
-    work = (np.zeros(DATA_LENGTH), np.zeros(COMMAND_LENGTH), np.zeros(1, SAMPLE))
-    tables, objects = new_rows(ObjectCapacities()), new_object_work(ObjectCapacities())
-    _attack(seed, ticks, scene, tables, objects, new_state(), *work, broken, met)
-    return dict(zip(LAWS, broken.tolist(), strict=True)), dict(zip(HABITS, met.tolist(), strict=True))
+    broken, met = np.zeros(len(LAWS), np.int64), np.zeros(len(HABITS) + 1, np.int64)
+    play = _objects() if among else new_touch_play()
+    scene[0]["objects"] = play.counts[0]
+    simulate, fields = (load_simulation(), (_breaks,) * len(NO_FIELDS)) if among else (no_objects, NO_FIELDS)
+    room = (np.zeros(DATA_LENGTH), np.zeros(COMMAND_LENGTH), np.zeros(1, SAMPLE))
+    _attack(seed, ticks, scene, play.rows, play.work, simulate, fields, new_state(), *room, broken, met)
+    habits = dict(zip(HABITS, met.tolist()[:-1], strict=True))
+    return dict(zip(LAWS, broken.tolist(), strict=True)), habits, int(met[-1])
 
 
 def test_a_hundred_thousand_cases_break_no_limit():
-    broken, met = _run(11, 100_000)
+    broken, met, _ = _run(11, 100_000)
     assert broken == dict.fromkeys(LAWS, 0)
     assert all(count >= 20 for count in met.values()), met  # each was tried against a force that was on
 
 
+def test_a_hundred_thousand_cases_among_objects_break_no_limit():
+    broken, met, touched = _run(31, 100_000, among=True)
+    assert broken == dict.fromkeys(LAWS, 0)
+    assert all(count >= 20 for count in met.values()), met
+    assert touched > 5000
+
+
 @pytest.mark.slow
+@pytest.mark.parametrize("among", [False, True])
 @pytest.mark.parametrize("seed", range(12, 17))
-def test_a_million_cases_break_no_limit(seed: int):
-    broken, met = _run(seed, 1_000_000)
+def test_a_million_cases_break_no_limit(seed: int, among: bool):
+    broken, met, _ = _run(seed, 1_000_000, among)
     assert broken == dict.fromkeys(LAWS, 0)
     assert all(count >= 200 for count in met.values()), met

@@ -8,14 +8,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mimics_app.rendering.haptic.kernels.contact import pair_spheres
-from mimics_app.rendering.haptic.kernels.contact_law import pair_force
-from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 from mimics_app.rendering.haptic.kernels.integrators import step_semi_implicit
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe
+from tests.support.body_play import new_play
 
 Law = Callable[[float, float], float]
 """Normal force [N] from depth [m] and rate of depth [m/s]."""
+
+PairLaw = Callable[[float, float, float, float], float]
+"""Likewise, with stiffness [N/m] and damping [N s/m]."""
 
 
 @dataclass(frozen=True)
@@ -86,6 +87,11 @@ class Pair:
     b: float = 0.0
 
     @property
+    def masses(self) -> np.ndarray:
+        """Of both [kg], shape [2]."""
+        return np.array([self.m1, self.m2])
+
+    @property
     def reduced(self) -> float:
         """Reduced mass [kg]."""
         return self.m1 * self.m2 / (self.m1 + self.m2)
@@ -96,28 +102,60 @@ class Pair:
         return self.b / (2.0 * math.sqrt(self.k * self.reduced))
 
 
-def bounce_pair(pair: Pair, v1, v2, normal, dt: float, law=pair_force, most: int = 200_000) -> PairBounce:
-    """Two spheres that touch at the start, body 2 in direction `normal` of body 1, until they part."""
+class _InTheLoop:
+    """The two balls as the loop collides them."""
+
+    def __init__(self, pair: Pair, places: np.ndarray, velocities: np.ndarray, dt: float) -> None:
+        self.play = new_play(dt=dt)
+        surface = {"stiffness": 2.0 * pair.k, "damping": 2.0 * pair.b}  # two of them in series: k and b
+        for radius, mass, place, velocity in zip((pair.r1, pair.r2), pair.masses, places, velocities, strict=True):
+            self.play.add_ball(radius, mass, surface, position=place, velocity=velocity)
+
+    def step(self) -> tuple[np.ndarray, np.ndarray, bool]:
+        """One tick: places [m], velocities [m/s], and whether they touch."""
+        self.play.run(1)
+        motions = self.play.motions[:2]
+        return motions["centre"].copy(), motions["velocity"].copy(), bool(self.play.work.pairs[0]["touching"])
+
+
+class _ByLaw:
+    """The two balls with a law of their own: force [N] from depth, rate of depth, k and b."""
+
+    def __init__(self, pair: Pair, places: np.ndarray, velocities: np.ndarray, dt: float, law: PairLaw) -> None:
+        self.pair, self.dt, self.law = pair, dt, law
+        self.p, self.v = places.copy(), velocities.copy()
+
+    def step(self) -> tuple[np.ndarray, np.ndarray, bool]:
+        way = self.p[1] - self.p[0]
+        depth, n = self.pair.r1 + self.pair.r2 - np.linalg.norm(way), way / np.linalg.norm(way)
+        touching = bool(depth > 0.0)
+        rate = float((self.v[0] - self.v[1]) @ n)
+        force = self.law(float(depth), rate, self.pair.k, self.pair.b) if touching else 0.0
+        self.v += np.outer([-1.0, 1.0], force * n) * self.dt / self.pair.masses[:, None]
+        self.p += self.v * self.dt
+        return self.p.copy(), self.v.copy(), touching
+
+
+def bounce_pair(pair: Pair, v1, v2, normal, dt: float, law: PairLaw | None = None, most: int = 200_000) -> PairBounce:
+    """Two spheres that touch at the start, body 2 in direction `normal` of body 1, until they part.
+
+    By the kernels of the loop, or by another law.
+    """
     normal = np.asarray(normal, float) / np.linalg.norm(normal)
-    v1, v2 = np.array(v1, float), np.array(v2, float)
-    p1, p2 = np.array([0.1, -0.2, 0.3]), np.array([0.1, -0.2, 0.3]) + (pair.r1 + pair.r2) * normal
-    contact, force = np.zeros(1, CONTACT)[0], np.zeros(3)
+    p = np.array([0.1, -0.2, 0.3]) + np.outer([0.0, pair.r1 + pair.r2], normal)
+    v, m = np.array([v1, v2], float), pair.masses
+    balls = _InTheLoop(pair, p, v, dt) if law is None else _ByLaw(pair, p, v, dt, law)
     touched, deepest, ticks, energies, momenta, spins = False, 0.0, 0, [], [], []
     for _ in range(most):
-        touching = pair_spheres(p1, v1, pair.r1, p2, v2, pair.r2, pair.k, pair.b, contact, force)
-        if law is not pair_force:
-            n = contact["normal"]
-            force[:] = law(float(contact["depth"]), float((v1 - v2) @ n), pair.k, pair.b) * n
+        depth = max(0.0, pair.r1 + pair.r2 - float(np.linalg.norm(p[1] - p[0])))
+        after, faster, touching = balls.step()
         if touched and not touching:
             break
+        p, v = after, faster
         touched = touched or touching
         ticks += touching
-        deepest = max(deepest, float(contact["depth"]))
-        v1 -= force * (dt / pair.m1)
-        v2 += force * (dt / pair.m2)
-        p1 += v1 * dt
-        p2 += v2 * dt
-        energies.append(0.5 * pair.m1 * v1 @ v1 + 0.5 * pair.m2 * v2 @ v2 + 0.5 * pair.k * float(contact["depth"]) ** 2)
-        momenta.append(pair.m1 * v1 + pair.m2 * v2)
-        spins.append(pair.m1 * np.cross(p1, v1) + pair.m2 * np.cross(p2, v2))
-    return PairBounce(v1, v2, ticks * dt, deepest, np.array(energies), np.array(momenta), np.array(spins))
+        deepest = max(deepest, depth)
+        energies.append(0.5 * m @ (v * v).sum(axis=1) + 0.5 * pair.k * depth**2)
+        momenta.append(m @ v)
+        spins.append((m[:, None] * np.cross(p, v)).sum(axis=0))
+    return PairBounce(v[0], v[1], ticks * dt, deepest, np.array(energies), np.array(momenta), np.array(spins))

@@ -7,11 +7,13 @@ import pytest
 
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
+    ANYWHERE,
     closest_on_triangle,
     closest_triangle,
     first_crossing,
 )
 from mimics_app.rendering.haptic.mesh_table import build_mesh_table
+from tests.support.meshes import GROOVE, extruded
 from tests.support.touch_play import BLOCK, BLOCK_TRIANGLES, RIM, add_point, at_rest, follow, new_touch_play
 
 K = 2000.0
@@ -31,20 +33,6 @@ def ball(radius, n, bump=0.0):
     return points.reshape(-1, 3), triangles
 
 
-def extruded(outline, width=0.1):
-    """A closed prism along y over a counter-clockwise outline in (z, x), which need not be convex: fans at (0, 0)."""
-    outline = np.asarray(outline, float)
-    n = len(outline)
-    points = np.array([[x, y, z] for y in (-width / 2, width / 2) for z, x in outline])
-    faces = []
-    for i in range(n):
-        j = (i + 1) % n
-        faces += [(i, j, n + j), (i, n + j, n + i)]
-    for i in range(1, n - 1):
-        faces += [(0, i + 1, i), (n, n + i, n + i + 1)]
-    return points, np.array(faces)
-
-
 def one_mesh(mesh, radius=0.0, **fields):
     play = new_touch_play([mesh])
     play.add_shape(ShapeKind.MESH, (), **{"damping": 0.0, **fields})
@@ -53,9 +41,6 @@ def one_mesh(mesh, radius=0.0, **fields):
 
 
 SLAB = extruded([(0.0, -0.05), (0.0, 0.05), (-0.005, 0.05), (-0.005, -0.05)][::-1])
-GROOVE = extruded([(0.0, 0.0), (0.03, 0.03), (-0.03, 0.03), (-0.03, -0.03), (0.03, -0.03)])
-"""A block with a right-angled groove along y, its bottom at the origin, open to +z."""
-
 SHEET = (
     np.array([[-0.05, -0.05, 0.0], [0.05, -0.05, 0.0], [0.05, 0.05, 0.0], [-0.05, 0.05, 0.0]]),
     [[0, 1, 2], [0, 2, 3]],
@@ -73,7 +58,7 @@ def test_closest_triangle_is_that_of_all_of_them():
     out = np.zeros(3)
     own = range(int(mesh["first_triangle"]), int(mesh["first_triangle"] + mesh["triangles"]))
     for p in points:
-        found = closest_triangle(mesh, table.vertices, table.corners, table.boxes, p, 1.0, out)
+        found = closest_triangle(mesh, table.vertices, table.corners, table.boxes, p, 1.0, ANYWHERE, out)
         assert found in own
         distances = []
         for t in (found, *own):
@@ -81,7 +66,7 @@ def test_closest_triangle_is_that_of_all_of_them():
             distances.append(np.linalg.norm(p - out))
         assert distances[0] <= min(distances) * (1.0 + 1e-8)
         near = 0.999 * distances[0]
-        assert closest_triangle(mesh, table.vertices, table.corners, table.boxes, p, near, out) == -1
+        assert closest_triangle(mesh, table.vertices, table.corners, table.boxes, p, near, ANYWHERE, out) == -1
 
 
 def test_closest_point_of_a_triangle_is_that_of_a_fine_grid():

@@ -59,14 +59,16 @@ def _examine(file: Path) -> dict[str, Any]:
         model = load_gltf(file)
         holds = {"nodes": len(model.nodes), "meshes": len(model.meshes), "materials": len(model.materials)}
         return {"file": str(file), "ok": True, "kind": "model", "holds": holds, "notes": model.notes}
-    from mimics_app.app.catalogue import is_playable, open_scenario
+    from mimics_app.app.catalogue import is_part, is_playable, open_scenario
     from mimics_app.app.scene_loading import load_checked_scene
     from mimics_app.world.scene_file import build_world
 
     scene = load_checked_scene(file)
     _check_devices(scene)
     notes = list(scene.notes)
-    if is_playable(scene):
+    if is_part(scene):
+        notes.append("a part, without robot and task: include it in a scene")
+    elif is_playable(scene):
         open_scenario(scene, build_world(scene))
     else:
         notes.append("no scenario plays this scene: mimics run refuses it")

@@ -24,6 +24,8 @@ _MARGIN = int(EventKind.MARGIN)
 _CAP = int(EventKind.CAP)
 _STALE = int(EventKind.STALE)
 _IMPACT = int(EventKind.IMPACT)
+_LEFT_OUT = int(EventKind.LEFT_OUT)
+_QUARANTINE = int(EventKind.QUARANTINE)
 
 
 @kernel
@@ -107,7 +109,7 @@ def _tell(outlets: _Outlets, kind: int, force: float) -> None:
 
 @kernel
 def announce_events(channels: Channels, work: Work, rows: Any, counts: Any, t_ns: int) -> None:
-    """Events of this tick, in the order parameters, state, trip, margin, cap, old data, contacts, impact."""
+    """Events of this tick, in the order parameters, state, trip, margin, cap, old data, contacts, impact, losses."""
     outlets = _Outlets(
         work.event,
         channels.main_event_words,
@@ -119,10 +121,12 @@ def announce_events(channels: Channels, work: Work, rows: Any, counts: Any, t_ns
     )
     state = work.state[0]
     _announce_tick(outlets, state, t_ns)
+    totals = work.objects.totals[0]
     if counts.shapes > 0:
-        totals = work.objects.totals[0]
         _announce_touches(outlets, state, totals, work.objects.touches, rows.shapes, counts.bodies, t_ns)
         _announce_impact(outlets, state, totals, t_ns)
+    if counts.shapes + counts.effects > 0:
+        _announce_losses(outlets, state, totals, t_ns)
 
 
 @kernel
@@ -208,3 +212,21 @@ def _announce_impact(outlets: _Outlets, state: Any, totals: Any, t_ns: int) -> N
         event.position_world[i] = totals.impact_position[i]
         event.normal_world[i] = totals.impact_normal[i]
     _tell(outlets, _IMPACT, totals.impact_force)
+
+
+@kernel
+def _announce_losses(outlets: _Outlets, state: Any, totals: Any, t_ns: int) -> None:
+    """What of the scene is not simulated any more: pairs without room, and a force field that was put away."""
+    if totals.left_out == 0 and totals.quarantined < 0:
+        return
+    event = outlets.event[0]
+    _begin(event, state, t_ns, -1, -1)
+    event.speed = 0.0
+    event.value = 0.0
+    for i in range(3):
+        event.position_world[i] = state.hip_world[i]
+        event.normal_world[i] = 0.0
+    if totals.left_out > 0:
+        _tell(outlets, _LEFT_OUT, float(totals.left_out))
+    if totals.quarantined >= 0:
+        _tell(outlets, _QUARANTINE, float(totals.quarantined))

@@ -20,8 +20,10 @@ from numpy.typing import NDArray
 from mimics_app.contracts.haptic_objects import STATIC, BodyFlag, ObjectIntegrator, ShapeKind
 from mimics_app.contracts.object_rows import Rows
 from mimics_app.maths import quat
+from mimics_app.rendering.haptic.kernels.objects.collisions_carried_mesh import CORNER_SHARE
 from mimics_app.rendering.haptic.kernels.objects.pairs import join_surfaces
 from mimics_app.rendering.haptic.kernels.objects.records import PAIR
+from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 
 __all__ = ["BodyFault", "check_bodies", "contact_modes"]
 
@@ -40,6 +42,13 @@ _SIZES = {
 _SURFACE = ("law", "stiffness", "damping", "exponent", "friction_static", "friction_dynamic", "friction_stiffness")
 
 _RIM = 8
+_NO_CORNERS = np.zeros((0, 3))
+
+_LEVEL = 1e-6
+"""Corners of a hull within this share of its size of the outermost one lie on one side."""
+
+_FARTHEST = 16
+"""So many of the corners farthest from the middle are tried alone."""
 _FREE = int(BodyFlag.TRANSLATION | BodyFlag.ROTATION)
 _HELD_FORCE = (ObjectIntegrator.EXACT_DRAG, ObjectIntegrator.IMPLICIT_MIDPOINT)
 
@@ -61,14 +70,16 @@ class BodyFault:
     fix: str
 
 
-def check_bodies(rows: Rows, counts: Any, dt: float) -> list[BodyFault]:
+def check_bodies(rows: Rows, counts: Any, dt: float, meshes: MeshTable | None = None) -> list[BodyFault]:
     """Everything that keeps the rows from being simulated; empty when they can be.
 
     Args:
         rows: Rows as the loop gets them.
         counts: OBJECT_COUNTS record.
         dt: Tick [s].
+        meshes: Those that SHAPE.mesh refers to; None: there are none.
     """
+    table = meshes or build_mesh_table()
     shapes, bodies = rows.shapes[: int(counts["shapes"])], rows.bodies[: int(counts["bodies"])]
     faults = [fault for k, body in enumerate(bodies) for fault in _check_body(k, body)]
     faults += [fault for i, shape in enumerate(shapes) for fault in _check_shape(i, shape)]
@@ -76,7 +87,7 @@ def check_bodies(rows: Rows, counts: Any, dt: float) -> list[BodyFault]:
         return faults
     for k, body in enumerate(bodies):
         if body["flags"] & _FREE:
-            faults += _check_contacts(k, bodies, shapes, dt)
+            faults += _check_contacts(k, bodies, shapes, table, dt)
     return faults
 
 
@@ -114,10 +125,33 @@ def _matrix(orientation: Any) -> F8:
     return R
 
 
-def _patches(shape: Any) -> list[tuple[F8, F8, F8]]:
+def _hull_of(shape: Any, meshes: MeshTable) -> F8:
+    """Corners of the hull of a mesh shape; none of another."""
+    if shape["kind"] != ShapeKind.MESH:
+        return _NO_CORNERS
+    mesh = meshes.rows[int(shape["mesh"])]
+    first = int(mesh["first_hull"])
+    return meshes.hulls[first : first + int(mesh["hull_corners"])]
+
+
+def _hull_patches(hull: F8) -> list[tuple[F8, F8, F8]]:
+    """A mesh on its flat sides and on its outermost corners; see `kernels.objects.collisions_carried_mesh`."""
+    axes, patches = np.eye(3), []
+    level = _LEVEL * float(np.ptp(hull, axis=0).max())
+    for d in (*axes, *-axes):
+        side = hull[hull @ d > (hull @ d).max() - level]
+        patches.append((d, side, np.full(len(side), min(CORNER_SHARE, 1.0 / len(side)))))
+    far = np.argsort(-np.linalg.norm(hull - hull.mean(axis=0), axis=1))[:_FARTHEST]
+    patches += [(d, hull[i][None], np.array([CORNER_SHARE])) for i in far for d in axes]
+    return patches
+
+
+def _patches(shape: Any, hull: F8) -> list[tuple[F8, F8, F8]]:
     """(direction, points, shares) of the ways a shape can rest, in its own frame; see `kernels.objects.manifold`."""
     size, kind = np.asarray(shape["size"]), ShapeKind(int(shape["kind"]))
     x, y, z = np.eye(3)
+    if kind is ShapeKind.MESH:
+        return _hull_patches(hull) if len(hull) else []
     if kind is ShapeKind.SPHERE:
         return [(d, (size[0] * d)[None], np.ones(1)) for d in (x, y, z)]
     if kind is ShapeKind.BOX:
@@ -146,7 +180,7 @@ def _stiffness(direction: F8, points: F8, shares: F8, tangential: float) -> F8:
     return total
 
 
-def contact_modes(shape: Any, body: Any, contacts: int, tangential: float) -> float:
+def contact_modes(shape: Any, body: Any, contacts: int, tangential: float, hull: F8 = _NO_CORNERS) -> float:
     """Greatest eigenvalue lambda of the stiffness of a body's contacts per mass, for k = 1 N/m and m = 1 kg.
 
     Args:
@@ -154,6 +188,7 @@ def contact_modes(shape: Any, body: Any, contacts: int, tangential: float) -> fl
         body: BODY row.
         contacts: 1, or 2 for contacts on two opposite sides of the shape.
         tangential: Stiffness of friction as a share of k; 0: frictionless.
+        hull: Corners of a mesh's convex hull in the frame of the shape [m], shape [n, 3].
     """
     R, offset = _matrix(shape["orientation"]), np.asarray(shape["position"]) - np.asarray(body["centre"])
     free = np.repeat([bool(body["flags"] & 1), bool(body["flags"] & 2)], 3)
@@ -163,7 +198,7 @@ def contact_modes(shape: Any, body: Any, contacts: int, tangential: float) -> fl
     mass[3:, 3:] += np.eye(3) * 1e-9 * np.trace(mass[3:, 3:])
     root = np.linalg.inv(np.linalg.cholesky(mass))
     greatest = 0.0
-    for direction, points, shares in _patches(shape):
+    for direction, points, shares in _patches(shape, hull):
         total = np.zeros((6, 6))
         for side in (1.0, -1.0)[:contacts]:
             placed = side * points @ R.T + offset
@@ -184,7 +219,7 @@ def _partners(k: int, bodies: Any, shapes: Any) -> list[int]:
     return list(seen.values())
 
 
-def _check_contacts(k: int, bodies: Any, shapes: Any, dt: float) -> list[BodyFault]:
+def _check_contacts(k: int, bodies: Any, shapes: Any, meshes: MeshTable, dt: float) -> list[BodyFault]:
     """The worst of all pairs of a body's shapes with what they can meet."""
     body, worst = bodies[k], 0.0
     faults: list[BodyFault] = []
@@ -193,12 +228,13 @@ def _check_contacts(k: int, bodies: Any, shapes: Any, dt: float) -> list[BodyFau
     pair = np.zeros(1, PAIR)[0]
     for i in np.flatnonzero((shapes["body"] == k) & (shapes["enabled"] != 0)):
         modes: dict[float, float] = {}
+        hull = _hull_of(shapes[i], meshes)
         for j in partners:
             join_surfaces(shapes[i], shapes[j], pair)
             stiffness, damping = _at_usual_depth(pair)
             tangential = float(pair["friction_stiffness"]) / stiffness if pair["friction_static"] > 0.0 else 0.0
             if tangential not in modes:
-                modes[tangential] = contact_modes(shapes[i], body, min(meets, 2), tangential)
+                modes[tangential] = contact_modes(shapes[i], body, min(meets, 2), tangential, hull)
             other = int(shapes[j]["body"])
             yields = 1.0 if other == STATIC else 1.0 + float(body["mass"]) / float(bodies[other]["mass"])
             n = modes[tangential] * yields

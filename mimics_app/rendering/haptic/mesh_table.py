@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -36,6 +36,7 @@ class MeshTable(NamedTuple):
         fan_starts: Where the triangles round each vertex begin in `fans`, shape [vertices + 1].
         fans: Triangles by vertex, shape [3 triangles].
         boxes: Least and greatest corner of each node of the trees [m], shape [nodes, 6].
+        hulls: Corners of the convex hulls of meshes that bodies carry [m], shape [corners, 3].
     """
 
     rows: NDArray[Any]
@@ -45,10 +46,16 @@ class MeshTable(NamedTuple):
     fan_starts: Indices
     fans: Indices
     boxes: Array
+    hulls: Array
 
 
-def build_mesh_table(meshes: Sequence[tuple[Array, Indices]] = ()) -> MeshTable:
+def build_mesh_table(
+    meshes: Sequence[tuple[Array, Indices]] = (), hulls: Mapping[int, Array] | None = None
+) -> MeshTable:
     """Tables of meshes given as (vertices [m] [n, 3], triangles [m, 3]), in the order of SHAPE.mesh.
+
+    A mesh that a body carries also needs the corners of its convex hull [m] [n, 3], by its number: with them it meets
+    other bodies.
 
     Corners at the same place are joined and triangles without area left out; a closed mesh whose triangles face inward
     is turned. Parts of one mesh must not cut through one another: make them shapes of their own.
@@ -59,8 +66,9 @@ def build_mesh_table(meshes: Sequence[tuple[Array, Indices]] = ()) -> MeshTable:
     """
     rows = np.zeros(len(meshes), MESH)
     parts: list[tuple[Array, Indices, Indices, Array]] = []
-    vertex = triangle = node = 0
-    for row, (vertices, triangles) in zip(rows, meshes, strict=True):
+    vertex = triangle = node = hull = 0
+    carried = hulls or {}
+    for number, (row, (vertices, triangles)) in enumerate(zip(rows, meshes, strict=True)):
         points, corners = _clean(np.asarray(vertices, float), np.asarray(triangles, np.int64))
         corners = corners[_curve_order(points[corners].mean(axis=1))]
         neighbours = _neighbours(corners)
@@ -70,13 +78,18 @@ def build_mesh_table(meshes: Sequence[tuple[Array, Indices]] = ()) -> MeshTable:
         boxes = _tree(points[corners])
         row["first_triangle"], row["triangles"], row["first_node"] = triangle, len(corners), node
         row["leaves"], row["closed"] = (len(boxes) + 1) // 2, not (neighbours < 0).any()
+        row["first_hull"], row["hull_corners"] = hull, len(carried.get(number, ()))
         linked = np.where(neighbours < 0, -1, neighbours + triangle)
         parts.append((points, (corners + vertex).astype(np.int32), linked.astype(np.int32), boxes))
         vertex, triangle, node = vertex + len(points), triangle + len(corners), node + len(boxes)
-    return _joined(rows, parts, vertex)
+        hull += int(row["hull_corners"])
+    tips = [np.asarray(carried[number], float).reshape(-1, 3) for number in sorted(carried)]
+    return _joined(rows, parts, vertex, np.ascontiguousarray(np.concatenate([np.zeros((0, 3)), *tips])))
 
 
-def _joined(rows: NDArray[Any], parts: list[tuple[Array, Indices, Indices, Array]], count: int) -> MeshTable:
+def _joined(
+    rows: NDArray[Any], parts: list[tuple[Array, Indices, Indices, Array]], count: int, hulls: Array
+) -> MeshTable:
     """One table of all parts, with the triangles round each of the `count` vertices."""
     empty = (np.zeros((0, 3)), np.zeros((0, 3), np.int32), np.zeros((0, 3), np.int32), np.zeros((0, 6)))
     vertices, corners, neighbours, boxes = (
@@ -85,7 +98,7 @@ def _joined(rows: NDArray[Any], parts: list[tuple[Array, Indices, Indices, Array
     of_vertex = corners.ravel()
     fans = np.argsort(of_vertex, kind="stable") // 3
     starts = np.searchsorted(np.sort(of_vertex), np.arange(count + 1))
-    return MeshTable(rows, vertices, corners, neighbours, starts.astype(np.int32), fans.astype(np.int32), boxes)
+    return MeshTable(rows, vertices, corners, neighbours, starts.astype(np.int32), fans.astype(np.int32), boxes, hulls)
 
 
 def _clean(vertices: Array, triangles: NDArray[np.int64]) -> tuple[Array, NDArray[np.int64]]:
@@ -170,6 +183,6 @@ _NUMBERS = types.int32[::1]
 _TABLE = types.float64[:, ::1]
 
 MESH_TABLE = types.NamedTuple(  # type: ignore[no-untyped-call]
-    [from_dtype(MESH)[::1], _TABLE, _TRIPLES, _TRIPLES, _NUMBERS, _NUMBERS, _TABLE], MeshTable
+    [from_dtype(MESH)[::1], _TABLE, _TRIPLES, _TRIPLES, _NUMBERS, _NUMBERS, _TABLE, _TABLE], MeshTable
 )
 """Compiled type of `MeshTable`, field by field."""

@@ -17,6 +17,7 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.rendering.haptic.kernels.objects.desk import DESK
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
+    ANYWHERE,
     closest_on_triangle,
     closest_triangle,
     triangle_normal,
@@ -48,7 +49,7 @@ def _hold_nearest(meshes: MeshTable, mesh: Any, p: Array, brute: bool, out: Arra
             if square < best:
                 t, best = k, square
     else:
-        t = closest_triangle(mesh, meshes.vertices, meshes.corners, meshes.boxes, p, np.inf, out)
+        t = closest_triangle(mesh, meshes.vertices, meshes.corners, meshes.boxes, p, np.inf, ANYWHERE, out)
     closest_on_triangle(meshes.vertices, meshes.corners, t, p, out)
     size = triangle_normal(meshes.vertices, meshes.corners, t, n)
     behind = 0.0

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.haptic import TUNNEL
 from mimics_app.contracts.object_rows import ObjectCapacities
 from mimics_app.rendering.haptic.force_fields import find_field
@@ -64,7 +65,15 @@ class ObjectStatics:
         """The compiled force fields, MAX_FIELDS of them.
 
         Raises:
-            UsageError: One of that name is not installed.
+            UsageError: One of that name is not installed, or its plug-in cannot be used.
         """
-        found = tuple(find_field(name) for name in self.fields)
-        return (*found, *NO_FIELDS[len(found) :])
+        return (*(_installed(name) for name in self.fields), *NO_FIELDS[len(self.fields) :])
+
+
+def _installed(name: str) -> Callable[..., Any]:
+    """The force field of that name; a recording may name one that was there on another day."""
+    try:
+        found: Callable[..., Any] = find_field(name)
+    except (KeyError, ValueError) as error:
+        raise UsageError(str(error.args[0]), "install what it was recorded with") from error
+    return found

@@ -25,7 +25,7 @@ from mimics_app.contracts.haptic_objects import (
 )
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows
 from mimics_app.rendering.haptic.body_checks import check_bodies
-from mimics_app.rendering.haptic.mesh_table import build_mesh_table
+from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 from mimics_app.rendering.haptic.scene_effects import EffectRows
 from mimics_app.world.components_haptic import Ball
 from mimics_app.world.components_objects import (
@@ -52,9 +52,9 @@ from mimics_app.world.object_bodies import ObjectFault, mass_properties_of, mesh
 from mimics_app.world.placing import pose_of
 from mimics_app.world.scene import Scene
 from mimics_app.world.signals import parse_source, parse_target
-from mimics_app.world.solids import SolidMesh
+from mimics_app.world.solids import SolidMesh, hull_corners
 
-__all__ = ["SceneObjects", "check_objects", "objects_of_scene"]
+__all__ = ["SceneObjects", "check_objects", "mesh_table_of", "objects_of_scene"]
 
 Records = NDArray[Any]
 
@@ -133,11 +133,23 @@ def objects_of_scene(scene: Scene) -> SceneObjects:
     return gathered.finish()
 
 
+def mesh_table_of(objects: SceneObjects) -> MeshTable:
+    """Triangles by SHAPE.mesh, and the hulls of those that bodies carry.
+
+    Raises:
+        ValueError: a mesh cannot be touched; `check_objects` tells.
+    """
+    shapes = objects.rows.shapes
+    carried = set(shapes["mesh"][(shapes["kind"] == ShapeKind.MESH) & (shapes["body"] != STATIC)].tolist())
+    hulls = {number: hull_corners(objects.meshes[number]) for number in carried}
+    return build_mesh_table([(mesh.vertices, mesh.triangles) for mesh in objects.meshes], hulls)
+
+
 def check_objects(scene: Scene) -> list[Issue]:
     """Faults of a scene's objects together: bodies too light for their contacts, meshes that cannot be touched."""
     try:
         objects = objects_of_scene(scene)
-        build_mesh_table([(mesh.vertices, mesh.triangles) for mesh in objects.meshes])
+        table = mesh_table_of(objects)
     except SceneError as error:
         return error.issues
     except ValueError as error:
@@ -145,7 +157,7 @@ def check_objects(scene: Scene) -> list[Issue]:
         return [scene.issue(place, f"a mesh of the scene cannot be touched: {error}")]
     pointers = {entity: pointer for entity, _, pointer in scene.components(HapticObject)}
     issues = []
-    for fault in check_bodies(objects.rows, objects.counts[0], _TICK_S):
+    for fault in check_bodies(objects.rows, objects.counts[0], _TICK_S, table):
         entity = objects.shape_entities[fault.shape] if fault.shape >= 0 else objects.body_entities[fault.body]
         issues.append(scene.issue(f"{pointers.get(entity, '')}/mass", fault.what, fault.fix))
     return issues

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from mimics_app.contracts.object_rows import ObjectCapacities, count_rows
-from mimics_app.rendering.haptic.mesh_table import build_mesh_table
 from mimics_app.rendering.haptic.object_statics import ObjectStatics
-from mimics_app.rendering.haptic.scene_objects import SceneObjects
+from mimics_app.rendering.haptic.scene_objects import SceneObjects, mesh_table_of
 
 __all__ = ["Names", "fits", "has_objects", "row_names", "statics_of"]
 
@@ -26,8 +25,7 @@ def statics_of(objects: SceneObjects) -> ObjectStatics:
     Raises:
         ValueError: a mesh cannot be touched; `check` would have told.
     """
-    meshes = build_mesh_table([(mesh.vertices, mesh.triangles) for mesh in objects.meshes])
-    return ObjectStatics(meshes, objects.paths, objects.fields)
+    return ObjectStatics(mesh_table_of(objects), objects.paths, objects.fields)
 
 
 def row_names(objects: SceneObjects) -> Names:

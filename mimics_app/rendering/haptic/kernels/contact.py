@@ -23,14 +23,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.contact_law import pair_force
 
 __all__ = [
     "cube",
     "cube_nearest_face",
     "cube_printed",
     "forget",
-    "pair_spheres",
     "rate_of_depth",
     "sphere",
     "sphere_nearest",
@@ -274,44 +272,3 @@ def _entered_face(p: Vec, v: Vec, dimensions: Vec, previous: Vec) -> int:
             latest = crossing
             speed = inward
     return face
-
-
-@kernel
-def pair_spheres(
-    p1: Vec, v1: Vec, r1: float, p2: Vec, v2: Vec, r2: float, k: float, b: float, contact: Any, force: Vec
-) -> bool:
-    """Contact of two spheres, (17) corrected: force on body 1 is -f n, on body 2 +f n, n from 1 to 2.
-
-    For frictionless spheres neither torque nor spin counts. A sphere on a wall is `wall` of its lowest point.
-
-    Args:
-        p1: Centre of body 1 [m]; p2 that of body 2, same frame.
-        v1: Velocity of body 1 [m/s]; v2 that of body 2.
-        r1: Radius of body 1 [m]; r2 that of body 2.
-        p2: See p1.
-        v2: See v1.
-        r2: See r1.
-        k: `contact_law.pair_stiffness` [N/m].
-        b: `contact_law.pair_damping` [N s/m].
-        contact: Record of `CONTACT` of the pair, updated; its normal is n. Keeps the last n for coinciding centres.
-        force: Receives the force [N] on body 2; body 1 gets its negative.
-
-    Returns:
-        True while they touch.
-    """
-    n = contact.normal
-    x, y, z = p2[0] - p1[0], p2[1] - p1[1], p2[2] - p1[2]
-    distance = math.sqrt(x * x + y * y + z * z)
-    depth = r1 + r2 - distance
-    contact.inside = depth > 0.0
-    contact.feature = contact.inside
-    contact.depth = max(0.0, depth)
-    if distance > _CENTRE:
-        n[0] = x / distance
-        n[1] = y / distance
-        n[2] = z / distance
-    approach = (v1[0] - v2[0]) * n[0] + (v1[1] - v2[1]) * n[1] + (v1[2] - v2[2]) * n[2]
-    f = pair_force(depth, approach, k, b)
-    for i in range(3):
-        force[i] = f * n[i]
-    return depth > 0.0

@@ -1,22 +1,23 @@
 """Collisions of haptic objects (4.2.9): near pairs, their contact points, their forces, who wakes whom.
 
-Figures 40-44 and beyond: sphere, capsule, cylinder, box and wall, each with each, and meshes of the static scene; any
-number of shapes to a body.
+Figures 40-44 and beyond: sphere, capsule, cylinder, box, wall and mesh, each with each; any number of shapes to a body.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-from mimics_app.contracts.haptic_objects import ShapeKind
+from mimics_app.contracts.haptic_objects import STATIC, ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.bodies import is_free, load_bodies, rest_time, wake
 from mimics_app.rendering.haptic.kernels.objects.collisions_boxes import separate_boxes
+from mimics_app.rendering.haptic.kernels.objects.collisions_carried_mesh import touch_carried_mesh
 from mimics_app.rendering.haptic.kernels.objects.collisions_hulls import separate_hulls
 from mimics_app.rendering.haptic.kernels.objects.collisions_mesh import touch_mesh
 from mimics_app.rendering.haptic.kernels.objects.collisions_round import touch_by_capsule, touch_by_sphere
 from mimics_app.rendering.haptic.kernels.objects.collisions_walls import touch_wall
 from mimics_app.rendering.haptic.kernels.objects.manifold import lay_over, write_feature
+from mimics_app.rendering.haptic.kernels.objects.mesh_tree import ANYWHERE
 from mimics_app.rendering.haptic.kernels.objects.resolve import part, push_apart
 from mimics_app.rendering.haptic.kernels.objects.sweep import find_pairs, near
 from mimics_app.rendering.haptic.kernels.objects.triples import Three, dot, times
@@ -108,12 +109,26 @@ def _rouse(pair: Any, bodies: Any, motions: Any, dynamics: Any, doze: int) -> No
 
 
 @kernel
-def _touch_mesh(pair: Any, a: Any, b: Any, meshes: Any, vertices: Any, corners: Any, boxes: Any, room: Any) -> int:
+def _touch_mesh(
+    pair: Any, a: Any, b: Any, meshes: Any, vertices: Any, corners: Any, boxes: Any, hulls: Any, room: Any
+) -> int:
     """`_touch` of a mesh: it alone needs the tables of triangles."""
     last = (pair.normal[0], pair.normal[1], pair.normal[2])
-    count, n = touch_mesh(a, b, last, meshes, vertices, corners, boxes, room)
+    if a.kind == _MESH or b.body != STATIC:
+        held = last if pair.touching else ANYWHERE
+        count, n = touch_carried_mesh(a, b, held, meshes, vertices, corners, boxes, hulls, room)
+    else:
+        count, n = touch_mesh(a, b, last, meshes, vertices, corners, boxes, room)
     pair.normal[0], pair.normal[1], pair.normal[2] = n
     return count
+
+
+@kernel
+def _tell_left_out(sweep: Any, totals: Any) -> None:
+    """Pairs without room are told when there are more of them than ever before."""
+    if sweep.left_out > sweep.most_left_out:
+        sweep.most_left_out = sweep.left_out
+        totals.left_out = sweep.left_out
 
 
 @kernel
@@ -129,6 +144,7 @@ def _collide(
     vertices: Any,
     corners: Any,
     boxes: Any,
+    hulls: Any,
     moving: Any,
     order: Any,
     following: Any,
@@ -150,6 +166,7 @@ def _collide(
         bodies, shapes, motions, dynamics, solids, meshes, boxes, moving, order, following, pairs, slots, tracking,
         sweep, counts, dt,
     )  # fmt: skip
+    _tell_left_out(sweep, totals)
     doze = rest_time(dt)
     for k in range(sweep.pairs):
         pair = pairs[k]
@@ -158,9 +175,9 @@ def _collide(
             continue
         a, b = solids[pair.a], solids[pair.b]
         found = 0
-        if b.kind == _MESH:
-            if near(a, b):
-                found = _touch_mesh(pair, a, b, meshes, vertices, corners, boxes, room)
+        if a.kind == _MESH or b.kind == _MESH:
+            if b.kind == _WALL or near(a, b):
+                found = _touch_mesh(pair, a, b, meshes, vertices, corners, boxes, hulls, room)
         elif b.kind == _WALL or near(a, b):
             found = _touch(pair, a, b, room)
         if found == 0:
@@ -188,7 +205,7 @@ def collide_bodies(rows: Any, work: Any, counts: Any, dt: float) -> None:
     # One step, without a branch: else every array of both tuples is counted, atomically, on the way in and out.
     _collide(
         rows.bodies, rows.shapes, work.motions, work.dynamics, work.aux_forces, work.aux_torques, work.solids,
-        work.meshes.rows, work.meshes.vertices, work.meshes.corners, work.meshes.boxes, work.moving_shapes,
-        work.order, work.next_moving, work.pairs, work.pair_slots, work.still, work.tracking[0],
+        work.meshes.rows, work.meshes.vertices, work.meshes.corners, work.meshes.boxes, work.meshes.hulls,
+        work.moving_shapes, work.order, work.next_moving, work.pairs, work.pair_slots, work.still, work.tracking[0],
         work.sweep[0], work.scratch[0], work.totals[0], counts, dt,
     )  # fmt: skip

@@ -16,7 +16,12 @@ from numpy.typing import NDArray
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.manifold import add_point
-from mimics_app.rendering.haptic.kernels.objects.mesh_tree import closest_on_triangle, closest_triangle, triangle_normal
+from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
+    ANYWHERE,
+    closest_on_triangle,
+    closest_triangle,
+    triangle_normal,
+)
 from mimics_app.rendering.haptic.kernels.objects.triples import (
     Three,
     along,
@@ -30,7 +35,7 @@ from mimics_app.rendering.haptic.kernels.objects.triples import (
     unit,
 )
 
-__all__ = ["touch_mesh"]
+__all__ = ["depth_in_mesh", "points_in_mesh", "project_depths", "touch_mesh"]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int32]
@@ -40,6 +45,9 @@ _BOX = int(ShapeKind.BOX)
 _CAPSULE = int(ShapeKind.CAPSULE)
 
 _RIM = 8
+
+_UNDER = 0.5
+"""Cosine between the way to a face and its normal from which a point is under it and not beside it."""
 
 _DEEPEST = 0.5
 """How deep a corner is looked for behind the surface, as a share of the shape's thinnest side: beyond it is through."""
@@ -77,32 +85,87 @@ def _sample(solid: Any, k: int) -> Three:
 
 
 @kernel
-def _depth(
-    mesh: Any, vertices: Array, corners: Indices, boxes: Array, p: Three, radius: float, reach: float, room: Any
+def depth_in_mesh(
+    b: Any,
+    p: Three,
+    radius: float,
+    reach: float,
+    toward: Three,
+    meshes: Any,
+    vertices: Array,
+    corners: Indices,
+    boxes: Array,
+    room: Any,
 ) -> tuple[float, Three]:
-    """Depth of a ball about p, in the mesh's frame, and the outward normal there; 0 where it does not touch."""
+    """Depth of a ball in a mesh [m], 0 where it does not touch, and the outward normal there, world.
+
+    Args:
+        b: SOLID of the mesh.
+        p: Middle of the ball, world [m].
+        radius: Of the ball [m].
+        reach: How far from the surface its middle is seen [m].
+        toward: Only faces of the mesh that look along this direction count, or all with ANYWHERE.
+        meshes: MeshTable.rows.
+        vertices: MeshTable.vertices.
+        corners: MeshTable.corners.
+        boxes: MeshTable.boxes.
+        room: SCRATCH.
+    """
     q, closest, n = room.mesh_point, room.mesh_closest, room.mesh_normal
-    q[0], q[1], q[2] = p
-    t = closest_triangle(mesh, vertices, corners, boxes, q, reach, closest)
+    local = into(b, minus(p, middle(b)))
+    q[0], q[1], q[2] = local
+    t = closest_triangle(meshes[b.mesh], vertices, corners, boxes, q, reach, into(b, toward), closest)
     if t < 0:
-        return 0.0, p
+        return 0.0, local
     closest_on_triangle(vertices, corners, t, q, closest)
     size = triangle_normal(vertices, corners, t, n)
     out = (n[0] / size, n[1] / size, n[2] / size)
-    way = minus(p, (closest[0], closest[1], closest[2]))
+    way = minus(local, (closest[0], closest[1], closest[2]))
     far = math.sqrt(dot(way, way))
     if dot(way, out) < 0.0:
-        return radius + far, unit(times(-1.0, way), out)
+        if toward != ANYWHERE and -dot(way, out) < _UNDER * far:
+            return 0.0, local
+        return radius + far, out_of(b, unit(times(-1.0, way), out))
     if far >= radius:
-        return 0.0, p
-    return radius - far, unit(way, out)
+        return 0.0, local
+    return radius - far, out_of(b, unit(way, out))
+
+
+@kernel
+def project_depths(up: Three, count: int, room: Any) -> None:
+    """Depths of points along one normal for all of them, from those along their own in `room.normals`."""
+    normals = room.normals
+    for k in range(count):
+        room.points[k, 3] *= max(0.0, dot(up, (normals[k, 0], normals[k, 1], normals[k, 2])))
+
+
+@kernel
+def points_in_mesh(
+    a: Any, b: Any, toward: Three, meshes: Any, vertices: Array, corners: Indices, boxes: Array, room: Any
+) -> tuple[int, Three]:
+    """What of shape a is inside a mesh; arguments as `touch_mesh` and `depth_in_mesh`, but balls look anywhere.
+
+    Returns:
+        (points, sum of the mesh's outward normals there by depth); `room.normals` receives the normals.
+    """
+    count, mean = 0, (0.0, 0.0, 0.0)
+    samples, radius, share, reach = _samples(a)
+    normals, way = room.normals, toward if radius == 0.0 else ANYWHERE
+    for k in range(samples):
+        p = _sample(a, k)
+        depth, n = depth_in_mesh(b, p, radius, reach, way, meshes, vertices, corners, boxes, room)
+        if depth > 0.0:
+            normals[count, 0], normals[count, 1], normals[count, 2] = n
+            mean = along(mean, depth, n)
+            count = add_point(room.points, count, along(p, 0.5 * depth - radius, n), depth, share)
+    return count, mean
 
 
 @kernel
 def touch_mesh(
     a: Any, b: Any, last: Three, meshes: Any, vertices: Array, corners: Indices, boxes: Array, room: Any
 ) -> tuple[int, Three]:
-    """Contact points of shape a at a mesh.
+    """Contact points of shape a at a mesh of the static scene.
 
     Args:
         a: SOLID of a sphere, box, cylinder or capsule.
@@ -117,21 +180,9 @@ def touch_mesh(
     Returns:
         (points, unit normal from a to b).
     """
-    count, mean = 0, (0.0, 0.0, 0.0)
-    samples, radius, share, reach = _samples(a)
-    normals = room.normals
-    for k in range(samples):
-        p = _sample(a, k)
-        local = into(b, minus(p, middle(b)))
-        depth, n = _depth(meshes[b.mesh], vertices, corners, boxes, local, radius, reach, room)
-        if depth > 0.0:
-            n = out_of(b, n)
-            normals[count, 0], normals[count, 1], normals[count, 2] = n
-            mean = along(mean, depth, n)
-            count = add_point(room.points, count, along(p, 0.5 * depth - radius, n), depth, share)
+    count, mean = points_in_mesh(a, b, ANYWHERE, meshes, vertices, corners, boxes, room)
     if count == 0:
         return 0, last
     up = unit(mean, (0.0, 1.0, 0.0))
-    for k in range(count):
-        room.points[k, 3] *= max(0.0, dot(up, (normals[k, 0], normals[k, 1], normals[k, 2])))
+    project_depths(up, count, room)
     return count, times(-1.0, up)

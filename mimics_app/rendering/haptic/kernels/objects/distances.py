@@ -14,7 +14,7 @@ from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.triples import Three, across, dot, into, middle, minus, out_of, unit
 
-__all__ = ["distance_to", "shape_distance"]
+__all__ = ["depth_under", "distance_to", "shape_distance"]
 
 _SPHERE = int(ShapeKind.SPHERE)
 _BOX = int(ShapeKind.BOX)
@@ -22,6 +22,9 @@ _CYLINDER = int(ShapeKind.CYLINDER)
 
 _HELD = 0.5
 """A face that is held counts as so much nearer than it is."""
+
+_LOOKS = 0.3
+"""Cosine between the normal of a face and a direction from which it looks along it."""
 
 _ALIKE = 0.9
 """Cosine above which a hint means a face."""
@@ -106,3 +109,68 @@ def distance_to(solid: Any, p: Three, hint: Three) -> tuple[float, Three]:
     """`shape_distance` of a SOLID, with point, hint and normal in the world."""
     far, n = shape_distance(solid.kind, solid.size, into(solid, minus(p, middle(solid))), into(solid, hint))
     return far, out_of(solid, n)
+
+
+@kernel
+def _least(depth: float, cosine: float, best: float, out: Three, n: Three) -> tuple[float, Three]:
+    """The shallower of two faces, of which the second must look along the way out."""
+    if cosine > _LOOKS and depth < best:
+        return depth, out
+    return best, n
+
+
+@kernel
+def _under_cylinder(size: Any, q: Three, toward: Three) -> tuple[float, Three, float]:
+    """(depth under the face that looks along `toward`, its normal, distance within its border); local frame."""
+    half, rho = 0.5 * size[1], math.sqrt(q[0] * q[0] + q[2] * q[2])
+    side = (q[0] / rho, 0.0, q[2] / rho) if rho > 1e-12 else unit((toward[0], 0.0, toward[2]), (1.0, 0.0, 0.0))
+    up = math.copysign(1.0, toward[1])
+    by_side, by_cap = size[0] - rho, half - up * q[1]
+    depth, n = _least(by_side, dot(side, toward), math.inf, side, toward)
+    depth, n = _least(by_cap, abs(toward[1]), depth, (0.0, up, 0.0), n)
+    if n[1] == 0.0:
+        return depth, n, half - abs(q[1])
+    return depth if depth <= size[1] else 0.0, n, by_side
+
+
+@kernel
+def _under_box(size: Any, q: Three, toward: Three) -> tuple[float, Three, float]:
+    """As `_under_cylinder`."""
+    sx, sy, sz = math.copysign(1.0, toward[0]), math.copysign(1.0, toward[1]), math.copysign(1.0, toward[2])
+    depth, n = _least(0.5 * size[0] - sx * q[0], abs(toward[0]), math.inf, (sx, 0.0, 0.0), toward)
+    depth, n = _least(0.5 * size[1] - sy * q[1], abs(toward[1]), depth, (0.0, sy, 0.0), n)
+    depth, n = _least(0.5 * size[2] - sz * q[2], abs(toward[2]), depth, (0.0, 0.0, sz), n)
+    beside = math.inf
+    for i in range(3):
+        if n[i] == 0.0:
+            beside = min(beside, 0.5 * size[i] - abs(q[i]))
+        elif depth > size[i]:
+            depth = 0.0
+    return depth, n, beside
+
+
+@kernel
+def depth_under(solid: Any, p: Three, toward: Three) -> tuple[float, Three]:
+    """Depth of a point in a box, cylinder or capsule by the faces that look along a direction, 0 or less outside.
+
+    A point that is beside the face by no more than it is under it counts: a corner that stands just on an edge is held.
+
+    Args:
+        solid: SOLID.
+        p: Point, world [m].
+        toward: Direction out, world, unit.
+
+    Returns:
+        (depth [m], outward normal of that face, world).
+    """
+    q, way = into(solid, minus(p, middle(solid))), into(solid, toward)
+    if solid.kind == _BOX:
+        depth, n, beside = _under_box(solid.size, q, way)
+    elif solid.kind == _CYLINDER:
+        depth, n, beside = _under_cylinder(solid.size, q, way)
+    else:
+        far, n = shape_distance(solid.kind, solid.size, q, way)
+        depth, beside = -far, 0.0
+    if depth < -beside or depth == math.inf:
+        depth = 0.0
+    return depth, out_of(solid, n)

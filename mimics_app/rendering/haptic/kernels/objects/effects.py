@@ -246,8 +246,9 @@ def apply_effects(rows: Any, work: Any, counts: Any, hand: Vec, fields: Any) -> 
         if _is_finite(memory):
             _deliver(effect, rows, work, counts, memory)
         elif effect.kind == _FIELD:
-            memory.quarantined = 1
-            work.totals[0].quarantined = k
+            if work.totals[0].quarantined < 0:  # one a tick, so that each is told; another one has its turn next
+                memory.quarantined = 1
+                work.totals[0].quarantined = k
         else:
             _forget(memory)
             work.totals[0].status = 1

@@ -14,11 +14,27 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["INSIDE", "closest_on_triangle", "closest_triangle", "first_crossing", "triangle_normal"]
+__all__ = [
+    "ANYWHERE",
+    "INSIDE",
+    "LOOKS",
+    "closest_on_triangle",
+    "closest_triangle",
+    "first_crossing",
+    "triangle_normal",
+]
 
 Vec = NDArray[np.float64]
 Array = NDArray[np.float64]
 Indices = NDArray[np.int32]
+
+Three = tuple[float, float, float]
+
+LOOKS = 0.3
+"""Cosine between the normal of a face and a direction from which it looks along it; each convex solid has one."""
+
+ANYWHERE = (0.0, 0.0, 0.0)
+"""No direction."""
 
 INSIDE = 6
 """Region of a triangle: its interior. 0..2: the edge from that corner to the next; 3..5: a corner."""
@@ -193,10 +209,13 @@ def _box_distance(boxes: Array, node: int, p: Vec) -> float:
 
 
 @kernel
-def closest_triangle(mesh: Any, vertices: Array, corners: Indices, boxes: Array, p: Vec, limit: float, out: Vec) -> int:
+def closest_triangle(
+    mesh: Any, vertices: Array, corners: Indices, boxes: Array, p: Vec, limit: float, toward: Three, out: Vec
+) -> int:
     """The triangle closest to p, -1: none is closer than `limit` [m]. Of equally close ones that which p faces most.
 
-    Arguments as `first_crossing`; out is scratch, shape [3].
+    Arguments as `first_crossing`; out is scratch, shape [3]. Only triangles that look `toward` a direction count (unit,
+    mesh frame), or all with `ANYWHERE`.
     """
     found, best = -1, limit * limit
     facing = 0.0
@@ -212,7 +231,7 @@ def closest_triangle(mesh: Any, vertices: Array, corners: Indices, boxes: Array,
             for t in range(begin, end):
                 closest_on_triangle(vertices, corners, t, p, out)
                 square = (p[0] - out[0]) ** 2 + (p[1] - out[1]) ** 2 + (p[2] - out[2]) ** 2
-                if square <= best * (1.0 + _EDGE):
+                if square <= best * (1.0 + _EDGE) and _looks(vertices, corners, t, toward, out):
                     turned = _facing(vertices, corners, t, p, out)
                     if square < best * (1.0 - _EDGE) or turned > facing:
                         found, facing = t, turned
@@ -220,6 +239,15 @@ def closest_triangle(mesh: Any, vertices: Array, corners: Indices, boxes: Array,
         node = _next_node(node)
         if node == 0:
             return found
+
+
+@kernel
+def _looks(vertices: Array, corners: Indices, t: int, toward: Three, out: Vec) -> bool:
+    """True for a triangle that looks along a direction, or when there is none."""
+    if toward[0] == 0.0 and toward[1] == 0.0 and toward[2] == 0.0:
+        return True
+    size = triangle_normal(vertices, corners, t, out)
+    return out[0] * toward[0] + out[1] * toward[1] + out[2] * toward[2] > LOOKS * size
 
 
 @kernel

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
+    ANYWHERE,
     INSIDE,
     closest_on_triangle,
     closest_triangle,
@@ -106,11 +107,11 @@ def _entered(meshes: Any, mesh: Any, desk: Any, contact: Any) -> int:
         if t >= 0:
             return t
     elif mesh.closed == 1:
-        t = closest_triangle(mesh, vertices, corners, boxes, desk.p, math.inf, desk.a)
+        t = closest_triangle(mesh, vertices, corners, boxes, desk.p, math.inf, ANYWHERE, desk.a)
         if t >= 0 and _distance_behind(meshes, t, desk) > 0.0:
             return t
     if desk.radius > 0.0:
-        t = closest_triangle(mesh, vertices, corners, boxes, desk.p, desk.radius, desk.a)
+        t = closest_triangle(mesh, vertices, corners, boxes, desk.p, desk.radius, ANYWHERE, desk.a)
         if t >= 0 and _distance_behind(meshes, t, desk) <= 0.0:
             return t
     return -1

@@ -190,6 +190,7 @@ SWEEP = np.dtype(
         ("walls", "i8"),  # at the end of the order's array
         ("axis", "i8"),  # 0, 1, 2: along which is swept
         ("left_out", "i8"),  # pairs the table had no room for
+        ("most_left_out", "i8"),  # most of them so far
         ("remade", "i8"),  # times the list was made
     ],
     align=True,
@@ -203,6 +204,8 @@ MESH = np.dtype(
         ("first_node", "i8"),
         ("leaves", "i8"),
         ("closed", "i8"),  # 1: every edge has two triangles, so that there is an inside
+        ("first_hull", "i8"),
+        ("hull_corners", "i8"),  # 0: no body carries it
     ],
     align=True,
 )

@@ -84,7 +84,7 @@ def _bound(solid: Any) -> None:
 
 @kernel
 def _bound_mesh(solid: Any, mesh: Any, boxes: Any) -> None:
-    """Bounds of a mesh of the static scene, by the box of its whole tree."""
+    """Bounds of a mesh, by the box of its whole tree."""
     R, node = solid.rotation, mesh.first_node
     for k in range(3):
         place, reach = solid.position[k], 0.0
@@ -93,6 +93,14 @@ def _bound_mesh(solid: Any, mesh: Any, boxes: Any) -> None:
             reach += 0.5 * abs(R[k, j]) * (boxes[node, j + 3] - boxes[node, j])
         solid.low[k] = place - reach
         solid.high[k] = place + reach
+
+
+@kernel
+def _bound_any(solid: Any, meshes: Any, boxes: Any) -> None:
+    if solid.kind == _MESH:
+        _bound_mesh(solid, meshes[solid.mesh], boxes)
+    else:
+        _bound(solid)
 
 
 @kernel
@@ -106,9 +114,14 @@ def _draw_room(solid: Any, room: float) -> None:
 def _room_of(solid: Any, motion: Any, dt: float) -> float:
     """How far a moving shape may go [m]."""
     v, w = motion.velocity, motion.omega
+    radius = solid.radius
+    if solid.kind == _MESH:
+        radius = 0.0
+        for k in range(3):
+            radius = max(radius, 0.5 * (solid.high[k] - solid.low[k]))
     speed = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
-    speed += solid.radius * math.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
-    return _MARGIN * solid.radius + _AHEAD * dt * speed
+    speed += radius * math.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
+    return _MARGIN * radius + _AHEAD * dt * speed
 
 
 @kernel
@@ -122,10 +135,7 @@ def _has_left(solid: Any) -> bool:
 
 @kernel
 def _take_shapes(solids: Any, meshes: Any, boxes: Any, order: Order, sweep: Any, count: int) -> None:
-    """Fill the order from changed rows: enabled shapes with bounds from the front, walls from the back.
-
-    A mesh that moves has no bounds and meets nothing: give its body shapes that stand for it (4.2.8).
-    """
+    """Fill the order from changed rows: enabled shapes with bounds from the front, walls from the back."""
     sweep.sorted = 0
     sweep.walls = 0
     for i in range(count):
@@ -136,10 +146,7 @@ def _take_shapes(solids: Any, meshes: Any, boxes: Any, order: Order, sweep: Any,
             sweep.walls += 1
             order[order.shape[0] - sweep.walls] = i
             continue
-        if solid.kind == _MESH and solid.body == STATIC:
-            _bound_mesh(solid, meshes[solid.mesh], boxes)
-        else:
-            _bound(solid)
+        _bound_any(solid, meshes, boxes)
         _draw_room(solid, 0.0)
         if math.isfinite(solid.low[0]):
             order[sweep.sorted] = i
@@ -234,13 +241,13 @@ def _sweep(
 
 
 @kernel
-def _look(solids: Any, motions: Any, moving: Order, tracking: Any) -> bool:
+def _look(solids: Any, meshes: Any, boxes: Any, motions: Any, moving: Order, tracking: Any) -> bool:
     """Bounds of what is awake; True when a shape has left its room."""
     stale = False
     for n in range(tracking.moving):
         solid = solids[moving[n]]
         if solid.enabled and motions[solid.body].asleep == 0:
-            _bound(solid)
+            _bound_any(solid, meshes, boxes)
             stale = stale or _has_left(solid)
     return stale
 
@@ -323,7 +330,7 @@ def find_pairs(
     if changed:
         tracking.paired_revision = counts.revision + 1
         _take_shapes(solids, meshes, boxes, order, sweep, counts.shapes)
-    stale = _look(solids, motions, moving, tracking) or changed
+    stale = _look(solids, meshes, boxes, motions, moving, tracking) or changed
     _forget_placed(pairs, dynamics, sweep, counts.bodies)
     if not stale:
         return

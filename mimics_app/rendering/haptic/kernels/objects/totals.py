@@ -32,6 +32,7 @@ TOTALS = np.dtype(
         ("impact_position", "f8", (3,)),  # world [m]
         ("impact_normal", "f8", (3,)),  # out of body b
         ("status", "i8"),  # 1: something was not finite
+        ("left_out", "i8"),  # pairs of shapes that could not be looked at, where there were never so many; else 0
         ("quarantined", "i8"),  # row of the effect whose force field was put away in this tick, -1: none
     ],
     align=True,
@@ -60,4 +61,5 @@ def clear_totals(totals: Any) -> None:
     totals.impact_a = -1
     totals.impact_b = -1
     totals.status = 0
+    totals.left_out = 0
     totals.quarantined = -1

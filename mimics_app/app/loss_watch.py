@@ -1,0 +1,49 @@
+"""Tells what of a scene's objects the loop does not simulate: once on the terminal, and in the run's answer."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic import EventKind
+
+__all__ = ["LossWatch"]
+
+
+class LossWatch:
+    """Looks for losses among the loop's events.
+
+    Args:
+        effect_entities: Id of the entity of each row of effects.
+    """
+
+    def __init__(self, effect_entities: Sequence[str]) -> None:
+        self._names = effect_entities
+        self._pairs = 0
+        self._fields: list[str] = []
+
+    def see(self, events: NDArray[Any]) -> None:
+        """Take the EVENT records of a frame, oldest first."""
+        for event in events:
+            if event["kind"] == EventKind.LEFT_OUT:
+                self._leave_out(int(event["force"]))
+            elif event["kind"] == EventKind.QUARANTINE:
+                self._put_away(int(event["force"]))
+
+    def summary(self) -> dict[str, Any]:
+        """Most pairs without room at once, and the ids of the force fields that were put away."""
+        return {"pairs_left_out": self._pairs, "fields_put_away": list(self._fields)}
+
+    def _leave_out(self, pairs: int) -> None:
+        if self._pairs == 0:
+            what = f"{pairs} pair{'' if pairs == 1 else 's'} of shapes near each other cannot be looked at"
+            sys.stderr.write(f"mimics: {what}: they do not collide; spread the objects, or give them fewer shapes\n")
+        self._pairs = max(self._pairs, pairs)
+
+    def _put_away(self, row: int) -> None:
+        name = self._names[row] if row < len(self._names) else f"effect {row + 1}"
+        sys.stderr.write(f'mimics: the force field of "{name}" gave a number that is not finite: it acts no more\n')
+        self._fields.append(name)
