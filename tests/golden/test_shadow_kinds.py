@@ -250,3 +250,28 @@ def test_a_map_is_drawn_again_only_when_something_in_it_changed():
     fresh.find("plate").translate((0.2, 0.0, 0.0))
     fresh.update()
     assert np.array_equal(moved, draw(fresh, replace(PLAIN, shadow_distance=30.0)))
+
+
+@pytest.mark.parametrize("samples", [0, 4])
+@pytest.mark.parametrize("kind", KINDS[2:])
+def test_stencil_shadows_outlive_every_change_of_size(kind, samples):
+    """A driver gives freed names again: a target of another size must not be taken for the one that had the name."""
+    world, settings = make_world(0.45), replace(PLAIN, shadows=kind, msaa=samples)
+    with create_surface("egl", SIZE) as surface:
+        renderer = Renderer(surface, world, settings)
+
+        def picture() -> NDArray[np.uint8]:
+            renderer.draw([view_from()])
+            assert surface.ctx.error == "GL_NO_ERROR"
+            return read_pixels(surface)
+
+        full = picture().astype(int)
+        for scale in (0.5, 1.0, 0.75, 1.0, 0.5, 0.75):
+            renderer.set_quality(scale=scale)
+            # Only along edges does a smaller picture differ; without its shadow by 30 levels in a tenth of it.
+            assert np.abs(picture() - full).mean() < 1.0, f"scale {scale}"
+        surface.resize((160, 90))
+        surface.resize(SIZE)
+        renderer.set_quality(scale=1.0)
+        assert np.array_equal(picture(), full)
+        renderer.release()

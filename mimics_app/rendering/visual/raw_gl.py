@@ -45,13 +45,16 @@ class RawGL:
             name: ctypes.CFUNCTYPE(None, *arguments)(loader.load_opengl_function(name))
             for name, arguments in _ARGUMENTS.items()
         }
-        self._buffers: dict[int, int] = {}
+        self._buffers: dict[int, tuple[moderngl.Framebuffer, int]] = {}
 
     def attach_stencil(self, framebuffer: moderngl.Framebuffer, samples: int) -> None:
         """Put a buffer of depth and stencil in the place of a framebuffer's depth; stays until `release`."""
         width, height = framebuffer.size
-        if framebuffer.glo in self._buffers:
+        had = self._buffers.get(framebuffer.glo)
+        if had is not None and had[0] is framebuffer:
             return
+        if had is not None:  # the driver gave the name of a freed framebuffer to a new one
+            self._delete(had[1])
         name = _UINT()
         self._calls["glGenRenderbuffers"](1, ctypes.byref(name))
         self._calls["glBindRenderbuffer"](_RENDERBUFFER, name.value)
@@ -59,7 +62,7 @@ class RawGL:
         self._calls["glBindFramebuffer"](_FRAMEBUFFER, framebuffer.glo)
         place = (_FRAMEBUFFER, _DEPTH_STENCIL_ATTACHMENT, _RENDERBUFFER)
         self._calls["glFramebufferRenderbuffer"](*place, name.value)
-        self._buffers[framebuffer.glo] = name.value
+        self._buffers[framebuffer.glo] = framebuffer, name.value
 
     def clear_stencil(self) -> None:
         """Set the stencil of the framebuffer in use to 0."""
@@ -95,6 +98,9 @@ class RawGL:
 
     def release(self) -> None:
         """Free the buffers; framebuffers that had them have no depth afterwards."""
-        for name in self._buffers.values():
-            self._calls["glDeleteRenderbuffers"](1, ctypes.byref(_UINT(name)))
+        for _, name in self._buffers.values():
+            self._delete(name)
         self._buffers.clear()
+
+    def _delete(self, name: int) -> None:
+        self._calls["glDeleteRenderbuffers"](1, ctypes.byref(_UINT(name)))
