@@ -168,6 +168,18 @@ def test_cascades_put_the_edge_where_one_map_does(slope):
     assert edge_of(row, slope) == pytest.approx(expected, abs=texel + 0.8 / SIZE[0])
 
 
+@pytest.mark.parametrize("cascades", [1, 2, 3, 4])
+@pytest.mark.parametrize("slope", [0.45, -0.31])
+def test_a_floor_below_the_inner_boxes_has_its_shadow_from_the_next(cascades, slope):
+    """Straight down from 2 m the floor lies across inside a box of four that ends above it."""
+    settings = replace(PLAIN, shadow_size=4096, shadow_distance=30.0, cascades=cascades)
+    row = draw(make_world(slope), settings)[SIZE[1] // 2]
+    expected = (-0.3 if slope > 0.0 else 0.0) - slope * PLATE_HEIGHT
+    # The outermost box has a radius of 30 / 1.6 x 8/7 m, one map 4096 texels, four of them 2048 each.
+    texel = 2.0 * 30.0 / 1.6 * 8.0 / 7.0 / 4096 if cascades == 1 else 0.006
+    assert edge_of(row, slope) == pytest.approx(expected, abs=1.1 * texel + 0.5 * 1.6 / SIZE[0])
+
+
 def test_boxes_lie_in_one_another_and_hold_their_casters():
     rng = np.random.default_rng(4)
     towards = np.array([0.3, 0.8, 0.5]) / np.linalg.norm([0.3, 0.8, 0.5])

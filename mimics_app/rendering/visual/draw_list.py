@@ -103,6 +103,7 @@ class DrawList:
             self._revision = revision
             occluders = gather_occluders(world, self.items, self._arena, wanted)
             self._occlusion = OcclusionPass(occluders) if len(occluders.inner_half) else None
+        self._detail = settings.detail
         self.tally = Tally()
         items, transforms = self.items, world.transforms
         self._world = transforms.world
@@ -151,7 +152,7 @@ class DrawList:
         """
         items, eye, picked = self.items, view.eye_world, self._picked
         planes = compute_frustum_planes(view.clip_from_world)
-        shown = self._levels.show(key, view, self._shown, self.centres, self.radii)
+        shown = self._levels.show(key, view, self._shown, self.centres, self.radii, self._detail)
         before = self._culler.tests
         seen = count = self._culler.cull(planes, shown, self._world, self.centres, self.radii, picked)
         if self._occlusion is not None:

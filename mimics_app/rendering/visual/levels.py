@@ -43,7 +43,7 @@ class Levels:
         """True when some body has levels."""
         return len(self._counts) > 0
 
-    def show(self, key: Hashable, view: View, shown: U1, centres: F8, radii: F8) -> U1:
+    def show(self, key: Hashable, view: View, shown: U1, centres: F8, radii: F8, detail: float) -> U1:
         """What may be drawn in a view, [n]; good until the next call.
 
         Args:
@@ -52,6 +52,7 @@ class Levels:
             shown: 1 where an item may be drawn at all, [n].
             centres: Of the items' spheres, world [m], [n, 3].
             radii: Of the same [m], [n].
+            detail: Distances at which levels change, over those that the bodies' authors gave.
         """
         if not self.any:
             return shown
