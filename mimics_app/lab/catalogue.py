@@ -60,6 +60,18 @@ def _culling() -> None:
     import mimics_app.rendering.visual.methods_culling
 
 
+def _shadows() -> None:
+    import mimics_app.rendering.visual.methods_shadows
+
+
+def _city() -> None:
+    import mimics_app.rendering.visual.methods_city
+
+
+def _frame() -> None:
+    import mimics_app.rendering.visual.methods_frame
+
+
 def _tick() -> None:
     import mimics_app.lab.methods_tick
 
@@ -89,6 +101,11 @@ GROUPS: dict[str, Callable[[], None]] = {
     "loop scheduling": _scheduling,
     "spatialiser": _sound,
     "culling": _culling,
+    "occlusion": _city,
+    "level of detail": _city,
+    "sun shadows": _shadows,
+    "frame of nodes": _frame,
+    "frame of triangles": _frame,
     "haptic tick": _tick,
 }
 """Group -> what imports the module that registers it."""

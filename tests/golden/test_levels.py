@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from mimics_app.contracts.errors import SceneError
+from mimics_app.contracts.errors import SceneError, UsageError
 from mimics_app.rendering.visual.contexts import create_surface
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
@@ -48,6 +49,22 @@ def test_the_level_follows_the_coverage():
         for factor, wanted in ((1.5, 1280), (0.6, 320), (0.06, 80), (0.006, 0)):
             stats = Renderer(surface, world, SETTINGS).draw([view_at(distance_of(0.1 * factor))])
             assert stats.triangles == wanted, factor
+
+
+@pytest.mark.parametrize("detail", [0.25, 0.5, 2.0, 4.0])
+def test_levels_change_so_many_times_as_far_away(detail):
+    world = make_world()
+    with create_surface("egl", (64, 64)) as surface:
+        for factor, wanted in ((1.05, 1280), (0.95, 320)):
+            renderer = Renderer(surface, world, replace(SETTINGS, detail=detail))
+            away = distance_of(0.1 * factor) * detail
+            assert renderer.draw([view_at(away)]).triangles == wanted, factor
+
+
+@pytest.mark.parametrize("detail", [0.0, 0.2, 4.5, math.nan])
+def test_a_detail_that_cannot_be_is_refused(detail):
+    with pytest.raises(UsageError, match="detail"):
+        RenderSettings(detail=detail)
 
 
 def test_near_a_threshold_the_level_stays_what_it_was():

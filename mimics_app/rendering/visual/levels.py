@@ -58,7 +58,8 @@ class Levels:
             return shown
         chosen = self._chosen.setdefault(key, np.full(len(self._counts), -1, np.int32))
         eye = np.ascontiguousarray(view.eye_world)
-        choose_levels(self._leads, centres, radii, self._counts, self._coverages, eye, view.window, chosen)
+        window = view.window / detail**2
+        choose_levels(self._leads, centres, radii, self._counts, self._coverages, eye, window, chosen)
         show_levels(shown, self._items.levels, self._items.families, chosen, self._shown)
         return self._shown
 

@@ -161,7 +161,7 @@ def yard_us(settings: RenderSettings, posts: int = _POSTS) -> float:
 registry.describe(
     Group(
         name=GROUP,
-        what="a frame of a yard of 144 posts, one of them turning; error: how far a shadow's edge lies from the ray's end",
+        what="a frame of a yard of 144 posts, one turning; error: how far a shadow's edge lies from its ray's end",
         unit="m",
         work="posts",
         reference=reference_us,
