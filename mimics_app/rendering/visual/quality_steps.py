@@ -40,6 +40,7 @@ def quality_steps(renderer: Renderer) -> list[PictureStep]:
     """
     settings = renderer.settings
     steps = [_bloom(renderer)] if settings.bloom else []
+    steps += [_mirrors(renderer)] if renderer.world.mirrors and settings.mirror_scale == 1.0 else []
     steps += _shadow_steps(renderer) if settings.shadow_size >= 8 else []
     steps += [_edges(renderer)] if settings.msaa or settings.fxaa else []
     return sorted([*steps, _scale(renderer)], key=lambda step: step.order)
@@ -48,6 +49,12 @@ def quality_steps(renderer: Renderer) -> list[PictureStep]:
 def _bloom(renderer: Renderer) -> PictureStep:
     full = renderer.settings.bloom
     return PictureStep("bloom", 1, ("on", "off"), lambda level: renderer.set_quality(bloom=0.0 if level else full))
+
+
+def _mirrors(renderer: Renderer) -> PictureStep:
+    return PictureStep(
+        "mirrors", 2, ("sharp", "soft"), lambda level: renderer.set_quality(mirror_scale=0.5 if level else 1.0)
+    )
 
 
 def _shadow_steps(renderer: Renderer) -> list[PictureStep]:

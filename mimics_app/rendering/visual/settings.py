@@ -47,6 +47,7 @@ class RenderSettings:
         fog_density: Share of the horizon's colour mixed in per metre of distance [1/m]; 0 leaves fog out.
         hud_depth: Distance of the heads-up display from the eyes [m].
         scale: Width and height of the world's picture as drawn over those shown, 0.25 to 1; figures stay sharp.
+        mirror_scale: Width and height of what mirrors show over those of the picture, 0.1 to 1.
         shading: Which techniques draw opaque surfaces, see `Shading`.
         profile: What it is drawn for; techniques that are not for it give way to their fallbacks.
         occlusion: Which boxes may hide what is behind them; the picture is the same with any found ones and none.
@@ -68,6 +69,7 @@ class RenderSettings:
     fog_density: float = 0.12
     hud_depth: float = 1.0
     scale: float = 1.0
+    mirror_scale: float = 1.0
     shading: Shading = "full"
     profile: Profile = "training"
     occlusion: Occlusion = "all"
@@ -79,6 +81,8 @@ class RenderSettings:
             raise UsageError(f"{self.msaa} samples per pixel cannot be", "give 0, 2, 4 or 8")
         if not 0.25 <= self.scale <= 1.0:
             raise UsageError(f"a picture drawn at {self.scale} of its size cannot be", "give 0.25 to 1")
+        if not 0.1 <= self.mirror_scale <= 1.0:
+            raise UsageError(f"mirrors drawn at {self.mirror_scale} of their size cannot be", "give 0.1 to 1")
         if not 0.0 <= self.bloom <= 1.0:
             raise UsageError(f"a bloom of {self.bloom} of the light cannot be", "give 0 to 1")
         if not 1 <= self.cascades <= 4:

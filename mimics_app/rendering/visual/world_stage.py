@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING
 from mimics_app.rendering.visual.draw_items import DrawItems
 from mimics_app.rendering.visual.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.lighting import Lighting
+from mimics_app.rendering.visual.live_picture import MirrorPicture
 from mimics_app.rendering.visual.mesh_arena import MeshArena
+from mimics_app.rendering.visual.mirror_views import Reflection
 from mimics_app.rendering.visual.passes.sky import SkyPass, flat_sky
 from mimics_app.rendering.visual.passes.states import draw_runs
 from mimics_app.rendering.visual.passes.volumes import VolumePass
@@ -61,12 +63,19 @@ class ViewDraws:
         rectangle: Where in the target [px].
         opaque: Runs of draws, near to far.
         transparent: Blended ones, far to near.
+        mirrors: Those seen in it, with the number of the view and what they show there.
     """
 
     view: View
     rectangle: Rect
     opaque: list[DrawRun]
     transparent: list[DrawRun]
+    mirrors: Sequence[tuple[MirrorPicture, int, Reflection | None]] = ()
+
+    @property
+    def materials(self) -> set[str]:
+        """Names of all that is drawn."""
+        return {run.look.material.name for run in (*self.opaque, *self.transparent)}
 
     @property
     def triangles(self) -> int:
@@ -116,6 +125,8 @@ class WorldStage:
 
     def _draw_view(self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws, *, sky: bool) -> int:
         target.viewport = drawn.rectangle
+        for mirror, number, reflection in drawn.mirrors:
+            mirror.show(number, reflection, drawn.rectangle[:2])
         additive = scene.by_stencil and scene.settings.shadows == "stencil_additive"
         self._enter(scene, drawn.view, sun=not additive)
         draws = draw_runs(target, self._arena, self._frame, drawn.opaque)
