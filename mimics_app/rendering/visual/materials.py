@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = ["LIGHT_FEATURES", "MaterialStore"]
 
-LIGHT_FEATURES = ("PLACED_LIGHTS", "SUN_SHADOW", "SUN_CASCADES", "SPOT_SHADOWS")
+LIGHT_FEATURES = ("PLACED_LIGHTS", "SUN_SHADOW", "SUN_CASCADES", "SPOT_SHADOWS", "AMBIENT_OCCLUSION")
 """Features of shaders that hang on what shines."""
 
 _BINDINGS = {"base": 0, "normal": 5, "surface": 6, "occlusion": 7, "emission": 8}

@@ -99,6 +99,7 @@ class PictureStage:
     def draw(self, stage: WorldStage, scene: FrameScene, samples: int) -> int:
         """Draw the frame's pictures; returns the draw calls made."""
         # What a surface shows is light, and is tone mapped where that surface is seen.
+        scene = replace(scene, settings=replace(scene.settings, ambient_occlusion=0.0))
         emitted = replace(scene, settings=replace(scene.settings, tone_map="none", exposure=1.0))
         draws = 0
         if self._jobs:

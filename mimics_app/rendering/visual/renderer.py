@@ -79,6 +79,8 @@ class Renderer:
         self._hud_pass = HudPass(ctx, self._shaders)
         self._pictures = PictureStage(ctx, self._shaders)
         self._materials.live = self._pictures.pictures
+        # Once asked for, the shaders keep asking: a governor's step compiles nothing.
+        self._ambient = False
         self._timer = ctx.query(time=True) if self.settings.timer else None
 
     def draw(self, views: Sequence[View]) -> FrameStats:
@@ -106,6 +108,7 @@ class Renderer:
         fxaa: bool | None = None,
         bloom: float | None = None,
         mirror_scale: float | None = None,
+        ambient_occlusion: float | None = None,
     ) -> None:
         """Change what a governor may change, from the next frame on; None leaves a figure as it is.
 
@@ -116,12 +119,13 @@ class Renderer:
             fxaa: Whether edges are smoothed in the finished picture.
             bloom: Share of the light that is spread.
             mirror_scale: Of what mirrors show.
+            ambient_occlusion: How much near surfaces take off each other's light from the sky.
 
         Raises:
             UsageError: a value that cannot be.
         """
         wanted = {"shadow_size": shadow_size, "scale": scale, "msaa": msaa, "fxaa": fxaa, "bloom": bloom}
-        wanted |= {"mirror_scale": mirror_scale}
+        wanted |= {"mirror_scale": mirror_scale, "ambient_occlusion": ambient_occlusion}
         changes: dict[str, Any] = {name: value for name, value in wanted.items() if value is not None}
         self.settings = replace(self.settings, **changes)
         self._shadows.resize(self.settings.shadow_size)
@@ -173,10 +177,12 @@ class Renderer:
         """Take over the world, and queue what casts shadows."""
         lighting, settings = gather_lighting(self.world), self.settings
         self._pictures.update(self.world)
-        self._list.update(self.world, settings, light_features=light_features(lighting, settings))
+        self._ambient = self._ambient or settings.ambient_occlusion > 0.0
+        features = light_features(lighting, settings) | ({"AMBIENT_OCCLUSION"} if self._ambient else frozenset())
+        self._list.update(self.world, settings, light_features=features)
         self._frame.begin()
         self._shadows.prepare(lighting, views, self.world, self._list, self._frame, settings)
-        return FrameScene(self.world, self._list.items, lighting, self._shadows.plan, settings)
+        return FrameScene(self.world, self._list.items, lighting, self._shadows.plan, settings, self._ambient)
 
     def _batch(self, number: int, view: View) -> ViewDraws:
         """Queue what is seen in a view."""
