@@ -55,6 +55,8 @@ def picture_quality(scene: Scene, profile: Profile) -> RenderSettings:
         msaa=visual.samples if visual.anti_aliasing in ("samples", "both") and not draft else 0,
         fxaa=visual.anti_aliasing in ("filter", "both") and not draft,
         bloom=0.0 if draft else visual.bloom,
+        ambient_occlusion=0.0 if draft else visual.ambient_occlusion,
+        ambient_radius=visual.ambient_radius,
         shadow_size=min(512, visual.shadow_size) if draft else visual.shadow_size,
         shadows=visual.shadows,
         shadow_distance=visual.shadow_distance,

@@ -8,7 +8,9 @@ from collections.abc import Container
 import numpy as np
 
 from mimics_app.world.components import CameraComponent, Environment, LightComponent, MeshComponent
+from mimics_app.world.components_pictures import Inset, Mirror, Screen
 from mimics_app.world.environment import Backdrop, Fog, Sky
+from mimics_app.world.live_pictures import InsetView, ScreenSurface, show_mirror, show_screen
 from mimics_app.world.model_prefab import ModelPrefab
 from mimics_app.world.primitives import build_shape
 from mimics_app.world.scene import Scene, SceneEntity
@@ -18,7 +20,17 @@ from mimics_app.world.scene_spec import TransformSpec
 from mimics_app.world.shapes import Shape
 from mimics_app.world.world import DEFAULT_MATERIAL, World
 
-__all__ = ["build", "build_entity", "light_up", "load_library", "place", "shape_key", "show_mesh", "turn_to_targets"]
+__all__ = [
+    "build",
+    "build_entity",
+    "light_up",
+    "load_library",
+    "place",
+    "shape_key",
+    "show_live_pictures",
+    "show_mesh",
+    "turn_to_targets",
+]
 
 
 def build(scene: Scene) -> World:
@@ -67,7 +79,24 @@ def build_entity(world: World, scene: Scene, entity: SceneEntity) -> SceneNode:
             light_up(node, component)
         elif isinstance(component, CameraComponent):
             node.create_camera(component.vertical_fov, component.near, component.far)
+    show_live_pictures(world, entity)
     return node
+
+
+def show_live_pictures(world: World, entity: SceneEntity) -> None:
+    """Have an entity that is built already mirror, or show what a camera sees, as its components say now."""
+    for known in (world.mirrors, world.screens, world.insets):
+        known.pop(entity.id, None)
+    node = world.find(entity.id)
+    for component in entity.components.values():
+        if isinstance(component, Mirror):
+            show_mirror(node, component.tint, component.resolution)
+        elif isinstance(component, Screen):
+            shown = ScreenSurface(component.camera, component.size, component.every)
+            show_screen(node, shown, shines=component.shows == "light", brightness=component.brightness)
+        elif isinstance(component, Inset):
+            figures = (component.rectangle, component.mirrored, component.every, component.border)
+            world.insets[entity.id] = InsetView(component.camera, *figures)
 
 
 def place(node: SceneNode, transform: TransformSpec) -> None:

@@ -28,6 +28,10 @@ class VisualSettings(Component, frozen=True):
         Meta(description="Smooth edges: several `samples` a pixel, a filter of the finished picture, or both"),
     ] = "samples"
     samples: Annotated[Literal[0, 2, 4, 8], Meta(description="Of multisample anti-aliasing; 0: none")] = 4
+    ambient_occlusion: Annotated[
+        float, Meta(ge=0, le=4, description="How much near surfaces take off each other's light from the sky; 0: none")
+    ] = 0.0
+    ambient_radius: Annotated[float, Meta(gt=0, description="Within which surfaces do so [m]")] = 0.3
     bloom: Annotated[float, Meta(ge=0, le=1, description="Share of the light that glows about its source; 0: none")] = (
         0.0
     )

@@ -6,13 +6,24 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from mimics_app.world.build import build_entity, light_up, load_library, place, show_mesh, turn_to_targets
+from mimics_app.world.build import (
+    build_entity,
+    light_up,
+    load_library,
+    place,
+    show_live_pictures,
+    show_mesh,
+    turn_to_targets,
+)
 from mimics_app.world.components import CameraComponent, LightComponent, MeshComponent
 from mimics_app.world.scene import Scene, SceneEntity
 from mimics_app.world.scene_file import load_scene
 from mimics_app.world.world import World
 
 __all__ = ["Changes", "apply_scene", "reload_scene"]
+
+_SHOWN = {"mesh", "model", "mirror", "screen"}
+"""Components that say how a body looks; any change makes it anew."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +73,7 @@ def apply_scene(world: World, old: Scene, new: Scene) -> Changes:
     after = {entity.id: entity for entity in new.entities}
     load_library(world, new)
     _free_survivors(world, changes.removed, after)
-    reshown = [name for name, types in changes.components.items() if types & {"mesh", "model"}]
+    reshown = [name for name, types in changes.components.items() if types & _SHOWN]
     for name in (*changes.removed, *_model_nodes(world, reshown, before)):
         if name in world:
             world.find(name).remove()
@@ -135,7 +146,7 @@ def _refresh(world: World, scene: Scene, entity: SceneEntity, types: set[str]) -
     index = np.array([node.index], np.int32)
     if "transform" in types:
         place(node, entity.transform)
-    if types & {"mesh", "model"}:
+    if types & _SHOWN:
         world.content.drop_bodies(index)
         mesh = entity.components.get("mesh")
         if isinstance(mesh, MeshComponent):
@@ -150,6 +161,8 @@ def _refresh(world: World, scene: Scene, entity: SceneEntity, types: set[str]) -
         camera = entity.components.get("camera")
         if isinstance(camera, CameraComponent):
             node.create_camera(camera.vertical_fov, camera.near, camera.far)
+    if types & {*_SHOWN, "inset"}:
+        show_live_pictures(world, entity)
 
 
 def _reparent(world: World, new: Scene, before: dict[str, SceneEntity]) -> None:

@@ -12,6 +12,7 @@ from mimics_app.world.entity import Entity
 from mimics_app.world.environment import Sky
 from mimics_app.world.graph import SceneGraph
 from mimics_app.world.light import Light
+from mimics_app.world.live_pictures import InsetView, MirrorSurface, ScreenSurface
 from mimics_app.world.material import Material, TextureData
 from mimics_app.world.mesh import MeshData
 from mimics_app.world.render_list import RenderList
@@ -36,6 +37,7 @@ class World:
         textures: By key.
         techniques: Further ways to draw materials, by the name a material calls them.
         environment: The sky.
+        mirrors, screens, insets: What shows the world itself, by name of the node (`world.live_pictures`).
     """
 
     def __init__(self) -> None:
@@ -46,6 +48,9 @@ class World:
         self.textures: dict[str, TextureData] = {}
         self.techniques: dict[str, TechniqueSpec] = {}
         self.environment = Sky()
+        self.mirrors: dict[str, MirrorSurface] = {}
+        self.screens: dict[str, ScreenSurface] = {}
+        self.insets: dict[str, InsetView] = {}
         self._mesh_revisions: dict[str, int] = {}
         self._material_revision = 0
         self._order = self.transforms.revision

@@ -6,6 +6,7 @@
 #include "common/shadow.glsl"
 #include "common/brdf.glsl"
 #include "common/lights.glsl"
+#include "common/ambient.glsl"
 #include "common/grid.glsl"
 
 in vec3 position_eye;
@@ -37,6 +38,7 @@ void main() {
     n = material_normal(n, position_eye, uv);
 #endif
     Surface surface = make_surface(base.rgb, figures.x, figures.y, n, position_eye / -distance);
-    vec3 light = material_emission(uv) + shine(surface, figures.y, position_eye, sun_share, material_occlusion(uv));
+    float open = material_occlusion(uv) * screen_openness(position_eye);
+    vec3 light = material_emission(uv) + shine(surface, figures.y, position_eye, sun_share, open);
     colour = vec4(tone * encode_output(apply_fog(light, distance)), base.a);
 }

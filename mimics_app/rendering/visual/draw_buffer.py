@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mimics_app.rendering.visual.surface import Size, release_framebuffer
+from mimics_app.rendering.visual.texture_store import SRGB8_ALPHA8
 
 if TYPE_CHECKING:
     import moderngl
@@ -20,6 +21,7 @@ class DrawBuffer:
         size: [px].
         samples: Per pixel, 0: one.
         dtype: "f1" for 8 bits, "f2" for half floats.
+        srgb: True where a sampler is to decode the display values that are drawn.
 
     Attributes:
         size: [px].
@@ -28,10 +30,12 @@ class DrawBuffer:
         framebuffer: Where to draw.
     """
 
-    def __init__(self, ctx: moderngl.Context, size: Size, samples: int, dtype: str = "f1") -> None:
+    def __init__(
+        self, ctx: moderngl.Context, size: Size, samples: int, dtype: str = "f1", *, srgb: bool = False
+    ) -> None:
         self._ctx = ctx
         self.size, self.samples = size, samples
-        self.texture = ctx.texture(size, 4, dtype=dtype)
+        self.texture = ctx.texture(size, 4, dtype=dtype, internal_format=SRGB8_ALPHA8 if srgb else None)
         self.texture.repeat_x = self.texture.repeat_y = False
         depth = ctx.depth_renderbuffer(size, samples=samples)
         drawn = ctx.renderbuffer(size, 4, samples=samples, dtype=dtype) if samples else self.texture

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mimics_app.rendering.visual.live_picture import LivePicture
 from mimics_app.rendering.visual.picture_arrays import PictureArray
 from mimics_app.rendering.visual.shader_library import ShaderProgram
 from mimics_app.world.material import MAPS, Material, TextureData
@@ -62,7 +63,7 @@ class Look:
     passes: tuple[LookPass, ...]
     shadow_shader: ShaderProgram
     block: moderngl.Buffer
-    textures: tuple[tuple[int, moderngl.Texture | PictureArray], ...]
+    textures: tuple[tuple[int, moderngl.Texture | PictureArray | LivePicture], ...]
     state: Hashable
     shadow_state: Hashable
     paint: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)

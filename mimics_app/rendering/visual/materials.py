@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.rendering.visual.capabilities import Capabilities
+from mimics_app.rendering.visual.live_picture import LivePicture
 from mimics_app.rendering.visual.look import Look, make_pass, pack_material
 from mimics_app.rendering.visual.picture_arrays import PictureArrays, encode_srgb
 from mimics_app.rendering.visual.settings import Shading
@@ -25,7 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = ["LIGHT_FEATURES", "MaterialStore"]
 
-LIGHT_FEATURES = ("PLACED_LIGHTS", "SUN_SHADOW", "SUN_CASCADES", "SPOT_SHADOWS")
+LIGHT_FEATURES = ("PLACED_LIGHTS", "SUN_SHADOW", "SUN_CASCADES", "SPOT_SHADOWS", "AMBIENT_OCCLUSION")
 """Features of shaders that hang on what shines."""
 
 _BINDINGS = {"base": 0, "normal": 5, "surface": 6, "occlusion": 7, "emission": 8}
@@ -56,6 +58,7 @@ class MaterialStore:
 
     Attributes:
         issues: What could not be drawn as the world asks, each told once; take them out when they were told.
+        live: Pictures that are drawn, not uploaded, by key; a world has a plain texture under each.
     """
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, has: Capabilities) -> None:
@@ -71,6 +74,7 @@ class MaterialStore:
         self._variant = _Variant()
         self._told: set[Issue] = set()
         self.issues: list[Issue] = []
+        self.live: Mapping[str, LivePicture] = {}
 
     def update(
         self, world: World, *, light_features: frozenset[str], shading: Shading = "full", profile: Profile = "training"
@@ -151,7 +155,7 @@ class MaterialStore:
             passes.append(make_pass(spec, self._shaders.program(spec.vertex, spec.fragment, defines), material))
         read = {feature for spec in choice.spec.passes for feature in spec.features}
         textures = tuple(
-            (_BINDINGS[which], self._textures.get(material.textures[which], picture, figures=which in _FIGURES))
+            (_BINDINGS[which], self._texture(material.textures[which], picture, figures=which in _FIGURES))
             for which, picture in pictures.items()
             if _feature_of(which) in read
         )
@@ -161,6 +165,9 @@ class MaterialStore:
         # Depth of what has no holes looks the same whatever its material.
         look.shadow_state = "solid" if look.solid else (name, coloured)
         return look
+
+    def _texture(self, key: str, picture: TextureData, *, figures: bool) -> moderngl.Texture | LivePicture:
+        return self.live.get(key) or self._textures.get(key, picture, figures=figures)
 
     def _make_plain(
         self, name: str, material: Material, pictures: _Pictures, coloured: bool, spec: TechniqueSpec
@@ -246,6 +253,6 @@ def _same(was: tuple[Material, _Pictures], now: tuple[Material, _Pictures] | Non
 
 def _can_be_plain(material: Material, chain: list[str]) -> bool:
     """True for an opaque surface that the plain technique shows whole: no holes, lines or light of its own."""
-    opaque = material.alpha_mode == "opaque" and _PLAIN in chain and chain[0] != "glass"
+    opaque = material.alpha_mode == "opaque" and _PLAIN in chain and chain[0] not in ("glass", "mirror")
     still = material.uv_transforms[0] == IDENTITY
     return opaque and still and material.grid == 0.0 and not any(material.emission)

@@ -40,6 +40,8 @@ def quality_steps(renderer: Renderer) -> list[PictureStep]:
     """
     settings = renderer.settings
     steps = [_bloom(renderer)] if settings.bloom else []
+    steps += [_ambient(renderer)] if settings.ambient_occlusion else []
+    steps += [_mirrors(renderer)] if renderer.world.mirrors and settings.mirror_scale == 1.0 else []
     steps += _shadow_steps(renderer) if settings.shadow_size >= 8 else []
     steps += [_edges(renderer)] if settings.msaa or settings.fxaa else []
     return sorted([*steps, _scale(renderer)], key=lambda step: step.order)
@@ -50,14 +52,30 @@ def _bloom(renderer: Renderer) -> PictureStep:
     return PictureStep("bloom", 1, ("on", "off"), lambda level: renderer.set_quality(bloom=0.0 if level else full))
 
 
+def _ambient(renderer: Renderer) -> PictureStep:
+    full = renderer.settings.ambient_occlusion
+    return PictureStep(
+        "ambient occlusion",
+        2,
+        ("on", "off"),
+        lambda level: renderer.set_quality(ambient_occlusion=0.0 if level else full),
+    )
+
+
+def _mirrors(renderer: Renderer) -> PictureStep:
+    return PictureStep(
+        "mirrors", 3, ("sharp", "soft"), lambda level: renderer.set_quality(mirror_scale=0.5 if level else 1.0)
+    )
+
+
 def _shadow_steps(renderer: Renderer) -> list[PictureStep]:
     full = renderer.settings.shadow_size
     sizes = (full, full // 2)
     names = tuple(map(str, sizes))
     return [
-        PictureStep("shadow size", 3, names, lambda level: renderer.set_quality(shadow_size=sizes[level])),
+        PictureStep("shadow size", 4, names, lambda level: renderer.set_quality(shadow_size=sizes[level])),
         PictureStep(
-            "shadows", 6, ("on", "off"), lambda level: renderer.set_quality(shadow_size=0 if level else sizes[-1])
+            "shadows", 7, ("on", "off"), lambda level: renderer.set_quality(shadow_size=0 if level else sizes[-1])
         ),
     ]
 
@@ -67,7 +85,7 @@ def _edges(renderer: Renderer) -> PictureStep:
     settings = renderer.settings
     kept = [(settings.msaa, settings.fxaa), *([(0, True)] if settings.msaa else []), (0, False)]
     names = tuple(f"{samples} samples" if samples else "filtered" if fxaa else "off" for samples, fxaa in kept)
-    return PictureStep("anti-aliasing", 4, names, lambda level: _smooth(renderer, *kept[level]))
+    return PictureStep("anti-aliasing", 5, names, lambda level: _smooth(renderer, *kept[level]))
 
 
 def _smooth(renderer: Renderer, msaa: int, fxaa: bool) -> None:
@@ -78,4 +96,4 @@ def _scale(renderer: Renderer) -> PictureStep:
     full = renderer.settings.scale
     scales = tuple(full * share for share in _SCALES if full * share >= 0.25)
     names = tuple(f"{scale:g}" for scale in scales)
-    return PictureStep("resolution scale", 5, names, lambda level: renderer.set_quality(scale=scales[level]))
+    return PictureStep("resolution scale", 6, names, lambda level: renderer.set_quality(scale=scales[level]))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
@@ -19,6 +19,7 @@ from mimics_app.rendering.visual.lighting import gather_lighting
 from mimics_app.rendering.visual.materials import MaterialStore
 from mimics_app.rendering.visual.mesh_arena import MeshArena
 from mimics_app.rendering.visual.passes.hud import HudPass, plane_of_views
+from mimics_app.rendering.visual.picture_stage import PictureStage
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.shadow_stage import ShadowStage, light_features
@@ -76,6 +77,10 @@ class Renderer:
         self._shadows = ShadowStage(ctx, self.settings.shadow_size)
         self._world = WorldStage(ctx, self._shaders, self._arena, self._frame, self.settings, has.texture_size)
         self._hud_pass = HudPass(ctx, self._shaders)
+        self._pictures = PictureStage(ctx, self._shaders)
+        self._materials.live = self._pictures.pictures
+        # Once asked for, the shaders keep asking: a governor's step compiles nothing.
+        self._ambient = False
         self._timer = ctx.query(time=True) if self.settings.timer else None
 
     def draw(self, views: Sequence[View]) -> FrameStats:
@@ -102,6 +107,8 @@ class Renderer:
         msaa: int | None = None,
         fxaa: bool | None = None,
         bloom: float | None = None,
+        mirror_scale: float | None = None,
+        ambient_occlusion: float | None = None,
     ) -> None:
         """Change what a governor may change, from the next frame on; None leaves a figure as it is.
 
@@ -111,11 +118,14 @@ class Renderer:
             msaa: Samples per pixel.
             fxaa: Whether edges are smoothed in the finished picture.
             bloom: Share of the light that is spread.
+            mirror_scale: Of what mirrors show.
+            ambient_occlusion: How much near surfaces take off each other's light from the sky.
 
         Raises:
             UsageError: a value that cannot be.
         """
         wanted = {"shadow_size": shadow_size, "scale": scale, "msaa": msaa, "fxaa": fxaa, "bloom": bloom}
+        wanted |= {"mirror_scale": mirror_scale, "ambient_occlusion": ambient_occlusion}
         changes: dict[str, Any] = {name: value for name, value in wanted.items() if value is not None}
         self.settings = replace(self.settings, **changes)
         self._shadows.resize(self.settings.shadow_size)
@@ -127,13 +137,13 @@ class Renderer:
 
     def take_issues(self) -> list[Issue]:
         """What could not be drawn as the world asks since the last call; each fault is told once."""
-        taken = [*self._materials.issues, *self._world.sky.issues]
-        self._materials.issues, self._world.sky.issues = [], []
+        taken = [*self._materials.issues, *self._world.sky.issues, *self._pictures.issues]
+        self._materials.issues, self._world.sky.issues, self._pictures.issues = [], [], []
         return taken
 
     def release(self) -> None:
         """Free everything but the surface."""
-        parts = (self._hud_pass, self._world, self._shadows, self._picture, self._frame)
+        parts = (self._pictures, self._hud_pass, self._world, self._shadows, self._picture, self._frame)
         for part in (*parts, self._materials, self._arena):
             part.release()
 
@@ -154,20 +164,25 @@ class Renderer:
         """The stages of a frame in their order; returns triangles and draw calls."""
         scene = self._prepare(views)
         drawn = [self._batch(number, view) for number, view in enumerate(views)]
+        drawn = self._pictures.queue(self.world, drawn, self._batch_picture, self.settings.mirror_scale)
         self._frame.upload(self._arena)
         draws = self._shadows.draw(self._arena, self._frame)
+        draws += self._pictures.draw(self._world, scene, self._picture.samples)
         draws += self._world.draw(self._picture.begin(), self._picture.samples, scene, drawn)
         draws += self._draw_over(views)
         shadow_triangles = sum(run.triangles for runs in self._shadows.runs for run in runs or ())
-        return shadow_triangles + sum(each.triangles for each in drawn), draws
+        return shadow_triangles + self._pictures.triangles + sum(each.triangles for each in drawn), draws
 
     def _prepare(self, views: Sequence[View]) -> FrameScene:
         """Take over the world, and queue what casts shadows."""
         lighting, settings = gather_lighting(self.world), self.settings
-        self._list.update(self.world, settings, light_features=light_features(lighting, settings))
+        self._pictures.update(self.world)
+        self._ambient = self._ambient or settings.ambient_occlusion > 0.0
+        features = light_features(lighting, settings) | ({"AMBIENT_OCCLUSION"} if self._ambient else frozenset())
+        self._list.update(self.world, settings, light_features=features)
         self._frame.begin()
         self._shadows.prepare(lighting, views, self.world, self._list, self._frame, settings)
-        return FrameScene(self.world, self._list.items, lighting, self._shadows.plan, settings)
+        return FrameScene(self.world, self._list.items, lighting, self._shadows.plan, settings, self._ambient)
 
     def _batch(self, number: int, view: View) -> ViewDraws:
         """Queue what is seen in a view."""
@@ -175,15 +190,20 @@ class Renderer:
         runs = self._list.batch_view(self._frame, view, rectangle[2:], self._picture.samples, number)
         return ViewDraws(view, rectangle, *runs)
 
+    def _batch_picture(self, view: View, key: Hashable) -> ViewDraws:
+        """Queue what is seen in a view of a picture within the picture."""
+        runs = self._list.batch_view(self._frame, view, view.rectangle[2:], self._picture.samples, key)
+        return ViewDraws(view, view.rectangle, *runs)
+
     def _draw_over(self, views: Sequence[View]) -> int:
-        """Show the world's picture with the heads-up display, which no filter touches and which is never smaller."""
+        """Show the world's picture, and over it what no filter touches and is never smaller: insets, figures."""
         rectangles = [view.rectangle for view in views]
         if self._picture.filtered:
             return self._picture.end(rectangles) + self._draw_hud(views)
         return self._draw_hud(views) + self._picture.end(rectangles)
 
     def _draw_hud(self, views: Sequence[View]) -> int:
-        draws = 0
+        draws = self._pictures.draw_insets(self.world, views, self.settings.hud_depth)
         if self.hud.empty:
             return draws
         for screen in dict.fromkeys(view.screen for view in views):

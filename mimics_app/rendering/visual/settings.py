@@ -43,11 +43,14 @@ class RenderSettings:
         shadow_reach: Casters of a bounding radius beyond this [m] receive shadows but do not widen the map.
         tone_map: "neutral" (Khronos PBR neutral: base colours stay what they are) or "none" (clamped, for tests).
         exposure: Factor on all light before the tone map.
+        ambient_occlusion: How much near surfaces take off each other's skylight, 1: as they do; 0 leaves it out.
+        ambient_radius: Within which surfaces do so [m].
         bloom: Share of the light that is spread about, 0 to 1; 0 leaves it out.
         fog_density: Share of the horizon's colour mixed in per metre of distance [1/m]; 0 leaves fog out.
         hud_depth: Distance of the heads-up display from the eyes [m].
         scale: Width and height of the world's picture as drawn over those shown, 0.25 to 1; figures stay sharp.
         detail: Distances at which bodies go over to coarser forms, over those that their authors gave: 0.25 to 4.
+        mirror_scale: Width and height of what mirrors show over those of the picture, 0.1 to 1.
         shading: Which techniques draw opaque surfaces, see `Shading`.
         profile: What it is drawn for; techniques that are not for it give way to their fallbacks.
         occlusion: Which boxes may hide what is behind them; the picture is the same with any found ones and none.
@@ -65,11 +68,14 @@ class RenderSettings:
     shadow_reach: float = 2.0
     tone_map: Literal["neutral", "none"] = "neutral"
     exposure: float = 1.0
+    ambient_occlusion: float = 0.0
+    ambient_radius: float = 0.3
     bloom: float = 0.0
     fog_density: float = 0.12
     hud_depth: float = 1.0
     scale: float = 1.0
     detail: float = 1.0
+    mirror_scale: float = 1.0
     shading: Shading = "full"
     profile: Profile = "training"
     occlusion: Occlusion = "all"
@@ -83,6 +89,11 @@ class RenderSettings:
             raise UsageError(f"a picture drawn at {self.scale} of its size cannot be", "give 0.25 to 1")
         if not 0.25 <= self.detail <= 4.0:
             raise UsageError(f"levels of detail {self.detail} times as far away cannot be", "give 0.25 to 4")
+        if not 0.1 <= self.mirror_scale <= 1.0:
+            raise UsageError(f"mirrors drawn at {self.mirror_scale} of their size cannot be", "give 0.1 to 1")
+        if not 0.0 <= self.ambient_occlusion <= 4.0 or not self.ambient_radius > 0.0:
+            what = f"ambient occlusion of {self.ambient_occlusion} within {self.ambient_radius} m cannot be"
+            raise UsageError(what, "give 0 to 4, and a radius beyond 0 m")
         if not 0.0 <= self.bloom <= 1.0:
             raise UsageError(f"a bloom of {self.bloom} of the light cannot be", "give 0 to 1")
         if not 1 <= self.cascades <= 4:

@@ -9,7 +9,10 @@ from typing import TYPE_CHECKING
 from mimics_app.rendering.visual.draw_items import DrawItems
 from mimics_app.rendering.visual.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.lighting import Lighting
+from mimics_app.rendering.visual.live_picture import MirrorPicture
 from mimics_app.rendering.visual.mesh_arena import MeshArena
+from mimics_app.rendering.visual.mirror_views import Reflection
+from mimics_app.rendering.visual.passes.ambient import AmbientPass
 from mimics_app.rendering.visual.passes.sky import SkyPass, flat_sky
 from mimics_app.rendering.visual.passes.states import draw_runs
 from mimics_app.rendering.visual.passes.volumes import VolumePass
@@ -37,6 +40,7 @@ class FrameScene:
         lighting: What shines.
         plan: The shadow maps, drawn already.
         settings: Quality.
+        ambient: True where the shaders ask how open the surroundings are, whatever the answer.
     """
 
     world: World
@@ -44,6 +48,7 @@ class FrameScene:
     lighting: Lighting
     plan: ShadowPlan
     settings: RenderSettings
+    ambient: bool = False
 
     @property
     def by_stencil(self) -> bool:
@@ -61,12 +66,19 @@ class ViewDraws:
         rectangle: Where in the target [px].
         opaque: Runs of draws, near to far.
         transparent: Blended ones, far to near.
+        mirrors: Those seen in it, with the number of the view and what they show there.
     """
 
     view: View
     rectangle: Rect
     opaque: list[DrawRun]
     transparent: list[DrawRun]
+    mirrors: Sequence[tuple[MirrorPicture, int, Reflection | None]] = ()
+
+    @property
+    def materials(self) -> set[str]:
+        """Names of all that is drawn."""
+        return {run.look.material.name for run in (*self.opaque, *self.transparent)}
 
     @property
     def triangles(self) -> int:
@@ -91,6 +103,7 @@ class WorldStage:
         self._frame = frame
         self._block = ViewBlock(ctx, settings)
         self._volumes = VolumePass(ctx, shaders)
+        self._ambient = AmbientPass(ctx, shaders, arena, frame)
         self.sky = SkyPass(ctx, shaders, longest_texture)
 
     def draw(self, target: moderngl.Framebuffer, samples: int, scene: FrameScene, views: Sequence[ViewDraws]) -> int:
@@ -116,14 +129,28 @@ class WorldStage:
 
     def _draw_view(self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws, *, sky: bool) -> int:
         target.viewport = drawn.rectangle
+        for mirror, number, reflection in drawn.mirrors:
+            mirror.show(number, reflection, drawn.rectangle[:2])
         additive = scene.by_stencil and scene.settings.shadows == "stencil_additive"
         self._enter(scene, drawn.view, sun=not additive)
-        draws = draw_runs(target, self._arena, self._frame, drawn.opaque)
+        draws = self._find_ambient(target, scene, drawn)
+        draws += draw_runs(target, self._arena, self._frame, drawn.opaque)
         if sky:
             draws += self.sky.draw()
         if scene.by_stencil:
             draws += self._draw_stencil_shadows(target, scene, drawn, additive=additive)
         return draws + draw_runs(target, self._arena, self._frame, drawn.transparent)
+
+    def _find_ambient(self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws) -> int:
+        """Where lit shaders ask how open the surroundings are, have an answer ready."""
+        if not scene.ambient:
+            return 0
+        if scene.settings.ambient_occlusion == 0.0:
+            self._ambient.skip()
+            return 0
+        draws = self._ambient.draw(drawn.view, drawn.rectangle, drawn.opaque, scene.settings)
+        target.use()
+        return draws
 
     def _enter(self, scene: FrameScene, view: View, *, sun: bool) -> None:
         """Tell the shaders where the view is from and what shines."""
@@ -149,5 +176,5 @@ class WorldStage:
 
     def release(self) -> None:
         """Free what belongs to the passes."""
-        for part in (self.sky, self._block, self._volumes):
+        for part in (self.sky, self._block, self._volumes, self._ambient):
             part.release()

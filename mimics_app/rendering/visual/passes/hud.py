@@ -16,7 +16,7 @@ from mimics_app.rendering.visual.view import View
 if TYPE_CHECKING:
     import moderngl
 
-__all__ = ["HudPass", "HudPlane", "plane_of_views"]
+__all__ = ["HudPass", "HudPlane", "clip_from_hud", "plane_of_views"]
 
 F8 = NDArray[np.float64]
 
@@ -86,7 +86,7 @@ class HudPass:
         if hud.empty:
             return 0
         self._upload(hud)
-        self._shader.set_matrix("clip_from_hud", _clip_from_hud(view, plane))
+        self._shader.set_matrix("clip_from_hud", clip_from_hud(view, plane))
         self._shader.set_number("glyph_spread", hud.atlas.spread)
         ctx = self._ctx
         ctx.viewport = view.rectangle
@@ -146,7 +146,8 @@ class HudPass:
         self._images.repeat_x = self._images.repeat_y = False
 
 
-def _clip_from_hud(view: View, plane: HudPlane) -> F8:
+def clip_from_hud(view: View, plane: HudPlane) -> F8:
+    """Projection of the canvas, x and y in hud px from its lower left corner (float64 [4, 4])."""
     eye_from_hud = np.zeros((4, 4))
     eye_from_hud[:3, 0] = plane.right_world / plane.canvas_width
     eye_from_hud[:3, 1] = plane.up_world / CANVAS_HEIGHT

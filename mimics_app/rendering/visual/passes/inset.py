@@ -1,0 +1,68 @@
+"""Pictures of other cameras laid over the display, on the plane of the heads-up display."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mimics_app.rendering.visual.hud import CANVAS_HEIGHT
+from mimics_app.rendering.visual.live_picture import LivePicture
+from mimics_app.rendering.visual.passes.hud import HudPlane, clip_from_hud
+from mimics_app.rendering.visual.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.view import Rect, View
+from mimics_app.world.live_pictures import InsetView
+
+if TYPE_CHECKING:
+    import moderngl
+
+__all__ = ["InsetPass", "inset_pixels"]
+
+_BINDING = 22
+
+
+def inset_pixels(inset: InsetView, view: View) -> Rect:
+    """Where an inset lies in a view [px], from its own corner."""
+    left, bottom, width, height = inset.rectangle
+    wide, high = view.rectangle[2:]
+    return round(left * wide), round(bottom * high), max(1, round(width * wide)), max(1, round(height * high))
+
+
+class InsetPass:
+    """Draws one inset; compiled when it is first needed."""
+
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
+        self._ctx = ctx
+        self._shaders = shaders
+        self._made: tuple[int, moderngl.VertexArray] | None = None
+
+    def draw(self, inset: InsetView, picture: LivePicture, pixels: Rect, view: View, plane: HudPlane) -> int:
+        """Lay it over a view; returns the draw calls made.
+
+        Args:
+            inset: What.
+            picture: What it shows.
+            pixels: Where in the first view of the screen, see `inset_pixels`.
+            view: Which view of that screen.
+            plane: Of the screen's heads-up display.
+        """
+        import moderngl
+
+        shader = self._shaders.program("inset/inset.vert", "inset/inset.frag")
+        if self._made is None or self._made[0] != shader.revision:
+            self.release()
+            self._made = (shader.revision, self._ctx.vertex_array(shader.program, []))
+        line = CANVAS_HEIGHT / view.rectangle[3]
+        shader.set_numbers("box", [side * line for side in pixels])
+        shader.set_number("border", inset.border)
+        shader.set_number("mirrored", float(inset.mirrored))
+        shader.set_matrix("clip_from_hud", clip_from_hud(view, plane))
+        self._ctx.viewport = view.rectangle
+        self._ctx.enable_only(moderngl.NOTHING)
+        picture.use(_BINDING)
+        self._made[1].render(moderngl.TRIANGLE_STRIP, vertices=4)
+        return 1
+
+    def release(self) -> None:
+        """Free the vertex array."""
+        if self._made is not None:
+            self._made[1].release()
+            self._made = None
