@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.errors import Issue, UsageError
@@ -27,6 +27,9 @@ from mimics_app.rendering.visual.targets import PictureTarget
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.world_stage import FrameScene, ViewDraws, WorldStage
 from mimics_app.world.world import World
+
+if TYPE_CHECKING:
+    from mimics_app.rendering.visual.effect_stage import EffectStage
 
 __all__ = ["Renderer"]
 
@@ -75,6 +78,8 @@ class Renderer:
         self._picture = PictureTarget(surface, self._shaders, self.settings)
         self._shadows = ShadowStage(ctx, self.settings.shadow_size)
         self._world = WorldStage(ctx, self._shaders, self._arena, self._frame, self.settings, has.texture_size)
+        self._effects: EffectStage | None = None
+        self._longest_texture = has.texture_size
         self._hud_pass = HudPass(ctx, self._shaders)
         self._timer = ctx.query(time=True) if self.settings.timer else None
 
@@ -129,13 +134,15 @@ class Renderer:
         """What could not be drawn as the world asks since the last call; each fault is told once."""
         taken = [*self._materials.issues, *self._world.sky.issues]
         self._materials.issues, self._world.sky.issues = [], []
-        return taken
+        return taken if self._effects is None else [*taken, *self._effects.take_issues()]
 
     def release(self) -> None:
         """Free everything but the surface."""
         parts = (self._hud_pass, self._world, self._shadows, self._picture, self._frame)
         for part in (*parts, self._materials, self._arena):
             part.release()
+        if self._effects is not None:
+            self._effects.release()
 
     def _measure(self, views: Sequence[View], *, finish: bool) -> FrameStats:
         if not views:
@@ -153,8 +160,10 @@ class Renderer:
     def _draw(self, views: Sequence[View]) -> tuple[int, int]:
         """The stages of a frame in their order; returns triangles and draw calls."""
         scene = self._prepare(views)
-        drawn = [self._batch(number, view) for number, view in enumerate(views)]
+        drawn = [self._batch(number, view, scene) for number, view in enumerate(views)]
         self._frame.upload(self._arena)
+        if scene.effects is not None:
+            scene.effects.upload()
         draws = self._shadows.draw(self._arena, self._frame)
         draws += self._world.draw(self._picture.begin(), self._picture.samples, scene, drawn)
         draws += self._draw_over(views)
@@ -164,16 +173,33 @@ class Renderer:
     def _prepare(self, views: Sequence[View]) -> FrameScene:
         """Take over the world, and queue what casts shadows."""
         lighting, settings = gather_lighting(self.world), self.settings
-        self._list.update(self.world, settings, light_features=light_features(lighting, settings))
+        lights = light_features(lighting, settings)
+        self._list.update(self.world, settings, light_features=lights)
         self._frame.begin()
-        self._shadows.prepare(lighting, views, self.world, self._list, self._frame, settings)
-        return FrameScene(self.world, self._list.items, lighting, self._shadows.plan, settings)
+        self._shadows.prepare(lighting, views, self._list, self._frame, settings)
+        effects = self._prepare_effects(lights)
+        return FrameScene(self.world, self._list.items, lighting, self._shadows.plan, settings, effects)
 
-    def _batch(self, number: int, view: View) -> ViewDraws:
+    def _prepare_effects(self, lights: frozenset[str]) -> EffectStage | None:
+        """The stage of sprites and projectors, ready for this frame; None, and nothing loaded, in a world without."""
+        if self.world.effects.empty:
+            return None
+        if self._effects is None:
+            from mimics_app.rendering.visual.effect_stage import EffectStage
+
+            self._effects = EffectStage(self._surface.ctx, self._shaders, self._longest_texture)
+        self._effects.prepare(self.world, lights)
+        return self._effects
+
+    def _batch(self, number: int, view: View, scene: FrameScene) -> ViewDraws:
         """Queue what is seen in a view."""
         rectangle = self._picture.rectangle(view.rectangle)
-        runs = self._list.batch_view(self._frame, view, rectangle[2:], self._picture.samples, number)
-        return ViewDraws(view, rectangle, *runs)
+        size, samples = rectangle[2:], self._picture.samples
+        opaque, blended, away = self._list.batch_view(self._frame, view, size, samples, number)
+        if scene.effects is None:
+            return ViewDraws(view, rectangle, opaque, blended)
+        thrown = scene.effects.meet(view, self._list, self._frame)
+        return ViewDraws(view, rectangle, opaque, scene.effects.mix(view, blended, away), thrown)
 
     def _draw_over(self, views: Sequence[View]) -> int:
         """Show the world's picture with the heads-up display, which no filter touches and which is never smaller."""
