@@ -32,16 +32,18 @@ class MeshBuffer:
 
     Args:
         mesh: What it begins with; copied.
-        publish: Called with the mesh after every change; returns its revision.
+        revision: Of the mesh in its world once this is in its place.
+        publish: Called with the buffer after every change; returns the mesh's revision then.
 
     Attributes:
+        mesh: The same arrays as a mesh of the world; another one after every change.
         positions, normals: Object frame [m] and unit, float32 [n, 3].
         uvs: Texture coordinates, float32 [n, 2], or None where the mesh has none.
         colours: Linear RGBA, float32 [n, 4], or None.
         indices: Three per triangle, uint32 [m].
     """
 
-    def __init__(self, mesh: MeshData, publish: Callable[[MeshData], int]) -> None:
+    def __init__(self, mesh: MeshData, revision: int, publish: Callable[[MeshBuffer], int]) -> None:
         own = mesh.validated()
         self.positions: F4 = own.positions.copy()
         self.normals: F4 = own.normals.copy()
@@ -50,8 +52,8 @@ class MeshBuffer:
         self.indices: U4 = own.indices.copy()
         self._publish = publish
         self._changes: deque[MeshChange] = deque(maxlen=_REMEMBERED)
-        self._mesh = MeshData(self.positions, self.normals, self.indices, self.uvs, self.colours)
-        self._first = publish(self._mesh)
+        self.mesh = MeshData(self.positions, self.normals, self.indices, self.uvs, self.colours)
+        self._first = revision
 
     @property
     def declarations(self) -> tuple[VertexDeclaration, ...]:
@@ -97,8 +99,8 @@ class MeshBuffer:
 
     def _tell(self, what: Literal["vertices", "indices"], first: int, count: int) -> None:
         # The same arrays in a new mesh: bounds and whatever else was worked out for the old one are gone with it.
-        self._mesh = replace(self._mesh)
-        self._changes.append((self._publish(self._mesh), what, first, count))
+        self.mesh = replace(self.mesh)
+        self._changes.append((self._publish(self), what, first, count))
 
     def _end(self, first: int, count: int | None, size: int, what: str) -> int:
         end = size if count is None else first + count

@@ -155,7 +155,10 @@ class World:
         """
         self.require_mesh(name)
         if name not in self._mesh_buffers:
-            self._mesh_buffers[name] = MeshBuffer(self.meshes[name], lambda mesh: self._publish(name, mesh))
+            revision = self.mesh_revision(name) + 1
+            buffer = MeshBuffer(self.meshes[name], revision, lambda own: self._rewrite(name, own))
+            self._mesh_buffers[name] = buffer
+            self._publish(name, buffer.mesh)
         return self._mesh_buffers[name]
 
     def opened_mesh(self, name: str) -> MeshBuffer | None:
@@ -180,10 +183,15 @@ class World:
         """Raise a KeyError that names the nearest when the world has no such material."""
         _require(self.materials, "material", name)
 
-    def _publish(self, name: str, mesh: MeshData) -> int:
+    def _rewrite(self, name: str, buffer: MeshBuffer) -> int:
+        """Take over what a buffer holds, unless another mesh stands in its place by now."""
+        if self._mesh_buffers.get(name) is buffer:
+            self._publish(name, buffer.mesh)
+        return self.mesh_revision(name)
+
+    def _publish(self, name: str, mesh: MeshData) -> None:
         self.meshes[name] = mesh
         self._mesh_revisions[name] = self.mesh_revision(name) + 1
-        return self._mesh_revisions[name]
 
     def _attached(self, indices: Any) -> list[int]:
         return [index for index in indices.tolist() if not self.graph.is_detached(index)]

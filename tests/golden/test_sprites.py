@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import msgspec
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -114,7 +115,7 @@ def test_each_eye_sees_it_as_if_alone():
 
 
 def panes_and_sprites() -> World:
-    """Along z, far to near from +z: red pane -1, green sprite -0.75, blue pane -0.5, white sprite -0.25; half opaque."""
+    """Far to near from +z, half opaque: red pane -1, green sprite -0.75, blue pane -0.5, white sprite -0.25."""
     world = make_world()
     for name, colour, depth in (("red", (1.0, 0.0, 0.0, 0.5), -1.0), ("blue", (0.0, 0.0, 1.0, 0.5), -0.5)):
         world.set_material(Material(name, "unlit", colour, alpha_mode="blend", double_sided=True))
@@ -178,8 +179,15 @@ def test_bodies_hide_sprites_and_sprites_hide_no_bodies():
 def test_lit_paper_follows_lambert(lean):
     """One piece, lying flat, under a sun that leans: albedo times cosine."""
     world = make_world()
-    spec = Particles(shape="paper", trigger="start", count=1, lifetime=(9.0, 9.0), speed=(0.0, 0.0), gravity=(0.0, -9.81, 0.0),
-                     floor=-0.1, size=(2.0, 2.0), colours=((0.6, 0.3, 0.1, 1.0),), blend="mask", lit=True)  # fmt: skip
+    flight = Particles(shape="paper", trigger="start", count=1, speed=(0.0, 0.0), gravity=(0.0, -9.81, 0.0), floor=-0.1)
+    look = {
+        "size": (2.0, 2.0),
+        "colours": ((0.6, 0.3, 0.1, 1.0),),
+        "blend": "mask",
+        "lit": True,
+        "lifetime": (9.0, 9.0),
+    }
+    spec = msgspec.structs.replace(flight, **look)
     world.effects.add(world.root.create_child("paper").index, spec)
     sun = world.root.create_child("sun", (3.0 * math.sin(lean), 3.0 * math.cos(lean), 0.0))
     sun.look_at((0.0, 0.0, 0.0), (0.0, 0.0, -1.0))
