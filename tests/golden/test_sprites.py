@@ -212,6 +212,19 @@ def test_haze_covers_what_covers_and_dims_what_adds():
         assert draw_offscreen(world, [view], SIZE, PLAIN)[32, 48, 0] == pytest.approx(encode(expected), abs=CODE)
 
 
+def test_every_code_survives_the_way_from_texture_to_picture():
+    """sRGB decoded and encoded by the shader: all 256 codes of each channel come out as they went in."""
+    codes = np.zeros((16, 16, 4), np.uint8)
+    ramp = np.arange(256, dtype=np.uint8).reshape(16, 16)
+    codes[..., 0], codes[..., 1], codes[..., 2], codes[..., 3] = ramp, ramp[::-1], ramp[:, ::-1], 255
+    world = make_world()
+    world.textures["codes"] = TextureData(codes, filter="nearest", wrap=("clamp", "clamp"))
+    world.effects.add(world.root.create_child("card").index, Billboard(texture="codes", size=(1.0, 1.0)))
+    world.update()
+    view = View(compose_look_at((0.0, 0.0, 1.0), (0.0, 0.0, 0.0)), (-0.5, 0.5, -0.5, 0.5), (0, 0, 16, 16))
+    assert (draw_offscreen(world, [view], (16, 16), PLAIN)[..., :3] == codes[..., :3]).all()
+
+
 def test_a_missing_picture_gives_one_line_and_a_picture_all_the_same():
     world = make_world()
     world.effects.add(world.root.create_child("card").index, Billboard(texture="nowhere", shape="paper"))
