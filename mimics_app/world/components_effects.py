@@ -81,7 +81,7 @@ class Particles(Component, frozen=True):
     gravity: Annotated[Point, Meta(description="In the world [m/s^2]")] = (0.0, 0.0, 0.0)
     drag: Annotated[NotNegative, Meta(description="Share of the speed through the air lost per second [1/s]")] = 0.0
     wind: Annotated[Point, Meta(description="Of the air in the world [m/s]; felt through `drag`")] = (0.0, 0.0, 0.0)
-    sway: Annotated[NotNegative, Meta(description="Swing to and fro about the way [m]")] = 0.0
+    sway: Annotated[NotNegative, Meta(description="Swing to and fro, sideways [m]")] = 0.0
     sway_hz: Annotated[Positive, Meta(description="How often it swings [Hz]")] = 0.5
     spin: Annotated[NotNegative, Meta(description="Greatest rate of turning [rad/s]")] = 0.0
     floor: Annotated[float | None, Meta(description="Height at which they come to rest, world [m]")] = None

@@ -27,7 +27,7 @@ EMITTER = np.dtype(
         ("speed", "f8", (2,)),  # [m/s]
         ("drag", "f8"),  # [1/s]
         ("pull", "f8", (3,)),  # gravity and what the wind does through drag, world [m/s^2]
-        ("sway", "f8"),  # [m]
+        ("sway", "f8"),  # sideways [m]
         ("sway_rate", "f8"),  # [rad/s]
         ("spin", "f8"),  # greatest [rad/s]
         ("floor", "f8"),  # height at which they rest, world [m]; -inf: none
@@ -166,16 +166,22 @@ def _place(emitter: Records, number: int, age: float, corner: F8, box: F8, axes:
     a, b = math.cos(around) * sine, math.sin(around) * sine
     u, v, w = hash_unit(seed, number, 4), hash_unit(seed, number, 5), hash_unit(seed, number, 6)
     drag, floor = emitter[0]["drag"], emitter[0]["floor"]
-    born = corner[1] + u * box[1, 0] + v * box[1, 1] + w * box[1, 2]
-    climb = speed * (a * axes[1, 0] + b * axes[1, 1] + cosine * axes[1, 2])
-    moving = _landing(born, climb, emitter[0]["pull"][1], drag, floor, age)
+    moving = age
+    if not math.isinf(floor):
+        born = corner[1] + u * box[1, 0] + v * box[1, 1] + w * box[1, 2]
+        climb = speed * (a * axes[1, 0] + b * axes[1, 1] + cosine * axes[1, 2])
+        moving = _landing(born, climb, emitter[0]["pull"][1], drag, floor, age)
     gone, pulled = ease(moving, drag), fall(moving, drag)
     for k in range(3):
         begin = corner[k] + u * box[k, 0] + v * box[k, 1] + w * box[k, 2]
         velocity = speed * (a * axes[k, 0] + b * axes[k, 1] + cosine * axes[k, 2])
-        phase = 2.0 * math.pi * hash_unit(seed, number, 13 + k)
-        swing = math.sin(emitter[0]["sway_rate"] * (1.0 + 0.3 * k) * moving + phase) - math.sin(phase)
-        out[k] = begin + velocity * gone + emitter[0]["pull"][k] * pulled + emitter[0]["sway"] * swing
+        out[k] = begin + velocity * gone + emitter[0]["pull"][k] * pulled
+    if emitter[0]["sway"] > 0.0:
+        half = 0.5 * emitter[0]["sway_rate"] * moving
+        for k in range(2):
+            # sin(phase + 2 half) - sin(phase): no swing at birth. Sideways only, so that landings stay what they are.
+            phase = 2.0 * math.pi * hash_unit(seed, number, 13 + k)
+            out[2 * k] += 2.0 * emitter[0]["sway"] * math.cos(phase + half) * math.sin(half)
     if not math.isinf(floor):
         # A little apart, so that what lies on each other does not flicker.
         out[1] = max(out[1], floor + 1e-3 * (1.0 + hash_unit(seed, number, 7)))
