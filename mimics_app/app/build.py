@@ -81,6 +81,7 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
     scene = load_checked_scene(settings.scene)
     plan = settle(scene, settings.profile)
     world = build_world(scene)
+    world.effects.seed = settings.seed
     scenario = open_scenario(scene, world)
     side = HapticSide(scene)
     desk = side.desk(scenario.scene_block())

@@ -11,6 +11,7 @@ import msgspec
 from mimics_app.app.plan import Choice, Plan
 from mimics_app.lab.table import Row, Table
 from mimics_app.world.components import LightComponent, Sound, SoundEmitter
+from mimics_app.world.components_effects import Billboard, Particles, Projector
 from mimics_app.world.components_haptic import Tunnel
 from mimics_app.world.scene import Scene
 
@@ -113,6 +114,9 @@ def _left_out(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None]) -
     absent: list[tuple[type[msgspec.Struct], str, str, float | None]] = [
         (Sound, "sound process, per block of 5 ms", "no entity has a sound", _cheapest(table, "spatialiser")),
         (SoundEmitter, "sound emitters", "no entity has a sound_emitter", _emitters_us(table, plan)),
+        (Billboard, "billboards, per frame", "no entity has a billboard", None),
+        (Particles, "particles, per frame", "no entity has particles", None),
+        (Projector, "decals and slides, per frame", "no entity has a projector", None),
         (Tunnel, "tunnel force, per tick", "no entity has a tunnel", _tunnel_us(table)),
     ]
     left = [LeftOut(part, why, saved) for kind, part, why, saved in absent if not scene.components(kind)]

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.app.effect_cues import EffectCues
 from mimics_app.app.loss_watch import LossWatch
 from mimics_app.app.session import Session
 from mimics_app.contracts.haptic import INBOX
@@ -31,6 +32,7 @@ class Frames:
     def __init__(self, session: Session) -> None:
         self._session = session
         self._inbox: NDArray[Any] = np.zeros(1, INBOX)
+        self._effects = EffectCues(session.world)
         self.number = 0
         self.orders = TaskOrders()
         self.snapshot: HapticSnapshot | None = None
@@ -61,6 +63,7 @@ class Frames:
         session.desk.change(session.scenario.haptic_orders())
         session.inputs.aim(session.scenario.aim(snapshot))
         session.world.update()
+        self._effects.step(orders, events, now_ns)
         if session.sound is not None:
             session.sound.step(orders, session.world, now_ns)
         self._journal(snapshot, now_ns)

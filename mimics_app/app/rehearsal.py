@@ -35,6 +35,7 @@ class Rehearsal:
 
     def __init__(self, scene: Scene, seed: int = 1) -> None:
         self.world = build_world(scene)
+        self.world.effects.seed = seed
         self.scenario = open_scenario(scene, self.world)
         robots, patients = scene.components(Robot), scene.components(Patient)
         plugin = build_device(

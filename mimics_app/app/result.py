@@ -39,9 +39,9 @@ def summarise(session: Session, frames: Frames, sound: AudioReport | None, wall_
 
 
 _READ = frozenset(
-    "admittance ball camera connections environment force_field grasping_hand haptic_effect haptic_object haptic_path "
-    "haptic_walls hud impedance interaction_points joint_pd light mesh patient robot safety sound sound_emitter tunnel "
-    "tunnel_view world_pd".split()
+    "admittance ball billboard camera connections environment force_field grasping_hand haptic_effect haptic_object "
+    "haptic_path haptic_walls hud impedance interaction_points joint_pd light mesh particles patient projector robot "
+    "safety sound sound_emitter tunnel tunnel_view world_pd".split()
 )
 """Component types that a run makes use of."""
 

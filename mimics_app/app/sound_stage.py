@@ -8,14 +8,12 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.app.cues import CueWatch
 from mimics_app.contracts.audio_port import AudioOutput, AudioReport
 from mimics_app.contracts.messages import SoundEvent, TaskOrders
 from mimics_app.world.world import World
 
 __all__ = ["SoundStage"]
-
-_CUES = {"travel": "start", "finished": "goal"}
-"""State of a trial whose beginning plays the sound of a trigger."""
 
 
 class SoundStage:
@@ -33,7 +31,7 @@ class SoundStage:
         self._cues = cues
         self._emitters = emitters
         self._gain = gain
-        self._state = ""
+        self._watch = CueWatch()
         self._notice = ""
         output.master(gain)
 
@@ -43,9 +41,7 @@ class SoundStage:
         gain = orders.audio.get("gain")
         if isinstance(gain, int | float):
             self.output.master(self._gain * float(gain))
-        state = str(orders.hud.get("state", ""))
-        cue = self._cues.get(_CUES.get(state, "")) if state != self._state else None
-        self._state = state
+        cue = self._cues.get(self._watch.look(orders) or "")
         if cue is not None:
             self.output.play(SoundEvent(cue, now_ns))
         for sound in orders.sounds:

@@ -65,7 +65,7 @@ def draw_stills(
     if is_playable(scene):
         play = _Play(Rehearsal(scene, settings.seed), frames, seconds)
     else:
-        play = _Standing(build_world(scene))
+        play = _Standing(build_world(scene), settings.seed, frames, seconds)
     picture = Picture(
         open_offscreen(backend, settings.size), scene, play.world, picture_quality(scene, settings.profile), camera
     )
@@ -94,15 +94,18 @@ class _Moments(Protocol):
 
 
 class _Standing:
-    """A world in which nothing happens."""
+    """A world in which nothing happens but what moves by itself; it starts at time 0."""
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: World, seed: int, frames: int, seconds: float) -> None:
         self.world = world
+        self._seconds_per_frame = seconds / frames
         world.update()
+        world.effects.seed = seed
+        world.effects.trigger("start")
 
     def to(self, number: int) -> dict[str, object]:
-        """Leave the world as it is."""
-        del number
+        """Let the time of frame `number` come."""
+        self.world.effects.time = self._seconds_per_frame * (number + 1)
         return {}
 
 
@@ -129,6 +132,7 @@ class _Play:
         snapshot = self._rehearsal.haptics.snapshot()
         self._rehearsal.scenario.apply(TaskOrders(), snapshot)
         self.world.update()
+        self.world.effects.time = self._done / TICKS_PER_SECOND
         force = float(np.linalg.norm(snapshot.f_user_world))
         seconds = self._done / TICKS_PER_SECOND
         stability = {"margin": snapshot.margin, "energy": snapshot.energy}

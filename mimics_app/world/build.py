@@ -8,6 +8,7 @@ from collections.abc import Container
 import numpy as np
 
 from mimics_app.world.components import CameraComponent, Environment, LightComponent, MeshComponent
+from mimics_app.world.components_effects import Billboard, Particles, Projector
 from mimics_app.world.components_pictures import Inset, Mirror, Screen
 from mimics_app.world.environment import Backdrop, Fog, Sky
 from mimics_app.world.live_pictures import InsetView, ScreenSurface, show_mirror, show_screen
@@ -79,6 +80,8 @@ def build_entity(world: World, scene: Scene, entity: SceneEntity) -> SceneNode:
             light_up(node, component)
         elif isinstance(component, CameraComponent):
             node.create_camera(component.vertical_fov, component.near, component.far)
+        elif isinstance(component, Billboard | Particles | Projector):
+            world.effects.add(node.index, component)
     show_live_pictures(world, entity)
     return node
 
@@ -121,6 +124,8 @@ def finish_model_node(world: World, entity: SceneEntity) -> None:
                 body.set_material(component.material)
         elif isinstance(component, LightComponent) and node.light is None:
             light_up(node, component)
+        elif isinstance(component, Billboard | Particles | Projector):
+            world.effects.add(node.index, component)
 
 
 def turn_to_targets(world: World, scene: Scene, only: Container[str] | None = None) -> None:

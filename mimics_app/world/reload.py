@@ -16,6 +16,7 @@ from mimics_app.world.build import (
     turn_to_targets,
 )
 from mimics_app.world.components import CameraComponent, LightComponent, MeshComponent
+from mimics_app.world.components_effects import Billboard, Particles, Projector
 from mimics_app.world.scene import Scene, SceneEntity
 from mimics_app.world.scene_file import load_scene
 from mimics_app.world.world import World
@@ -163,6 +164,15 @@ def _refresh(world: World, scene: Scene, entity: SceneEntity, types: set[str]) -
             node.create_camera(camera.vertical_fov, camera.near, camera.far)
     if types & {*_SHOWN, "inset"}:
         show_live_pictures(world, entity)
+    if types & {"billboard", "particles", "projector"}:
+        _refresh_effects(world, entity, node.index)
+
+
+def _refresh_effects(world: World, entity: SceneEntity, index: int) -> None:
+    world.effects.remove([index])
+    for effect in entity.components.values():
+        if isinstance(effect, Billboard | Particles | Projector):
+            world.effects.add(index, effect)
 
 
 def _reparent(world: World, new: Scene, before: dict[str, SceneEntity]) -> None:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.world import (
     components,
+    components_effects,
     components_hand,
     components_haptic,
     components_objects,
@@ -36,6 +37,7 @@ __all__ = ["build_world", "load_scene"]
 
 REGISTERING = (
     components,
+    components_effects,
     components_haptic,
     components_hand,
     components_objects,

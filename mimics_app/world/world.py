@@ -8,6 +8,7 @@ from typing import Any
 from mimics_app.contracts.errors import nearest
 from mimics_app.world.camera import Camera
 from mimics_app.world.content import Content
+from mimics_app.world.effects import Effects
 from mimics_app.world.entity import Entity
 from mimics_app.world.environment import Sky
 from mimics_app.world.graph import SceneGraph
@@ -15,6 +16,7 @@ from mimics_app.world.light import Light
 from mimics_app.world.live_pictures import InsetView, MirrorSurface, ScreenSurface
 from mimics_app.world.material import Material, TextureData
 from mimics_app.world.mesh import MeshData
+from mimics_app.world.mesh_buffer import MeshBuffer
 from mimics_app.world.render_list import RenderList
 from mimics_app.world.scene_node import SceneNode
 from mimics_app.world.technique import TechniqueSpec
@@ -32,7 +34,8 @@ class World:
     Attributes:
         graph: Structure, names and transforms.
         content: What the nodes carry.
-        meshes: By key; replace one with `replace_mesh`, so that renderers see it.
+        effects: Billboards, particles and projectors on nodes, and the time they go by.
+        meshes: By key; replace one with `replace_mesh` or change it through `open_mesh`, so that renderers see it.
         materials: By key; change one with `set_material`.
         textures: By key.
         techniques: Further ways to draw materials, by the name a material calls them.
@@ -43,6 +46,7 @@ class World:
     def __init__(self) -> None:
         self.graph = SceneGraph()
         self.content = Content()
+        self.effects = Effects(self.graph)
         self.meshes: dict[str, MeshData] = {}
         self.materials: dict[str, Material] = {DEFAULT_MATERIAL: Material(DEFAULT_MATERIAL)}
         self.textures: dict[str, TextureData] = {}
@@ -52,6 +56,7 @@ class World:
         self.screens: dict[str, ScreenSurface] = {}
         self.insets: dict[str, InsetView] = {}
         self._mesh_revisions: dict[str, int] = {}
+        self._mesh_buffers: dict[str, MeshBuffer] = {}
         self._material_revision = 0
         self._order = self.transforms.revision
         self._render_list = self.content.refresh(None, self.transforms, moved=True)
@@ -105,6 +110,7 @@ class World:
         gone = self.graph.apply_edits()
         if gone.size:
             self.content.drop(gone)
+            self.effects.remove(gone.tolist())
         computed = self.transforms.update()
         moved = self._order != self.transforms.revision
         self._order = self.transforms.revision
@@ -142,8 +148,27 @@ class World:
 
     def set_mesh(self, name: str, mesh: MeshData) -> None:
         """The same for data that is known to be right."""
-        self.meshes[name] = mesh
-        self._mesh_revisions[name] = self.mesh_revision(name) + 1
+        self._mesh_buffers.pop(name, None)
+        self._publish(name, mesh)
+
+    def open_mesh(self, name: str) -> MeshBuffer:
+        """The buffers of a mesh, to change it range by range from now on; the same ones until it is replaced.
+
+        Raises:
+            KeyError: the world has no such mesh; the message names the nearest.
+            ValueError: the data is not a mesh (see `MeshData.validated`).
+        """
+        self.require_mesh(name)
+        if name not in self._mesh_buffers:
+            revision = self.mesh_revision(name) + 1
+            buffer = MeshBuffer(self.meshes[name], revision, lambda own: self._rewrite(name, own))
+            self._mesh_buffers[name] = buffer
+            self._publish(name, buffer.mesh)
+        return self._mesh_buffers[name]
+
+    def opened_mesh(self, name: str) -> MeshBuffer | None:
+        """The buffers of a mesh that somebody opened; None for one that stays as it is."""
+        return self._mesh_buffers.get(name)
 
     @property
     def material_revision(self) -> int:
@@ -162,6 +187,16 @@ class World:
     def require_material(self, name: str) -> None:
         """Raise a KeyError that names the nearest when the world has no such material."""
         _require(self.materials, "material", name)
+
+    def _rewrite(self, name: str, buffer: MeshBuffer) -> int:
+        """Take over what a buffer holds, unless another mesh stands in its place by now."""
+        if self._mesh_buffers.get(name) is buffer:
+            self._publish(name, buffer.mesh)
+        return self.mesh_revision(name)
+
+    def _publish(self, name: str, mesh: MeshData) -> None:
+        self.meshes[name] = mesh
+        self._mesh_revisions[name] = self.mesh_revision(name) + 1
 
     def _attached(self, indices: Any) -> list[int]:
         return [index for index in indices.tolist() if not self.graph.is_detached(index)]

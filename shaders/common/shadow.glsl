@@ -54,6 +54,16 @@ float sun_visibility(vec3 position_eye, vec3 normal) {
 #endif
 }
 
+// Share of the sun that arrives, and the tone of the finished picture: modulative shadows darken that instead.
+vec2 sun_and_tone(vec3 position_eye, vec3 normal) {
+    float share = sun_visibility(position_eye, normal);
+#ifdef SUN_SHADOW
+    return shadow.y > 0.0 ? vec2(1.0, mix(shadow.y, 1.0, share)) : vec2(share, 1.0);
+#else
+    return vec2(share, 1.0);
+#endif
+}
+
 #ifdef SPOT_SHADOWS
 float spot_visibility(int light, vec3 position_eye, vec3 normal) {
     int i = int(light_shadow[light].x);

@@ -27,18 +27,12 @@ void main() {
     float distance = length(position_eye);
     vec3 n = normalize(gl_FrontFacing ? normal : -normal);
     vec2 figures = material_finish(uv);
-    float sun_share = sun_visibility(position_eye, n);
-    float tone = 1.0;
-#ifdef SUN_SHADOW
-    // Modulative shadows darken the finished picture instead.
-    tone = shadow.y > 0.0 ? mix(shadow.y, 1.0, sun_share) : 1.0;
-    sun_share = shadow.y > 0.0 ? 1.0 : sun_share;
-#endif
+    vec2 sun = sun_and_tone(position_eye, n);
 #ifdef NORMAL_MAP
     n = material_normal(n, position_eye, uv);
 #endif
     Surface surface = make_surface(base.rgb, figures.x, figures.y, n, position_eye / -distance);
     float open = material_occlusion(uv) * screen_openness(position_eye);
-    vec3 light = material_emission(uv) + shine(surface, figures.y, position_eye, sun_share, open);
-    colour = vec4(tone * encode_output(apply_fog(light, distance)), base.a);
+    vec3 light = material_emission(uv) + shine(surface, figures.y, position_eye, sun.x, open);
+    colour = vec4(sun.y * encode_output(apply_fog(light, distance)), base.a);
 }

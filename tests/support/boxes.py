@@ -19,6 +19,7 @@ def as_items(half: F8) -> DrawItems:
     local = np.concatenate([np.zeros((count, 3)), np.linalg.norm(half, axis=1)[:, None]], axis=1)
     return DrawItems(
         rows=np.arange(count, dtype=np.int32),
+        entities=np.arange(count, dtype=np.int32),
         states=zeros,
         shadow_states=zeros,
         meshes=zeros,
@@ -31,6 +32,7 @@ def as_items(half: F8) -> DrawItems:
         casting=flags,
         levels=np.zeros(count, np.uint8),
         families=zeros - 1,
+        mesh_names=["box"],
         ranges=np.array([[36, 0, 0]], np.int32),
         of_state=[],
         of_shadow=[],

@@ -38,6 +38,7 @@ class DrawItems:
 
     Attributes:
         rows: Row of the node in the Transform table, int32 [n].
+        entities: Entity index of the node, int32 [n].
         states: Number in `of_state`, int32 [n].
         shadow_states: Number in `of_shadow`, int32 [n].
         meshes: Number in `ranges`, int32 [n].
@@ -50,12 +51,14 @@ class DrawItems:
         casting: True where it belongs into shadow maps, [n].
         levels: Level of detail each belongs to, uint8 [n].
         families: Number of the body whose levels it is one of, -1: of none; int32 [n].
+        mesh_names: Keys in `World.meshes`.
         ranges: Indices, first index and base vertex of each mesh, int32 [meshes, 3].
         of_state: The states.
         of_shadow: The states of the shadow pass.
     """
 
     rows: I4
+    entities: I4
     states: I4
     shadow_states: I4
     meshes: I4
@@ -68,9 +71,21 @@ class DrawItems:
     casting: Flags
     levels: NDArray[np.uint8]
     families: I4
+    mesh_names: list[str]
     ranges: I4
     of_state: list[DrawState]
     of_shadow: list[DrawState]
+
+    def rebound(self, world: World, names: Sequence[str]) -> Flags:
+        """Take over the bounds of meshes whose numbers changed; returns which items show one of them, [n]."""
+        numbers = np.array([self.mesh_names.index(name) for name in names if name in self.mesh_names], np.int32)
+        local, half = _bounds(world, [self.mesh_names[number] for number in numbers])
+        touched = np.zeros(len(self.meshes), np.bool_)
+        for number, sphere, size in zip(numbers, local, half, strict=True):
+            of_mesh = self.meshes == number
+            self.local[of_mesh], self.half[of_mesh] = sphere, size
+            touched |= of_mesh
+        return touched
 
 
 def list_items(world: World, arena: MeshArena, materials: MaterialStore) -> DrawItems:
@@ -104,6 +119,7 @@ def list_items(world: World, arena: MeshArena, materials: MaterialStore) -> Draw
     filled = np.array([place is not None and place.count > 0 for place in ranges], np.uint8)
     return DrawItems(
         rows=np.asarray(listed.row, np.int32),
+        entities=listed.entity,
         states=_spread(of_kind, kind),
         shadow_states=_spread(np.array(of_shadow, np.int32), kind),
         meshes=mesh,
@@ -116,6 +132,7 @@ def list_items(world: World, arena: MeshArena, materials: MaterialStore) -> Draw
         casting=np.asarray(listed.casts_shadow, np.bool_),
         levels=listed.level,
         families=_families(world),
+        mesh_names=names,
         ranges=np.array([(p.count, p.first, p.base_vertex) if p else (0, 0, 0) for p in ranges], np.int32).reshape(
             -1, 3
         ),

@@ -13,6 +13,7 @@ from mimics_app.rendering.visual.draw_items import DrawItems, list_items
 from mimics_app.rendering.visual.draw_order import DrawOrder
 from mimics_app.rendering.visual.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.kernels.bounds import update_bounds
+from mimics_app.rendering.visual.kernels.frustum import cull_flat
 from mimics_app.rendering.visual.levels import Levels
 from mimics_app.rendering.visual.materials import MaterialStore
 from mimics_app.rendering.visual.mesh_arena import MeshArena
@@ -67,6 +68,7 @@ class DrawList:
         centres: Of their bounding spheres, world [m], float64 [n, 3].
         radii: Of the same [m], float64 [n].
         tally: What became of the items since the last update.
+        moved: Which items moved or changed their shape in the last update, [n]; None where that cannot be told.
     """
 
     def __init__(self, arena: MeshArena, materials: MaterialStore) -> None:
@@ -75,6 +77,7 @@ class DrawList:
         self._revision: tuple[int, int, str, str] | None = None
         self._occlusion: OcclusionPass | None = None
         self.tally = Tally()
+        self.moved: NDArray[np.bool_] | None = None
         self._updates = 0
         self._world: F8 = np.zeros((0, 4, 4))
 
@@ -105,16 +108,26 @@ class DrawList:
             self._occlusion = OcclusionPass(occluders) if len(occluders.inner_half) else None
         self._detail = settings.detail
         self.tally = Tally()
-        items, transforms = self.items, world.transforms
-        self._world = transforms.world
-        np.multiply(listed.visible, items.drawable, out=self._shown)
-        moved = 0
-        missed = stale or transforms.updates > self._updates + 1
-        if missed or transforms.updates > self._updates:
-            bounds = (items.local, self.centres, self.radii, self._mirrored)
-            moved = update_bounds(items.rows, self._world, transforms.changed, missed, *bounds)
+        self._world = world.transforms.world
+        np.multiply(listed.visible, self.items.drawable, out=self._shown)
+        moved = self._move(world, everything=stale)
         self._culler.moved(moved, self.centres, self.radii)
+
+    def _move(self, world: World, *, everything: bool) -> int:
+        """Bring the spheres to where their nodes are; returns how many items moved or changed their shape."""
+        items, transforms, last = self.items, world.transforms, self._updates
         self._updates = transforms.updates
+        missed = everything or transforms.updates > last + 1
+        changed = transforms.changed if transforms.updates > last else np.zeros_like(transforms.changed)
+        if self._arena.rewritten:
+            reshaped = items.rebound(world, self._arena.rewritten)
+            changed = changed.copy()
+            changed[items.rows[reshaped]] = 1
+        self.moved = None if missed else changed[items.rows] > 0
+        if not (missed or transforms.updates > last or self._arena.rewritten):
+            return 0
+        bounds = (items.local, self.centres, self.radii, self._mirrored)
+        return int(update_bounds(items.rows, self._world, changed, missed, *bounds))
 
     def casters(self, longest: float) -> Casters:
         """What casts shadows, and the spheres a shadow map has to hold.
@@ -136,7 +149,7 @@ class DrawList:
 
     def batch_view(
         self, frame: FrameBuffers, view: View, size: tuple[int, int], samples: int, key: Hashable
-    ) -> tuple[list[DrawRun], list[DrawRun]]:
+    ) -> tuple[list[DrawRun], list[DrawRun], F8]:
         """Queue what is in a view's frustum and not hidden.
 
         Args:
@@ -147,8 +160,8 @@ class DrawList:
             key: Of the view, the same from frame to frame.
 
         Returns:
-            Opaque runs, the states with the nearest items first and near to far within each; and blended runs, each
-            item by itself, far to near.
+            Opaque runs, the states with the nearest items first and near to far within each; blended runs, each item
+            by itself, far to near; and the distances of these from the eye [m].
         """
         items, eye, picked = self.items, view.eye_world, self._picked
         planes = compute_frustum_planes(view.clip_from_world)
@@ -162,13 +175,34 @@ class DrawList:
         blended = self._split(count)
         solid = count - len(blended)
         self._order.sort(picked, solid, eye, self.centres, self.radii, self._mirrored)
+        self._opaque = solid
         opaque = frame.add(picked, solid, eye, items, self._world, self._mirrored)
-        return opaque, self._batch_blended(frame, blended, eye)
+        return opaque, *self._batch_blended(frame, blended, eye)
 
-    def _batch_blended(self, frame: FrameBuffers, blended: I4, eye: F8) -> list[DrawRun]:
+    def batch_meeting(self, frame: FrameBuffers, view: View, planes: F8, onto: I4 | None) -> list[DrawRun]:
+        """Queue once more what is opaque in the view batched last and meets a volume.
+
+        Args:
+            frame: Where to.
+            view: The same view.
+            planes: Of the volume, unit normals inwards and offsets, [k, 4].
+            onto: Entity indices that count; None: all.
+        """
+        asked = np.zeros(len(self.items.rows), np.uint8)
+        asked[self._picked[: self._opaque]] = 1
+        if onto is not None:
+            asked &= np.isin(self.items.entities, onto)
+        items, met = self.items, np.zeros(self._opaque, np.int32)
+        count = cull_flat(planes, asked, items.rows, self._world, self.centres, self.radii, items.half, met)
+        self._order.sort(met, count, view.eye_world, self.centres, self.radii, self._mirrored)
+        return frame.add(met, count, view.eye_world, items, self._world, self._mirrored)
+
+    def _batch_blended(self, frame: FrameBuffers, blended: I4, eye: F8) -> tuple[list[DrawRun], F8]:
         away = np.linalg.norm(self.centres[blended] - eye, axis=1)
-        order = np.ascontiguousarray(blended[np.argsort(-away, kind="stable")])
-        return frame.add(order, len(order), eye, self.items, self._world, self._mirrored, single=True)
+        far_first = np.argsort(-away, kind="stable")
+        order = np.ascontiguousarray(blended[far_first])
+        runs = frame.add(order, len(order), eye, self.items, self._world, self._mirrored, single=True)
+        return runs, away[far_first]
 
     def _split(self, count: int) -> I4:
         """Take the blended items out of those picked; returns them."""
@@ -187,5 +221,6 @@ class DrawList:
         self._shown = np.zeros(count, np.uint8)
         self._mirrored = np.zeros(count, np.uint8)
         self._picked = np.zeros(count, np.int32)
-        self._order = DrawOrder(items)
+        self._opaque = 0
+        self._order: DrawOrder = DrawOrder(items)
         self._any_transparent = bool(items.transparent.any())

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from mimics_app.rendering.visual.solids import Solid, find_solid
 from mimics_app.world.mesh import MeshData
+from mimics_app.world.mesh_buffer import MeshChange
+from mimics_app.world.vertex_declaration import COLOUR_DECLARATION, VERTEX_DECLARATION
 from mimics_app.world.world import World
 
 if TYPE_CHECKING:
@@ -20,8 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ["COMMAND_WORDS", "INSTANCE_FLOATS", "MeshArena", "MeshRange"]
 
-_VERTEX = np.dtype([("in_position", "f4", (3,)), ("in_normal", "f4", (3,)), ("in_uv", "f4", (2,))])
-_COLOUR = np.dtype([("in_colour", "f4", (4,))])
+_VERTEX, _COLOUR = VERTEX_DECLARATION.dtype, COLOUR_DECLARATION.dtype
 _INSTANCE = np.dtype(
     [("eye_row0", "f4", (4,)), ("eye_row1", "f4", (4,)), ("eye_row2", "f4", (4,)), ("paint", "f4", (4,))]
 )
@@ -68,12 +69,16 @@ class MeshArena:
     Attributes:
         ranges: Where each mesh of the world lies.
         solids: Meshes that have a box inside.
+        rewritten: Meshes whose numbers changed in the last update, their places in the buffers staying.
+        uploaded: Bytes of vertices and indices sent in the last update.
     """
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
         self.ranges: dict[str, MeshRange] = {}
         self.solids: dict[str, Solid] = {}
+        self.rewritten: list[str] = []
+        self.uploaded = 0
         self._solid = False
         self._seen: dict[str, tuple[int, int]] = {}
         self._vertices = ctx.buffer(reserve=_VERTEX.itemsize)
@@ -90,23 +95,26 @@ class MeshArena:
             solid: Look for boxes inside the meshes, and seal the cracks of those that have one.
 
         Returns:
-            True when a mesh came, went or changed.
+            True when meshes lie elsewhere now; not for those only `rewritten`.
         """
+        self.rewritten, self.uploaded = [], 0
         if solid != self._solid:
             self._solid, self._seen = solid, {}
         wanted = {name: (world.mesh_revision(name), id(mesh)) for name, mesh in world.meshes.items()}
         if wanted == self._seen:
             return False
         changed = [name for name, revision in wanted.items() if self._seen.get(name) != revision]
-        if wanted.keys() == self._seen.keys() and all(self._fits(name, world.meshes[name]) for name in changed):
+        fits = wanted.keys() == self._seen.keys() and all(self._fits(name, world.meshes[name]) for name in changed)
+        if fits:
             for name in changed:
-                self._overwrite(name, world.meshes[name])
+                self._rewrite(name, world)
+            self.rewritten = changed
         else:
             self.solids = _find_solids(world) if solid else {}
             found = self.solids
             self._rebuild({name: found[name].mesh if name in found else mesh for name, mesh in world.meshes.items()})
         self._seen = wanted
-        return True
+        return not fits
 
     def write_instances(self, rows: NDArray[np.float32]) -> None:
         """Upload the instances of a frame, float32 [n, 4, 4], contiguous."""
@@ -148,14 +156,32 @@ class MeshArena:
         same = known.count == mesh.indices.size and known.vertices == len(mesh.positions)
         return same and known.coloured == (mesh.colours is not None)
 
-    def _overwrite(self, name: str, mesh: MeshData) -> None:
-        known = self.ranges[name]
-        self._vertices.write(_pack(mesh), offset=known.base_vertex * _VERTEX.itemsize)
+    def _rewrite(self, name: str, world: World) -> None:
+        """Send what changed of a mesh: the ranges that were told, or all of it."""
+        mesh, buffer = world.meshes[name], world.opened_mesh(name)
+        whole: list[MeshChange] = [(0, "vertices", 0, len(mesh.positions)), (0, "indices", 0, mesh.indices.size)]
+        told = None if buffer is None else buffer.changes_since(self._seen[name][0])
+        for _, what, first, count in whole if told is None else told:
+            if what == "vertices":
+                self._write_vertices(name, mesh, first, count)
+            else:
+                self._write_indices(name, mesh, first, count)
+
+    def _write_vertices(self, name: str, mesh: MeshData, first: int, count: int) -> None:
+        at = self.ranges[name].base_vertex + first
+        packed = _pack(mesh, first, count)
+        self._vertices.write(packed, offset=at * _VERTEX.itemsize)
+        self.uploaded += packed.nbytes
         if mesh.colours is not None:
-            colours = np.ascontiguousarray(mesh.colours, np.float32)
-            self._colours.write(colours, offset=known.base_vertex * _COLOUR.itemsize)
-        indices = _indices(mesh)
-        self._indices[known.wide].write(indices, offset=indices.itemsize * known.first)
+            colours = np.ascontiguousarray(mesh.colours[first : first + count], np.float32)
+            self._colours.write(colours, offset=at * _COLOUR.itemsize)
+            self.uploaded += colours.nbytes
+
+    def _write_indices(self, name: str, mesh: MeshData, first: int, count: int) -> None:
+        known = self.ranges[name]
+        indices = _indices(mesh)[first : first + count]
+        self._indices[known.wide].write(indices, offset=indices.itemsize * (known.first + first))
+        self.uploaded += indices.nbytes
 
     def _rebuild(self, meshes: dict[str, MeshData]) -> None:
         self.ranges, base_vertex = {}, 0
@@ -185,7 +211,9 @@ class MeshArena:
 
     def _upload(self, old: moderngl.Buffer, parts: Iterable[NDArray[np.generic]], least: int) -> moderngl.Buffer:
         old.release()
-        return self._ctx.buffer(b"".join(part.tobytes() for part in parts) or bytes(least))
+        data = b"".join(part.tobytes() for part in parts)
+        self.uploaded += len(data)
+        return self._ctx.buffer(data or bytes(least))
 
     def _drop_arrays(self) -> None:
         for _, array in self._arrays.values():
@@ -195,7 +223,7 @@ class MeshArena:
 
 def _find_solids(world: World) -> dict[str, Solid]:
     """Boxes inside those of the world's meshes that are not changed all the time, of the largest first."""
-    still = [name for name in world.meshes if world.mesh_revision(name) <= 1]
+    still = [name for name in world.meshes if world.mesh_revision(name) <= 1 and world.opened_mesh(name) is None]
     largest = sorted(still, key=lambda name: -world.meshes[name].radius)[:_MOST_SOLIDS]
     found = {name: find_solid(world.meshes[name]) for name in largest}
     return {name: solid for name, solid in found.items() if solid is not None}
@@ -205,11 +233,14 @@ def _indices(mesh: MeshData) -> NDArray[np.unsignedinteger]:
     return mesh.indices.astype(np.uint32 if len(mesh.positions) > _SHORT_VERTICES else np.uint16)
 
 
-def _pack(mesh: MeshData) -> NDArray[np.void]:
-    packed = np.zeros(len(mesh.positions), _VERTEX)
-    packed["in_position"], packed["in_normal"] = mesh.positions, mesh.normals
-    if mesh.uvs is not None:
-        packed["in_uv"] = mesh.uvs
+def _pack(mesh: MeshData, first: int = 0, count: int | None = None) -> NDArray[np.void]:
+    """Vertices as they lie in the buffer; what a mesh does not have is zero."""
+    end = len(mesh.positions) if count is None else first + count
+    packed = np.zeros(end - first, _VERTEX)
+    for element in VERTEX_DECLARATION.elements:
+        values = getattr(mesh, element.name)
+        if values is not None:
+            packed[element.attribute] = values[first:end]
     return packed
 
 

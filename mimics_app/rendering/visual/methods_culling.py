@@ -96,6 +96,7 @@ def _boxes(rows: I4) -> DrawItems:
     local[:, 3] = _HALF * math.sqrt(3.0)
     return DrawItems(
         rows=rows,
+        entities=rows,
         states=zeros,
         shadow_states=zeros,
         meshes=zeros,
@@ -108,6 +109,7 @@ def _boxes(rows: I4) -> DrawItems:
         casting=yes,
         levels=np.zeros(count, np.uint8),
         families=zeros - 1,
+        mesh_names=["box"],
         ranges=np.array([[36, 0, 0]], np.int32),
         of_state=[],
         of_shadow=[],

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Hashable, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.errors import Issue, UsageError
@@ -25,9 +26,12 @@ from mimics_app.rendering.visual.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.shadow_stage import ShadowStage, light_features
 from mimics_app.rendering.visual.surface import Surface
 from mimics_app.rendering.visual.targets import PictureTarget
-from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view import Rect, View
 from mimics_app.rendering.visual.world_stage import FrameScene, ViewDraws, WorldStage
 from mimics_app.world.world import World
+
+if TYPE_CHECKING:
+    from mimics_app.rendering.visual.effect_stage import EffectStage
 
 __all__ = ["Renderer"]
 
@@ -76,6 +80,8 @@ class Renderer:
         self._picture = PictureTarget(surface, self._shaders, self.settings)
         self._shadows = ShadowStage(ctx, self.settings.shadow_size)
         self._world = WorldStage(ctx, self._shaders, self._arena, self._frame, self.settings, has.texture_size)
+        self._effects: EffectStage | None = None
+        self._longest_texture = has.texture_size
         self._hud_pass = HudPass(ctx, self._shaders)
         self._pictures = PictureStage(ctx, self._shaders)
         self._materials.live = self._pictures.pictures
@@ -139,13 +145,15 @@ class Renderer:
         """What could not be drawn as the world asks since the last call; each fault is told once."""
         taken = [*self._materials.issues, *self._world.sky.issues, *self._pictures.issues]
         self._materials.issues, self._world.sky.issues, self._pictures.issues = [], [], []
-        return taken
+        return taken if self._effects is None else [*taken, *self._effects.take_issues()]
 
     def release(self) -> None:
         """Free everything but the surface."""
         parts = (self._pictures, self._hud_pass, self._world, self._shadows, self._picture, self._frame)
         for part in (*parts, self._materials, self._arena):
             part.release()
+        if self._effects is not None:
+            self._effects.release()
 
     def _measure(self, views: Sequence[View], *, finish: bool) -> FrameStats:
         if not views:
@@ -163,9 +171,14 @@ class Renderer:
     def _draw(self, views: Sequence[View]) -> tuple[int, int]:
         """The stages of a frame in their order; returns triangles and draw calls."""
         scene = self._prepare(views)
-        drawn = [self._batch(number, view) for number, view in enumerate(views)]
-        drawn = self._pictures.queue(self.world, drawn, self._batch_picture, self.settings.mirror_scale)
+        drawn = [
+            self._batch(scene, view, number, self._picture.rectangle(view.rectangle))
+            for number, view in enumerate(views)
+        ]
+        drawn = self._pictures.queue(self.world, drawn, partial(self._batch, scene), self.settings.mirror_scale)
         self._frame.upload(self._arena)
+        if scene.effects is not None:
+            scene.effects.upload()
         draws = self._shadows.draw(self._arena, self._frame)
         draws += self._pictures.draw(self._world, scene, self._picture.samples)
         draws += self._world.draw(self._picture.begin(), self._picture.samples, scene, drawn)
@@ -178,22 +191,34 @@ class Renderer:
         lighting, settings = gather_lighting(self.world), self.settings
         self._pictures.update(self.world)
         self._ambient = self._ambient or settings.ambient_occlusion > 0.0
-        features = light_features(lighting, settings) | ({"AMBIENT_OCCLUSION"} if self._ambient else frozenset())
-        self._list.update(self.world, settings, light_features=features)
+        lights = light_features(lighting, settings)
+        asked = lights | ({"AMBIENT_OCCLUSION"} if self._ambient else frozenset())
+        self._list.update(self.world, settings, light_features=asked)
         self._frame.begin()
-        self._shadows.prepare(lighting, views, self.world, self._list, self._frame, settings)
-        return FrameScene(self.world, self._list.items, lighting, self._shadows.plan, settings, self._ambient)
+        self._shadows.prepare(lighting, views, self._list, self._frame, settings)
+        effects, plan = self._prepare_effects(lights), self._shadows.plan
+        return FrameScene(self.world, self._list.items, lighting, plan, settings, self._ambient, effects)
 
-    def _batch(self, number: int, view: View) -> ViewDraws:
-        """Queue what is seen in a view."""
-        rectangle = self._picture.rectangle(view.rectangle)
-        runs = self._list.batch_view(self._frame, view, rectangle[2:], self._picture.samples, number)
-        return ViewDraws(view, rectangle, *runs)
+    def _prepare_effects(self, lights: frozenset[str]) -> EffectStage | None:
+        """The stage of sprites and projectors, ready for this frame; None, and nothing loaded, in a world without."""
+        if self.world.effects.empty:
+            return None
+        if self._effects is None:
+            from mimics_app.rendering.visual.effect_stage import EffectStage
 
-    def _batch_picture(self, view: View, key: Hashable) -> ViewDraws:
-        """Queue what is seen in a view of a picture within the picture."""
-        runs = self._list.batch_view(self._frame, view, view.rectangle[2:], self._picture.samples, key)
-        return ViewDraws(view, view.rectangle, *runs)
+            self._effects = EffectStage(self._surface.ctx, self._shaders, self._longest_texture)
+        self._effects.prepare(self.world, lights)
+        return self._effects
+
+    def _batch(self, scene: FrameScene, view: View, key: Hashable, rectangle: Rect | None = None) -> ViewDraws:
+        """Queue what is seen in a view; of a picture within the picture it is where the view says itself."""
+        rectangle = rectangle or view.rectangle
+        size, samples = rectangle[2:], self._picture.samples
+        opaque, blended, away = self._list.batch_view(self._frame, view, size, samples, key)
+        if scene.effects is None:
+            return ViewDraws(view, rectangle, opaque, blended)
+        thrown = scene.effects.meet(view, self._list, self._frame)
+        return ViewDraws(view, rectangle, opaque, scene.effects.mix(view, blended, away), thrown=thrown)
 
     def _draw_over(self, views: Sequence[View]) -> int:
         """Show the world's picture, and over it what no filter touches and is never smaller: insets, figures."""

@@ -28,7 +28,6 @@ from mimics_app.rendering.visual.shadow_maps import (
 )
 from mimics_app.rendering.visual.targets import ShadowTarget
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.world import World
 
 if TYPE_CHECKING:
     import moderngl
@@ -61,7 +60,6 @@ class ShadowStage:
         self.plan = ShadowPlan(1, [], {})
         self.runs: list[list[DrawRun] | None] = []
         self._drawn: dict[tuple[int, int], _Drawn] = {}
-        self._updates = 0
 
     def resize(self, size: int) -> None:
         """Give the atlas another width [texel]; 0 leaves it as it is, unused."""
@@ -74,7 +72,6 @@ class ShadowStage:
         self,
         lighting: Lighting,
         views: Sequence[View],
-        world: World,
         listed: DrawList,
         frame: FrameBuffers,
         settings: RenderSettings,
@@ -95,9 +92,8 @@ class ShadowStage:
         every = listed.casters(math.inf) if spots else None
         cones = {number: fit_spot(lighting.places[number], every, tile) for number in spots if every is not None}
         self.plan = lay_out(sun, cones)
-        moved = self._moved(world, listed)
         self.runs = [
-            listed.batch_casters(frame, each.casters, each.origin) if self._is_stale(each, listed, moved) else None
+            listed.batch_casters(frame, each.casters, each.origin) if self._is_stale(each, listed) else None
             for each in self.plan.maps
         ]
 
@@ -111,21 +107,14 @@ class ShadowStage:
         """Free the atlas."""
         self._target.release()
 
-    def _moved(self, world: World, listed: DrawList) -> NDArray[np.bool_] | None:
-        """Which items moved since the last frame; None where that cannot be told."""
-        updates, last = world.transforms.updates, self._updates
-        self._updates = updates
-        if updates > last + 1:
-            return None
-        changed = world.transforms.changed[listed.items.rows] if updates > last else np.zeros(len(listed.items.rows))
-        return np.asarray(changed, np.bool_)
-
-    def _is_stale(self, shadow: ShadowMap, listed: DrawList, moved: NDArray[np.bool_] | None) -> bool:
+    def _is_stale(self, shadow: ShadowMap, listed: DrawList) -> bool:
         """True when a map's tile does not hold it already; takes down that it will."""
         was = self._drawn.get(shadow.tile)
         now = _Drawn(self.plan.grid, listed.items, shadow.clip_from_world, shadow.casters.items)
         self._drawn[shadow.tile] = now
-        return was is None or not was.same(now) or moved is None or bool(moved[shadow.casters.items].any())
+        return (
+            was is None or not was.same(now) or listed.moved is None or bool(listed.moved[shadow.casters.items].any())
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,6 +27,10 @@ from mimics_app.world.world import World
 if TYPE_CHECKING:
     import moderngl
 
+    from mimics_app.rendering.visual.effect_stage import EffectStage
+    from mimics_app.rendering.visual.projectors import BeamRuns
+    from mimics_app.rendering.visual.sprites import SpriteRun
+
 __all__ = ["FrameScene", "ViewDraws", "WorldStage"]
 
 
@@ -41,6 +45,7 @@ class FrameScene:
         plan: The shadow maps, drawn already.
         settings: Quality.
         ambient: True where the shaders ask how open the surroundings are, whatever the answer.
+        effects: Sprites and projectors; None in a world without.
     """
 
     world: World
@@ -49,6 +54,7 @@ class FrameScene:
     plan: ShadowPlan
     settings: RenderSettings
     ambient: bool = False
+    effects: EffectStage | None = None
 
     @property
     def by_stencil(self) -> bool:
@@ -65,20 +71,22 @@ class ViewDraws:
         view: From where.
         rectangle: Where in the target [px].
         opaque: Runs of draws, near to far.
-        transparent: Blended ones, far to near.
         mirrors: Those seen in it, with the number of the view and what they show there.
+        transparent: Sprites that are cut out, then sprites and blended surfaces, far to near.
+        thrown: What projectors throw onto the opaque ones.
     """
 
     view: View
     rectangle: Rect
     opaque: list[DrawRun]
-    transparent: list[DrawRun]
+    transparent: Sequence[DrawRun | SpriteRun]
     mirrors: Sequence[tuple[MirrorPicture, int, Reflection | None]] = ()
+    thrown: Sequence[BeamRuns] = ()
 
     @property
     def materials(self) -> set[str]:
         """Names of all that is drawn."""
-        return {run.look.material.name for run in (*self.opaque, *self.transparent)}
+        return {run.look.material.name for run in (*self.opaque, *self.transparent) if isinstance(run, DrawRun)}
 
     @property
     def triangles(self) -> int:
@@ -87,7 +95,7 @@ class ViewDraws:
 
 
 class WorldStage:
-    """Per view: opaque, sky, stencil shadows, transparent."""
+    """Per view: opaque with what is thrown onto it, sky, stencil shadows, transparent."""
 
     def __init__(
         self,
@@ -134,12 +142,24 @@ class WorldStage:
         additive = scene.by_stencil and scene.settings.shadows == "stencil_additive"
         self._enter(scene, drawn.view, sun=not additive)
         draws = self._find_ambient(target, scene, drawn)
-        draws += draw_runs(target, self._arena, self._frame, drawn.opaque)
+        draws += self._draw_opaque(target, scene, drawn)
         if sky:
             draws += self.sky.draw()
         if scene.by_stencil:
             draws += self._draw_stencil_shadows(target, scene, drawn, additive=additive)
-        return draws + draw_runs(target, self._arena, self._frame, drawn.transparent)
+        return draws + self._draw_transparent(target, scene, drawn)
+
+    def _draw_opaque(self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws) -> int:
+        draws = draw_runs(target, self._arena, self._frame, drawn.opaque)
+        if scene.effects is not None:
+            draws += scene.effects.throw(target, self._arena, self._frame, drawn.view, drawn.thrown)
+        return draws
+
+    def _draw_transparent(self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws) -> int:
+        if scene.effects is not None:
+            return scene.effects.draw_mixed(target, self._arena, self._frame, drawn.transparent)
+        surfaces = [run for run in drawn.transparent if isinstance(run, DrawRun)]
+        return draw_runs(target, self._arena, self._frame, surfaces)
 
     def _find_ambient(self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws) -> int:
         """Where lit shaders ask how open the surroundings are, have an answer ready."""
@@ -169,7 +189,7 @@ class WorldStage:
         self._enter(scene, drawn.view, sun=True)
         volumes.gl.draw_where(EQUAL)
         self._ctx.depth_func = "=="
-        draws += draw_runs(target, self._arena, self._frame, drawn.opaque)
+        draws += self._draw_opaque(target, scene, drawn)
         self._ctx.depth_func = "<"
         volumes.gl.draw_everywhere()
         return draws

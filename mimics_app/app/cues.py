@@ -1,0 +1,34 @@
+"""What of a task and of the haptic loop sets off a sound or an effect of the scene."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from mimics_app.contracts.haptic import EventKind
+from mimics_app.contracts.messages import TaskOrders
+from mimics_app.world.components_effects import Trigger
+
+__all__ = ["TOUCHES", "CueWatch"]
+
+_CUES: Mapping[str, Trigger] = {"travel": "start", "finished": "goal"}
+"""State of a trial whose beginning is a trigger."""
+
+TOUCHES: Mapping[int, Trigger] = {
+    EventKind.CONTACT_BEGIN: "contact",
+    EventKind.CONTACT_END: "contact_end",
+    EventKind.IMPACT: "impact",
+}
+"""Events of the haptic loop that are one."""
+
+
+class CueWatch:
+    """Sees a trial change its state."""
+
+    def __init__(self) -> None:
+        self._state = ""
+
+    def look(self, orders: TaskOrders) -> Trigger | None:
+        """What begins in this frame, or None; call once per frame."""
+        state = str(orders.hud.get("state", ""))
+        begins, self._state = state != self._state, state
+        return _CUES.get(state) if begins else None

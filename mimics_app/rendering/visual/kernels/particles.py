@@ -1,0 +1,245 @@
+"""Where particles are: a closed formula of their number and their age, so that no frame has to come before another."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+
+__all__ = ["EMITTER", "MOST_COLOURS", "SPRITE", "ease", "fall", "fill_particles", "hash_unit"]
+
+F8 = NDArray[np.float64]
+F4 = NDArray[np.float32]
+Records = NDArray[Any]
+
+MOST_COLOURS = 8
+MOST_TINTS = 16
+
+EMITTER = np.dtype(
+    [
+        ("seed", "u8"),
+        ("lifetime", "f8", (2,)),  # least, greatest [s]
+        ("cosine", "f8"),  # of the cone's half angle
+        ("speed", "f8", (2,)),  # [m/s]
+        ("drag", "f8"),  # [1/s]
+        ("pull", "f8", (3,)),  # gravity and what the wind does through drag, world [m/s^2]
+        ("sway", "f8"),  # sideways [m]
+        ("sway_rate", "f8"),  # [rad/s]
+        ("spin", "f8"),  # greatest [rad/s]
+        ("floor", "f8"),  # height at which they rest, world [m]; -inf: none
+        ("size", "f8", (2,)),  # full height at birth [m]
+        ("aspect", "f8"),  # width over height
+        ("growth", "f8"),  # factor at the end of life
+        ("colours", "i8"),  # in use
+        ("colour", "f8", (MOST_COLOURS, 4)),  # linear RGBA over life
+        ("tints", "i8"),  # in use
+        ("tint", "f8", (MOST_TINTS, 4)),  # of which each has one
+        ("tumbles", "i8"),  # 1: turns in space, 0: about the line of sight
+        ("state", "i4"),
+        ("style", "f4", (4,)),  # as SPRITE
+    ]
+)
+"""What an emitter gives its particles."""
+
+SPRITE = np.dtype(
+    [
+        ("place", "f8", (3,)),  # world [m]
+        ("turn", "f4", (4,)),  # own: quaternion xyzw; else cosine and sine of the turn about the line of sight
+        ("tint", "f4", (4,)),  # linear RGBA
+        ("style", "f4", (4,)),  # layer, opacity (1: covers, 0: adds light), roundness, cutoff
+        ("half", "f4", (2,)),  # of width and height [m]
+        ("lift", "f4"),  # of the middle above the place, in half heights
+        ("facing", "i4"),  # 0: to the eye, 1: to the eye about the vertical, 2: as turned in the world
+        ("state", "i4"),  # what the driver has to be told
+    ]
+)
+"""One picture in space."""
+
+_GOLDEN = np.uint64(0x9E3779B97F4A7C15)
+_STRIDE = np.uint64(0xD1B54A32D192ED03)
+_MIX_1 = np.uint64(0xBF58476D1CE4E5B9)
+_MIX_2 = np.uint64(0x94D049BB133111EB)
+_NEWTON_STEPS = 24
+_SETTLED = 1e-7
+"""Step below which a landing is found [s]."""
+
+_OWN = 2
+
+
+@kernel
+def hash_unit(seed: int, number: int, which: int) -> float:
+    """A number in [0, 1) for the `which`-th question about particle `number`: splitmix64 (Steele et al. 2014)."""
+    z = np.uint64(seed) + np.uint64(number) * _GOLDEN + np.uint64(which) * _STRIDE
+    z = (z ^ (z >> np.uint64(30))) * _MIX_1
+    z = (z ^ (z >> np.uint64(27))) * _MIX_2
+    z = z ^ (z >> np.uint64(31))
+    return float(z >> np.uint64(11)) * 2.0**-53
+
+
+@kernel
+def ease(age: float, drag: float) -> float:
+    """Way of a unit speed that drag slows down: (1 - exp(-c t)) / c [s]."""
+    x = drag * age
+    return age * (1.0 - 0.5 * x) if x < 1e-8 else -math.expm1(-x) / drag
+
+
+@kernel
+def fall(age: float, drag: float) -> float:
+    """Way under a unit pull that drag slows down: (t - ease) / c [s^2]."""
+    x = drag * age
+    if x < 1e-3:
+        return age * age * (0.5 - x / 6.0 + x * x / 24.0)
+    return (age - ease(age, drag)) / drag
+
+
+@kernel
+def _landing(height: float, speed: float, pull: float, drag: float, floor: float, age: float) -> float:
+    """Age at which the floor is reached, `age` itself while still above it.
+
+    Height over time bends one way only, so that Newton's steps come from one side and never pass the root: from the
+    present where it bends down, from birth where drag slows a fall.
+    """
+    if height + speed * ease(age, drag) + pull * fall(age, drag) >= floor or height < floor:
+        return age
+    t = age if pull < drag * speed else 0.0
+    for _ in range(_NEWTON_STEPS):
+        gone = ease(t, drag)
+        rate = speed * (1.0 - drag * gone) + pull * gone
+        if rate >= 0.0:
+            break
+        step = (height + speed * gone + pull * fall(t, drag) - floor) / rate
+        t -= step
+        if abs(step) < _SETTLED:
+            break
+    return min(max(t, 0.0), age)
+
+
+@kernel
+def _turn(emitter: Records, number: int, age: float, landed: bool, out: F4) -> None:
+    """How a particle is turned: in space about an axis of its own, lying flat where it landed; or before the eye."""
+    seed = emitter[0]["seed"]
+    angle = 2.0 * math.pi * hash_unit(seed, number, 8)
+    angle += emitter[0]["spin"] * (2.0 * hash_unit(seed, number, 9) - 1.0) * age
+    if not emitter[0]["tumbles"]:
+        out[0], out[1], out[2], out[3] = math.cos(angle), math.sin(angle), 0.0, 0.0
+        return
+    if landed:
+        # Yaw after a quarter turn about x: the picture's normal points up.
+        c, s = math.cos(0.5 * angle) * math.sqrt(0.5), math.sin(0.5 * angle) * math.sqrt(0.5)
+        out[0], out[1], out[2], out[3] = -c, s, s, c
+        return
+    up = 2.0 * hash_unit(seed, number, 10) - 1.0
+    around = 2.0 * math.pi * hash_unit(seed, number, 11)
+    flat = math.sqrt(1.0 - up * up)
+    s = math.sin(0.5 * angle)
+    out[0], out[1], out[2] = flat * math.cos(around) * s, up * s, flat * math.sin(around) * s
+    out[3] = math.cos(0.5 * angle)
+
+
+@kernel
+def _colour(emitter: Records, number: int, share: float, out: F4) -> None:
+    """Colour at a share of a life: between the two nearest of the list, times the one tint it was given."""
+    last = emitter[0]["colours"] - 1
+    at = share * last
+    first = min(int(at), max(last - 1, 0))
+    mix = at - first
+    after = min(first + 1, last)
+    tint = int(hash_unit(emitter[0]["seed"], number, 12) * emitter[0]["tints"])
+    for k in range(4):
+        value = emitter[0]["colour"][first, k] * (1.0 - mix) + emitter[0]["colour"][after, k] * mix
+        out[k] = value * emitter[0]["tint"][tint, k]
+
+
+@kernel
+def _place(emitter: Records, number: int, age: float, corner: F8, box: F8, axes: F8, out: F8) -> float:
+    """Where a particle is; returns the age at which it came to rest, its own while it has not."""
+    seed = emitter[0]["seed"]
+    cosine = 1.0 - hash_unit(seed, number, 1) * (1.0 - emitter[0]["cosine"])
+    sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))
+    around = 2.0 * math.pi * hash_unit(seed, number, 2)
+    least = emitter[0]["speed"][0]
+    speed = least + hash_unit(seed, number, 3) * (emitter[0]["speed"][1] - least)
+    a, b = math.cos(around) * sine, math.sin(around) * sine
+    u, v, w = hash_unit(seed, number, 4), hash_unit(seed, number, 5), hash_unit(seed, number, 6)
+    drag, floor = emitter[0]["drag"], emitter[0]["floor"]
+    moving = age
+    if not math.isinf(floor):
+        born = corner[1] + u * box[1, 0] + v * box[1, 1] + w * box[1, 2]
+        climb = speed * (a * axes[1, 0] + b * axes[1, 1] + cosine * axes[1, 2])
+        moving = _landing(born, climb, emitter[0]["pull"][1], drag, floor, age)
+    gone, pulled = ease(moving, drag), fall(moving, drag)
+    for k in range(3):
+        begin = corner[k] + u * box[k, 0] + v * box[k, 1] + w * box[k, 2]
+        velocity = speed * (a * axes[k, 0] + b * axes[k, 1] + cosine * axes[k, 2])
+        out[k] = begin + velocity * gone + emitter[0]["pull"][k] * pulled
+    if emitter[0]["sway"] > 0.0:
+        half = 0.5 * emitter[0]["sway_rate"] * moving
+        for k in range(2):
+            # sin(phase + 2 half) - sin(phase): no swing at birth. Sideways only, so that landings stay what they are.
+            phase = 2.0 * math.pi * hash_unit(seed, number, 13 + k)
+            out[2 * k] += 2.0 * emitter[0]["sway"] * math.cos(phase + half) * math.sin(half)
+    if not math.isinf(floor):
+        # A little apart, so that what lies on each other does not flicker.
+        out[1] = max(out[1], floor + 1e-3 * (1.0 + hash_unit(seed, number, 7)))
+    return moving
+
+
+@kernel
+def fill_particles(
+    emitter: Records,
+    first: int,
+    count: int,
+    born: float,
+    interval: float,
+    now: float,
+    corner: F8,
+    box: F8,
+    axes: F8,
+    sprites: Records,
+    start: int,
+) -> int:
+    """Write the particles of a row of births that are alive.
+
+    Args:
+        emitter: EMITTER, [1].
+        first: Number of the first one.
+        count: How many were born.
+        born: When the first one was [s].
+        interval: Between two births [s].
+        now: [s].
+        corner: Of the box they begin in, world [m], [3].
+        box: Its edges as columns, world [m], [3, 3].
+        axes: Two directions across and the middle one, unit columns, world, [3, 3].
+        sprites: SPRITE, written from `start` on.
+        start: Where.
+
+    Returns:
+        Number of the next free one in `sprites`.
+    """
+    at = start
+    for i in range(count):
+        age = now - (born + interval * i)
+        number = first + i
+        shortest, longest = emitter[0]["lifetime"][0], emitter[0]["lifetime"][1]
+        life = shortest + hash_unit(emitter[0]["seed"], number, 0) * (longest - shortest)
+        if age < 0.0 or age > life:
+            continue
+        share = age / life
+        moving = _place(emitter, number, age, corner, box, axes, sprites[at]["place"])
+        _turn(emitter, number, moving, moving < age, sprites[at]["turn"])
+        _colour(emitter, number, share, sprites[at]["tint"])
+        least = emitter[0]["size"][0]
+        height = least + hash_unit(emitter[0]["seed"], number, 16) * (emitter[0]["size"][1] - least)
+        height *= 0.5 * (1.0 + (emitter[0]["growth"] - 1.0) * share)
+        sprites[at]["half"][0], sprites[at]["half"][1] = height * emitter[0]["aspect"], height
+        sprites[at]["lift"] = 0.0
+        sprites[at]["facing"] = _OWN if emitter[0]["tumbles"] else 0
+        sprites[at]["state"] = emitter[0]["state"]
+        for k in range(4):
+            sprites[at]["style"][k] = emitter[0]["style"][k]
+        at += 1
+    return at

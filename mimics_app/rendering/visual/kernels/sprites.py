@@ -1,0 +1,132 @@
+"""Sprites of a view: which are seen, and their corners relative to the eye."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+
+__all__ = ["SPRITE_FLOATS", "see_sprites", "write_sprites"]
+
+F4 = NDArray[np.float32]
+F8 = NDArray[np.float64]
+I4 = NDArray[np.int32]
+U1 = NDArray[np.uint8]
+U8 = NDArray[np.uint64]
+Records = NDArray[Any]
+
+SPRITE_FLOATS = 17
+"""Of one sprite as the shader reads it: middle, half width and half height as vectors, tint, style."""
+
+_FREE, _UPRIGHT, _OWN = 0, 1, 2
+_STEEPEST = 1e-4
+"""Sine of the angle to the vertical below which "right" is the eye's own."""
+
+
+@kernel
+def see_sprites(
+    sprites: Records, count: int, planes: F8, eye: F8, masked: U1, solid: I4, blended: I4, away: F8
+) -> tuple[int, int]:
+    """Pick what is in a frustum.
+
+    Args:
+        sprites: SPRITE, [>= count].
+        count: How many there are.
+        planes: Unit normals inwards and offsets, [k, 4].
+        eye: World [m], [3].
+        masked: 1 for a state that is cut out instead of blended, [states].
+        solid: Written: numbers of those cut out, [>= count].
+        blended: Written: numbers of the others, [>= count].
+        away: Written: distance of each of the others [m], [>= count].
+
+    Returns:
+        How many are cut out, and how many are not.
+    """
+    solids = others = 0
+    for i in range(count):
+        place = sprites[i]["place"]
+        wide, high = sprites[i]["half"][0], sprites[i]["half"][1]
+        if sprites[i]["tint"][3] <= 0.0 or wide * high <= 0.0:
+            continue
+        radius = math.sqrt(wide * wide + high * high) + sprites[i]["lift"] * high
+        seen = True
+        for k in range(planes.shape[0]):
+            depth = planes[k, 0] * place[0] + planes[k, 1] * place[1] + planes[k, 2] * place[2] + planes[k, 3]
+            seen = seen and depth >= -radius
+        if not seen:
+            continue
+        if masked[sprites[i]["state"]]:
+            solid[solids] = i
+            solids += 1
+            continue
+        x, y, z = place[0] - eye[0], place[1] - eye[1], place[2] - eye[2]
+        blended[others], away[others] = i, math.sqrt(x * x + y * y + z * z)
+        others += 1
+    return solids, others
+
+
+@kernel
+def _axes_before_eye(place: F8, eye: F8, right_of_eye: F8, upright: bool, out: F8) -> None:
+    """Unit vectors to the right and up of a picture that looks at the eye; the world's up stays up."""
+    x, y, z = eye[0] - place[0], eye[1] - place[1], eye[2] - place[2]
+    length = math.sqrt(x * x + y * y + z * z)
+    flat = math.sqrt(x * x + z * z)
+    if flat > _STEEPEST * length:
+        out[0, 0], out[0, 1], out[0, 2] = z / flat, 0.0, -x / flat
+    else:
+        for k in range(3):
+            out[0, k] = right_of_eye[k]
+    if upright or length == 0.0:
+        out[1, 0], out[1, 1], out[1, 2] = 0.0, 1.0, 0.0
+        return
+    x, y, z = x / length, y / length, z / length
+    out[1, 0] = y * out[0, 2] - z * out[0, 1]
+    out[1, 1] = z * out[0, 0] - x * out[0, 2]
+    out[1, 2] = x * out[0, 1] - y * out[0, 0]
+
+
+@kernel
+def _turned_axes(q: F4, out: F8) -> None:
+    """The x and y axes of a quaternion's rotation."""
+    x, y, z, w = float(q[0]), float(q[1]), float(q[2]), float(q[3])
+    out[0, 0], out[0, 1], out[0, 2] = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w)
+    out[1, 0], out[1, 1], out[1, 2] = 2.0 * (x * y - z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + x * w)
+
+
+@kernel
+def write_sprites(
+    sprites: Records, order: I4, count: int, first: int, eye: F8, right_of_eye: F8, axes: F8, out: F4
+) -> None:
+    """Write sprites as the shader reads them, relative to the eye, subtracted in float64.
+
+    Args:
+        sprites: SPRITE.
+        order: Numbers of sprites in draw order, [>= count].
+        count: How many.
+        first: Where in `out` the first one goes.
+        eye: World [m], [3].
+        right_of_eye: Unit, world, [3]: right of what is seen from straight above.
+        axes: Scratch, [2, 3].
+        out: [>= first + count, SPRITE_FLOATS].
+    """
+    for i in range(count):
+        n = order[i]
+        place, turn = sprites[n]["place"], sprites[n]["turn"]
+        facing = sprites[n]["facing"]
+        c, s = 1.0, 0.0
+        if facing == _OWN:
+            _turned_axes(turn, axes)
+        else:
+            _axes_before_eye(place, eye, right_of_eye, facing == _UPRIGHT, axes)
+            c, s = float(turn[0]), float(turn[1])
+        wide, high = float(sprites[n]["half"][0]), float(sprites[n]["half"][1])
+        for k in range(3):
+            across, along = axes[0, k] * c + axes[1, k] * s, axes[1, k] * c - axes[0, k] * s
+            out[first + i, k] = place[k] - eye[k] + sprites[n]["lift"] * high * along
+            out[first + i, 3 + k], out[first + i, 6 + k] = wide * across, high * along
+        for k in range(4):
+            out[first + i, 9 + k], out[first + i, 13 + k] = sprites[n]["tint"][k], sprites[n]["style"][k]
