@@ -14,6 +14,7 @@ from mimics_app.app.settings import Profile
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import SceneError, nearest
 from mimics_app.contracts.input_port import Ray
+from mimics_app.rendering.visual.capabilities import read_capabilities
 from mimics_app.rendering.visual.displays.desktop import desktop_views
 from mimics_app.rendering.visual.frame_stats import FrameStats
 from mimics_app.rendering.visual.headless import save_png
@@ -29,10 +30,6 @@ from mimics_app.world.world import World
 
 __all__ = ["Picture", "draws_in_software", "live_quality", "picture_quality"]
 
-_SOFTWARE = ("llvmpipe", "softpipe", "SwiftShader")
-"""Renderers that draw on the processor, which the haptic loop needs too."""
-
-
 def live_quality(scene: Scene, profile: Profile, surface: Surface) -> RenderSettings:
     """Quality of a picture that must keep up: on a software renderer only a study keeps its smooth edges."""
     quality = picture_quality(scene, profile)
@@ -41,7 +38,7 @@ def live_quality(scene: Scene, profile: Profile, surface: Surface) -> RenderSett
 
 def draws_in_software(surface: Surface) -> bool:
     """Whether the driver draws on the processor."""
-    return any(name in surface.ctx.info["GL_RENDERER"] for name in _SOFTWARE)
+    return read_capabilities(surface.ctx).software
 
 
 def picture_quality(scene: Scene, profile: Profile) -> RenderSettings:

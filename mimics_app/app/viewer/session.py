@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from mimics_app.app.overlay_keys import toggle_overlay
 from mimics_app.app.settings import Profile
 from mimics_app.app.viewer.controls import ViewerControls
 from mimics_app.app.viewer.hand import Hand
@@ -51,7 +52,7 @@ class ViewerSession:
         self._hand = Hand(shown)
         self._controls = ViewerControls(self._stage, self._hand, self._commands())
         self._watcher = SceneWatcher(shown.files)
-        self._keys_shown = self._left = self._alarm = False
+        self._keys_shown = self._left = self._alarm = self._marked = False
         self._message, self._message_until_ns = "", 0
         self.pictures: list[Path] = []
         self.saved: list[Path] = []
@@ -62,7 +63,9 @@ class ViewerSession:
         due = looked = before = self._clock.now_ns()
         while not (self._surface.should_close or self._left):
             now = self._clock.now_ns()
-            self._controls.handle(self._surface.poll())
+            events = self._surface.poll()
+            toggle_overlay(self._stage.renderer, events)
+            self._controls.handle(events)
             self._controls.fly(min((now - before) / _NS, _LONGEST_STEP_S))
             before = now
             if now - looked >= _LOOK_NS:
@@ -88,6 +91,7 @@ class ViewerSession:
         lines = [shown.size]
         if self._hand.chosen is not None:
             lines.append(self._describe_chosen())
+        self._mark_chosen()
         draw_caption(hud, shown.title, lines, shown.notes)
         draw_hint(hud, "H: keys")
         draw_message(hud, self._message, alarm=self._alarm)
@@ -95,6 +99,14 @@ class ViewerSession:
             draw_keys(hud)
         self._stage.draw()
         self._surface.swap()
+
+    def _mark_chosen(self) -> None:
+        """Have a box drawn about what is chosen; there is no overlay before something is."""
+        if self._hand.chosen is not None:
+            self._marked = True
+            self._stage.renderer.overlay.chosen = self._hand.chosen.index
+        elif self._marked:
+            self._stage.renderer.overlay.chosen = None
 
     def _describe_chosen(self) -> str:
         node = self._hand.chosen

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.errors import Issue, UsageError
@@ -27,6 +27,12 @@ from mimics_app.rendering.visual.targets import PictureTarget
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.world_stage import FrameScene, ViewDraws, WorldStage
 from mimics_app.world.world import World
+
+if TYPE_CHECKING:
+    import moderngl
+
+    from mimics_app.rendering.visual.overlay.overlay import Overlay
+    from mimics_app.rendering.visual.overlay.stage_times import StageTimes
 
 __all__ = ["Renderer"]
 
@@ -64,9 +70,15 @@ class Renderer:
         self.settings = settings or RenderSettings()
         self._surface = surface
         self._clock = clock or MonotonicClock()
-        ctx = surface.ctx
-        self._shaders = ShaderLibrary(ctx, shader_folder)
+        self._shader_folder = shader_folder
         self.hud = Hud()
+        self._overlay: Overlay | None = None
+        self._make_stages()
+
+    def _make_stages(self) -> None:
+        """Everything that lives in the surface's context."""
+        surface, ctx = self._surface, self._surface.ctx
+        self._shaders = ShaderLibrary(ctx, self._shader_folder)
         self._arena = MeshArena(ctx)
         has = read_capabilities(ctx)
         self._materials = MaterialStore(ctx, self._shaders, has)
@@ -77,6 +89,26 @@ class Renderer:
         self._world = WorldStage(ctx, self._shaders, self._arena, self._frame, self.settings, has.texture_size)
         self._hud_pass = HudPass(ctx, self._shaders)
         self._timer = ctx.query(time=True) if self.settings.timer else None
+
+    @property
+    def overlay(self) -> Overlay:
+        """The developer's overlay; made when it is first asked for."""
+        if self._overlay is None:
+            from mimics_app.rendering.visual.overlay.overlay import Overlay
+
+            ctx = self._surface.ctx
+            self._overlay = Overlay(ctx, self._shaders, self._arena, self._frame, self._clock)
+        return self._overlay
+
+    def renew(self) -> None:
+        """Make everything anew on the surface's present context; the one before was lost with all it held.
+
+        World, settings, figures and what the overlay shows stay as they are.
+        """
+        before, self._overlay = self._overlay, None
+        self._make_stages()
+        if before is not None:
+            self.overlay.take_over(before)
 
     def draw(self, views: Sequence[View]) -> FrameStats:
         """Draw one frame into the surface's framebuffer; `surface.swap()` shows it.
@@ -133,6 +165,9 @@ class Renderer:
 
     def release(self) -> None:
         """Free everything but the surface."""
+        if self._overlay is not None:
+            self._overlay.release()
+            self._overlay = None
         parts = (self._hud_pass, self._world, self._shadows, self._picture, self._frame)
         for part in (*parts, self._materials, self._arena):
             part.release()
@@ -141,30 +176,54 @@ class Renderer:
         if not views:
             raise UsageError("a frame without a view cannot be drawn", "give at least one View")
         started = self._clock.now_ns()
-        with self._timer or nullcontext():
+        timer = None if self._times is not None else self._timer  # timers of a driver cannot lie in each other
+        with timer or nullcontext():
             triangles, draws = self._draw(views)
         if finish:
             self._surface.ctx.finish()
         cpu_ms = (self._clock.now_ns() - started) * 1e-6
         tally = self._list.tally
         told = (tally.items, tally.culled, tally.hidden, tally.tests)
-        return FrameStats(cpu_ms, self._timer.elapsed * 1e-6 if self._timer else None, triangles, draws, *told)
+        if self._times is not None:
+            self._times.count(tally.items, tally.culled, tally.hidden)
+        return FrameStats(cpu_ms, timer.elapsed * 1e-6 if timer else None, triangles, draws, *told)
+
+    @property
+    def _times(self) -> StageTimes | None:
+        """Where the times of stages go, None while nobody looks at them."""
+        overlay = self._overlay
+        return overlay.times if overlay is not None and "graph" in overlay.layers else None
+
+    def _timed(self, stage: str) -> AbstractContextManager[None]:
+        times = self._times
+        return nullcontext() if times is None else times.stage(stage)
 
     def _draw(self, views: Sequence[View]) -> tuple[int, int]:
         """The stages of a frame in their order; returns triangles and draw calls."""
-        scene = self._prepare(views)
-        drawn = [self._batch(number, view) for number, view in enumerate(views)]
-        self._frame.upload(self._arena)
-        draws = self._shadows.draw(self._arena, self._frame)
-        draws += self._world.draw(self._picture.begin(), self._picture.samples, scene, drawn)
-        draws += self._draw_over(views)
+        if self._times is not None:
+            self._times.begin()
+        with self._timed("choose and sort"):
+            scene = self._prepare(views)
+            drawn = [self._batch(number, view) for number, view in enumerate(views)]
+            self._frame.upload(self._arena)
+        with self._timed("shadow maps"):
+            draws = self._shadows.draw(self._arena, self._frame)
+        with self._timed("world"):
+            target = self._picture.begin()
+            draws += self._world.draw(target, self._picture.samples, scene, drawn)
+        if self._overlay is not None and self._overlay.shows:
+            with self._timed("overlay"):
+                draws += self._draw_overlay(self._overlay, target, scene, drawn)
+        with self._timed("filters and figures"):
+            draws += self._draw_over(views)
         shadow_triangles = sum(run.triangles for runs in self._shadows.runs for run in runs or ())
         return shadow_triangles + sum(each.triangles for each in drawn), draws
 
     def _prepare(self, views: Sequence[View]) -> FrameScene:
         """Take over the world, and queue what casts shadows."""
         lighting, settings = gather_lighting(self.world), self.settings
-        self._list.update(self.world, settings, light_features=light_features(lighting, settings))
+        asks = self._overlay is not None and self._overlay.asks_fates
+        self._list.update(self.world, settings, light_features=light_features(lighting, settings), fates=asks)
         self._frame.begin()
         self._shadows.prepare(lighting, views, self.world, self._list, self._frame, settings)
         return FrameScene(self.world, self._list.items, lighting, self._shadows.plan, settings)
@@ -175,6 +234,16 @@ class Renderer:
         runs = self._list.batch_view(self._frame, view, rectangle[2:], self._picture.samples, number)
         return ViewDraws(view, rectangle, *runs)
 
+    def _draw_overlay(
+        self, overlay: Overlay, target: moderngl.Framebuffer, scene: FrameScene, drawn: Sequence[ViewDraws]
+    ) -> int:
+        """What the overlay shows in the world."""
+        draws = overlay.draw_lines(target, scene, self._list, drawn)
+        for each in drawn:
+            self._world.enter(scene, each.view)
+            draws += overlay.draw_wires(target, each)
+        return draws
+
     def _draw_over(self, views: Sequence[View]) -> int:
         """Show the world's picture with the heads-up display, which no filter touches and which is never smaller."""
         rectangles = [view.rectangle for view in views]
@@ -183,12 +252,15 @@ class Renderer:
         return self._draw_hud(views) + self._picture.end(rectangles)
 
     def _draw_hud(self, views: Sequence[View]) -> int:
-        draws = 0
-        if self.hud.empty:
+        draws, huds = 0, [self.hud]
+        if self._overlay is not None and self._overlay.layers:
+            draws += self._overlay.draw_atlas(self._surface.framebuffer, self._shadows)
+            self._overlay.lay_out(self.hud.width)
+            huds.append(self._overlay.hud)
+        if all(hud.empty for hud in huds):
             return draws
         for screen in dict.fromkeys(view.screen for view in views):
             eyes = [view for view in views if view.screen == screen]
             plane = plane_of_views(eyes, self.settings.hud_depth)
-            for view in eyes:
-                draws += self._hud_pass.draw(self.hud, view, plane)
+            draws += sum(self._hud_pass.draw(hud, view, plane) for view in eyes for hud in huds)
         return draws

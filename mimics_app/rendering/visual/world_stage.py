@@ -117,7 +117,7 @@ class WorldStage:
     def _draw_view(self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws, *, sky: bool) -> int:
         target.viewport = drawn.rectangle
         additive = scene.by_stencil and scene.settings.shadows == "stencil_additive"
-        self._enter(scene, drawn.view, sun=not additive)
+        self.enter(scene, drawn.view, sun=not additive)
         draws = draw_runs(target, self._arena, self._frame, drawn.opaque)
         if sky:
             draws += self.sky.draw()
@@ -125,7 +125,7 @@ class WorldStage:
             draws += self._draw_stencil_shadows(target, scene, drawn, additive=additive)
         return draws + draw_runs(target, self._arena, self._frame, drawn.transparent)
 
-    def _enter(self, scene: FrameScene, view: View, *, sun: bool) -> None:
+    def enter(self, scene: FrameScene, view: View, *, sun: bool = True) -> None:
         """Tell the shaders where the view is from and what shines."""
         self._block.settings = scene.settings
         self._block.fill(view, scene.lighting, scene.plan, sun=sun)
@@ -139,7 +139,7 @@ class WorldStage:
         draws = volumes.count(target, scene.world, scene.items, drawn.view, scene.lighting)
         if not additive:
             return draws + volumes.darken(scene.settings.shadow_tone)
-        self._enter(scene, drawn.view, sun=True)
+        self.enter(scene, drawn.view, sun=True)
         volumes.gl.draw_where(EQUAL)
         self._ctx.depth_func = "=="
         draws += draw_runs(target, self._arena, self._frame, drawn.opaque)
