@@ -25,7 +25,6 @@ class Album:
         self._session = session
         self._folder = session.folder / "pictures"
         self._wanted = session.settings.pictures
-        self._film: Film | None = None
         self._files: list[Path] = []
 
     def look(self, frames: Frames) -> None:
@@ -38,8 +37,6 @@ class Album:
         """The pictures kept; one of the last frame where the run was too short for any."""
         if not self._files and self._wanted > 0 and frames.number > 0:
             self._draw(frames, keep=True)
-        if self._film is not None:
-            self._film.finish()
         return self._files
 
     def _is_due(self, frames: Frames) -> bool:
@@ -50,8 +47,8 @@ class Album:
     def _draw(self, frames: Frames, *, keep: bool) -> None:
         picture = self._session.picture or self._open()
         picture.draw(frames.figures)
-        if self._film is not None:
-            self._film.take(frames.number * _NS // FRAMES_PER_SECOND)
+        if picture.film is not None:
+            picture.film.take(frames.number * _NS // FRAMES_PER_SECOND)
         if keep:
             self._folder.mkdir(parents=True, exist_ok=True)
             file = self._folder / f"frame_{frames.number:06d}.png"
@@ -67,5 +64,5 @@ class Album:
             surface, session.scene, session.world, picture_quality(session.scene, session.settings.profile)
         )
         if session.settings.video is not None:
-            self._film = Film(surface, session.settings.video, live=session.live)
+            session.picture.film = Film(surface, session.settings.video, live=session.live)
         return session.picture

@@ -11,6 +11,7 @@ import numpy as np
 
 from mimics_app.app.board import draw_board
 from mimics_app.app.settings import Profile
+from mimics_app.app.video import Film
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import SceneError, nearest
 from mimics_app.contracts.input_port import Ray
@@ -29,6 +30,7 @@ from mimics_app.world.scene import Scene
 from mimics_app.world.world import World
 
 __all__ = ["Picture", "draws_in_software", "live_quality", "picture_quality"]
+
 
 def live_quality(scene: Scene, profile: Profile, surface: Surface) -> RenderSettings:
     """Quality of a picture that must keep up: on a software renderer only a study keeps its smooth edges."""
@@ -75,6 +77,7 @@ class Picture:
     Attributes:
         surface: Where it is drawn.
         renderer: What draws it.
+        film: Gets every frame that is shown; None: there is no film.
 
     Raises:
         SceneError: the scene has no camera, or none of that name.
@@ -86,6 +89,7 @@ class Picture:
         self.surface = surface
         self._wanted = camera
         self.renderer = Renderer(surface, world, settings)
+        self.film: Film | None = None
         self._software = draws_in_software(surface)
         self.show(scene, world)
 
@@ -119,17 +123,54 @@ class Picture:
 
         A driver that draws on the processor has done it all when the frame is on the glass. Any other is waited for
         before that, because the glass makes a frame wait for the display.
+
+        A context that the driver lost is made anew, and the frame drawn again.
+
+        Raises:
+            DeviceError: it was lost, and there is no other.
         """
+        try:
+            done_ns = self._show(figures, clock)
+        except Exception:  # in a context that is gone anything may fail
+            if not self.surface.reset_status():
+                raise
+        else:
+            if not self.surface.reset_status():
+                return done_ns
+        self.recover()
+        return self._show(figures, clock)
+
+    def recover(self) -> None:
+        """Make context and renderer anew after a loss; world, quality and figures stay.
+
+        Raises:
+            DeviceError: there is no other context.
+        """
+        sys.stderr.write(f"mimics: the picture was lost ({self.surface.reset_status()}) and is made anew\n")
+        if self.film is not None:
+            self.film.forget()
+        self.surface.renew()
+        self.renderer.renew()
+        self._software = draws_in_software(self.surface)
+
+    def _show(self, figures: Mapping[str, object], clock: Clock) -> int:
         if self._software:
             self.draw(figures)
             self.surface.swap()
-            return clock.now_ns()
+            done_ns = clock.now_ns()
+            self._take_to_film(done_ns)
+            return done_ns
         self.lay_out(figures)
         self.renderer.draw_finished(self.views)
         done_ns = clock.now_ns()
         self.surface.swap()
+        self._take_to_film(done_ns)
         self.tell_issues()
         return done_ns
+
+    def _take_to_film(self, t_ns: int) -> None:
+        if self.film is not None:
+            self.film.take(t_ns)
 
     def tell_issues(self) -> None:
         """Say on stderr what was drawn otherwise than the scene asks, a line for each fault, once."""
@@ -155,8 +196,16 @@ class Picture:
         """Write the frame drawn last as PNG."""
         save_png(self.surface, file)
 
+    def abandon(self) -> None:
+        """Finish the film where the driver is gone: nothing else is left to be freed."""
+        if self.film is not None:
+            self.film.forget()
+            self.film.finish()
+
     def close(self) -> None:
-        """Free everything, the surface included."""
+        """Finish the film, and free everything, the surface included."""
+        if self.film is not None:
+            self.film.finish()
         self.renderer.release()
         self.surface.close()
 

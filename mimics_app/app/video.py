@@ -79,7 +79,7 @@ class Film:
         except OSError as error:
             raise UsageError(f"no film can be written to {folder}: {error.strerror}", "give another --video") from None
         self._sink: _Sink = _Ffmpeg(program, self.place, surface.size) if program else _PngFolder(self.place)
-        self._live = live
+        self._surface, self._live = surface, live
         self._reader = FrameReader(surface, 2 if live else 0)
         self._begun_ns: int | None = None
         self._queue: queue.Queue[ReadFrame | None] = queue.Queue(_ROOM)
@@ -92,6 +92,10 @@ class Film:
         """Take the picture drawn last, which is seen from a time on [ns]."""
         for frame in self._reader.take(t_ns):
             self._hand_over(frame)
+
+    def forget(self) -> None:
+        """The surface's context is lost: pictures that were not read yet are gone."""
+        self._reader = FrameReader(self._surface, self._reader.behind)
 
     def finish(self) -> None:
         """Write what is still waiting, and close the file."""

@@ -140,5 +140,5 @@ def test_mesh_files_are_shown_and_damaged_ones_named(tmp_path, suffix):
 def test_a_file_of_no_kind_and_one_that_is_not_there_are_named(tmp_path):
     with pytest.raises(SceneError, match="of no kind that is shown"):
         open_shown(tmp_path / "a.max")
-    with pytest.raises(SceneError, match="missing.stl"):
+    with pytest.raises(SceneError, match=r"missing\.stl"):
         open_shown(tmp_path / "missing.stl")

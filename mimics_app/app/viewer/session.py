@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -71,7 +72,7 @@ class ViewerSession:
             if now - looked >= _LOOK_NS:
                 looked = now
                 self._look(now)
-            if self._controls.dirty:
+            if self._controls.dirty or self._stage.renderer.shows("graph"):
                 self._controls.dirty = False
                 self._draw()
             due = max(due + _FRAME_NS, self._clock.now_ns() - _FRAME_NS)
@@ -167,16 +168,25 @@ class ViewerSession:
             self._say(str(error.issues[0]), alarm=True)
             return
         self.saved += [file for file in files if file not in self.saved]
+        if self._watcher.changed():
+            self._take_over()
         self._say(f"saved {', '.join(str(file) for file in files)}" if files else "nothing was moved")
 
     def _look(self, now_ns: int) -> None:
         """Take over changed files, and let old news go."""
         if self._message and now_ns > self._message_until_ns:
             self._message, self._controls.dirty = "", True
+        renderer = self._stage.renderer
+        before = renderer.shaders_replaced
+        for issue in renderer.reload_shaders():
+            sys.stderr.write(f"mimics: {issue}\n")
+            self._say(str(issue), alarm=True)
+        self._controls.dirty = self._controls.dirty or renderer.shaders_replaced != before
         if self._hand.holding or not self._watcher.changed():
             return
         try:
             self._take_over()
+            self._say("loaded again")
         except MimicsError as error:
             self._say(str(error.issues[0]), alarm=True)
 
@@ -193,7 +203,6 @@ class ViewerSession:
             shown.scene, _ = reload_scene(shown.world, shown.scene)
             shown.files, shown.notes = list(shown.scene.files), list(shown.scene.notes)
         self._watcher.watch(self._stage.shown.files)
-        self._say("loaded again")
 
     def _say(self, text: str, *, alarm: bool = False) -> None:
         self._message, self._alarm = text, alarm

@@ -29,11 +29,14 @@ class FrameReader:
     Args:
         surface: Whose pictures.
         behind: Frames between a picture and its reading; 0 reads at once.
+
+    Attributes:
+        behind: The same.
     """
 
     def __init__(self, surface: Surface, behind: int = 2) -> None:
         self._surface = surface
-        self._behind = behind
+        self.behind = behind
         self._free: list[moderngl.Buffer] = []
         self._waiting: deque[tuple[int, Size, moderngl.Buffer]] = deque()
 
@@ -41,7 +44,7 @@ class FrameReader:
         """Take the picture drawn last, shown at a time [ns]; returns what is ready, mostly an older one."""
         size = self._surface.size
         self._waiting.append((t_ns, size, self._copy(size)))
-        return self._read(self._behind)
+        return self._read(self.behind)
 
     def flush(self) -> list[ReadFrame]:
         """What was taken and not read yet."""

@@ -31,7 +31,7 @@ from mimics_app.world.world import World
 if TYPE_CHECKING:
     import moderngl
 
-    from mimics_app.rendering.visual.overlay.overlay import Overlay
+    from mimics_app.rendering.visual.overlay.overlay import Layer, Overlay
     from mimics_app.rendering.visual.overlay.stage_times import StageTimes
 
 __all__ = ["Renderer"]
@@ -100,6 +100,10 @@ class Renderer:
             self._overlay = Overlay(ctx, self._shaders, self._arena, self._frame, self._clock)
         return self._overlay
 
+    def shows(self, layer: Layer) -> bool:
+        """Whether a layer of the overlay is on."""
+        return self._overlay is not None and layer in self._overlay.layers
+
     def renew(self) -> None:
         """Make everything anew on the surface's present context; the one before was lost with all it held.
 
@@ -153,6 +157,11 @@ class Renderer:
         self._shadows.resize(self.settings.shadow_size)
         self._picture.settings = self.settings
 
+    @property
+    def shaders_replaced(self) -> int:
+        """How many programs `reload_shaders` has replaced so far: a picture drawn before is out of date."""
+        return self._shaders.replaced
+
     def reload_shaders(self) -> list[Issue]:
         """Compile changed shaders anew; returns what is wrong with them, old programs stay in use."""
         return self._shaders.reload()
@@ -192,7 +201,7 @@ class Renderer:
     def _times(self) -> StageTimes | None:
         """Where the times of stages go, None while nobody looks at them."""
         overlay = self._overlay
-        return overlay.times if overlay is not None and "graph" in overlay.layers else None
+        return overlay.times if overlay is not None and self.shows("graph") else None
 
     def _timed(self, stage: str) -> AbstractContextManager[None]:
         times = self._times

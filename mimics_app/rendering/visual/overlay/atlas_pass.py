@@ -41,7 +41,7 @@ class AtlasPass:
         across = side * height / width
         self._shader.set_numbers("rectangle", (1.0 - across - 0.03, -0.95, across, side))
         self._shader.set_number("tiles", float(shadows.plan.grid))
-        framebuffer.viewport = (0, 0, width, height)
+        self._ctx.viewport = (0, 0, width, height)
         self._ctx.enable_only(moderngl.BLEND)
         self._ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
         with shadows.as_picture(_BINDING):
