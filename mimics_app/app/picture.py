@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from mimics_app.app.board import draw_board
+from mimics_app.app.lost_picture import draw_or_recover
 from mimics_app.app.settings import Profile
 from mimics_app.app.video import Film
 from mimics_app.contracts.clock import Clock
@@ -129,16 +130,7 @@ class Picture:
         Raises:
             DeviceError: it was lost, and there is no other.
         """
-        try:
-            done_ns = self._show(figures, clock)
-        except Exception:  # in a context that is gone anything may fail
-            if not self.surface.reset_status():
-                raise
-        else:
-            if not self.surface.reset_status():
-                return done_ns
-        self.recover()
-        return self._show(figures, clock)
+        return draw_or_recover(self.surface, lambda: self._show(figures, clock), self.recover)
 
     def recover(self) -> None:
         """Make context and renderer anew after a loss; world, quality and figures stay.
@@ -146,7 +138,6 @@ class Picture:
         Raises:
             DeviceError: there is no other context.
         """
-        sys.stderr.write(f"mimics: the picture was lost ({self.surface.reset_status()}) and is made anew\n")
         if self.film is not None:
             self.film.forget()
         self.surface.renew()
