@@ -8,17 +8,22 @@ import subprocess
 import sys
 import tempfile
 import threading
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from statistics import median
 from typing import IO, TYPE_CHECKING, Protocol
 
 from mimics_app.contracts.errors import UsageError
 from mimics_app.rendering.visual.frame_reader import FrameReader, ReadFrame
+from mimics_app.rendering.visual.headless import FrameSet
+from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.surface import Size, Surface
+from mimics_app.rendering.visual.view import View
 
 if TYPE_CHECKING:
     from PIL import Image
 
-__all__ = ["FRAMES_PER_SECOND", "Film", "film_place"]
+__all__ = ["FRAMES_PER_SECOND", "Film", "draw_film", "film_place"]
 
 FRAMES_PER_SECOND = 60
 
@@ -132,6 +137,26 @@ class Film:
             self._sink.close()
         except (OSError, ValueError) as error:
             self.problem = self.problem or str(error)
+
+
+def draw_film(
+    renderer: Renderer, surface: Surface, count: int, views: Callable[[int], Sequence[View]], wanted: Path
+) -> FrameSet:
+    """Draw frames into a film, 60 for each second of it.
+
+    Args:
+        renderer: Draws on `surface`.
+        surface: Any.
+        count: Number of frames, >= 1.
+        views: Called with the number of each frame before it is drawn: moves the world, returns the eyes.
+        wanted: The file, see `film_place`.
+    """
+    film, spent = Film(surface, wanted, live=False), []
+    for number in range(count):
+        spent.append(renderer.draw_finished(views(number)).cpu_ms)
+        film.take(number * _NS // FRAMES_PER_SECOND)
+    film.finish()
+    return FrameSet([film.place], median(spent))
 
 
 class _PngFolder:

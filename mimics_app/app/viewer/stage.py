@@ -79,11 +79,11 @@ class ViewerStage:
         Raises:
             DeviceError: it was lost, and there is no other.
         """
-        return draw_or_recover(self.surface, lambda: self._tell(self.renderer.draw(self._views())), self._recover)
+        return draw_or_recover(self.surface, lambda: self._tell(self.renderer.draw(self.views())), self._recover)
 
     def draw_finished(self) -> FrameStats:
         """As `draw`, but return only when the driver has drawn all of it."""
-        return self._tell(self.renderer.draw_finished(self._views()))
+        return self._tell(self.renderer.draw_finished(self.views()))
 
     def release(self) -> None:
         """Free everything but the surface."""
@@ -93,7 +93,8 @@ class ViewerStage:
         self.surface.renew()
         self.renderer.renew()
 
-    def _views(self) -> list[View]:
+    def views(self) -> list[View]:
+        """The eye as the renderer wants it; the display's canvas takes the picture's shape."""
         width, height = self.surface.size
         self.renderer.hud.width = CANVAS_HEIGHT * width / height
         return [self.eye.view(self.surface.size)]
