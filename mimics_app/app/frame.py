@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mimics_app.app.effect_cues import EffectCues
 from mimics_app.app.loss_watch import LossWatch
 from mimics_app.app.session import Session
-from mimics_app.contracts.haptic import INBOX
+from mimics_app.contracts.haptic import EVENT, INBOX
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders, VRInput
 
 __all__ = ["Frames"]
@@ -27,6 +27,7 @@ class Frames:
         orders: What the task wanted in the newest frame.
         snapshot: The haptic state the newest frame saw.
         losses: What of the scene's objects is not simulated any more.
+        events: What had happened in the haptic loop since the frame before, EVENT records.
     """
 
     def __init__(self, session: Session) -> None:
@@ -37,6 +38,7 @@ class Frames:
         self.orders = TaskOrders()
         self.snapshot: HapticSnapshot | None = None
         self.losses = LossWatch(session.side.effect_entities)
+        self.events: NDArray[Any] = np.zeros(0, EVENT)
 
     @property
     def figures(self) -> dict[str, object]:
@@ -67,7 +69,7 @@ class Frames:
         if session.sound is not None:
             session.sound.step(orders, session.world, now_ns)
         self._journal(snapshot, now_ns)
-        self.number, self.orders, self.snapshot = self.number + 1, orders, snapshot
+        self.number, self.orders, self.snapshot, self.events = self.number + 1, orders, snapshot, events
 
     def _journal(self, snapshot: HapticSnapshot, now_ns: int) -> None:
         """What this frame saw: the tick, and where every haptic body was."""

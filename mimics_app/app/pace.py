@@ -10,7 +10,9 @@ from mimics_app.app.governor import FrameGovernor
 from mimics_app.app.reload import SceneReload
 from mimics_app.app.session import Session
 from mimics_app.app.tolerances import tolerances_of
+from mimics_app.app.view_desk import ViewDesk
 from mimics_app.contracts.clock import TICKS_PER_SECOND, ticks_until_frame
+from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.rendering.visual.quality_steps import quality_steps
 
@@ -44,9 +46,10 @@ def run_virtual(session: Session, frames: Frames, after_frame: Progress) -> None
 def run_live(session: Session, frames: Frames, after_frame: Progress) -> None:
     """Frames beside the live loop until the window closes, Escape is pressed, or the run's time is over.
 
-    A haptic loop that ended by itself ends the run too; stopping the session then says why.
+    A haptic loop that ended by itself ends the run too; stopping the session then says why. So does a picture that is
+    lost for good.
     """
-    picture = session.picture
+    picture, desk = session.picture, ViewDesk(session)
     reload, watch = SceneReload(session), DeviceWatch(session)
     governor = session.governor = _govern(session)
     limit = session.clock.now_ns() + _limit_ns(session)
@@ -57,7 +60,12 @@ def run_live(session: Session, frames: Frames, after_frame: Progress) -> None:
         frames.step()
         trouble = watch.look()
         if picture is not None and governor is not None:
-            done_ns = picture.show_frame({**frames.figures, **_message(session, reload, trouble)}, session.clock)
+            desk.step(frames)
+            try:
+                done_ns = picture.show_frame({**frames.figures, **_message(session, reload, trouble)}, session.clock)
+            except DeviceError as error:
+                desk.give_up(error)
+                return
             governor.note((done_ns - begun_ns) * 1e-6, done_ns)
         after_frame(frames)
         due = max(due + _FRAME_NS, session.clock.now_ns() - _FRAME_NS)

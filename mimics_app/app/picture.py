@@ -10,10 +10,13 @@ from pathlib import Path
 import numpy as np
 
 from mimics_app.app.board import draw_board
+from mimics_app.app.lost_picture import draw_or_recover
 from mimics_app.app.settings import Profile
+from mimics_app.app.video import Film
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import SceneError, nearest
 from mimics_app.contracts.input_port import Ray
+from mimics_app.rendering.visual.capabilities import read_capabilities
 from mimics_app.rendering.visual.displays.desktop import desktop_views
 from mimics_app.rendering.visual.frame_stats import FrameStats
 from mimics_app.rendering.visual.headless import save_png
@@ -29,9 +32,6 @@ from mimics_app.world.world import World
 
 __all__ = ["Picture", "draws_in_software", "live_quality", "picture_quality"]
 
-_SOFTWARE = ("llvmpipe", "softpipe", "SwiftShader")
-"""Renderers that draw on the processor, which the haptic loop needs too."""
-
 
 def live_quality(scene: Scene, profile: Profile, surface: Surface) -> RenderSettings:
     """Quality of a picture that must keep up: on a software renderer only a study keeps its smooth edges."""
@@ -41,7 +41,7 @@ def live_quality(scene: Scene, profile: Profile, surface: Surface) -> RenderSett
 
 def draws_in_software(surface: Surface) -> bool:
     """Whether the driver draws on the processor."""
-    return any(name in surface.ctx.info["GL_RENDERER"] for name in _SOFTWARE)
+    return read_capabilities(surface.ctx).software
 
 
 def picture_quality(scene: Scene, profile: Profile) -> RenderSettings:
@@ -80,6 +80,7 @@ class Picture:
     Attributes:
         surface: Where it is drawn.
         renderer: What draws it.
+        film: Gets every frame that is shown; None: there is no film.
 
     Raises:
         SceneError: the scene has no camera, or none of that name.
@@ -91,6 +92,7 @@ class Picture:
         self.surface = surface
         self._wanted = camera
         self.renderer = Renderer(surface, world, settings)
+        self.film: Film | None = None
         self._software = draws_in_software(surface)
         self.show(scene, world)
 
@@ -124,17 +126,44 @@ class Picture:
 
         A driver that draws on the processor has done it all when the frame is on the glass. Any other is waited for
         before that, because the glass makes a frame wait for the display.
+
+        A context that the driver lost is made anew, and the frame drawn again.
+
+        Raises:
+            DeviceError: it was lost, and there is no other.
         """
+        return draw_or_recover(self.surface, lambda: self._show(figures, clock), self.recover)
+
+    def recover(self) -> None:
+        """Make context and renderer anew after a loss; world, quality and figures stay.
+
+        Raises:
+            DeviceError: there is no other context.
+        """
+        if self.film is not None:
+            self.film.forget()
+        self.surface.renew()
+        self.renderer.renew()
+        self._software = draws_in_software(self.surface)
+
+    def _show(self, figures: Mapping[str, object], clock: Clock) -> int:
         if self._software:
             self.draw(figures)
             self.surface.swap()
-            return clock.now_ns()
+            done_ns = clock.now_ns()
+            self._take_to_film(done_ns)
+            return done_ns
         self.lay_out(figures)
         self.renderer.draw_finished(self.views)
         done_ns = clock.now_ns()
         self.surface.swap()
+        self._take_to_film(done_ns)
         self.tell_issues()
         return done_ns
+
+    def _take_to_film(self, t_ns: int) -> None:
+        if self.film is not None:
+            self.film.take(t_ns)
 
     def tell_issues(self) -> None:
         """Say on stderr what was drawn otherwise than the scene asks, a line for each fault, once."""
@@ -160,8 +189,16 @@ class Picture:
         """Write the frame drawn last as PNG."""
         save_png(self.surface, file)
 
+    def abandon(self) -> None:
+        """Finish the film where the driver is gone: nothing else is left to be freed."""
+        if self.film is not None:
+            self.film.forget()
+            self.film.finish()
+
     def close(self) -> None:
-        """Free everything, the surface included."""
+        """Finish the film, and free everything, the surface included."""
+        if self.film is not None:
+            self.film.finish()
         self.renderer.release()
         self.surface.close()
 

@@ -18,7 +18,9 @@ from mimics_app.app.progress import ProgressLine
 from mimics_app.app.result import summarise
 from mimics_app.app.session import Session
 from mimics_app.app.settings import RunSettings
+from mimics_app.app.video import Film
 from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.recording.manifest import Manifest
 from mimics_app.recording.report import write_report
@@ -34,7 +36,8 @@ def play(settings: RunSettings, *, as_json: bool) -> int:
     """Run a scene.
 
     Returns:
-        0; 5 when the run ended in a latched stop; 6 when ticks of it could not be recorded or its report not written.
+        0; 4 when the picture was lost for good; 5 when the run ended in a latched stop; 6 when ticks of it could not be
+        recorded or its report not written.
     """
     started = MonotonicClock().now_ns()
     windowed = not settings.headless and has_display()
@@ -52,12 +55,16 @@ def play(settings: RunSettings, *, as_json: bool) -> int:
         manifest = session.finish(summary)
     report, whole = _report(session, manifest)
     answer = {**summary, "state_hash": manifest.state_hash, "report": str(report or ""), "pictures": pictures}
+    if session.film is not None:
+        answer["video"] = session.film
     if as_json:
         output.write_object("run", answer)
     else:
         _say(answer)
     if summary["safety"]["state"] in _STOPS:
         return _EXIT_SAFETY
+    if session.trouble:
+        return DeviceError.exit_code
     return 0 if whole else _EXIT_PARTIAL
 
 
@@ -92,6 +99,8 @@ def _play_in_window(session: Session, frames: Frames) -> None:
     surface = create_surface("window", session.settings.size, session.scene.name)
     quality = live_quality(session.scene, session.settings.profile, surface)
     session.picture = Picture(surface, session.scene, session.world, quality)
+    if session.settings.video is not None:
+        session.picture.film = Film(surface, session.settings.video, live=True)
     session.inputs = person_inputs(session)
     run_live(session, frames, lambda _: None)
 
@@ -131,6 +140,8 @@ def _say(answer: dict[str, Any]) -> None:
     print(f"run       {answer['run_dir']}")
     for picture in answer["pictures"]:
         print(f"picture   {picture}")
+    if "video" in answer:
+        print(f"film      {answer['video']}")
     print(f"report    {answer['report']}")
 
 

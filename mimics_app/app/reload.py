@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 
 from mimics_app.app.catalogue import open_scenario
 from mimics_app.app.haptic_side import HapticSide
+from mimics_app.app.picture import Picture
 from mimics_app.app.plan import settle
 from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.app.session import Session
@@ -43,8 +45,18 @@ class SceneReload:
         if now_ns < self._next_ns:
             return
         self._next_ns = now_ns + _LOOK_NS
+        if self._session.picture is not None:
+            self._take_shaders(self._session.picture, now_ns)
         if self._watcher.changed():
             self._take(now_ns)
+
+    def _take_shaders(self, picture: Picture, now_ns: int) -> None:
+        """Take over changed shaders; one with a fault keeps its old form, and the fault's line is told."""
+        issues = picture.renderer.reload_shaders()
+        if issues:
+            self._say(now_ns, str(issues[0]))
+        for issue in issues:
+            sys.stderr.write(f"mimics: {issue}\n")
 
     def _take(self, now_ns: int) -> None:
         session = self._session

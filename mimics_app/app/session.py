@@ -39,6 +39,8 @@ class Session:
         picture: None while nothing is drawn.
         sound: None in a scene without sound.
         governor: None while no frame has to keep time.
+        film: Where its film goes, None while there is none.
+        trouble: Why it ends before its time though nobody asked for it, "" while it does not.
         on_close: What must be released if the run ends before `finish`.
     """
 
@@ -62,6 +64,8 @@ class Session:
     sound: SoundStage | None = None
     picture: Picture | None = None
     governor: FrameGovernor | None = None
+    film: Path | None = None
+    trouble: str = ""
     on_close: ExitStack = field(default_factory=ExitStack)
 
     def end_stages(self) -> AudioReport | None:
@@ -69,6 +73,7 @@ class Session:
         self.tasks.end_session(self.clock.now_ns())
         self.haptics.stop()
         if self.picture is not None:
+            self.film = None if self.picture.film is None else self.picture.film.place
             self.picture.close()
             self.picture = None
         if self.sound is None:

@@ -33,7 +33,7 @@ class RunSettings:
         sound: "auto": device when live, file when headless; "off": none.
         size: Of the picture [px].
         pictures: Frames a headless run draws and keeps.
-        video: Folder for every frame, or None.
+        video: File of a film, or folder for every frame as PNG, or None.
         action: File of task actions to replay, or None.
         runs: Folder the run folder is made in.
         recipe: Scheduler of the live haptic loop, one of RECIPES.

@@ -13,6 +13,7 @@ from mimics_app.app.picture import Picture, picture_quality
 from mimics_app.app.rehearsal import Rehearsal
 from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.app.settings import RunSettings
+from mimics_app.app.video import FRAMES_PER_SECOND, draw_film
 from mimics_app.contracts.clock import TICKS_PER_SECOND
 from mimics_app.contracts.messages import TaskOrders
 from mimics_app.rendering.visual.headless import open_offscreen, render_frames
@@ -43,8 +44,11 @@ def draw_stills(
     frames: int = 1,
     seconds: float = 0.0,
     camera: str = "",
+    video: Path | None = None,
 ) -> Stills:
     """Draw frames of a scene at even distances of simulated play, the last after `seconds` [s].
+
+    A film has 60 of them a second instead.
 
     A scene that no scenario plays is drawn as it stands.
 
@@ -55,12 +59,15 @@ def draw_stills(
         frames: How many.
         seconds: How long the simulated patient plays.
         camera: Entity whose camera is looked through; "": the first.
+        video: File of a film (see `video.film_place`) instead of the folder's files, or None.
 
     Raises:
         SceneError: the scene is wrong, or has no camera, or none of that name.
         DeviceError: the context cannot be had.
     """
     scene = load_checked_scene(settings.scene)
+    if video is not None:
+        frames = max(1, round(FRAMES_PER_SECOND * seconds))
     play: _Moments
     if is_playable(scene):
         play = _Play(Rehearsal(scene, settings.seed), frames, seconds)
@@ -74,7 +81,10 @@ def draw_stills(
         picture.lay_out(play.to(number))
         return picture.views
 
-    drawn = render_frames(picture.renderer, picture.surface, frames, views, folder)
+    if video is None:
+        drawn = render_frames(picture.renderer, picture.surface, frames, views, folder)
+    else:
+        drawn = draw_film(picture.renderer, picture.surface, frames, views, video)
     info = picture.surface.ctx.info
     gl = f"{info['GL_VERSION']}, {info['GL_RENDERER']}"
     stills = Stills(drawn.files, picture.surface.backend, gl, drawn.ms_median)

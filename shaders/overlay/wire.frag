@@ -2,5 +2,5 @@
 out vec4 colour;
 
 void main() {
-    colour = vec4(0.10, 0.95, 0.80, 0.75);
+    colour = vec4(0.86, 0.93, 1.0, 0.55);
 }

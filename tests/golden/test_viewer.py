@@ -2,8 +2,157 @@
 
 from __future__ import annotations
 
+import json
+import os
+import shutil
+import subprocess
+import sys
+import time
 from pathlib import Path
 
-from tests.support.gltf_maker import *  # noqa: F403
+import numpy as np
+import pytest
+from PIL import Image
+
+from mimics_app.app.viewer.sheet import TILE, draw_sheet
+from mimics_app.app.viewer.shown import open_shown
+from mimics_app.app.viewer.stage import ViewerStage
+from mimics_app.app.viewer.stills import draw_turntable
+from mimics_app.contracts.errors import SceneError
+from mimics_app.rendering.visual.contexts import create_surface
+from mimics_app.rendering.visual.headless import read_pixels
+from tests.support.gltf_maker import square, write_gltf
+from tests.support.shared_data import shared_folder
+from tests.support.xvfb import display
 
 _ROOT = Path(__file__).parents[2]
+_SCENE = """{"format": "mimics-scene", "version": 1,
+  "x-mine":   "stays",
+  "materials": {"red": {"base_colour": [0.8, 0.02, 0.02, 1.0]}},
+  "entities": [
+    {"id": "sun", "components": {"light": {"target": [-1, -2, -1]}}},
+    {"id": "eye", "transform": {"translation": [0, 1.2, 3]}, "components": {"camera": {"target": [0, 0.3, 0]}}},
+    {"id": "floor", "components": {"mesh": {"primitive": {"shape": "plane", "size": [6, 6]}}}},
+    {"id": "cube", "transform": {"translation": [0, 0.25, 0]}, "components": {"mesh":
+        {"primitive": {"shape": "box", "size": [0.5, 0.5, 0.5]}, "material": "red"}}}]}
+"""
+
+
+def redness(picture: np.ndarray) -> np.ndarray:
+    """How much redder than green each pixel is."""
+    return picture[..., 0].astype(int) - picture[..., 1].astype(int)
+
+
+def test_a_turntable_shows_other_sides_and_comes_round(tmp_path):
+    model = write_gltf(tmp_path / "square.gltf", square())
+    stills = draw_turntable(open_shown(model), tmp_path / "deep" / "turn.png", (160, 90), frames=4)
+    assert [file.name for file in stills.files] == [f"turn_{number:03d}.png" for number in range(4)]
+    pictures = [np.array(Image.open(file)) for file in stills.files]
+    assert all((pictures[k].astype(int) != pictures[0]).mean() > 0.05 for k in (1, 2, 3))
+    again = draw_turntable(open_shown(model), tmp_path / "one.png", (160, 90))
+    assert again.files == [tmp_path / "one.png"]
+    assert np.array_equal(np.array(Image.open(again.files[0])), pictures[0])
+
+
+def test_the_models_of_the_world_go_on_one_sheet_and_the_malformed_as_tiles_with_their_error(tmp_path):
+    folder = shared_folder("gltf")
+    sheet = draw_sheet(folder, tmp_path / "sheet.png")
+    told = {tile.file.name: [str(issue) for issue in tile.issues] for tile in sheet.tiles}
+    assert len(told) == 32
+    refused = {name for name, issues in told.items() if issues}
+    assert refused == {"Cube.gltf", "sceneWrongType.gltf", "boom_box.gltf"}
+    assert any("/meshes/1/primitives/0/indices" in line for line in told["Cube.gltf"])
+    empty = {tile.file.name for tile in sheet.tiles if tile.empty}
+    assert {"NoScene.gltf", "SceneWithoutNodes.gltf"} <= empty and len(empty) == 6
+    picture = np.array(Image.open(sheet.file))
+    assert picture.shape[1] > 4 * TILE[0] and picture.shape[0] > 4 * TILE[1]
+    # A tile with a model is bright and of many values; one with a reason is dark but for its letters.
+    columns = picture.shape[1] // TILE[0]
+    for number, tile in enumerate(sheet.tiles):
+        top, left = 6 + (number // columns) * (TILE[1] + 6), 6 + (number % columns) * (TILE[0] + 6)
+        part = picture[top : top + TILE[1], left : left + TILE[0]]
+        dark = tile.empty or bool(tile.issues)
+        assert (np.median(part) < 60) == dark, tile.file.name
+        assert part.std() > 5.0, tile.file.name
+
+
+def test_a_folder_without_models_is_named(tmp_path):
+    with pytest.raises(SceneError, match="holds no model"):
+        draw_sheet(tmp_path, tmp_path / "sheet.png")
+
+
+@pytest.mark.parametrize("scale", [1e-4, 1.0, 5e3])
+def test_a_model_of_any_size_looks_the_same_with_its_words(tmp_path, scale):
+    """Near and far plane, floor, light and display follow the size: 0.1 mm or 5 km make one picture."""
+    pictures = []
+    for factor in (1.0, scale):
+        document = square()
+        document["nodes"][0]["scale"] = [factor] * 3
+        file = write_gltf(tmp_path / "square.gltf", document)
+        with create_surface("egl", (160, 90)) as surface:
+            stage = ViewerStage(surface, open_shown(file))
+            stage.studio.toggle_floor()
+            stage.shown.world.update()
+            stage.renderer.hud.text(20.0, 300.0, "words", 120.0)
+            stage.draw()
+            pictures.append(read_pixels(surface).astype(int))
+    away = np.abs(pictures[0] - pictures[1]).max(axis=-1)
+    assert (away > 3).mean() < 0.01
+
+
+def test_a_person_chooses_drags_saves_and_edits_while_the_window_is_open(tmp_path):
+    if shutil.which("xdotool") is None:
+        pytest.skip("xdotool is not installed: apt-get install xdotool")
+    scene = tmp_path / "place.json"
+    scene.write_text(_SCENE)
+    with display("640x360x24") as name:
+        environment = os.environ | {"DISPLAY": name, "PYTHONPATH": str(_ROOT)}
+        command = [sys.executable, "-m", "mimics_app", "view", "place.json", "--size", "640x360", "--json"]
+        window = subprocess.Popen(command, cwd=tmp_path, env=environment, stdout=subprocess.PIPE, text=True)
+
+        def tell(*words: str) -> None:
+            subprocess.run(["xdotool", *words], env=environment, check=True, timeout=240, stdout=subprocess.DEVNULL)
+            time.sleep(0.3)
+
+        def picture(number: int) -> np.ndarray:
+            tell("key", "F12")
+            file = tmp_path / f"place_{number:03d}.png"
+            for _ in range(100):
+                if file.exists() and file.stat().st_size:
+                    break
+                time.sleep(0.1)
+            time.sleep(0.3)
+            return np.array(Image.open(file))
+
+        try:
+            tell("search", "--sync", "--name", "^place - mimics$")
+            before = picture(1)
+            tell("mousemove", "320", "165", "click", "1")
+            tell("key", "x")
+            tell("mousedown", "1")
+            tell("mousemove", "360", "165")
+            tell("mousemove", "400", "165", "mouseup", "1")
+            moved = picture(2)
+            tell("key", "ctrl+s")
+            tell("key", "Escape")
+            saved = scene.read_text()
+            scene.write_text(saved.replace("[0.8, 0.02, 0.02, 1.0]", "[0.02, 0.02, 0.8, 1.0]"))
+            time.sleep(1.0)
+            edited = picture(3)
+            tell("key", "F1", "key", "F2", "key", "F3", "key", "F4", "key", "F6")
+            overlaid = picture(4)
+            tell("key", "Escape")
+            out, _ = window.communicate(timeout=60)
+        finally:
+            window.kill()
+            window.wait(timeout=10)
+    answer = json.loads(out)
+    assert answer["saved"] == ["place.json"]
+    assert answer["files"] == [f"place_{number:03d}.png" for number in (1, 2, 3, 4)]
+    columns = [np.argwhere(redness(each) > 60)[:, 1].mean() for each in (before, moved)]
+    assert columns[0] == pytest.approx(320.0, abs=8.0)
+    assert columns[1] == pytest.approx(400.0, abs=12.0), "what was grabbed stays under the pointer"
+    x = next(e for e in json.loads(saved)["entities"] if e["id"] == "cube")["transform"]["translation"][0]
+    assert x > 0.1 and saved == _SCENE.replace("[0, 0.25, 0]", f"[{x!r}, 0.25, 0]"), "nothing else was touched"
+    assert (redness(edited) > 60).sum() == 0, "an edit of the file is seen at once"
+    assert (overlaid.astype(int) != edited).any(axis=-1).mean() > 0.1

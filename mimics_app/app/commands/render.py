@@ -24,6 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="of the picture [px]")
     parser.add_argument("--seed", type=random_seed, default=1, help="of the simulated patient")
     parser.add_argument("--profile", choices=PROFILES, default="training", help="quality of the picture")
+    parser.add_argument("--video", type=Path, metavar="FILE", help="film of --seconds instead, e.g. out.mp4 (ffmpeg)")
     parser.add_argument("--output", type=Path, default=Path("."), metavar="DIR", help="folder of the PNG files")
 
 
@@ -44,9 +45,10 @@ def run(args: argparse.Namespace) -> int:
         frames=args.frames,
         seconds=args.seconds,
         camera=args.camera,
+        video=args.video,
     )
     if args.json:
-        files = [file.name for file in stills.files]
+        files = [file.name if args.video is None else str(file) for file in stills.files]
         answer = {"backend": stills.backend, "gl": stills.gl, "files": files, "ms_median": stills.ms_median}
         output.write_object("render", {**answer, "folder": args.output})
         return 0

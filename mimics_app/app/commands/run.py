@@ -28,7 +28,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--sound", choices=SOUNDS, default="auto", help="where sound goes")
     parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="of the picture [px]")
     parser.add_argument("--pictures", type=_count, default=4, metavar="N", help="frames a headless run draws and keeps")
-    parser.add_argument("--video", type=Path, metavar="DIR", help="folder for every frame of a headless run, as PNG")
+    parser.add_argument(
+        "--video", type=Path, metavar="FILE", help="film of the run, e.g. out.mp4 (ffmpeg); a folder: PNG frames"
+    )
     parser.add_argument("--action", type=Path, metavar="FILE", help="replay task actions from a JSON file")
     parser.add_argument("--runs", type=Path, default=Path("runs"), metavar="DIR", help="where the run folder is made")
     parser.add_argument("--recipe", choices=RECIPES, default="auto", help="scheduler of the live haptic loop")

@@ -27,6 +27,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--output", type=Path, default=Path("view.png"), metavar="PNG", help="file of --headless, --sheet"
     )
     parser.add_argument("--frames", type=frame_count, default=1, help="of --headless: pictures of one turn round it")
+    parser.add_argument(
+        "--video", type=Path, metavar="FILE", help="of --headless: a film of the turn, e.g. out.mp4 (ffmpeg)"
+    )
     parser.add_argument("--caption", action="store_true", help="of --headless: name and notes over the picture")
     parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="of the picture [px]")
     parser.add_argument("--up", choices=("y", "z"), default="y", help="which axis of a mesh file is up")
@@ -46,8 +49,8 @@ def run(args: argparse.Namespace) -> int:
     """
     if (args.file is None) == (args.sheet is None):
         raise UsageError("give one file to look at, or --sheet FOLDER", "see mimics view --help")
-    if args.frames > 1 and not args.headless:
-        raise UsageError("--frames is of --headless", "add --headless --output turn.png")
+    if (args.frames > 1 or args.video is not None) and not args.headless:
+        raise UsageError("--frames and --video are of --headless", "add --headless --output turn.png")
     if args.sheet is not None:
         return _draw_sheet(args)
     from mimics_app.app.build import has_display
@@ -81,6 +84,7 @@ def _draw(args: argparse.Namespace, shown: Shown) -> int:
         profile=args.profile,
         camera=args.camera,
         caption=args.caption,
+        video=args.video,
     )
     drawn = {"backend": stills.backend, "gl": stills.gl, "files": stills.files, "ms_median": stills.ms_median}
     _answer(args, {**_describe(shown), **drawn})

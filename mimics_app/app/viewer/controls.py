@@ -45,12 +45,16 @@ class ViewerControls:
         self._button = ""
         self._travelled = 0.0
         self._last = (0.0, 0.0)
+        # Keys held at each event in turn: a quick person's Ctrl is up again before the events are read.
+        self._held: frozenset[str] = frozenset()
         self.dirty = True
 
     def handle(self, events: Sequence[InputEvent]) -> None:
         """Take what happened since the last call."""
         for event in events:
             self.dirty = self.dirty or event.kind not in ("move", "pad") or bool(self._button)
+            if event.kind == "key":
+                self._held = self._held | {event.name} if event.pressed else self._held - {event.name}
             if event.kind == "key" and event.pressed and not event.repeat:
                 self._press_key(event.name)
             elif event.kind == "button":
@@ -74,15 +78,14 @@ class ViewerControls:
         self.dirty = True
 
     def _press_key(self, name: str) -> None:
-        held = self._stage.surface.keys & _CONTROL
-        command = self._commands.get(f"ctrl+{name}" if held else name)
+        command = self._commands.get(f"ctrl+{name}" if self._held & _CONTROL else name)
         if command is not None:
             command()
 
     def _press_button(self, event: InputEvent) -> None:
         if event.pressed and not self._button:
             self._button, self._travelled, self._last = event.name, 0.0, (event.x, event.y)
-            if event.name == "left" and not self._stage.surface.keys & _SHIFT:
+            if event.name == "left" and not self._held & _SHIFT:
                 self._hand.grab(self.ray(event.x, event.y))
         elif not event.pressed and event.name == self._button:
             clicked = self._button == "left" and self._travelled < _CLICK_PX
@@ -98,7 +101,7 @@ class ViewerControls:
         right, up = 0.5 * (event.x - self._last[0]) * width, 0.5 * (event.y - self._last[1]) * height
         self._last = (event.x, event.y)
         self._travelled += abs(right) + abs(up)
-        eye, shift = self._stage.eye, bool(self._stage.surface.keys & _SHIFT)
+        eye, shift = self._stage.eye, bool(self._held & _SHIFT)
         if self._hand.holding:
             if self._travelled >= _CLICK_PX:
                 self._hand.drag(self.ray(event.x, event.y), eye.view(self._stage.surface.size))

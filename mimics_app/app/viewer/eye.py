@@ -26,6 +26,8 @@ _PER_STEP = 0.87
 """Factor on the distance for one step of the wheel."""
 _NEAREST, _FARTHEST = 1e-5, 1e7
 _MARGIN = 1.08
+_ARMS_LENGTH = 12.0
+"""Farthest a scene's camera goes round what it looks at [m]."""
 _LOOKED_DOWN, _LOOKED_ASIDE = math.radians(20.0), math.radians(32.0)
 """From where a model is first seen."""
 
@@ -39,13 +41,15 @@ class ViewerEye:
         yaw: About +y, 0 looks along -z from +z [rad].
         pitch: Height over the horizon as seen from the target [rad].
         fov: Vertical angle of view [rad].
-        reach: Of the scene about the target [m], for the far plane.
+        reach: Of the scene about the target [m].
+        near, far: How near and far is seen [m], as a camera of the scene has it; 0: as distance and reach ask.
     """
 
     def __init__(self) -> None:
         self.target: F8 = np.zeros(3)
         self.distance, self.reach = 3.0, 10.0
         self.yaw, self.pitch, self.fov = _LOOKED_ASIDE, _LOOKED_DOWN, _FOV
+        self.near = self.far = 0.0
 
     @property
     def backward(self) -> F8:
@@ -65,8 +69,8 @@ class ViewerEye:
 
     def view(self, size: Size) -> View:
         """What it sees on a surface of a size [px]."""
-        near = max(0.004 * min(self.distance, self.reach), 1e-6)
-        far = 40.0 * (self.distance + self.reach)
+        near = self.near or max(0.004 * min(self.distance, self.reach), 1e-6)
+        far = self.far or 40.0 * (self.distance + self.reach)
         return View(self.pose, compute_tangents(self.fov, size), (0, 0, *size), near, far)
 
     def frame(self, extent: Extent, size: Size, *, turn: bool = True) -> None:
@@ -91,9 +95,10 @@ class ViewerEye:
         pose = camera.world_from_eye
         backward = pose[:3, 2]
         self.fov, self.reach = camera.vertical_fov, max(reach, _NEAREST)
+        self.near, self.far = camera.near, camera.far if math.isfinite(camera.far) else 0.0
         self.yaw = math.atan2(backward[0], backward[2])
         self.pitch = min(max(math.asin(min(max(backward[1], -1.0), 1.0)), -_STEEPEST), _STEEPEST)
-        self.distance = max(0.2 * self.reach, 50.0 * camera.near)
+        self.distance = min(0.2 * self.reach, _ARMS_LENGTH)
         self.target = pose[:3, 3] - self.distance * self.backward
 
     def orbit(self, right_px: float, up_px: float) -> None:

@@ -67,9 +67,9 @@ def draw_caption(hud: Hud, title: str, lines: Sequence[str], notes: Sequence[str
 
 
 def draw_hint(hud: Hud, hint: str) -> None:
-    """A few words in the upper right corner."""
+    """A few words in the upper left corner."""
     wide = hud.measure(hint, 15.0) + 24.0
-    x, top = hud.width - _MARGIN - wide, CANVAS_HEIGHT - _MARGIN - 30.0
+    x, top = _MARGIN, CANVAS_HEIGHT - _MARGIN - 30.0
     hud.box(x, top, wide, 30.0, _PANEL, radius=10.0)
     hud.text(x + 12.0, top + 10.0, hint, 15.0, _FAINT)
 

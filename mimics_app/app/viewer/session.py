@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
+from mimics_app.app.overlay_keys import toggle_overlay
 from mimics_app.app.settings import Profile
 from mimics_app.app.viewer.controls import ViewerControls
 from mimics_app.app.viewer.hand import Hand
@@ -51,7 +53,7 @@ class ViewerSession:
         self._hand = Hand(shown)
         self._controls = ViewerControls(self._stage, self._hand, self._commands())
         self._watcher = SceneWatcher(shown.files)
-        self._keys_shown = self._left = self._alarm = False
+        self._keys_shown = self._left = self._alarm = self._marked = False
         self._message, self._message_until_ns = "", 0
         self.pictures: list[Path] = []
         self.saved: list[Path] = []
@@ -62,13 +64,15 @@ class ViewerSession:
         due = looked = before = self._clock.now_ns()
         while not (self._surface.should_close or self._left):
             now = self._clock.now_ns()
-            self._controls.handle(self._surface.poll())
+            events = self._surface.poll()
+            toggle_overlay(self._stage.renderer, events)
+            self._controls.handle(events)
             self._controls.fly(min((now - before) / _NS, _LONGEST_STEP_S))
             before = now
             if now - looked >= _LOOK_NS:
                 looked = now
                 self._look(now)
-            if self._controls.dirty:
+            if self._controls.dirty or self._stage.renderer.shows("graph"):
                 self._controls.dirty = False
                 self._draw()
             due = max(due + _FRAME_NS, self._clock.now_ns() - _FRAME_NS)
@@ -88,6 +92,7 @@ class ViewerSession:
         lines = [shown.size]
         if self._hand.chosen is not None:
             lines.append(self._describe_chosen())
+        self._mark_chosen()
         draw_caption(hud, shown.title, lines, shown.notes)
         draw_hint(hud, "H: keys")
         draw_message(hud, self._message, alarm=self._alarm)
@@ -95,6 +100,14 @@ class ViewerSession:
             draw_keys(hud)
         self._stage.draw()
         self._surface.swap()
+
+    def _mark_chosen(self) -> None:
+        """Have a box drawn about what is chosen; there is no overlay before something is."""
+        if self._hand.chosen is not None:
+            self._marked = True
+            self._stage.renderer.overlay.chosen = self._hand.chosen.index
+        elif self._marked:
+            self._stage.renderer.overlay.chosen = None
 
     def _describe_chosen(self) -> str:
         node = self._hand.chosen
@@ -155,16 +168,25 @@ class ViewerSession:
             self._say(str(error.issues[0]), alarm=True)
             return
         self.saved += [file for file in files if file not in self.saved]
+        if self._watcher.changed():
+            self._take_over()
         self._say(f"saved {', '.join(str(file) for file in files)}" if files else "nothing was moved")
 
     def _look(self, now_ns: int) -> None:
         """Take over changed files, and let old news go."""
         if self._message and now_ns > self._message_until_ns:
             self._message, self._controls.dirty = "", True
+        renderer = self._stage.renderer
+        before = renderer.shaders_replaced
+        for issue in renderer.reload_shaders():
+            sys.stderr.write(f"mimics: {issue}\n")
+            self._say(str(issue), alarm=True)
+        self._controls.dirty = self._controls.dirty or renderer.shaders_replaced != before
         if self._hand.holding or not self._watcher.changed():
             return
         try:
             self._take_over()
+            self._say("loaded again")
         except MimicsError as error:
             self._say(str(error.issues[0]), alarm=True)
 
@@ -181,7 +203,6 @@ class ViewerSession:
             shown.scene, _ = reload_scene(shown.world, shown.scene)
             shown.files, shown.notes = list(shown.scene.files), list(shown.scene.notes)
         self._watcher.watch(self._stage.shown.files)
-        self._say("loaded again")
 
     def _say(self, text: str, *, alarm: bool = False) -> None:
         self._message, self._alarm = text, alarm

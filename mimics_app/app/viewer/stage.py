@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 
+from mimics_app.app.lost_picture import draw_or_recover
 from mimics_app.app.picture import draws_in_software, picture_quality
 from mimics_app.app.settings import Profile
 from mimics_app.app.viewer.eye import ViewerEye
@@ -73,18 +74,27 @@ class ViewerStage:
             self.eye.frame(extent, self.surface.size)
 
     def draw(self) -> FrameStats:
-        """Draw one frame with what is on the heads-up display."""
-        return self._tell(self.renderer.draw(self._views()))
+        """Draw one frame with what is on the heads-up display; a context that was lost is made anew.
+
+        Raises:
+            DeviceError: it was lost, and there is no other.
+        """
+        return draw_or_recover(self.surface, lambda: self._tell(self.renderer.draw(self.views())), self._recover)
 
     def draw_finished(self) -> FrameStats:
         """As `draw`, but return only when the driver has drawn all of it."""
-        return self._tell(self.renderer.draw_finished(self._views()))
+        return self._tell(self.renderer.draw_finished(self.views()))
 
     def release(self) -> None:
         """Free everything but the surface."""
         self.renderer.release()
 
-    def _views(self) -> list[View]:
+    def _recover(self) -> None:
+        self.surface.renew()
+        self.renderer.renew()
+
+    def views(self) -> list[View]:
+        """The eye as the renderer wants it; the display's canvas takes the picture's shape."""
         width, height = self.surface.size
         self.renderer.hud.width = CANVAS_HEIGHT * width / height
         return [self.eye.view(self.surface.size)]

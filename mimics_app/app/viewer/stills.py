@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 
 from mimics_app.app.settings import Profile
+from mimics_app.app.video import draw_film
 from mimics_app.app.viewer.page import draw_caption
 from mimics_app.app.viewer.shown import Shown
 from mimics_app.app.viewer.stage import ViewerStage
-from mimics_app.rendering.visual.headless import open_offscreen, save_png
+from mimics_app.rendering.visual.headless import FrameSet, open_offscreen, save_png
 from mimics_app.rendering.visual.surface import Size
+from mimics_app.rendering.visual.view import View
 
 __all__ = ["ViewerStills", "draw_turntable"]
 
@@ -37,6 +40,7 @@ def draw_turntable(
     profile: Profile = "training",
     camera: str = "",
     caption: bool = False,
+    video: Path | None = None,
 ) -> ViewerStills:
     """Draw a thing from as many sides as there are frames, spread over one turn.
 
@@ -49,6 +53,7 @@ def draw_turntable(
         profile: Quality of a scene's picture.
         camera: As `ViewerStage`.
         caption: True writes name and notes over the picture.
+        video: File of a film (see `video.film_place`) instead of PNG files, or None.
 
     Raises:
         SceneError: there is nothing to see, or no camera of that name.
@@ -60,19 +65,32 @@ def draw_turntable(
     if caption:
         stage.renderer.hud.width = 720.0 * size[0] / size[1]
         draw_caption(stage.renderer.hud, shown.title, [shown.size], shown.notes)
-    files, spent = [], []
+    yaw = stage.eye.yaw
+
+    def views(number: int) -> list[View]:
+        stage.eye.yaw = yaw + 2.0 * math.pi * number / frames
+        return stage.views()
+
     stage.draw()
     surface.ctx.finish()
-    for number in range(frames):
-        spent.append(stage.draw_finished().cpu_ms)
-        file = output if frames == 1 else output.with_name(f"{output.stem}_{number:03d}{output.suffix}")
-        save_png(surface, file)
-        files.append(file)
-        stage.eye.yaw += 2.0 * math.pi / frames
+    if video is not None:
+        drawn = draw_film(stage.renderer, surface, frames, views, video)
+    else:
+        drawn = _draw_files(stage, frames, views, output)
     info = surface.ctx.info
-    stills = ViewerStills(
-        files, surface.backend, f"{info['GL_VERSION']}, {info['GL_RENDERER']}", round(median(spent), 3)
-    )
+    gl = f"{info['GL_VERSION']}, {info['GL_RENDERER']}"
+    stills = ViewerStills(drawn.files, surface.backend, gl, round(drawn.ms_median, 3))
     stage.release()
     surface.close()
     return stills
+
+
+def _draw_files(stage: ViewerStage, frames: int, views: Callable[[int], list[View]], output: Path) -> FrameSet:
+    """One PNG file a frame: of one alone the very file that was asked for."""
+    files, spent = [], []
+    for number in range(frames):
+        spent.append(stage.renderer.draw_finished(views(number)).cpu_ms)
+        file = output if frames == 1 else output.with_name(f"{output.stem}_{number:03d}{output.suffix}")
+        save_png(stage.surface, file)
+        files.append(file)
+    return FrameSet(files, median(spent))

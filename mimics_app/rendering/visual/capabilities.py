@@ -12,6 +12,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Capabilities", "read_capabilities"]
 
+_SOFTWARE = ("llvmpipe", "softpipe", "SwiftShader")
+"""Renderers that draw on the processor, which the haptic loop needs too."""
+
 
 @dataclass(frozen=True)
 class Capabilities:
@@ -30,6 +33,11 @@ class Capabilities:
     texture_size: int
     extensions: frozenset[str]
     renderer: str = ""
+
+    @property
+    def software(self) -> bool:
+        """Whether the driver draws on the processor."""
+        return any(name in self.renderer for name in _SOFTWARE)
 
     def missing(self, needs: Needs) -> list[str]:
         """What of these needs is not there, in words; [] when all is."""

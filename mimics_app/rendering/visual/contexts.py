@@ -55,6 +55,10 @@ class _EglSurface(Surface):
     def __init__(self, size: Size) -> None:
         super().__init__("egl", _create_egl_context(), size)
 
+    def renew(self) -> None:
+        self.close()
+        self._take(_create_egl_context())
+
     def close(self) -> None:
         # A destroyed EGL context stays current until unbound, and a window opened later in this thread is refused.
         library = ctypes.CDLL("libEGL.so.1")
@@ -143,8 +147,18 @@ class _OSMesaSurface(Surface):
     """Offscreen surface that keeps its loader, and with it the context, alive."""
 
     def __init__(self, loader: _OSMesaLoader, size: Size) -> None:
-        import moderngl
-
         self._loader = loader
-        create: Any = moderngl.create_context
-        super().__init__("osmesa", create(require=GL_REQUIRED, context=loader), size)
+        super().__init__("osmesa", _adopt(loader), size)
+
+    def renew(self) -> None:
+        self.close()
+        self._loader = _OSMesaLoader()
+        self._take(_adopt(self._loader))
+
+
+def _adopt(loader: _OSMesaLoader) -> moderngl.Context:
+    import moderngl
+
+    create: Any = moderngl.create_context  # its signature leaves out what a loader may be
+    context: moderngl.Context = create(require=GL_REQUIRED, context=loader)
+    return context

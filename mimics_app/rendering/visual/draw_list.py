@@ -22,10 +22,14 @@ from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View, compute_frustum_planes
 from mimics_app.world.world import World
 
-__all__ = ["Casters", "DrawList", "Tally"]
+__all__ = ["DRAWN", "HIDDEN", "Casters", "DrawList", "Tally"]
 
 F8 = NDArray[np.float64]
 I4 = NDArray[np.int32]
+
+
+HIDDEN, DRAWN = 1, 2
+"""Fates of an item in a view's frustum."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +73,7 @@ class DrawList:
         radii: Of the same [m], float64 [n].
         tally: What became of the items since the last update.
         moved: Which items moved or changed their shape in the last update, [n]; None where that cannot be told.
+        fates: The same of each one, 0 where no view has it, `HIDDEN` or `DRAWN`, uint8 [n]; None where nobody asks.
     """
 
     def __init__(self, arena: MeshArena, materials: MaterialStore) -> None:
@@ -80,14 +85,18 @@ class DrawList:
         self.moved: NDArray[np.bool_] | None = None
         self._updates = 0
         self._world: F8 = np.zeros((0, 4, 4))
+        self.fates: NDArray[np.uint8] | None = None
 
-    def update(self, world: World, settings: RenderSettings, *, light_features: frozenset[str]) -> None:
+    def update(
+        self, world: World, settings: RenderSettings, *, light_features: frozenset[str], fates: bool = False
+    ) -> None:
         """Take over structure where it changed, and this frame's transforms always.
 
         Args:
             world: What is drawn.
             settings: Which techniques and which occluders may be used.
             light_features: See `MaterialStore.update`.
+            fates: True remembers what becomes of each item.
         """
         listed = world.subentities()
         worth = len(listed.row) >= LEAST_ITEMS
@@ -112,6 +121,7 @@ class DrawList:
         np.multiply(listed.visible, self.items.drawable, out=self._shown)
         moved = self._move(world, everything=stale)
         self._culler.moved(moved, self.centres, self.radii)
+        self.fates = np.zeros(len(self.items.rows), np.uint8) if fates else None
 
     def _move(self, world: World, *, everything: bool) -> int:
         """Bring the spheres to where their nodes are; returns how many items moved or changed their shape."""
@@ -168,9 +178,11 @@ class DrawList:
         shown = self._levels.show(key, view, self._shown, self.centres, self.radii, self._detail)
         before = self._culler.tests
         seen = count = self._culler.cull(planes, shown, self._world, self.centres, self.radii, picked)
+        self._remember(seen, HIDDEN)
         if self._occlusion is not None:
             spheres = (self.centres, self.radii)
             count = self._occlusion.remove_hidden(picked, seen, view, size, samples, items, self._world, *spheres)
+        self._remember(count, DRAWN)
         self.tally.count(int(shown.sum()), seen, count, self._culler.tests - before)
         blended = self._split(count)
         solid = count - len(blended)
@@ -196,6 +208,12 @@ class DrawList:
         count = cull_flat(planes, asked, items.rows, self._world, self.centres, self.radii, items.half, met)
         self._order.sort(met, count, view.eye_world, self.centres, self.radii, self._mirrored)
         return frame.add(met, count, view.eye_world, items, self._world, self._mirrored)
+
+    def _remember(self, count: int, fate: int) -> None:
+        """Take down the better fate of items that are picked."""
+        if self.fates is not None:
+            items = self._picked[:count]
+            self.fates[items] = np.maximum(self.fates[items], fate)
 
     def _batch_blended(self, frame: FrameBuffers, blended: I4, eye: F8) -> tuple[list[DrawRun], F8]:
         away = np.linalg.norm(self.centres[blended] - eye, axis=1)

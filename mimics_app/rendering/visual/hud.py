@@ -40,6 +40,7 @@ class Hud:
     def __init__(self, atlas: GlyphAtlas | None = None) -> None:
         self._atlas = atlas
         self._rows: list[tuple[tuple[float, ...], ...]] = []
+        self._parts: list[NDArray[np.void]] = []
         self.width = CANVAS_HEIGHT * 16.0 / 9.0
         self.revision = 0
         self.images: NDArray[np.uint8] | None = None
@@ -54,16 +55,24 @@ class Hud:
     @property
     def empty(self) -> bool:
         """True when nothing is to be drawn."""
-        return not self._rows
+        return not (self._rows or self._parts)
 
     def clear(self) -> None:
         """Take everything off."""
         self._rows.clear()
+        self._parts.clear()
         self.revision += 1
 
     def rows(self) -> NDArray[np.void]:
         """The content, HUD_ROW [n], in the order it is drawn."""
-        return np.array(self._rows, HUD_ROW) if self._rows else np.zeros(0, HUD_ROW)
+        self._pack()
+        return np.concatenate(self._parts) if self._parts else np.zeros(0, HUD_ROW)
+
+    def extend(self, rows: NDArray[np.void]) -> None:
+        """Many rectangles at once, HUD_ROW [n]: what is drawn as they stand."""
+        self._pack()
+        self._parts.append(rows)
+        self.revision += 1
 
     def box(
         self,
@@ -172,6 +181,12 @@ class Hud:
         while text and self.measure(text + "…", size, bold=bold) > width:
             text = text[:-1]
         return text.rstrip() + "…"
+
+    def _pack(self) -> None:
+        """Turn what was added one by one into an array."""
+        if self._rows:
+            self._parts.append(np.array(self._rows, HUD_ROW))
+            self._rows.clear()
 
     def _add(self, box: tuple[float, ...], picture: tuple[float, ...], tint: Colour, style: tuple[float, ...]) -> None:
         self._rows.append((box, picture, tint, style))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -31,7 +31,11 @@ from mimics_app.rendering.visual.world_stage import FrameScene, ViewDraws, World
 from mimics_app.world.world import World
 
 if TYPE_CHECKING:
+    import moderngl
+
     from mimics_app.rendering.visual.effect_stage import EffectStage
+    from mimics_app.rendering.visual.overlay.overlay import Layer, Overlay
+    from mimics_app.rendering.visual.overlay.stage_times import StageTimes
 
 __all__ = ["Renderer"]
 
@@ -69,9 +73,15 @@ class Renderer:
         self.settings = settings or RenderSettings()
         self._surface = surface
         self._clock = clock or MonotonicClock()
-        ctx = surface.ctx
-        self._shaders = ShaderLibrary(ctx, shader_folder)
+        self._shader_folder = shader_folder
         self.hud = Hud()
+        self._overlay: Overlay | None = None
+        self._make_stages()
+
+    def _make_stages(self) -> None:
+        """Everything that lives in the surface's context."""
+        surface, ctx = self._surface, self._surface.ctx
+        self._shaders = ShaderLibrary(ctx, self._shader_folder)
         self._arena = MeshArena(ctx)
         has = read_capabilities(ctx)
         self._materials = MaterialStore(ctx, self._shaders, has)
@@ -88,6 +98,30 @@ class Renderer:
         # Once asked for, the shaders keep asking: a governor's step compiles nothing.
         self._ambient = False
         self._timer = ctx.query(time=True) if self.settings.timer else None
+
+    @property
+    def overlay(self) -> Overlay:
+        """The developer's overlay; made when it is first asked for."""
+        if self._overlay is None:
+            from mimics_app.rendering.visual.overlay.overlay import Overlay
+
+            ctx = self._surface.ctx
+            self._overlay = Overlay(ctx, self._shaders, self._arena, self._frame, self._clock)
+        return self._overlay
+
+    def shows(self, layer: Layer) -> bool:
+        """Whether a layer of the overlay is on."""
+        return self._overlay is not None and layer in self._overlay.layers
+
+    def renew(self) -> None:
+        """Make everything anew on the surface's present context; the one before was lost with all it held.
+
+        World, settings, figures and what the overlay shows stay as they are.
+        """
+        before, self._overlay = self._overlay, None
+        self._make_stages()
+        if before is not None:
+            self.overlay.take_over(before)
 
     def draw(self, views: Sequence[View]) -> FrameStats:
         """Draw one frame into the surface's framebuffer; `surface.swap()` shows it.
@@ -137,6 +171,11 @@ class Renderer:
         self._shadows.resize(self.settings.shadow_size)
         self._picture.settings = self.settings
 
+    @property
+    def shaders_replaced(self) -> int:
+        """How many programs `reload_shaders` has replaced so far: a picture drawn before is out of date."""
+        return self._shaders.replaced
+
     def reload_shaders(self) -> list[Issue]:
         """Compile changed shaders anew; returns what is wrong with them, old programs stay in use."""
         return self._shaders.reload()
@@ -149,6 +188,9 @@ class Renderer:
 
     def release(self) -> None:
         """Free everything but the surface."""
+        if self._overlay is not None:
+            self._overlay.release()
+            self._overlay = None
         parts = (self._pictures, self._hud_pass, self._world, self._shadows, self._picture, self._frame)
         for part in (*parts, self._materials, self._arena):
             part.release()
@@ -159,32 +201,59 @@ class Renderer:
         if not views:
             raise UsageError("a frame without a view cannot be drawn", "give at least one View")
         started = self._clock.now_ns()
-        with self._timer or nullcontext():
+        timer = None if self._times is not None else self._timer  # timers of a driver cannot lie in each other
+        with timer or nullcontext():
             triangles, draws = self._draw(views)
         if finish:
             self._surface.ctx.finish()
         cpu_ms = (self._clock.now_ns() - started) * 1e-6
         tally = self._list.tally
         told = (tally.items, tally.culled, tally.hidden, tally.tests)
-        return FrameStats(cpu_ms, self._timer.elapsed * 1e-6 if self._timer else None, triangles, draws, *told)
+        if self._times is not None:
+            self._times.count(tally.items, tally.culled, tally.hidden)
+        return FrameStats(cpu_ms, timer.elapsed * 1e-6 if timer else None, triangles, draws, *told)
+
+    @property
+    def _times(self) -> StageTimes | None:
+        """Where the times of stages go, None while nobody looks at them."""
+        overlay = self._overlay
+        return overlay.times if overlay is not None and self.shows("graph") else None
+
+    def _timed(self, stage: str) -> AbstractContextManager[None]:
+        times = self._times
+        return nullcontext() if times is None else times.stage(stage)
 
     def _draw(self, views: Sequence[View]) -> tuple[int, int]:
         """The stages of a frame in their order; returns triangles and draw calls."""
-        scene = self._prepare(views)
-        drawn = [
-            self._batch(scene, view, number, self._picture.rectangle(view.rectangle))
-            for number, view in enumerate(views)
-        ]
+        if self._times is not None:
+            self._times.begin()
+        with self._timed("choose and sort"):
+            scene = self._prepare(views)
+            drawn = self._batch_all(scene, views)
+        with self._timed("shadow maps"):
+            draws = self._shadows.draw(self._arena, self._frame)
+        with self._timed("pictures in the picture"):
+            draws += self._pictures.draw(self._world, scene, self._picture.samples)
+        with self._timed("world"):
+            target = self._picture.begin()
+            draws += self._world.draw(target, self._picture.samples, scene, drawn)
+        if self._overlay is not None and self._overlay.shows:
+            with self._timed("overlay"):
+                draws += self._draw_overlay(self._overlay, target, scene, drawn)
+        with self._timed("filters and figures"):
+            draws += self._draw_over(views)
+        shadow_triangles = sum(run.triangles for runs in self._shadows.runs for run in runs or ())
+        return shadow_triangles + self._pictures.triangles + sum(each.triangles for each in drawn), draws
+
+    def _batch_all(self, scene: FrameScene, views: Sequence[View]) -> list[ViewDraws]:
+        """Queue what is seen in the views and in the pictures within them, and send it to the driver."""
+        places = [self._picture.rectangle(view.rectangle) for view in views]
+        drawn = [self._batch(scene, view, number, places[number]) for number, view in enumerate(views)]
         drawn = self._pictures.queue(self.world, drawn, partial(self._batch, scene), self.settings.mirror_scale)
         self._frame.upload(self._arena)
         if scene.effects is not None:
             scene.effects.upload()
-        draws = self._shadows.draw(self._arena, self._frame)
-        draws += self._pictures.draw(self._world, scene, self._picture.samples)
-        draws += self._world.draw(self._picture.begin(), self._picture.samples, scene, drawn)
-        draws += self._draw_over(views)
-        shadow_triangles = sum(run.triangles for runs in self._shadows.runs for run in runs or ())
-        return shadow_triangles + self._pictures.triangles + sum(each.triangles for each in drawn), draws
+        return drawn
 
     def _prepare(self, views: Sequence[View]) -> FrameScene:
         """Take over the world, and queue what casts shadows."""
@@ -193,7 +262,8 @@ class Renderer:
         self._ambient = self._ambient or settings.ambient_occlusion > 0.0
         lights = light_features(lighting, settings)
         asked = lights | ({"AMBIENT_OCCLUSION"} if self._ambient else frozenset())
-        self._list.update(self.world, settings, light_features=asked)
+        fates = self._overlay is not None and self._overlay.asks_fates
+        self._list.update(self.world, settings, light_features=asked, fates=fates)
         self._frame.begin()
         self._shadows.prepare(lighting, views, self._list, self._frame, settings)
         effects, plan = self._prepare_effects(lights), self._shadows.plan
@@ -220,6 +290,16 @@ class Renderer:
         thrown = scene.effects.meet(view, self._list, self._frame)
         return ViewDraws(view, rectangle, opaque, scene.effects.mix(view, blended, away), thrown=thrown)
 
+    def _draw_overlay(
+        self, overlay: Overlay, target: moderngl.Framebuffer, scene: FrameScene, drawn: Sequence[ViewDraws]
+    ) -> int:
+        """What the overlay shows in the world."""
+        draws = overlay.draw_lines(target, scene, self._list, drawn)
+        for each in drawn:
+            self._world.enter(scene, each.view)
+            draws += overlay.draw_wires(target, each)
+        return draws
+
     def _draw_over(self, views: Sequence[View]) -> int:
         """Show the world's picture, and over it what no filter touches and is never smaller: insets, figures."""
         rectangles = [view.rectangle for view in views]
@@ -229,11 +309,15 @@ class Renderer:
 
     def _draw_hud(self, views: Sequence[View]) -> int:
         draws = self._pictures.draw_insets(self.world, views, self.settings.hud_depth)
-        if self.hud.empty:
+        huds = [self.hud]
+        if self._overlay is not None and self._overlay.layers:
+            draws += self._overlay.draw_atlas(self._surface.framebuffer, self._shadows)
+            self._overlay.lay_out(self.hud.width)
+            huds.append(self._overlay.hud)
+        if all(hud.empty for hud in huds):
             return draws
         for screen in dict.fromkeys(view.screen for view in views):
             eyes = [view for view in views if view.screen == screen]
             plane = plane_of_views(eyes, self.settings.hud_depth)
-            for view in eyes:
-                draws += self._hud_pass.draw(self.hud, view, plane)
+            draws += sum(self._hud_pass.draw(hud, view, plane) for view in eyes for hud in huds)
         return draws

@@ -66,12 +66,17 @@ class ShaderLibrary:
 
     Shaders have no `#version` line of their own. `#include "common/sky.glsl"` takes paths from the shaders folder,
     each file at most once per shader. Errors name the file and the line a person edits, not the assembled text.
+
+    Attributes:
+        folder: The shaders folder.
+        replaced: Programs that reloads have replaced so far.
     """
 
     def __init__(self, ctx: moderngl.Context, folder: Path | None = None) -> None:
         self._ctx = ctx
         self.folder = folder or resources.root() / "shaders"
         self._programs: dict[tuple[str, str, tuple[str, ...]], ShaderProgram] = {}
+        self.replaced = 0
 
     def program(self, vertex: str, fragment: str, defines: tuple[str, ...] = ()) -> ShaderProgram:
         """The program of two shader files.
@@ -109,6 +114,7 @@ class ShaderLibrary:
             # Vertex arrays still hold the old program; the driver frees it with the last of them.
             shader.program = program
             shader.revision += 1
+            self.replaced += 1
         return issues
 
     def _compile(

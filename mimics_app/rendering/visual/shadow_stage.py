@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -102,6 +103,10 @@ class ShadowStage:
         draws = draw_shadows(self._ctx, arena, frame, self._target, self.plan, self.runs)
         self._target.bind()
         return draws
+
+    def as_picture(self, binding: int) -> AbstractContextManager[None]:
+        """Let a sampler read the atlas's depths as they are, inside the block."""
+        return self._target.as_picture(binding)
 
     def release(self) -> None:
         """Free the atlas."""

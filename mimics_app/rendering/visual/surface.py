@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.window_input import GamepadState, InputEvent
+from mimics_app.rendering.visual.reset_status import ResetStatus
 
 if TYPE_CHECKING:
     import moderngl
@@ -29,13 +32,14 @@ class Surface:
         buttons: Names of the mouse buttons held.
         wheel: Wheel steps away from the person between the last two calls of `poll`.
         gamepad: The first gamepad as of the last `poll`.
+        reset_status: Tells in words what made the driver lose the context; "" while it is well.
     """
 
     def __init__(self, backend: str, ctx: moderngl.Context, size: Size) -> None:
         self.backend = backend
-        self.ctx = ctx
         self.size = size
-        self.framebuffer = self._make_framebuffer(size)
+        self.framebuffer: moderngl.Framebuffer
+        self._take(ctx)
         self.keys: frozenset[str] = frozenset()
         self.buttons: frozenset[str] = frozenset()
         self.wheel = 0.0
@@ -67,6 +71,14 @@ class Surface:
         self.size = size
         release_framebuffer(old)
 
+    def renew(self) -> None:
+        """Put a new context in the place of one that was lost, and with it a new framebuffer; nothing else is kept.
+
+        Raises:
+            DeviceError: the driver gives none any more.
+        """
+        raise DeviceError(f"a surface of {self.backend} cannot be made anew", "start again")
+
     def close(self) -> None:
         """Free the context. Nothing of the surface may be used afterwards."""
         self.ctx.release()
@@ -76,6 +88,12 @@ class Surface:
 
     def __exit__(self, *exception: object) -> None:
         self.close()
+
+    def _take(self, ctx: moderngl.Context) -> None:
+        """Draw in a context from here on."""
+        self.ctx = ctx
+        self.framebuffer = self._make_framebuffer(self.size)
+        self.reset_status: Callable[[], str] = ResetStatus(ctx)
 
     def _make_framebuffer(self, size: Size) -> moderngl.Framebuffer:
         return self.ctx.framebuffer([self.ctx.renderbuffer(size, 4)], self.ctx.depth_renderbuffer(size))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from mimics_app.rendering.visual.draw_buffer import DrawBuffer, texture_of
@@ -171,6 +172,14 @@ class ShadowTarget:
         rectangle = (tile[0] * width, tile[1] * width, width, width)
         self._framebuffer.viewport = rectangle
         self._framebuffer.clear(depth=1.0, viewport=rectangle)
+
+    @contextmanager
+    def as_picture(self, binding: int) -> Iterator[None]:
+        """Let a sampler read its depths as they are, inside the block."""
+        self._texture.compare_func = ""
+        self._texture.use(binding)
+        yield
+        self._texture.compare_func = "<="
 
     def bind(self) -> None:
         """Make it the map the shaders read."""

@@ -5,11 +5,14 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable, Mapping
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.window_input import GamepadState, InputEvent
 from mimics_app.rendering.visual.surface import Size, Surface
+
+if TYPE_CHECKING:
+    import moderngl
 
 __all__ = ["WindowSurface"]
 
@@ -32,18 +35,39 @@ class WindowSurface(Surface):
 
     def __init__(self, size: Size, title: str, *, vsync: bool = True) -> None:
         import glfw
-        import moderngl
 
         self._read_library(glfw)
-        self._window = _open_window(glfw, size, title)
-        glfw.make_context_current(self._window)
-        glfw.swap_interval(1 if vsync else 0)
+        self._title, self._vsync = title, vsync
         self._pointer: tuple[float, float] | None = None
         self._windowed: tuple[int, int, int, int] | None = None
-        context = moderngl.create_context(require=430)
+        context = self._open(size)
         super().__init__("window", context, glfw.get_framebuffer_size(self._window))
+
+    def _open(self, size: Size) -> moderngl.Context:
+        """Open the window and make its context."""
+        import moderngl
+
+        glfw = self._glfw
+        self._window = _open_window(glfw, size, self._title)
+        glfw.make_context_current(self._window)
+        glfw.swap_interval(1 if self._vsync else 0)
         self._bind_framebuffer, self._blit_framebuffer = _load_blit(glfw)
         self._listen()
+        return moderngl.create_context(require=430)
+
+    def renew(self) -> None:
+        # A window of GLFW has one context for life: another one is opened in its place, whole screen or not.
+        glfw = self._glfw
+        whole, self._windowed = self._windowed is not None, None
+        place, size = glfw.get_window_pos(self._window), glfw.get_window_size(self._window)
+        self.close()
+        self.keys = self.buttons = frozenset()
+        context = self._open(size)
+        glfw.set_window_pos(self._window, *place)
+        self.size = glfw.get_framebuffer_size(self._window)
+        self._take(context)
+        if whole:
+            self.toggle_fullscreen()
 
     def poll(self) -> list[InputEvent]:
         self._glfw.poll_events()
@@ -187,7 +211,11 @@ def _open_window(glfw: ModuleType, size: Size, title: str) -> Any:
     glfw.window_hint(glfw.RESIZABLE, True)
     glfw.window_hint(glfw.SAMPLES, 0)
     glfw.window_hint(glfw.SRGB_CAPABLE, False)
+    glfw.window_hint(glfw.CONTEXT_ROBUSTNESS, glfw.LOSE_CONTEXT_ON_RESET)
     window = glfw.create_window(*size, title, None, None)
+    if not window:  # a driver that cannot tell of a reset may refuse to be asked for it
+        glfw.window_hint(glfw.CONTEXT_ROBUSTNESS, glfw.NO_ROBUSTNESS)
+        window = glfw.create_window(*size, title, None, None)
     if not window:
         glfw.terminate()
         raise DeviceError("the display gives no window with OpenGL 4.3", _FIX_GL)

@@ -84,9 +84,14 @@ class ViewDraws:
     thrown: Sequence[BeamRuns] = ()
 
     @property
+    def blended(self) -> list[DrawRun]:
+        """What is transparent without the sprites."""
+        return [run for run in self.transparent if isinstance(run, DrawRun)]
+
+    @property
     def materials(self) -> set[str]:
-        """Names of all that is drawn."""
-        return {run.look.material.name for run in (*self.opaque, *self.transparent) if isinstance(run, DrawRun)}
+        """Names of all surfaces that are drawn."""
+        return {run.look.material.name for run in (*self.opaque, *self.blended)}
 
     @property
     def triangles(self) -> int:
@@ -140,7 +145,7 @@ class WorldStage:
         for mirror, number, reflection in drawn.mirrors:
             mirror.show(number, reflection, drawn.rectangle[:2])
         additive = scene.by_stencil and scene.settings.shadows == "stencil_additive"
-        self._enter(scene, drawn.view, sun=not additive)
+        self.enter(scene, drawn.view, sun=not additive)
         draws = self._find_ambient(target, scene, drawn)
         draws += self._draw_opaque(target, scene, drawn)
         if sky:
@@ -158,8 +163,7 @@ class WorldStage:
     def _draw_transparent(self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws) -> int:
         if scene.effects is not None:
             return scene.effects.draw_mixed(target, self._arena, self._frame, drawn.transparent)
-        surfaces = [run for run in drawn.transparent if isinstance(run, DrawRun)]
-        return draw_runs(target, self._arena, self._frame, surfaces)
+        return draw_runs(target, self._arena, self._frame, drawn.blended)
 
     def _find_ambient(self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws) -> int:
         """Where lit shaders ask how open the surroundings are, have an answer ready."""
@@ -172,7 +176,7 @@ class WorldStage:
         target.use()
         return draws
 
-    def _enter(self, scene: FrameScene, view: View, *, sun: bool) -> None:
+    def enter(self, scene: FrameScene, view: View, *, sun: bool = True) -> None:
         """Tell the shaders where the view is from and what shines."""
         self._block.settings = scene.settings
         self._block.fill(view, scene.lighting, scene.plan, sun=sun)
@@ -186,7 +190,7 @@ class WorldStage:
         draws = volumes.count(target, scene.world, scene.items, drawn.view, scene.lighting)
         if not additive:
             return draws + volumes.darken(scene.settings.shadow_tone)
-        self._enter(scene, drawn.view, sun=True)
+        self.enter(scene, drawn.view, sun=True)
         volumes.gl.draw_where(EQUAL)
         self._ctx.depth_func = "=="
         draws += self._draw_opaque(target, scene, drawn)

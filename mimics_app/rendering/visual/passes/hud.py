@@ -21,6 +21,8 @@ __all__ = ["HudPass", "HudPlane", "clip_from_hud", "plane_of_views"]
 F8 = NDArray[np.float64]
 
 _GLYPH_BINDING, _IMAGE_BINDING = 2, 3
+_BEYOND = 1.05
+"""How far inside the near and the far plane a display stays."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,8 +53,10 @@ def plane_of_views(views: Sequence[View], depth: float) -> HudPlane:
 
     Args:
         views: The eyes of one screen.
-        depth: Distance from the eyes [m].
+        depth: Distance from the eyes [m]; as near to that as is neither too near nor too far to be seen.
     """
+    nearest, farthest = max(view.near for view in views), min(view.far for view in views)
+    depth = min(max(depth, _BEYOND * nearest), farthest / _BEYOND)
     left, right, bottom, top = np.mean([view.tangents for view in views], axis=0) * depth
     centre = np.mean([view.eye_world for view in views], axis=0)
     axes = views[0].world_from_eye[:3, :3]

@@ -1,0 +1,78 @@
+"""Forces and contacts of the haptic loop as arrows over the world."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic import EventKind
+from mimics_app.contracts.messages import HapticSnapshot
+from mimics_app.rendering.visual.hud import Colour
+from mimics_app.rendering.visual.overlay.overlay import Arrow
+
+__all__ = ["ForceArrows"]
+
+F8 = NDArray[np.float64]
+
+_METRES_PER_NEWTON = 0.012
+_METRES_PER_SPEED = 0.15
+"""Length of an impact's arrow per speed of approach [m per m/s]."""
+_SHORTEST, _LONGEST = 0.004, 0.35
+"""Arrows shorter than that are left out, longer ones cut [m]."""
+_SEEN_NS = 700_000_000
+"""How long a contact stays in sight."""
+_MOST = 60
+
+_ON_HAND: Colour = (1.0, 0.45, 0.20, 1.0)
+_MEASURED: Colour = (0.35, 0.70, 1.0, 1.0)
+_GRIP: Colour = (0.80, 0.50, 1.0, 1.0)
+_CONTACT: Colour = (1.0, 0.95, 0.55, 1.0)
+_TOUCHING = (int(EventKind.CONTACT_BEGIN), int(EventKind.IMPACT))
+
+
+class ForceArrows:
+    """Remembers contacts for the time they are seen."""
+
+    def __init__(self) -> None:
+        self._contacts: list[tuple[int, F8, F8]] = []
+
+    def of(self, snapshot: HapticSnapshot, events: NDArray[Any], now_ns: int) -> list[Arrow]:
+        """Arrows of a frame: the force on the hand, the one it gives, the grip's, and contacts that fade.
+
+        Args:
+            snapshot: The newest state.
+            events: EVENT records since the last frame.
+            now_ns: The session's time.
+        """
+        hip = np.asarray(snapshot.hip_world, np.float64)
+        forces = (
+            (snapshot.f_user_world, _ON_HAND),
+            (snapshot.f_meas_world, _MEASURED),
+            (snapshot.f_grip, _GRIP),
+        )
+        arrows = [Arrow(hip, vector, tint) for force, tint in forces if (vector := _scaled(force)) is not None]
+        return arrows + self._fading(events, now_ns)
+
+    def _fading(self, events: NDArray[Any], now_ns: int) -> list[Arrow]:
+        for event in events[np.isin(events["kind"], _TOUCHING)]:
+            length = max(_METRES_PER_NEWTON * event["force"], _METRES_PER_SPEED * event["speed"], 4.0 * _SHORTEST)
+            normal = np.asarray(event["normal_world"], np.float64)
+            vector = min(float(length), _LONGEST) * normal
+            self._contacts.append((now_ns, np.asarray(event["position_world"], np.float64), vector))
+        self._contacts = [each for each in self._contacts if now_ns - each[0] < _SEEN_NS][-_MOST:]
+        red, green, blue, _ = _CONTACT
+        return [
+            Arrow(place, vector, (red, green, blue, 1.0 - (now_ns - since) / _SEEN_NS))
+            for since, place, vector in self._contacts
+        ]
+
+
+def _scaled(force: F8) -> F8 | None:
+    """A force as an arrow, None where it is too small to be seen or not known."""
+    vector = _METRES_PER_NEWTON * np.asarray(force, np.float64)
+    length = float(np.linalg.norm(vector))
+    if not length > _SHORTEST:
+        return None
+    return np.asarray(vector * min(1.0, _LONGEST / length))

@@ -1,0 +1,21 @@
+"""Keys of the developer's overlay, the same in a run and in the viewer."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from mimics_app.contracts.window_input import InputEvent
+from mimics_app.rendering.visual.overlay.overlay import LAYERS, Layer
+from mimics_app.rendering.visual.renderer import Renderer
+
+__all__ = ["OVERLAY_KEYS", "toggle_overlay"]
+
+OVERLAY_KEYS: dict[str, Layer] = {f"f{number}": layer for number, layer in enumerate(LAYERS, start=1)}
+"""F1 the frame graph, F2 wireframe, F3 bounds, F4 lights, F5 forces and contacts, F6 the shadow atlas."""
+
+
+def toggle_overlay(renderer: Renderer, events: Sequence[InputEvent]) -> None:
+    """Put layers on and take them off as keys were pressed; the overlay is not made before the first of them."""
+    for event in events:
+        if event.kind == "key" and event.pressed and not event.repeat and event.name in OVERLAY_KEYS:
+            renderer.overlay.toggle(OVERLAY_KEYS[event.name])

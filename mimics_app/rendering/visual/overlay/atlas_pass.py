@@ -1,0 +1,55 @@
+"""The shadow atlas as an inset of the picture."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mimics_app.rendering.visual.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.shadow_stage import ShadowStage
+
+if TYPE_CHECKING:
+    import moderngl
+
+__all__ = ["AtlasPass"]
+
+_BINDING = 4
+_SHARE = 0.36
+"""Of the picture's height."""
+
+
+class AtlasPass:
+    """Shows depths as greys, in the lower right corner."""
+
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
+        self._ctx = ctx
+        self._shader = shaders.program("overlay/depth.vert", "overlay/depth.frag")
+        self._array: moderngl.VertexArray | None = None
+        self._made_for = -1
+
+    def draw(self, framebuffer: moderngl.Framebuffer, shadows: ShadowStage) -> int:
+        """Draw it over a framebuffer; returns the draw calls made, 0 where the frame has no maps."""
+        import moderngl
+
+        if not shadows.plan.maps:
+            return 0
+        if self._array is None or self._made_for != self._shader.revision:
+            self.release()
+            self._array = self._ctx.vertex_array(self._shader.program, [])
+            self._made_for = self._shader.revision
+        width, height = framebuffer.size
+        side = 2.0 * _SHARE
+        across = side * height / width
+        self._shader.set_numbers("rectangle", (1.0 - across - 0.03, -0.95, across, side))
+        self._shader.set_number("tiles", float(shadows.plan.grid))
+        self._ctx.viewport = (0, 0, width, height)
+        self._ctx.enable_only(moderngl.BLEND)
+        self._ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
+        with shadows.as_picture(_BINDING):
+            self._array.render(moderngl.TRIANGLE_STRIP, vertices=4)
+        return 1
+
+    def release(self) -> None:
+        """Free the vertex array."""
+        if self._array is not None:
+            self._array.release()
+            self._array = None

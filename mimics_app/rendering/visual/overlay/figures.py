@@ -1,0 +1,117 @@
+"""What of a world is drawn as lines: boxes and spheres about bodies, and the volumes of lights."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.rendering.visual.draw_items import DrawItems
+from mimics_app.rendering.visual.draw_list import DRAWN, HIDDEN, DrawList
+from mimics_app.rendering.visual.hud import Colour
+from mimics_app.rendering.visual.overlay.line_set import LineSet, box_lines, circle_lines
+from mimics_app.rendering.visual.view import View
+from mimics_app.world.light import Light
+from mimics_app.world.world import World
+
+__all__ = ["add_bounds", "add_lights", "add_node_bounds"]
+
+F8 = NDArray[np.float64]
+
+_DRAWN: Colour = (0.20, 0.92, 0.72, 0.75)
+_HIDDEN: Colour = (1.0, 0.46, 0.20, 0.85)
+_ROUND: Colour = (0.55, 0.70, 1.0, 0.40)
+_CHOSEN: Colour = (1.0, 0.85, 0.25, 1.0)
+_LIGHT: Colour = (1.0, 0.88, 0.35, 0.9)
+
+_MOST = 500
+"""Bodies whose bounds are drawn: those that look largest."""
+_BOUNDLESS = 0.5
+"""Radius a light without a range is drawn with [m]."""
+_SUN_RAYS = ((0.0, 0.0), (0.12, 0.0), (-0.12, 0.0), (0.0, 0.12), (0.0, -0.12))
+
+
+def add_bounds(lines: LineSet, listed: DrawList, world: F8, view: View) -> None:
+    """Boxes of what is drawn and of what is hidden, in two colours, and circles about their spheres.
+
+    Args:
+        lines: What to add to.
+        listed: After its frame, with fates.
+        world: T_world_from_node per row, [rows, 4, 4].
+        view: From where.
+    """
+    fates = listed.fates
+    if fates is None:
+        return
+    away = np.linalg.norm(listed.centres - view.eye_world, axis=1)
+    looks = np.where(fates > 0, listed.radii / np.maximum(away, view.near), 0.0)
+    largest = np.argsort(-looks)[:_MOST]
+    axes = view.world_from_eye[:3, :3]
+    for fate, tint in ((DRAWN, _DRAWN), (HIDDEN, _HIDDEN)):
+        items = largest[fates[largest] == fate]
+        lines.add(_boxes(listed.items, items, world), tint)
+    items = largest[fates[largest] == DRAWN]
+    radii = listed.radii[items, None]
+    lines.add(circle_lines(listed.centres[items], radii * axes[:, 0], radii * axes[:, 1]), _ROUND, 1.0)
+
+
+def add_node_bounds(lines: LineSet, world: World, listed: DrawList, node: int) -> None:
+    """Boxes of everything on a node, given by its entity index, and below it: what is chosen."""
+    entities = world.subentities().entity
+    inside = {entity: world.graph.hierarchy.is_inside(entity, node) for entity in set(entities.tolist())}
+    items = np.flatnonzero([inside[entity] for entity in entities.tolist()])
+    lines.add(_boxes(listed.items, items, world.transforms.world), _CHOSEN, 2.4)
+
+
+def add_lights(lines: LineSet, world: World, view: View) -> None:
+    """Spheres of point lights, cones of spots, and a few rays of a sun before the eye."""
+    for light in world.lights:
+        red, green, blue = light.colour
+        most = max(red, green, blue, 1e-6)
+        tint = tuple(0.35 + 0.65 * part / most for part in (red, green, blue))
+        own: Colour = (tint[0], tint[1], tint[2], 0.9)
+        if light.kind == "point":
+            _add_sphere(lines, light, own)
+        elif light.kind == "spot":
+            _add_cone(lines, light, own)
+        elif light.kind == "directional":
+            _add_sun(lines, light, view)
+
+
+def _boxes(items: DrawItems, numbers: NDArray[np.intp], world: F8) -> F8:
+    return box_lines(world[items.rows[numbers]], items.local[numbers, :3], items.half[numbers])
+
+
+def _add_sphere(lines: LineSet, light: Light, tint: Colour) -> None:
+    reach = light.range if math.isfinite(light.range) else _BOUNDLESS
+    axes, centre = reach * np.eye(3), light.position_world[None]
+    for first, second in ((0, 1), (1, 2), (2, 0)):
+        lines.add(circle_lines(centre, axes[None, first], axes[None, second]), tint)
+    star = 0.08 * min(reach, 2.0) * np.eye(3)
+    lines.add(np.stack([centre - star, centre + star], axis=1), tint, 3.0)
+
+
+def _add_cone(lines: LineSet, light: Light, tint: Colour) -> None:
+    reach = light.range if math.isfinite(light.range) else 4.0 * _BOUNDLESS
+    pose = light.node.world_matrix()[:3, :3]
+    axes = pose / np.linalg.norm(pose, axis=0)
+    place, middle = light.position_world, light.position_world - reach * math.cos(light.outer_cone) * axes[:, 2]
+    for angle, strength in ((light.outer_cone, 1.0), (light.inner_cone, 0.45)):
+        width, depth = reach * math.sin(angle), reach * math.cos(angle)
+        rim = (place - depth * axes[:, 2])[None]
+        own: Colour = (*tint[:3], strength * tint[3])
+        lines.add(circle_lines(rim, width * axes[None, :, 0], width * axes[None, :, 1]), own)
+    side = reach * math.sin(light.outer_cone)
+    ends = [middle + sign * side * axes[:, axis] for axis in (0, 1) for sign in (1.0, -1.0)]
+    lines.add(np.stack([np.broadcast_to(place, (4, 3)), np.array(ends)], axis=1), tint)
+
+
+def _add_sun(lines: LineSet, light: Light, view: View) -> None:
+    """Five arrows in front of the eye, up in the picture, that go the way the light goes."""
+    axes = view.world_from_eye[:3, :3]
+    depth = 20.0 * view.near + 0.6
+    _, right, _, top = view.tangents
+    for across, along in _SUN_RAYS:
+        place = np.array([(0.55 + across) * right, (0.60 + along) * top, -1.0]) * depth
+        lines.arrow(view.eye_world + axes @ place, 0.16 * depth * light.direction_world, _LIGHT, 2.4)

@@ -1,0 +1,71 @@
+"""Draws lines over the world: whole where they are seen, faint where something stands before them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mimics_app.rendering.visual.overlay.line_set import LINE_ROW, LineSet
+from mimics_app.rendering.visual.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.view import Rect, View
+
+if TYPE_CHECKING:
+    import moderngl
+
+__all__ = ["LinePass"]
+
+_FAINT = 0.22
+
+
+class LinePass:
+    """A buffer of lines and the shader that draws them."""
+
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
+        self._ctx = ctx
+        self._shader = shaders.program("overlay/lines.vert", "overlay/lines.frag")
+        self._buffer: moderngl.Buffer | None = None
+        self._array: moderngl.VertexArray | None = None
+        self._made_for = -1
+
+    def draw(self, target: moderngl.Framebuffer, lines: LineSet, view: View, rectangle: Rect) -> int:
+        """Draw lines into a view of a target, which is in use; returns the draw calls made."""
+        import moderngl
+
+        rows = lines.rows(view.eye_world)
+        if not len(rows):
+            return 0
+        array = self._upload(rows.tobytes())
+        ctx, shader = self._ctx, self._shader
+        target.viewport = rectangle
+        shader.set_matrix("clip_from_eye", view.clip_from_eye)
+        shader.set_numbers("size_px", rectangle[2:])
+        target.depth_mask = False
+        ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
+        for flags, strength in ((moderngl.BLEND, _FAINT), (moderngl.BLEND | moderngl.DEPTH_TEST, 1.0)):
+            ctx.enable_only(flags)
+            ctx.depth_func = "<="
+            shader.set_number("strength", strength)
+            array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=len(rows))
+        ctx.depth_func = "<"
+        target.depth_mask = True
+        return 2
+
+    def release(self) -> None:
+        """Free buffer and vertex array."""
+        for part in (self._array, self._buffer):
+            if part is not None:
+                part.release()
+        self._array = self._buffer = None
+
+    def _upload(self, data: bytes) -> moderngl.VertexArray:
+        if self._buffer is None or self._buffer.size < len(data):
+            self.release()
+            self._buffer = self._ctx.buffer(reserve=max(2 * len(data), 256 * LINE_ROW.itemsize))
+        self._buffer.orphan()
+        self._buffer.write(data)
+        if self._array is None or self._made_for != self._shader.revision:
+            if self._array is not None:
+                self._array.release()
+            content = [(self._buffer, "3f 3f 4f 2f /i", "begin", "end", "tint", "widths")]
+            self._array = self._ctx.vertex_array(self._shader.program, content)
+            self._made_for = self._shader.revision
+        return self._array

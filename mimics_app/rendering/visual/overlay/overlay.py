@@ -1,0 +1,150 @@
+"""The developer's overlay: made when it is first asked for, drawn over the world and over the figures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.clock import Clock
+from mimics_app.rendering.visual.capabilities import read_capabilities
+from mimics_app.rendering.visual.draw_list import DrawList
+from mimics_app.rendering.visual.frame_buffers import FrameBuffers
+from mimics_app.rendering.visual.hud import CANVAS_HEIGHT, Colour, Hud
+from mimics_app.rendering.visual.mesh_arena import MeshArena
+from mimics_app.rendering.visual.overlay.atlas_pass import AtlasPass
+from mimics_app.rendering.visual.overlay.figures import add_bounds, add_lights, add_node_bounds
+from mimics_app.rendering.visual.overlay.frame_graph import draw_frame_graph
+from mimics_app.rendering.visual.overlay.line_pass import LinePass
+from mimics_app.rendering.visual.overlay.line_set import LineSet
+from mimics_app.rendering.visual.overlay.stage_times import StageTimes
+from mimics_app.rendering.visual.overlay.wire_pass import WirePass
+from mimics_app.rendering.visual.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.shadow_stage import ShadowStage
+from mimics_app.rendering.visual.world_stage import FrameScene, ViewDraws
+
+if TYPE_CHECKING:
+    import moderngl
+
+__all__ = ["LAYERS", "Arrow", "Layer", "Overlay"]
+
+F8 = NDArray[np.float64]
+
+Layer = Literal["graph", "wires", "bounds", "lights", "forces", "atlas"]
+LAYERS: tuple[Layer, ...] = ("graph", "wires", "bounds", "lights", "forces", "atlas")
+"""In the order of their keys."""
+
+_WORDS: dict[Layer, str] = {
+    "graph": "frame graph",
+    "wires": "wireframe",
+    "bounds": "bounds (orange: hidden by others)",
+    "lights": "lights",
+    "forces": "forces and contacts",
+    "atlas": "shadow atlas",
+}
+_PANEL: Colour = (0.05, 0.06, 0.08, 0.66)
+_INK: Colour = (0.96, 0.97, 0.98, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Arrow:
+    """An arrow of the layer "forces": from a place along a vector, both world [m], float64 [3]."""
+
+    origin: F8
+    vector: F8
+    tint: Colour
+
+
+class Overlay:
+    """What is shown over the world.
+
+    Attributes:
+        layers: Those that are on.
+        arrows: Forces and contacts of this frame; whoever knows them sets them.
+        chosen: Entity index of a node whose box is drawn, None: of none.
+        times: Of the stages, while the graph is shown.
+    """
+
+    def __init__(
+        self, ctx: moderngl.Context, shaders: ShaderLibrary, arena: MeshArena, frame: FrameBuffers, clock: Clock
+    ) -> None:
+        self.layers: set[Layer] = set()
+        self.arrows: list[Arrow] = []
+        self.chosen: int | None = None
+        self.times = StageTimes(ctx, clock, software=read_capabilities(ctx).software)
+        self.hud = Hud()
+        self._lines = LineSet()
+        self._line_pass = LinePass(ctx, shaders)
+        self._wires = WirePass(ctx, shaders, arena, frame)
+        self._atlas = AtlasPass(ctx, shaders)
+
+    @property
+    def shows(self) -> bool:
+        """Whether anything of it is seen."""
+        return bool(self.layers) or self.chosen is not None
+
+    @property
+    def asks_fates(self) -> bool:
+        """Whether the draw list has to remember what became of each item."""
+        return "bounds" in self.layers
+
+    def toggle(self, layer: Layer) -> None:
+        """Take a layer off, or put it on."""
+        self.layers ^= {layer}
+
+    def take_over(self, other: Overlay) -> None:
+        """Show what another one shows."""
+        self.layers, self.arrows, self.chosen = other.layers, other.arrows, other.chosen
+
+    def draw_wires(self, target: moderngl.Framebuffer, drawn: ViewDraws) -> int:
+        """Edges of what is drawn in a view whose block is bound; returns the draw calls made."""
+        return self._wires.draw(target, drawn) if "wires" in self.layers else 0
+
+    def draw_lines(
+        self, target: moderngl.Framebuffer, scene: FrameScene, listed: DrawList, views: Sequence[ViewDraws]
+    ) -> int:
+        """Everything made of lines, in every view of the world's target; returns the draw calls made."""
+        draws = 0
+        for drawn in views:
+            self._collect(scene, listed, drawn)
+            draws += self._line_pass.draw(target, self._lines, drawn.view, drawn.rectangle)
+        return draws
+
+    def lay_out(self, width: float) -> None:
+        """Write the panels for a canvas of a width [hud px]."""
+        hud = self.hud
+        hud.width = width
+        hud.clear()
+        if "graph" in self.layers:
+            draw_frame_graph(hud, self.times.frames)
+        on = [_WORDS[layer] for layer in LAYERS if layer in self.layers]
+        if on:
+            text = ", ".join(on)
+            wide = hud.measure(text, 14.0) + 24.0
+            hud.box(18.0, CANVAS_HEIGHT - 128.0, wide, 26.0, _PANEL, radius=9.0)
+            hud.text(30.0, CANVAS_HEIGHT - 120.0, text, 14.0, _INK)
+
+    def draw_atlas(self, framebuffer: moderngl.Framebuffer, shadows: ShadowStage) -> int:
+        """The shadow atlas in a corner of the surface; returns the draw calls made."""
+        return self._atlas.draw(framebuffer, shadows) if "atlas" in self.layers else 0
+
+    def release(self) -> None:
+        """Free everything."""
+        for part in (self._line_pass, self._wires, self._atlas):
+            part.release()
+
+    def _collect(self, scene: FrameScene, listed: DrawList, drawn: ViewDraws) -> None:
+        lines = self._lines
+        lines.clear()
+        if "bounds" in self.layers:
+            add_bounds(lines, listed, scene.world.transforms.world, drawn.view)
+        if "lights" in self.layers:
+            add_lights(lines, scene.world, drawn.view)
+        if "forces" in self.layers:
+            for arrow in self.arrows:
+                lines.arrow(arrow.origin, arrow.vector, arrow.tint)
+        if self.chosen is not None:
+            add_node_bounds(lines, scene.world, listed, self.chosen)
