@@ -17,7 +17,19 @@ from tests.support.market_play import SCENE, MarketPlay
 SECONDS, SEED = 60.0, 7
 SEEDS = tuple(range(1, 21))
 LANDED = round(2.5 * 60)
-"""Frames after which the first apple lies still."""
+"""Frames after which an apple that fell lies still."""
+
+
+def highest(heights: np.ndarray) -> float:
+    """Of the apple once it lies still [m]: an apple that rolled away falls anew, which is no lifting.
+
+    Nothing but a new fall takes it up by 10 cm in one frame.
+    """
+    falls = np.flatnonzero(np.diff(heights, prepend=0.0) > 0.1)
+    lies = np.ones(len(heights), bool)
+    for fall in falls:
+        lies[fall : fall + LANDED] = False
+    return float(heights[lies].max())
 
 
 def mimics(*arguments: object) -> subprocess.CompletedProcess[str]:
@@ -91,7 +103,7 @@ def test_without_a_grip_nothing_is_lifted():
     """0.6 N carries 2 x 0.6 x 0.6 N, 73 g; the lightest apple has 150 g."""
     play = MarketPlay("healthy", 3, 15.0, grasp=0.6, grasp_variation=0.0)
     assert play.result["placed"] == 0
-    assert play.heights[LANDED:].max() < 0.05, "no more than a nudge"
+    assert highest(play.heights) < 0.05, "no more than a nudge"
 
 
 def test_a_person_at_a_pointer_places_apples_too():
@@ -121,4 +133,4 @@ def test_no_grip_never_lifts(seed):
     for changes in ({"grasp": 0.0, "grasp_variation": 0.0}, {"grasp": 0.6, "grasp_variation": 0.0}, {"intent": False}):
         play = MarketPlay("healthy", seed, 20.0, **changes)
         assert play.result["placed"] == 0
-        assert play.heights[LANDED:].max() < 0.05
+        assert highest(play.heights) < 0.05

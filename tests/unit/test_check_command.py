@@ -130,3 +130,18 @@ def test_a_device_that_nobody_has_is_exit_code_4_with_its_place(tmp_path, capsys
     told = capsys.readouterr().err
     assert "scene.json#/entities/0/components/robot/device" in told
     assert 'pointer"' in told
+
+
+@pytest.mark.parametrize("part", sorted((root() / "scenes" / "parts").glob("*.json")), ids=lambda file: file.stem)
+def test_shipped_part_is_right_by_itself_and_says_what_it_is_for(capsys, part):
+    assert main(["check", str(part)]) == 0
+    told = capsys.readouterr().out
+    assert "include it in a scene" in told or "no scenario plays this scene" in told
+
+
+def test_hand_without_robot_and_task_is_a_part(tmp_path, capsys):
+    fingers = [thing("left"), thing("right"), thing("hand", grasping_hand={"fingers": ["left", "right"]})]
+    assert main(["check", str(write(tmp_path, scene(*fingers)))]) == 0
+    assert "a part, without robot and task: include it in a scene" in capsys.readouterr().out
+    assert main(["check", str(write(tmp_path, scene(*fingers, thing("r", robot={}))))]) == 3
+    assert "nothing is carried in this task" in capsys.readouterr().err

@@ -52,6 +52,26 @@ def faulty(folder: Path, **component: object) -> list[str]:
             "/friction_static",
             "slide more easily",
         ),
+        (
+            "haptic_object",
+            {"shapes": [{**CUBE, "friction_static": 0.2}], "friction_dynamic": 0.3},
+            "/shapes/0/friction_static",
+            "slide more easily",
+        ),
+        (
+            "haptic_object",
+            {"shapes": [CUBE], "texture_height": 0.002},
+            "/texture_height",
+            "stay below texture_length / pi = 0.00159 m",
+        ),
+        (
+            "haptic_object",
+            {"shapes": [{**CUBE, "texture_length": 0.001}], "texture_height": 0.0005},
+            "/texture_height",
+            "steeper than 45 degrees",
+        ),
+        ("haptic_walls", {"size": [1, 1, 1], "left": {"texture_height": 0.01}}, "/left/texture_height", "45 degrees"),
+        ("haptic_object", {"shapes": [CUBE], "stiffness": 0.0}, "/stiffness", "> 0"),
         ("haptic_object", {"shapes": [{"shape": "mesh", "source": "rock"}]}, "/shapes/0/source", 'no asset "rock"'),
         ("haptic_object", {"shapes": [CUBE], "gravity": [0, 0]}, "/gravity", "length 3"),
         ("haptic_object", {"shapes": [CUBE], "integrator": "semi-implicit"}, "/integrator", "semi_implicit"),
@@ -162,6 +182,11 @@ def test_fifth_different_force_field_is_refused(tmp_path):
     assert [line.split(": ")[0] for line in told(tmp_path, *fields)] == [
         "scene.json#/entities/4/components/force_field/function"
     ]
+
+
+def test_a_fault_of_the_objects_own_surface_is_told_once_for_all_its_shapes(tmp_path):
+    lines = faulty(tmp_path, haptic_object={"shapes": [CUBE, CUBE, CUBE], "texture_height": 0.005})
+    assert len(lines) == 1
 
 
 def test_schema_describes_every_key_of_every_part():
