@@ -41,9 +41,6 @@ float sun_visibility(vec3 position_eye, vec3 normal) {
         vec2 edge = abs(at.xy - shadow_tile[i].xy);
         at.z += lift.z * shadow_scale[i].z;
         bool inside = max(edge.x, edge.y) < shadow_scale[i].w;
-#ifdef SUN_CASCADES
-        inside = inside && at.z < 1.0; // what lies below a box is for the one about it
-#endif
         place = inside ? at : place;
         asked = asked || inside;
     }

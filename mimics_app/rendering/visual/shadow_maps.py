@@ -115,7 +115,8 @@ def fit_cascades(
 
     Each box is of fixed size about a point before the eyes, which moves in steps of many whole texels: neither turning
     nor walking makes edges crawl, and between two steps the map of a scene that stands still is the same one. Its depth
-    reaches to the farthest caster towards the sun.
+    reaches from the farthest caster towards the sun to the lowest one: what lies below all of them is told as if it lay
+    at the bottom, where it is in the same shadow.
 
     Args:
         sun_direction: Unit, towards the sun.
@@ -138,12 +139,11 @@ def fit_cascades(
         middle = rotation @ (eye + _AHEAD * seen * forward)
         middle = np.round(middle / step) * step
         offset = placed - (middle - rotation @ eye)
-        near = (np.abs(offset[:, :2]).max(axis=1, initial=0.0) < radius + casters.radii) & (
-            offset[:, 2] > -radius - casters.radii
-        )
+        near = np.abs(offset[:, :2]).max(axis=1, initial=0.0) < radius + casters.radii
         top = float((offset[near, 2] + casters.radii[near]).max(initial=radius))
+        bottom = float((offset[near, 2] - casters.radii[near]).min(initial=-radius))
         kept = Casters(casters.items[near], casters.centres[near], casters.radii[near])
-        maps.append(ShadowMap(_box(rotation, middle, radius, top), rotation.T @ middle, texel, kept))
+        maps.append(ShadowMap(_box(rotation, middle, radius, top, bottom), rotation.T @ middle, texel, kept))
     return maps
 
 
@@ -166,10 +166,10 @@ def fit_spot(light: Light, casters: Casters, size: int) -> ShadowMap:
     return ShadowMap(clip, place, 2.0 * edge / size, kept)
 
 
-def _box(rotation: F8, middle: F8, radius: float, top: float) -> F8:
-    """Orthographic projection: `radius` about the middle across, from `top` towards the sun down to -radius."""
+def _box(rotation: F8, middle: F8, radius: float, top: float, bottom: float) -> F8:
+    """Orthographic projection: `radius` about the middle across, from `top` towards the sun down to `bottom`."""
     clip = np.eye(4)
-    half, centre = 0.5 * (top + radius), 0.5 * (top - radius)
+    half, centre = 0.5 * (top - bottom), 0.5 * (top + bottom)
     clip[:3, :3] = np.diag([1.0 / radius, 1.0 / radius, -1.0 / half]) @ rotation
     clip[:3, 3] = -middle / radius
     clip[2, 3] = (middle[2] + centre) / half
