@@ -171,7 +171,7 @@ def test_cascades_put_the_edge_where_one_map_does(slope):
 @pytest.mark.parametrize("cascades", [1, 2, 3, 4])
 @pytest.mark.parametrize("slope", [0.45, -0.31])
 def test_a_floor_far_below_the_inner_boxes_has_its_shadow(cascades, slope):
-    """Straight down from 2 m the plate lies below the innermost of four boxes about the eye; it must not drop out of it."""
+    """Straight down from 2 m the plate lies below the innermost of four boxes; it must not drop out of it."""
     settings = replace(PLAIN, shadow_size=4096, shadow_distance=30.0, cascades=cascades)
     row = draw(make_world(slope), settings)[SIZE[1] // 2]
     expected = (-0.3 if slope > 0.0 else 0.0) - slope * PLATE_HEIGHT
