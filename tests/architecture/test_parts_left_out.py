@@ -93,3 +93,30 @@ def test_the_probe_sees_sound_where_there_is_some(tmp_path):
     assert heard["sound"]
     assert loaded(heard, SOUND) == set(SOUND)
     assert heard["plan"]["spatialiser"] == "hrtf"
+
+
+PICTURE_OF = """
+import json, sys
+from mimics_app.rendering.visual.contexts import create_surface
+from mimics_app.rendering.visual.displays.desktop import desktop_views
+from mimics_app.rendering.visual.renderer import Renderer
+from mimics_app.world.components_effects import Billboard
+from mimics_app.world.world import World
+world = World()
+node = world.root.create_child("eye")
+node.create_camera()
+if sys.argv[1] == "billboard":
+    world.effects.add(node.index, Billboard())
+world.update()
+with create_surface("egl", (16, 16)) as surface:
+    Renderer(surface, world).draw(desktop_views(world.cameras[0], (16, 16)))
+print(json.dumps([name for name in sys.modules if name == "mimics_app.rendering.visual.effect_stage"]))
+"""
+
+
+@pytest.mark.parametrize(("what", "modules"), [("nothing", 0), ("billboard", 1)])
+def test_a_picture_without_effects_loads_none_of_that(what, modules):
+    command = [sys.executable, "-c", PICTURE_OF, what]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=240, check=False)
+    assert done.returncode == 0, done.stderr
+    assert len(json.loads(done.stdout.splitlines()[-1])) == modules

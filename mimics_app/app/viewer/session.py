@@ -61,7 +61,7 @@ class ViewerSession:
 
     def run(self) -> None:
         """Show it until the window closes."""
-        due = looked = before = self._clock.now_ns()
+        due = looked = before = begun = self._clock.now_ns()
         while not (self._surface.should_close or self._left):
             now = self._clock.now_ns()
             events = self._surface.poll()
@@ -69,6 +69,7 @@ class ViewerSession:
             self._controls.handle(events)
             self._controls.fly(min((now - before) / _NS, _LONGEST_STEP_S))
             before = now
+            self._pass_time((now - begun) / _NS)
             if now - looked >= _LOOK_NS:
                 looked = now
                 self._look(now)
@@ -100,6 +101,12 @@ class ViewerSession:
             draw_keys(hud)
         self._stage.draw()
         self._surface.swap()
+
+    def _pass_time(self, seconds: float) -> None:
+        """Let particles fly; a scene without them is drawn only when something else changes."""
+        effects = self._stage.shown.world.effects
+        effects.time = seconds
+        self._controls.dirty = self._controls.dirty or bool(effects.emitters)
 
     def _mark_chosen(self) -> None:
         """Have a box drawn about what is chosen; there is no overlay before something is."""

@@ -119,6 +119,7 @@ def _open_scene(path: Path) -> Shown:
     if is_playable(scene):
         open_scenario(scene, world)  # what only its scenario makes: tunnel walls, hands
         world.update()
+    world.effects.trigger("start")
     return Shown(scene.path, world, scene, None, list(scene.notes), list(scene.files))
 
 
