@@ -13,6 +13,8 @@ from mimics_app.lab.table import Row, Table
 from mimics_app.world.components import LightComponent, Sound, SoundEmitter
 from mimics_app.world.components_effects import Billboard, Particles, Projector
 from mimics_app.world.components_haptic import Tunnel
+from mimics_app.world.components_pictures import Inset, Mirror, Screen
+from mimics_app.world.components_systems import VisualSettings
 from mimics_app.world.scene import Scene
 
 __all__ = ["TICK_GROUP", "UNUSED", "LeftOut", "Part", "describe_plan", "explain_plan"]
@@ -117,15 +119,35 @@ def _left_out(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None]) -
         (Billboard, "billboards, per frame", "no entity has a billboard", None),
         (Particles, "particles, per frame", "no entity has particles", None),
         (Projector, "decals and slides, per frame", "no entity has a projector", None),
+        (Mirror, "mirrors, a picture each per eye", "no entity has a mirror", None),
+        (Screen, "screens, a picture each", "no entity has a screen", None),
+        (Inset, "pictures over the display", "no entity has an inset", None),
         (Tunnel, "tunnel force, per tick", "no entity has a tunnel", _tunnel_us(table)),
     ]
     left = [LeftOut(part, why, saved) for kind, part, why, saved in absent if not scene.components(kind)]
     if not any(light.casts_shadow for _, light, _ in scene.components(LightComponent)):
         left.append(LeftOut("shadow pass, per frame", "no light casts a shadow", shadow_us()))
+    left += _filters_left_out(scene)
     for group, (part, why) in UNUSED.items():
         left.append(LeftOut(part, why, _cheapest(table, group)))
     left.append(LeftOut("body signals, estimation, learning", "no recorder of body signals is in the scene", None))
     return left
+
+
+def _filters_left_out(scene: Scene) -> list[LeftOut]:
+    """What is done to the picture only where the scene asks."""
+    wanted = scene.systems.get("visual")
+    visual = wanted if isinstance(wanted, VisualSettings) else VisualSettings()
+    absent = (
+        ("glow", "bloom", visual.bloom),
+        ("darker corners", "ambient_occlusion", visual.ambient_occlusion),
+        ("filter of edges", "anti_aliasing", float(visual.anti_aliasing in ("filter", "both"))),
+    )
+    return [
+        LeftOut(f"{part}, per frame", f"systems.visual.{name} does not ask for it", None)
+        for part, name, used in absent
+        if used == 0.0
+    ]
 
 
 UNUSED: Mapping[str, tuple[str, str]] = {

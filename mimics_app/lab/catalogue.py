@@ -72,6 +72,10 @@ def _frame() -> None:
     import mimics_app.rendering.visual.methods_frame
 
 
+def _anti_aliasing() -> None:
+    import mimics_app.rendering.visual.methods_anti_aliasing
+
+
 def _tick() -> None:
     import mimics_app.lab.methods_tick
 
@@ -106,6 +110,7 @@ GROUPS: dict[str, Callable[[], None]] = {
     "sun shadows": _shadows,
     "frame of nodes": _frame,
     "frame of triangles": _frame,
+    "anti aliasing": _anti_aliasing,
     "haptic tick": _tick,
 }
 """Group -> what imports the module that registers it."""

@@ -74,7 +74,7 @@ void main() {
 
     float mean = (2.0 * (south + north + west + east) + south_west + south_east + north_west + north_east) / 12.0;
     // Beside a straight edge the mean is a third of the contrast away: that much is no sign of a lonely pixel.
-    float lonely = smoothstep(0.0, 1.0, clamp(1.5 * abs(mean - middle) / contrast - 0.5, 0.0, 1.0));
-    vec3 mixed = region_colour(at + max(from_edge, SMOOTHING * lonely * lonely) * across);
+    float lonely = clamp(1.5 * abs(mean - middle) / contrast - 0.5, 0.0, 1.0);
+    vec3 mixed = region_colour(at + max(from_edge, SMOOTHING * lonely) * across);
     colour = vec4(plain ? own : mixed, 1.0);
 }

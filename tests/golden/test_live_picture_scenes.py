@@ -16,7 +16,7 @@ SIZE = (480, 270)
 
 
 @pytest.mark.parametrize("backend", ["egl", "osmesa"])
-@pytest.mark.parametrize("name", ["mirrors"])
+@pytest.mark.parametrize("name", ["lanterns", "mirrors"])
 def test_the_example_looks_as_it_did(backend, name, assert_golden):
     """At rest, and without the hand, whose size and place the robot's loop gives it."""
     scene = load_scene(root() / "scenes" / "examples" / f"{name}.json")

@@ -17,7 +17,7 @@ from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View, compose_clip_from_view, tilt_near_plane
 from mimics_app.world.live_pictures import InsetView, ScreenSurface, show_mirror, show_screen
-from mimics_app.world.primitives import plane
+from mimics_app.world.primitives import box, plane
 from mimics_app.world.world import World
 from tests.golden.drawing import draw_world
 from tests.golden.material_world import make_room
@@ -64,15 +64,46 @@ def draw(world: World, views: list[View], settings: RenderSettings = PLAIN, size
         return draw_world(surface, world, views, settings)[..., :3]
 
 
-@pytest.mark.parametrize("msaa", [0, 4])
-def test_a_mirror_shows_the_picture_of_the_reflected_eye(msaa, assert_same):
+@pytest.mark.parametrize("changes", [{}, {"msaa": 4}, {"scale": 0.5}, {"bloom": 1e-9}])
+def test_a_mirror_shows_the_picture_of_the_reflected_eye(changes, assert_same):
     """The mirror fills the picture; 1/255 because depth is counted otherwise, and rounding differs at edges."""
-    view, settings = eye_before_the_mirror(), replace(PLAIN, msaa=msaa)
+    view, settings = eye_before_the_mirror(), replace(PLAIN, **changes)
     ours = draw(make_mirrored_room(), [view], settings)
-    bare = make_room()
-    theirs = draw(bare, [reflected(view, 2.0)], settings)[:, ::-1]
+    theirs = draw(make_room(), [reflected(view, 2.0)], settings)[:, ::-1]
     assert np.ptp(ours) > 150, "there is something to be seen"
     assert_same(ours, theirs, "mirror against the reflected eye", level=1, wanted=0.998)
+
+
+def test_a_mirror_of_half_the_resolution_is_a_softer_one():
+    """As the governor leaves it: the same but for edges."""
+    view = eye_before_the_mirror()
+    sharp, soft = (draw(make_mirrored_room(), [view], replace(PLAIN, mirror_scale=s)).astype(int) for s in (1.0, 0.5))
+    away = np.abs(sharp - soft)
+    assert 0.3 < away.mean() < 9.0
+    assert np.median(away) <= 1.0
+
+
+def test_culling_in_a_mirror_loses_no_pixel():
+    """A hundred boxes, most of them behind a wall that stands before the mirror: hidden ones are left out exactly."""
+    world = make_mirrored_room()
+    world.meshes |= {"crate": box(0.2, 0.2, 0.2), "screen": box(5.0, 2.0, 0.2)}
+    world.root.create_child("screen", (0.0, 1.0, -1.6)).create_entity("screen", "matt")
+    world.root.create_child("cut", (1.6, 0.6, 2.0)).create_entity("screen", "matt")
+    for k in range(100):
+        world.root.create_child("", (-2.0 + 0.4 * (k % 10), 0.2, -2.0 - 0.3 * (k // 10))).create_entity(
+            "crate", "shiny"
+        )
+    world.update()
+    pictures, hidden = {}, {}
+    for occlusion in ("off", "all"):
+        with create_surface("egl", SIZE) as surface:
+            renderer = Renderer(surface, world, replace(PLAIN, shadow_size=0, occlusion=occlusion))
+            for _ in range(2):
+                hidden[occlusion] = renderer.draw([eye_before_the_mirror()]).hidden
+            pictures[occlusion] = read_pixels(surface)
+            renderer.release()
+    assert np.array_equal(pictures["off"], pictures["all"])
+    assert (hidden["off"], hidden["all"] > 30) == (0, True)
 
 
 def test_nothing_behind_a_mirror_is_seen_in_it():

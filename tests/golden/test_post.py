@@ -188,6 +188,19 @@ def test_views_beside_each_other_do_not_mix(scale):
         assert np.ptp(alone) > 100
 
 
+def test_what_no_view_covers_is_black_and_not_an_older_frame():
+    world = make_room()
+    whole = desktop_views(world.cameras[0], SIZE)[0]
+    with create_surface("egl", SIZE) as surface:
+        renderer = Renderer(surface, world, replace(PLAIN, fxaa=True))
+        renderer.draw([whole])
+        renderer.draw([replace(whole, rectangle=(0, 0, 96, 108))])
+        picture = read_pixels(surface)
+        renderer.release()
+    assert picture[:, :96, :3].max() > 100
+    assert picture[:, 96:, :3].max() == 0
+
+
 def test_effects_are_the_same_under_osmesa():
     try:
         create_surface("osmesa", (8, 8)).close()

@@ -95,6 +95,8 @@ class PictureTarget:
             for step, between in zip(self._filters, self._between, strict=False):
                 draws += step.draw(picture, between, drawn, drawn)
                 picture = texture_of(between)
+            if sum(width * height for _, _, width, height in rectangles) < surface.size[0] * surface.size[1]:
+                surface.framebuffer.clear(alpha=1.0)
             draws += self._filters[-1].draw(picture, surface.framebuffer, drawn, rectangles)
         elif self._multisampled is not None and self._shown is not None:
             surface.ctx.copy_framebuffer(self._shown, self._multisampled)

@@ -22,7 +22,7 @@ _LEVELS = 6
 _SMALLEST = 4
 """Side below which no smaller copy is made [texels]."""
 
-_WIDER = 0.6
+_WIDER = 0.8
 """Share of each level that comes from the wider ones."""
 
 _BINDING = 21
