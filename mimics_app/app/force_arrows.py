@@ -73,6 +73,6 @@ def _scaled(force: F8) -> F8 | None:
     """A force as an arrow, None where it is too small to be seen or not known."""
     vector = _METRES_PER_NEWTON * np.asarray(force, np.float64)
     length = float(np.linalg.norm(vector))
-    if not length > _SHORTEST:
+    if not _SHORTEST < length < np.inf:
         return None
     return np.asarray(vector * min(1.0, _LONGEST / length))

@@ -93,18 +93,20 @@ class GltfDocument:
             waiting += reversed(self.nodes[node].children)
 
 
-def load_gltf(path: Path, root: Path | None = None, file: str = "") -> GltfDocument:
+def load_gltf(path: Path, root: Path | None = None, file: str = "", *, without_pictures: bool = False) -> GltfDocument:
     """Read a .glb or .gltf file.
 
     Args:
         path: The file.
         root: Folder that every file it names must stay inside; default: its own folder. No URL is ever opened.
         file: Name for messages; default: the path.
+        without_pictures: True notes a picture that cannot be had, and reads the rest: whoever only looks at the model.
 
     Raises:
         GltfError: every fault found, each with file, JSON pointer and reason.
     """
     source = open_gltf(path, path.parent if root is None else root, file or str(path))
+    source.without_pictures = without_pictures
     try:
         return _read(source)
     except GltfError as error:

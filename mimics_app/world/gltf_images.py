@@ -10,6 +10,7 @@ from typing import IO, TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.errors import SceneError
 from mimics_app.world.gltf_buffers import GltfBuffers, data_uri
 from mimics_app.world.gltf_source import GltfSource
 from mimics_app.world.material import Filter, TextureData, Wrap
@@ -73,7 +74,7 @@ class GltfImages:
         self.textures: dict[str, TextureData] = {}
 
     def texture(self, index: object, pointer: str) -> str:
-        """Decode a texture and return its key in `textures`."""
+        """Decode a texture and return its key in `textures`, where it is left out if the file may go without."""
         source = self._source
         texture = source.item("textures", index, pointer)
         key = f"texture{index}"
@@ -81,13 +82,21 @@ class GltfImages:
             place = f"/textures/{index}"
             if "source" not in texture:
                 source.fail(place, "has no PNG or JPEG picture")
-            pixels = self._picture(texture["source"], f"{place}/source")
+            try:
+                pixels = self._picture(texture["source"], f"{place}/source")
+            except SceneError as error:
+                if not source.without_pictures:
+                    raise
+                source.notes += [str(issue) for issue in error.issues if str(issue) not in source.notes]
+                return key
             wrap, kind = self._sampler(texture, place)
             self.textures[key] = TextureData(pixels, True, wrap, kind)
         return key
 
     def check_files(self) -> None:
-        """Have every picture file that is named be there, used or not."""
+        """Have every picture file that is named be there, used or not, unless the file may go without."""
+        if self._source.without_pictures:
+            return
         for i, image in enumerate(self._source.table("images")):
             uri = image.get("uri")
             if isinstance(uri, str) and uri[:5].lower() != "data:":

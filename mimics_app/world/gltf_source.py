@@ -44,6 +44,7 @@ class GltfSource:
         issues: Faults found so far.
         notes: What was left out or repaired, for people.
         files: Every file read.
+        without_pictures: True notes a picture that cannot be had instead of refusing the file.
     """
 
     path: Path
@@ -54,6 +55,7 @@ class GltfSource:
     issues: list[Issue] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     files: list[Path] = field(default_factory=list)
+    without_pictures: bool = False
     _taken: int = 0
 
     def fail(self, pointer: str, what: str, fix: str = "") -> NoReturn:

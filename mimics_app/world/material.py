@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["IDENTITY", "MAPS", "Affine", "AlphaMode", "Filter", "Material", "TextureData", "Wrap"]
+__all__ = ["IDENTITY", "MAPS", "MISSING_PICTURE", "Affine", "AlphaMode", "Filter", "Material", "TextureData", "Wrap"]
 
 AlphaMode = Literal["opaque", "mask", "blend"]
 Wrap = Literal["repeat", "mirror", "clamp"]
@@ -90,3 +90,12 @@ class TextureData:
     srgb: bool = True
     wrap: tuple[Wrap, Wrap] = ("repeat", "repeat")
     filter: Filter = "trilinear"
+
+
+def _checker() -> NDArray[np.uint8]:
+    dark = (np.indices((8, 8)).sum(axis=0) % 2).astype(bool)
+    return np.where(dark[..., None], (24, 24, 24, 255), (255, 0, 200, 255)).astype(np.uint8)
+
+
+MISSING_PICTURE = TextureData(_checker(), filter="nearest")
+"""What is shown in the place of a picture that is not there."""

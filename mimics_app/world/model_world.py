@@ -12,13 +12,17 @@ from mimics_app.world.world import World
 __all__ = ["load_model_world", "read_model"]
 
 
-def read_model(path: Path) -> ModelPrefab:
+def read_model(path: Path, *, without_pictures: bool = False) -> ModelPrefab:
     """A glTF file ready to be put into worlds, as often as wanted.
+
+    Args:
+        path: The file.
+        without_pictures: As `load_gltf`.
 
     Raises:
         SceneError: every fault of the file.
     """
-    model = load_gltf(path)
+    model = load_gltf(path, without_pictures=without_pictures)
     asset = SceneAsset(path.stem, "model", path, model=model, files=tuple(model.files))
     return ModelPrefab(ModelPart(asset, model, tuple(model.roots)))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from mimics_app.contracts.errors import Issue, nearest
+from mimics_app.world.gltf_nodes import MAX_DEPTH
 from mimics_app.world.registry import checks_of, section_of
 from mimics_app.world.scene import Scene, SceneEntity
 
@@ -68,15 +69,21 @@ def _check_parents(scene: Scene, by_id: dict[str, SceneEntity]) -> list[Issue]:
         if entity.parent is not None and entity.parent not in by_id:
             what, hint = f'no entity "{entity.parent}"', nearest(entity.parent, by_id)
             issues.append(scene.issue(f"{entity.pointer}/parent", what, hint))
-    sound: set[str] = set()
+    depth: dict[str, int] = {}
     for entity in scene.entities:
-        path: list[str] = []
+        path: dict[str, None] = {}
         name: str | None = entity.id
-        while name is not None and name in by_id and name not in sound and name not in path:
-            path.append(name)
+        while name is not None and name in by_id and name not in depth and name not in path:
+            path[name] = None
             name = by_id[name].parent
         if name in path:
-            chain = " -> ".join((*path[path.index(name) :], name))
+            loop = list(path)
+            chain = " -> ".join((*loop[loop.index(name) :], name))
             issues.append(scene.issue(f"{by_id[name].pointer}/parent", f"hangs on itself: {chain}"))
-        sound.update(path)
+        above = depth.get(name, 0) if name is not None else 0
+        depth |= {each: above + number for number, each in enumerate(reversed(path), start=1)}
+    deepest = next((name for name, number in depth.items() if number > MAX_DEPTH), None)
+    if deepest is not None:
+        what = f"more than {MAX_DEPTH} entities hang on each other"
+        issues.append(scene.issue(f"{by_id[deepest].pointer}/parent", what, "hang some of them on the scene itself"))
     return issues

@@ -16,7 +16,6 @@ from mimics_app.rendering.visual.headless import read_pixels
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.techniques import choose_technique
-from mimics_app.rendering.visual.texture_store import halved
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.environment import Sky
 from mimics_app.world.material import Material, TextureData
@@ -154,20 +153,6 @@ def test_a_shader_that_does_not_compile_gives_one_line_and_the_fallback(tmp_path
     assert len(said) == 1
     assert 'material "m": "glass" drawn as "unlit"' in said[0] and "glass.frag#line" in said[0]
     assert np.abs(picture[..., :3].astype(int) - 188).max() <= 1
-
-
-def test_a_missing_picture_gives_one_line_and_the_plain_colour():
-    picture, said = draw(make_world(Material("m", "unlit", (0.5, 0.5, 0.5, 1.0), base_texture="away")))
-    assert said == ['material "m": no texture "away"; drawn without it']
-    assert np.abs(picture[..., :3].astype(int) - 188).max() <= 1
-
-
-def test_a_picture_too_large_for_the_driver_is_halved():
-    pixels = np.arange(3 * 5 * 4, dtype=np.uint8).reshape(3, 5, 4)
-    half = halved(pixels)
-    assert half.shape == (2, 3, 4)
-    assert np.abs(half[0, 0].astype(float) - pixels[:2, :2].mean(axis=(0, 1))).max() <= 0.5
-    assert np.array_equal(half[1, 2], pixels[2, 4])
 
 
 def test_every_code_survives_the_way_from_texture_to_picture():

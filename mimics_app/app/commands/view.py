@@ -20,6 +20,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     from mimics_app.app.commands.render import frame_count
     from mimics_app.app.commands.run import picture_size
 
+    parser.epilog = (
+        "In the window: drag to go round, wheel, WASD to fly, click to choose, drag what is chosen to move it, Ctrl+S "
+        "to save it to the scene file; H lists all keys. Files and shaders are loaded again when they are saved."
+    )
     parser.add_argument("file", type=Path, nargs="?", help="scene, .glb .gltf model, or .stl .obj .ply .off mesh")
     parser.add_argument("--sheet", type=Path, metavar="FOLDER", help="draw every model of a folder onto one PNG")
     parser.add_argument("--headless", action="store_true", help="no window: draw PNG files")

@@ -26,6 +26,8 @@ _NS = 1_000_000_000
 _FRAME_NS = _NS // 60
 _LOOK_NS = _NS // 4
 _SHOW_NS = 5 * _NS
+_REST_NS = _NS // 5
+"""After so long without a change edges are smoothed where that had to wait."""
 _LONGEST_STEP_S = 0.1
 
 
@@ -61,7 +63,8 @@ class ViewerSession:
 
     def run(self) -> None:
         """Show it until the window closes."""
-        due = looked = before = begun = self._clock.now_ns()
+        due = looked = before = begun = drawn = self._clock.now_ns()
+        rested = False
         while not (self._surface.should_close or self._left):
             now = self._clock.now_ns()
             events = self._surface.poll()
@@ -74,8 +77,11 @@ class ViewerSession:
                 looked = now
                 self._look(now)
             if self._controls.dirty or self._stage.renderer.shows("graph"):
-                self._controls.dirty = False
-                self._draw()
+                self._controls.dirty, drawn, rested = False, now, not self._stage.in_software
+                self._draw(smooth=rested)
+            elif not rested and now - drawn > _REST_NS:
+                rested = True
+                self._draw(smooth=True)
             due = max(due + _FRAME_NS, self._clock.now_ns() - _FRAME_NS)
             self._clock.sleep_until_ns(due)
 
@@ -86,7 +92,8 @@ class ViewerSession:
         self._stage.release()
         self._surface.close()
 
-    def _draw(self) -> None:
+    def _draw(self, *, smooth: bool) -> None:
+        """Draw a frame: with smooth edges, or quickly, while a picture drawn by the processor moves."""
         shown, hud = self._stage.shown, self._stage.renderer.hud
         shown.world.update()
         hud.clear()
@@ -99,7 +106,7 @@ class ViewerSession:
         draw_message(hud, self._message, alarm=self._alarm)
         if self._keys_shown:
             draw_keys(hud)
-        self._stage.draw()
+        self._stage.draw(smooth=smooth)
         self._surface.swap()
 
     def _pass_time(self, seconds: float) -> None:

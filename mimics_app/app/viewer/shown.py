@@ -99,7 +99,7 @@ def open_shown(path: Path, up: Up = "y") -> Shown:
         stand.set_orientation(_QUARTER)
     shown = Shown(path, world, stand=stand, files=[path])
     if suffix in _GLTF_SUFFIXES:
-        model = read_model(path)
+        model = read_model(path, without_pictures=True)
         model.instantiate(world, stand)
         shown.files, shown.notes = model.document.files, [*model.document.notes, *_still(model.document.raw)]
     else:

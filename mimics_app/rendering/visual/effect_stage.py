@@ -34,7 +34,7 @@ class EffectStage:
     """Everything that is seen but is no body."""
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, longest_texture: int) -> None:
-        self._pictures = PictureArrays(ctx)
+        self._pictures = PictureArrays(ctx, longest_texture)
         self._field = SpriteField(self._pictures)
         self._sprites = SpritePass(ctx, shaders)
         self._projectors = ProjectorField()

@@ -17,7 +17,7 @@ from mimics_app.rendering.visual.settings import Shading
 from mimics_app.rendering.visual.shader_library import ShaderLibrary, ShaderProgram
 from mimics_app.rendering.visual.techniques import SAFE, Choice, choose_technique, technique_chain
 from mimics_app.rendering.visual.texture_store import TextureStore
-from mimics_app.world.material import IDENTITY, MAPS, Material, TextureData
+from mimics_app.world.material import IDENTITY, MAPS, MISSING_PICTURE, Material, TextureData
 from mimics_app.world.technique import Profile, TechniqueSpec
 from mimics_app.world.technique_library import built_in_techniques
 from mimics_app.world.world import World
@@ -70,7 +70,7 @@ class MaterialStore:
         self._techniques: dict[str, TechniqueSpec] = dict(built_in_techniques())
         self._broken: dict[str, str] = {}
         self._textures = TextureStore(ctx, has.texture_size)
-        self._arrays = PictureArrays(ctx)
+        self._arrays = PictureArrays(ctx, has.texture_size)
         self._variant = _Variant()
         self._told: set[Issue] = set()
         self.issues: list[Issue] = []
@@ -225,6 +225,8 @@ class MaterialStore:
         for which, key in material.textures.items():
             if which not in pictures:
                 self._tell(f'material "{material.name}": no texture "{key}"; drawn without it')
+            elif pictures[which] is MISSING_PICTURE:
+                self._tell(f'material "{material.name}": no texture "{key}"; a checker is drawn in its place')
             elif not self._textures.fits(pictures[which]):
                 height, width = pictures[which].pixels.shape[:2]
                 most = self._has.texture_size
@@ -242,7 +244,11 @@ def _feature_of(which: str) -> str:
 
 
 def _pictures(material: Material, world: World) -> _Pictures:
-    return {which: world.textures[key] for which, key in material.textures.items() if key in world.textures}
+    """A material's pictures by map; where the one of its colours is not there, a checker that nobody overlooks."""
+    found = {which: world.textures[key] for which, key in material.textures.items() if key in world.textures}
+    if "base" in material.textures:
+        found.setdefault("base", MISSING_PICTURE)
+    return found
 
 
 def _same(was: tuple[Material, _Pictures], now: tuple[Material, _Pictures] | None) -> bool:

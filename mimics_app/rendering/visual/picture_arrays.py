@@ -12,7 +12,7 @@ from mimics_app.world.material import TextureData
 if TYPE_CHECKING:
     import moderngl
 
-__all__ = ["PictureArray", "PictureArrays", "encode_srgb", "set_sampling", "unfolded"]
+__all__ = ["PictureArray", "PictureArrays", "encode_srgb", "halved", "set_sampling", "shrunk", "unfolded"]
 
 F8 = NDArray[np.float64]
 _Kind = tuple[tuple[int, ...], tuple[str, str], str, bool]
@@ -21,8 +21,9 @@ _Kind = tuple[tuple[int, ...], tuple[str, str], str, bool]
 class PictureArray:
     """Pictures of one size that are sampled alike, each a layer; uploaded when it is used after a change."""
 
-    def __init__(self, ctx: moderngl.Context) -> None:
+    def __init__(self, ctx: moderngl.Context, longest: int) -> None:
         self._ctx = ctx
+        self._longest = longest
         self._layers: list[tuple[str, TextureData]] = []
         self._texture: moderngl.TextureArray | None = None
 
@@ -51,7 +52,7 @@ class PictureArray:
             self._texture = None
 
     def _upload(self) -> moderngl.TextureArray:
-        pixels = np.stack([_display_values(picture) for _, picture in self._layers])
+        pixels = np.stack([shrunk(_display_values(picture), self._longest) for _, picture in self._layers])
         layers, height, width = pixels.shape[:3]
         texture = self._ctx.texture_array((width, height, layers), 4, pixels.tobytes())
         set_sampling(texture, self._layers[0][1])
@@ -59,16 +60,22 @@ class PictureArray:
 
 
 class PictureArrays:
-    """Every array, by size and way of sampling. Pictures hold display values: nothing is decoded when they are read."""
+    """Every array, by size and way of sampling. Pictures hold display values: nothing is decoded when they are read.
 
-    def __init__(self, ctx: moderngl.Context) -> None:
+    Args:
+        ctx: Where they live.
+        longest: Longest side the driver takes [texels]; larger pictures are halved until they fit.
+    """
+
+    def __init__(self, ctx: moderngl.Context, longest: int) -> None:
         self._ctx = ctx
+        self._longest = longest
         self._arrays: dict[_Kind, PictureArray] = {}
 
     def place(self, name: str, picture: TextureData) -> tuple[PictureArray, int]:
         """The array and the layer of a picture."""
         kind = (picture.pixels.shape, picture.wrap, picture.filter, picture.srgb)
-        array = self._arrays.setdefault(kind, PictureArray(self._ctx))
+        array = self._arrays.setdefault(kind, PictureArray(self._ctx, self._longest))
         return array, array.place(name, picture)
 
     def release(self) -> None:
@@ -106,6 +113,21 @@ def set_sampling(texture: moderngl.Texture | moderngl.TextureArray, picture: Tex
         texture.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
     else:
         texture.filter = (moderngl.NEAREST,) * 2 if picture.filter == "nearest" else (moderngl.LINEAR,) * 2
+
+
+def shrunk(pixels: NDArray[np.uint8], longest: int) -> NDArray[np.uint8]:
+    """A picture halved until its longer side is at most `longest`, uint8 [height, width, 4]."""
+    while max(pixels.shape[:2]) > longest:
+        pixels = halved(pixels)
+    return pixels
+
+
+def halved(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """A picture of half the size, uint8 [ceil(h/2), ceil(w/2), 4]: the mean of two by two texels."""
+    height, width = pixels.shape[:2]
+    even = np.pad(pixels, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
+    blocks = even.reshape(even.shape[0] // 2, 2, even.shape[1] // 2, 2, 4)
+    return np.asarray(np.round(blocks.mean(axis=(1, 3), dtype=np.float32)), np.uint8)
 
 
 def _display_values(picture: TextureData) -> NDArray[np.uint8]:

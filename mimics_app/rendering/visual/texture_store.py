@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
-from mimics_app.rendering.visual.picture_arrays import set_sampling, unfolded
+from mimics_app.rendering.visual.picture_arrays import set_sampling, shrunk, unfolded
 from mimics_app.world.material import TextureData
 
 if TYPE_CHECKING:
     import moderngl
 
-__all__ = ["SRGB8_ALPHA8", "TextureStore", "halved"]
+__all__ = ["SRGB8_ALPHA8", "TextureStore"]
 
 SRGB8_ALPHA8 = 0x8C43
 """Internal format of pictures whose colours the sampler decodes."""
@@ -60,19 +57,9 @@ class TextureStore:
         self._known.clear()
 
     def _make(self, picture: TextureData, *, srgb: bool) -> moderngl.Texture:
-        pixels = unfolded(picture)
-        while max(pixels.shape[:2]) > self._longest:
-            pixels = halved(pixels)
+        pixels = shrunk(unfolded(picture), self._longest)
         height, width = pixels.shape[:2]
         inner = SRGB8_ALPHA8 if srgb else None
         texture = self._ctx.texture((width, height), 4, pixels.tobytes(), internal_format=inner)
         set_sampling(texture, picture)
         return texture
-
-
-def halved(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """A picture of half the size, uint8 [ceil(h/2), ceil(w/2), 4]: the mean of two by two texels."""
-    height, width = pixels.shape[:2]
-    even = np.pad(pixels, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
-    blocks = even.reshape(even.shape[0] // 2, 2, even.shape[1] // 2, 2, 4)
-    return np.asarray(np.round(blocks.mean(axis=(1, 3), dtype=np.float32)), np.uint8)

@@ -14,7 +14,8 @@ from mimics_app.rendering.visual.overlay.stage_times import FrameTimes
 __all__ = ["draw_frame_graph"]
 
 _WIDTH, _HEIGHT = 480.0, 120.0
-_MARGIN = 18.0
+_MARGIN, _BELOW = 18.0, 98.0
+"""From the right edge, and from the upper one: below the figures of a task."""
 _FRAMES = 240
 _PANEL: Colour = (0.05, 0.06, 0.08, 0.80)
 _INK: Colour = (0.96, 0.97, 0.98, 1.0)
@@ -36,12 +37,12 @@ _SUMMED = 30
 
 
 def draw_frame_graph(hud: Hud, frames: Sequence[FrameTimes]) -> None:
-    """Lay the graph into the upper right corner."""
+    """Lay the graph into the upper right, below the figures of a task."""
     known = list(frames)[:-1][-_FRAMES:]  # the last one is being drawn
     if not known:
         return
     stages = list(dict.fromkeys(name for frame in known for name in frame.cpu_ms))
-    x, top = hud.width - _MARGIN - _WIDTH - 28.0, CANVAS_HEIGHT - _MARGIN
+    x, top = hud.width - _MARGIN - _WIDTH - 28.0, CANVAS_HEIGHT - _BELOW
     height = _HEIGHT + 66.0 + 19.0 * len(stages)
     hud.box(x, top - height, _WIDTH + 28.0, height, _PANEL, radius=12.0)
     _write_head(hud, known, x + 14.0, top - 26.0)

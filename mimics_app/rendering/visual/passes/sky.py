@@ -8,7 +8,7 @@ import numpy as np
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.rendering.visual.lighting import Lighting
-from mimics_app.rendering.visual.picture_arrays import encode_srgb
+from mimics_app.rendering.visual.picture_arrays import encode_srgb, shrunk
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.shader_library import ShaderLibrary, ShaderProgram
 from mimics_app.rendering.visual.texture_store import SRGB8_ALPHA8, TextureStore
@@ -43,6 +43,7 @@ class SkyPass:
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, longest: int) -> None:
         self._ctx = ctx
         self._shaders = shaders
+        self._longest = longest
         self._textures = TextureStore(ctx, longest)
         self._shader = shaders.program("sky/sky.vert", "sky/sky.frag")
         self._made_for: tuple[ShaderProgram, int] | None = None
@@ -116,9 +117,10 @@ class SkyPass:
         if self._cube is not None:
             self._cube[1].release()
         # A cube's faces are laid out as seen from outside: the sides are mirrored, top and bottom turned over.
-        faces = [np.flip(each.pixels, 0 if number in (2, 3) else 1) for number, each in enumerate(pictures)]
+        turned = (np.flip(each.pixels, 0 if number in (2, 3) else 1) for number, each in enumerate(pictures))
+        faces = [shrunk(face, self._longest) for face in turned]
         data = b"".join(np.ascontiguousarray(face).tobytes() for face in faces)
-        size = (pictures[0].pixels.shape[1], pictures[0].pixels.shape[0])
+        size = (faces[0].shape[1], faces[0].shape[0])
         inner = SRGB8_ALPHA8 if pictures[0].srgb else None
         cube = self._ctx.texture_cube(size, 4, data, internal_format=inner)
         self._cube = (pictures, cube)
