@@ -27,7 +27,7 @@ class Window:
 
 @pytest.mark.parametrize("real_time", [True, False])
 def test_on_a_robot_of_its_own_time_the_mouse_only_stops(real_time: bool):
-    """An emulated robot's person follows the scene's aim although the mouse has a cursor; at a pointer the mouse leads."""
+    """An emulated robot's person follows the scene though the mouse has a cursor; at a pointer the mouse leads."""
     session: Any = SimpleNamespace(
         scene=load_checked_scene(root() / "scenes" / "pick_and_place.json"),
         scenario=SimpleNamespace(via_points_world=()),
