@@ -19,6 +19,7 @@ from mimics_app.app.catalogue import open_scenario
 from mimics_app.app.device_fit import device_values, fit_context
 from mimics_app.app.explain import describe_plan
 from mimics_app.app.haptic_side import HapticSide
+from mimics_app.app.person import simulated_person
 from mimics_app.app.plan import Plan, settle
 from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.app.session import Session
@@ -30,7 +31,6 @@ from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.contracts.stages import Learning
 from mimics_app.dsp.stage import NullDsp
 from mimics_app.estimation.stage import NullEstimation
-from mimics_app.inputs.interaction.simulated_patient import SimulatedPatient
 from mimics_app.inputs.stage import Inputs
 from mimics_app.learning.action_sequence import load_action_sequence
 from mimics_app.learning.stage import NullLearning
@@ -130,7 +130,7 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
             desk=desk,
             haptics=haptics,
             tasks=tasks,
-            inputs=Inputs([SimulatedPatient(intent=_intent(scene), follows_way=len(scenario.via_points_world) > 1)]),
+            inputs=Inputs([simulated_person(scene, scenario)]),
             dsp=NullDsp(),
             estimation=NullEstimation(),
             learning=learning,
@@ -151,11 +151,6 @@ def start_loop(session: Session) -> str:
         scheduler.lower_this_thread()
     session.recorder.journal("scheduler", {"recipe": granted.recipe})
     return granted.recipe
-
-
-def _intent(scene: Scene) -> bool:
-    patients = scene.components(Patient)
-    return patients[0][1].intent if patients else True
 
 
 def _learning(settings: RunSettings, spec: TaskSpec) -> Learning:

@@ -30,11 +30,20 @@ __all__ = [
     "Wire",
 ]
 
-NotNegative = Annotated[float, Meta(ge=0)]
-Positive = Annotated[float, Meta(gt=0)]
-Point = tuple[float, float, float]
+_MOST = 1e6
+"""Greatest size of a number whose unit gives no better bound: beyond it a tick of a contact has no digits left."""
+
+NotNegative = Annotated[float, Meta(ge=0, le=_MOST)]
+Positive = Annotated[float, Meta(gt=0, le=_MOST)]
+Coordinate = Annotated[float, Meta(ge=-1e3, le=1e3)]
+Point = tuple[Coordinate, Coordinate, Coordinate]
+Number = Annotated[float, Meta(ge=-_MOST, le=_MOST)]
+Vector = tuple[Number, Number, Number]
 Turn = tuple[float, float, float, float]
-Rows = tuple[Point, Point, Point]
+Row = tuple[float, float, float]
+Rows = tuple[Row, Row, Row]
+"""Without bounds, which msgspec 0.22 cannot free in a union with a number: `object_checks` looks at them."""
+
 Integrator = Literal["semi_implicit", "explicit", "exact_drag", "implicit_midpoint"]
 
 
@@ -65,7 +74,7 @@ class HapticObject(TouchSurface, frozen=True):
     centre: Annotated[
         Point | None, Meta(description="Of mass, in its own frame [m]; absent: of its shapes, filled")
     ] = None
-    gravity: Annotated[Point, Meta(description="[Gravity acceleration, m/s^2]")] = (0.0, 0.0, 0.0)
+    gravity: Annotated[Vector, Meta(description="[Gravity acceleration, m/s^2]")] = (0.0, 0.0, 0.0)
     initial_velocity: Annotated[Point, Meta(description="[Object initial velocity, m/s]")] = (0.0, 0.0, 0.0)
     initial_angular_velocity: Annotated[Point, Meta(description="[Initial omega of object, rad/s]")] = (0.0, 0.0, 0.0)
     environment_translation_damping: Annotated[
@@ -74,8 +83,8 @@ class HapticObject(TouchSurface, frozen=True):
     environment_rotation_damping: Annotated[NotNegative, Meta(description="[Environment rotation damping, N m s]")] = (
         0.0
     )
-    force_aux: Annotated[Point, Meta(description="Steady part of F_aux [N]; wires add to it")] = (0.0, 0.0, 0.0)
-    torque_aux: Annotated[Point, Meta(description="Steady part of T_aux [N m]; wires add to it")] = (0.0, 0.0, 0.0)
+    force_aux: Annotated[Vector, Meta(description="Steady part of F_aux [N]; wires add to it")] = (0.0, 0.0, 0.0)
+    torque_aux: Annotated[Vector, Meta(description="Steady part of T_aux [N m]; wires add to it")] = (0.0, 0.0, 0.0)
     integrator: Annotated[Integrator, Meta(description="How its translation is advanced")] = "semi_implicit"
     sleeps: Annotated[bool, Meta(description="May be left out of the work while nothing moves it")] = True
     grip: Annotated[bool, Meta(description="Fingers can hold it")] = False
@@ -146,7 +155,7 @@ class ForceField(_Acting, frozen=True, kw_only=True):
 
     function: Annotated[str, Meta(description="Its name: curl, saddle, well, or that of a plug-in's force field")]
     parameters: Annotated[
-        Annotated[tuple[float, ...], Meta(max_length=8)], Meta(description="Its numbers, as its own guide says")
+        Annotated[tuple[Number, ...], Meta(max_length=8)], Meta(description="Its numbers, as its own guide says")
     ] = ()
     within: Annotated[NotNegative, Meta(description="Acts only this near to its place [m]; 0: everywhere")] = 0.0
     largest_force: Annotated[NotNegative, Meta(description="[N]; 0: no bound")] = 0.0
@@ -203,7 +212,7 @@ class Wire(Component, frozen=True):
         float | Rows,
         Meta(description="A number, or a matrix by rows; single numbers travel as (x, 0, 0) and are taken from x"),
     ] = 1.0
-    offset: Annotated[Point, Meta(description="Added after the gain, in the input's unit")] = (0.0, 0.0, 0.0)
+    offset: Annotated[Vector, Meta(description="Added after the gain, in the input's unit")] = (0.0, 0.0, 0.0)
 
 
 @component("connections")

@@ -24,9 +24,12 @@ __all__ = [
     "Workspace",
 ]
 
-NotNegative = Annotated[float, Meta(ge=0)]
-Positive = Annotated[float, Meta(gt=0)]
-Point = tuple[float, float, float]
+_MOST = 1e6
+
+NotNegative = Annotated[float, Meta(ge=0, le=_MOST)]
+Positive = Annotated[float, Meta(gt=0, le=_MOST)]
+Number = Annotated[float, Meta(ge=-_MOST, le=_MOST)]
+Point = tuple[Number, Number, Number]
 Extent = tuple[Positive, Positive, Positive]
 
 

@@ -24,8 +24,10 @@ _LARGEST = 1e3
 _STIFFEST = 1e6
 
 Length = Annotated[float, Meta(gt=0, le=_LARGEST)]
-NotNegative = Annotated[float, Meta(ge=0)]
-Point = tuple[float, float, float]
+NotNegative = Annotated[float, Meta(ge=0, le=_STIFFEST)]
+Share = Annotated[float, Meta(ge=0, le=100)]
+Coordinate = Annotated[float, Meta(ge=-_LARGEST, le=_LARGEST)]
+Point = tuple[Coordinate, Coordinate, Coordinate]
 Turn = tuple[float, float, float, float]
 Law = Literal["spring_damper", "hunt_crossley"]
 
@@ -40,10 +42,10 @@ class TouchSurface(Component, frozen=True):
     damping: Annotated[
         NotNegative | None, Meta(description="[N s/m], Hunt-Crossley: a of (1 + a d') [s/m]; nowhere said: 5, or 1")
     ] = None
-    friction_static: Annotated[
-        NotNegative | None, Meta(description="Until it slides; nowhere said: as friction_dynamic")
-    ] = None
-    friction_dynamic: Annotated[NotNegative | None, Meta(description="While it slides; nowhere said: 0, smooth")] = None
+    friction_static: Annotated[Share | None, Meta(description="Until it slides; nowhere said: as friction_dynamic")] = (
+        None
+    )
+    friction_dynamic: Annotated[Share | None, Meta(description="While it slides; nowhere said: 0, smooth")] = None
     friction_stiffness: Annotated[
         NotNegative | None, Meta(description="Sideways, while it sticks [N/m]; nowhere said: as stiffness")
     ] = None
@@ -115,7 +117,7 @@ class CubeSolid(_Placed, frozen=True, kw_only=True, tag="cube", tag_field="shape
     """Box of any edges about its middle."""
 
     size: Annotated[tuple[Length, Length, Length], Meta(description="Edges along x, y, z [m]")]
-    rounding: Annotated[float, Meta(ge=0, description="Radius of its edges [m]; 0: sharp")] = 0.0
+    rounding: Annotated[float, Meta(ge=0, le=_LARGEST, description="Radius of its edges [m]; 0: sharp")] = 0.0
 
 
 class SphereSolid(_Placed, frozen=True, kw_only=True, tag="sphere", tag_field="shape"):
@@ -129,7 +131,7 @@ class CylinderSolid(_Placed, frozen=True, kw_only=True, tag="cylinder", tag_fiel
 
     radius: Annotated[Length, Meta(description="[m]")]
     length: Annotated[Length, Meta(description="From end to end [m]")]
-    rounding: Annotated[float, Meta(ge=0, description="Radius of its rims [m]; 0: sharp")] = 0.0
+    rounding: Annotated[float, Meta(ge=0, le=_LARGEST, description="Radius of its rims [m]; 0: sharp")] = 0.0
 
 
 class CapsuleSolid(_Placed, frozen=True, kw_only=True, tag="capsule", tag_field="shape"):

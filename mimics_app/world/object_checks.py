@@ -6,7 +6,10 @@ import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.haptic import MAX_PIECES
 from mimics_app.world import haptic_effects as effects
 from mimics_app.world.components_haptic import Tunnel
 from mimics_app.world.components_objects import (
@@ -21,7 +24,7 @@ from mimics_app.world.components_objects import (
 )
 from mimics_app.world.haptic_shapes import CubeSolid, CylinderSolid, MeshSolid, Solid, TouchSurface, surface_of
 from mimics_app.world.object_bodies import ObjectFault, mass_properties_of, shapes_of
-from mimics_app.world.placing import pose_of
+from mimics_app.world.placing import pose_of, stands_somewhere
 from mimics_app.world.registry import register_check
 from mimics_app.world.signals import SignalFault, parse_source, parse_target
 
@@ -30,10 +33,20 @@ if TYPE_CHECKING:
 
 __all__ = ["check_path"]
 
+_THINNEST = 1e-4
+"""Least width of what can be touched [m]."""
+
 Layer = tuple[TouchSurface, str]
 """What is said of a surface, and the pointer where it stands."""
 
+_GREATEST_GAIN = 1e6
+
+_CUBIC = 4
+"""Least number of control points."""
+
 _TURN_TOLERANCE = 1e-3
+_FARTHEST = 1e3
+"""Greatest distance from the middle of the world, or of an object, that is understood [m]."""
 
 
 def _check_object(thing: HapticObject, pointer: str, scene: Scene) -> list[Issue]:
@@ -61,10 +74,16 @@ def _check_object(thing: HapticObject, pointer: str, scene: Scene) -> list[Issue
 
 
 def _check_place(pointer: str, scene: Scene) -> list[Issue]:
+    """Faults of the place of an entity that has one; that it has none is told with its transform or parent."""
+    name = _owner(pointer, scene)
+    if not stands_somewhere(scene, name):
+        return []
     try:
-        pose_of(scene, _owner(pointer, scene))
+        place, _ = pose_of(scene, name)
     except SceneError as error:
         return error.issues
+    if np.abs(place).max() > _FARTHEST:
+        return [scene.issue(f"{scene.entity(name).pointer}/transform/translation", "is more than 1 km away")]
     return []
 
 
@@ -82,15 +101,22 @@ def _check_shape(shape: Solid, pointer: str, scene: Scene) -> list[Issue]:
     issues = _check_turn(shape.rotation, pointer, scene)
     if isinstance(shape, MeshSolid):
         issues += scene.check_model_reference(f"{pointer}/source", shape.source)
-    smallest = math.inf
-    if isinstance(shape, CubeSolid):
-        smallest = min(shape.size)
-    elif isinstance(shape, CylinderSolid):
-        smallest = min(2.0 * shape.radius, shape.length)
+    smallest = _thinnest(shape)
+    if smallest < _THINNEST:
+        issues.append(scene.issue(pointer, f"it is {smallest:g} m thin: a hand is through it within a tick"))
     if isinstance(shape, CubeSolid | CylinderSolid) and shape.rounding >= 0.5 * smallest:
         what = f"{shape.rounding:g} m leaves nothing of an edge of {smallest:g} m"
         issues.append(scene.issue(f"{pointer}/rounding", what, f"stay below {0.5 * smallest:g} m"))
     return issues
+
+
+def _thinnest(shape: Solid) -> float:
+    """Least width of a shape [m]; inf of a mesh."""
+    if isinstance(shape, CubeSolid):
+        return min(shape.size)
+    if isinstance(shape, CylinderSolid):
+        return min(2.0 * shape.radius, shape.length)
+    return math.inf if isinstance(shape, MeshSolid) else 2.0 * shape.radius
 
 
 def _check_surfaces(surfaces: Sequence[Sequence[Layer]], scene: Scene) -> list[Issue]:
@@ -173,6 +199,10 @@ def check_path(path: HapticPath, pointer: str, scene: Scene) -> list[Issue]:
     if (path.control_points is None) == (path.path_file is None):
         return [scene.issue(pointer, "needs either control_points or a path_file", "give exactly one of the two")]
     issues = [] if path.material is None else scene.check_material(f"{pointer}/material", path.material)
+    points = path.control_points
+    if points is not None and not _CUBIC <= len(points) <= MAX_PIECES + _CUBIC - 1:
+        what = f"{len(points)} control points; a cubic takes {_CUBIC} to {MAX_PIECES + _CUBIC - 1}"
+        issues.append(scene.issue(f"{pointer}/control_points", what))
     if path.path_file is not None:
         issues += scene.check_file(f"{pointer}/path_file", path.path_file)
     elif path.basis_functions is not None:
@@ -193,6 +223,8 @@ def _check_connections(connections: Connections, pointer: str, scene: Scene) -> 
     acting = [entity for kind in (HapticEffect, ForceField) for entity, _, _ in scene.components(kind)]
     issues = []
     for i, wire in enumerate(connections.wires):
+        if np.abs(wire.gain).max() > _GREATEST_GAIN:
+            issues.append(scene.issue(f"{pointer}/wires/{i}/gain", f"is beyond {_GREATEST_GAIN:g}"))
         ends: list[tuple[str, Callable[[], object]]] = [
             ("from", lambda text=wire.source: parse_source(text, objects)),  # type: ignore[misc]
             ("to", lambda text=wire.target: parse_target(text, objects, acting)),  # type: ignore[misc]

@@ -12,12 +12,25 @@ from mimics_app.world.scene import Scene, SceneEntity
 from mimics_app.world.scene_assets import ModelPart, find_in_model
 from mimics_app.world.scene_spec import TransformSpec
 
-__all__ = ["model_matrix", "pose_of", "world_matrix"]
+__all__ = ["model_matrix", "pose_of", "stands_somewhere", "world_matrix"]
 
 Array = NDArray[np.float64]
 Triple = tuple[float, float, float]
 
 _SCALE_TOLERANCE = 1e-6
+
+
+def stands_somewhere(scene: Scene, name: str) -> bool:
+    """Whether an entity has a place: its parents exist, none hangs on itself, and every rotation is one."""
+    by_id = {entity.id: entity for entity in scene.entities}
+    seen: set[str] = set()
+    step: str | None = name
+    while step is not None:
+        if step in seen or step not in by_id or not any(by_id[step].transform.rotation):
+            return False
+        seen.add(step)
+        step = by_id[step].parent
+    return True
 
 
 def pose_of(scene: Scene, name: str) -> tuple[Array, Array]:

@@ -72,6 +72,18 @@ def faulty(folder: Path, **component: object) -> list[str]:
         ),
         ("haptic_walls", {"size": [1, 1, 1], "left": {"texture_height": 0.01}}, "/left/texture_height", "45 degrees"),
         ("haptic_object", {"shapes": [CUBE], "stiffness": 0.0}, "/stiffness", "> 0"),
+        ("haptic_object", {"shapes": [{**CUBE, "size": [0.1, 1e-9, 0.1]}]}, "/shapes/0", "1e-09 m thin"),
+        ("haptic_object", {"shapes": [CUBE], "mass": 1e-300}, "/mass", "too light"),
+        ("haptic_object", {"shapes": [CUBE], "mass": 1e300}, "/mass", "<= 1000000"),
+        ("haptic_object", {"shapes": [CUBE], "gravity": [0, -1e300, 0]}, "/gravity/1", ">= -1000000"),
+        ("haptic_object", {"shapes": [CUBE], "damping": 1e300}, "/damping", "<= 1000000"),
+        ("haptic_object", {"shapes": [CUBE], "friction_dynamic": 1e300}, "/friction_dynamic", "<= 100"),
+        ("haptic_object", {"shapes": [CUBE], "environment_translation_damping": 1e5}, "/mass", "exact_drag"),
+        ("haptic_object", {"shapes": [CUBE], "environment_rotation_damping": 1e3}, "/mass", "least moment"),
+        ("haptic_object", {"shapes": [{**CUBE, "position": [1e300, 0, 0]}]}, "/shapes/0/position/0", "<= 1000"),
+        ("haptic_effect", {"effect": {"kind": "constant_force", "force": [1e308, 0, 0]}}, "/effect/force/0", "<="),
+        ("haptic_path", {"control_points": [[0, 0, 0], [1, 0, 0], [2, 0, 0]]}, "/control_points", "takes 4 to 99"),
+        ("haptic_walls", {"size": [1, 1, 1], "left": {"position": [1e300, 0, 0]}}, "/left/position/0", "<= 1000"),
         ("haptic_object", {"shapes": [{"shape": "mesh", "source": "rock"}]}, "/shapes/0/source", 'no asset "rock"'),
         ("haptic_object", {"shapes": [CUBE], "gravity": [0, 0]}, "/gravity", "length 3"),
         ("haptic_object", {"shapes": [CUBE], "integrator": "semi-implicit"}, "/integrator", "semi_implicit"),
@@ -131,6 +143,8 @@ def test_fault_is_told_where_it_stands(tmp_path, component, values, pointer, say
         ({"from": "time", "to": "ball_c.F_aux"}, "to", 'did you mean "ball_a"'),
         ({"from": "time", "to": "F_aux"}, "to", "OBJECT.F_aux"),
         ({"from": "time", "to": "ball_a.position"}, "to", "F_aux"),
+        ({"from": "p_rob", "to": "ball_a.F_aux", "gain": 1e300}, "gain", "beyond 1e+06"),
+        ({"from": "p_rob", "to": "ball_a.F_aux", "gain": [[1, 0, 0], [0, -1e7, 0], [0, 0, 1]]}, "gain", "1e+06"),
     ],
 )
 def test_wire_to_nowhere_is_told(tmp_path, wire, pointer, says):
@@ -182,6 +196,27 @@ def test_fifth_different_force_field_is_refused(tmp_path):
     assert [line.split(": ")[0] for line in told(tmp_path, *fields)] == [
         "scene.json#/entities/4/components/force_field/function"
     ]
+
+
+@pytest.mark.parametrize(
+    ("entities", "place", "says"),
+    [
+        ([at(0, 0, 0, BALL, rotation=[0, 0, 0, 0])], "0/transform/rotation", "length 0"),
+        ([{**BALL, "parent": "gone"}], "0/parent", 'no entity "gone"'),
+        ([{**BALL, "parent": "b"}, {"id": "b", "parent": "ball_a"}], "0/parent", "hangs on itself"),
+        ([at(1e300, 0, 0, BALL)], "0/transform/translation", "1 km"),
+    ],
+)
+def test_object_that_stands_nowhere_is_told_in_one_line(tmp_path, entities, place, says):
+    lines = told(tmp_path, *entities)
+    assert len(lines) == 1 and lines[0].startswith(f"scene.json#/entities/{place}: ") and says in lines[0]
+
+
+def test_two_objects_that_drive_each_other_are_right(tmp_path):
+    """A wire carries what its source was a tick ago, so that no loop of wires has to be solved."""
+    wires = [{"from": "a.v_obj", "to": "b.F_aux"}, {"from": "b.v_obj", "to": "a.F_aux"}]
+    pair = [thing(name, haptic_object={"shapes": [CUBE]}) for name in "ab"]
+    assert told(tmp_path, *pair, thing("w", connections={"wires": wires})) == []
 
 
 def test_a_fault_of_the_objects_own_surface_is_told_once_for_all_its_shapes(tmp_path):

@@ -76,6 +76,8 @@ def test_way_is_evenly_spaced_and_goes_a_little_beyond_the_end():
     assert np.allclose(np.linalg.norm(np.diff(way, axis=0), axis=1)[:120], step, rtol=1e-9)
     assert way[-1] == pytest.approx([0.1, 0.212, 0.0]) and np.all(way[0] == 0.0)
     assert lay_way(corners[:1])[0].shape == (0, 3)
+    assert lay_way(corners[[0, 0, 0]])[0].shape == (0, 3), "a way that leads nowhere"
+    assert np.array_equal(lay_way(np.repeat(corners, 2, axis=0))[0], way)
 
 
 def test_component_values_go_over_the_preset():

@@ -50,6 +50,7 @@ _LEVEL = 1e-6
 _FARTHEST = 16
 """So many of the corners farthest from the middle are tried alone."""
 _FREE = int(BodyFlag.TRANSLATION | BodyFlag.ROTATION)
+_PUSHED = int(BodyFlag.FORCE_ON_OBJECT)
 _HELD_FORCE = (ObjectIntegrator.EXACT_DRAG, ObjectIntegrator.IMPLICIT_MIDPOINT)
 
 
@@ -87,7 +88,9 @@ def check_bodies(rows: Rows, counts: Any, dt: float, meshes: MeshTable | None = 
         return faults
     for k, body in enumerate(bodies):
         if body["flags"] & _FREE:
-            faults += _check_contacts(k, bodies, shapes, table, dt)
+            touched = int(counts["points"]) > 0 and bool(body["flags"] & _PUSHED)
+            found = _check_drag(k, body, dt) or _check_contacts(k, bodies, shapes, table, dt)
+            faults += found or (_check_touch(k, body, shapes, table, dt) if touched else [])
     return faults
 
 
@@ -244,6 +247,34 @@ def _check_contacts(k: int, bodies: Any, shapes: Any, meshes: MeshTable, dt: flo
                 faults = [_too_light(k, int(i), float(body["mass"]), least, n, stiffness, damping, dt)]
             faults += _check_integrator(k, int(i), body, stiffness, damping, dt) if not faults else []
     return faults
+
+
+def _check_touch(k: int, body: Any, shapes: Any, meshes: MeshTable, dt: float) -> list[BodyFault]:
+    """A body that the hand pushes with the whole stiffness of its surface; the hand is as good as rigid."""
+    for i in np.flatnonzero((shapes["body"] == k) & (shapes["enabled"] != 0)):
+        stiffness, damping = _at_usual_depth(shapes[i])
+        rough = float(shapes[i]["friction_stiffness"]) or stiffness
+        tangential = rough / stiffness if shapes[i]["friction_static"] > 0.0 else 0.0
+        n = contact_modes(shapes[i], body, 1, tangential, _hull_of(shapes[i], meshes))
+        least = n * (dt * dt * stiffness + 2.0 * dt * damping) / 4.0
+        if least >= body["mass"]:
+            return [_too_light(k, int(i), float(body["mass"]), least, n, stiffness, damping, dt)]
+    return []
+
+
+def _check_drag(k: int, body: Any, dt: float) -> list[BodyFault]:
+    """The environment's drag must not turn a motion round within a tick: m > h b/2, and so each moment."""
+    if ObjectIntegrator(int(body["integrator"])) in _HELD_FORCE:
+        return []
+    moments = np.linalg.eigvalsh(np.asarray(body["inertia"]))
+    rest = [("mass", "kg", float(body["mass"]), float(body["damping_translation"]))] if body["flags"] & 1 else []
+    if body["flags"] & 2:
+        rest.append(("least moment", "kg m^2", float(moments[moments > 0.0].min()), float(body["damping_rotation"])))
+    for name, unit, inert, b in rest:
+        if 0.5 * dt * b >= inert:
+            what = f"its {name} of {inert:.4g} {unit} is below h b/2 = {0.5 * dt * b:.4g} of the environment's damping"
+            return [BodyFault(k, -1, what, "take the integrator exact_drag, or less damping")]
+    return []
 
 
 def _at_usual_depth(pair: Any) -> tuple[float, float]:

@@ -79,12 +79,13 @@ def lay_way(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
     """Equally spaced points along a way, led a little beyond its end.
 
     Args:
-        points: Corner points, shape [n, 3], [m]; fewer than two: no way.
+        points: Corner points, shape [n, 3], [m]; fewer than two different ones: no way.
 
     Returns:
         (points of shape [m, 3], m at most arm.MAX_WAY, distance between them along the way [m]).
     """
-    if points.shape[0] < 2:
+    points = points[np.append(True, np.any(np.diff(points, axis=0) != 0.0, axis=1))] if len(points) else points
+    if len(points) < 2:
         return np.zeros((0, 3)), 1.0
     last = points[-1] - points[-2]
     corners = np.vstack([points, points[-1] + _BEYOND_END * last / np.linalg.norm(last)])

@@ -1,0 +1,41 @@
+"""Who leads in a window: the mouse, or the person of a robot with a time of its own."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from mimics_app.app.person import person_inputs
+from mimics_app.app.scene_loading import load_checked_scene
+from mimics_app.contracts.messages import Aim
+from mimics_app.contracts.resources import root
+from mimics_app.contracts.window_input import GamepadState, InputEvent
+
+APPLE = (0.1, 0.2, 0.05)
+
+
+class Window:
+    """In which the mouse has been moved, and Space is down."""
+
+    gamepad = GamepadState()
+
+    def poll(self) -> list[InputEvent]:
+        return [InputEvent("move", x=0.5, y=0.5), InputEvent("key", "space", pressed=True)]
+
+
+@pytest.mark.parametrize("real_time", [True, False])
+def test_on_a_robot_of_its_own_time_the_mouse_only_stops(real_time: bool):
+    """An emulated robot's person follows the scene though the mouse has a cursor; at a pointer the mouse leads."""
+    session: Any = SimpleNamespace(
+        scene=load_checked_scene(root() / "scenes" / "pick_and_place.json"),
+        scenario=SimpleNamespace(via_points_world=()),
+        picture=SimpleNamespace(ray=lambda right, up: ((right, up, 2.0), (0.0, 0.0, -1.0)), surface=Window()),
+        haptics=SimpleNamespace(plugin=SimpleNamespace(real_time=real_time)),
+    )
+    inputs = person_inputs(session)
+    inputs.aim(Aim(APPLE, close=True))
+    pointer = inputs.poll(0).pointer
+    assert pointer is not None and pointer.active and pointer.stop
+    assert (pointer.target_world == APPLE and pointer.grasp == 1.0) == real_time
