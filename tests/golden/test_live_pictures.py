@@ -17,7 +17,7 @@ from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View, compose_clip_from_view, tilt_near_plane
 from mimics_app.world.live_pictures import InsetView, ScreenSurface, show_mirror, show_screen
-from mimics_app.world.primitives import box, plane
+from mimics_app.world.primitives import box, plane, sphere
 from mimics_app.world.world import World
 from tests.golden.drawing import draw_world
 from tests.golden.material_world import make_room
@@ -293,6 +293,49 @@ def test_a_screen_is_drawn_when_it_is_seen_and_as_often_as_it_asks():
     # Seen for the first time it is drawn at once; from then on in frames 3, 6, 9 of all.
     drawn = [count > min(counts) for count in counts]
     assert drawn == [True, False, False, True, False, False, True] or sum(drawn) == 3
+
+
+def test_pictures_come_and_go_with_what_shows_them():
+    """A mirror taken away is the plain sheet again; put back, it mirrors as before; nothing of the driver's is lost."""
+    world, view = make_mirrored_room(), eye_before_the_mirror()
+    node = world.find("mirror")
+    with create_surface("egl", SIZE) as surface:
+        renderer = Renderer(surface, world, PLAIN)
+
+        def picture() -> U1:
+            renderer.draw([view])
+            assert surface.ctx.error == "GL_NO_ERROR"
+            return read_pixels(surface)
+
+        mirrored = picture()
+        del world.mirrors["mirror"]
+        node.entity.set_material("default")
+        world.update()
+        assert not np.array_equal(picture(), mirrored)
+        show_mirror(node)
+        world.update()
+        assert np.array_equal(picture(), mirrored)
+        renderer.world = make_room()
+        picture()
+        renderer.world = world
+        assert np.array_equal(picture(), mirrored)
+        renderer.release()
+        assert surface.ctx.error == "GL_NO_ERROR"
+
+
+def test_a_mirror_that_is_not_flat_is_told_once_and_shows_the_sky():
+    world = make_mirrored_room()
+    world.replace_mesh("mirror", sphere(0.4, 16))
+    with create_surface("egl", SIZE) as surface:
+        renderer = Renderer(surface, world, PLAIN)
+        for _ in range(2):
+            renderer.draw([eye_before_the_mirror()])
+        told = [str(issue) for issue in renderer.take_issues()]
+        renderer.draw([eye_before_the_mirror()])
+        assert renderer.take_issues() == []
+        renderer.release()
+    assert len(told) == 1
+    assert "not flat" in told[0]
 
 
 def test_pictures_in_pictures_are_the_same_under_osmesa():
