@@ -309,6 +309,7 @@ def test_pictures_come_and_go_with_what_shows_them():
 
         mirrored = picture()
         del world.mirrors["mirror"]
+        assert not np.array_equal(picture(), mirrored), "it still wears the picture's place, which has none any more"
         node.entity.set_material("default")
         world.update()
         assert not np.array_equal(picture(), mirrored)
