@@ -36,6 +36,12 @@ def test_a_draft_has_none_of_it(tmp_path):
     assert (draft.msaa, draft.fxaa, draft.bloom, draft.ambient_occlusion) == (0, False, 0.0, 0.0)
 
 
+def test_exposure_and_tone_map_are_the_scene_s_in_every_profile(tmp_path):
+    for profile in ("draft", "training", "study"):
+        quality = of(tmp_path, profile, exposure=2.5, tone_map="none")
+        assert (quality.exposure, quality.tone_map) == (2.5, "none")
+
+
 @pytest.mark.parametrize(
     ("name", "value", "says"),
     [("anti_aliasing", "smaa", "samples"), ("bloom", 1.5, "<= 1"), ("ambient_radius", 0, "> 0")],
