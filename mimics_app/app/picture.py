@@ -57,6 +57,8 @@ def picture_quality(scene: Scene, profile: Profile) -> RenderSettings:
         bloom=0.0 if draft else visual.bloom,
         ambient_occlusion=0.0 if draft else visual.ambient_occlusion,
         ambient_radius=visual.ambient_radius,
+        exposure=visual.exposure,
+        tone_map=visual.tone_map,
         shadow_size=min(512, visual.shadow_size) if draft else visual.shadow_size,
         shadows=visual.shadows,
         shadow_distance=visual.shadow_distance,

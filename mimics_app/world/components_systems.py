@@ -28,6 +28,13 @@ class VisualSettings(Component, frozen=True):
         Meta(description="Smooth edges: several `samples` a pixel, a filter of the finished picture, or both"),
     ] = "samples"
     samples: Annotated[Literal[0, 2, 4, 8], Meta(description="Of multisample anti-aliasing; 0: none")] = 4
+    exposure: Annotated[float, Meta(gt=0, le=64, description="Factor on all light before the tone map")] = 1.0
+    tone_map: Annotated[
+        Literal["neutral", "none"],
+        Meta(
+            description="neutral: base colours stay what they are, what dazzles keeps its hue; none: cut off at white"
+        ),
+    ] = "neutral"
     ambient_occlusion: Annotated[
         float, Meta(ge=0, le=4, description="How much near surfaces take off each other's light from the sky; 0: none")
     ] = 0.0

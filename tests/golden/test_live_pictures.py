@@ -17,7 +17,7 @@ from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View, compose_clip_from_view, tilt_near_plane
 from mimics_app.world.live_pictures import InsetView, ScreenSurface, show_mirror, show_screen
-from mimics_app.world.primitives import box, plane
+from mimics_app.world.primitives import box, plane, sphere
 from mimics_app.world.world import World
 from tests.golden.drawing import draw_world
 from tests.golden.material_world import make_room
@@ -235,6 +235,24 @@ def test_an_inset_is_sharp_over_a_picture_drawn_smaller():
     assert np.array_equal(full, half)
 
 
+def test_two_eyes_see_an_inset_at_the_depth_of_the_figures():
+    """Eyes 64 mm apart, figures 0.8 m away: it lies 0.064 / 0.8 of a tangent farther left for the right eye."""
+    world = make_room()
+    add_second_camera(world)
+    half = (SIZE[0] // 2, SIZE[1])
+    pose = desktop_views(world.cameras[0], half)[0].world_from_eye
+    views = []
+    for k, side in enumerate((-0.032, 0.032)):
+        eye = pose.copy()
+        eye[:3, 3] += side * pose[:3, 0]
+        views.append(View(eye, (-0.4, 0.4, -0.45, 0.45), (k * half[0], 0, *half)))
+    world.insets["second"] = InsetView("second", (0.3, 0.5, 0.4, 0.3), border=20.0)
+    picture = draw(world, views, replace(PLAIN, hud_depth=0.8))
+    row = picture[SIZE[1] - round(0.65 * SIZE[1])].max(axis=-1) < 25
+    left, right = (int(np.argmax(row[k * half[0] : (k + 1) * half[0]])) for k in range(2))
+    assert left - right == pytest.approx(0.064 / 0.8 / 0.8 * half[0], abs=1.0)
+
+
 def make_screen_room(shines: bool = True, every: int = 1) -> World:
     world = make_room()
     add_second_camera(world)
@@ -293,6 +311,50 @@ def test_a_screen_is_drawn_when_it_is_seen_and_as_often_as_it_asks():
     # Seen for the first time it is drawn at once; from then on in frames 3, 6, 9 of all.
     drawn = [count > min(counts) for count in counts]
     assert drawn == [True, False, False, True, False, False, True] or sum(drawn) == 3
+
+
+def test_pictures_come_and_go_with_what_shows_them():
+    """A mirror taken away is the plain sheet again; put back, it mirrors as before; nothing of the driver's is lost."""
+    world, view = make_mirrored_room(), eye_before_the_mirror()
+    node = world.find("mirror")
+    with create_surface("egl", SIZE) as surface:
+        renderer = Renderer(surface, world, PLAIN)
+
+        def picture() -> U1:
+            renderer.draw([view])
+            assert surface.ctx.error == "GL_NO_ERROR"
+            return read_pixels(surface)
+
+        mirrored = picture()
+        del world.mirrors["mirror"]
+        assert not np.array_equal(picture(), mirrored), "it still wears the picture's place, which has none any more"
+        node.entity.set_material("default")
+        world.update()
+        assert not np.array_equal(picture(), mirrored)
+        show_mirror(node)
+        world.update()
+        assert np.array_equal(picture(), mirrored)
+        renderer.world = make_room()
+        picture()
+        renderer.world = world
+        assert np.array_equal(picture(), mirrored)
+        renderer.release()
+        assert surface.ctx.error == "GL_NO_ERROR"
+
+
+def test_a_mirror_that_is_not_flat_is_told_once_and_shows_the_sky():
+    world = make_mirrored_room()
+    world.replace_mesh("mirror", sphere(0.4, 16))
+    with create_surface("egl", SIZE) as surface:
+        renderer = Renderer(surface, world, PLAIN)
+        for _ in range(2):
+            renderer.draw([eye_before_the_mirror()])
+        told = [str(issue) for issue in renderer.take_issues()]
+        renderer.draw([eye_before_the_mirror()])
+        assert renderer.take_issues() == []
+        renderer.release()
+    assert len(told) == 1
+    assert "not flat" in told[0]
 
 
 def test_pictures_in_pictures_are_the_same_under_osmesa():

@@ -83,7 +83,7 @@ def edge_error(angle: float, settings: RenderSettings) -> float:
     return float(np.sqrt(np.mean((shown - wanted)[cut] ** 2)))
 
 
-@pytest.mark.parametrize("angle", [0.05, 0.12, 0.3, 1.2, 1.52])
+@pytest.mark.parametrize("angle", [0.05, 0.3, 1.52])
 def test_the_filter_halves_the_error_of_edges(angle):
     """Without it a cut pixel is all or nothing: coverage spread evenly gives sqrt(1/12) = 0.289, less where aslant."""
     bare, filtered = edge_error(angle, PLAIN), edge_error(angle, replace(PLAIN, fxaa=True))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mimics_app.rendering.visual.draw_buffer import DrawBuffer
 from mimics_app.rendering.visual.mirror_views import Reflection
@@ -87,12 +88,13 @@ class MirrorPicture(LivePicture):
 
     def __init__(self, ctx: moderngl.Context) -> None:
         super().__init__(ctx, decoded=False)
-        self._block = ctx.buffer(np.zeros(8, np.float32).tobytes())
+        self._block: moderngl.Buffer | None = None
         self._of_view: dict[int, DrawBuffer] = {}
 
     def use(self, binding: int) -> None:
         super().use(binding)
-        self._block.bind_to_uniform_block(_BLOCK_BINDING)
+        block = self._block or self._write(np.zeros(8, np.float32))
+        block.bind_to_uniform_block(_BLOCK_BINDING)
 
     def begin_view(self, view: int, size: Size, samples: int) -> DrawBuffer:
         """The buffer to draw what the mirror shows in a view into.
@@ -132,13 +134,22 @@ class MirrorPicture(LivePicture):
             # Turned over: the right edge of the mirror is the left one of what was drawn.
             block[0] = (-across, along, (corner[0] + x + width) * across, -(corner[1] + y) * along)
             block[1, :2] = wide, high
-        self._block.orphan()
-        self._block.write(block.tobytes())
+        self._write(block)
 
     def release(self) -> None:
+        """Free textures and block; a surface that still wears it shows the sky."""
         self._shown = None
         for buffer in self._of_view.values():
             buffer.release()
         self._of_view.clear()
-        self._block.release()
+        if self._block is not None:
+            self._block.release()
+            self._block = None
         super().release()
+
+    def _write(self, block: NDArray[np.float32]) -> moderngl.Buffer:
+        if self._block is None:
+            self._block = self._ctx.buffer(reserve=block.nbytes)
+        self._block.orphan()
+        self._block.write(block.tobytes())
+        return self._block

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -60,13 +61,16 @@ class PictureStage:
         self._told: set[str] = set()
 
     def update(self, world: World) -> None:
-        """Have a picture ready for each mirror, screen and inset of the world."""
-        for name in world.mirrors:
-            self.pictures.setdefault(live_key(name), MirrorPicture(self._ctx))
-        for name in world.screens:
-            self.pictures.setdefault(live_key(name), LivePicture(self._ctx))
-        for name in world.insets:
-            self.pictures.setdefault(_inset_key(name), LivePicture(self._ctx, decoded=False))
+        """Have a picture ready for each mirror, screen and inset of the world, and no others."""
+        wanted: dict[str, Callable[[moderngl.Context], LivePicture]] = {}
+        wanted |= dict.fromkeys(map(live_key, world.mirrors), MirrorPicture)
+        wanted |= dict.fromkeys(map(live_key, world.screens), LivePicture)
+        wanted |= dict.fromkeys(map(_inset_key, world.insets), partial(LivePicture, decoded=False))
+        for key in [key for key in self.pictures if key not in wanted]:
+            self.pictures.pop(key).release()
+        for key, make in wanted.items():
+            if key not in self.pictures:
+                self.pictures[key] = make(self._ctx)
 
     def queue(self, world: World, drawn: Sequence[ViewDraws], batch: Batch, resolution: float) -> list[ViewDraws]:
         """Choose the pictures of a frame and queue what is seen in them.
