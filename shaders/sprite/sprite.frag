@@ -15,15 +15,15 @@ layout(binding = 0) uniform sampler2DArray pictures;    // display values
 
 in vec3 position_eye;
 in vec2 corner;
-flat in vec3 right;
-flat in vec3 up;
 flat in vec4 sprite_tint;
 flat in vec4 sprite_style;
 out vec4 colour;
 
 #ifdef LIT
-// Rounded like a ball, as far as the sprite's roundness goes.
+// Rounded like a ball, as far as the sprite's roundness goes. Its axes are how the position changes from corner to corner.
 vec3 sprite_normal(vec3 view) {
+    mat2x3 axes = mat2x3(dFdx(position_eye), dFdy(position_eye)) * inverse(mat2(dFdx(corner), dFdy(corner)));
+    vec3 right = normalize(axes[0]), up = normalize(axes[1]);
     vec3 flat_normal = cross(right, up);
     flat_normal *= dot(flat_normal, view) < 0.0 ? -1.0 : 1.0;
     vec3 ball = corner.x * right + corner.y * up + sqrt(max(1.0 - dot(corner, corner), 0.0)) * flat_normal;

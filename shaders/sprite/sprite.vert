@@ -1,25 +1,19 @@
-// A picture in space, one instance each; its corners come from rendering/visual/kernels/sprites.py.
+// A corner of a picture in space; worked out in rendering/visual/kernels/sprites.py, four a sprite.
 #include "common/view.glsl"
 
-in vec3 middle;                 // eye frame [m]
-in vec3 across;                 // half the width
-in vec3 along;                  // half the height
+in vec3 position;               // eye frame [m]
 in vec4 tint;                   // linear RGBA
-in vec4 style;                  // layer, opacity (1: covers, 0: adds light), roundness, cutoff
+in uvec4 style;                 // layer; opacity (covers, or adds light), roundness and cutoff as shares of 65535
 
 out vec3 position_eye;
 out vec2 corner;
-flat out vec3 right;
-flat out vec3 up;
 flat out vec4 sprite_tint;
 flat out vec4 sprite_style;
 
 void main() {
-    corner = 2.0 * vec2(gl_VertexID & 1, gl_VertexID >> 1) - 1.0;
-    position_eye = middle + corner.x * across + corner.y * along;
-    right = normalize(across);
-    up = normalize(along);
+    corner = 2.0 * vec2(gl_VertexID & 1, (gl_VertexID >> 1) & 1) - 1.0;
+    position_eye = position;
     sprite_tint = tint;
-    sprite_style = style;
-    gl_Position = clip_from_eye * vec4(position_eye, 1.0);
+    sprite_style = vec4(style) / vec4(1.0, 65535.0, 65535.0, 65535.0);
+    gl_Position = clip_from_eye * vec4(position, 1.0);
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -203,26 +204,34 @@ def test_each_eye_sees_it_as_if_alone():
 
 
 @pytest.mark.parametrize(
-    "shadows", ["texture_additive", "texture_modulative", "stencil_additive", "stencil_modulative"]
+    ("shadows", "ambient"),
+    [
+        ("texture_additive", 0.0),
+        ("texture_additive", 1.0),
+        ("texture_modulative", 0.0),
+        ("stencil_additive", 0.0),
+        ("stencil_additive", 1.0),
+        ("stencil_modulative", 0.0),
+    ],
 )
-def test_paint_lies_in_the_shadow_as_the_floor_does(shadows):
-    """Paint of the floor's own albedo cannot be seen, lit or in shadow, whatever makes the shadow."""
+def test_paint_is_lit_as_the_floor_is(shadows, ambient):
+    """Paint of the floor's own albedo cannot be seen: lit or in shadow, in corners, whatever makes the shadow."""
     world = make_world()
-    world.root.create_child("block", (0.0, 0.5, 0.0)).create_entity("block", "floor")
+    world.root.create_child("block", (0.0, 0.2, 0.0)).create_entity("block", "floor")
     sun = world.root.create_child("sun", (3.0, 4.0, 0.0))
     sun.look_at((0.0, 0.0, 0.0), (0.0, 0.0, -1.0))
     sun.create_light("directional", intensity=0.6, casts_shadow=1)
     world.update()
     throw(world, size=(3.0, 3.0), depth=0.2, colour=(ALBEDO, ALBEDO, ALBEDO, 1.0), onto=("floor",))
-    settings = RenderSettings(
-        msaa=0, shadow_size=512, shadow_reach=9.0, shadows=shadows, tone_map="none", fog_density=0.0
-    )
-    views = [from_above()]
-    painted = draw_offscreen(world, views, SIZE, settings).astype(int)
+    settings = replace(PLAIN, shadow_size=512, shadow_reach=9.0, shadows=shadows, ambient_occlusion=ambient)
+    aslant = View(compose_look_at((0.0, 1.0, 1.5), (0.0, 0.1, 0.0)), (-0.5, 0.5, -0.5, 0.5), (0, 0, *SIZE))
+    # What the test has to see: what darkens corners, else the shadow.
+    without = replace(settings, ambient_occlusion=0.0) if ambient else replace(settings, shadow_size=0)
+    painted = draw_offscreen(world, [aslant], SIZE, settings).astype(int)
     world.effects.remove(list(world.effects.projectors))
-    bare = draw_offscreen(world, views, SIZE, settings).astype(int)
-    assert len(np.unique(bare[..., 0])) > 1
+    bare, plain = (draw_offscreen(world, [aslant], SIZE, each).astype(int) for each in (settings, without))
     assert np.abs(painted - bare).max() <= 1
+    assert (np.abs(bare - plain).max(axis=-1) > 2).sum() > 200
 
 
 @pytest.mark.parametrize(

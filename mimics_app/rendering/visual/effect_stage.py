@@ -40,7 +40,6 @@ class EffectStage:
         self._projectors = ProjectorField()
         self._throwing = ProjectorPass(ctx, shaders, longest_texture)
         self._lights: frozenset[str] = frozenset()
-        self._runs: list[SpriteRun] = []
 
     def prepare(self, world: World, lights: frozenset[str]) -> None:
         """Take over the world's effects as they are at its time.
@@ -50,15 +49,12 @@ class EffectStage:
             lights: Features of shaders that the frame's light needs.
         """
         self._lights = lights
-        self._runs = []
         self._field.update(world)
         self._projectors.update(world)
 
     def mix(self, view: View, surfaces: Sequence[DrawRun], away: F8) -> list[DrawRun | SpriteRun]:
         """Queue the sprites of a view among its blended surfaces, see `SpriteField.batch`."""
-        mixed = self._field.batch(view, surfaces, away)
-        self._runs += [run for run in mixed if isinstance(run, SpriteRun)]
-        return mixed
+        return self._field.batch(view, surfaces, away)
 
     def meet(self, view: View, listed: DrawList, frame: FrameBuffers) -> list[BeamRuns]:
         """Queue the opaque surfaces that projectors meet, of the view that was batched last."""
@@ -72,7 +68,7 @@ class EffectStage:
 
     def upload(self) -> None:
         """Send the sprites of all views to the GPU."""
-        self._sprites.upload(self._field.instances[: self._field.instance_count], self._runs)
+        self._sprites.upload(self._field.corners[: self._field.count])
 
     def throw(
         self,

@@ -266,7 +266,7 @@ class Renderer:
         self._list.update(self.world, settings, light_features=asked, fates=fates)
         self._frame.begin()
         self._shadows.prepare(lighting, views, self._list, self._frame, settings)
-        effects, plan = self._prepare_effects(lights), self._shadows.plan
+        effects, plan = self._prepare_effects(asked), self._shadows.plan
         return FrameScene(self.world, self._list.items, lighting, plan, settings, self._ambient, effects)
 
     def _prepare_effects(self, lights: frozenset[str]) -> EffectStage | None:

@@ -14,7 +14,7 @@ from mimics_app.rendering.visual.emitters import Emitter, SpriteRows
 from mimics_app.rendering.visual.frame_buffers import DrawRun
 from mimics_app.rendering.visual.kernels.order import sort_by_key
 from mimics_app.rendering.visual.kernels.particles import SPRITE
-from mimics_app.rendering.visual.kernels.sprites import SPRITE_FLOATS, see_sprites, write_sprites
+from mimics_app.rendering.visual.kernels.sprites import SPRITE_VERTEX, see_sprites, write_sprites
 from mimics_app.rendering.visual.picture_arrays import PictureArray, PictureArrays
 from mimics_app.rendering.visual.view import View, compute_frustum_planes
 from mimics_app.world.components_effects import Billboard, Particles, SpriteShape
@@ -49,7 +49,7 @@ class SpriteState:
 
 @dataclass(frozen=True, slots=True)
 class SpriteRun:
-    """Sprites drawn by one call: numbers of the first one's row and of rows, and their state."""
+    """Sprites drawn by one call: number of the first one, how many, and their state."""
 
     state: SpriteState
     first: int
@@ -65,8 +65,8 @@ class SpriteField:
     """Every sprite of a world.
 
     Attributes:
-        instances: What the shader reads of all views, float32 [>= instance_count, SPRITE_FLOATS].
-        instance_count: Rows in use since the last update.
+        corners: What the shader reads of all views, SPRITE_VERTEX [>= count, 4].
+        count: Sprites written to it since the last update.
         issues: Pictures that are missing, each told once; take them out when they were told.
     """
 
@@ -81,14 +81,14 @@ class SpriteField:
         self._told: set[Issue] = set()
         self._scratch(0)
         self._axes = np.zeros((2, 3))
-        self.instances = np.zeros((256, SPRITE_FLOATS), np.float32)
-        self.instance_count = 0
+        self.corners = np.zeros((256, 4), SPRITE_VERTEX)
+        self.count = 0
         self.issues: list[Issue] = []
 
     def update(self, world: World) -> None:
         """Take over the world's effects and where they are at its time."""
         effects = world.effects
-        self.instance_count = self._rows.count = 0
+        self.count = self._rows.count = 0
         wanted = (id(world), effects.revision, effects.seed)
         changed = any(world.textures.get(key) is not picture for key, picture in self._pictures.items())
         if wanted != self._made_for or changed:
@@ -117,11 +117,11 @@ class SpriteField:
         rows, eye = self._rows, np.ascontiguousarray(view.eye_world)
         solid, blended = self._pick(view, eye)
         order = self._order
-        self.instances = grown(self.instances, self.instance_count + solid + blended)
-        first = self.instance_count
+        self.corners = grown(self.corners, self.count + solid + blended)
+        first = self.count
         right = np.ascontiguousarray(view.world_from_eye[:3, 0])
-        write_sprites(rows.rows, order, solid + blended, first, eye, right, self._axes, self.instances)
-        self.instance_count += solid + blended
+        write_sprites(rows.rows, order, solid + blended, first, eye, right, self._axes, self.corners)
+        self.count += solid + blended
         runs: list[DrawRun | SpriteRun] = [*self._runs(first, 0, solid)]
         cuts = np.searchsorted(-self._away[:blended], -away) + solid
         done = solid
@@ -150,7 +150,7 @@ class SpriteField:
         sort_by_key(self._keys, numbers, count, self._spare_keys, self._spare, self._digits)
 
     def _runs(self, first: int, begin: int, end: int) -> Iterator[SpriteRun]:
-        """Stretches of equal state in `_order[begin:end]`; row `first` of the instances is `_order[0]`."""
+        """Stretches of equal state in `_order[begin:end]`; sprite `first` of the frame is `_order[0]`."""
         if begin >= end:
             return
         states = self._rows.rows["state"][self._order[begin:end]]

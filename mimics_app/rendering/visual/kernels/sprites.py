@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["SPRITE_FLOATS", "see_sprites", "write_sprites"]
+__all__ = ["SPRITE_VERTEX", "see_sprites", "write_sprites"]
 
 F4 = NDArray[np.float32]
 F8 = NDArray[np.float64]
@@ -19,8 +19,16 @@ U1 = NDArray[np.uint8]
 U8 = NDArray[np.uint64]
 Records = NDArray[Any]
 
-SPRITE_FLOATS = 17
-"""Of one sprite as the shader reads it: middle, half width and half height as vectors, tint, style."""
+SPRITE_VERTEX = np.dtype(
+    [
+        ("position", "f4", (3,)),  # eye frame [m]
+        ("tint", "f4", (4,)),  # linear RGBA
+        ("style", "u2", (4,)),  # layer; opacity, roundness and cutoff as shares of 65535
+    ]
+)
+"""One corner as the shader reads it; four a sprite: lower left, lower right, upper left, upper right."""
+
+_WHOLE = 65535.0
 
 _FREE, _UPRIGHT, _OWN = 0, 1, 2
 _STEEPEST = 1e-4
@@ -99,9 +107,9 @@ def _turned_axes(q: F4, out: F8) -> None:
 
 @kernel
 def write_sprites(
-    sprites: Records, order: I4, count: int, first: int, eye: F8, right_of_eye: F8, axes: F8, out: F4
+    sprites: Records, order: I4, count: int, first: int, eye: F8, right_of_eye: F8, axes: F8, out: Records
 ) -> None:
-    """Write sprites as the shader reads them, relative to the eye, subtracted in float64.
+    """Write the corners of sprites as the shader reads them, relative to the eye, subtracted in float64.
 
     Args:
         sprites: SPRITE.
@@ -111,7 +119,7 @@ def write_sprites(
         eye: World [m], [3].
         right_of_eye: Unit, world, [3]: right of what is seen from straight above.
         axes: Scratch, [2, 3].
-        out: [>= first + count, SPRITE_FLOATS].
+        out: SPRITE_VERTEX, [>= first + count, 4].
     """
     for i in range(count):
         n = order[i]
@@ -124,9 +132,19 @@ def write_sprites(
             _axes_before_eye(place, eye, right_of_eye, facing == _UPRIGHT, axes)
             c, s = float(turn[0]), float(turn[1])
         wide, high = float(sprites[n]["half"][0]), float(sprites[n]["half"][1])
+        lift = float(sprites[n]["lift"])
         for k in range(3):
-            across, along = axes[0, k] * c + axes[1, k] * s, axes[1, k] * c - axes[0, k] * s
-            out[first + i, k] = place[k] - eye[k] + sprites[n]["lift"] * high * along
-            out[first + i, 3 + k], out[first + i, 6 + k] = wide * across, high * along
-        for k in range(4):
-            out[first + i, 9 + k], out[first + i, 13 + k] = sprites[n]["tint"][k], sprites[n]["style"][k]
+            across, along = wide * (axes[0, k] * c + axes[1, k] * s), high * (axes[1, k] * c - axes[0, k] * s)
+            middle = place[k] - eye[k] + lift * along
+            out[first + i, 0]["position"][k] = middle - across - along
+            out[first + i, 1]["position"][k] = middle + across - along
+            out[first + i, 2]["position"][k] = middle - across + along
+            out[first + i, 3]["position"][k] = middle + across + along
+        style = sprites[n]["style"]
+        for corner in range(4):
+            vertex = out[first + i, corner]
+            for k in range(4):
+                vertex["tint"][k] = sprites[n]["tint"][k]
+            vertex["style"][0] = np.uint16(style[0])
+            for k in range(1, 4):
+                vertex["style"][k] = np.uint16(style[k] * _WHOLE + 0.5)

@@ -1,4 +1,4 @@
-"""Draws sprites: one instance each, in the runs a view was cut into."""
+"""Draws sprites in the runs a view was cut into."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.rendering.visual.kernels.sprites import SPRITE_FLOATS
+from mimics_app.rendering.visual.kernels.sprites import SPRITE_VERTEX
 from mimics_app.rendering.visual.shader_library import ShaderLibrary, ShaderProgram
 from mimics_app.rendering.visual.sprites import SpriteRun, SpriteState
 
@@ -16,58 +16,46 @@ if TYPE_CHECKING:
 
 __all__ = ["SpritePass"]
 
-_LAYOUT = "3f 3f 3f 4f 4f /i"
-_NAMES = ("middle", "across", "along", "tint", "style")
+_FORMATS = {"position": "3f4", "tint": "4f4", "style": "4u2"}
+"""Of the fields of SPRITE_VERTEX, in their order, as moderngl writes them."""
+
+_TWO_TRIANGLES = np.array([0, 1, 2, 2, 1, 3], np.uint32)
+_INDICES = len(_TWO_TRIANGLES)
 _BINDING = 0
-_CORNERS = 4
-_COMMAND = np.dtype(
-    [("vertices", "u4"), ("instances", "u4"), ("first", "u4"), ("base_instance", "u4"), ("unused", "u4")]
-)
-"""As glMultiDrawArraysIndirect reads it, in steps of 20 bytes, which moderngl takes for draws without indices too."""
 
 
 class SpritePass:
-    """Buffers and shaders of sprites; nothing is made before the first sprite is seen."""
+    """Buffers and shaders of sprites; nothing is made before the first sprite is seen.
+
+    Corners are worked out on the processor: drivers that draw there need half the time for them of what they need for
+    as many instances.
+    """
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
         self._ctx = ctx
         self._shaders = shaders
-        self._rows: moderngl.Buffer | None = None
-        self._commands: moderngl.Buffer | None = None
+        self._corners: moderngl.Buffer | None = None
+        self._indices: moderngl.Buffer | None = None
         self._arrays: dict[ShaderProgram, tuple[int, moderngl.VertexArray]] = {}
-        self._places: dict[SpriteRun, int] = {}
 
-    def upload(self, instances: NDArray[np.float32], runs: list[SpriteRun]) -> None:
-        """Send the sprites of a frame to the GPU.
-
-        Args:
-            instances: Of all views, float32 [n, SPRITE_FLOATS], contiguous.
-            runs: Of all views.
-        """
-        if not runs:
+    def upload(self, corners: NDArray[np.void]) -> None:
+        """Send the sprites of a frame to the GPU: SPRITE_VERTEX [n, 4], contiguous, of all views."""
+        if not len(corners):
             return
-        commands = np.zeros(len(runs), _COMMAND)
-        commands["vertices"] = _CORNERS
-        commands["instances"] = [run.count for run in runs]
-        commands["base_instance"] = [run.first for run in runs]
-        self._places = {run: number for number, run in enumerate(runs)}
-        if self._rows is None or self._rows.size < instances.nbytes:
+        if self._corners is None or self._corners.size < corners.nbytes:
             self.release()
-            self._rows = self._ctx.buffer(reserve=2 * instances.nbytes)
-        if self._commands is None or self._commands.size < commands.nbytes:
-            if self._commands is not None:
-                self._commands.release()
-            self._commands = self._ctx.buffer(reserve=2 * commands.nbytes)
-        for buffer, data in ((self._rows, instances), (self._commands, commands)):
-            buffer.orphan()
-            buffer.write(data)
+            self._corners = self._ctx.buffer(reserve=2 * corners.nbytes)
+            firsts = np.arange(0, 2 * corners.size, 4, dtype=np.uint32)
+            self._indices = self._ctx.buffer((firsts[:, None] + _TWO_TRIANGLES).tobytes())
+        self._corners.orphan()
+        self._corners.write(corners)
 
     def draw(self, target: moderngl.Framebuffer, run: SpriteRun, lights: frozenset[str]) -> int:
         """Draw a run; afterwards depth is written.
 
         Args:
             target: Where to; in use.
-            run: Of those uploaded.
+            run: Of what was uploaded.
             lights: Features of shaders that the frame's light needs.
 
         Returns:
@@ -75,7 +63,6 @@ class SpritePass:
         """
         import moderngl
 
-        assert self._commands is not None, "runs are drawn after upload"
         flags = moderngl.DEPTH_TEST
         if not run.state.masked:
             flags |= moderngl.BLEND
@@ -84,7 +71,7 @@ class SpritePass:
         target.depth_mask = run.state.masked
         run.state.pictures.use(_BINDING)
         array = self._array(self._shader(run.state, lights))
-        array.render_indirect(self._commands, moderngl.TRIANGLE_STRIP, 1, first=self._places[run])
+        array.render(moderngl.TRIANGLES, _INDICES * run.count, first=_INDICES * run.first)
         target.depth_mask = True
         return 1
 
@@ -93,10 +80,10 @@ class SpritePass:
         for _, array in self._arrays.values():
             array.release()
         self._arrays.clear()
-        for buffer in (self._rows, self._commands):
+        for buffer in (self._corners, self._indices):
             if buffer is not None:
                 buffer.release()
-        self._rows = self._commands = None
+        self._corners = self._indices = None
 
     def _shader(self, state: SpriteState, lights: frozenset[str]) -> ShaderProgram:
         defines = ["MASKED"] if state.masked else []
@@ -108,12 +95,8 @@ class SpritePass:
         known = self._arrays.get(shader)
         if known is not None and known[0] == shader.revision:
             return known[1]
-        program = shader.program
-        parts = zip(_LAYOUT.removesuffix(" /i").split(), _NAMES, strict=True)
-        # What the compiler found unused is skipped over.
-        layout = " ".join(part if name in program else f"{4 * int(part[0])}x" for part, name in parts)
-        names = [name for name in _NAMES if name in program]
-        assert self._rows is not None and self._rows.size >= 4 * SPRITE_FLOATS
-        array = self._ctx.vertex_array(program, [(self._rows, f"{layout} /i", *names)])
+        assert self._corners is not None and self._indices is not None, "runs are drawn after upload"
+        content = (self._corners, " ".join(_FORMATS.values()), *(SPRITE_VERTEX.names or ()))
+        array = self._ctx.vertex_array(shader.program, [content], self._indices)
         self._arrays[shader] = (shader.revision, array)
         return array
