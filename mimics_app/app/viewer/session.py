@@ -212,9 +212,11 @@ class ViewerSession:
             self._stage.show(fresh)
             self._hand.show(fresh)
         else:
+            from mimics_app.app.viewer.resting import rest
             from mimics_app.world.reload import reload_scene
 
             shown.scene, _ = reload_scene(shown.world, shown.scene)
+            rest(shown.scene, shown.world)
             shown.files, shown.notes = list(shown.scene.files), list(shown.scene.notes)
         self._watcher.watch(self._stage.shown.files)
 

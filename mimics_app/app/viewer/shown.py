@@ -110,15 +110,13 @@ def open_shown(path: Path, up: Up = "y") -> Shown:
 
 
 def _open_scene(path: Path) -> Shown:
-    from mimics_app.app.catalogue import is_playable, open_scenario
     from mimics_app.app.scene_loading import load_checked_scene
+    from mimics_app.app.viewer.resting import rest
     from mimics_app.world.scene_file import build_world
 
     scene = load_checked_scene(path)
     world = build_world(scene)
-    if is_playable(scene):
-        open_scenario(scene, world)  # what only its scenario makes: tunnel walls, hands
-        world.update()
+    rest(scene, world)
     world.effects.trigger("start")
     return Shown(scene.path, world, scene, None, list(scene.notes), list(scene.files))
 

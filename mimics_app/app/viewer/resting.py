@@ -1,0 +1,45 @@
+"""A scene as it was written, with what only its scenario makes: walls of a tunnel, the hand at rest."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+from mimics_app.app.catalogue import is_playable, open_scenario
+from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
+from mimics_app.contracts.scenario_port import Scenario
+from mimics_app.world.components_haptic import Ball, Robot
+from mimics_app.world.scene import Scene
+from mimics_app.world.world import World
+
+__all__ = ["rest"]
+
+
+def rest(scene: Scene, world: World) -> None:
+    """Add to a scene's world what its scenario makes, before anything has moved; or bring it up to the scene again.
+
+    No haptic loop is made, and bodies stand where they were put.
+    """
+    if is_playable(scene):
+        scenario = open_scenario(scene, world)
+        scenario.apply(TaskOrders(), _resting_hand(scene, scenario))
+        world.update()
+
+
+def _resting_hand(scene: Scene, scenario: Scenario) -> HapticSnapshot:
+    """The state of a hand that rests at the beginning of the way, or in the middle of the robot's room.
+
+    No body has a pose yet, which leaves each where it is.
+    """
+    values: dict[str, Any] = {
+        field.name: 0 if field.type in ("int", "float") else np.zeros(3) for field in fields(HapticSnapshot)
+    }
+    robots, balls = scene.components(Robot), scene.components(Ball)
+    way = scenario.via_points_world
+    middle = (robots[0][1] if robots else Robot()).robot_to_world.translation
+    values["hip_world"] = np.array(way[0] if len(way) else middle, np.float64)
+    values["ball_radius"] = (balls[0][1] if balls else Ball()).radius_max
+    values["poses"] = np.zeros((1 + len(scene.entities), 7))
+    return HapticSnapshot(**values)

@@ -1,0 +1,101 @@
+"""What a person asks of the picture of a live run: layers, kept pictures, shaders of another mind."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from mimics_app.app.reload import SceneReload
+from mimics_app.app.view_desk import ViewDesk
+from mimics_app.contracts.clock import VirtualClock
+from mimics_app.contracts.errors import DeviceError, Issue
+from mimics_app.contracts.haptic import EVENT
+from mimics_app.contracts.window_input import InputEvent
+
+
+class Picture:
+    """As much of a picture as is asked for here."""
+
+    def __init__(self, issues: list[Issue] | None = None) -> None:
+        self.layers: set[str] = set()
+        overlay = SimpleNamespace(toggle=lambda layer: self.layers.symmetric_difference_update({layer}), arrows=[])
+        self.renderer = SimpleNamespace(
+            overlay=overlay, shows=lambda layer: layer in self.layers, reload_shaders=lambda: issues or []
+        )
+        self.abandoned = False
+
+    def save(self, file: Path) -> None:
+        file.write_bytes(b"a picture")
+
+    def abandon(self) -> None:
+        self.abandoned = True
+
+
+def make_session(folder: Path, picture: Picture | None, *events: InputEvent) -> SimpleNamespace:
+    journal: list[tuple[str, dict]] = []
+    return SimpleNamespace(
+        picture=picture,
+        folder=folder,
+        clock=VirtualClock(),
+        trouble="",
+        journal=journal,
+        scene=SimpleNamespace(files=()),
+        recorder=SimpleNamespace(journal=lambda kind, data: journal.append((kind, data))),
+        inputs=SimpleNamespace(frame=SimpleNamespace(events=events)),
+    )
+
+
+def press(name: str) -> InputEvent:
+    return InputEvent("key", name, True)
+
+
+def make_frames() -> SimpleNamespace:
+    push = np.array([4.0, 0.0, 0.0])
+    still = np.zeros(3)
+    snapshot = SimpleNamespace(hip_world=still, f_user_world=push, f_meas_world=still, f_grip=still)
+    return SimpleNamespace(snapshot=snapshot, events=np.zeros(0, EVENT))
+
+
+def test_arrows_are_laid_out_only_while_they_are_looked_at(tmp_path):
+    picture = Picture()
+    session = make_session(tmp_path, picture)
+    desk = ViewDesk(session)
+    desk.step(make_frames())
+    assert picture.renderer.overlay.arrows == []
+    session.inputs.frame.events = (press("f5"),)
+    desk.step(make_frames())
+    assert len(picture.renderer.overlay.arrows) == 1 and picture.layers == {"forces"}
+
+
+def test_pictures_are_kept_in_the_run_and_told(tmp_path, capsys):
+    desk = ViewDesk(make_session(tmp_path, Picture(), press("f12")))
+    desk.step(make_frames())
+    desk.step(make_frames())
+    assert sorted(file.name for file in (tmp_path / "pictures").iterdir()) == ["kept_001.png", "kept_002.png"]
+    assert capsys.readouterr().err.count("mimics: picture ") == 2
+
+
+def test_without_a_picture_nothing_is_done(tmp_path):
+    ViewDesk(make_session(tmp_path, None, press("f12"), press("f1"))).step(make_frames())
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_picture_that_is_lost_is_told_and_journalled(tmp_path, capsys):
+    picture = Picture()
+    session = make_session(tmp_path, picture)
+    ViewDesk(session).give_up(DeviceError("no context"))
+    assert session.picture is None and picture.abandoned
+    assert session.journal == [("picture", {"lost": "no context"})]
+    assert "the picture is lost: no context; the run ends here" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("issues", [[], [Issue("lit.frag", "line 7", "`what' undeclared")]])
+def test_a_broken_shader_is_told_over_the_picture_and_on_stderr(tmp_path, capsys, issues):
+    reload = SceneReload(make_session(tmp_path, Picture(issues)))
+    reload.look()
+    wanted = "lit.frag#line 7: `what' undeclared"
+    assert reload.message == ({"message": wanted} if issues else {})
+    assert capsys.readouterr().err == (f"mimics: {wanted}\n" if issues else "")
