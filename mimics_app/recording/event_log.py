@@ -2,7 +2,7 @@
 
 Every line has `source` and `kind`:
 
-    loop      EVENT records of the 1 kHz loop, `n` counting from 0: contact_begin, contact_end, state, trip, parameters
+    loop      EVENT records of the 1 kHz loop, `n` counting from 0, kinds as in contracts.haptic.EventKind
     app       what the main thread journals; the kinds that the report reads are listed in `recorder.Recorder.journal`
     recorder  start, gap, clock (pairs of wall and monotonic time), problem, restart, end
 """
