@@ -34,7 +34,7 @@ class PictureStep:
 
 
 def quality_steps(renderer: Renderer) -> list[PictureStep]:
-    """The steps of a renderer, from what is missed least: glow, finer shadow edges, smooth edges, sharpness, shadows.
+    """The steps of a renderer, from what is missed least: glow first, shadows last.
 
     Each begins at the quality the renderer has now; one that it does without anyway is left out.
     """
@@ -42,6 +42,7 @@ def quality_steps(renderer: Renderer) -> list[PictureStep]:
     steps = [_bloom(renderer)] if settings.bloom else []
     steps += [_ambient(renderer)] if settings.ambient_occlusion else []
     steps += [_mirrors(renderer)] if renderer.world.mirrors and settings.mirror_scale == 1.0 else []
+    steps += [_detail(renderer)] if len(renderer.world.content.levels.column("count")) else []
     steps += _shadow_steps(renderer) if settings.shadow_size >= 8 else []
     steps += [_edges(renderer)] if settings.msaa or settings.fxaa else []
     return sorted([*steps, _scale(renderer)], key=lambda step: step.order)
@@ -68,14 +69,22 @@ def _mirrors(renderer: Renderer) -> PictureStep:
     )
 
 
+def _detail(renderer: Renderer) -> PictureStep:
+    full = renderer.settings.detail
+    details = (full, max(0.25, 0.5 * full))
+    return PictureStep(
+        "level of detail", 4, ("full", "nearer by"), lambda level: renderer.set_quality(detail=details[level])
+    )
+
+
 def _shadow_steps(renderer: Renderer) -> list[PictureStep]:
     full = renderer.settings.shadow_size
     sizes = (full, full // 2)
     names = tuple(map(str, sizes))
     return [
-        PictureStep("shadow size", 4, names, lambda level: renderer.set_quality(shadow_size=sizes[level])),
+        PictureStep("shadow size", 5, names, lambda level: renderer.set_quality(shadow_size=sizes[level])),
         PictureStep(
-            "shadows", 7, ("on", "off"), lambda level: renderer.set_quality(shadow_size=0 if level else sizes[-1])
+            "shadows", 8, ("on", "off"), lambda level: renderer.set_quality(shadow_size=0 if level else sizes[-1])
         ),
     ]
 
@@ -85,7 +94,7 @@ def _edges(renderer: Renderer) -> PictureStep:
     settings = renderer.settings
     kept = [(settings.msaa, settings.fxaa), *([(0, True)] if settings.msaa else []), (0, False)]
     names = tuple(f"{samples} samples" if samples else "filtered" if fxaa else "off" for samples, fxaa in kept)
-    return PictureStep("anti-aliasing", 5, names, lambda level: _smooth(renderer, *kept[level]))
+    return PictureStep("anti-aliasing", 6, names, lambda level: _smooth(renderer, *kept[level]))
 
 
 def _smooth(renderer: Renderer, msaa: int, fxaa: bool) -> None:
@@ -96,4 +105,4 @@ def _scale(renderer: Renderer) -> PictureStep:
     full = renderer.settings.scale
     scales = tuple(full * share for share in _SCALES if full * share >= 0.25)
     names = tuple(f"{scale:g}" for scale in scales)
-    return PictureStep("resolution scale", 6, names, lambda level: renderer.set_quality(scale=scales[level]))
+    return PictureStep("resolution scale", 7, names, lambda level: renderer.set_quality(scale=scales[level]))

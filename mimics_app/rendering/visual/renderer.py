@@ -7,7 +7,7 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Unpack
 
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.errors import Issue, UsageError
@@ -21,7 +21,7 @@ from mimics_app.rendering.visual.materials import MaterialStore
 from mimics_app.rendering.visual.mesh_arena import MeshArena
 from mimics_app.rendering.visual.passes.hud import HudPass, plane_of_views
 from mimics_app.rendering.visual.picture_stage import PictureStage
-from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.settings import QualityChanges, RenderSettings
 from mimics_app.rendering.visual.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.shadow_stage import ShadowStage, light_features
 from mimics_app.rendering.visual.surface import Surface
@@ -139,34 +139,15 @@ class Renderer:
         """As `draw`, but return only when the driver has drawn all of it: `cpu_ms` is the frame's whole cost."""
         return self._measure(views, finish=True)
 
-    def set_quality(
-        self,
-        *,
-        shadow_size: int | None = None,
-        scale: float | None = None,
-        msaa: int | None = None,
-        fxaa: bool | None = None,
-        bloom: float | None = None,
-        mirror_scale: float | None = None,
-        ambient_occlusion: float | None = None,
-    ) -> None:
-        """Change what a governor may change, from the next frame on; None leaves a figure as it is.
+    def set_quality(self, **changes: Unpack[QualityChanges]) -> None:
+        """Change what a governor may change, from the next frame on; what is not named stays as it is.
 
         Args:
-            shadow_size: Width of the shadow map [texel], 0: no shadows.
-            scale: Of the world's picture.
-            msaa: Samples per pixel.
-            fxaa: Whether edges are smoothed in the finished picture.
-            bloom: Share of the light that is spread.
-            mirror_scale: Of what mirrors show.
-            ambient_occlusion: How much near surfaces take off each other's light from the sky.
+            changes: Fields of `RenderSettings`.
 
         Raises:
             UsageError: a value that cannot be.
         """
-        wanted = {"shadow_size": shadow_size, "scale": scale, "msaa": msaa, "fxaa": fxaa, "bloom": bloom}
-        wanted |= {"mirror_scale": mirror_scale, "ambient_occlusion": ambient_occlusion}
-        changes: dict[str, Any] = {name: value for name, value in wanted.items() if value is not None}
         self.settings = replace(self.settings, **changes)
         self._shadows.resize(self.settings.shadow_size)
         self._picture.settings = self.settings

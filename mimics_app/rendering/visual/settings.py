@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypedDict
 
 from mimics_app.contracts.errors import UsageError
 from mimics_app.world.technique import Profile
 
-__all__ = ["Culling", "Occlusion", "RenderSettings", "Shading", "ShadowKind"]
+__all__ = ["Culling", "Occlusion", "QualityChanges", "RenderSettings", "Shading", "ShadowKind"]
 
 Shading = Literal["full", "plain"]
 """Which techniques draw opaque surfaces: each material's own, or for all that can be the cheapest lit one, whose light
@@ -100,3 +100,16 @@ class RenderSettings:
             raise UsageError(f"{self.cascades} shadow maps of the sun cannot be", "give 1 to 4")
         if not 0 <= self.shadow_size <= 8192:
             raise UsageError(f"a shadow map of {self.shadow_size} texels cannot be", "give 0 to 8192")
+
+
+class QualityChanges(TypedDict, total=False):
+    """What of `RenderSettings` a governor may change between two frames: nothing is compiled for it."""
+
+    shadow_size: int
+    scale: float
+    msaa: int
+    fxaa: bool
+    bloom: float
+    mirror_scale: float
+    ambient_occlusion: float
+    detail: float
