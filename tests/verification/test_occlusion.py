@@ -19,9 +19,9 @@ def drawn(world, half, view, samples=0):
     items = as_items(half)
     picked = np.arange(len(half), dtype=np.int32)
     hide = OcclusionPass(as_occluders(half)).remove_hidden
-    kept = hide(
-        picked, len(half), view, view.rectangle[2:], samples, items, world, np.ascontiguousarray(world[:, :3, 3])
-    )
+    centres = np.ascontiguousarray(world[:, :3, 3])
+    radii = np.linalg.norm(half, axis=1) * np.linalg.norm(world[:, :3, :3], axis=(1, 2))
+    kept = hide(picked, len(half), view, view.rectangle[2:], samples, items, world, centres, radii)
     return set(picked[:kept].tolist())
 
 
