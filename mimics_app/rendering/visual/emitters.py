@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.rendering.visual.kernels.particles import EMITTER, SPRITE, fill_particles
+from mimics_app.rendering.visual.kernels.particles import BIRTH, EMITTER, SPRITE, fill_particles
 from mimics_app.world.components_effects import Particles
 from mimics_app.world.effects import Burst
 from mimics_app.world.store import grown
@@ -19,6 +19,9 @@ F8 = NDArray[np.float64]
 
 _NUMBERS_OF_BURST = 1 << 20
 """Numbers kept for each burst, more than it can have particles, so that no two share their randomness."""
+
+_BURSTS_KEPT = 2
+"""Of this many bursts at a time all births are kept; of more, some are worked out again in every frame."""
 
 
 class SpriteRows:
@@ -51,6 +54,9 @@ class Emitter:
     def __init__(self, spec: Particles, seed: int, state: int, layer: int) -> None:
         self.spec = spec
         self._record = _record(spec, seed, state, layer)
+        alive = spec.rate * spec.lifetime[1] if spec.trigger == "always" else _BURSTS_KEPT * spec.count
+        self._births = np.zeros(max(1, min(spec.capacity, math.ceil(alive) + 1)), BIRTH)
+        self._births["number"] = -1 << 62
 
     def fill(self, now: float, world_from_emitter: F8, bursts: Sequence[Burst], rows: SpriteRows) -> None:
         """Append the particles that live.
@@ -86,7 +92,7 @@ class Emitter:
         axes = axes_about(pose[:3, :3] @ np.asarray(self.spec.direction))
         rows.reserve(count)
         rows.count = fill_particles(
-            self._record, first, count, born, interval, now, corner, box, axes, rows.rows, rows.count
+            self._record, self._births, first, count, born, interval, now, corner, box, axes, rows.rows, rows.count
         )
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["EMITTER", "MOST_COLOURS", "SPRITE", "ease", "fall", "fill_particles", "hash_unit"]
+__all__ = ["BIRTH", "EMITTER", "MOST_COLOURS", "SPRITE", "ease", "fall", "fill_particles", "hash_unit"]
 
 F8 = NDArray[np.float64]
 F4 = NDArray[np.float32]
@@ -45,6 +45,23 @@ EMITTER = np.dtype(
 )
 """What an emitter gives its particles."""
 
+BIRTH = np.dtype(
+    [
+        ("number", "i8"),  # whose it is, -1: nobody's
+        ("life", "f8"),  # [s]
+        ("place", "f8", (3,)),  # in the emitter's box, each 0 to 1
+        ("velocity", "f8", (3,)),  # across, across and along the emitter's direction [m/s]
+        ("height", "f8"),  # half of it [m]
+        ("angle", "f8"),  # [rad]
+        ("spin", "f8"),  # [rad/s]
+        ("axis", "f8", (3,)),  # it tumbles about, unit, world
+        ("phase", "f8", (2,)),  # of its swing [rad]
+        ("rest", "f8"),  # height above the floor it lies at [m]
+        ("tint", "i8"),
+    ]
+)
+"""What a particle is born with: all that chance decides, worked out once and kept while its place is not needed."""
+
 SPRITE = np.dtype(
     [
         ("place", "f8", (3,)),  # world [m]
@@ -68,6 +85,8 @@ _SETTLED = 1e-7
 """Step below which a landing is found [s]."""
 
 _OWN = 2
+_LEAST_REST = 1e-3
+"""Height above the floor at which particles come to rest; up to twice as much, so that they do not flicker [m]."""
 
 
 @kernel
@@ -88,12 +107,37 @@ def ease(age: float, drag: float) -> float:
 
 
 @kernel
-def fall(age: float, drag: float) -> float:
-    """Way under a unit pull that drag slows down: (t - ease) / c [s^2]."""
+def fall(age: float, drag: float, eased: float) -> float:
+    """Way under a unit pull that drag slows down: (t - ease) / c [s^2], given `ease` of the same."""
     x = drag * age
-    if x < 1e-3:
-        return age * age * (0.5 - x / 6.0 + x * x / 24.0)
-    return (age - ease(age, drag)) / drag
+    return age * age * (0.5 - x / 6.0 + x * x / 24.0) if x < 1e-3 else (age - eased) / drag
+
+
+@kernel
+def _bear(emitter: Records, number: int, birth: Records) -> None:
+    """Ask all questions about particle `number`."""
+    seed, one = emitter[0]["seed"], birth[0]
+    one["number"] = number
+    shortest, slowest, least = emitter[0]["lifetime"][0], emitter[0]["speed"][0], emitter[0]["size"][0]
+    one["life"] = shortest + hash_unit(seed, number, 0) * (emitter[0]["lifetime"][1] - shortest)
+    cosine = 1.0 - hash_unit(seed, number, 1) * (1.0 - emitter[0]["cosine"])
+    sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))
+    around = 2.0 * math.pi * hash_unit(seed, number, 2)
+    speed = slowest + hash_unit(seed, number, 3) * (emitter[0]["speed"][1] - slowest)
+    one["velocity"][0], one["velocity"][1] = speed * math.cos(around) * sine, speed * math.sin(around) * sine
+    one["velocity"][2] = speed * cosine
+    for k in range(3):
+        one["place"][k] = hash_unit(seed, number, 4 + k)
+    one["rest"] = _LEAST_REST * (1.0 + hash_unit(seed, number, 7))
+    one["angle"] = 2.0 * math.pi * hash_unit(seed, number, 8)
+    one["spin"] = emitter[0]["spin"] * (2.0 * hash_unit(seed, number, 9) - 1.0)
+    up, around = 2.0 * hash_unit(seed, number, 10) - 1.0, 2.0 * math.pi * hash_unit(seed, number, 11)
+    flat = math.sqrt(1.0 - up * up)
+    one["axis"][0], one["axis"][1], one["axis"][2] = flat * math.cos(around), up, flat * math.sin(around)
+    one["tint"] = int(hash_unit(seed, number, 12) * emitter[0]["tints"])
+    for k in range(2):
+        one["phase"][k] = 2.0 * math.pi * hash_unit(seed, number, 13 + k)
+    one["height"] = 0.5 * (least + hash_unit(seed, number, 16) * (emitter[0]["size"][1] - least))
 
 
 @kernel
@@ -103,7 +147,8 @@ def _landing(height: float, speed: float, pull: float, drag: float, floor: float
     Height over time bends one way only, so that Newton's steps come from one side and never pass the root: from the
     present where it bends down, from birth where drag slows a fall.
     """
-    if height + speed * ease(age, drag) + pull * fall(age, drag) >= floor or height < floor:
+    gone = ease(age, drag)
+    if height + speed * gone + pull * fall(age, drag, gone) >= floor or height < floor:
         return age
     t = age if pull < drag * speed else 0.0
     for _ in range(_NEWTON_STEPS):
@@ -111,7 +156,7 @@ def _landing(height: float, speed: float, pull: float, drag: float, floor: float
         rate = speed * (1.0 - drag * gone) + pull * gone
         if rate >= 0.0:
             break
-        step = (height + speed * gone + pull * fall(t, drag) - floor) / rate
+        step = (height + speed * gone + pull * fall(t, drag, gone) - floor) / rate
         t -= step
         if abs(step) < _SETTLED:
             break
@@ -119,78 +164,65 @@ def _landing(height: float, speed: float, pull: float, drag: float, floor: float
 
 
 @kernel
-def _turn(emitter: Records, number: int, age: float, landed: bool, out: F4) -> None:
+def _turn(emitter: Records, birth: Records, age: float, landed: bool, out: F4) -> None:
     """How a particle is turned: in space about an axis of its own, lying flat where it landed; or before the eye."""
-    seed = emitter[0]["seed"]
-    angle = 2.0 * math.pi * hash_unit(seed, number, 8)
-    angle += emitter[0]["spin"] * (2.0 * hash_unit(seed, number, 9) - 1.0) * age
+    one = birth[0]
+    angle = one["angle"] + one["spin"] * age
     if not emitter[0]["tumbles"]:
         out[0], out[1], out[2], out[3] = math.cos(angle), math.sin(angle), 0.0, 0.0
         return
+    c, s = math.cos(0.5 * angle), math.sin(0.5 * angle)
     if landed:
         # Yaw after a quarter turn about x: the picture's normal points up.
-        c, s = math.cos(0.5 * angle) * math.sqrt(0.5), math.sin(0.5 * angle) * math.sqrt(0.5)
+        c, s = c * math.sqrt(0.5), s * math.sqrt(0.5)
         out[0], out[1], out[2], out[3] = -c, s, s, c
         return
-    up = 2.0 * hash_unit(seed, number, 10) - 1.0
-    around = 2.0 * math.pi * hash_unit(seed, number, 11)
-    flat = math.sqrt(1.0 - up * up)
-    s = math.sin(0.5 * angle)
-    out[0], out[1], out[2] = flat * math.cos(around) * s, up * s, flat * math.sin(around) * s
-    out[3] = math.cos(0.5 * angle)
+    out[0], out[1], out[2], out[3] = one["axis"][0] * s, one["axis"][1] * s, one["axis"][2] * s, c
 
 
 @kernel
-def _colour(emitter: Records, number: int, share: float, out: F4) -> None:
+def _colour(emitter: Records, tint: int, share: float, out: F4) -> None:
     """Colour at a share of a life: between the two nearest of the list, times the one tint it was given."""
     last = emitter[0]["colours"] - 1
     at = share * last
     first = min(int(at), max(last - 1, 0))
     mix = at - first
     after = min(first + 1, last)
-    tint = int(hash_unit(emitter[0]["seed"], number, 12) * emitter[0]["tints"])
     for k in range(4):
         value = emitter[0]["colour"][first, k] * (1.0 - mix) + emitter[0]["colour"][after, k] * mix
         out[k] = value * emitter[0]["tint"][tint, k]
 
 
 @kernel
-def _place(emitter: Records, number: int, age: float, corner: F8, box: F8, axes: F8, out: F8) -> float:
+def _place(emitter: Records, birth: Records, age: float, corner: F8, box: F8, axes: F8, out: F8) -> float:
     """Where a particle is; returns the age at which it came to rest, its own while it has not."""
-    seed = emitter[0]["seed"]
-    cosine = 1.0 - hash_unit(seed, number, 1) * (1.0 - emitter[0]["cosine"])
-    sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))
-    around = 2.0 * math.pi * hash_unit(seed, number, 2)
-    least = emitter[0]["speed"][0]
-    speed = least + hash_unit(seed, number, 3) * (emitter[0]["speed"][1] - least)
-    a, b = math.cos(around) * sine, math.sin(around) * sine
-    u, v, w = hash_unit(seed, number, 4), hash_unit(seed, number, 5), hash_unit(seed, number, 6)
-    drag, floor = emitter[0]["drag"], emitter[0]["floor"]
+    one, drag, floor = birth[0], emitter[0]["drag"], emitter[0]["floor"]
+    at, velocity = one["place"], one["velocity"]
     moving = age
     if not math.isinf(floor):
-        born = corner[1] + u * box[1, 0] + v * box[1, 1] + w * box[1, 2]
-        climb = speed * (a * axes[1, 0] + b * axes[1, 1] + cosine * axes[1, 2])
+        born = corner[1] + at[0] * box[1, 0] + at[1] * box[1, 1] + at[2] * box[1, 2]
+        climb = velocity[0] * axes[1, 0] + velocity[1] * axes[1, 1] + velocity[2] * axes[1, 2]
         moving = _landing(born, climb, emitter[0]["pull"][1], drag, floor, age)
-    gone, pulled = ease(moving, drag), fall(moving, drag)
+    gone = ease(moving, drag)
+    pulled = fall(moving, drag, gone)
     for k in range(3):
-        begin = corner[k] + u * box[k, 0] + v * box[k, 1] + w * box[k, 2]
-        velocity = speed * (a * axes[k, 0] + b * axes[k, 1] + cosine * axes[k, 2])
-        out[k] = begin + velocity * gone + emitter[0]["pull"][k] * pulled
+        begin = corner[k] + at[0] * box[k, 0] + at[1] * box[k, 1] + at[2] * box[k, 2]
+        way = velocity[0] * axes[k, 0] + velocity[1] * axes[k, 1] + velocity[2] * axes[k, 2]
+        out[k] = begin + way * gone + emitter[0]["pull"][k] * pulled
     if emitter[0]["sway"] > 0.0:
         half = 0.5 * emitter[0]["sway_rate"] * moving
         for k in range(2):
             # sin(phase + 2 half) - sin(phase): no swing at birth. Sideways only, so that landings stay what they are.
-            phase = 2.0 * math.pi * hash_unit(seed, number, 13 + k)
-            out[2 * k] += 2.0 * emitter[0]["sway"] * math.cos(phase + half) * math.sin(half)
+            out[2 * k] += 2.0 * emitter[0]["sway"] * math.cos(one["phase"][k] + half) * math.sin(half)
     if not math.isinf(floor):
-        # A little apart, so that what lies on each other does not flicker.
-        out[1] = max(out[1], floor + 1e-3 * (1.0 + hash_unit(seed, number, 7)))
+        out[1] = max(out[1], floor + one["rest"])
     return moving
 
 
 @kernel
 def fill_particles(
     emitter: Records,
+    births: Records,
     first: int,
     count: int,
     born: float,
@@ -206,6 +238,7 @@ def fill_particles(
 
     Args:
         emitter: EMITTER, [1].
+        births: BIRTH, [slots]: what is kept from call to call; how many there are changes the time, not the places.
         first: Number of the first one.
         count: How many were born.
         born: When the first one was [s].
@@ -222,24 +255,24 @@ def fill_particles(
     """
     at = start
     for i in range(count):
-        age = now - (born + interval * i)
-        number = first + i
-        shortest, longest = emitter[0]["lifetime"][0], emitter[0]["lifetime"][1]
-        life = shortest + hash_unit(emitter[0]["seed"], number, 0) * (longest - shortest)
+        age, number = now - (born + interval * i), first + i
+        slot = number % births.shape[0]
+        birth = births[slot : slot + 1]
+        if birth[0]["number"] != number:
+            _bear(emitter, number, birth)
+        life = birth[0]["life"]
         if age < 0.0 or age > life:
             continue
-        share = age / life
-        moving = _place(emitter, number, age, corner, box, axes, sprites[at]["place"])
-        _turn(emitter, number, moving, moving < age, sprites[at]["turn"])
-        _colour(emitter, number, share, sprites[at]["tint"])
-        least = emitter[0]["size"][0]
-        height = least + hash_unit(emitter[0]["seed"], number, 16) * (emitter[0]["size"][1] - least)
-        height *= 0.5 * (1.0 + (emitter[0]["growth"] - 1.0) * share)
-        sprites[at]["half"][0], sprites[at]["half"][1] = height * emitter[0]["aspect"], height
-        sprites[at]["lift"] = 0.0
-        sprites[at]["facing"] = _OWN if emitter[0]["tumbles"] else 0
-        sprites[at]["state"] = emitter[0]["state"]
+        sprite, share = sprites[at], age / life
+        moving = _place(emitter, birth, age, corner, box, axes, sprite["place"])
+        _turn(emitter, birth, moving, moving < age, sprite["turn"])
+        _colour(emitter, birth[0]["tint"], share, sprite["tint"])
+        height = birth[0]["height"] * (1.0 + (emitter[0]["growth"] - 1.0) * share)
+        sprite["half"][0], sprite["half"][1] = height * emitter[0]["aspect"], height
+        sprite["lift"] = 0.0
+        sprite["facing"] = _OWN if emitter[0]["tumbles"] else 0
+        sprite["state"] = emitter[0]["state"]
         for k in range(4):
-            sprites[at]["style"][k] = emitter[0]["style"][k]
+            sprite["style"][k] = emitter[0]["style"][k]
         at += 1
     return at
