@@ -7,6 +7,7 @@ import pytest
 
 from mimics_app.app.viewer.eye import ViewerEye
 from mimics_app.app.viewer.hand import Hand, drag_offset
+from mimics_app.app.viewer.handles import axis_under, handle_arrows
 from mimics_app.app.viewer.shown import Shown, open_shown
 from mimics_app.contracts.errors import SceneError
 from mimics_app.world.extent import world_extent
@@ -87,8 +88,8 @@ def test_a_hand_moves_what_hangs_on_a_turned_and_scaled_parent_and_puts_it_back(
     eye, hand = ViewerEye(), Hand(Shown(path=None, world=world, stand=stand))
     eye.frame(world_extent(world), SIZE)
     assert hand.choose(eye.view(SIZE).ray(0.0, 0.0)).name == "model/thing" or hand.chosen.name == "thing"
-    assert hand.grab(eye.view(SIZE).ray(0.0, 0.0))
     hand.axis = 0
+    assert hand.grab(eye.view(SIZE).ray(0.0, 0.0), eye.view(SIZE))
     hand.drag(eye.view(SIZE).ray(0.3, 0.0), eye.view(SIZE))
     hand.release()
     world.update()
@@ -96,7 +97,9 @@ def test_a_hand_moves_what_hangs_on_a_turned_and_scaled_parent_and_puts_it_back(
     assert moved[0] > 0.05 and moved[1:] == pytest.approx([0.0, 0.0], abs=2e-4)  # rounded to a tenth of a millimetre
     assert hand.undo() and not hand.undo()
     assert hand.chosen.position == pytest.approx(np.zeros(3), abs=0.0)
-    assert hand.choose(eye.view(SIZE).ray(0.99, 0.99)) is None and not hand.grab(eye.view(SIZE).ray(0.0, 0.0))
+    assert hand.choose(eye.view(SIZE).ray(0.99, 0.99)) is None and not hand.grab(
+        eye.view(SIZE).ray(0.0, 0.0), eye.view(SIZE)
+    )
 
 
 def soup(mesh) -> tuple[np.ndarray, np.ndarray]:
@@ -142,3 +145,32 @@ def test_a_file_of_no_kind_and_one_that_is_not_there_are_named(tmp_path):
         open_shown(tmp_path / "a.max")
     with pytest.raises(SceneError, match=r"missing\.stl"):
         open_shown(tmp_path / "missing.stl")
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_an_arrow_is_grabbed_where_it_is_drawn_and_moves_along_itself(axis):
+    eye = ViewerEye()
+    eye.frame(EXTENT, SIZE)
+    view, place = eye.view(SIZE), np.array([0.3, 0.5, 0.2])
+    arrow = handle_arrows(place, view, None)[axis]
+    assert axis_under(place, view.ray(*project(eye, place + 0.7 * arrow.vector)), view) == axis
+    assert axis_under(place, view.ray(*project(eye, place + 2.0 * arrow.vector)), view) is None
+    # Twenty pixels beside it, as the screen has it, it is not.
+    half = np.array(SIZE) / 2.0
+    way = (project(eye, place + arrow.vector) - project(eye, place)) * half
+    aside = 20.0 * np.array([-way[1], way[0]]) / np.linalg.norm(way)
+    beside = project(eye, place + 0.7 * arrow.vector) + aside / half
+    assert axis_under(place, view.ray(*beside), view) != axis
+    faint = [each.tint[3] for each in handle_arrows(place, view, axis)]
+    assert faint[axis] == 1.0 and sorted(faint)[1] < 0.5
+
+
+def test_arrows_look_equally_long_from_near_and_far():
+    lengths = []
+    for distance in (1.0, 30.0):
+        eye = ViewerEye()
+        eye.distance = distance
+        ends = [project(eye, arrow.origin + arrow.vector) for arrow in handle_arrows(eye.target, eye.view(SIZE), None)]
+        lengths.append(ends[1][1])
+    # The ends of arrows are nearer or farther than their feet: equal up to perspective, which does not change either.
+    assert lengths[0] == pytest.approx(lengths[1], rel=1e-9)

@@ -86,7 +86,7 @@ class ViewerControls:
         if event.pressed and not self._button:
             self._button, self._travelled, self._last = event.name, 0.0, (event.x, event.y)
             if event.name == "left" and not self._held & _SHIFT:
-                self._hand.grab(self.ray(event.x, event.y))
+                self._hand.grab(self.ray(event.x, event.y), self._stage.eye.view(self._stage.surface.size))
         elif not event.pressed and event.name == self._button:
             clicked = self._button == "left" and self._travelled < _CLICK_PX
             self._button = ""

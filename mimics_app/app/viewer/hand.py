@@ -8,7 +8,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.app.viewer.handles import axis_under, handle_arrows
 from mimics_app.app.viewer.shown import Shown
+from mimics_app.rendering.visual.overlay.overlay import Arrow
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.raycast import cast_ray
 from mimics_app.world.scene_edit import is_written_in_file, write_translation
@@ -36,6 +38,7 @@ class Hand:
         self._shown = shown
         self.chosen: SceneNode | None = None
         self.axis: int | None = None
+        self._handle: int | None = None
         self._grip: tuple[F8, F8] | None = None
         self._undo: list[tuple[SceneNode, F8]] = []
         self._moved: dict[str, SceneNode] = {}
@@ -63,11 +66,14 @@ class Hand:
         self.chosen = self._under(ray)
         return self.chosen
 
-    def grab(self, ray: Ray) -> bool:
-        """Begin to drag, if the ray meets what is chosen."""
+    def grab(self, ray: Ray, view: View) -> bool:
+        """Begin to drag, if the ray meets what is chosen or one of its handles."""
         if self.chosen is None:
             return False
-        point = self._meets(ray, self.chosen)
+        place = self.chosen.world_matrix()[:3, 3]
+        found = axis_under(place, ray, view)
+        self._handle = found if self.axis in (None, found) else None
+        point = self._meets(ray, self.chosen) if self._handle is None else place + _along_axis(place, self._handle, ray)
         if point is None:
             return False
         self._grip = (point, self.chosen.position)
@@ -79,11 +85,18 @@ class Hand:
         if self.chosen is None or self._grip is None:
             return
         point, before = self._grip
-        offset = drag_offset(point, ray, view, self.axis)
+        offset = drag_offset(point, ray, view, self.axis if self._handle is None else self._handle)
         parent = self.chosen.parent
         turn = np.eye(3) if parent is None else parent.world_matrix()[:3, :3]
         place: F8 = before + np.linalg.solve(turn, offset)
         self.chosen.set_position(place.round(4))
+
+    def handles(self, view: View) -> list[Arrow]:
+        """The arrows at what is chosen."""
+        if self.chosen is None:
+            return []
+        axis = self._handle if self.holding and self._handle is not None else self.axis
+        return handle_arrows(self.chosen.world_matrix()[:3, 3], view, axis)
 
     def release(self) -> None:
         """Let go."""
@@ -157,7 +170,7 @@ def drag_offset(point: F8, ray: Ray, view: View, axis: int | None) -> F8:
     """
     origin, direction = ray
     if axis is not None:
-        return _along(point, np.eye(3)[axis], origin, direction)
+        return _along_axis(point, axis, ray)
     forward = -view.world_from_eye[:3, 2]
     normal = _UP if abs(forward[1]) > _FLAT else forward
     facing = float(normal @ direction)
@@ -167,8 +180,9 @@ def drag_offset(point: F8, ray: Ray, view: View, axis: int | None) -> F8:
     return np.asarray(origin + distance * direction - point) if distance > 0.0 else np.zeros(3)
 
 
-def _along(point: F8, line: F8, origin: F8, direction: F8) -> F8:
-    """From a point of a line to where it comes nearest to a ray; nothing where both are parallel."""
+def _along_axis(point: F8, axis: int, ray: Ray) -> F8:
+    """From a point along an axis to where that line comes nearest to a ray; nothing where both are parallel."""
+    (origin, direction), line = ray, np.eye(3)[axis]
     across = direction - (direction @ line) * line
     square = float(across @ across)
     if square < 1e-9 * float(direction @ direction):

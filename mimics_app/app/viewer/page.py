@@ -10,7 +10,7 @@ from mimics_app.rendering.visual.hud import CANVAS_HEIGHT, Colour, Hud
 __all__ = ["KEYS", "draw_caption", "draw_hint", "draw_keys", "draw_message", "draw_reason"]
 
 KEYS: tuple[tuple[str, str], ...] = (
-    ("Drag", "go round; on the chosen thing: move it"),
+    ("Drag", "go round; the chosen thing or an arrow: move it"),
     ("Shift + drag, middle", "shift the view"),
     ("Right drag", "look round"),
     ("Wheel", "nearer, farther"),

@@ -119,7 +119,9 @@ class ViewerSession:
         """Have a box drawn about what is chosen; there is no overlay before something is."""
         if self._hand.chosen is not None:
             self._marked = True
-            self._stage.renderer.overlay.chosen = self._hand.chosen.index
+            overlay = self._stage.renderer.overlay
+            overlay.chosen = self._hand.chosen.index
+            overlay.handles = self._hand.handles(self._stage.eye.view(self._surface.size))
         elif self._marked:
             self._stage.renderer.overlay.chosen = None
 

@@ -65,6 +65,7 @@ class Overlay:
         layers: Those that are on.
         arrows: Forces and contacts of this frame; whoever knows them sets them.
         chosen: Entity index of a node whose box is drawn, None: of none.
+        handles: Arrows drawn with it.
         times: Of the stages, while the graph is shown.
     """
 
@@ -74,6 +75,7 @@ class Overlay:
         self.layers: set[Layer] = set()
         self.arrows: list[Arrow] = []
         self.chosen: int | None = None
+        self.handles: list[Arrow] = []
         self.times = StageTimes(ctx, clock, software=read_capabilities(ctx).software)
         self.hud = Hud()
         self._lines = LineSet()
@@ -97,7 +99,8 @@ class Overlay:
 
     def take_over(self, other: Overlay) -> None:
         """Show what another one shows."""
-        self.layers, self.arrows, self.chosen = other.layers, other.arrows, other.chosen
+        self.layers, self.arrows = other.layers, other.arrows
+        self.chosen, self.handles = other.chosen, other.handles
 
     def draw_wires(self, target: moderngl.Framebuffer, drawn: ViewDraws) -> int:
         """Edges of what is drawn in a view whose block is bound; returns the draw calls made."""
@@ -148,3 +151,5 @@ class Overlay:
                 lines.arrow(arrow.origin, arrow.vector, arrow.tint)
         if self.chosen is not None:
             add_node_bounds(lines, scene.world, listed, self.chosen)
+            for arrow in self.handles:
+                lines.arrow(arrow.origin, arrow.vector, arrow.tint)
