@@ -13,7 +13,9 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
 from mimics_app.rendering.haptic.kernels.objects.grip import grip_bodies
 from mimics_app.rendering.haptic.kernels.objects.totals import clear_totals
+from mimics_app.rendering.haptic.mesh_table import build_mesh_table
 from mimics_app.rendering.haptic.objects import new_object_work
+from mimics_app.world.convex_hull import convex_hull
 
 DT = 1e-3
 MASS, RADIUS, MU, GRAVITY = 0.3, 0.03, 0.5, 9.81
@@ -61,9 +63,9 @@ class Hold:
         held: Row of the body held, [n].
     """
 
-    def __init__(self, mass: float = MASS, gravity: float = GRAVITY, **shape: float) -> None:
+    def __init__(self, mass: float = MASS, gravity: float = GRAVITY, meshes: Any = None, **shape: float) -> None:
         capacities = ObjectCapacities()
-        self.rows, self.work = new_rows(capacities), new_object_work(capacities)
+        self.rows, self.work = new_rows(capacities), new_object_work(capacities, meshes)
         self.counts = np.zeros(1, OBJECT_COUNTS)
         self.counts["shapes"] = self.counts["bodies"] = 1
         self.counts["points"] = 2
@@ -204,6 +206,22 @@ def test_fingers_close_only_on_what_lies_between_them():
     ):
         hold = Hold(gravity=0.0).carry(place, 5.0, 0.01)
         assert (hold.held[0] == 0) == taken, place
+
+
+def test_mesh_is_gripped_by_the_corners_of_its_hull_and_only_between_the_fingers():
+    """A cube as wide as the sphere; it hangs as that does. Where it ends is known, so one far away is left alone."""
+    corners = RADIUS * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    cube = build_mesh_table([convex_hull(corners)], {0: corners})
+
+    def hold() -> Hold:
+        return Hold(meshes=cube, kind=ShapeKind.MESH, mesh=0)
+
+    held = hold().carry((0.0, 0.0, 0.0), 3.0 * NEEDED, 3.0)
+    assert held.held[-1] == 0 and held.work.grip[0]["half_width"] == pytest.approx(RADIUS)
+    np.testing.assert_allclose(held.forces[-1], [0.0, -MASS * GRAVITY, 0.0], atol=1e-6)
+    for place in ((0.06, 0.0, 0.0), (0.0, 0.03, 0.0), (17.0, 0.0, 0.0)):
+        missed = hold().carry(place, 5.0, 0.01)
+        assert missed.held[0] == -1 and not missed.forces.any() and np.isfinite(missed.states).all()
 
 
 def test_an_off_centre_body_is_drawn_to_the_middle_without_a_snatch():

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.haptic_objects import BodyFlag, ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.friction import forget_friction, hayward_armstrong
+from mimics_app.rendering.haptic.kernels.objects.extents import half_extent, mesh_extent
 
 __all__ = ["grip_bodies"]
 
@@ -41,11 +42,8 @@ _PATCH_TIME = 0.02
 _PATCH_ARM = 2.0 / 3.0
 """Mean arm of Coulomb friction over a disc of even pressure, in radii."""
 
-_SPHERE = int(ShapeKind.SPHERE)
-_BOX = int(ShapeKind.BOX)
-_CYLINDER = int(ShapeKind.CYLINDER)
-_CAPSULE = int(ShapeKind.CAPSULE)
 _WALL = int(ShapeKind.WALL)
+_MESH = int(ShapeKind.MESH)
 _FORCE_ON = int(BodyFlag.FORCE_ON_OBJECT)
 _TORQUE_ON = int(BodyFlag.TORQUE_ON_OBJECT)
 
@@ -88,31 +86,6 @@ def _complete_frame(u: Vec, across: Any) -> None:
 
 
 @kernel
-def _half_extent(shape: Any, R: Any, radius: float, u: Vec) -> float:
-    """How far a shape reaches from its middle along u [m]; a mesh as far as its bounding sphere.
-
-    Args:
-        shape: SHAPE record.
-        R: World from shape, shape [3, 3].
-        radius: Of its bounding sphere [m].
-        u: Unit direction, world.
-    """
-    along = abs(R[0, 1] * u[0] + R[1, 1] * u[1] + R[2, 1] * u[2])
-    if shape.kind == _SPHERE:
-        return shape.size[0]
-    if shape.kind == _CAPSULE:
-        return shape.size[0] + 0.5 * shape.size[1] * along
-    if shape.kind == _CYLINDER:
-        return 0.5 * shape.size[1] * along + shape.size[0] * math.sqrt(max(0.0, 1.0 - along * along))
-    if shape.kind != _BOX:
-        return radius
-    extent = 0.0
-    for axis in range(3):
-        extent += 0.5 * shape.size[axis] * abs(R[0, axis] * u[0] + R[1, axis] * u[1] + R[2, axis] * u[2])
-    return extent
-
-
-@kernel
 def _measure(rows: Any, work: Any, counts: Any, body: int, grip: Any) -> int:
     """Extent of a body along the axis, into grip.low and grip.high.
 
@@ -127,13 +100,18 @@ def _measure(rows: Any, work: Any, counts: Any, body: int, grip: Any) -> int:
         middle = 0.0
         for i in range(3):
             middle += (work.shape_positions[k, i] - grip.centre[i]) * grip.axis[i]
-        extent = _half_extent(shape, work.shape_rotations[k], work.bounds[3, k], grip.axis)
+        if shape.kind == _MESH:
+            mesh = work.meshes.rows[shape.mesh]
+            low, high = mesh_extent(mesh, work.meshes.hulls, work.shape_rotations[k], grip.axis)
+        else:
+            high = half_extent(shape, work.shape_rotations[k], grip.axis)
+            low = -high
         if surface < 0:
             surface = k
-            grip.low = middle - extent
-            grip.high = middle + extent
-        grip.low = min(grip.low, middle - extent)
-        grip.high = max(grip.high, middle + extent)
+            grip.low = middle + low
+            grip.high = middle + high
+        grip.low = min(grip.low, middle + low)
+        grip.high = max(grip.high, middle + high)
     return surface
 
 
