@@ -15,7 +15,6 @@ from mimics_app.contracts.errors import UsageError, nearest
 from mimics_app.rendering.visual.frame_stats import FrameStats
 from mimics_app.rendering.visual.headless import open_offscreen, read_pixels, save_png
 from mimics_app.rendering.visual.renderer import Renderer
-from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surface import Size, Surface
 
 __all__ = ["OPTIONS", "RenderBench", "measure_render"]
@@ -29,6 +28,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "authored": {"occlusion": "authored"},
     "flat": {"culling": "flat"},
     "tree": {"culling": "tree"},
+    "noshadow": {"shadow_size": 0},
     "osmesa": {},
 }
 """Words of `--opt` and what they change in the settings."""
@@ -40,7 +40,7 @@ class RenderBench:
 
     Attributes:
         workload: One of `render_workloads.WORKLOADS`.
-        data: Folder of the workloads' files.
+        data: Folder of the workloads' files, None: not known.
         size: Of the picture [px].
         msaa: Samples per pixel.
         frames: Frames timed.
@@ -52,7 +52,7 @@ class RenderBench:
     """
 
     workload: str
-    data: Path
+    data: Path | None
     size: Size = (1280, 720)
     msaa: int = 0
     frames: int = 40
@@ -78,7 +78,7 @@ def measure_render(wanted: RenderBench) -> dict[str, Any]:
             raise UsageError(f'there is no option "{word}"', nearest(word, OPTIONS))
     workload = open_workload(wanted.workload, wanted.data, wanted.count)
     workload.prepare(wanted.warmup + wanted.frames)
-    settings = RenderSettings(msaa=wanted.msaa, shadow_size=0, tone_map="none", fog_density=0.0, shading="plain")
+    settings = replace(workload.settings, msaa=wanted.msaa)
     for word in wanted.options:
         settings = replace(settings, **OPTIONS[word])
     with open_offscreen("osmesa" if "osmesa" in wanted.options else "egl", wanted.size) as surface:

@@ -1,6 +1,7 @@
 """The workloads of `mimics bench render`, the same closed formulas for every renderer that is compared.
 
-city: walking down a street, 1.4 m a frame. nodes: cubes under groups, every one of which moves every frame.
+city: walking down a street, 1.4 m a frame. nodes: cubes under groups, every one of which moves every frame. walk: the
+product's own city as its scene shows it, with shadows, sky and all materials, which no peer draws.
 """
 
 from __future__ import annotations
@@ -12,14 +13,19 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.app.picture import picture_quality
+from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.contracts.errors import SceneError, UsageError
+from mimics_app.contracts.resources import root
 from mimics_app.maths.mat import look_at
+from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.environment import Sky
 from mimics_app.world.model_world import load_model_world, read_model
+from mimics_app.world.scene_file import build_world
 from mimics_app.world.world import World
 
-__all__ = ["WORKLOADS", "City", "Nodes", "Workload", "open_workload"]
+__all__ = ["WORKLOADS", "City", "Nodes", "Walk", "Workload", "open_workload"]
 
 F8 = NDArray[np.float64]
 
@@ -31,7 +37,7 @@ AMBIENT, DIFFUSE = 0.4, 0.8
 _BACKGROUND = (0.5, 0.6, 0.7)
 """Display values."""
 
-WORKLOADS = ("city", "nodes", "crowd")
+WORKLOADS = ("city", "nodes", "crowd", "walk")
 _FILES = {"city": "city.glb", "nodes": "cube.glb"}
 _DEFAULT_NODES = 10_000
 
@@ -42,12 +48,14 @@ class Workload:
     Attributes:
         world: What is drawn.
         nodes: How many nodes the work is about.
+        settings: Quality of its picture.
     """
+
+    settings = RenderSettings(shadow_size=0, tone_map="none", fog_density=0.0, shading="plain")
 
     def __init__(self, world: World, nodes: int) -> None:
         self.world = world
         self.nodes = nodes
-        light_up(world)
 
     def prepare(self, frames: int) -> None:
         """Work out beforehand what an application would have: poses of every frame."""
@@ -71,10 +79,24 @@ class Workload:
 class City(Workload):
     """An eye 1.7 m high that goes down a street and looks around by 20 degrees."""
 
+    start = (-40.0, 1.7, 360.0)
+
     def eye(self, frame: int) -> tuple[F8, F8]:
-        eye = np.array([-40.0, 1.7, 360.0 - 1.4 * frame])
+        eye = np.array(self.start) - np.array([0.0, 0.0, 1.4 * frame])
         yaw = math.radians(20.0) * math.sin(0.15 * frame)
         return eye, eye + np.array([math.sin(yaw), 0.02, -math.cos(yaw)])
+
+
+class Walk(City):
+    """The same walk through the product's own city, at the quality its scene asks for."""
+
+    start = (-1.75, 1.7, 330.0)
+
+    def __init__(self) -> None:
+        scene = load_checked_scene(root() / "scenes" / "city_walk.json")
+        world = build_world(scene)
+        self.settings = picture_quality(scene, "training")
+        super().__init__(world, len(world.transforms))
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +131,7 @@ class Nodes(Workload):
         world.update()
         self._rows = world.transforms.rows(np.array([node.index for node in (*groups, *cubes)]))
         self._poses: list[_Poses] = []
+        light_up(world)
         super().__init__(world, count + self._groups)
         world.update()
 
@@ -164,26 +187,31 @@ def _decode(display: F8) -> F8:
     return np.where(display <= 0.04045, display / 12.92, ((display + 0.055) / 1.055) ** 2.4)
 
 
-def open_workload(name: str, folder: Path, count: int) -> Workload:
+def open_workload(name: str, folder: Path | None, count: int) -> Workload:
     """Load a workload.
 
     Args:
         name: One of `WORKLOADS`.
-        folder: Where the files of the workloads are.
+        folder: Where the files of the workloads are; None: not known.
         count: Nodes of "nodes", 0: as the peers have.
 
     Raises:
         UsageError: it cannot be measured.
         SceneError: its file is missing or wrong.
     """
+    if name == "walk":
+        return Walk()
     if name not in _FILES:
         raise UsageError(
-            f'the workload "{name}" needs skinned characters, which are not drawn yet', "measure city or nodes"
+            f'the workload "{name}" needs skinned characters, which are not drawn yet', "measure city, nodes or walk"
         )
+    if folder is None:
+        raise UsageError("the folder of the workloads is not known", "name it by --data or RENDER_DATA")
     file = folder / _FILES[name]
     try:
         if name == "city":
             world = load_model_world(file)
+            light_up(world)
             return City(world, len(world.transforms))
         return Nodes(file, count or _DEFAULT_NODES)
     except SceneError as error:

@@ -33,7 +33,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics bench render`; the same as other renderers' measurements take."""
-    parser.add_argument("workload", nargs="?", choices=("city", "nodes", "crowd"), help="of render: what is drawn")
+    parser.add_argument(
+        "workload", nargs="?", choices=("city", "nodes", "crowd", "walk"), help="of render: what is drawn"
+    )
     parser.add_argument("--data", type=Path, help="of render: folder of the workloads, else RENDER_DATA names it")
     parser.add_argument("--size", type=_size, default="1280x720", metavar="WxH", help="of render: of the picture [px]")
     parser.add_argument("--msaa", type=int, choices=(0, 2, 4, 8), default=0, help="of render: samples per pixel")
@@ -69,10 +71,8 @@ def _run_render(args: argparse.Namespace) -> int:
     from mimics_app.app.render_bench import RenderBench, measure_render
 
     if args.workload is None:
-        raise UsageError("a workload to draw is missing", "mimics bench render city, or nodes")
+        raise UsageError("a workload to draw is missing", "mimics bench render walk, city or nodes")
     folder = args.data or (Path(os.environ["RENDER_DATA"]) if "RENDER_DATA" in os.environ else None)
-    if folder is None:
-        raise UsageError("the folder of the workloads is not known", "name it by --data or RENDER_DATA")
     options = tuple(args.opt.replace(",", " ").split())
     answer = measure_render(
         RenderBench(
