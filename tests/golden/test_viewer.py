@@ -108,7 +108,8 @@ def test_a_person_chooses_drags_saves_and_edits_while_the_window_is_open(tmp_pat
     with display("640x360x24") as name:
         environment = os.environ | {"DISPLAY": name, "PYTHONPATH": str(_ROOT)}
         command = [sys.executable, "-m", "mimics_app", "view", "place.json", "--size", "640x360", "--json"]
-        window = subprocess.Popen(command, cwd=tmp_path, env=environment, stdout=subprocess.PIPE, text=True)
+        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+        window = subprocess.Popen(command, cwd=tmp_path, env=environment, text=True, **pipes)
 
         def tell(*words: str) -> None:
             subprocess.run(["xdotool", *words], env=environment, check=True, timeout=240, stdout=subprocess.DEVNULL)
@@ -141,13 +142,20 @@ def test_a_person_chooses_drags_saves_and_edits_while_the_window_is_open(tmp_pat
             edited = picture(3)
             tell("key", "F1", "key", "F2", "key", "F3", "key", "F4", "key", "F6")
             overlaid = picture(4)
+            tell("mousemove", "400", "165", "click", "1")
+            tell("mousedown", "1")
+            tell("mousemove", "380", "185", "mouseup", "1")
             tell("key", "Escape")
-            out, _ = window.communicate(timeout=60)
+            tell("key", "Escape")
+            assert window.poll() is None, "it warns once of what is not saved"
+            tell("key", "Escape")
+            out, said = window.communicate(timeout=60)
         finally:
             window.kill()
             window.wait(timeout=10)
     answer = json.loads(out)
     assert answer["saved"] == ["place.json"]
+    assert "mimics: not saved: cube, moved to [" in said, "nothing is lost: its place is told"
     assert answer["files"] == [f"place_{number:03d}.png" for number in (1, 2, 3, 4)]
     columns = [np.argwhere(redness(each) > 60)[:, 1].mean() for each in (before, moved)]
     assert columns[0] == pytest.approx(320.0, abs=8.0)

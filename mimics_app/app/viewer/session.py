@@ -55,7 +55,7 @@ class ViewerSession:
         self._hand = Hand(shown)
         self._controls = ViewerControls(self._stage, self._hand, self._commands())
         self._watcher = SceneWatcher(shown.files)
-        self._keys_shown = self._left = self._alarm = self._marked = False
+        self._keys_shown = self._left = self._alarm = self._marked = self._warned = False
         self._message, self._message_until_ns = "", 0
         self.pictures: list[Path] = []
         self.saved: list[Path] = []
@@ -89,6 +89,8 @@ class ViewerSession:
         return self
 
     def __exit__(self, *exception: object) -> None:
+        for name, node in self._hand.unsaved.items():
+            sys.stderr.write(f"mimics: not saved: {name}, moved to {node.position.tolist()}\n")
         self._stage.release()
         self._surface.close()
 
@@ -163,6 +165,9 @@ class ViewerSession:
             self._keys_shown = False
         elif self._hand.chosen is not None:
             self._hand.chosen = None
+        elif self._hand.unsaved and not self._warned:
+            self._warned = True
+            self._say(f"not saved: {', '.join(self._hand.unsaved)}; Ctrl + S saves, Esc leaves", alarm=True)
         else:
             self._left = True
 
@@ -183,6 +188,7 @@ class ViewerSession:
         except SceneError as error:
             self._say(str(error.issues[0]), alarm=True)
             return
+        self._warned = False
         self.saved += [file for file in files if file not in self.saved]
         if self._watcher.changed():
             self._take_over()

@@ -73,7 +73,8 @@ class Shown:
         words = [f"{triangles:,} triangles".replace(",", " "), parts]
         extent = self.extent
         if extent is not None:
-            words.append(" x ".join(f"{side:.3g}" for side in extent[1] - extent[0]) + " m")
+            sides = (extent[1] - extent[0]).tolist()
+            words.append(" x ".join(f"{side:.0f}" if side >= 1000.0 else f"{side:.3g}" for side in sides) + " m")
         return ", ".join(words)
 
 

@@ -135,9 +135,9 @@ class Overlay:
         return self._atlas.draw(framebuffer, shadows) if "atlas" in self.layers else 0
 
     def release(self) -> None:
-        """Free everything."""
-        for part in (self._line_pass, self._wires, self._atlas):
-            part.release()
+        """Free everything; the vertex arrays of wires are the arena's."""
+        self._line_pass.release()
+        self._atlas.release()
 
     def _collect(self, scene: FrameScene, listed: DrawList, drawn: ViewDraws) -> None:
         lines = self._lines

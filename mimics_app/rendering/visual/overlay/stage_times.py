@@ -96,8 +96,3 @@ class StageTimes:
         if self.frames:
             frame = self.frames[-1]
             frame.items, frame.culled, frame.hidden = items, culled, hidden
-
-    def note(self, name: str, milliseconds: float) -> None:
-        """Add a stage that somebody else has timed."""
-        if self.frames:
-            self.frames[-1].cpu_ms[name] = milliseconds

@@ -37,6 +37,3 @@ class WirePass:
         ctx.depth_func, ctx.wireframe, ctx.polygon_offset = "<", False, (0.0, 0.0)
         target.depth_mask = True
         return len(runs)
-
-    def release(self) -> None:
-        """Its vertex arrays are the arena's."""
