@@ -7,6 +7,7 @@ product's own city as its scene shows it, with shadows, sky and all materials, w
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -42,7 +43,7 @@ _FILES = {"city": "city.glb", "nodes": "cube.glb"}
 _DEFAULT_NODES = 10_000
 
 
-class Workload:
+class Workload(ABC):
     """A world and what happens in it, frame by frame.
 
     Attributes:
@@ -57,16 +58,16 @@ class Workload:
         self.world = world
         self.nodes = nodes
 
-    def prepare(self, frames: int) -> None:
+    def prepare(self, frames: int) -> None:  # noqa: B027  not everything needs to
         """Work out beforehand what an application would have: poses of every frame."""
 
     def update(self, frame: int) -> None:
         """Hand a frame's poses to the world and bring it up to date: what is timed as the application's part."""
         self.world.update()
 
+    @abstractmethod
     def eye(self, frame: int) -> tuple[F8, F8]:
         """Where the eye is and what it looks at [m], [3] each."""
-        raise NotImplementedError
 
     def view(self, frame: int, size: tuple[int, int]) -> View:
         """The eye of a frame, for a picture of a size [px]."""

@@ -36,6 +36,7 @@ class World:
         content: What the nodes carry.
         effects: Billboards, particles and projectors on nodes, and the time they go by.
         meshes: By key; replace one with `replace_mesh` or change it through `open_mesh`, so that renderers see it.
+        meshes_published: How often one was replaced or changed.
         materials: By key; change one with `set_material`.
         textures: By key.
         techniques: Further ways to draw materials, by the name a material calls them.
@@ -56,6 +57,7 @@ class World:
         self.screens: dict[str, ScreenSurface] = {}
         self.insets: dict[str, InsetView] = {}
         self._mesh_revisions: dict[str, int] = {}
+        self.meshes_published = 0
         self._mesh_buffers: dict[str, MeshBuffer] = {}
         self._material_revision = 0
         self._order = self.transforms.revision
@@ -197,6 +199,7 @@ class World:
     def _publish(self, name: str, mesh: MeshData) -> None:
         self.meshes[name] = mesh
         self._mesh_revisions[name] = self.mesh_revision(name) + 1
+        self.meshes_published += 1
 
     def _attached(self, indices: Any) -> list[int]:
         return [index for index in indices.tolist() if not self.graph.is_detached(index)]

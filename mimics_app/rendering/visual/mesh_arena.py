@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from operator import is_
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -81,6 +82,7 @@ class MeshArena:
         self.uploaded = 0
         self._solid = False
         self._seen: dict[str, tuple[int, int]] = {}
+        self._held: tuple[int, list[str], list[MeshData]] = (0, [], [])
         self._vertices = ctx.buffer(reserve=_VERTEX.itemsize)
         self._colours = ctx.buffer(reserve=_COLOUR.itemsize)
         self._indices = {wide: ctx.buffer(reserve=4) for wide in (False, True)}
@@ -100,6 +102,9 @@ class MeshArena:
         self.rewritten, self.uploaded = [], 0
         if solid != self._solid:
             self._solid, self._seen = solid, {}
+        elif self._stands(world):
+            return False
+        self._held = world.meshes_published, list(world.meshes), list(world.meshes.values())
         wanted = {name: (world.mesh_revision(name), id(mesh)) for name, mesh in world.meshes.items()}
         if wanted == self._seen:
             return False
@@ -115,6 +120,13 @@ class MeshArena:
             self._rebuild({name: found[name].mesh if name in found else mesh for name, mesh in world.meshes.items()})
         self._seen = wanted
         return not fits
+
+    def _stands(self, world: World) -> bool:
+        """Whether every mesh is the very one of the last update: asked each frame, so nothing is made for it."""
+        published, names, meshes = self._held
+        if published != world.meshes_published or len(meshes) != len(world.meshes):
+            return False
+        return all(map(is_, meshes, world.meshes.values())) and names == list(world.meshes)
 
     def write_instances(self, rows: NDArray[np.float32]) -> None:
         """Upload the instances of a frame, float32 [n, 4, 4], contiguous."""
