@@ -17,7 +17,7 @@ from mimics_app.rendering.visual.kernels.sprites import SPRITE_VERTEX, write_spr
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.components_effects import Billboard, Particles
+from mimics_app.world.components_effects import Billboard, Particles, Projector
 from mimics_app.world.environment import Fog, Sky
 from mimics_app.world.material import Material, TextureData
 from mimics_app.world.primitives import plane
@@ -257,3 +257,24 @@ def test_hidden_nodes_hide_their_effects_and_a_world_without_any_has_no_stage():
         world.update()
         assert renderer.draw([view_from((0.0, 0.0, 2.0))]).triangles == 2
         renderer.release(), bare.release()
+
+
+def test_effects_come_back_with_a_context_that_was_lost():
+    world = make_world()
+    put(world, "card", (0.0, 0.0, 0.0), colour=(0.2, 0.5, 0.9, 0.7))
+    world.effects.add(world.root.create_child("smoke").index, Particles(rate=500.0))
+    world.effects.add(world.root.create_child("ring", (0.0, 0.0, -0.2)).index, Projector(size=(0.5, 0.5)))
+    world.set_material(Material("grey", "unlit", (0.3, 0.3, 0.3, 1.0), double_sided=True))
+    world.meshes["pane"] = plane(4.0, 4.0)
+    world.root.create_child("pane", (0.0, 0.0, -0.3), UPRIGHT).create_entity("pane", "grey")
+    world.update()
+    with create_surface("egl", SIZE) as surface:
+        renderer, view = Renderer(surface, world, PLAIN), view_from((0.0, 0.0, 2.0))
+        renderer.draw([view])
+        before = read_pixels(surface)
+        surface.renew()
+        renderer.renew()
+        renderer.draw([view])
+        assert surface.ctx.error == "GL_NO_ERROR"
+        assert (read_pixels(surface) == before).all() and len(np.unique(before[..., 2])) > 5
+        renderer.release()
