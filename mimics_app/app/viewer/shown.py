@@ -73,7 +73,7 @@ class Shown:
         extent = self.extent
         if extent is not None:
             sides = (extent[1] - extent[0]).tolist()
-            words.append(" x ".join(f"{side:.0f}" if side >= 1000.0 else f"{side:.3g}" for side in sides) + " m")
+            words.append(" x ".join(f"{side:.0f}" if 1e3 <= side < 1e7 else f"{side:.3g}" for side in sides) + " m")
         return ", ".join(words)
 
 
