@@ -7,7 +7,7 @@ from pathlib import Path
 from mimics_app.app.frame import Frames
 from mimics_app.app.picture import Picture, picture_quality
 from mimics_app.app.session import Session
-from mimics_app.app.video import FRAMES_PER_SECOND, Film
+from mimics_app.app.video import FRAMES_PER_SECOND
 
 __all__ = ["Album"]
 
@@ -64,5 +64,6 @@ class Album:
             surface, session.scene, session.world, picture_quality(session.scene, session.settings.profile)
         )
         if session.settings.video is not None:
-            session.picture.film = Film(surface, session.settings.video, live=session.live)
+            film = session.picture.start_film(session.settings.video, live=session.live)
+            session.on_close.callback(film.finish)
         return session.picture

@@ -136,6 +136,11 @@ class Picture:
         """
         return draw_or_recover(self.surface, lambda: self._show(figures, clock), self.recover)
 
+    def start_film(self, wanted: Path, *, live: bool) -> Film:
+        """Make a film of what is shown from now on; see `Film`."""
+        self.film = Film(self.surface, wanted, live=live)
+        return self.film
+
     def recover(self) -> None:
         """Make context and renderer anew after a loss; world, quality and figures stay.
 

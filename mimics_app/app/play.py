@@ -18,7 +18,6 @@ from mimics_app.app.progress import ProgressLine
 from mimics_app.app.result import summarise
 from mimics_app.app.session import Session
 from mimics_app.app.settings import RunSettings
-from mimics_app.app.video import Film
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import SafetyState
@@ -100,7 +99,7 @@ def _play_in_window(session: Session, frames: Frames) -> None:
     quality = live_quality(session.scene, session.settings.profile, surface)
     session.picture = Picture(surface, session.scene, session.world, quality)
     if session.settings.video is not None:
-        session.picture.film = Film(surface, session.settings.video, live=True)
+        session.on_close.callback(session.picture.start_film(session.settings.video, live=True).finish)
     session.inputs = person_inputs(session)
     run_live(session, frames, lambda _: None)
 

@@ -88,6 +88,7 @@ class Film:
         self._reader = FrameReader(surface, 2 if live else 0)
         self._begun_ns: int | None = None
         self._queue: queue.Queue[ReadFrame | None] = queue.Queue(_ROOM)
+        self._finished = False
         self.dropped = 0
         self.problem = ""
         self._thread = threading.Thread(target=self._write, name="film", daemon=True)
@@ -103,7 +104,10 @@ class Film:
         self._reader = FrameReader(self._surface, self._reader.behind)
 
     def finish(self) -> None:
-        """Write what is still waiting, and close the file."""
+        """Write what is still waiting, and close the file; the first time it is called."""
+        if self._finished:
+            return
+        self._finished = True
         for frame in self._reader.flush():
             self._hand_over(frame)
         self._reader.release()
@@ -136,7 +140,7 @@ class Film:
         try:
             self._sink.close()
         except (OSError, ValueError) as error:
-            self.problem = self.problem or str(error)
+            self.problem = str(error)  # ffmpeg's own words say more than a broken pipe
 
 
 def draw_film(
@@ -186,7 +190,10 @@ class _Ffmpeg:
         # Pictures come from the bottom up, and most decoders want even sides.
         made = ["-an", "-vf", "vflip,pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", "-y", str(file)]
         command = [program, "-hide_banner", "-loglevel", "error", *source, *made]
-        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=self._said)
+        # In a session of its own: Ctrl-C ends the run, which then closes the film; it must not end ffmpeg first.
+        self._process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=self._said, start_new_session=True
+        )
 
     def add(self, number: int, frame: ReadFrame) -> None:
         self._repeat_until(number)
@@ -194,10 +201,9 @@ class _Ffmpeg:
         self._last = frame.pixels if same else _resized(frame, self._size)
 
     def close(self) -> None:
-        if self._last is not None:
-            self._repeat_until(self._written + 1)
         assert self._process.stdin is not None
         try:
+            self._repeat_until(self._written + 1)
             self._process.stdin.close()
         except BrokenPipeError:
             pass  # its own words follow

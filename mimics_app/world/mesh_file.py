@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import logging
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -27,6 +29,8 @@ MESH_SUFFIXES = (".stl", ".obj", ".ply", ".off")
 
 _MOST_BYTES = 512 * 1024 * 1024
 _MOST_TRIANGLES = 20_000_000
+_FARTHEST = 1e15
+"""Farthest a corner may be [m]: squares of distances have to fit into float32."""
 _GREY = (0.62, 0.62, 0.64, 1.0)
 
 
@@ -48,9 +52,13 @@ def _bodies(path: Path) -> list[tuple[str, trimesh.Trimesh]]:
     """Every body of a file, placed in the file's own frame."""
     import trimesh
 
-    read_bytes(path, str(path), _MOST_BYTES)  # a clear word on what is not there or far too large
+    data = read_bytes(path, str(path), _MOST_BYTES)
+    logging.getLogger("trimesh").setLevel(logging.CRITICAL + 1)  # what it cannot read is told here, in one line
     try:
-        loaded = trimesh.load_scene(os.fspath(path), process=False)
+        try:
+            loaded = _load(path, data)
+        except ImportError:  # it would guess at what is no UTF-8, with a library that is not here
+            loaded = _load(path, data.decode("utf-8", "replace").encode())
         bodies = [(str(name), loaded.geometry[name]) for name in loaded.geometry]
     except MemoryError:
         raise SceneError(Issue(str(path), "", "does not fit into memory")) from None
@@ -65,9 +73,17 @@ def _bodies(path: Path) -> list[tuple[str, trimesh.Trimesh]]:
     return found
 
 
+def _load(path: Path, data: bytes) -> trimesh.Scene:
+    import trimesh
+
+    beside = trimesh.resolvers.FilePathResolver(os.fspath(path))
+    kind = path.suffix[1:].lower()
+    return trimesh.load_scene(io.BytesIO(data), file_type=kind, resolver=beside, process=False)
+
+
 def _mesh(path: Path, body: trimesh.Trimesh) -> MeshData:
     vertices, faces = np.asarray(body.vertices, np.float64), np.asarray(body.faces, np.int64)
-    if not np.isfinite(vertices).all() or faces.min(initial=0) < 0 or faces.max(initial=0) >= len(vertices):
+    if not (np.abs(vertices) < _FARTHEST).all() or faces.min(initial=0) < 0 or faces.max(initial=0) >= len(vertices):
         raise SceneError(Issue(str(path), "", "has corners that are nowhere"))
     uvs = getattr(body.visual, "uv", None)
     colours = _vertex_colours(body)

@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from mimics_app.app.play import play
+from mimics_app.app.settings import RunSettings
 from mimics_app.app.video import Film, film_place
 from mimics_app.rendering.visual.contexts import create_surface
 
@@ -95,8 +97,8 @@ def test_a_folder_is_asked_for_without_a_word(tmp_path, capsys):
 def test_an_ffmpeg_that_gives_up_is_told_in_its_own_words(tmp_path, ffmpeg, capsys):
     ffmpeg(_BROKEN)
     film = shoot(tmp_path / "out.mp4", [n / 60 for n in range(200)])
-    assert film.problem
-    assert f"film {tmp_path}/out.mp4: " in capsys.readouterr().err
+    assert film.problem == "ffmpeg gave up: Unknown encoder"
+    assert capsys.readouterr().err == f"mimics: film {tmp_path}/out.mp4: ffmpeg gave up: Unknown encoder\n"
 
 
 def test_a_live_film_drops_what_the_thread_cannot_take_and_counts_it(tmp_path, capsys):
@@ -132,3 +134,28 @@ def test_a_window_that_changed_its_size_goes_on_in_the_first_size(tmp_path, ffmp
             film.take(number * NS // 60)
         film.finish()
     assert film.place.stat().st_size == 3 * 3 * SIZE[0] * SIZE[1]
+
+
+def test_a_run_that_is_broken_off_leaves_a_whole_film(tmp_path, ffmpeg, monkeypatch):
+    """Ctrl-C at frame 7: what was drawn is in the file, and ffmpeg was not interrupted with the run."""
+    ffmpeg(_FFMPEG)
+    shown: list[int] = []
+
+    def interrupt(self, frames) -> None:
+        shown.append(frames.number)
+        if len(shown) == 7:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr("mimics_app.app.progress.ProgressLine.show", interrupt)
+    settings = RunSettings(
+        Path("wavy_tunnel"), headless=True, seconds=5.0, runs=tmp_path, sound="off", size=SIZE, video=tmp_path / "a.mp4"
+    )
+    with pytest.raises(KeyboardInterrupt):
+        play(settings, as_json=False)
+    assert (tmp_path / "a.mp4").stat().st_size == 7 * 3 * SIZE[0] * SIZE[1]
+
+
+def test_a_film_is_finished_once(tmp_path):
+    film = shoot(tmp_path / "frames", [0.0])
+    film.finish()
+    assert len(list((tmp_path / "frames").iterdir())) == 1

@@ -140,6 +140,48 @@ def test_mesh_files_are_shown_and_damaged_ones_named(tmp_path, suffix):
     assert caught.value.issues[0].file == str(file)
 
 
+@pytest.mark.parametrize("far", ["1e300", "nan", "1e20"])
+def test_corners_that_are_nowhere_are_named(tmp_path, far):
+    file = tmp_path / "far.obj"
+    file.write_text(f"v 0 0 0\nv 1 0 0\nv 0 {far} 0\nf 1 2 3\n")
+    with pytest.raises(SceneError, match="has corners that are nowhere"):
+        open_shown(file)
+
+
+def test_an_obj_file_keeps_its_material_file_and_words_that_are_no_utf8(tmp_path):
+    (tmp_path / "m.mtl").write_text("newmtl red\nKd 1.0 0.0 0.0\n")
+    text = "# caf\xe9\nmtllib m.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n"
+    file = tmp_path / "t.obj"
+    file.write_bytes(text.encode("latin-1"))
+    shown = open_shown(file)
+    assert "1 triangle, 1 part" in shown.size
+    (colour,) = [m.base_colour for name, m in shown.world.materials.items() if name.startswith("t#")]
+    assert colour == pytest.approx((1.0, 0.0, 0.0, 1.0))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_spoiled_mesh_files_are_read_or_refused_in_one_line(tmp_path, seed, capfd):
+    """Cut off, bytes changed, bytes put in: no other error, no words of a library, no hang."""
+    import trimesh
+
+    rng = np.random.default_rng(seed)
+    ball = trimesh.creation.icosphere(subdivisions=1)
+    for suffix in ("stl", "obj", "ply", "off"):
+        file = tmp_path / f"a.{suffix}"
+        ball.export(file)
+        whole = file.read_bytes()
+        for _ in range(8):
+            data = bytearray(whole[: rng.integers(1, len(whole))] if rng.random() < 0.3 else whole)
+            for place in rng.integers(0, len(data), rng.integers(0, 12)):
+                data[place] = rng.integers(256)
+            file.write_bytes(bytes(data))
+            try:
+                assert open_shown(file).size
+            except SceneError as error:
+                assert len(error.issues) == 1 and "\n" not in str(error) and "No module" not in str(error)
+    assert capfd.readouterr() == ("", "")
+
+
 def test_a_file_of_no_kind_and_one_that_is_not_there_are_named(tmp_path):
     with pytest.raises(SceneError, match="of no kind that is shown"):
         open_shown(tmp_path / "a.max")

@@ -69,12 +69,11 @@ class Shown:
             if self.stand is None or world.graph.hierarchy.is_inside(owner, self.stand.index)
         ]
         triangles = sum(world.meshes[name].triangle_count for name in inside if name in world.meshes)
-        parts = f"{len(inside)} part{'' if len(inside) == 1 else 's'}"
-        words = [f"{triangles:,} triangles".replace(",", " "), parts]
+        words = [_count(triangles, "triangle"), _count(len(inside), "part")]
         extent = self.extent
         if extent is not None:
             sides = (extent[1] - extent[0]).tolist()
-            words.append(" x ".join(f"{side:.0f}" if side >= 1000.0 else f"{side:.3g}" for side in sides) + " m")
+            words.append(" x ".join(f"{side:.0f}" if 1e3 <= side < 1e7 else f"{side:.3g}" for side in sides) + " m")
         return ", ".join(words)
 
 
@@ -125,9 +124,10 @@ def _open_scene(path: Path) -> Shown:
 def _still(document: dict[str, object]) -> list[str]:
     """What moves in a glTF file and is shown at rest."""
     counted = [(word, document.get(f"{word}s")) for word in ("animation", "skin")]
-    there = [
-        f"{len(value)} {word}{'s' if len(value) > 1 else ''}"
-        for word, value in counted
-        if isinstance(value, list) and value
-    ]
+    there = [_count(len(value), word) for word, value in counted if isinstance(value, list) and value]
     return [f"shown in its rest pose: {' and '.join(there)} not played"] if there else []
+
+
+def _count(number: int, word: str) -> str:
+    """A number with its thing, thousands apart."""
+    return f"{number:,} {word}{'' if number == 1 else 's'}".replace(",", " ")
