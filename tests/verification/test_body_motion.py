@@ -239,3 +239,19 @@ def test_shapes_are_carried_by_their_bodies():
     assert work.shape_rotations[j] == pytest.approx(matrix(turn))
     assert work.bounds[3, off] < 0.0
     assert work.bounds[3, wall] == math.inf
+
+
+def test_motion_beyond_all_numbers_leaves_the_body_where_it_was_and_is_told():
+    """A turning no number can hold: the pose of before stays, nobody is drawn nowhere, and the tick says so."""
+    play = new_play()
+    k = play.add_body(position=(0.1, 0.2, 0.3), omega=(0.0, 3.0, 0.0))
+    play.fly(10)
+    before = play.motions[k]["orientation"].copy()
+    play.motions[k]["momentum"] = 1e308
+    play.fly(1)
+    motion = play.motions[k]
+    assert play.work.totals[0]["status"] == 1
+    assert motion["position"].tolist() == [0.1, 0.2, 0.3] and motion["orientation"].tolist() == before.tolist()
+    assert not motion["omega"].any() and not motion["momentum"].any()
+    play.fly(1)
+    assert play.work.totals[0]["status"] == 0

@@ -188,6 +188,17 @@ def test_a_shaken_body_takes_energy_and_gives_none():
         assert np.all(np.diff(cycles) > -1e-6), "a cycle gave energy"
 
 
+def test_finger_that_slips_stays_on_a_soft_and_heavily_damped_body():
+    """b/k = 0.5 s: a lead of so long would take it half a metre ahead at 1 m/s, with arms that throw the body about."""
+    hold = Hold(mass=2.0, gravity=0.0, stiffness=20.0, damping=10.0)
+    hold.carry(lambda t: (0.0, 1.0 * t, 0.0), 5.0, 0.025)
+    grip = hold.work.grip[0]
+    assert hold.held[10] == 0, "it is still in the hand"
+    for contact in (grip["contact_a"], grip["contact_b"]):
+        assert np.linalg.norm(contact) < 2.0 * RADIUS
+    assert np.abs(hold.states[:, 6:]).max() < 1.0
+
+
 def test_opening_the_fingers_lets_it_fall_freely():
     hold = Hold().carry((0.0, 0.0, 0.0), lambda t: 10.0 if t < 0.5 else 0.0, 0.8)
     after = int(0.5 / DT)

@@ -32,7 +32,7 @@ from mimics_app.rendering.haptic.kernels.objects.inertia import find_principal_a
 from mimics_app.rendering.haptic.kernels.rotation import product, turn_body, turned
 from mimics_app.rendering.haptic.kernels.vectors import all_finite, copy, fill
 
-__all__ = ["is_free", "load_bodies", "place_bodies", "rest_time", "step_bodies", "wake"]
+__all__ = ["is_free", "place_bodies", "rest_time", "step_bodies", "wake"]
 
 Vec = NDArray[np.float64]
 
@@ -57,9 +57,6 @@ _STILL_ACCELERATION = 2e-3
 
 _STILL_TORQUE_RATE = 0.05
 """Likewise angular [rad/s^2]."""
-
-_SAME_LOAD = 1e-9
-"""A load that differs by this share from the one a body fell asleep under wakes it."""
 
 
 @kernel
@@ -170,43 +167,6 @@ def place_bodies(rows: Any, work: Any, counts: Any) -> None:
 
 
 @kernel
-def _differs(a: Vec, b: Vec) -> bool:
-    """True when a is not b, but for rounding."""
-    square, apart = 0.0, 0.0
-    for i in range(3):
-        square += b[i] * b[i]
-        apart += (a[i] - b[i]) * (a[i] - b[i])
-    return apart > _SAME_LOAD * _SAME_LOAD * square
-
-
-@kernel
-def load_bodies(bodies: Any, motions: Any, dynamics: Any, aux_forces: Any, aux_torques: Any, count: int) -> None:
-    """Add F_aux, T_aux and weight to what touch, effects and grip gathered; a sleeper that feels anything new wakes.
-
-    Args:
-        bodies: BODY rows.
-        motions: MOTION rows, updated.
-        dynamics: DYNAMICS rows, updated.
-        aux_forces: ObjectWork.aux_forces.
-        aux_torques: ObjectWork.aux_torques.
-        count: Bodies in use.
-    """
-    for k in range(count):
-        body, motion, dynamic = bodies[k], motions[k], dynamics[k]
-        for i in range(3):
-            motion.force[i] += aux_forces[k, i] + body.mass * body.gravity[i]
-            motion.torque[i] += aux_torques[k, i]
-        if motion.asleep:
-            felt = _differs(motion.force, dynamic.rest_force) or _differs(motion.torque, dynamic.rest_torque)
-            if not (felt or motion.touched):
-                continue
-            wake(motion)
-        copy(motion.force, dynamic.rest_force)
-        copy(motion.torque, dynamic.rest_torque)
-        dynamic.stirred = 0
-
-
-@kernel
 def _move(body: Any, motion: Any, dt: float) -> None:
     """Advance the centre of mass by (11)."""
     x, v, f, m, b = motion.centre, motion.velocity, motion.force, body.mass, body.damping_translation
@@ -271,6 +231,30 @@ def _advance(body: Any, motion: Any, dynamics: Any, dt: float) -> None:
 
 
 @kernel
+def _is_sound(motion: Any) -> bool:
+    still = all_finite(motion.position) and all_finite(motion.orientation) and all_finite(motion.centre)
+    return still and all_finite(motion.velocity) and all_finite(motion.omega) and all_finite(motion.momentum)
+
+
+@kernel
+def _advance_soundly(body: Any, motion: Any, dynamics: Any, dt: float) -> bool:
+    """`_advance`; a motion beyond all numbers leaves the body where it was, at rest, and is told by False."""
+    x, c, q = motion.position, motion.centre, motion.orientation
+    place, centre, turn = (x[0], x[1], x[2]), (c[0], c[1], c[2]), (q[0], q[1], q[2], q[3])
+    _advance(body, motion, dynamics, dt)
+    if _is_sound(motion):
+        return True
+    x[0], x[1], x[2] = place
+    c[0], c[1], c[2] = centre
+    q[0], q[1], q[2], q[3] = turn
+    fill(motion.velocity, 0.0)
+    fill(motion.omega, 0.0)
+    fill(motion.momentum, 0.0)
+    _orient(body, motion)
+    return False
+
+
+@kernel
 def _square(a: Vec) -> float:
     return a[0] * a[0] + a[1] * a[1] + a[2] * a[2]
 
@@ -305,7 +289,7 @@ def _fall_asleep(motion: Any) -> None:
 
 @kernel
 def _end(body: Any, motion: Any, dynamics: Any, dt: float) -> bool:
-    """One body at the end of a tick; False when its forces are not finite."""
+    """One body at the end of a tick; False when its forces, or where they lead, are not finite."""
     if motion.asleep:
         return True
     if not (all_finite(motion.force) and all_finite(motion.torque)):
@@ -315,8 +299,7 @@ def _end(body: Any, motion: Any, dynamics: Any, dt: float) -> bool:
         if motion.quiet_ticks > rest_time(dt) and dynamics.stirred == 0:
             _fall_asleep(motion)
             return True
-    _advance(body, motion, dynamics, dt)
-    return True
+    return _advance_soundly(body, motion, dynamics, dt)
 
 
 @kernel
@@ -330,7 +313,7 @@ def _end_all(bodies: Any, motions: Any, dynamics: Any, totals: Any, count: int, 
 def step_bodies(rows: Any, work: Any, counts: Any, dt: float) -> None:
     """End a tick: every body that is awake moves by (11) and (12).
 
-    A body whose forces are not finite is not moved, and the tick is told by `totals.status`.
+    A body whose forces, or where they lead, are not finite is not moved, and the tick is told by `totals.status`.
 
     Args:
         rows: `Rows` of this tick.

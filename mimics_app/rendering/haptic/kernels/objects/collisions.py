@@ -9,13 +9,14 @@ from typing import Any
 
 from mimics_app.contracts.haptic_objects import STATIC, ShapeKind
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.objects.bodies import is_free, load_bodies, rest_time, wake
+from mimics_app.rendering.haptic.kernels.objects.bodies import is_free, rest_time, wake
 from mimics_app.rendering.haptic.kernels.objects.collisions_boxes import separate_boxes
 from mimics_app.rendering.haptic.kernels.objects.collisions_carried_mesh import touch_carried_mesh
 from mimics_app.rendering.haptic.kernels.objects.collisions_hulls import separate_hulls
 from mimics_app.rendering.haptic.kernels.objects.collisions_mesh import touch_mesh
 from mimics_app.rendering.haptic.kernels.objects.collisions_round import touch_by_capsule, touch_by_sphere
 from mimics_app.rendering.haptic.kernels.objects.collisions_walls import touch_wall
+from mimics_app.rendering.haptic.kernels.objects.loads import load_bodies
 from mimics_app.rendering.haptic.kernels.objects.manifold import lay_over, write_feature
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import ANYWHERE
 from mimics_app.rendering.haptic.kernels.objects.resolve import part, push_apart

@@ -39,6 +39,8 @@ _PATCH_RADIUS = 0.3
 """Of the contact patch of a finger, in half widths."""
 _PATCH_TIME = 0.02
 """Damping of a patch against twisting, over its stiffness [s]: the flesh of a fingertip swings hardly at all."""
+_LONGEST_LEAD = 0.02
+"""Most time by which damping lets a finger that slips be ahead of where it is [s]: else it leaves the body."""
 _PATCH_ARM = 2.0 / 3.0
 """Mean arm of Coulomb friction over a disc of even pressure, in radii."""
 
@@ -224,10 +226,11 @@ def _hold_with(
         k: Stiffness across the axis [N/m] > 0.
     """
     _locate(motion, grip, contact)
+    lead = min(surface.damping / k, _LONGEST_LEAD)
     for axis in range(2):
         grip.shift[axis] = 0.0
         for i in range(3):
-            away = motion.centre[i] + grip.place[i] - grip.centre[i] + surface.damping / k * grip.moving[i]
+            away = motion.centre[i] + grip.place[i] - grip.centre[i] + lead * grip.moving[i]
             grip.shift[axis] += away * grip.across[axis, i]
     mu = surface.friction_static if friction.sticking != 0 else surface.friction_dynamic
     friction.touching = 1
