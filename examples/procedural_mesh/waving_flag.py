@@ -12,15 +12,15 @@ from pathlib import Path
 import numpy as np
 
 from mimics_app.rendering.visual.displays.desktop import desktop_views
-from mimics_app.rendering.visual.headless import FrameSet, open_offscreen, render_frames
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.surfaces.headless import FrameSet, open_offscreen, render_frames
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.environment import Sky
-from mimics_app.world.material import Material
-from mimics_app.world.mesh import MeshData, compute_normals
-from mimics_app.world.mesh_buffer import MeshBuffer
-from mimics_app.world.primitives import box, cylinder, plane
+from mimics_app.world.materials.material import Material
+from mimics_app.world.meshes.mesh import MeshData, compute_normals
+from mimics_app.world.meshes.mesh_buffer import MeshBuffer
+from mimics_app.world.meshes.primitives import box, cylinder, plane
 from mimics_app.world.world import World
 
 WIDTH, HEIGHT, COLUMNS, ROWS = 1.5, 0.9, 48, 24

@@ -56,7 +56,7 @@ class Album:
             self._files.append(file)
 
     def _open(self) -> Picture:
-        from mimics_app.rendering.visual.headless import open_offscreen
+        from mimics_app.rendering.visual.surfaces.headless import open_offscreen
 
         session = self._session
         surface = open_offscreen("auto", session.settings.size)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from mimics_app.rendering.visual.hud import CANVAS_HEIGHT, Colour, Hud
+from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Colour, Hud
 
 __all__ = ["draw_board"]
 

@@ -45,11 +45,11 @@ from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.task_manager import TaskManager
 from mimics_app.tasks.trial_file import resolve_trials
-from mimics_app.world.components import Sound, SoundEmitter
-from mimics_app.world.components_haptic import Patient, Robot, Safety
-from mimics_app.world.components_systems import AudioSettings as AudioSystem
-from mimics_app.world.scene import Scene
-from mimics_app.world.scene_file import build_world
+from mimics_app.world.components.robot import Patient, Robot, Safety
+from mimics_app.world.components.systems import AudioSettings as AudioSystem
+from mimics_app.world.components.visible import Sound, SoundEmitter
+from mimics_app.world.scene.file import build_world
+from mimics_app.world.scene.scene import Scene
 
 if TYPE_CHECKING:
     from mimics_app.contracts.audio_port import AudioOutput

@@ -13,9 +13,9 @@ from mimics_app.contracts.scenario_port import Scenario
 from mimics_app.scenarios.pick_and_place import PickAndPlace
 from mimics_app.scenarios.touch_scene import TouchScene
 from mimics_app.scenarios.wavy_tunnel import WavyTunnel
-from mimics_app.world.components_hand import GraspingHand
-from mimics_app.world.components_haptic import Robot, Tunnel
-from mimics_app.world.scene import Scene
+from mimics_app.world.components.hand import GraspingHand
+from mimics_app.world.components.robot import Robot, Tunnel
+from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
 __all__ = ["BUILT_IN", "BY_COMPONENT", "ENTRY_POINT_GROUP", "ONLY_LOOKED_AT", "is_part", "is_playable", "open_scenario"]

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from mimics_app.contracts.haptic import EventKind
 from mimics_app.contracts.messages import TaskOrders
-from mimics_app.world.components_effects import Trigger
+from mimics_app.world.components.effects import Trigger
 
 __all__ = ["TOUCHES", "CueWatch"]
 

@@ -10,7 +10,7 @@ from mimics_app.contracts.errors import DeviceError
 from mimics_app.recording.run import Run
 from mimics_app.rendering.haptic.devices.conformance import Finding, check_device
 from mimics_app.rendering.haptic.devices.registry import build_device
-from mimics_app.world.components_haptic import Patient, Robot
+from mimics_app.world.components.robot import Patient, Robot
 
 __all__ = ["check_by_name"]
 

@@ -9,8 +9,8 @@ from mimics_app.contracts.haptic import Controller
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.rendering.haptic.scene_block import impedance_values
-from mimics_app.world.components_haptic import Impedance
-from mimics_app.world.scene import Scene
+from mimics_app.world.components.robot import Impedance
+from mimics_app.world.scene.scene import Scene
 
 __all__ = ["device_values", "feel_of", "fit_context"]
 

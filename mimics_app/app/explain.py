@@ -10,12 +10,12 @@ import msgspec
 
 from mimics_app.app.plan import Choice, Plan
 from mimics_app.lab.table import Row, Table
-from mimics_app.world.components import LightComponent, Sound, SoundEmitter
-from mimics_app.world.components_effects import Billboard, Particles, Projector
-from mimics_app.world.components_haptic import Tunnel
-from mimics_app.world.components_pictures import Inset, Mirror, Screen
-from mimics_app.world.components_systems import VisualSettings
-from mimics_app.world.scene import Scene
+from mimics_app.world.components.effects import Billboard, Particles, Projector
+from mimics_app.world.components.pictures import Inset, Mirror, Screen
+from mimics_app.world.components.robot import Tunnel
+from mimics_app.world.components.systems import VisualSettings
+from mimics_app.world.components.visible import LightComponent, Sound, SoundEmitter
+from mimics_app.world.scene.scene import Scene
 
 __all__ = ["TICK_GROUP", "UNUSED", "LeftOut", "Part", "describe_plan", "explain_plan"]
 

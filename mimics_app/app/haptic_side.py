@@ -17,8 +17,8 @@ from mimics_app.rendering.haptic.devices.objects_of_rows import device_objects_o
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.rendering.haptic.scene_work import Names, fits, has_objects, row_names, statics_of
-from mimics_app.world.components_haptic import Robot
-from mimics_app.world.scene import Scene
+from mimics_app.world.components.robot import Robot
+from mimics_app.world.scene.scene import Scene
 
 __all__ = ["HapticSide"]
 

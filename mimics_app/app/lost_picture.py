@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable
 from typing import TypeVar
 
-from mimics_app.rendering.visual.surface import Surface
+from mimics_app.rendering.visual.surfaces.surface import Surface
 
 __all__ = ["draw_or_recover"]
 

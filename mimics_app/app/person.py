@@ -10,8 +10,8 @@ from mimics_app.inputs.interaction.plane import FrontalPlane
 from mimics_app.inputs.interaction.pointer import Pointer, PointerSettings
 from mimics_app.inputs.interaction.simulated_patient import SimulatedPatient
 from mimics_app.inputs.stage import Inputs
-from mimics_app.world.components_haptic import Ball, Patient, Robot
-from mimics_app.world.scene import Scene
+from mimics_app.world.components.robot import Ball, Patient, Robot
+from mimics_app.world.scene.scene import Scene
 
 __all__ = ["person_inputs", "simulated_person"]
 

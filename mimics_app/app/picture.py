@@ -16,18 +16,18 @@ from mimics_app.app.video import Film
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import SceneError, nearest
 from mimics_app.contracts.input_port import Ray
-from mimics_app.rendering.visual.capabilities import read_capabilities
 from mimics_app.rendering.visual.displays.desktop import desktop_views
+from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT
 from mimics_app.rendering.visual.frame_stats import FrameStats
-from mimics_app.rendering.visual.headless import save_png
-from mimics_app.rendering.visual.hud import CANVAS_HEIGHT
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.surface import Surface
+from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
+from mimics_app.rendering.visual.surfaces.headless import save_png
+from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.components import Hud as HudComponent
-from mimics_app.world.components_systems import VisualSettings
-from mimics_app.world.scene import Scene
+from mimics_app.world.components.systems import VisualSettings
+from mimics_app.world.components.visible import Hud as HudComponent
+from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
 __all__ = ["Picture", "draws_in_software", "live_quality", "picture_quality"]

@@ -16,10 +16,10 @@ import msgspec
 from mimics_app.app.settings import Profile
 from mimics_app.app.tolerances import FIELD_OF_UNIT, tolerances_of
 from mimics_app.lab.table import Row, Table
-from mimics_app.world.components import Sound
-from mimics_app.world.components_haptic import Admittance, Tunnel
-from mimics_app.world.components_systems import AudioSettings, HapticSettings
-from mimics_app.world.scene import Scene
+from mimics_app.world.components.robot import Admittance, Tunnel
+from mimics_app.world.components.systems import AudioSettings, HapticSettings
+from mimics_app.world.components.visible import Sound
+from mimics_app.world.scene.scene import Scene
 
 __all__ = ["USES", "Choice", "Plan", "Use", "choose", "load_table", "plan_scene", "settle"]
 

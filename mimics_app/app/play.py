@@ -92,7 +92,7 @@ def _told_where(session: Session) -> Iterator[None]:
 def _play_in_window(session: Session, frames: Frames) -> None:
     """A person plays: window, live loop, sound card."""
     from mimics_app.app.person import person_inputs
-    from mimics_app.rendering.visual.contexts import create_surface
+    from mimics_app.rendering.visual.surfaces.contexts import create_surface
 
     start_loop(session)
     surface = create_surface("window", session.settings.size, session.scene.name)

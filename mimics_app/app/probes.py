@@ -51,7 +51,7 @@ def probe_graphics(backend: str) -> dict[str, Any]:
     Raises:
         DeviceError: It gives none.
     """
-    from mimics_app.rendering.visual.contexts import create_surface
+    from mimics_app.rendering.visual.surfaces.contexts import create_surface
 
     surface = create_surface(backend, (64, 64), vsync=False)
     try:
@@ -97,7 +97,7 @@ def probe_scheduler() -> dict[str, Any]:
 
 def probe_attached() -> dict[str, Any]:
     """Displays and gamepads; needs a display server, so "ok" is false on a bare console."""
-    from mimics_app.rendering.visual.attached import list_attached
+    from mimics_app.rendering.visual.drawing.attached import list_attached
 
     displays, gamepads = list_attached()
     return {"displays": [asdict(display) for display in displays], "gamepads": gamepads}

@@ -22,8 +22,8 @@ from mimics_app.app.rehearsal import Rehearsal
 from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.rendering.visual.contexts import create_surface
-from mimics_app.world.scene import Scene
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
 __all__ = ["main"]

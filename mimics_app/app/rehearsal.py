@@ -15,9 +15,9 @@ from mimics_app.contracts.clock import TICKS_PER_SECOND
 from mimics_app.contracts.haptic import INBOX, SAMPLE, SafetyState
 from mimics_app.contracts.scenario_port import Home
 from mimics_app.rendering.haptic.devices.registry import build_device
-from mimics_app.world.components_haptic import Patient, Robot
-from mimics_app.world.scene import Scene
-from mimics_app.world.scene_file import build_world
+from mimics_app.world.components.robot import Patient, Robot
+from mimics_app.world.scene.file import build_world
+from mimics_app.world.scene.scene import Scene
 
 __all__ = ["Rehearsal", "rehearse"]
 

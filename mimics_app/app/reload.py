@@ -12,9 +12,9 @@ from mimics_app.app.plan import settle
 from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.app.session import Session
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.world.reload import reload_scene
-from mimics_app.world.scene_file import build_world
-from mimics_app.world.watcher import SceneWatcher
+from mimics_app.world.scene.file import build_world
+from mimics_app.world.scene.reload import reload_scene
+from mimics_app.world.scene.watcher import SceneWatcher
 
 __all__ = ["SceneReload"]
 

@@ -13,9 +13,9 @@ from mimics_app.app.render_workloads import Workload, open_workload
 from mimics_app.contracts.clock import MonotonicClock, process_seconds
 from mimics_app.contracts.errors import UsageError, nearest
 from mimics_app.rendering.visual.frame_stats import FrameStats
-from mimics_app.rendering.visual.headless import open_offscreen, read_pixels, save_png
 from mimics_app.rendering.visual.renderer import Renderer
-from mimics_app.rendering.visual.surface import Size, Surface
+from mimics_app.rendering.visual.surfaces.headless import open_offscreen, read_pixels, save_png
+from mimics_app.rendering.visual.surfaces.surface import Size, Surface
 
 __all__ = ["OPTIONS", "RenderBench", "measure_render"]
 

@@ -22,8 +22,8 @@ from mimics_app.maths.mat import look_at
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.environment import Sky
-from mimics_app.world.model_world import load_model_world, read_model
-from mimics_app.world.scene_file import build_world
+from mimics_app.world.gltf.model_world import load_model_world, read_model
+from mimics_app.world.scene.file import build_world
 from mimics_app.world.world import World
 
 __all__ = ["WORKLOADS", "City", "Nodes", "Walk", "Workload", "open_workload"]

@@ -17,10 +17,10 @@ from mimics_app.rendering.haptic.scene_objects import check_objects
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
 from mimics_app.tasks.actions import haptic_field
 from mimics_app.tasks.task import TaskSpec
-from mimics_app.world.components_haptic import Robot, Tunnel
-from mimics_app.world.placing import pose_of
-from mimics_app.world.scene import Scene
-from mimics_app.world.scene_file import load_scene
+from mimics_app.world.components.robot import Robot, Tunnel
+from mimics_app.world.scene.file import load_scene
+from mimics_app.world.scene.placing import pose_of
+from mimics_app.world.scene.scene import Scene
 
 __all__ = ["find_scene", "load_checked_scene"]
 

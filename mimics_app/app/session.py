@@ -23,7 +23,7 @@ from mimics_app.recording.manifest import Manifest
 from mimics_app.recording.recorder import Recorder
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.tasks.task_manager import TaskManager
-from mimics_app.world.scene import Scene
+from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
 __all__ = ["Session"]

@@ -9,9 +9,9 @@ import msgspec
 
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.world.components import LightComponent
-from mimics_app.world.scene import Scene, SceneEntity
-from mimics_app.world.scene_file import build_world
+from mimics_app.world.components.visible import LightComponent
+from mimics_app.world.scene.file import build_world
+from mimics_app.world.scene.scene import Scene, SceneEntity
 
 if TYPE_CHECKING:
     from mimics_app.app.picture import Picture
@@ -29,7 +29,7 @@ def measure_shadow_us(scene: Scene) -> float | None:
     None where no picture can be drawn here, or the scene has no sun or no camera.
     """
     from mimics_app.app.picture import Picture, picture_quality
-    from mimics_app.rendering.visual.headless import open_offscreen
+    from mimics_app.rendering.visual.surfaces.headless import open_offscreen
 
     shaded = replace(scene, entities=[_shading(entity) for entity in scene.entities])
     world = build_world(shaded)

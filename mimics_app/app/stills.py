@@ -16,9 +16,9 @@ from mimics_app.app.settings import RunSettings
 from mimics_app.app.video import FRAMES_PER_SECOND, draw_film
 from mimics_app.contracts.clock import TICKS_PER_SECOND
 from mimics_app.contracts.messages import TaskOrders
-from mimics_app.rendering.visual.headless import open_offscreen, render_frames
+from mimics_app.rendering.visual.surfaces.headless import open_offscreen, render_frames
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.scene_file import build_world
+from mimics_app.world.scene.file import build_world
 from mimics_app.world.world import World
 
 __all__ = ["Stills", "draw_stills"]

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 import msgspec
 
 from mimics_app.app.settings import Profile
-from mimics_app.world.components_systems import Tolerances
-from mimics_app.world.scene import Scene
+from mimics_app.world.components.systems import Tolerances
+from mimics_app.world.scene.scene import Scene
 
 __all__ = ["BY_PROFILE", "FIELD_OF_UNIT", "tolerances_of"]
 

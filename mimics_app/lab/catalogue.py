@@ -13,43 +13,43 @@ __all__ = ["GROUPS", "load_methods"]
 
 
 def _tunnel() -> None:
-    import mimics_app.rendering.haptic.methods_tunnel
+    import mimics_app.rendering.haptic.methods.tunnel
 
 
 def _admittance() -> None:
-    import mimics_app.rendering.haptic.methods_admittance
+    import mimics_app.rendering.haptic.methods.admittance
 
 
 def _integrators() -> None:
-    import mimics_app.rendering.haptic.methods_integrators
+    import mimics_app.rendering.haptic.methods.integrators
 
 
 def _rotation() -> None:
-    import mimics_app.rendering.haptic.methods_rotation
+    import mimics_app.rendering.haptic.methods.rotation
 
 
 def _contact() -> None:
-    import mimics_app.rendering.haptic.methods_contact
+    import mimics_app.rendering.haptic.methods.contact
 
 
 def _bodies() -> None:
-    import mimics_app.rendering.haptic.methods_bodies
+    import mimics_app.rendering.haptic.methods.bodies
 
 
 def _friction() -> None:
-    import mimics_app.rendering.haptic.methods_friction
+    import mimics_app.rendering.haptic.methods.friction
 
 
 def _cull() -> None:
-    import mimics_app.rendering.haptic.methods_cull
+    import mimics_app.rendering.haptic.methods.cull
 
 
 def _bounding() -> None:
-    import mimics_app.rendering.haptic.methods_bounding
+    import mimics_app.rendering.haptic.methods.bounding
 
 
 def _mesh() -> None:
-    import mimics_app.rendering.haptic.methods_mesh
+    import mimics_app.rendering.haptic.methods.mesh
 
 
 def _sound() -> None:
@@ -57,23 +57,23 @@ def _sound() -> None:
 
 
 def _culling() -> None:
-    import mimics_app.rendering.visual.methods_culling
+    import mimics_app.rendering.visual.methods.culling
 
 
 def _shadows() -> None:
-    import mimics_app.rendering.visual.methods_shadows
+    import mimics_app.rendering.visual.methods.shadows
 
 
 def _city() -> None:
-    import mimics_app.rendering.visual.methods_city
+    import mimics_app.rendering.visual.methods.city
 
 
 def _frame() -> None:
-    import mimics_app.rendering.visual.methods_frame
+    import mimics_app.rendering.visual.methods.frame
 
 
 def _anti_aliasing() -> None:
-    import mimics_app.rendering.visual.methods_anti_aliasing
+    import mimics_app.rendering.visual.methods.anti_aliasing
 
 
 def _tick() -> None:

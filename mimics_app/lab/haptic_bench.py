@@ -21,18 +21,18 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.contracts.session_memory import Capacities, SessionMemory
 from mimics_app.lab.haptic_peers import PEERS, chai3d_us
-from mimics_app.rendering.haptic.body_worlds import heap_of_boxes
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.kernels.objects.hand import HAND_LENGTH
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
+from mimics_app.rendering.haptic.methods.body_worlds import heap_of_boxes
+from mimics_app.rendering.haptic.methods.probe import shortest_us
+from mimics_app.rendering.haptic.methods.touch_probe import DT, RADIUS, STIFFNESS, touch_scene
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS
 from mimics_app.rendering.haptic.objects import ObjectWork, new_object_work
-from mimics_app.rendering.haptic.probe import shortest_us
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.rendering.haptic.simulate import simulate_objects
-from mimics_app.rendering.haptic.touch_probe import DT, RADIUS, STIFFNESS, touch_scene
-from mimics_app.world.components_haptic import Patient, Robot
+from mimics_app.world.components.robot import Patient, Robot
 
 __all__ = ["BODY_WORKLOADS", "Scene", "measure_haptic", "reference_us"]
 

@@ -17,8 +17,8 @@ from typing import Any, TypeGuard
 from mimics_app.contracts.action_space import ActionSpace
 from mimics_app.contracts.errors import Issue, SceneError, nearest
 from mimics_app.contracts.messages import TaskAction, UserState
-from mimics_app.world.json_text import escape, parse_json
-from mimics_app.world.scene_source import read_bytes
+from mimics_app.world.scene.json_text import escape, parse_json
+from mimics_app.world.scene.source import read_bytes
 
 __all__ = ["ActionSequence", "TimedAction", "load_action_sequence"]
 

@@ -18,9 +18,9 @@ from mimics_app.scenarios.picking import Picker, Sight
 from mimics_app.scenarios.robot_scene import robot_block, start_at, triple
 from mimics_app.tasks.carry_spec import CarrySpec
 from mimics_app.tasks.task import TaskSpec
-from mimics_app.world.components_hand import GraspingHand
-from mimics_app.world.components_haptic import Robot
-from mimics_app.world.scene import Scene
+from mimics_app.world.components.hand import GraspingHand
+from mimics_app.world.components.robot import Robot
+from mimics_app.world.scene.scene import Scene
 from mimics_app.world.scene_node import SceneNode
 from mimics_app.world.world import World
 

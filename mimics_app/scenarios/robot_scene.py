@@ -11,8 +11,8 @@ from mimics_app.contracts.haptic import Controller
 from mimics_app.contracts.scenario_port import Home
 from mimics_app.rendering.haptic.kernels.kinematics import inverse
 from mimics_app.rendering.haptic.scene_block import axis_offset, robot_from_world, scene_from_components
-from mimics_app.world.components_haptic import Admittance, Ball, JointPd, Robot, Safety, WorldPd
-from mimics_app.world.scene import Scene
+from mimics_app.world.components.robot import Admittance, Ball, JointPd, Robot, Safety, WorldPd
+from mimics_app.world.scene.scene import Scene
 
 __all__ = ["Vec3", "perhaps", "robot_block", "start_at", "triple"]
 

@@ -17,11 +17,11 @@ from mimics_app.rendering.haptic.scene_effects import curve_of_path
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.scenarios.body_nodes import BodyNodes
 from mimics_app.scenarios.robot_scene import perhaps, robot_block, start_at
-from mimics_app.world.components_haptic import Ball, Patient, Robot
-from mimics_app.world.components_objects import HapticObject, HapticPath, InteractionPoints
-from mimics_app.world.placing import pose_of
-from mimics_app.world.primitives import tube
-from mimics_app.world.scene import Scene
+from mimics_app.world.components.objects import HapticObject, HapticPath, InteractionPoints
+from mimics_app.world.components.robot import Ball, Patient, Robot
+from mimics_app.world.meshes.primitives import tube
+from mimics_app.world.scene.placing import pose_of
+from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
 __all__ = ["TouchScene"]

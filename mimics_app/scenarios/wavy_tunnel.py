@@ -16,12 +16,12 @@ from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
 from mimics_app.scenarios.body_nodes import BodyNodes
 from mimics_app.scenarios.robot_scene import robot_block, start_at
-from mimics_app.world.components import TunnelView
-from mimics_app.world.components_haptic import Ball, Robot, Tunnel
-from mimics_app.world.components_systems import HapticSettings
-from mimics_app.world.mesh import MeshData
-from mimics_app.world.primitives import tube
-from mimics_app.world.scene import Scene
+from mimics_app.world.components.robot import Ball, Robot, Tunnel
+from mimics_app.world.components.systems import HapticSettings
+from mimics_app.world.components.visible import TunnelView
+from mimics_app.world.meshes.mesh import MeshData
+from mimics_app.world.meshes.primitives import tube
+from mimics_app.world.scene.scene import Scene
 from mimics_app.world.scene_node import SceneNode
 from mimics_app.world.world import World
 

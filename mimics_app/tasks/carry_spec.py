@@ -6,7 +6,7 @@ from typing import Annotated
 
 from msgspec import Meta
 
-from mimics_app.world.registry import Component
+from mimics_app.world.components.registry import Component
 
 __all__ = ["BoxSpec", "CarrySpec", "GripSpec"]
 

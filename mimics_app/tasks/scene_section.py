@@ -8,13 +8,13 @@ from mimics_app.contracts.errors import Issue, SceneError, nearest
 from mimics_app.tasks.check import check_task, object_of_target
 from mimics_app.tasks.task import DurationGoal, ProgressGoal, SoundDeed, TaskSpec
 from mimics_app.tasks.trial_file import resolve_trials
-from mimics_app.world.components import Sound
-from mimics_app.world.components_haptic import Robot, Tunnel
-from mimics_app.world.json_text import escape
-from mimics_app.world.registry import register_section
+from mimics_app.world.components.registry import register_section
+from mimics_app.world.components.robot import Robot, Tunnel
+from mimics_app.world.components.visible import Sound
+from mimics_app.world.scene.json_text import escape
 
 if TYPE_CHECKING:
-    from mimics_app.world.scene import Scene
+    from mimics_app.world.scene.scene import Scene
 
 __all__ = ["check_section", "task_of"]
 

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from msgspec import Meta, field
 
 from mimics_app.tasks.carry_spec import CarrySpec
-from mimics_app.world.registry import Component
+from mimics_app.world.components.registry import Component
 
 __all__ = [
     "ActionDeed",

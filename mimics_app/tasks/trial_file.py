@@ -10,10 +10,10 @@ import msgspec
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.tasks.check import check_blocks
 from mimics_app.tasks.task import BlockSpec, TaskSpec
-from mimics_app.world.json_text import parse_json
-from mimics_app.world.paths import PathFault, find_file
-from mimics_app.world.scene_source import read_bytes
-from mimics_app.world.struct_reader import FAILED, read_struct
+from mimics_app.world.components.struct_reader import FAILED, read_struct
+from mimics_app.world.scene.json_text import parse_json
+from mimics_app.world.scene.paths import PathFault, find_file
+from mimics_app.world.scene.source import read_bytes
 
 __all__ = ["find_trial_file", "load_blocks", "resolve_trials"]
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.world.components_effects import Billboard, Particles, Projector, Trigger
+from mimics_app.world.components.effects import Billboard, Particles, Projector, Trigger
 from mimics_app.world.graph import SceneGraph
 
 __all__ = ["Burst", "Effects"]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mimics_app.world.material import Affine, Material, TextureData
+from mimics_app.world.materials.material import Affine, Material, TextureData
 
 if TYPE_CHECKING:
     from mimics_app.world.entity import Entity

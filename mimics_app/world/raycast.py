@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.world.mesh import MeshData
+from mimics_app.world.meshes.mesh import MeshData
 from mimics_app.world.world import World
 
 __all__ = ["RayHit", "cast_ray", "meet_triangles"]

@@ -14,12 +14,12 @@ from mimics_app.world.environment import Sky
 from mimics_app.world.graph import SceneGraph
 from mimics_app.world.light import Light
 from mimics_app.world.live_pictures import InsetView, MirrorSurface, ScreenSurface
-from mimics_app.world.material import Material, TextureData
-from mimics_app.world.mesh import MeshData
-from mimics_app.world.mesh_buffer import MeshBuffer
+from mimics_app.world.materials.material import Material, TextureData
+from mimics_app.world.materials.technique import TechniqueSpec
+from mimics_app.world.meshes.mesh import MeshData
+from mimics_app.world.meshes.mesh_buffer import MeshBuffer
 from mimics_app.world.render_list import RenderList
 from mimics_app.world.scene_node import SceneNode
-from mimics_app.world.technique import TechniqueSpec
 from mimics_app.world.transforms import TransformTable
 
 __all__ = ["DEFAULT_MATERIAL", "World"]

@@ -48,7 +48,7 @@ PLATFORM_HOMES = {
     ),
     "the GL context": (
         re.compile(r"^moderngl\.(create_context|create_standalone_context|get_context)$"),
-        {"rendering/visual/contexts.py", "rendering/visual/window.py"},
+        {"rendering/visual/surfaces/contexts.py", "rendering/visual/surfaces/window.py"},
     ),
 }
 

@@ -19,13 +19,13 @@ from mimics_app.app.play import play
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.rendering.visual.contexts import create_surface
 from mimics_app.rendering.visual.displays.desktop import desktop_views
-from mimics_app.rendering.visual.headless import read_pixels
 from mimics_app.rendering.visual.renderer import Renderer
-from mimics_app.rendering.visual.reset_status import ResetStatus
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.surface import Surface
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.headless import read_pixels
+from mimics_app.rendering.visual.surfaces.reset_status import ResetStatus
+from mimics_app.rendering.visual.surfaces.surface import Surface
 from tests.golden.demo_world import make_tunnel_world
 from tests.support.xvfb import display
 
@@ -72,9 +72,9 @@ def test_a_driver_is_asked_and_one_that_cannot_be_is_taken_to_be_well():
 
 _WINDOW = """
 import numpy as np
-from mimics_app.rendering.visual.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.displays.desktop import desktop_views
-from mimics_app.rendering.visual.headless import read_pixels
+from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from tests.golden.demo_world import make_tunnel_world

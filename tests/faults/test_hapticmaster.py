@@ -25,7 +25,7 @@ from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.simulated_hapticmaster import build_simulated_hapticmaster
 from mimics_app.rendering.haptic.kernels.arm import ARM_MASS
 from mimics_app.rendering.haptic.kernels.robot import ROBOT_LENGTH
-from mimics_app.world.components_haptic import Robot
+from mimics_app.world.components.robot import Robot
 from tests.support.device_rig import Rig, hapticmaster_rig
 from tests.support.haptic_bench import Bench, bench_of
 

@@ -13,7 +13,7 @@ from mimics_app.contracts.haptic import DeviceStatus, SafetyState, TripCause
 from mimics_app.rendering.haptic.devices import serial_frames, serial_robot
 from mimics_app.rendering.haptic.devices.emulators.serial_robot import WATCHDOG
 from mimics_app.rendering.haptic.devices.registry import build_device
-from mimics_app.world.components_haptic import Robot
+from mimics_app.world.components.robot import Robot
 from tests.support.device_rig import Rig, pushed_serial_rig, serial_rig
 from tests.support.haptic_bench import PUSH, Bench, bench_of
 

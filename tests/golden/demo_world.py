@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from mimics_app.world.entity import Entity
 from mimics_app.world.environment import Sky
-from mimics_app.world.material import Material
-from mimics_app.world.mesh import MeshData
-from mimics_app.world.primitives import plane, ring, sphere, tube
+from mimics_app.world.materials.material import Material
+from mimics_app.world.meshes.mesh import MeshData
+from mimics_app.world.meshes.primitives import plane, ring, sphere, tube
 from mimics_app.world.world import World
 
 F8 = NDArray[np.float64]

@@ -14,13 +14,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.rendering.visual.contexts import create_surface
 from mimics_app.rendering.visual.displays.desktop import desktop_views
-from mimics_app.rendering.visual.headless import read_pixels
-from mimics_app.rendering.visual.hud import Hud
+from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.surface import Surface
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.headless import read_pixels
+from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.world import World
 from tests.golden.demo_world import make_tunnel_world
@@ -80,7 +80,7 @@ def main(backend: str, out: Path) -> None:
 
 
 def _through_the_glass(surface: Surface) -> Picture:
-    from mimics_app.rendering.visual.window import WindowSurface
+    from mimics_app.rendering.visual.surfaces.window import WindowSurface
 
     assert isinstance(surface, WindowSurface)
     surface.swap()

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.world.environment import Backdrop, Fog, Sky
-from mimics_app.world.material import Material, TextureData
-from mimics_app.world.primitives import box, plane, sphere
+from mimics_app.world.materials.material import Material, TextureData
+from mimics_app.world.meshes.primitives import box, plane, sphere
 from mimics_app.world.world import World
 
 

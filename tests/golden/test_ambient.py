@@ -9,15 +9,15 @@ import pytest
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import DeviceError, UsageError
-from mimics_app.rendering.visual.contexts import create_surface
 from mimics_app.rendering.visual.displays.desktop import compose_look_at, desktop_views
 from mimics_app.rendering.visual.quality_steps import quality_steps
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.environment import Sky
-from mimics_app.world.material import Material
-from mimics_app.world.primitives import box, plane, sphere
+from mimics_app.world.materials.material import Material
+from mimics_app.world.meshes.primitives import box, plane, sphere
 from mimics_app.world.world import World
 from tests.golden.drawing import draw_world
 from tests.golden.material_world import make_room

@@ -10,15 +10,15 @@ import pytest
 
 from mimics_app.app.cli import main
 from mimics_app.maths.mat import look_at
-from mimics_app.rendering.visual.contexts import create_surface
-from mimics_app.rendering.visual.headless import read_pixels
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.environment import Sky
-from mimics_app.world.material import Material, TextureData
-from mimics_app.world.mesh import MeshData
-from mimics_app.world.primitives import box, sphere
+from mimics_app.world.materials.material import Material, TextureData
+from mimics_app.world.meshes.mesh import MeshData
+from mimics_app.world.meshes.primitives import box, sphere
 from mimics_app.world.world import World
 from tests.golden.drawing import draw_offscreen
 from tests.support.gltf_maker import glb, square

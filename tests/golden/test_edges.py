@@ -10,8 +10,8 @@ from mimics_app.rendering.visual.displays.desktop import compose_look_at
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.environment import Sky
-from mimics_app.world.material import Material
-from mimics_app.world.mesh import MeshData
+from mimics_app.world.materials.material import Material
+from mimics_app.world.meshes.mesh import MeshData
 from mimics_app.world.world import World
 from tests.golden.drawing import draw_offscreen
 

@@ -8,7 +8,7 @@ import glfw
 import pytest
 
 from mimics_app.contracts.window_input import GamepadState
-from mimics_app.rendering.visual.window import WindowSurface
+from mimics_app.rendering.visual.surfaces.window import WindowSurface
 
 
 @pytest.fixture

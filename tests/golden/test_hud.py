@@ -7,14 +7,14 @@ import pytest
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import SceneError
-from mimics_app.rendering.visual.contexts import create_surface
 from mimics_app.rendering.visual.displays.desktop import compute_tangents
-from mimics_app.rendering.visual.glyphs import load_glyph_atlas
-from mimics_app.rendering.visual.headless import read_pixels
-from mimics_app.rendering.visual.hud import Hud
+from mimics_app.rendering.visual.figures.glyphs import load_glyph_atlas
+from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.rendering.visual.passes.hud import plane_of_views
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.environment import Sky
 from mimics_app.world.world import World

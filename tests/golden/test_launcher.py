@@ -15,9 +15,9 @@ import pytest
 
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.window_input import GamepadState, InputEvent
-from mimics_app.rendering.visual.contexts import create_surface
-from mimics_app.rendering.visual.headless import read_pixels
-from mimics_app.rendering.visual.launcher import Launcher, ScenarioCard
+from mimics_app.rendering.visual.figures.launcher import Launcher, ScenarioCard
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from tests.support.xvfb import display
 
 _ROOT = Path(__file__).parents[2]
@@ -141,8 +141,8 @@ def test_nothing_to_choose_from_is_refused():
 _PROGRAM = """
 import json, sys
 from tests.golden.test_launcher import CARDS, OPTIONS
-from mimics_app.rendering.visual.contexts import create_surface
-from mimics_app.rendering.visual.launcher import Launcher
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.figures.launcher import Launcher
 with create_surface("window", (1280, 720), "mimics") as surface:
     launcher = Launcher(surface, CARDS, OPTIONS)
     for _ in range(3000):

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import SceneError, UsageError
-from mimics_app.rendering.visual.contexts import create_surface
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.model_world import load_model_world
-from mimics_app.world.primitives import icosphere
+from mimics_app.world.gltf.model_world import load_model_world
+from mimics_app.world.meshes.primitives import icosphere
 from mimics_app.world.world import World
 from tests.support.gltf_maker import INDICES, POSITIONS, GltfMaker, glb
 

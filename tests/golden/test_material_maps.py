@@ -9,8 +9,8 @@ from mimics_app.rendering.visual.displays.desktop import compose_look_at
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.environment import Sky
-from mimics_app.world.material import IDENTITY, Material, TextureData
-from mimics_app.world.primitives import plane
+from mimics_app.world.materials.material import IDENTITY, Material, TextureData
+from mimics_app.world.meshes.primitives import plane
 from mimics_app.world.world import World
 from tests.golden.drawing import draw_offscreen
 from tests.golden.test_shading import encode, front_view, make_ball

@@ -7,10 +7,10 @@ import pytest
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.rendering.visual.contexts import create_surface
 from mimics_app.rendering.visual.displays.desktop import desktop_views
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.surface import Surface
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.surface import Surface
 from tests.golden.drawing import draw_world
 from tests.golden.material_world import make_room
 

@@ -5,19 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.rendering.visual.contexts import create_surface
 from mimics_app.rendering.visual.displays.desktop import compose_look_at
-from mimics_app.rendering.visual.headless import read_pixels
-from mimics_app.rendering.visual.mesh_arena import MeshArena
+from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.environment import Sky
-from mimics_app.world.material import Material
-from mimics_app.world.mesh import MeshData
-from mimics_app.world.mesh_buffer import MeshBuffer
-from mimics_app.world.primitives import box, plane
-from mimics_app.world.vertex_declaration import COLOUR_DECLARATION, VERTEX_DECLARATION
+from mimics_app.world.materials.material import Material
+from mimics_app.world.meshes.mesh import MeshData
+from mimics_app.world.meshes.mesh_buffer import MeshBuffer
+from mimics_app.world.meshes.primitives import box, plane
+from mimics_app.world.meshes.vertex_declaration import COLOUR_DECLARATION, VERTEX_DECLARATION
 from mimics_app.world.world import World
 
 SIZE = (64, 64)

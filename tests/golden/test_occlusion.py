@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 from mimics_app.maths.mat import look_at
-from mimics_app.rendering.visual.contexts import create_surface
-from mimics_app.rendering.visual.headless import read_pixels
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.material import Material
-from mimics_app.world.mesh import MeshData
-from mimics_app.world.model_world import load_model_world
-from mimics_app.world.primitives import box, icosphere, plane
+from mimics_app.world.gltf.model_world import load_model_world
+from mimics_app.world.materials.material import Material
+from mimics_app.world.meshes.mesh import MeshData
+from mimics_app.world.meshes.primitives import box, icosphere, plane
 from mimics_app.world.world import World
 from tests.support.gltf_maker import GltfMaker, glb
 from tests.verification.test_solids import house

@@ -11,20 +11,20 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.clock import VirtualClock
-from mimics_app.rendering.visual.contexts import create_surface
 from mimics_app.rendering.visual.displays.desktop import compose_look_at, compute_tangents
-from mimics_app.rendering.visual.headless import read_pixels
-from mimics_app.rendering.visual.hud import HUD_ROW, Hud
+from mimics_app.rendering.visual.figures.hud import HUD_ROW, Hud
 from mimics_app.rendering.visual.overlay.frame_graph import draw_frame_graph
 from mimics_app.rendering.visual.overlay.line_set import LineSet, box_lines, circle_lines
 from mimics_app.rendering.visual.overlay.overlay import LAYERS, Arrow
 from mimics_app.rendering.visual.overlay.stage_times import FrameTimes, StageTimes
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.environment import Sky
-from mimics_app.world.material import Material
-from mimics_app.world.primitives import box, plane
+from mimics_app.world.materials.material import Material
+from mimics_app.world.meshes.primitives import box, plane
 from mimics_app.world.world import World
 
 SIZE = (480, 270)
@@ -154,7 +154,7 @@ def test_a_picture_without_overlay_imports_none_of_it():
     program = """
 import json, sys
 from tests.golden.test_safe_pictures import view_from_above
-from mimics_app.rendering.visual.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.world.world import World
 with create_surface("egl", (16, 16)) as surface:

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import DeviceError, UsageError
-from mimics_app.rendering.visual.contexts import create_surface
-from mimics_app.rendering.visual.headless import open_offscreen, read_pixels, save_png
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.headless import open_offscreen, read_pixels, save_png
 from tests.golden.conftest import compare_pictures
 from tests.golden.drawing import SIZE, draw_tunnel
 from tests.support.xvfb import display

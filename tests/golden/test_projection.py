@@ -7,14 +7,14 @@ import pytest
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import UsageError
-from mimics_app.rendering.visual.contexts import create_surface
 from mimics_app.rendering.visual.displays.desktop import compose_look_at, compute_tangents, desktop_views
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.view import View, compute_frustum_planes
 from mimics_app.world.environment import Sky
-from mimics_app.world.material import Material
-from mimics_app.world.primitives import ring, sphere
+from mimics_app.world.materials.material import Material
+from mimics_app.world.meshes.primitives import ring, sphere
 from mimics_app.world.world import World
 from tests.golden.demo_world import make_tunnel_world
 from tests.golden.drawing import SIZE, draw_offscreen, draw_world
@@ -118,7 +118,8 @@ def test_culling_never_takes_what_is_seen(monkeypatch):
         culled = draw_world(surface, world, [view], PLAIN)
         fewer = Renderer(surface, world, PLAIN).draw([view]).triangles
         monkeypatch.setattr(
-            "mimics_app.rendering.visual.draw_list.compute_frustum_planes", lambda _: np.array([[0.0, 0, 0, 1.0]] * 6)
+            "mimics_app.rendering.visual.drawing.draw_list.compute_frustum_planes",
+            lambda _: np.array([[0.0, 0, 0, 1.0]] * 6),
         )
         whole = draw_world(surface, world, [view], PLAIN)
         every = Renderer(surface, world, PLAIN).draw([view]).triangles

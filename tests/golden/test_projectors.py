@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mimics_app.rendering.visual.contexts import create_surface
 from mimics_app.rendering.visual.displays.desktop import compose_look_at, compute_tangents
-from mimics_app.rendering.visual.projectors import clip_from_projector
+from mimics_app.rendering.visual.effects.projectors import clip_from_projector
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.components_effects import Projector
+from mimics_app.world.components.effects import Projector
 from mimics_app.world.environment import Sky
-from mimics_app.world.material import Material, TextureData
-from mimics_app.world.primitives import box, plane
+from mimics_app.world.materials.material import Material, TextureData
+from mimics_app.world.meshes.primitives import box, plane
 from mimics_app.world.world import World
 from tests.golden.drawing import draw_offscreen
 from tests.golden.test_sprites import encode

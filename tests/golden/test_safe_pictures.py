@@ -15,16 +15,16 @@ from mimics_app.app.viewer.shown import open_shown
 from mimics_app.app.viewer.stage import ViewerStage
 from mimics_app.contracts.errors import SceneError
 from mimics_app.rendering.visual import renderer as renderer_module
-from mimics_app.rendering.visual.capabilities import read_capabilities
-from mimics_app.rendering.visual.contexts import create_surface
-from mimics_app.rendering.visual.headless import read_pixels
-from mimics_app.rendering.visual.picture_arrays import halved
+from mimics_app.rendering.visual.materials.picture_arrays import halved
 from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.world.environment import Backdrop
-from mimics_app.world.gltf_file import load_gltf
-from mimics_app.world.gltf_nodes import MAX_DEPTH
-from mimics_app.world.material import MISSING_PICTURE, Material, TextureData
-from mimics_app.world.scene_file import build_world, load_scene
+from mimics_app.world.gltf.file import load_gltf
+from mimics_app.world.gltf.nodes import MAX_DEPTH
+from mimics_app.world.materials.material import MISSING_PICTURE, Material, TextureData
+from mimics_app.world.scene.file import build_world, load_scene
 from tests.golden.test_techniques import PLAIN, draw, make_world
 from tests.support.gltf_maker import square, write_gltf
 

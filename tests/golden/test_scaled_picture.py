@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import UsageError
-from mimics_app.rendering.visual.contexts import create_surface
 from mimics_app.rendering.visual.displays.desktop import desktop_views
-from mimics_app.rendering.visual.headless import read_pixels
 from mimics_app.rendering.visual.quality_steps import quality_steps
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
 from tests.golden.demo_world import make_tunnel_world
 from tests.golden.drawing import SIZE, Picture, draw_offscreen, draw_world, lay_out

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import SceneError
-from mimics_app.rendering.visual.contexts import create_surface
 from mimics_app.rendering.visual.displays.desktop import desktop_views
-from mimics_app.rendering.visual.headless import read_pixels
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.shader_library import ShaderLibrary
-from mimics_app.world.material import Material
-from mimics_app.world.primitives import sphere
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.headless import read_pixels
+from mimics_app.world.materials.material import Material
+from mimics_app.world.meshes.primitives import sphere
 from tests.golden.demo_world import make_tunnel_world
 
 _SHADERS = Path(__file__).parents[2] / "shaders"

@@ -10,18 +10,18 @@ import pytest
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import DeviceError, UsageError
-from mimics_app.rendering.visual.contexts import create_surface
 from mimics_app.rendering.visual.displays.desktop import compose_look_at
-from mimics_app.rendering.visual.draw_list import Casters
-from mimics_app.rendering.visual.headless import read_pixels
+from mimics_app.rendering.visual.drawing.draw_list import Casters
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.shadow_maps import fit_cascades
-from mimics_app.rendering.visual.shadow_volumes import VolumeSource, extrude
+from mimics_app.rendering.visual.shadows.shadow_maps import fit_cascades
+from mimics_app.rendering.visual.shadows.shadow_volumes import VolumeSource, extrude
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.environment import Sky
-from mimics_app.world.material import Material
-from mimics_app.world.primitives import box, plane, sphere
+from mimics_app.world.materials.material import Material
+from mimics_app.world.meshes.primitives import box, plane, sphere
 from mimics_app.world.world import World
 
 F8 = NDArray[np.float64]

@@ -11,17 +11,17 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.rendering.visual import renderer as renderer_module
-from mimics_app.rendering.visual.capabilities import Capabilities, read_capabilities
-from mimics_app.rendering.visual.contexts import create_surface
 from mimics_app.rendering.visual.displays.desktop import compose_look_at
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.surface import Surface
+from mimics_app.rendering.visual.surfaces.capabilities import Capabilities, read_capabilities
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.environment import Sky
-from mimics_app.world.material import Material
-from mimics_app.world.primitives import plane, sphere
-from mimics_app.world.technique import PassSpec, TechniqueSpec
-from mimics_app.world.technique_library import built_in_techniques
+from mimics_app.world.materials.material import Material
+from mimics_app.world.materials.technique import PassSpec, TechniqueSpec
+from mimics_app.world.materials.technique_library import built_in_techniques
+from mimics_app.world.meshes.primitives import plane, sphere
 from mimics_app.world.world import World
 from tests.golden.drawing import draw_world
 from tests.golden.material_world import bricks, bumps, leaf, worn

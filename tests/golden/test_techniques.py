@@ -9,19 +9,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mimics_app.rendering.visual.capabilities import Capabilities, read_capabilities
-from mimics_app.rendering.visual.contexts import create_surface
 from mimics_app.rendering.visual.displays.desktop import compose_look_at
-from mimics_app.rendering.visual.headless import read_pixels
+from mimics_app.rendering.visual.materials.techniques import choose_technique
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.techniques import choose_technique
+from mimics_app.rendering.visual.surfaces.capabilities import Capabilities, read_capabilities
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.environment import Sky
-from mimics_app.world.material import Material, TextureData
-from mimics_app.world.primitives import plane
-from mimics_app.world.technique import Needs, PassSpec, TechniqueSpec
-from mimics_app.world.technique_library import built_in_techniques
+from mimics_app.world.materials.material import Material, TextureData
+from mimics_app.world.materials.technique import Needs, PassSpec, TechniqueSpec
+from mimics_app.world.materials.technique_library import built_in_techniques
+from mimics_app.world.meshes.primitives import plane
 from mimics_app.world.world import World
 
 PLAIN = RenderSettings(msaa=0, shadow_size=0, tone_map="none", fog_density=0.0)

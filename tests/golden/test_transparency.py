@@ -8,8 +8,8 @@ from mimics_app.rendering.visual.displays.desktop import compose_look_at, comput
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.environment import Sky
-from mimics_app.world.material import Material, TextureData
-from mimics_app.world.primitives import plane
+from mimics_app.world.materials.material import Material, TextureData
+from mimics_app.world.meshes.primitives import plane
 from mimics_app.world.world import World
 from tests.golden.demo_world import make_tunnel_world
 from tests.golden.drawing import draw_offscreen

@@ -19,8 +19,8 @@ from mimics_app.app.viewer.shown import open_shown
 from mimics_app.app.viewer.stage import ViewerStage
 from mimics_app.app.viewer.stills import draw_turntable
 from mimics_app.contracts.errors import SceneError
-from mimics_app.rendering.visual.contexts import create_surface
-from mimics_app.rendering.visual.headless import read_pixels
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from tests.support.gltf_maker import square, write_gltf
 from tests.support.shared_data import shared_folder
 from tests.support.xvfb import display

@@ -18,8 +18,8 @@ _ROOT = Path(__file__).parents[2]
 
 _PROGRAM = """
 import json, sys, time
-from mimics_app.rendering.visual.contexts import create_surface
-from mimics_app.rendering.visual.window import WindowSurface
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.window import WindowSurface
 seen, held, sizes = [], [], []
 with create_surface("window", (640, 360), "mimics under test") as surface:
     first = surface.pointer()

@@ -23,7 +23,7 @@ from mimics_app.contracts.resources import root
 from mimics_app.recording.run import Run
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
 from mimics_app.rendering.visual.displays.desktop import desktop_views
-from mimics_app.world.scene_file import build_world
+from mimics_app.world.scene.file import build_world
 from tests.support.xvfb import display
 
 SCENE = root() / "scenes" / "wavy_tunnel.json"

@@ -13,7 +13,7 @@ from mimics_app.contracts.haptic import EventKind, SafetyState, TripCause
 from mimics_app.lab.stability.s05b_energy_taken_back import UNLIMITED, given_by_taps
 from mimics_app.rendering.haptic.kernels.stability import contact_share, spring_share
 from mimics_app.rendering.haptic.kernels.tank import payable_share, settle_account
-from mimics_app.world.components_haptic import Robot
+from mimics_app.world.components.robot import Robot
 from tests.support.haptic_bench import PUSH, Bench, glide, pushed_bench, script, scripted
 
 T = 1e-3

@@ -14,7 +14,7 @@ from mimics_app.rendering.haptic.devices.simulated_impedance import write_force
 from mimics_app.rendering.haptic.kernels import light_robot
 from mimics_app.rendering.haptic.kernels.light_robot import HANDLE, LENGTH, command_force, step_light_robot
 from mimics_app.rendering.haptic.scene_block import impedance_values
-from mimics_app.world.components_haptic import Impedance, Patient, Robot
+from mimics_app.world.components.robot import Impedance, Patient, Robot
 from tests.support.haptic_bench import Bench, bench_of, script, scripted, wavy
 
 T = 1e-3

@@ -10,7 +10,7 @@ import pytest
 from mimics_app.contracts.haptic import EventKind
 from mimics_app.contracts.loop_ports import DATA_DELAY
 from mimics_app.rendering.haptic.kernels.stability import LARGEST_MARGIN, follow_period, margin_of
-from mimics_app.world.components_haptic import Robot
+from mimics_app.world.components.robot import Robot
 from tests.support.haptic_bench import PUSH, Bench, patient_bench, pushed_bench, script, scripted
 
 T = 1e-3

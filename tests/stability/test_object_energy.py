@@ -9,7 +9,7 @@ import pytest
 
 from mimics_app.contracts.haptic import EventKind, SafetyState
 from mimics_app.contracts.haptic_objects import EffectKind, ShapeKind
-from mimics_app.world.components_haptic import Robot
+from mimics_app.world.components.robot import Robot
 from tests.support.haptic_bench import PUSH, Bench, glide, script
 from tests.support.object_bench import pushed_with, scripted_with, shape_below
 from tests.support.touch_play import KINDS, energy_taken, new_touch_play

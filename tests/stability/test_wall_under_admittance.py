@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.haptic import Controller, SafetyState
-from mimics_app.world.components_haptic import Robot
+from mimics_app.world.components.robot import Robot
 from tests.support.haptic_bench import PUSH, patient_bench, pushed_bench
 
 SERVO_HZ = 60.0

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.rendering.visual.draw_items import DrawItems
-from mimics_app.rendering.visual.occlusion import Occluders
+from mimics_app.rendering.visual.drawing.draw_items import DrawItems
+from mimics_app.rendering.visual.drawing.occlusion import Occluders
 from mimics_app.rendering.visual.view import View
 
 F8 = NDArray[np.float64]

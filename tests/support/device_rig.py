@@ -24,7 +24,7 @@ from mimics_app.rendering.haptic.devices.simulated_hapticmaster import (
     write_robot,
     write_robot_memory,
 )
-from mimics_app.world.components_haptic import Patient, Robot
+from mimics_app.world.components.robot import Patient, Robot
 from tests.support.haptic_bench import PUSH, Bench, read_pushed
 
 

@@ -21,7 +21,7 @@ from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.kernels.robot import ROBOT_LENGTH, sense, step_robot
 from mimics_app.rendering.haptic.scene_block import default_scene
 from mimics_app.rendering.haptic.tunnel import build_tunnel
-from mimics_app.world.components_haptic import Patient, Robot
+from mimics_app.world.components.robot import Patient, Robot
 
 ROW = DATA_LENGTH + 1
 """One scripted tick: a data vector and a DeviceStatus."""

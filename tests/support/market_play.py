@@ -12,7 +12,7 @@ from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.contracts.messages import Aim, PointerState
 from mimics_app.contracts.resources import root
 from mimics_app.inputs.stage import Inputs
-from mimics_app.world.components_haptic import Patient, Robot
+from mimics_app.world.components.robot import Patient, Robot
 
 SCENE = root() / "scenes" / "pick_and_place.json"
 

@@ -13,7 +13,7 @@ from mimics_app.contracts.object_rows import ObjectCapacities
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.simulated_hapticmaster import robot_delay, write_robot, write_robot_memory
 from mimics_app.rendering.haptic.kernels.robot import ROBOT_LENGTH
-from mimics_app.world.components_haptic import Robot
+from mimics_app.world.components.robot import Robot
 from tests.support.body_play import Play
 from tests.support.haptic_bench import Bench, bench_of, ignore, read_pushed, read_script
 from tests.support.touch_play import SOLIDS, add_point, new_touch_play, surface_of

@@ -11,7 +11,7 @@ import msgspec
 from mimics_app.app.bare_play import BarePlay
 from mimics_app.app.device_emulator import EmulatorSettings, open_emulator
 from mimics_app.app.scene_loading import load_checked_scene
-from mimics_app.world.components_haptic import Patient, Robot
+from mimics_app.world.components.robot import Patient, Robot
 from tests.support.device_rig import Rig
 from tests.support.market_play import SCENE
 

@@ -20,8 +20,8 @@ from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.tasks.actions import fill_defaults
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.task_manager import TaskManager
-from mimics_app.world.components_haptic import Patient, Robot
-from mimics_app.world.scene_file import build_world
+from mimics_app.world.components.robot import Patient, Robot
+from mimics_app.world.scene.file import build_world
 
 
 class ScenePlay:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from mimics_app.contracts.errors import SceneError
-from mimics_app.world.scene_file import load_scene
+from mimics_app.world.scene.file import load_scene
 
 
 def scene(*entities: dict[str, Any], **parts: Any) -> dict[str, Any]:

@@ -21,8 +21,8 @@ from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.tasks.actions import fill_defaults
 from mimics_app.tasks.task_manager import TaskManager
-from mimics_app.world.components_haptic import Patient, Robot
-from mimics_app.world.scene_file import build_world
+from mimics_app.world.components.robot import Patient, Robot
+from mimics_app.world.scene.file import build_world
 
 SCENE = root() / "scenes" / "wavy_tunnel.json"
 LONGEST_S = 240.0

@@ -13,8 +13,8 @@ from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.contracts.haptic_objects import EffectKind, ShapeKind, SignalSource, SignalTarget
 from mimics_app.contracts.resources import root
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
-from mimics_app.world.components_objects import HapticObject
-from mimics_app.world.registry import component_types
+from mimics_app.world.components.objects import HapticObject
+from mimics_app.world.components.registry import component_types
 
 PAGE = (root() / "docs" / "blocks.md").read_text(encoding="utf-8")
 EXAMPLES = root() / "scenes" / "examples"

@@ -10,7 +10,7 @@ import pytest
 from mimics_app.contracts.haptic_objects import SHAPE, STATIC, ForceLaw, ShapeKind
 from mimics_app.rendering.haptic.devices.device_objects import DeviceBlock, DeviceCylinder, DevicePlane, DeviceSphere
 from mimics_app.rendering.haptic.devices.objects_of_rows import device_objects_of
-from mimics_app.world.components_haptic import Robot, RobotToWorld
+from mimics_app.world.components.robot import Robot, RobotToWorld
 
 HALF = math.sqrt(0.5)
 ROBOT = Robot(robot_to_world=RobotToWorld(translation=(0.1, 0.2, 0.3)))

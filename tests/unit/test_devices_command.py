@@ -19,7 +19,7 @@ from mimics_app.contracts.haptic import DeviceStatus
 from mimics_app.recording.run import Run
 from mimics_app.rendering.haptic.devices.emulators.faults import Faults, apply_order
 from mimics_app.rendering.haptic.devices.registry import build_device
-from mimics_app.world.components_haptic import Robot
+from mimics_app.world.components.robot import Robot
 
 
 def test_check_tells_each_finding_and_the_exit_code(capsys):

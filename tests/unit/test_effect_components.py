@@ -8,8 +8,8 @@ import pytest
 from mimics_app.app.effect_cues import EffectCues
 from mimics_app.contracts.haptic import EVENT, EventKind
 from mimics_app.contracts.messages import TaskOrders
-from mimics_app.world.reload import apply_scene
-from mimics_app.world.scene_file import build_world, load_scene
+from mimics_app.world.scene.file import build_world, load_scene
+from mimics_app.world.scene.reload import apply_scene
 from tests.support.scenes import faults, scene, thing, write
 
 NONE = np.zeros(0, EVENT)

@@ -15,7 +15,7 @@ from PIL import Image
 from mimics_app.app.play import play
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.video import Film, film_place
-from mimics_app.rendering.visual.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
 
 SIZE = (31, 17)
 NS = 1_000_000_000

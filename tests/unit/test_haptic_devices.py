@@ -21,7 +21,7 @@ from mimics_app.rendering.haptic.scene_block import (
     robot_from_world,
     scene_from_components,
 )
-from mimics_app.world.components_haptic import Admittance, Ball, JointPd, Robot, RobotToWorld, Safety, WorldPd
+from mimics_app.world.components.robot import Admittance, Ball, JointPd, Robot, RobotToWorld, Safety, WorldPd
 from tests.support.haptic_bench import bench_of, ignore, patient_bench, read_script, script
 
 

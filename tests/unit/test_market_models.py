@@ -10,7 +10,7 @@ import pytest
 from mimics_app.contracts.resources import root
 from mimics_app.world.builders.market.build import build
 from mimics_app.world.builders.market.fruit import APPLE_RADIUS
-from mimics_app.world.gltf_file import GltfDocument, load_gltf
+from mimics_app.world.gltf.file import GltfDocument, load_gltf
 
 FOLDER = root() / "assets" / "models" / "market"
 

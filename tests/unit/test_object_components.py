@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from mimics_app.world.registry import component_types
-from mimics_app.world.scene_schema import scene_schema
+from mimics_app.world.components.registry import component_types
+from mimics_app.world.scene.schema import scene_schema
 from tests.support.object_scenes import CUBE, at, gltf_box, thing, told
 
 BALL = thing("ball_a", haptic_object={"shapes": [{"shape": "sphere", "radius": 0.05}]})

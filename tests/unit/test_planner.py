@@ -19,8 +19,8 @@ from mimics_app.app.tolerances import BY_PROFILE, FIELD_OF_UNIT, tolerances_of
 from mimics_app.contracts.haptic import Projection
 from mimics_app.contracts.resources import root
 from mimics_app.lab.table import Row, Table
-from mimics_app.world.components_systems import HapticSettings, Tolerances
-from mimics_app.world.scene_file import build_world
+from mimics_app.world.components.systems import HapticSettings, Tolerances
+from mimics_app.world.scene.file import build_world
 
 SCENE = root() / "scenes" / "wavy_tunnel.json"
 PART_KEYS = ["part", "group", "method", "cost_us", "error", "unit", "tolerance", "next_cheaper"]

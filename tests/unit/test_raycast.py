@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.world.primitives import box, plane, sphere
+from mimics_app.world.meshes.primitives import box, plane, sphere
 from mimics_app.world.raycast import cast_ray, meet_triangles
 from mimics_app.world.world import World
 

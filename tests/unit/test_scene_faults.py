@@ -9,8 +9,8 @@ import pytest
 from PIL import Image
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.world.registry import register_check
-from mimics_app.world.scene_file import load_scene
+from mimics_app.world.components.registry import register_check
+from mimics_app.world.scene.file import load_scene
 from tests.support.scenes import faults, scene, thing, write
 
 BALL = thing("ball", ball={})
@@ -328,7 +328,7 @@ def test_components_of_an_unknown_type_cannot_be_asked_for(tmp_path):
     with pytest.raises(KeyError, match='did you mean "ball"'):
         loaded.components("bal")
     with pytest.raises(SceneError, match='no entity has a "tunnel"'):
-        from mimics_app.world.components_haptic import Tunnel
+        from mimics_app.world.components.robot import Tunnel
 
         loaded.one(Tunnel)
     with pytest.raises(KeyError, match='did you mean "ball"'):

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mimics_app.maths import mat, quat
-from mimics_app.world.mesh import MeshData
+from mimics_app.world.meshes.mesh import MeshData
 from mimics_app.world.store import EntityId, StaleHandleError
 from mimics_app.world.world import World
 

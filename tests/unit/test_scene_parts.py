@@ -7,12 +7,13 @@ import json
 import pytest
 
 from mimics_app.contracts.errors import Issue
-from mimics_app.world import migrations, scene_document
-from mimics_app.world.components import LightComponent, MeshComponent
-from mimics_app.world.components_haptic import Ball, Safety
-from mimics_app.world.provenance import Layer, Origins, merged
-from mimics_app.world.registry import Component, register_section
-from mimics_app.world.scene_file import load_scene
+from mimics_app.world.components.registry import Component, register_section
+from mimics_app.world.components.robot import Ball, Safety
+from mimics_app.world.components.visible import LightComponent, MeshComponent
+from mimics_app.world.scene import document as scene_document
+from mimics_app.world.scene import migrations
+from mimics_app.world.scene.file import load_scene
+from mimics_app.world.scene.provenance import Layer, Origins, merged
 from tests.support.gltf_maker import square, write_gltf
 from tests.support.scenes import faults, scene, thing, write
 

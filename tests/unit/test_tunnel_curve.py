@@ -11,7 +11,7 @@ from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.haptic import MAX_PIECES, TUNNEL
 from mimics_app.rendering.haptic.tunnel import TunnelError, build_tunnel
 from mimics_app.rendering.haptic.tunnel_source import fit_path, read_path, tunnel_from_component
-from mimics_app.world.components_haptic import Tunnel
+from mimics_app.world.components.robot import Tunnel
 from tests.support.tunnels import coil, ring, straight, wavy
 
 LINE = ((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.2, 0.0, 0.0), (0.3, 0.0, 0.0))

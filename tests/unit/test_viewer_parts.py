@@ -11,8 +11,8 @@ from mimics_app.app.viewer.handles import axis_under, handle_arrows
 from mimics_app.app.viewer.shown import Shown, open_shown
 from mimics_app.contracts.errors import SceneError
 from mimics_app.world.extent import world_extent
-from mimics_app.world.primitives import box, sphere
-from mimics_app.world.shading_groups import shaded_mesh
+from mimics_app.world.meshes.primitives import box, sphere
+from mimics_app.world.meshes.shading_groups import shaded_mesh
 from mimics_app.world.world import World
 
 SIZE = (1280, 720)

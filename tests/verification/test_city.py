@@ -20,8 +20,8 @@ from mimics_app.world.builders.city.house import House, build_house
 from mimics_app.world.builders.city.house_kinds import draw_kinds
 from mimics_app.world.builders.city.layout import lay_houses
 from mimics_app.world.builders.sketch import Sketch
-from mimics_app.world.gltf_file import GltfDocument, load_gltf
-from mimics_app.world.scene_file import load_scene
+from mimics_app.world.gltf.file import GltfDocument, load_gltf
+from mimics_app.world.scene.file import load_scene
 
 SEEDS = (1, 20)
 FLAT = ("railing", "leaves")

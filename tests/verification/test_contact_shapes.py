@@ -26,7 +26,7 @@ from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 from mimics_app.rendering.haptic.kernels.integrators import step_free
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe
-from mimics_app.rendering.haptic.methods_contact import false_force
+from mimics_app.rendering.haptic.methods.contact import false_force
 
 K = 2000.0
 REST = np.zeros(3)

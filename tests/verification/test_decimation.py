@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mimics_app.world.builders.decimation import decimate
-from mimics_app.world.primitives import box, sphere
+from mimics_app.world.meshes.primitives import box, sphere
 
 
 def grid(n, height=lambda x, y: 0.0 * x):

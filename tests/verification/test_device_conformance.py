@@ -11,7 +11,7 @@ from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.loop_ports import READ, WRITE, DevicePlugin
 from mimics_app.rendering.haptic.devices.conformance import CHECKS, Finding, check_device
 from mimics_app.rendering.haptic.devices.registry import build_device
-from mimics_app.world.components_haptic import Patient, Robot
+from mimics_app.world.components.robot import Patient, Robot
 from tests.support.device_rig import hapticmaster_rig, serial_rig
 from tests.support.haptic_bench import patient_bench
 

@@ -8,9 +8,9 @@ import pytest
 
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.lab.catalogue import load_methods
-from mimics_app.rendering.visual.headless import open_offscreen
-from mimics_app.rendering.visual.methods_anti_aliasing import ANGLES, GROUP, covered, edge_error
+from mimics_app.rendering.visual.methods.anti_aliasing import ANGLES, GROUP, covered, edge_error
 from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.surfaces.headless import open_offscreen
 
 PLAIN = RenderSettings(msaa=0, shadow_size=0, fog_density=0.0, tone_map="none")
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mimics_app.maths import frames
-from mimics_app.rendering.haptic.methods_tunnel import helix, twist_between
+from mimics_app.rendering.haptic.methods.tunnel import helix, twist_between
 from tests.support.tunnels import coil, straight, wavy
 
 

@@ -19,7 +19,7 @@ from mimics_app.rendering.haptic.kernels.friction import (
     regularised,
     regularised_printed,
 )
-from mimics_app.rendering.haptic.methods_friction import LAWS, hold
+from mimics_app.rendering.haptic.methods.friction import LAWS, hold
 
 MU, NORMAL, THRESHOLD = 0.4, 30.0, 0.01
 G = 9.81

@@ -19,7 +19,7 @@ from mimics_app.rendering.haptic.kernels.integrators import (
     step_rk4,
     step_semi_implicit,
 )
-from mimics_app.rendering.haptic.methods_integrators import STEPS, contact_error
+from mimics_app.rendering.haptic.methods.integrators import STEPS, contact_error
 
 ALL = (step_explicit, step_semi_implicit, step_implicit, step_midpoint, step_rk4, step_exact)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mimics_app.maths.mat import compose, look_at
-from mimics_app.rendering.visual.occlusion import OcclusionPass
+from mimics_app.rendering.visual.drawing.occlusion import OcclusionPass
 from mimics_app.rendering.visual.view import View
 from tests.support.boxes import as_items, as_occluders, first_met
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mimics_app.rendering.visual.emitters import Emitter, SpriteRows, axes_about
+from mimics_app.rendering.visual.effects.emitters import Emitter, SpriteRows, axes_about
 from mimics_app.rendering.visual.kernels.particles import ease, fall, hash_unit
-from mimics_app.world.components_effects import Particles
+from mimics_app.world.components.effects import Particles
 from mimics_app.world.effects import Burst
 from mimics_app.world.world import World
 

@@ -9,7 +9,7 @@ from mimics_app.contracts.haptic import Controller, SafetyState
 from mimics_app.rendering.haptic.devices.patients import PRESETS, impairment_of, lay_way, write_arm
 from mimics_app.rendering.haptic.kernels import arm
 from mimics_app.rendering.haptic.kernels.noise import gauss, seed_noise, uniform
-from mimics_app.world.components_haptic import Patient
+from mimics_app.world.components.robot import Patient
 from tests.support.haptic_bench import patient_bench
 
 SEEDS = (1, 2, 3)

@@ -9,7 +9,7 @@ from mimics_app.contracts.clock import ticks_until_frame
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.rendering.haptic.devices.registry import build_device
-from mimics_app.world.components_haptic import Robot
+from mimics_app.world.components.robot import Robot
 from tests.support.haptic_bench import Bench, pointer_bench
 
 HAND_FORCE = 15.0

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from mimics_app.world import primitives
-from mimics_app.world.mesh import MeshData, compute_normals
-from mimics_app.world.shapes import BoxShape, CylinderShape, PlaneShape, RingShape, SphereShape
+from mimics_app.world.components.shapes import BoxShape, CylinderShape, PlaneShape, RingShape, SphereShape
+from mimics_app.world.meshes import primitives
+from mimics_app.world.meshes.mesh import MeshData, compute_normals
 
 
 def solid(mesh):

@@ -21,7 +21,7 @@ from mimics_app.rendering.haptic.kernels.rotation import (
     turn_exponential,
     turn_printed,
 )
-from mimics_app.rendering.haptic.methods_rotation import MOMENTS, RATE, angle_between, drift_of, follow_top
+from mimics_app.rendering.haptic.methods.rotation import MOMENTS, RATE, angle_between, drift_of, follow_top
 
 ALL = (rotate_printed, rotate_axes, rotate_start, rotate_exponential, rotate_rk4)
 

@@ -11,7 +11,7 @@ from mimics_app.contracts.haptic import Controller, SafetyState
 from mimics_app.contracts.loop_ports import COMMAND_DQ, COMMAND_ENABLED, COMMAND_LENGTH, DATA_LENGTH, INBOX_LENGTH
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.kernels import robot as place
-from mimics_app.world.components_haptic import Patient, Robot
+from mimics_app.world.components.robot import Patient, Robot
 from tests.support.haptic_bench import bench_of, patient_bench, pointer_bench
 
 

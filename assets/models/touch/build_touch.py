@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
-from mimics_app.world.gltf_writer import GltfWriter, MeshPart
-from mimics_app.world.mesh import compute_normals
-from mimics_app.world.primitives import icosphere
+from mimics_app.world.gltf.writer import GltfWriter, MeshPart
+from mimics_app.world.meshes.mesh import compute_normals
+from mimics_app.world.meshes.primitives import icosphere
 
 HERE = Path(__file__).parent
 GENERATOR = "mimics_app assets/models/touch/build_touch.py"

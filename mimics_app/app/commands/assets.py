@@ -50,7 +50,7 @@ def _levels(args: argparse.Namespace) -> int:
 
     from mimics_app.app import output
     from mimics_app.contracts.errors import UsageError
-    from mimics_app.world.gltf_levels import SHARES, write_levels
+    from mimics_app.world.gltf.level_writer import SHARES, write_levels
 
     file = Path(args.name)
     if not args.name:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from mimics_app.contracts.errors import DeviceError, Issue, MimicsError
 
 if TYPE_CHECKING:
-    from mimics_app.world.scene import Scene
+    from mimics_app.world.scene.scene import Scene
 
 __all__ = ["add_arguments", "run"]
 
@@ -54,14 +54,14 @@ def _examine(file: Path) -> dict[str, Any]:
         MimicsError: it is wrong; the error carries every issue.
     """
     if file.suffix.lower() in _MODELS:
-        from mimics_app.world.gltf_file import load_gltf
+        from mimics_app.world.gltf.file import load_gltf
 
         model = load_gltf(file)
         holds = {"nodes": len(model.nodes), "meshes": len(model.meshes), "materials": len(model.materials)}
         return {"file": str(file), "ok": True, "kind": "model", "holds": holds, "notes": model.notes}
     from mimics_app.app.catalogue import is_part, is_playable, open_scenario
     from mimics_app.app.scene_loading import load_checked_scene
-    from mimics_app.world.scene_file import build_world
+    from mimics_app.world.scene.file import build_world
 
     scene = load_checked_scene(file)
     _check_devices(scene)
@@ -79,7 +79,7 @@ def _examine(file: Path) -> dict[str, Any]:
 def _check_devices(scene: Scene) -> None:
     """Raise the DeviceError of a robot whose device nobody has."""
     from mimics_app.rendering.haptic.devices.registry import check_device_name
-    from mimics_app.world.components_haptic import Robot
+    from mimics_app.world.components.robot import Robot
 
     for _, robot, pointer in scene.components(Robot):
         try:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from mimics_app.contracts.errors import DeviceError
 
 if TYPE_CHECKING:
-    from mimics_app.rendering.visual.launcher import ScenarioCard
+    from mimics_app.rendering.visual.figures.launcher import ScenarioCard
 
 __all__ = ["run"]
 
@@ -65,8 +65,8 @@ def _options() -> dict[str, list[str]]:
 
 def _choose() -> tuple[Path, dict[str, str]] | None:
     from mimics_app.contracts.clock import MonotonicClock
-    from mimics_app.rendering.visual.contexts import create_surface
-    from mimics_app.rendering.visual.launcher import Launcher
+    from mimics_app.rendering.visual.figures.launcher import Launcher
+    from mimics_app.rendering.visual.surfaces.contexts import create_surface
 
     clock = MonotonicClock()
     with create_surface("window", _SIZE, "mimics") as surface:
@@ -85,7 +85,7 @@ def _cards() -> list[ScenarioCard]:
     """One card per shipped scene that is played, scenarios first: its title, words, and picture where it has one."""
     from mimics_app.app.catalogue import ONLY_LOOKED_AT
     from mimics_app.contracts.resources import root
-    from mimics_app.rendering.visual.launcher import ScenarioCard
+    from mimics_app.rendering.visual.figures.launcher import ScenarioCard
 
     cards = []
     folder = root() / "scenes"
@@ -106,7 +106,7 @@ def _cards() -> list[ScenarioCard]:
 
 def _picture(uri: str, folder: Path) -> Path | None:
     """The picture a scene names, None where it is not there."""
-    from mimics_app.world.paths import PathFault, find_file
+    from mimics_app.world.scene.paths import PathFault, find_file
 
     try:
         return find_file(uri, folder, folder.parent)

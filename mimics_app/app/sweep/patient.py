@@ -25,9 +25,9 @@ from mimics_app.lab.sweep.quantity import Columns, Quantity, SweepExperiment
 from mimics_app.tasks.actions import build_action_space, fill_defaults
 from mimics_app.tasks.task import BlockSpec, TaskSpec
 from mimics_app.tasks.trial_file import resolve_trials
-from mimics_app.world.components_haptic import Patient, Robot
-from mimics_app.world.scene import Scene
-from mimics_app.world.scene_file import build_world
+from mimics_app.world.components.robot import Patient, Robot
+from mimics_app.world.scene.file import build_world
+from mimics_app.world.scene.scene import Scene
 
 __all__ = ["EXPERIMENT", "travel"]
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mimics_app.maths.mat import look_at
 from mimics_app.rendering.visual.displays.desktop import compute_tangents
-from mimics_app.rendering.visual.surface import Size
+from mimics_app.rendering.visual.surfaces.surface import Size
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.camera import Camera
 from mimics_app.world.extent import Extent

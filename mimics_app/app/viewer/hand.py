@@ -13,7 +13,7 @@ from mimics_app.app.viewer.shown import Shown
 from mimics_app.rendering.visual.overlay.overlay import Arrow
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.raycast import cast_ray
-from mimics_app.world.scene_edit import is_written_in_file, write_translation
+from mimics_app.world.scene.edit import is_written_in_file, write_translation
 from mimics_app.world.scene_node import SceneNode
 
 __all__ = ["Hand", "drag_offset"]

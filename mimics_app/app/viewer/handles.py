@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.rendering.visual.hud import Colour
+from mimics_app.rendering.visual.figures.hud import Colour
 from mimics_app.rendering.visual.overlay.overlay import Arrow
 from mimics_app.rendering.visual.view import View
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from mimics_app.contracts.errors import Issue
-from mimics_app.rendering.visual.hud import CANVAS_HEIGHT, Colour, Hud
+from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Colour, Hud
 
 __all__ = ["KEYS", "draw_caption", "draw_hint", "draw_keys", "draw_message", "draw_reason"]
 

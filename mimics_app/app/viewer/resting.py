@@ -10,8 +10,8 @@ import numpy as np
 from mimics_app.app.catalogue import is_playable, open_scenario
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.scenario_port import Scenario
-from mimics_app.world.components_haptic import Ball, Robot
-from mimics_app.world.scene import Scene
+from mimics_app.world.components.robot import Ball, Robot
+from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
 __all__ = ["rest"]

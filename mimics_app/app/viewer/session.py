@@ -15,10 +15,10 @@ from mimics_app.app.viewer.shown import Shown, Up, open_shown
 from mimics_app.app.viewer.stage import ViewerStage
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.errors import MimicsError, SceneError
-from mimics_app.rendering.visual.contexts import create_surface
-from mimics_app.rendering.visual.headless import save_png
-from mimics_app.rendering.visual.surface import Size
-from mimics_app.world.watcher import SceneWatcher
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.headless import save_png
+from mimics_app.rendering.visual.surfaces.surface import Size
+from mimics_app.world.scene.watcher import SceneWatcher
 
 __all__ = ["ViewerSession"]
 
@@ -221,7 +221,7 @@ class ViewerSession:
             self._hand.show(fresh)
         else:
             from mimics_app.app.viewer.resting import rest
-            from mimics_app.world.reload import reload_scene
+            from mimics_app.world.scene.reload import reload_scene
 
             shown.scene, _ = reload_scene(shown.world, shown.scene)
             rest(shown.scene, shown.world)

@@ -15,11 +15,11 @@ from mimics_app.app.viewer.shown import MODEL_SUFFIXES, Shown, open_shown
 from mimics_app.app.viewer.stage import ViewerStage
 from mimics_app.contracts.errors import Issue, SceneError, UsageError
 from mimics_app.rendering.visual.displays.desktop import compute_tangents
-from mimics_app.rendering.visual.headless import open_offscreen, read_pixels
-from mimics_app.rendering.visual.hud import CANVAS_HEIGHT
+from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.surface import Surface
+from mimics_app.rendering.visual.surfaces.headless import open_offscreen, read_pixels
+from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.environment import Sky
 from mimics_app.world.world import World

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Literal
 
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.world.extent import Extent, world_extent
-from mimics_app.world.mesh_file import MESH_SUFFIXES, add_mesh_file
-from mimics_app.world.model_world import read_model
+from mimics_app.world.gltf.model_world import read_model
+from mimics_app.world.meshes.mesh_file import MESH_SUFFIXES, add_mesh_file
 from mimics_app.world.scene_node import SceneNode
 from mimics_app.world.world import World
 
 if TYPE_CHECKING:
-    from mimics_app.world.scene import Scene
+    from mimics_app.world.scene.scene import Scene
 
 __all__ = ["MODEL_SUFFIXES", "Shown", "Up", "open_shown"]
 
@@ -112,7 +112,7 @@ def open_shown(path: Path, up: Up = "y") -> Shown:
 def _open_scene(path: Path) -> Shown:
     from mimics_app.app.scene_loading import load_checked_scene
     from mimics_app.app.viewer.resting import rest
-    from mimics_app.world.scene_file import build_world
+    from mimics_app.world.scene.file import build_world
 
     scene = load_checked_scene(path)
     world = build_world(scene)

@@ -11,11 +11,11 @@ from mimics_app.app.viewer.eye import ViewerEye
 from mimics_app.app.viewer.shown import Shown
 from mimics_app.app.viewer.studio import Studio, studio_settings
 from mimics_app.contracts.errors import Issue, SceneError, nearest
+from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT
 from mimics_app.rendering.visual.frame_stats import FrameStats
-from mimics_app.rendering.visual.hud import CANVAS_HEIGHT
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.surface import Surface
+from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.camera import Camera
 

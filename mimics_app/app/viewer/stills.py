@@ -13,8 +13,8 @@ from mimics_app.app.video import draw_film
 from mimics_app.app.viewer.page import draw_caption
 from mimics_app.app.viewer.shown import Shown
 from mimics_app.app.viewer.stage import ViewerStage
-from mimics_app.rendering.visual.headless import FrameSet, open_offscreen, save_png
-from mimics_app.rendering.visual.surface import Size
+from mimics_app.rendering.visual.surfaces.headless import FrameSet, open_offscreen, save_png
+from mimics_app.rendering.visual.surfaces.surface import Size
 from mimics_app.rendering.visual.view import View
 
 __all__ = ["ViewerStills", "draw_turntable"]

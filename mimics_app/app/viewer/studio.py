@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.world.environment import Fog, Sky
 from mimics_app.world.extent import Extent
-from mimics_app.world.material import Material
-from mimics_app.world.primitives import plane
+from mimics_app.world.materials.material import Material
+from mimics_app.world.meshes.primitives import plane
 from mimics_app.world.world import World
 
 __all__ = ["Studio", "studio_settings"]

@@ -15,7 +15,7 @@ from mimics_app.recording.run import Run
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.scene_block import scene_from_components
-from mimics_app.world.components_haptic import Robot
+from mimics_app.world.components.robot import Robot
 
 __all__ = ["measure_lateness", "recorded_lateness"]
 

@@ -14,8 +14,8 @@ from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue, SceneError, nearest
 from mimics_app.lab.sweep.quantity import Quantity, SweepExperiment
-from mimics_app.world.json_text import escape, parse_json
-from mimics_app.world.struct_reader import FAILED, read_struct
+from mimics_app.world.components.struct_reader import FAILED, read_struct
+from mimics_app.world.scene.json_text import escape, parse_json
 
 __all__ = ["Range", "Sample", "Sweep", "load_sweep", "span_of"]
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from mimics_app.contracts.errors import Issue, SceneError, nearest
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
-from mimics_app.world.components import Sound, SoundEmitter
+from mimics_app.world.components.visible import Sound, SoundEmitter
 
 __all__ = ["settings_from_components"]
 

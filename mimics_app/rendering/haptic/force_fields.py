@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from mimics_app.contracts.errors import Issue, nearest
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.loop_ports import FIELD, FIELD_PARAMETERS
-from mimics_app.world.components_objects import ForceField
-from mimics_app.world.registry import register_check
-from mimics_app.world.scene import Scene
+from mimics_app.world.components.objects import ForceField
+from mimics_app.world.components.registry import register_check
+from mimics_app.world.scene.scene import Scene
 
 __all__ = ["ENTRY_POINT_GROUP", "Field", "add_field", "check_field", "curl", "field_names", "find_field"]
 __all__ += ["saddle", "well"]

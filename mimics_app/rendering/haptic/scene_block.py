@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.haptic import SCENE, AdmittanceForm, Controller
 
 if TYPE_CHECKING:
-    from mimics_app.world.components_haptic import Admittance, Ball, Impedance, JointPd, Robot, Safety, WorldPd
+    from mimics_app.world.components.robot import Admittance, Ball, Impedance, JointPd, Robot, Safety, WorldPd
 
 __all__ = [
     "apply_admittance",

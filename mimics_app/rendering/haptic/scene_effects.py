@@ -14,14 +14,14 @@ from mimics_app.contracts.haptic_objects import EFFECT, STATIC, EffectKind
 from mimics_app.contracts.loop_ports import MAX_FIELDS
 from mimics_app.rendering.haptic.tunnel import TunnelCurve
 from mimics_app.rendering.haptic.tunnel_source import tunnel_from_component
-from mimics_app.world import haptic_effects as effects
-from mimics_app.world.components_haptic import Tunnel
-from mimics_app.world.components_objects import ForceField, HapticEffect, HapticPath
-from mimics_app.world.object_bodies import rotation_of
-from mimics_app.world.object_checks import check_path
-from mimics_app.world.placing import pose_of
-from mimics_app.world.registry import register_check
-from mimics_app.world.scene import Scene
+from mimics_app.world.components import haptic_effects as effects
+from mimics_app.world.components.object_bodies import rotation_of
+from mimics_app.world.components.object_checks import check_path
+from mimics_app.world.components.objects import ForceField, HapticEffect, HapticPath
+from mimics_app.world.components.registry import register_check
+from mimics_app.world.components.robot import Tunnel
+from mimics_app.world.scene.placing import pose_of
+from mimics_app.world.scene.scene import Scene
 
 __all__ = ["EffectRows", "check_field_count", "check_haptic_path", "curve_of_path"]
 

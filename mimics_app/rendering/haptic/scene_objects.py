@@ -27,18 +27,7 @@ from mimics_app.contracts.object_rows import ObjectCapacities, Rows
 from mimics_app.rendering.haptic.body_checks import check_bodies
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 from mimics_app.rendering.haptic.scene_effects import EffectRows
-from mimics_app.world.components_haptic import Ball
-from mimics_app.world.components_objects import (
-    SIDES,
-    Connections,
-    ForceField,
-    HapticEffect,
-    HapticObject,
-    HapticWalls,
-    InteractionPoints,
-    Wall,
-)
-from mimics_app.world.haptic_shapes import (
+from mimics_app.world.components.haptic_shapes import (
     CapsuleSolid,
     CubeSolid,
     CylinderSolid,
@@ -48,11 +37,22 @@ from mimics_app.world.haptic_shapes import (
     TouchSurface,
     surface_of,
 )
-from mimics_app.world.object_bodies import ObjectFault, mass_properties_of, mesh_of, rotation_of, shapes_of
-from mimics_app.world.placing import pose_of
-from mimics_app.world.scene import Scene
-from mimics_app.world.signals import parse_source, parse_target
-from mimics_app.world.solids import SolidMesh, hull_corners
+from mimics_app.world.components.object_bodies import ObjectFault, mass_properties_of, mesh_of, rotation_of, shapes_of
+from mimics_app.world.components.objects import (
+    SIDES,
+    Connections,
+    ForceField,
+    HapticEffect,
+    HapticObject,
+    HapticWalls,
+    InteractionPoints,
+    Wall,
+)
+from mimics_app.world.components.robot import Ball
+from mimics_app.world.components.signals import parse_source, parse_target
+from mimics_app.world.meshes.solids import SolidMesh, hull_corners
+from mimics_app.world.scene.placing import pose_of
+from mimics_app.world.scene.scene import Scene
 
 __all__ = ["SceneObjects", "check_objects", "mesh_table_of", "objects_of_scene"]
 

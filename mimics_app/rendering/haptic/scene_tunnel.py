@@ -5,10 +5,10 @@ from __future__ import annotations
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.rendering.haptic.tunnel import TunnelCurve
 from mimics_app.rendering.haptic.tunnel_source import tunnel_from_component
-from mimics_app.world.components_haptic import Tunnel
-from mimics_app.world.haptic_checks import check_tunnel_component
-from mimics_app.world.registry import register_check
-from mimics_app.world.scene import Scene
+from mimics_app.world.components.registry import register_check
+from mimics_app.world.components.robot import Tunnel
+from mimics_app.world.components.robot_checks import check_tunnel_component
+from mimics_app.world.scene.scene import Scene
 
 __all__ = ["check_tunnel", "tunnel_of_scene"]
 

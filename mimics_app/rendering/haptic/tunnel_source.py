@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.maths.bspline_fit import fit_spline
 from mimics_app.rendering.haptic.tunnel import TunnelCurve, TunnelError, TunnelFault, build_tunnel
-from mimics_app.world.components_haptic import Tunnel
+from mimics_app.world.components.robot import Tunnel
 
 __all__ = ["fit_path", "read_path", "tunnel_from_component"]
 

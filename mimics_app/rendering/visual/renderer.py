@@ -11,20 +11,20 @@ from typing import TYPE_CHECKING, Unpack
 
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.errors import Issue, UsageError
-from mimics_app.rendering.visual.capabilities import read_capabilities
-from mimics_app.rendering.visual.draw_list import DrawList
-from mimics_app.rendering.visual.frame_buffers import FrameBuffers
+from mimics_app.rendering.visual.drawing.draw_list import DrawList
+from mimics_app.rendering.visual.drawing.frame_buffers import FrameBuffers
+from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
+from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.rendering.visual.frame_stats import FrameStats
-from mimics_app.rendering.visual.hud import Hud
 from mimics_app.rendering.visual.lighting import gather_lighting
-from mimics_app.rendering.visual.materials import MaterialStore
-from mimics_app.rendering.visual.mesh_arena import MeshArena
+from mimics_app.rendering.visual.materials.materials import MaterialStore
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.passes.hud import HudPass, plane_of_views
-from mimics_app.rendering.visual.picture_stage import PictureStage
+from mimics_app.rendering.visual.pictures.picture_stage import PictureStage
 from mimics_app.rendering.visual.settings import QualityChanges, RenderSettings
-from mimics_app.rendering.visual.shader_library import ShaderLibrary
-from mimics_app.rendering.visual.shadow_stage import ShadowStage, light_features
-from mimics_app.rendering.visual.surface import Surface
+from mimics_app.rendering.visual.shadows.shadow_stage import ShadowStage, light_features
+from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
+from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.targets import PictureTarget
 from mimics_app.rendering.visual.view import Rect, View
 from mimics_app.rendering.visual.world_stage import FrameScene, ViewDraws, WorldStage
@@ -33,7 +33,7 @@ from mimics_app.world.world import World
 if TYPE_CHECKING:
     import moderngl
 
-    from mimics_app.rendering.visual.effect_stage import EffectStage
+    from mimics_app.rendering.visual.effects.effect_stage import EffectStage
     from mimics_app.rendering.visual.overlay.overlay import Layer, Overlay
     from mimics_app.rendering.visual.overlay.stage_times import StageTimes
 
@@ -255,7 +255,7 @@ class Renderer:
         if self.world.effects.empty:
             return None
         if self._effects is None:
-            from mimics_app.rendering.visual.effect_stage import EffectStage
+            from mimics_app.rendering.visual.effects.effect_stage import EffectStage
 
             self._effects = EffectStage(self._surface.ctx, self._shaders, self._longest_texture)
         self._effects.prepare(self.world, lights)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal, TypedDict
 
 from mimics_app.contracts.errors import UsageError
-from mimics_app.world.technique import Profile
+from mimics_app.world.materials.technique import Profile
 
 __all__ = ["Culling", "Occlusion", "QualityChanges", "RenderSettings", "Shading", "ShadowKind"]
 

@@ -7,11 +7,11 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from mimics_app.rendering.visual.draw_buffer import DrawBuffer, texture_of
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.passes.bloom import BloomPass
 from mimics_app.rendering.visual.passes.screen import PictureFilter
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.shader_library import ShaderLibrary
-from mimics_app.rendering.visual.surface import Size, Surface, release_framebuffer
+from mimics_app.rendering.visual.surfaces.surface import Size, Surface, release_framebuffer
 from mimics_app.rendering.visual.view import Rect
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mimics_app.rendering.visual.lighting import MAX_LIGHTS, Lighting
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.shadow_maps import MAX_CASCADES, MAX_SPOT_MAPS, ShadowPlan, texture_from_world
+from mimics_app.rendering.visual.shadows.shadow_maps import MAX_CASCADES, MAX_SPOT_MAPS, ShadowPlan, texture_from_world
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.environment import Fog, FogKind
 

@@ -6,20 +6,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from mimics_app.rendering.visual.draw_items import DrawItems
-from mimics_app.rendering.visual.frame_buffers import DrawRun, FrameBuffers
+from mimics_app.rendering.visual.drawing.draw_items import DrawItems
+from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
+from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.lighting import Lighting
-from mimics_app.rendering.visual.live_picture import MirrorPicture
-from mimics_app.rendering.visual.mesh_arena import MeshArena
-from mimics_app.rendering.visual.mirror_views import Reflection
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.passes.ambient import AmbientPass
 from mimics_app.rendering.visual.passes.sky import SkyPass, flat_sky
 from mimics_app.rendering.visual.passes.states import draw_runs
 from mimics_app.rendering.visual.passes.volumes import VolumePass
-from mimics_app.rendering.visual.raw_gl import EQUAL
+from mimics_app.rendering.visual.pictures.live_picture import MirrorPicture
+from mimics_app.rendering.visual.pictures.mirror_views import Reflection
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.shader_library import ShaderLibrary
-from mimics_app.rendering.visual.shadow_maps import ShadowPlan
+from mimics_app.rendering.visual.shadows.shadow_maps import ShadowPlan
+from mimics_app.rendering.visual.surfaces.raw_gl import EQUAL
 from mimics_app.rendering.visual.view import Rect, View
 from mimics_app.rendering.visual.view_block import ViewBlock
 from mimics_app.world.world import World
@@ -27,9 +27,9 @@ from mimics_app.world.world import World
 if TYPE_CHECKING:
     import moderngl
 
-    from mimics_app.rendering.visual.effect_stage import EffectStage
-    from mimics_app.rendering.visual.projectors import BeamRuns
-    from mimics_app.rendering.visual.sprites import SpriteRun
+    from mimics_app.rendering.visual.effects.effect_stage import EffectStage
+    from mimics_app.rendering.visual.effects.projectors import BeamRuns
+    from mimics_app.rendering.visual.effects.sprites import SpriteRun
 
 __all__ = ["FrameScene", "ViewDraws", "WorldStage"]
 

@@ -21,7 +21,7 @@ from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.loop_ports import COMMAND_FORCE, DevicePlugin
 from mimics_app.rendering.haptic.devices.bench import DeviceBench, OtherSide, Track
-from mimics_app.world.components_haptic import Robot
+from mimics_app.world.components.robot import Robot
 
 __all__ = ["CHECKS", "Finding", "check_device"]
 

@@ -18,10 +18,10 @@ from mimics_app.rendering.haptic.devices.device_objects import (
     DeviceSphere,
     Point,
 )
-from mimics_app.world.object_bodies import rotation_of
+from mimics_app.world.components.object_bodies import rotation_of
 
 if TYPE_CHECKING:
-    from mimics_app.world.components_haptic import Robot
+    from mimics_app.world.components.robot import Robot
 
 __all__ = ["device_objects_of"]
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from mimics_app.rendering.haptic.kernels import arm
 
 if TYPE_CHECKING:
-    from mimics_app.world.components_haptic import Patient
+    from mimics_app.world.components.robot import Patient
 
 __all__ = ["PRESETS", "Impairment", "impairment_of", "lay_way", "write_arm"]
 

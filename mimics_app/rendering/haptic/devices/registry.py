@@ -21,7 +21,7 @@ from mimics_app.rendering.haptic.scene_block import robot_from_world
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-    from mimics_app.world.components_haptic import Patient, Robot
+    from mimics_app.world.components.robot import Patient, Robot
 
 __all__ = ["BUILT_IN", "ENTRY_POINT_GROUP", "build_device", "check_device_name", "device_names", "find_builder"]
 

@@ -13,7 +13,7 @@ from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic.devices.device_objects import DeviceObject
 
 if TYPE_CHECKING:
-    from mimics_app.world.components_haptic import Patient, Robot
+    from mimics_app.world.components.robot import Patient, Robot
 
 __all__ = ["DeviceBuilder", "DeviceRequest"]
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.rendering.visual.surface import Size
+from mimics_app.rendering.visual.surfaces.surface import Size
 from mimics_app.rendering.visual.view import Tangents, View
 from mimics_app.world.camera import Camera
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mimics_app.rendering.visual.shader_library import ShaderLibrary
-from mimics_app.rendering.visual.shadow_stage import ShadowStage
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.shadows.shadow_stage import ShadowStage
 
 if TYPE_CHECKING:
     import moderngl

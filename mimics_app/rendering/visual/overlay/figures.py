@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.rendering.visual.draw_items import DrawItems
-from mimics_app.rendering.visual.draw_list import DRAWN, HIDDEN, DrawList
-from mimics_app.rendering.visual.hud import Colour
+from mimics_app.rendering.visual.drawing.draw_items import DrawItems
+from mimics_app.rendering.visual.drawing.draw_list import DRAWN, HIDDEN, DrawList
+from mimics_app.rendering.visual.figures.hud import Colour
 from mimics_app.rendering.visual.overlay.line_set import LineSet, box_lines, circle_lines
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.light import Light

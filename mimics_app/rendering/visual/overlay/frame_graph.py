@@ -8,7 +8,7 @@ from statistics import median
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.rendering.visual.hud import CANVAS_HEIGHT, HUD_ROW, Colour, Hud
+from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, HUD_ROW, Colour, Hud
 from mimics_app.rendering.visual.overlay.stage_times import FrameTimes
 
 __all__ = ["draw_frame_graph"]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.overlay.line_set import LINE_ROW, LineSet
-from mimics_app.rendering.visual.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.view import Rect, View
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.rendering.visual.hud import Colour
+from mimics_app.rendering.visual.figures.hud import Colour
 
 __all__ = ["LINE_ROW", "LineSet", "box_lines", "circle_lines"]
 

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.clock import Clock
-from mimics_app.rendering.visual.capabilities import read_capabilities
-from mimics_app.rendering.visual.draw_list import DrawList
-from mimics_app.rendering.visual.frame_buffers import FrameBuffers
-from mimics_app.rendering.visual.hud import CANVAS_HEIGHT, Colour, Hud
-from mimics_app.rendering.visual.mesh_arena import MeshArena
+from mimics_app.rendering.visual.drawing.draw_list import DrawList
+from mimics_app.rendering.visual.drawing.frame_buffers import FrameBuffers
+from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
+from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Colour, Hud
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.overlay.atlas_pass import AtlasPass
 from mimics_app.rendering.visual.overlay.figures import add_bounds, add_lights, add_node_bounds
 from mimics_app.rendering.visual.overlay.frame_graph import draw_frame_graph
@@ -22,8 +22,8 @@ from mimics_app.rendering.visual.overlay.line_pass import LinePass
 from mimics_app.rendering.visual.overlay.line_set import LineSet
 from mimics_app.rendering.visual.overlay.stage_times import StageTimes
 from mimics_app.rendering.visual.overlay.wire_pass import WirePass
-from mimics_app.rendering.visual.shader_library import ShaderLibrary
-from mimics_app.rendering.visual.shadow_stage import ShadowStage
+from mimics_app.rendering.visual.shadows.shadow_stage import ShadowStage
+from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
 from mimics_app.rendering.visual.world_stage import FrameScene, ViewDraws
 
 if TYPE_CHECKING:

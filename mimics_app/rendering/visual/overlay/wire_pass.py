@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mimics_app.rendering.visual.frame_buffers import FrameBuffers
-from mimics_app.rendering.visual.mesh_arena import MeshArena
-from mimics_app.rendering.visual.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.drawing.frame_buffers import FrameBuffers
+from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.world_stage import ViewDraws
 
 if TYPE_CHECKING:

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mimics_app.rendering.visual.draw_buffer import texture_of
-from mimics_app.rendering.visual.frame_buffers import DrawRun, FrameBuffers
-from mimics_app.rendering.visual.mesh_arena import MeshArena
+from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
+from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.passes.screen import ScreenPass
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.shader_library import ShaderLibrary
-from mimics_app.rendering.visual.surface import Size, release_framebuffer
+from mimics_app.rendering.visual.surfaces.surface import Size, release_framebuffer
 from mimics_app.rendering.visual.view import Rect, View
 
 if TYPE_CHECKING:

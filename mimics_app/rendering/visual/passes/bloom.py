@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from mimics_app.rendering.visual.draw_buffer import texture_of
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.passes.screen import ScreenPass
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.shader_library import ShaderLibrary
-from mimics_app.rendering.visual.surface import Size
+from mimics_app.rendering.visual.surfaces.surface import Size
 from mimics_app.rendering.visual.view import Rect
 
 if TYPE_CHECKING:

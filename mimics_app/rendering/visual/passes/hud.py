@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.rendering.visual.hud import CANVAS_HEIGHT, HUD_ROW, Hud
-from mimics_app.rendering.visual.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, HUD_ROW, Hud
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.view import View
 
 if TYPE_CHECKING:

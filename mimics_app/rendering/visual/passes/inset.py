@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mimics_app.rendering.visual.hud import CANVAS_HEIGHT
-from mimics_app.rendering.visual.live_picture import LivePicture
+from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.passes.hud import HudPlane, clip_from_hud
-from mimics_app.rendering.visual.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.pictures.live_picture import LivePicture
 from mimics_app.rendering.visual.view import Rect, View
 from mimics_app.world.live_pictures import InsetView
 

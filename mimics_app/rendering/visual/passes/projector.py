@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mimics_app.rendering.visual.frame_buffers import FrameBuffers
-from mimics_app.rendering.visual.look import Look
-from mimics_app.rendering.visual.mesh_arena import MeshArena
-from mimics_app.rendering.visual.projectors import Beam, BeamRuns
-from mimics_app.rendering.visual.shader_library import ShaderLibrary, ShaderProgram
-from mimics_app.rendering.visual.texture_store import TextureStore
+from mimics_app.rendering.visual.drawing.frame_buffers import FrameBuffers
+from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
+from mimics_app.rendering.visual.effects.projectors import Beam, BeamRuns
+from mimics_app.rendering.visual.materials.look import Look
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
+from mimics_app.rendering.visual.materials.texture_store import TextureStore
 from mimics_app.rendering.visual.view import View
 
 if TYPE_CHECKING:

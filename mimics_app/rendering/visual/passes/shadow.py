@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mimics_app.rendering.visual.frame_buffers import DrawRun, FrameBuffers
-from mimics_app.rendering.visual.mesh_arena import MeshArena
-from mimics_app.rendering.visual.shadow_maps import ShadowPlan
+from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
+from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
+from mimics_app.rendering.visual.shadows.shadow_maps import ShadowPlan
 from mimics_app.rendering.visual.targets import ShadowTarget
 
 if TYPE_CHECKING:

@@ -8,12 +8,12 @@ import numpy as np
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.rendering.visual.lighting import Lighting
-from mimics_app.rendering.visual.picture_arrays import encode_srgb, shrunk
+from mimics_app.rendering.visual.materials.picture_arrays import encode_srgb, shrunk
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
+from mimics_app.rendering.visual.materials.texture_store import SRGB8_ALPHA8, TextureStore
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.shader_library import ShaderLibrary, ShaderProgram
-from mimics_app.rendering.visual.texture_store import SRGB8_ALPHA8, TextureStore
 from mimics_app.world.environment import Backdrop
-from mimics_app.world.material import TextureData
+from mimics_app.world.materials.material import TextureData
 from mimics_app.world.world import World
 
 if TYPE_CHECKING:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.rendering.visual.effects.sprites import SpriteRun, SpriteState
 from mimics_app.rendering.visual.kernels.sprites import SPRITE_VERTEX
-from mimics_app.rendering.visual.shader_library import ShaderLibrary, ShaderProgram
-from mimics_app.rendering.visual.sprites import SpriteRun, SpriteState
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
 
 if TYPE_CHECKING:
     import moderngl

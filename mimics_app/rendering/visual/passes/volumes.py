@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.rendering.visual.draw_items import DrawItems
+from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.lighting import Lighting
-from mimics_app.rendering.visual.raw_gl import NOT_EQUAL, RawGL
-from mimics_app.rendering.visual.shader_library import ShaderLibrary, ShaderProgram
-from mimics_app.rendering.visual.shadow_volumes import VolumeSource, extrude
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
+from mimics_app.rendering.visual.shadows.shadow_volumes import VolumeSource, extrude
+from mimics_app.rendering.visual.surfaces.raw_gl import NOT_EQUAL, RawGL
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.mesh import MeshData
+from mimics_app.world.meshes.mesh import MeshData
 from mimics_app.world.world import World
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from mimics_app.world.builders.city.house import House, build_house
 from mimics_app.world.builders.city.house_kinds import draw_kinds
 from mimics_app.world.builders.city.layout import Placed
 from mimics_app.world.builders.sketch import Sketch
-from mimics_app.world.gltf_writer import GltfWriter, WrittenPart
+from mimics_app.world.gltf.writer import GltfWriter, WrittenPart
 
 __all__ = ["TRIANGLES", "build", "compose_city"]
 

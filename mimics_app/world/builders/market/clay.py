@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.world.gltf_writer import GltfWriter, MeshPart
-from mimics_app.world.mesh import MeshData, compute_normals
-from mimics_app.world.primitives import tube
+from mimics_app.world.gltf.writer import GltfWriter, MeshPart
+from mimics_app.world.meshes.mesh import MeshData, compute_normals
+from mimics_app.world.meshes.primitives import tube
 
 __all__ = [
     "F8",

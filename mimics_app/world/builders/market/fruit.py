@@ -17,7 +17,7 @@ from mimics_app.world.builders.market.clay import (
     surface,
     turned,
 )
-from mimics_app.world.mesh import MeshData
+from mimics_app.world.meshes.mesh import MeshData
 
 __all__ = ["APPLE_RADIUS", "apple", "coarse_fruit", "fruit_paint"]
 

@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from mimics_app.world.builders.market.clay import F8, Clay, Colour, Painter, bar, chance, mix, noise, surface, turned
-from mimics_app.world.mesh import MeshData, compute_normals
-from mimics_app.world.primitives import icosphere
+from mimics_app.world.meshes.mesh import MeshData, compute_normals
+from mimics_app.world.meshes.primitives import icosphere
 
 __all__ = ["build_meadow", "build_tree"]
 

@@ -12,8 +12,8 @@ from mimics_app.world.builders.market.clay import (
     rounded_box,
     turned,
 )
-from mimics_app.world.mesh import MeshData
-from mimics_app.world.primitives import cylinder, torus
+from mimics_app.world.meshes.mesh import MeshData
+from mimics_app.world.meshes.primitives import cylinder, torus
 
 __all__ = ["fingers", "palm", "thumb"]
 

@@ -21,7 +21,7 @@ from mimics_app.world.builders.market.clay import (
     turned,
 )
 from mimics_app.world.builders.market.fruit import coarse_fruit, fruit_paint
-from mimics_app.world.primitives import box, icosphere
+from mimics_app.world.meshes.primitives import box, icosphere
 
 __all__ = ["awning", "goods", "stall_wood"]
 

@@ -19,8 +19,8 @@ from mimics_app.world.builders.market.clay import (
     rounded_box,
     surface,
 )
-from mimics_app.world.mesh import MeshData, compute_normals
-from mimics_app.world.primitives import box, cylinder
+from mimics_app.world.meshes.mesh import MeshData, compute_normals
+from mimics_app.world.meshes.primitives import box, cylinder
 
 __all__ = ["barrel", "bed", "crate", "fence", "jug"]
 

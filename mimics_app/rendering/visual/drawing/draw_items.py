@@ -1,0 +1,184 @@
+"""The world's sub-entities as arrays that the compiled passes read; made anew when the world's structure changes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
+from mimics_app.rendering.visual.materials.look import Look
+from mimics_app.rendering.visual.materials.materials import MaterialStore
+from mimics_app.world.world import World
+
+__all__ = ["DrawItems", "DrawState", "list_items"]
+
+F4 = NDArray[np.float32]
+F8 = NDArray[np.float64]
+I4 = NDArray[np.int32]
+Flags = NDArray[np.bool_]
+T = TypeVar("T")
+A = TypeVar("A", bound=NDArray[Any])
+
+
+@dataclass(frozen=True, eq=False)
+class DrawState:
+    """What the driver has to be told before a run of draws: a look, and whether indices have 32 bits."""
+
+    look: Look
+    wide: bool
+
+
+@dataclass(frozen=True, eq=False)
+class DrawItems:
+    """One line per sub-entity.
+
+    Attributes:
+        rows: Row of the node in the Transform table, int32 [n].
+        entities: Entity index of the node, int32 [n].
+        states: Number in `of_state`, int32 [n].
+        shadow_states: Number in `of_shadow`, int32 [n].
+        meshes: Number in `ranges`, int32 [n].
+        paint: What the look says of each, float32 [n, 4].
+        local: Centre [m] and radius [m] of the sphere in the node's frame, float64 [n, 4].
+        half: Half sizes of the box about the same centre [m], float64 [n, 3].
+        drawable: 1 where there is something to draw, uint8 [n].
+        transparent: True where it is blended, [n].
+        solid: True where nothing can be seen through it, [n].
+        casting: True where it belongs into shadow maps, [n].
+        levels: Level of detail each belongs to, uint8 [n].
+        families: Number of the body whose levels it is one of, -1: of none; int32 [n].
+        mesh_names: Keys in `World.meshes`.
+        ranges: Indices, first index and base vertex of each mesh, int32 [meshes, 3].
+        of_state: The states.
+        of_shadow: The states of the shadow pass.
+    """
+
+    rows: I4
+    entities: I4
+    states: I4
+    shadow_states: I4
+    meshes: I4
+    paint: F4
+    local: F8
+    half: F8
+    drawable: NDArray[np.uint8]
+    transparent: Flags
+    solid: Flags
+    casting: Flags
+    levels: NDArray[np.uint8]
+    families: I4
+    mesh_names: list[str]
+    ranges: I4
+    of_state: list[DrawState]
+    of_shadow: list[DrawState]
+
+    def rebound(self, world: World, names: Sequence[str]) -> Flags:
+        """Take over the bounds of meshes whose numbers changed; returns which items show one of them, [n]."""
+        numbers = np.array([self.mesh_names.index(name) for name in names if name in self.mesh_names], np.int32)
+        local, half = _bounds(world, [self.mesh_names[number] for number in numbers])
+        touched = np.zeros(len(self.meshes), np.bool_)
+        for number, sphere, size in zip(numbers, local, half, strict=True):
+            of_mesh = self.meshes == number
+            self.local[of_mesh], self.half[of_mesh] = sphere, size
+            touched |= of_mesh
+        return touched
+
+
+def list_items(world: World, arena: MeshArena, materials: MaterialStore) -> DrawItems:
+    """Take over the world's structure.
+
+    Args:
+        world: After its update.
+        arena: Up to date with the world's meshes.
+        materials: Up to date with its materials.
+    """
+    listed = world.subentities()
+    pairs = list(zip(listed.mesh, listed.material, strict=True))
+    kinds = list(dict.fromkeys(pairs))
+    names = list(dict.fromkeys(listed.mesh))
+    kind_of, mesh_of = _numbers(kinds), _numbers(names)
+    kind = np.array([kind_of[pair] for pair in pairs], np.int32)
+    mesh = np.array([mesh_of[name] for name in listed.mesh], np.int32)
+    ranges = [arena.ranges.get(name) for name in names]
+    looks = [
+        materials.look(material, coloured=bool((place := ranges[mesh_of[name]]) and place.coloured))
+        for name, material in kinds
+    ]
+    wide = [bool((place := ranges[mesh_of[name]]) and place.wide) for name, _ in kinds]
+    states = _States()
+    of_kind = np.array(
+        [states.number(look.state, look, flag) for look, flag in zip(looks, wide, strict=True)], np.int32
+    )
+    shadows = _States()
+    of_shadow = [shadows.number(look.shadow_state, look, flag) for look, flag in zip(looks, wide, strict=True)]
+    local, half = _bounds(world, names)
+    filled = np.array([place is not None and place.count > 0 for place in ranges], np.uint8)
+    return DrawItems(
+        rows=np.asarray(listed.row, np.int32),
+        entities=listed.entity,
+        states=_spread(of_kind, kind),
+        shadow_states=_spread(np.array(of_shadow, np.int32), kind),
+        meshes=mesh,
+        paint=_spread(np.array([look.paint for look in looks], np.float32).reshape(-1, 4), kind),
+        local=_spread(local, mesh),
+        half=_spread(half, mesh),
+        drawable=_spread(filled, mesh),
+        transparent=_spread(np.array([look.transparent for look in looks], np.bool_), kind),
+        solid=_spread(np.array([look.solid for look in looks], np.bool_), kind),
+        casting=np.asarray(listed.casts_shadow, np.bool_),
+        levels=listed.level,
+        families=_families(world),
+        mesh_names=names,
+        ranges=np.array([(p.count, p.first, p.base_vertex) if p else (0, 0, 0) for p in ranges], np.int32).reshape(
+            -1, 3
+        ),
+        of_state=states.found,
+        of_shadow=shadows.found,
+    )
+
+
+def _families(world: World) -> I4:
+    """Row in the table of levels of each sub-entity's body, -1: it has only one."""
+    table, entities = world.content.levels, world.subentities().entity
+    row_of = np.full(int(entities.max(initial=-1)) + 1, -1, np.int32)
+    known = table.entities[table.entities < len(row_of)]
+    row_of[known] = np.flatnonzero(table.entities < len(row_of))
+    return row_of[entities]
+
+
+class _States:
+    """Numbers states as they are met."""
+
+    def __init__(self) -> None:
+        self.found: list[DrawState] = []
+        self._number: dict[object, int] = {}
+
+    def number(self, key: object, look: Look, wide: bool) -> int:
+        if (key, wide) not in self._number:
+            self._number[key, wide] = len(self.found)
+            self.found.append(DrawState(look, wide))
+        return self._number[key, wide]
+
+
+def _bounds(world: World, names: Sequence[str]) -> tuple[F8, F8]:
+    """Spheres [n, 4] and half sizes of boxes [n, 3] of meshes; zeros for one the world does not have."""
+    local, half = np.zeros((len(names), 4)), np.zeros((len(names), 3))
+    for i, name in enumerate(names):
+        mesh = world.meshes.get(name)
+        if mesh is not None:
+            least, greatest = mesh.bounds
+            local[i, :3], local[i, 3], half[i] = mesh.centre, mesh.radius, 0.5 * (greatest - least)
+    return local, half
+
+
+def _numbers(things: Sequence[T]) -> dict[T, int]:
+    return {thing: number for number, thing in enumerate(things)}
+
+
+def _spread(values: A, numbers: I4) -> A:
+    """The line of each item out of one line per kind."""
+    return values[numbers] if len(values) else values  # type: ignore[return-value]  # numpy forgets the kind

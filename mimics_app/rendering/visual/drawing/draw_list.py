@@ -1,0 +1,244 @@
+"""What is drawn in a frame: culled and sorted sub-entities, handed to the frame's buffers."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.rendering.visual.drawing.culling import make_culler
+from mimics_app.rendering.visual.drawing.draw_items import DrawItems, list_items
+from mimics_app.rendering.visual.drawing.draw_order import DrawOrder
+from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
+from mimics_app.rendering.visual.drawing.levels import Levels
+from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
+from mimics_app.rendering.visual.drawing.occlusion import LEAST_ITEMS, OcclusionPass, gather_occluders
+from mimics_app.rendering.visual.kernels.bounds import update_bounds
+from mimics_app.rendering.visual.kernels.frustum import cull_flat
+from mimics_app.rendering.visual.materials.materials import MaterialStore
+from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.view import View, compute_frustum_planes
+from mimics_app.world.world import World
+
+__all__ = ["DRAWN", "HIDDEN", "Casters", "DrawList", "Tally"]
+
+F8 = NDArray[np.float64]
+I4 = NDArray[np.int32]
+
+
+HIDDEN, DRAWN = 1, 2
+"""Fates of an item in a view's frustum."""
+
+
+@dataclass(frozen=True, eq=False)
+class Casters:
+    """What casts a shadow: numbers of items, and bounding spheres of those a shadow map has to hold.
+
+    Attributes:
+        items: Numbers of items, int32 [n].
+        centres: World [m], float64 [m, 3].
+        radii: [m], float64 [m].
+    """
+
+    items: I4
+    centres: F8
+    radii: F8
+
+
+@dataclass(slots=True)
+class Tally:
+    """What became of the items of a frame, all views together: how many there were, outside, hidden; tests made."""
+
+    items: int = 0
+    culled: int = 0
+    hidden: int = 0
+    tests: int = 0
+
+    def count(self, items: int, in_frustum: int, drawn: int, tests: int) -> None:
+        """Add one view."""
+        self.tests += tests
+        self.items += items
+        self.culled += items - in_frustum
+        self.hidden += in_frustum - drawn
+
+
+class DrawList:
+    """The world's sub-entities, culled and sorted for each view.
+
+    Attributes:
+        items: The sub-entities as arrays.
+        centres: Of their bounding spheres, world [m], float64 [n, 3].
+        radii: Of the same [m], float64 [n].
+        tally: What became of the items since the last update.
+        moved: Which items moved or changed their shape in the last update, [n]; None where that cannot be told.
+        fates: The same of each one, 0 where no view has it, `HIDDEN` or `DRAWN`, uint8 [n]; None where nobody asks.
+    """
+
+    def __init__(self, arena: MeshArena, materials: MaterialStore) -> None:
+        self._arena = arena
+        self._materials = materials
+        self._revision: tuple[int, int, str, str] | None = None
+        self._occlusion: OcclusionPass | None = None
+        self.tally = Tally()
+        self.moved: NDArray[np.bool_] | None = None
+        self._updates = 0
+        self._world: F8 = np.zeros((0, 4, 4))
+        self.fates: NDArray[np.uint8] | None = None
+
+    def update(
+        self, world: World, settings: RenderSettings, *, light_features: frozenset[str], fates: bool = False
+    ) -> None:
+        """Take over structure where it changed, and this frame's transforms always.
+
+        Args:
+            world: What is drawn.
+            settings: Which techniques and which occluders may be used.
+            light_features: See `MaterialStore.update`.
+            fates: True remembers what becomes of each item.
+        """
+        listed = world.subentities()
+        worth = len(listed.row) >= LEAST_ITEMS
+        meshes = self._arena.update(world, solid=worth)
+        materials = self._materials.update(
+            world, light_features=light_features, shading=settings.shading, profile=settings.profile
+        )
+        wanted = settings.occlusion if worth else "off"
+        revision = (id(world), listed.revision, wanted, settings.culling)
+        stale = meshes or materials or revision != self._revision
+        if stale:
+            self._take_structure(list_items(world, self._arena, self._materials))
+            self._levels = Levels(world, self.items)
+            nodes = world.transforms
+            self._culler = make_culler(settings.culling, self.items, nodes.parent_rows, nodes.world[:, :3, 3])
+            self._revision = revision
+            occluders = gather_occluders(world, self.items, self._arena, wanted)
+            self._occlusion = OcclusionPass(occluders) if len(occluders.inner_half) else None
+        self._detail = settings.detail
+        self.tally = Tally()
+        self._world = world.transforms.world
+        np.multiply(listed.visible, self.items.drawable, out=self._shown)
+        moved = self._move(world, everything=stale)
+        self._culler.moved(moved, self.centres, self.radii)
+        self.fates = np.zeros(len(self.items.rows), np.uint8) if fates else None
+
+    def _move(self, world: World, *, everything: bool) -> int:
+        """Bring the spheres to where their nodes are; returns how many items moved or changed their shape."""
+        items, transforms, last = self.items, world.transforms, self._updates
+        self._updates = transforms.updates
+        missed = everything or transforms.updates > last + 1
+        changed = transforms.changed if transforms.updates > last else np.zeros_like(transforms.changed)
+        if self._arena.rewritten:
+            reshaped = items.rebound(world, self._arena.rewritten)
+            changed = changed.copy()
+            changed[items.rows[reshaped]] = 1
+        self.moved = None if missed else changed[items.rows] > 0
+        if not (missed or transforms.updates > last or self._arena.rewritten):
+            return 0
+        bounds = (items.local, self.centres, self.radii, self._mirrored)
+        return int(update_bounds(items.rows, self._world, changed, missed, *bounds))
+
+    def casters(self, longest: float) -> Casters:
+        """What casts shadows, and the spheres a shadow map has to hold.
+
+        Args:
+            longest: Bodies of a radius beyond this [m] are left out of the spheres: grounds and skies.
+        """
+        shown = self._levels.show_finest(self._shown)
+        casting = np.flatnonzero(shown * self.items.casting).astype(np.int32)
+        held = casting[self.radii[casting] <= longest]
+        return Casters(casting, self.centres[held], self.radii[held])
+
+    def batch_casters(self, frame: FrameBuffers, casters: Casters, origin: F8) -> list[DrawRun]:
+        """Queue the shadow pass: instances relative to `origin` [m], grouped by state and mesh."""
+        count = len(casters.items)
+        self._picked[:count] = casters.items
+        self._order.sort(self._picked, count, origin, self.centres, self.radii, self._mirrored, shadow=True)
+        return frame.add(self._picked, count, origin, self.items, self._world, self._mirrored, shadow=True)
+
+    def batch_view(
+        self, frame: FrameBuffers, view: View, size: tuple[int, int], samples: int, key: Hashable
+    ) -> tuple[list[DrawRun], list[DrawRun], F8]:
+        """Queue what is in a view's frustum and not hidden.
+
+        Args:
+            frame: Where to.
+            view: From where.
+            size: Of the picture drawn [px].
+            samples: Per pixel.
+            key: Of the view, the same from frame to frame.
+
+        Returns:
+            Opaque runs, the states with the nearest items first and near to far within each; blended runs, each item
+            by itself, far to near; and the distances of these from the eye [m].
+        """
+        items, eye, picked = self.items, view.eye_world, self._picked
+        planes = compute_frustum_planes(view.clip_from_world)
+        shown = self._levels.show(key, view, self._shown, self.centres, self.radii, self._detail)
+        before = self._culler.tests
+        seen = count = self._culler.cull(planes, shown, self._world, self.centres, self.radii, picked)
+        self._remember(seen, HIDDEN)
+        if self._occlusion is not None:
+            spheres = (self.centres, self.radii)
+            count = self._occlusion.remove_hidden(picked, seen, view, size, samples, items, self._world, *spheres)
+        self._remember(count, DRAWN)
+        self.tally.count(int(shown.sum()), seen, count, self._culler.tests - before)
+        blended = self._split(count)
+        solid = count - len(blended)
+        self._order.sort(picked, solid, eye, self.centres, self.radii, self._mirrored)
+        self._opaque = solid
+        opaque = frame.add(picked, solid, eye, items, self._world, self._mirrored)
+        return opaque, *self._batch_blended(frame, blended, eye)
+
+    def batch_meeting(self, frame: FrameBuffers, view: View, planes: F8, onto: I4 | None) -> list[DrawRun]:
+        """Queue once more what is opaque in the view batched last and meets a volume.
+
+        Args:
+            frame: Where to.
+            view: The same view.
+            planes: Of the volume, unit normals inwards and offsets, [k, 4].
+            onto: Entity indices that count; None: all.
+        """
+        asked = np.zeros(len(self.items.rows), np.uint8)
+        asked[self._picked[: self._opaque]] = 1
+        if onto is not None:
+            asked &= np.isin(self.items.entities, onto)
+        items, met = self.items, np.zeros(self._opaque, np.int32)
+        count = cull_flat(planes, asked, items.rows, self._world, self.centres, self.radii, items.half, met)
+        self._order.sort(met, count, view.eye_world, self.centres, self.radii, self._mirrored)
+        return frame.add(met, count, view.eye_world, items, self._world, self._mirrored)
+
+    def _remember(self, count: int, fate: int) -> None:
+        """Take down the better fate of items that are picked."""
+        if self.fates is not None:
+            items = self._picked[:count]
+            self.fates[items] = np.maximum(self.fates[items], fate)
+
+    def _batch_blended(self, frame: FrameBuffers, blended: I4, eye: F8) -> tuple[list[DrawRun], F8]:
+        away = np.linalg.norm(self.centres[blended] - eye, axis=1)
+        far_first = np.argsort(-away, kind="stable")
+        order = np.ascontiguousarray(blended[far_first])
+        runs = frame.add(order, len(order), eye, self.items, self._world, self._mirrored, single=True)
+        return runs, away[far_first]
+
+    def _split(self, count: int) -> I4:
+        """Take the blended items out of those picked; returns them."""
+        if not self._any_transparent:
+            return self._picked[:0]
+        picked = self._picked[:count]
+        blended = self.items.transparent[picked]
+        apart, kept = picked[blended], picked[~blended]
+        self._picked[: len(kept)] = kept
+        return apart
+
+    def _take_structure(self, items: DrawItems) -> None:
+        self.items = items
+        count = len(items.rows)
+        self.centres, self.radii = np.zeros((count, 3)), np.zeros(count)
+        self._shown = np.zeros(count, np.uint8)
+        self._mirrored = np.zeros(count, np.uint8)
+        self._picked = np.zeros(count, np.int32)
+        self._opaque = 0
+        self._order: DrawOrder = DrawOrder(items)
+        self._any_transparent = bool(items.transparent.any())

@@ -1,0 +1,63 @@
+"""Puts picked items into draw order, with memory kept from frame to frame."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.rendering.visual.drawing.draw_items import DrawItems
+from mimics_app.rendering.visual.kernels.order import make_keys, sort_by_key
+
+__all__ = ["DrawOrder"]
+
+F8 = NDArray[np.float64]
+I4 = NDArray[np.int32]
+U1 = NDArray[np.uint8]
+
+
+class DrawOrder:
+    """Sorts by state, then from near to far, then by mesh.
+
+    Args:
+        items: What is sorted.
+    """
+
+    def __init__(self, items: DrawItems) -> None:
+        count, states = len(items.rows), 2 * max(len(items.of_state), len(items.of_shadow))
+        self._items = items
+        self._keys, self._spare_keys = np.zeros(count, np.uint64), np.zeros(count, np.uint64)
+        self._spare_items = np.zeros(count, np.int32)
+        self._away = np.zeros(count, np.float32)
+        self._nearest, self._ranks = np.zeros(states), np.zeros(states, np.int32)
+        self._digits = np.zeros((8, 256), np.int32)
+
+    def sort(
+        self, picked: I4, count: int, eye: F8, centres: F8, radii: F8, mirrored: U1, *, shadow: bool = False
+    ) -> None:
+        """Sort the first `count` of `picked` in place.
+
+        Args:
+            picked: Numbers of items, [>= count].
+            count: How many.
+            eye: From where near and far are meant, world [m], [3].
+            centres: Of all items' spheres, world [m], [n, 3].
+            radii: Of the same [m], [n].
+            mirrored: 1 where an item's faces wind the other way round, [n].
+            shadow: True to go by the states of the shadow pass.
+        """
+        items = self._items
+        make_keys(
+            picked,
+            count,
+            eye,
+            centres,
+            radii,
+            items.shadow_states if shadow else items.states,
+            mirrored,
+            items.meshes,
+            self._nearest,
+            self._ranks,
+            self._away,
+            self._keys,
+        )
+        sort_by_key(self._keys, picked, count, self._spare_keys, self._spare_items, self._digits)

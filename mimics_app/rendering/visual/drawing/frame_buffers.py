@@ -1,0 +1,156 @@
+"""Instances and indirect draws of all passes of one frame: written by kernels, uploaded once, drawn in runs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.rendering.visual.drawing.mesh_arena import COMMAND_WORDS, MeshArena
+from mimics_app.rendering.visual.kernels.commands import write_commands, write_instances
+from mimics_app.rendering.visual.materials.look import Look
+from mimics_app.world.store import grown
+
+if TYPE_CHECKING:
+    import moderngl
+
+    from mimics_app.rendering.visual.drawing.draw_items import DrawItems, DrawState
+    from mimics_app.rendering.visual.materials.shader_library import ShaderProgram
+
+__all__ = ["DrawRun", "FrameBuffers"]
+
+F8 = NDArray[np.float64]
+I4 = NDArray[np.int32]
+U1 = NDArray[np.uint8]
+
+_COMMAND_BYTES = 4 * COMMAND_WORDS
+
+
+@dataclass(frozen=True, slots=True)
+class DrawRun:
+    """Consecutive indirect draws that share a state: one call to the driver.
+
+    Attributes:
+        look: Material and shaders, one of those that share the state.
+        first: Number of the first command.
+        count: Number of commands.
+        triangles: In all of them.
+        mirrored: True where a negative scale turned the faces over, so that clockwise ones are outside.
+        wide: True where indices have 32 bits.
+    """
+
+    look: Look
+    first: int
+    count: int
+    triangles: int
+    mirrored: bool
+    wide: bool
+
+
+class FrameBuffers:
+    """Memory for a frame, kept from one to the next.
+
+    Attributes:
+        instance_count: Instances written since `begin`.
+        command_count: Commands written since `begin`.
+    """
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self._ctx = ctx
+        self._instances = np.zeros((256, 4, 4), np.float32)
+        self._commands = np.zeros((256, COMMAND_WORDS), np.uint32)
+        self._runs = np.zeros((256, 4), np.int64)
+        self._buffer: moderngl.Buffer | None = None
+        self.instance_count = self.command_count = 0
+
+    def begin(self) -> None:
+        """Forget the last frame."""
+        self.instance_count = self.command_count = 0
+
+    def add(
+        self,
+        items: I4,
+        count: int,
+        origin: F8,
+        listed: DrawItems,
+        world: F8,
+        mirrored: U1,
+        *,
+        shadow: bool = False,
+        single: bool = False,
+    ) -> list[DrawRun]:
+        """Append instances and the commands that draw them.
+
+        Args:
+            items: Numbers of items in draw order, [>= count].
+            count: How many.
+            origin: Of the frame the shaders work in, world [m], [3].
+            listed: What the numbers mean.
+            world: T_world_from_node per row, [rows, 4, 4].
+            mirrored: 1 where an item's faces wind the other way round, [n].
+            shadow: True to group by the states of the shadow pass.
+            single: True to draw each item by itself.
+        """
+        if not count:
+            return []
+        self._reserve(self.instance_count + count, self.command_count + count, count)
+        states = listed.shadow_states if shadow else listed.states
+        first, first_command = self.instance_count, self.command_count
+        write_instances(items, count, first, origin, listed.rows, world, listed.paint, self._instances)
+        commands, runs = write_commands(
+            items,
+            count,
+            first,
+            first_command,
+            states,
+            mirrored,
+            listed.meshes,
+            listed.ranges,
+            single,
+            self._commands,
+            self._runs,
+        )
+        self.instance_count += count
+        self.command_count += commands
+        of_state = listed.of_shadow if shadow else listed.of_state
+        return [_run(row, of_state) for row in self._runs[:runs].tolist()]
+
+    def upload(self, arena: MeshArena) -> None:
+        """Send the frame to the GPU."""
+        if not self.command_count:
+            return
+        arena.write_instances(self._instances[: self.instance_count])
+        size = self.command_count * _COMMAND_BYTES
+        if self._buffer is None or self._buffer.size < size:
+            self.release()
+            self._buffer = self._ctx.buffer(reserve=2 * size)
+        self._buffer.orphan()
+        self._buffer.write(self._commands[: self.command_count])
+
+    def draw(self, arena: MeshArena, run: DrawRun, shader: ShaderProgram) -> None:
+        """Issue one run by a shader of its look, which is bound already."""
+        import moderngl
+
+        assert self._buffer is not None, "runs are drawn after upload"
+        self._ctx.front_face = "cw" if run.mirrored else "ccw"
+        array = arena.vertex_array(shader, wide=run.wide)
+        array.render_indirect(self._buffer, moderngl.TRIANGLES, run.count, first=run.first)
+
+    def release(self) -> None:
+        """Free the command buffer."""
+        if self._buffer is not None:
+            self._buffer.release()
+            self._buffer = None
+
+    def _reserve(self, instances: int, commands: int, runs: int) -> None:
+        self._instances = grown(self._instances, instances)
+        self._commands = grown(self._commands, commands)
+        self._runs = grown(self._runs, runs)
+
+
+def _run(row: list[int], of_state: list[DrawState]) -> DrawRun:
+    state, first, count, triangles = row
+    drawn = of_state[state // 2]
+    return DrawRun(drawn.look, first, count, triangles, bool(state % 2), drawn.wide)

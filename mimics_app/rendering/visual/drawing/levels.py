@@ -1,0 +1,72 @@
+"""Which level of detail each view shows of each body."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.rendering.visual.drawing.draw_items import DrawItems
+from mimics_app.rendering.visual.kernels.levels import choose_levels, show_levels
+from mimics_app.rendering.visual.view import View
+from mimics_app.world.world import World
+
+__all__ = ["Levels"]
+
+F8 = NDArray[np.float64]
+I4 = NDArray[np.int32]
+U1 = NDArray[np.uint8]
+
+
+class Levels:
+    """Remembers for each view what it showed last.
+
+    Args:
+        world: Whose bodies.
+        items: Its sub-entities.
+    """
+
+    def __init__(self, world: World, items: DrawItems) -> None:
+        table = world.content.levels
+        self._items = items
+        self._counts = table.column("count").copy()
+        self._coverages = table.column("coverages").copy()
+        self._leads = np.full(len(self._counts), -1, np.int32)
+        finest = np.flatnonzero((items.levels == 0) & (items.families >= 0))[::-1]
+        self._leads[items.families[finest]] = finest
+        self._chosen: dict[Hashable, I4] = {}
+        self._shown = np.zeros(len(items.rows), np.uint8)
+
+    @property
+    def any(self) -> bool:
+        """True when some body has levels."""
+        return len(self._counts) > 0
+
+    def show(self, key: Hashable, view: View, shown: U1, centres: F8, radii: F8, detail: float) -> U1:
+        """What may be drawn in a view, [n]; good until the next call.
+
+        Args:
+            key: Of the view, the same from frame to frame.
+            view: From where; a part of a picture shows what the whole of it would.
+            shown: 1 where an item may be drawn at all, [n].
+            centres: Of the items' spheres, world [m], [n, 3].
+            radii: Of the same [m], [n].
+            detail: Distances at which levels change, over those that the bodies' authors gave.
+        """
+        if not self.any:
+            return shown
+        chosen = self._chosen.setdefault(key, np.full(len(self._counts), -1, np.int32))
+        eye = np.ascontiguousarray(view.eye_world)
+        window = view.window / detail**2
+        choose_levels(self._leads, centres, radii, self._counts, self._coverages, eye, window, chosen)
+        show_levels(shown, self._items.levels, self._items.families, chosen, self._shown)
+        return self._shown
+
+    def show_finest(self, shown: U1) -> U1:
+        """What may be drawn where no view counts, as in a shadow map: each body's finest level."""
+        if not self.any:
+            return shown
+        finest = np.zeros(len(self._counts), np.int32)
+        show_levels(shown, self._items.levels, self._items.families, finest, self._shown)
+        return self._shown

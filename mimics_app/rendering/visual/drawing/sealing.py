@@ -1,0 +1,181 @@
+"""Cracks in a mesh closed: corners that touch an edge in its middle become corners of its triangle too.
+
+Where three triangles meet so that one's corner lies on another's edge (a T-junction), the pixels between them are
+rounded to different sides and the background shines through now and then. What shows through a crack is neither what
+a person should see nor something that occlusion culling can promise to be the same.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.rendering.visual.kernels.solid import points_on_edges
+from mimics_app.world.meshes.mesh import MeshData
+
+__all__ = ["Sealed", "seal", "unmatched_edges"]
+
+F8 = NDArray[np.float64]
+I4 = NDArray[np.int32]
+
+_WELD = 2e-6
+"""Corners within this share of the mesh's size are one; float32 rounds to 6e-8 of it."""
+
+_ON_EDGE = 6e-6
+"""The same for corners on edges."""
+
+_MOST_TRIALS = 50_000_000
+"""Corners times edges up to which T-junctions are looked for."""
+
+_OFFSETS = (0.377, 0.711, 0.043)
+
+
+@dataclass(frozen=True, eq=False)
+class Sealed:
+    """A mesh whose triangles meet corner to corner.
+
+    Attributes:
+        mesh: The mesh itself where nothing had to be done, or one that shows the same surface.
+        points: Its different corners [m], float64 [p, 3].
+        triangles: Numbers of points, none twice in one triangle, int32 [n, 3].
+        repaired: How many corners were put onto edges.
+    """
+
+    mesh: MeshData
+    points: F8
+    triangles: I4
+    repaired: int
+
+
+def seal(mesh: MeshData) -> Sealed | None:
+    """Close a mesh's cracks; None where that would take too long."""
+    size = float(np.linalg.norm(mesh.bounds[1] - mesh.bounds[0]))
+    point_of = _weld(mesh.positions, size * _WELD)
+    first = np.unique(point_of, return_index=True)[1]
+    points = mesh.positions[first].astype(np.float64)
+    corners = mesh.indices.reshape(-1, 3).astype(np.int64)
+    named = point_of[corners]
+    whole = (named[:, 0] != named[:, 1]) & (named[:, 1] != named[:, 2]) & (named[:, 2] != named[:, 0])
+    corners, named = corners[whole], named[whole]
+    open_edges = unmatched_edges(named)
+    candidates = np.unique(open_edges).astype(np.int32)
+    if len(open_edges) * len(candidates) > _MOST_TRIALS:
+        return None
+    found = np.empty((4 * len(open_edges) + 16, 3))
+    count = points_on_edges(points, open_edges, candidates, size * _ON_EDGE, found, len(found))
+    if count > len(found):
+        return None
+    positions = mesh.positions[first][point_of]
+    snapped = not np.array_equal(positions, mesh.positions)
+    if count == 0 and not snapped:
+        return Sealed(mesh, points, named.astype(np.int32), 0)
+    builder = _Splitter(mesh, positions, point_of, found[:count], open_edges)
+    split = builder.split(corners)
+    return Sealed(builder.mesh(split), points, builder.points[split].astype(np.int32), count)
+
+
+def unmatched_edges(triangles: NDArray[np.integer]) -> I4:
+    """Directed edges of triangles that no other triangle runs along the other way, int32 [e, 2]."""
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]).astype(np.int64)
+    if not len(edges):
+        return np.zeros((0, 2), np.int32)
+    base = int(edges.max()) + 1
+    low, high = edges.min(axis=1), edges.max(axis=1)
+    key, place = np.unique(low * base + high, return_inverse=True)
+    balance = np.zeros(len(key), np.int64)
+    np.add.at(balance, place, np.where(edges[:, 0] == low, 1, -1))
+    left = np.flatnonzero(balance)
+    pairs = np.stack([key[left] // base, key[left] % base], axis=1)
+    turned = np.where((balance[left] > 0)[:, None], pairs, pairs[:, ::-1])
+    return np.repeat(turned, np.abs(balance[left]), axis=0).astype(np.int32)
+
+
+class _Splitter:
+    """Splits triangles at the points found on their edges."""
+
+    def __init__(
+        self, mesh: MeshData, positions: NDArray[np.float32], points: NDArray[np.int64], found: F8, edges: I4
+    ) -> None:
+        self._source = mesh
+        self._parts = [[array] for array in (positions, mesh.normals, mesh.uvs, mesh.colours) if array is not None]
+        self._place = {int(point): number for number, point in reversed(list(enumerate(points)))}
+        self._known = positions
+        self.points = points
+        self._count = len(positions)
+        self._more: list[int] = []
+        self._on: dict[tuple[int, int], list[tuple[float, int]]] = {}
+        for edge, point, along in found:
+            a, b = edges[int(edge)].tolist()
+            self._on.setdefault((a, b), []).append((along, int(point)))
+        for inserted in self._on.values():
+            inserted.sort()
+
+    def split(self, corners: NDArray[np.int64]) -> NDArray[np.int64]:
+        """The triangles [m, 3] that stand for these [n, 3]; numbers are of vertices, old and new."""
+        named = self.points[corners]
+        touched = np.zeros(len(corners), np.bool_)
+        for i, (a, b, c) in enumerate(named.tolist()):
+            touched[i] = (a, b) in self._on or (b, c) in self._on or (c, a) in self._on
+        made: list[tuple[int, int, int]] = []
+        for triangle in corners[touched].tolist():
+            self._split_one(triangle, made)
+        self.points = np.concatenate([self.points, np.array(self._more, np.int64)])
+        return np.concatenate([corners[~touched], np.array(made, np.int64).reshape(-1, 3)])
+
+    def mesh(self, triangles: NDArray[np.int64]) -> MeshData:
+        """The mesh of these triangles."""
+        arrays = iter([np.concatenate(parts) for parts in self._parts])
+        positions, normals = next(arrays), next(arrays)
+        uvs = next(arrays) if self._source.uvs is not None else None
+        colours = next(arrays) if self._source.colours is not None else None
+        return MeshData(positions, normals, triangles.reshape(-1).astype(np.uint32), uvs, colours)
+
+    def _split_one(self, triangle: list[int], made: list[tuple[int, int, int]]) -> None:
+        """Cut a triangle along lines from the corner opposite to an edge with points, until no edge has any."""
+        waiting = [self._with_points(triangle)]
+        while waiting:
+            corners, inserted = waiting.pop()
+            side = next((k for k in range(3) if inserted[k]), None)
+            if side is None:
+                made.append((corners[0], corners[1], corners[2]))
+                continue
+            a, b, c = (corners[(side + k) % 3] for k in range(3))
+            row = [a, *inserted[side], b]
+            for k, (start, end) in enumerate(itertools.pairwise(row)):
+                after = inserted[(side + 1) % 3] if k == len(row) - 2 else []
+                before = inserted[(side + 2) % 3] if k == 0 else []
+                waiting.append(([start, end, c], [[], after, before]))
+
+    def _with_points(self, triangle: list[int]) -> tuple[list[int], list[list[int]]]:
+        """The triangle and, for each of its edges, new vertices along it."""
+        inserted: list[list[int]] = []
+        for k in range(3):
+            a, b = triangle[k], triangle[(k + 1) % 3]
+            found = self._on.get((int(self.points[a]), int(self.points[b])), [])
+            inserted.append([self._add(a, b, along, point) for along, point in found])
+        return triangle, inserted
+
+    def _add(self, a: int, b: int, along: float, point: int) -> int:
+        """A new vertex: where the point is, all else mixed of both ends."""
+        self._parts[0].append(self._known[self._place[point]][None])
+        for parts in self._parts[1:]:
+            mixed = (1.0 - along) * parts[0][a] + along * parts[0][b]
+            parts.append(mixed[None].astype(np.float32))
+        self._more.append(point)
+        self._count += 1
+        return self._count - 1
+
+
+def _weld(positions: NDArray[np.float32], cell: float) -> NDArray[np.int64]:
+    """Number of the point each vertex stands at; vertices nearer than a cell stand at one."""
+    exact, number = np.unique(positions, axis=0, return_inverse=True)
+    number = number.reshape(-1).astype(np.int64)
+    places = exact.astype(np.float64)
+    for offset in _OFFSETS:
+        squares = np.floor(places / max(cell, 1e-300) + offset).astype(np.int64)
+        _, first, group = np.unique(squares, axis=0, return_index=True, return_inverse=True)
+        number, places = group.reshape(-1)[number], places[first]
+    return number

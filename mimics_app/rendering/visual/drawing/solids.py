@@ -1,0 +1,159 @@
+"""Boxes proven to lie inside opaque meshes: what is behind one of them cannot be seen.
+
+A mesh with its cracks sealed is a closed surface where every edge is run along both ways equally often; flat holes, as
+a house has that stands on the ground, are thought closed by caps. Around a box that no triangle and no cap touches and
+about which the surface winds at least once, every ray from outside meets a front face first, as long as the eye is on
+the inner side of every cap's plane: a straight line that starts and ends there does not pass through the cap.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.rendering.visual.drawing.sealing import seal, unmatched_edges
+from mimics_app.rendering.visual.kernels.solid import find_best_box, grow_box, label_cells, mark_cells, winding_number
+from mimics_app.world.meshes.mesh import MeshData
+
+__all__ = ["MAX_TRIANGLES", "Solid", "find_solid"]
+
+F8 = NDArray[np.float64]
+I4 = NDArray[np.int32]
+
+MAX_TRIANGLES = 20_000
+"""Meshes of more triangles are not searched for a box."""
+
+_CELLS = 18
+"""Cells along each side of the grid a box is looked for in."""
+
+_CLEARANCE = 2e-3
+"""How far a box stays from the surface, as a share of the mesh's size: far more than a pixel's rounding."""
+
+_FLAT = 1e-5
+"""How far the corners of a hole may be from a plane, as a share of the mesh's size."""
+
+_known: WeakKeyDictionary[MeshData, Solid | None] = WeakKeyDictionary()
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """An occluder in the frame of its mesh.
+
+    Attributes:
+        mesh: What has to be drawn for it to hold: the mesh, its cracks sealed.
+        least: Corner of the box [m], float64 [3].
+        greatest: The opposite corner [m].
+        caps: Planes that close the mesh, normal outwards and offset, float64 [k, 4]; it holds for eyes behind them all.
+    """
+
+    mesh: MeshData
+    least: F8
+    greatest: F8
+    caps: F8
+
+
+def find_solid(mesh: MeshData) -> Solid | None:
+    """The largest box found inside a mesh; None where it has no inside. Found once for every mesh."""
+    if mesh not in _known:
+        _known[mesh] = _search(mesh)
+    return _known[mesh]
+
+
+def _search(mesh: MeshData) -> Solid | None:
+    size = mesh.bounds[1] - mesh.bounds[0]
+    if not 4 <= mesh.triangle_count <= MAX_TRIANGLES or float(size.min()) < 1e-3 * float(size.max()):
+        return None
+    sealed = seal(mesh)
+    if sealed is None:
+        return None
+    reach = float(np.linalg.norm(size))
+    closing = _close(sealed.points, unmatched_edges(sealed.triangles), _FLAT * reach)
+    if closing is None:
+        return None
+    caps, lids = closing
+    surface = np.concatenate([sealed.points[sealed.triangles], lids])
+    box = _find_box(surface, mesh.bounds)
+    if box is None:
+        return None
+    box[0] += _CLEARANCE * reach
+    box[1] -= _CLEARANCE * reach
+    if (box[1] <= box[0]).any() or not _behind(caps, box):
+        return None
+    return Solid(sealed.mesh, box[0], box[1], caps)
+
+
+def _close(points: F8, edges: I4, tolerance: float) -> tuple[F8, F8] | None:
+    """Planes [k, 4] and triangles [n, 3, 3] of the caps on a surface's holes; None where one is not flat."""
+    planes, lids = [], []
+    loops = _loops(edges)
+    if loops is None:
+        return None
+    for loop in loops:
+        corners = points[loop[::-1]]
+        following = np.roll(corners, -1, axis=0)
+        normal = np.cross(corners - corners[0], following - corners[0]).sum(axis=0)
+        length = float(np.linalg.norm(normal))
+        if length < tolerance * tolerance:
+            return None
+        plane = np.append(normal / length, -float(normal @ corners.mean(axis=0)) / length)
+        if np.abs(corners @ plane[:3] + plane[3]).max() > tolerance:
+            return None
+        planes.append(plane)
+        fan = [np.stack([corners[0], corners[k], corners[k + 1]]) for k in range(1, len(corners) - 1)]
+        lids.append(np.array(fan))
+    if not planes:
+        return np.zeros((0, 4)), np.zeros((0, 3, 3))
+    return np.array(planes), np.concatenate(lids)
+
+
+def _loops(edges: I4) -> list[list[int]] | None:
+    """Directed edges strung together to closed loops; None where that cannot be done."""
+    onward: dict[int, list[int]] = {}
+    for a, b in edges.tolist():
+        onward.setdefault(a, []).append(b)
+    loops = []
+    while onward:
+        start = next(iter(onward))
+        loop = [start]
+        while True:
+            ways = onward.get(loop[-1])
+            if not ways:
+                return None
+            after = ways.pop()
+            if not ways:
+                del onward[loop[-1]]
+            if after == start:
+                break
+            loop.append(after)
+        loops.append(loop)
+    return loops
+
+
+def _find_box(surface: F8, bounds: tuple[F8, F8]) -> F8 | None:
+    """Least and greatest corner [2, 3] of the best box that no triangle touches and the surface winds about."""
+    least, greatest = bounds
+    size = (greatest - least) / _CELLS
+    blocked = np.zeros((_CELLS,) * 3, np.uint8)
+    mark_cells(surface, least, size, blocked)
+    labels = np.zeros(blocked.shape, np.int32)
+    stack, seeds = np.zeros((blocked.size, 3), np.int32), np.zeros((blocked.size, 3), np.int32)
+    groups = label_cells(blocked, labels, stack, seeds)
+    free = np.zeros(blocked.shape, np.uint8)
+    for group in range(groups):
+        if winding_number(surface, least + (seeds[group] + 0.5) * size) > 0.5:
+            free |= labels == group + 1
+    cells = np.zeros((2, 3), np.int32)
+    if find_best_box(free, size, cells) == 0.0:
+        return None
+    box: F8 = least + cells * size
+    grow_box(surface, box, size)
+    return box
+
+
+def _behind(caps: F8, box: F8) -> bool:
+    """True when a box is on the inner side of every plane."""
+    corners = np.array([[box[(k >> axis) & 1, axis] for axis in range(3)] for k in range(8)])
+    return bool((corners @ caps[:, :3].T + caps[:, 3] < 0.0).all())

@@ -1,0 +1,105 @@
+"""Sprites and projectors of a frame from the world to the driver; made when a world first has any."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import Issue
+from mimics_app.rendering.visual.drawing.draw_list import DrawList
+from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
+from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
+from mimics_app.rendering.visual.effects.projectors import BeamRuns, ProjectorField
+from mimics_app.rendering.visual.effects.sprites import SpriteField, SpriteRun
+from mimics_app.rendering.visual.materials.picture_arrays import PictureArrays
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.passes.projector import ProjectorPass
+from mimics_app.rendering.visual.passes.sprites import SpritePass
+from mimics_app.rendering.visual.passes.states import draw_runs
+from mimics_app.rendering.visual.view import View, compute_frustum_planes
+from mimics_app.world.world import World
+
+if TYPE_CHECKING:
+    import moderngl
+
+__all__ = ["EffectStage"]
+
+F8 = NDArray[np.float64]
+
+
+class EffectStage:
+    """Everything that is seen but is no body."""
+
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, longest_texture: int) -> None:
+        self._pictures = PictureArrays(ctx, longest_texture)
+        self._field = SpriteField(self._pictures)
+        self._sprites = SpritePass(ctx, shaders)
+        self._projectors = ProjectorField()
+        self._throwing = ProjectorPass(ctx, shaders, longest_texture)
+        self._lights: frozenset[str] = frozenset()
+
+    def prepare(self, world: World, lights: frozenset[str]) -> None:
+        """Take over the world's effects as they are at its time.
+
+        Args:
+            world: After its update.
+            lights: Features of shaders that the frame's light needs.
+        """
+        self._lights = lights
+        self._field.update(world)
+        self._projectors.update(world)
+
+    def mix(self, view: View, surfaces: Sequence[DrawRun], away: F8) -> list[DrawRun | SpriteRun]:
+        """Queue the sprites of a view among its blended surfaces, see `SpriteField.batch`."""
+        return self._field.batch(view, surfaces, away)
+
+    def meet(self, view: View, listed: DrawList, frame: FrameBuffers) -> list[BeamRuns]:
+        """Queue the opaque surfaces that projectors meet, of the view that was batched last."""
+        planes = compute_frustum_planes(view.clip_from_world)
+        met = [
+            BeamRuns(beam, listed.batch_meeting(frame, view, beam.planes, beam.onto))
+            for beam in self._projectors.beams
+            if beam.is_seen(planes)
+        ]
+        return [each for each in met if each.runs]
+
+    def upload(self) -> None:
+        """Send the sprites of all views to the GPU."""
+        self._sprites.upload(self._field.corners[: self._field.count])
+
+    def throw(
+        self,
+        target: moderngl.Framebuffer,
+        arena: MeshArena,
+        frame: FrameBuffers,
+        view: View,
+        thrown: Sequence[BeamRuns],
+    ) -> int:
+        """Draw what projectors throw onto what is opaque; returns the draw calls made."""
+        return self._throwing.draw(target, arena, frame, view, thrown, self._lights)
+
+    def draw_mixed(
+        self, target: moderngl.Framebuffer, arena: MeshArena, frame: FrameBuffers, runs: Sequence[DrawRun | SpriteRun]
+    ) -> int:
+        """Draw sprites and blended surfaces in their order; returns the draw calls made."""
+        draws = 0
+        for run in runs:
+            if isinstance(run, SpriteRun):
+                draws += self._sprites.draw(target, run, self._lights)
+            else:
+                draws += draw_runs(target, arena, frame, [run])
+        return draws
+
+    def take_issues(self) -> list[Issue]:
+        """What could not be drawn as the world asks since the last call."""
+        taken = [*self._field.issues, *self._projectors.issues]
+        self._field.issues, self._projectors.issues = [], []
+        return taken
+
+    def release(self) -> None:
+        """Free everything."""
+        for part in (self._sprites, self._throwing, self._pictures):
+            part.release()

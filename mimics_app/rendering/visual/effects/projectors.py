@@ -1,0 +1,129 @@
+"""Projectors of a frame: what each throws, where to, and which of the surfaces in a view it meets."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import Issue
+from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun
+from mimics_app.rendering.visual.view import compose_clip_from_view, compute_frustum_planes
+from mimics_app.world.components.effects import Projector
+from mimics_app.world.materials.material import TextureData
+from mimics_app.world.materials.sprite_pictures import sprite_picture
+from mimics_app.world.world import World
+
+__all__ = ["Beam", "BeamRuns", "ProjectorField", "clip_from_projector"]
+
+F8 = NDArray[np.float64]
+
+_TO_TEXTURE = np.array([[0.5, 0.0, 0.0, 0.5], [0.0, 0.5, 0.0, 0.5], [0.0, 0.0, 0.5, 0.5], [0.0, 0.0, 0.0, 1.0]])
+
+_CUBE = np.array([[*corner, 1.0] for corner in product((-1.0, 1.0), repeat=3)]).T
+
+
+@dataclass(frozen=True, eq=False)
+class Beam:
+    """A projector as it is in a frame.
+
+    Attributes:
+        spec: What the scene says.
+        key: Name of its picture.
+        picture: What it throws.
+        texture_from_world: To texture coordinates and depth in [0, 1], before the division by w; float64 [4, 4].
+        towards: Against its rays, unit, and 0; or where they come from, world [m], and 1; float64 [4].
+        planes: Of its volume, normals inwards, float64 [6, 4].
+        corners: Of its volume, world [m], float64 [8, 3].
+        onto: Entity indices it falls on, int32; None: all.
+    """
+
+    spec: Projector
+    key: str
+    picture: TextureData
+    texture_from_world: F8
+    towards: F8
+    planes: F8
+    corners: F8
+    onto: NDArray[np.int32] | None
+
+    def is_seen(self, view_planes: F8) -> bool:
+        """False when one plane of a view's frustum, [k, 4], has the whole volume behind it."""
+        depth = view_planes[:, :3] @ self.corners.T + view_planes[:, 3:]
+        return not bool((depth < 0.0).all(axis=1).any())
+
+
+@dataclass(frozen=True, eq=False)
+class BeamRuns:
+    """A projector with the surfaces of a view that it meets."""
+
+    beam: Beam
+    runs: list[DrawRun]
+
+
+class ProjectorField:
+    """Every projector of a world.
+
+    Attributes:
+        beams: Those that throw something in this frame.
+        issues: Pictures that are missing, each told once; take them out when they were told.
+    """
+
+    def __init__(self) -> None:
+        self.beams: list[Beam] = []
+        self._told: set[Issue] = set()
+        self.issues: list[Issue] = []
+
+    def update(self, world: World) -> None:
+        """Take over where the world's projectors are."""
+        shown = world.transforms.shown
+        rows = {index: world.transforms.row(index) for index in world.effects.projectors}
+        self.beams = [
+            self._beam(world, spec, world.transforms.world[rows[index]])
+            for index, spec in world.effects.projectors.items()
+            if shown[rows[index]]
+        ]
+
+    def _beam(self, world: World, spec: Projector, world_from_node: F8) -> Beam:
+        pose = world_from_node.copy()
+        pose[:3, :3] /= np.linalg.norm(pose[:3, :3], axis=0)
+        clip = clip_from_projector(spec) @ np.linalg.inv(pose)
+        towards = np.append(pose[:3, 3], 1.0) if spec.kind == "slide" else np.append(pose[:3, 2], 0.0)
+        key, picture = self._picture(world, spec)
+        onto = _with_below(world, spec.onto) if spec.onto else None
+        cube = np.linalg.inv(clip) @ _CUBE
+        corners = (cube[:3] / cube[3]).T
+        return Beam(spec, key, picture, _TO_TEXTURE @ clip, towards, compute_frustum_planes(clip), corners, onto)
+
+    def _picture(self, world: World, spec: Projector) -> tuple[str, TextureData]:
+        own = f"#{spec.shape}", sprite_picture(spec.shape)
+        if spec.texture is None:
+            return own
+        picture = world.textures.get(spec.texture)
+        if picture is not None:
+            return spec.texture, picture
+        issue = Issue("", "", f'projector: no texture "{spec.texture}"; a {spec.shape} is thrown instead')
+        if issue not in self._told:
+            self._told.add(issue)
+            self.issues.append(issue)
+        return own
+
+
+def clip_from_projector(spec: Projector) -> F8:
+    """Projection from the projector's own frame, float64 [4, 4]: a box about it, or a pyramid along its -z."""
+    width, height = spec.size
+    if spec.kind == "decal":
+        return np.diag([2.0 / width, 2.0 / height, -2.0 / spec.depth, 1.0])
+    up = math.tan(0.5 * spec.fov)
+    across = up * width / height
+    return compose_clip_from_view((-across, across, -up, up), spec.near, spec.depth)
+
+
+def _with_below(world: World, names: tuple[str, ...]) -> NDArray[np.int32]:
+    """Entity indices of nodes and of everything that hangs on them; names the world does not have are left out."""
+    hierarchy, capacity = world.graph.hierarchy, world.graph.store.capacity
+    found = [hierarchy.subtree(world.graph.find(name), capacity) for name in names if name in world]
+    return np.concatenate([np.zeros(0, np.int32), *found]).astype(np.int32)

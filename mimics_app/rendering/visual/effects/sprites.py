@@ -1,0 +1,214 @@
+"""Sprites of a frame: billboards and particles together, and the runs in which they are drawn among the surfaces."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import Issue
+from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun
+from mimics_app.rendering.visual.effects.emitters import Emitter, SpriteRows
+from mimics_app.rendering.visual.kernels.order import sort_by_key
+from mimics_app.rendering.visual.kernels.particles import SPRITE
+from mimics_app.rendering.visual.kernels.sprites import SPRITE_VERTEX, see_sprites, write_sprites
+from mimics_app.rendering.visual.materials.picture_arrays import PictureArray, PictureArrays
+from mimics_app.rendering.visual.view import View, compute_frustum_planes
+from mimics_app.world.components.effects import Billboard, Particles, SpriteShape
+from mimics_app.world.materials.material import TextureData
+from mimics_app.world.materials.sprite_pictures import sprite_picture
+from mimics_app.world.store import grown
+from mimics_app.world.world import World
+
+__all__ = ["SpriteField", "SpriteRun", "SpriteState"]
+
+F8 = NDArray[np.float64]
+I4 = NDArray[np.int32]
+
+_FACINGS = ("free", "upright")
+"""In the order of their numbers in kernels/sprites.py."""
+
+
+@dataclass(frozen=True)
+class SpriteState:
+    """What the driver has to be told before sprites: their pictures, and which shader.
+
+    Attributes:
+        pictures: Of which each sprite names a layer.
+        masked: Cut out, not blended.
+        lit: By sun, lights and sky.
+    """
+
+    pictures: PictureArray
+    masked: bool
+    lit: bool
+
+
+@dataclass(frozen=True, slots=True)
+class SpriteRun:
+    """Sprites drawn by one call: number of the first one, how many, and their state."""
+
+    state: SpriteState
+    first: int
+    count: int
+
+    @property
+    def triangles(self) -> int:
+        """Two each."""
+        return 2 * self.count
+
+
+class SpriteField:
+    """Every sprite of a world.
+
+    Attributes:
+        corners: What the shader reads of all views, SPRITE_VERTEX [>= count, 4].
+        count: Sprites written to it since the last update.
+        issues: Pictures that are missing, each told once; take them out when they were told.
+    """
+
+    def __init__(self, arrays: PictureArrays) -> None:
+        self._arrays = arrays
+        self._made_for: tuple[int, int, int] | None = None
+        self._pictures: dict[str, TextureData | None] = {}
+        self._states: list[SpriteState] = []
+        self._rows = SpriteRows()
+        self._billboards = np.zeros(0, SPRITE)
+        self._emitters: dict[int, Emitter] = {}
+        self._told: set[Issue] = set()
+        self._scratch(0)
+        self._axes = np.zeros((2, 3))
+        self.corners = np.zeros((256, 4), SPRITE_VERTEX)
+        self.count = 0
+        self.issues: list[Issue] = []
+
+    def update(self, world: World) -> None:
+        """Take over the world's effects and where they are at its time."""
+        effects = world.effects
+        self.count = self._rows.count = 0
+        wanted = (id(world), effects.revision, effects.seed)
+        changed = any(world.textures.get(key) is not picture for key, picture in self._pictures.items())
+        if wanted != self._made_for or changed:
+            self._take_structure(world)
+            self._made_for = wanted
+        self._place_billboards(world)
+        for index, emitter in self._emitters.items():
+            row = world.transforms.row(index)
+            if world.transforms.shown[row]:
+                own = [burst for burst in effects.bursts if burst.emitter == index]
+                emitter.fill(effects.time, world.transforms.world[row], own, self._rows)
+        if len(self._order) < self._rows.count:
+            self._scratch(2 * self._rows.count)
+
+    def batch(self, view: View, surfaces: Sequence[DrawRun], away: F8) -> list[DrawRun | SpriteRun]:
+        """Queue what is in a view.
+
+        Args:
+            view: From where.
+            surfaces: Blended ones in this view, far to near, one each.
+            away: Their distances [m], [surfaces].
+
+        Returns:
+            Sprites that are cut out; then sprites and surfaces together, far to near.
+        """
+        rows, eye = self._rows, np.ascontiguousarray(view.eye_world)
+        solid, blended = self._pick(view, eye)
+        order = self._order
+        self.corners = grown(self.corners, self.count + solid + blended)
+        first = self.count
+        right = np.ascontiguousarray(view.world_from_eye[:3, 0])
+        write_sprites(rows.rows, order, solid + blended, first, eye, right, self._axes, self.corners)
+        self.count += solid + blended
+        runs: list[DrawRun | SpriteRun] = [*self._runs(first, 0, solid)]
+        cuts = np.searchsorted(-self._away[:blended], -away) + solid
+        done = solid
+        for surface, cut in zip(surfaces, cuts.tolist(), strict=True):
+            runs += [*self._runs(first, done, cut), surface]
+            done = cut
+        return [*runs, *self._runs(first, done, solid + blended)]
+
+    def _pick(self, view: View, eye: F8) -> tuple[int, int]:
+        """Fill `_order` with what is cut out, by state, then the rest, far to near with their `_away`."""
+        rows, order = self._rows, self._order
+        planes = compute_frustum_planes(view.clip_from_world)
+        masked = np.array([state.masked for state in self._states], np.uint8)
+        picked = see_sprites(rows.rows, rows.count, planes, eye, masked, order, self._blended, self._away)
+        solid, blended = picked
+        self._keys[:solid] = rows.rows["state"][order[:solid]]
+        self._sort(order, solid)
+        distance = self._away[:blended].astype(np.float32)
+        self._keys[:blended] = np.uint32(0xFFFFFFFF) - distance.view(np.uint32)
+        self._sort(self._blended, blended)
+        order[solid : solid + blended] = self._blended[:blended]
+        self._away[:blended] = (np.uint32(0xFFFFFFFF) - self._keys[:blended].astype(np.uint32)).view(np.float32)
+        return solid, blended
+
+    def _sort(self, numbers: I4, count: int) -> None:
+        sort_by_key(self._keys, numbers, count, self._spare_keys, self._spare, self._digits)
+
+    def _runs(self, first: int, begin: int, end: int) -> Iterator[SpriteRun]:
+        """Stretches of equal state in `_order[begin:end]`; sprite `first` of the frame is `_order[0]`."""
+        if begin >= end:
+            return
+        states = self._rows.rows["state"][self._order[begin:end]]
+        starts = [0, *(np.flatnonzero(np.diff(states)) + 1).tolist(), end - begin]
+        for start, stop in pairwise(starts):
+            yield SpriteRun(self._states[states[start]], first + begin + start, stop - start)
+
+    def _scratch(self, size: int) -> None:
+        self._order, self._blended, self._spare = (np.zeros(size, np.int32) for _ in range(3))
+        self._keys, self._spare_keys = np.zeros(size, np.uint64), np.zeros(size, np.uint64)
+        self._away, self._digits = np.zeros(size), np.zeros((8, 256), np.int32)
+
+    def _take_structure(self, world: World) -> None:
+        effects = world.effects
+        self._states, self._pictures = [], {}
+        self._billboards = np.zeros(len(effects.billboards), SPRITE)
+        for row, spec in zip(self._billboards, effects.billboards.values(), strict=True):
+            state, layer = self._state(world, spec)
+            row["turn"], row["tint"], row["half"] = (1.0, 0.0, 0.0, 0.0), spec.colour, 0.5 * np.asarray(spec.size)
+            row["style"] = (layer, spec.blend != "add", 1.0, spec.cutoff)
+            row["lift"], row["facing"], row["state"] = spec.pivot == "bottom", _FACINGS.index(spec.facing), state
+        self._carriers = np.array(list(effects.billboards), np.int32)
+        self._emitters = {}
+        for index, emitter in effects.emitters.items():
+            state, layer = self._state(world, emitter)
+            self._emitters[index] = Emitter(emitter, effects.seed_of(index), state, layer)
+
+    def _place_billboards(self, world: World) -> None:
+        count = len(self._billboards)
+        if not count:
+            return
+        self._rows.reserve(count)
+        seen = self._rows.rows[self._rows.count : self._rows.count + count]
+        seen[:] = self._billboards
+        rows = world.transforms.rows(self._carriers)
+        matrices = world.transforms.world[rows]
+        seen["place"] = matrices[:, :3, 3]
+        seen["half"] *= np.linalg.norm(matrices[:, :3, :2], axis=1)
+        seen["tint"][world.transforms.shown[rows] == 0, 3] = 0.0
+        self._rows.count += count
+
+    def _state(self, world: World, spec: Billboard | Particles) -> tuple[int, int]:
+        """Number of a state, and the layer of the picture."""
+        key, picture = self._picture(world, spec.texture, spec.shape)
+        array, layer = self._arrays.place(key, picture)
+        state = SpriteState(array, spec.blend == "mask", spec.lit)
+        if state not in self._states:
+            self._states.append(state)
+        return self._states.index(state), layer
+
+    def _picture(self, world: World, texture: str | None, shape: SpriteShape) -> tuple[str, TextureData]:
+        if texture is None:
+            return f"#{shape}", sprite_picture(shape)
+        picture = self._pictures[texture] = world.textures.get(texture)
+        if picture is not None:
+            return texture, picture
+        issue = Issue("", "", f'sprite: no texture "{texture}"; drawn as a {shape}')
+        if issue not in self._told:
+            self._told.add(issue)
+            self.issues.append(issue)
+        return f"#{shape}", sprite_picture(shape)

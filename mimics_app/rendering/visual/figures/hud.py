@@ -1,0 +1,193 @@
+"""The heads-up display's content: rounded boxes, text and images as rows of one array."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.rendering.visual.figures.glyphs import GlyphAtlas, load_glyph_atlas
+
+__all__ = ["CANVAS_HEIGHT", "HUD_ROW", "Align", "Colour", "Hud"]
+
+Colour = tuple[float, float, float, float]
+"""Display code values 0-1 with straight alpha: what a colour picker shows, not linear light."""
+
+Align = Literal["left", "centre", "right"]
+
+CANVAS_HEIGHT = 720.0
+"""Height of the canvas [hud px] whatever the picture's; its width follows the picture's shape."""
+
+HUD_ROW = np.dtype([("box", "f4", (4,)), ("picture", "f4", (4,)), ("tint", "f4", (4,)), ("style", "f4", (4,))])
+"""One rectangle as shaders/hud/hud.vert reads it."""
+
+_BOX, _GLYPH, _IMAGE = 0.0, 1.0, 2.0
+
+
+class Hud:
+    """Collects what is to be seen over the picture. Later things cover earlier ones.
+
+    The canvas is 720 px high, its origin the lower left corner, x right and y up. It is drawn in every view at a
+    depth, so that both eyes see it at one place.
+
+    Attributes:
+        width: Of the canvas [hud px]; set by whoever lays out, from the picture's aspect.
+        revision: Changes with the content.
+        images: Pictures shown by `image`, display code values, uint8 [n, height, width, 4], row 0 at the top.
+    """
+
+    def __init__(self, atlas: GlyphAtlas | None = None) -> None:
+        self._atlas = atlas
+        self._rows: list[tuple[tuple[float, ...], ...]] = []
+        self._parts: list[NDArray[np.void]] = []
+        self.width = CANVAS_HEIGHT * 16.0 / 9.0
+        self.revision = 0
+        self.images: NDArray[np.uint8] | None = None
+
+    @property
+    def atlas(self) -> GlyphAtlas:
+        """The glyphs, loaded on first use."""
+        if self._atlas is None:
+            self._atlas = load_glyph_atlas()
+        return self._atlas
+
+    @property
+    def empty(self) -> bool:
+        """True when nothing is to be drawn."""
+        return not (self._rows or self._parts)
+
+    def clear(self) -> None:
+        """Take everything off."""
+        self._rows.clear()
+        self._parts.clear()
+        self.revision += 1
+
+    def rows(self) -> NDArray[np.void]:
+        """The content, HUD_ROW [n], in the order it is drawn."""
+        self._pack()
+        return np.concatenate(self._parts) if self._parts else np.zeros(0, HUD_ROW)
+
+    def extend(self, rows: NDArray[np.void]) -> None:
+        """Many rectangles at once, HUD_ROW [n]: what is drawn as they stand."""
+        self._pack()
+        self._parts.append(rows)
+        self.revision += 1
+
+    def box(
+        self,
+        x: float,
+        y: float,
+        width: float,
+        height: float,
+        colour: Colour,
+        *,
+        radius: float = 0.0,
+        border: float = 0.0,
+    ) -> None:
+        """A rounded box, filled, or hollow where `border` is its line's width [hud px]."""
+        if width <= 0.0 or height <= 0.0:
+            return
+        limit = min(radius, 0.5 * width, 0.5 * height)
+        self._add((x, y, width, height), (0.0,) * 4, colour, (_BOX, limit, border, 0.0))
+
+    def bar(
+        self,
+        box: tuple[float, float, float, float],
+        share: float,
+        colour: Colour,
+        *,
+        track: Colour = (1.0, 1.0, 1.0, 0.16),
+        upwards: bool = False,
+    ) -> None:
+        """A rounded bar filled to `share` (clamped to 0-1), to the right or upwards."""
+        x, y, width, height = box
+        radius = 0.5 * min(width, height)
+        self.box(x, y, width, height, track, radius=radius)
+        share = min(max(share, 0.0), 1.0) if share == share else 0.0
+        if share <= 0.0:
+            return
+        # Never shorter than its own rounding, so that a small share is a dot and not a sliver.
+        if upwards:
+            self.box(x, y, width, max(share * height, width), colour, radius=radius)
+        else:
+            self.box(x, y, max(share * width, height), height, colour, radius=radius)
+
+    def text(
+        self,
+        x: float,
+        y: float,
+        text: str,
+        size: float,
+        colour: Colour = (1.0, 1.0, 1.0, 1.0),
+        *,
+        bold: bool = False,
+        align: Align = "left",
+        width: float = float("inf"),
+    ) -> float:
+        """One line of text.
+
+        Args:
+            x: Its left end, middle or right end by `align` [hud px].
+            y: Of the baseline [hud px].
+            text: Characters the font has not become a box.
+            size: Of the em square [hud px]; capitals are 0.73 of it.
+            colour: Of the ink.
+            bold: The bold face.
+            align: What `x` means.
+            width: Where longer text is cut and ended with an ellipsis [hud px].
+
+        Returns:
+            The width drawn [hud px].
+        """
+        face = self.atlas.face(bold=bold)
+        line = self._shorten(text, size, width, bold=bold)
+        length = face.measure(line) * size
+        cursor = x - {"left": 0.0, "centre": 0.5, "right": 1.0}[align] * length
+        for glyph, offset in face.layout(line):
+            if glyph.box[2] > 0.0:
+                left, bottom, glyph_width, height = (size * side for side in glyph.box)
+                place = (cursor + offset * size + left, y + bottom, glyph_width, height)
+                self._add(place, glyph.picture, colour, (_GLYPH, 0.0, 0.0, 0.0))
+        return length
+
+    def measure(self, text: str, size: float, *, bold: bool = False) -> float:
+        """Width of a line of text [hud px]."""
+        return self.atlas.face(bold=bold).measure(text) * size
+
+    def wrap(self, text: str, size: float, width: float, lines: int, *, bold: bool = False) -> list[str]:
+        """Break text at spaces into at most `lines` lines of `width` [hud px]; longer text ends in an ellipsis."""
+        out: list[str] = []
+        rest = text.split()
+        while rest and len(out) < lines:
+            count = 1
+            while count < len(rest) and self.measure(" ".join(rest[: count + 1]), size, bold=bold) <= width:
+                count += 1
+            last = len(out) == lines - 1
+            line = " ".join(rest if last else rest[:count])
+            out.append(self._shorten(line, size, width, bold=bold))
+            rest = rest[count:]
+        return out
+
+    def image(
+        self, box: tuple[float, float, float, float], layer: int, *, radius: float = 0.0, tint: Colour = (1, 1, 1, 1)
+    ) -> None:
+        """One of `images`, stretched over a rounded box."""
+        self._add(box, (0.0, 1.0, 1.0, -1.0), tint, (_IMAGE, radius, 0.0, float(layer)))
+
+    def _shorten(self, text: str, size: float, width: float, *, bold: bool) -> str:
+        if self.measure(text, size, bold=bold) <= width:
+            return text
+        while text and self.measure(text + "…", size, bold=bold) > width:
+            text = text[:-1]
+        return text.rstrip() + "…"
+
+    def _pack(self) -> None:
+        """Turn what was added one by one into an array."""
+        if self._rows:
+            self._parts.append(np.array(self._rows, HUD_ROW))
+            self._rows.clear()
+
+    def _add(self, box: tuple[float, ...], picture: tuple[float, ...], tint: Colour, style: tuple[float, ...]) -> None:
+        self._rows.append((box, picture, tint, style))
+        self.revision += 1

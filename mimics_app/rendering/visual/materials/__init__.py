@@ -1,0 +1,3 @@
+"""Materials on the driver: techniques, shaders, textures."""
+
+__all__: list[str] = []

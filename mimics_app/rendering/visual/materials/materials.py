@@ -1,0 +1,264 @@
+"""Looks of the world's materials: which technique draws each, with which variant of its shaders."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.rendering.visual.materials.look import Look, make_pass, pack_material
+from mimics_app.rendering.visual.materials.picture_arrays import PictureArrays, encode_srgb
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
+from mimics_app.rendering.visual.materials.techniques import SAFE, Choice, choose_technique, technique_chain
+from mimics_app.rendering.visual.materials.texture_store import TextureStore
+from mimics_app.rendering.visual.pictures.live_picture import LivePicture
+from mimics_app.rendering.visual.settings import Shading
+from mimics_app.rendering.visual.surfaces.capabilities import Capabilities
+from mimics_app.world.materials.material import IDENTITY, MAPS, MISSING_PICTURE, Material, TextureData
+from mimics_app.world.materials.technique import Profile, TechniqueSpec
+from mimics_app.world.materials.technique_library import built_in_techniques
+from mimics_app.world.world import World
+
+if TYPE_CHECKING:
+    import moderngl
+
+__all__ = ["LIGHT_FEATURES", "MaterialStore"]
+
+LIGHT_FEATURES = ("PLACED_LIGHTS", "SUN_SHADOW", "SUN_CASCADES", "SPOT_SHADOWS", "AMBIENT_OCCLUSION")
+"""Features of shaders that hang on what shines."""
+
+_BINDINGS = {"base": 0, "normal": 5, "surface": 6, "occlusion": 7, "emission": 8}
+"""Of the maps' samplers in shaders/common/material.glsl."""
+
+_FIGURES = ("normal", "surface", "occlusion")
+"""Maps whose texels are no colours."""
+
+_PLAIN = "plain"
+_MATT = 0.95
+"""Roughness from which a dielectric's mirroring is left out: it is spread out to about 2 % of what shines on it."""
+_FALLBACK = Material("")
+
+_Pictures = dict[str, TextureData]
+
+
+@dataclass(frozen=True)
+class _Variant:
+    """What all looks depend on."""
+
+    light_features: frozenset[str] = frozenset()
+    shading: Shading = "full"
+    profile: Profile = "training"
+
+
+class MaterialStore:
+    """Looks by material, made on demand and anew when the world's material or a texture of it is another.
+
+    Attributes:
+        issues: What could not be drawn as the world asks, each told once; take them out when they were told.
+        live: Pictures that are drawn, not uploaded, by key; a world has a plain texture under each.
+    """
+
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, has: Capabilities) -> None:
+        self._ctx = ctx
+        self._shaders = shaders
+        self._has = has
+        self._looks: dict[tuple[str, bool], Look] = {}
+        self._known: dict[str, tuple[Material, _Pictures]] = {}
+        self._techniques: dict[str, TechniqueSpec] = dict(built_in_techniques())
+        self._broken: dict[str, str] = {}
+        self._textures = TextureStore(ctx, has.texture_size)
+        self._arrays = PictureArrays(ctx, has.texture_size)
+        self._variant = _Variant()
+        self._told: set[Issue] = set()
+        self.issues: list[Issue] = []
+        self.live: Mapping[str, LivePicture] = {}
+
+    def update(
+        self, world: World, *, light_features: frozenset[str], shading: Shading = "full", profile: Profile = "training"
+    ) -> bool:
+        """Bring the looks up to the world's materials.
+
+        Args:
+            world: Whose materials.
+            light_features: What of `LIGHT_FEATURES` the frame has; shaders leave out the rest.
+            shading: Which techniques may be used.
+            profile: The same.
+
+        Returns:
+            True when one came, went or changed.
+        """
+        known = {name: (material, _pictures(material, world)) for name, material in world.materials.items()}
+        variant = _Variant(light_features, shading, profile)
+        techniques = {**built_in_techniques(), **world.techniques}
+        if variant != self._variant or techniques != self._techniques:
+            self._variant, self._techniques = variant, techniques
+            stale = {name for name, _ in self._looks} | {""}
+        elif known == self._known:
+            return False  # what is the very same object is equal at once
+        else:
+            stale = {name for name, was in self._known.items() if not _same(was, known.get(name))}
+        changed = bool(stale) or known.keys() != self._known.keys()
+        for key in [key for key in self._looks if key[0] in stale]:
+            self._looks.pop(key).block.release()
+        self._known = known
+        return changed
+
+    def look(self, name: str, *, coloured: bool = False) -> Look:
+        """The look of a material; plain grey for a name the world does not have.
+
+        Args:
+            name: Of the material.
+            coloured: True for a mesh whose vertices have colours.
+        """
+        if name not in self._known:
+            name = ""
+        if (name, coloured) not in self._looks:
+            self._looks[name, coloured] = self._make(name, *self._known.get(name, (_FALLBACK, {})), coloured)
+        return self._looks[name, coloured]
+
+    def release(self) -> None:
+        """Free all buffers and textures."""
+        for look in self._looks.values():
+            look.block.release()
+        self._textures.release()
+        self._arrays.release()
+        self._looks.clear()
+
+    def _make(self, name: str, material: Material, pictures: _Pictures, coloured: bool) -> Look:
+        self._tell_of_textures(material, pictures)
+        if self._variant.shading == "plain" and _can_be_plain(material, self._chain(material)):
+            return self._make_plain(name, material, pictures, coloured, self._techniques[_PLAIN])
+        while True:
+            choice = choose_technique(
+                material.technique, self._techniques, self._has, self._variant.profile, self._broken
+            )
+            if choice.fault:
+                self._tell(f'material "{name}": {choice.why}')
+            try:
+                if choice.name == _PLAIN:
+                    return self._make_plain(name, material, pictures, coloured, choice.spec)
+                return self._make_own(name, material, pictures, coloured, choice)
+            except SceneError as error:
+                if choice.name == SAFE:
+                    raise
+                self._broken[choice.name] = f"does not compile ({error.issues[0]})"
+
+    def _make_own(self, name: str, material: Material, pictures: _Pictures, coloured: bool, choice: Choice) -> Look:
+        """A look whose state nobody shares."""
+        features = self._features(material, pictures, coloured)
+        passes = []
+        for spec in choice.spec.passes:
+            defines = (*spec.defines, *(each for each in features if each in spec.features))
+            passes.append(make_pass(spec, self._shaders.program(spec.vertex, spec.fragment, defines), material))
+        read = {feature for spec in choice.spec.passes for feature in spec.features}
+        textures = tuple(
+            (_BINDINGS[which], self._texture(material.textures[which], picture, figures=which in _FIGURES))
+            for which, picture in pictures.items()
+            if _feature_of(which) in read
+        )
+        block = self._ctx.buffer(pack_material(material, pictures).tobytes())
+        shadow_shader = self._shadow_shader(material, pictures, blended=any(each.blend != "none" for each in passes))
+        look = Look(material, tuple(passes), shadow_shader, block, textures, (name, coloured), (name, coloured))
+        # Depth of what has no holes looks the same whatever its material.
+        look.shadow_state = "solid" if look.solid else (name, coloured)
+        return look
+
+    def _texture(self, key: str, picture: TextureData, *, figures: bool) -> moderngl.Texture | LivePicture:
+        return self.live.get(key) or self._textures.get(key, picture, figures=figures)
+
+    def _make_plain(
+        self, name: str, material: Material, pictures: _Pictures, coloured: bool, spec: TechniqueSpec
+    ) -> Look:
+        """A look whose state it shares with all others of its kind."""
+        textures: tuple[tuple[int, object], ...] = ()
+        layer, array, picture = 0, None, pictures.get("base")
+        features = ["COLOURED"] if coloured else []
+        if picture is not None:
+            array, layer = self._arrays.place(material.textures["base"], picture)
+            textures = ((_BINDINGS["base"], array),)
+            sides = zip(picture.wrap, ("MIRROR_U", "MIRROR_V"), strict=True)
+            features += ["TEXTURED", *(feature for wrap, feature in sides if wrap == "mirror")]
+        first = spec.passes[0]
+        defines = (*first.defines, *(each for each in features if each in first.features))
+        drawn = make_pass(first, self._shaders.program(first.vertex, first.fragment, defines), material)
+        state = (drawn.shader.defines, id(array), drawn.cull, drawn.blend)
+        red, green, blue = encode_srgb(np.array(material.base_colour[:3])).tolist()
+        number = layer + 1.0 if SAFE not in self._chain(material) else -(layer + 1.0)
+        block = self._ctx.buffer(pack_material(material, pictures).tobytes())
+        shadow_shader = self._shadow_shader(material, pictures, blended=False)
+        shadow_state = "solid" if material.alpha_mode == "opaque" else (name, coloured)
+        paint = (red, green, blue, number)
+        return Look(material, (drawn,), shadow_shader, block, textures, state, shadow_state, paint)  # type: ignore[arg-type]
+
+    def _chain(self, material: Material) -> list[str]:
+        return technique_chain(material.technique, self._techniques) or ["lit", _PLAIN]
+
+    def _features(self, material: Material, pictures: _Pictures, coloured: bool) -> list[str]:
+        """What shaders may be asked for, in a fixed order."""
+        placed = any(transform != IDENTITY for transform in material.uv_transforms)
+        placed = placed or any("mirror" in picture.wrap for which, picture in pictures.items() if which != "base")
+        has = {
+            "COLOURED": coloured,
+            **{_feature_of(which): which in pictures for which in MAPS},
+            "MASKED": material.alpha_mode == "mask",
+            **{each: each in self._variant.light_features for each in LIGHT_FEATURES},
+            "MATT": material.roughness >= _MATT and material.metallic == 0.0 and "surface" not in pictures,
+            "GRID": material.grid > 0.0,
+            "UV_TRANSFORMS": placed and bool(pictures),
+        }
+        return [feature for feature, wanted in has.items() if wanted]
+
+    def _shadow_shader(self, material: Material, pictures: _Pictures, *, blended: bool) -> ShaderProgram:
+        defines = []
+        if "base" in pictures and material.alpha_mode == "mask":
+            defines.append("TEXTURED")
+            if material.uv_transforms[0] != IDENTITY:
+                defines.append("UV_TRANSFORMS")
+        if blended:
+            defines.append("TRANSLUCENT")
+        return self._shaders.program("shadow/shadow.vert", "shadow/shadow.frag", tuple(defines))
+
+    def _tell_of_textures(self, material: Material, pictures: _Pictures) -> None:
+        for which, key in material.textures.items():
+            if which not in pictures:
+                self._tell(f'material "{material.name}": no texture "{key}"; drawn without it')
+            elif pictures[which] is MISSING_PICTURE:
+                self._tell(f'material "{material.name}": no texture "{key}"; a checker is drawn in its place')
+            elif not self._textures.fits(pictures[which]):
+                height, width = pictures[which].pixels.shape[:2]
+                most = self._has.texture_size
+                self._tell(f'texture "{key}": {width} x {height} is more than the driver\'s {most}; drawn smaller')
+
+    def _tell(self, what: str) -> None:
+        issue = Issue("", "", what)
+        if issue not in self._told:
+            self._told.add(issue)
+            self.issues.append(issue)
+
+
+def _feature_of(which: str) -> str:
+    return "TEXTURED" if which == "base" else f"{which.upper()}_MAP"
+
+
+def _pictures(material: Material, world: World) -> _Pictures:
+    """A material's pictures by map; where the one of its colours is not there, a checker that nobody overlooks."""
+    found = {which: world.textures[key] for which, key in material.textures.items() if key in world.textures}
+    if "base" in material.textures:
+        found.setdefault("base", MISSING_PICTURE)
+    return found
+
+
+def _same(was: tuple[Material, _Pictures], now: tuple[Material, _Pictures] | None) -> bool:
+    if now is None or was[0] is not now[0] or was[1].keys() != now[1].keys():
+        return False
+    return all(picture is now[1][which] for which, picture in was[1].items())
+
+
+def _can_be_plain(material: Material, chain: list[str]) -> bool:
+    """True for an opaque surface that the plain technique shows whole: no holes, lines or light of its own."""
+    opaque = material.alpha_mode == "opaque" and _PLAIN in chain and chain[0] not in ("glass", "mirror")
+    still = material.uv_transforms[0] == IDENTITY
+    return opaque and still and material.grid == 0.0 and not any(material.emission)

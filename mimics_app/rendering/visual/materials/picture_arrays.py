@@ -1,0 +1,138 @@
+"""Pictures of one size in one texture, so that surfaces that differ in nothing but their picture share a draw call."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.world.materials.material import TextureData
+
+if TYPE_CHECKING:
+    import moderngl
+
+__all__ = ["PictureArray", "PictureArrays", "encode_srgb", "halved", "set_sampling", "shrunk", "unfolded"]
+
+F8 = NDArray[np.float64]
+_Kind = tuple[tuple[int, ...], tuple[str, str], str, bool]
+
+
+class PictureArray:
+    """Pictures of one size that are sampled alike, each a layer; uploaded when it is used after a change."""
+
+    def __init__(self, ctx: moderngl.Context, longest: int) -> None:
+        self._ctx = ctx
+        self._longest = longest
+        self._layers: list[tuple[str, TextureData]] = []
+        self._texture: moderngl.TextureArray | None = None
+
+    def place(self, name: str, picture: TextureData) -> int:
+        """The layer of a picture, which takes over the layer its name had."""
+        for layer, (known, data) in enumerate(self._layers):
+            if known == name:
+                if data is not picture:
+                    self._layers[layer] = (name, picture)
+                    self.release()
+                return layer
+        self._layers.append((name, picture))
+        self.release()
+        return len(self._layers) - 1
+
+    def use(self, binding: int) -> None:
+        """Make it what a sampler reads."""
+        if self._texture is None:
+            self._texture = self._upload()
+        self._texture.use(binding)
+
+    def release(self) -> None:
+        """Free the texture; the next use makes it again."""
+        if self._texture is not None:
+            self._texture.release()
+            self._texture = None
+
+    def _upload(self) -> moderngl.TextureArray:
+        pixels = np.stack([shrunk(_display_values(picture), self._longest) for _, picture in self._layers])
+        layers, height, width = pixels.shape[:3]
+        texture = self._ctx.texture_array((width, height, layers), 4, pixels.tobytes())
+        set_sampling(texture, self._layers[0][1])
+        return texture
+
+
+class PictureArrays:
+    """Every array, by size and way of sampling. Pictures hold display values: nothing is decoded when they are read.
+
+    Args:
+        ctx: Where they live.
+        longest: Longest side the driver takes [texels]; larger pictures are halved until they fit.
+    """
+
+    def __init__(self, ctx: moderngl.Context, longest: int) -> None:
+        self._ctx = ctx
+        self._longest = longest
+        self._arrays: dict[_Kind, PictureArray] = {}
+
+    def place(self, name: str, picture: TextureData) -> tuple[PictureArray, int]:
+        """The array and the layer of a picture."""
+        kind = (picture.pixels.shape, picture.wrap, picture.filter, picture.srgb)
+        array = self._arrays.setdefault(kind, PictureArray(self._ctx, self._longest))
+        return array, array.place(name, picture)
+
+    def release(self) -> None:
+        """Free all textures."""
+        for array in self._arrays.values():
+            array.release()
+        self._arrays.clear()
+
+
+def encode_srgb(linear: F8) -> F8:
+    """Display values of linear light, both in [0, 1] (IEC 61966-2-1)."""
+    clamped = np.clip(linear, 0.0, 1.0)
+    return np.asarray(np.where(clamped < 0.0031308, 12.92 * clamped, 1.055 * clamped ** (1.0 / 2.4) - 0.055))
+
+
+def unfolded(picture: TextureData) -> NDArray[np.uint8]:
+    """A picture as it is uploaded, [height, width, 4].
+
+    moderngl repeats or clamps; a mirrored picture is laid beside its reflection and read at half the rate.
+    """
+    pixels = np.ascontiguousarray(picture.pixels, np.uint8)
+    for side, axis in zip(picture.wrap, (1, 0), strict=True):
+        if side == "mirror":
+            pixels = np.concatenate([pixels, np.flip(pixels, axis)], axis)
+    return pixels
+
+
+def set_sampling(texture: moderngl.Texture | moderngl.TextureArray, picture: TextureData) -> None:
+    """Have a texture repeated and filtered as its picture asks."""
+    import moderngl
+
+    texture.repeat_x, texture.repeat_y = (side != "clamp" for side in picture.wrap)
+    if picture.filter == "trilinear":
+        texture.build_mipmaps()
+        texture.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
+    else:
+        texture.filter = (moderngl.NEAREST,) * 2 if picture.filter == "nearest" else (moderngl.LINEAR,) * 2
+
+
+def shrunk(pixels: NDArray[np.uint8], longest: int) -> NDArray[np.uint8]:
+    """A picture halved until its longer side is at most `longest`, uint8 [height, width, 4]."""
+    while max(pixels.shape[:2]) > longest:
+        pixels = halved(pixels)
+    return pixels
+
+
+def halved(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """A picture of half the size, uint8 [ceil(h/2), ceil(w/2), 4]: the mean of two by two texels."""
+    height, width = pixels.shape[:2]
+    even = np.pad(pixels, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
+    blocks = even.reshape(even.shape[0] // 2, 2, even.shape[1] // 2, 2, 4)
+    return np.asarray(np.round(blocks.mean(axis=(1, 3), dtype=np.float32)), np.uint8)
+
+
+def _display_values(picture: TextureData) -> NDArray[np.uint8]:
+    pixels = unfolded(picture)
+    if picture.srgb:
+        return pixels
+    encoded = np.round(255.0 * encode_srgb(pixels[..., :3] / 255.0)).astype(np.uint8)
+    return np.concatenate([encoded, pixels[..., 3:]], axis=-1)

@@ -1,0 +1,150 @@
+"""Rival ways to smooth edges, with the cost of a frame and how far edges are from what they should be.
+
+Importing this module registers them. Cost: a finished frame of 640 x 360 pixels of three hundred lit boxes. Error: a
+straight edge across 192 x 108 pixels at nine angles against the share of each pixel that it covers, root mean square
+over the pixels it cuts. Both in a picture of the first driver that answers without a display.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.probe import reference_us, shortest_us
+from mimics_app.rendering.visual.displays.desktop import compose_look_at
+from mimics_app.rendering.visual.renderer import Renderer
+from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.surfaces.headless import open_offscreen, read_pixels
+from mimics_app.rendering.visual.view import View
+from mimics_app.world.environment import Sky
+from mimics_app.world.materials.material import Material
+from mimics_app.world.meshes.primitives import box, plane
+from mimics_app.world.world import World
+
+__all__ = ["ANGLES", "GROUP", "edge_error"]
+
+F8 = NDArray[np.float64]
+
+GROUP = "anti aliasing"
+ANGLES = (0.02, 0.06, 0.15, 0.3, 0.6, math.pi / 4.0, 1.0, 1.3, 1.52)
+"""Of the edge against the rows of pixels [rad]: nearly level, aslant, nearly upright."""
+
+_FRAME, _EDGE = (640, 360), (192, 108)
+_POINTS = 32
+"""Along a pixel's side, by which its covered share is counted: to 1/64 where an edge is straight."""
+
+_PLAIN = RenderSettings(msaa=0, shadow_size=0, fog_density=0.0, tone_map="none")
+_FRAMES = 3
+
+
+def covered(angle: float, size: tuple[int, int] = _EDGE) -> F8:
+    """Share of each pixel left of a line through the middle of the picture, [height, width], row 0 at the top."""
+    width, height = size
+    at = (np.arange(_POINTS) + 0.5) / _POINTS
+    x = (np.arange(width)[:, None] + at).ravel() - 0.5 * width
+    y = 0.5 * height - (np.arange(height)[:, None] + at).ravel()
+    inside = y[:, None] * math.cos(angle) - x * math.sin(angle) > 0.0
+    return np.asarray(inside.reshape(height, _POINTS, width, _POINTS).mean(axis=(1, 3)))
+
+
+def edge_error(settings: RenderSettings, angles: tuple[float, ...] = ANGLES) -> float:
+    """Root mean square of shown less covered share over the pixels that edges cut [px]; display values are shares."""
+    wrong: list[F8] = []
+    with open_offscreen("auto", _EDGE) as surface:
+        renderer = Renderer(surface, World(), settings)
+        for angle in angles:
+            renderer.world = _card(angle)
+            renderer.draw([_straight(_EDGE)])
+            shown = read_pixels(surface)[..., 0].astype(np.float64)
+            shown = (shown - shown.min()) / np.ptp(shown)
+            wanted = covered(angle)
+            wrong.append((shown - wanted)[(wanted > 0.0) & (wanted < 1.0)])
+        renderer.release()
+    return float(np.sqrt(np.mean(np.concatenate(wrong) ** 2)))
+
+
+def _card(angle: float) -> World:
+    """A light sheet that ends at a line through the origin, before the dark."""
+    world = World()
+    world.environment = Sky((0.02,) * 3, (0.02,) * 3, (0.02,) * 3, 0.0)
+    world.set_material(Material("card", "unlit", (0.7, 0.7, 0.7, 1.0)))
+    world.meshes["card"] = plane(40.0, 40.0)
+    turned = world.root.create_child("turned", orientation=(0.0, 0.0, math.sin(0.5 * angle), math.cos(0.5 * angle)))
+    upright = (math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))
+    turned.create_child("card", (0.0, 20.0, 0.0), upright).create_entity("card", "card")
+    world.update()
+    return world
+
+
+def _boxes() -> World:
+    """Boxes at random, the same every time."""
+    world = World()
+    chance = np.random.default_rng(5)
+    world.set_material(Material("paint", "lit", (0.6, 0.3, 0.2, 1.0)))
+    world.meshes["box"] = box(0.1, 0.1, 0.1)
+    for place, turn in zip(chance.uniform(-0.9, 0.9, (300, 3)), chance.normal(size=(300, 4)), strict=True):
+        body = world.root.create_child("", place * (1.0, 0.55, 0.5), turn / np.linalg.norm(turn))
+        body.create_entity("box", "paint")
+    sun = world.root.create_child("sun", (0.4, 1.0, 0.8))
+    sun.look_at((0.0, 0.0, 0.0))
+    sun.create_light("directional", intensity=1.0)
+    world.update()
+    return world
+
+
+def _straight(size: tuple[int, int]) -> View:
+    """On the origin from 1 m before it; the picture is 1 m wide there."""
+    high = 0.5 * size[1] / size[0]
+    return View(compose_look_at((0.0, 0.0, 1.0), (0.0, 0.0, 0.0)), (-0.5, 0.5, -high, high), (0, 0, *size))
+
+
+def _cost_us(settings: RenderSettings) -> float:
+    with open_offscreen("auto", _FRAME) as surface:
+        renderer, views = Renderer(surface, _boxes(), settings), [_straight(_FRAME)]
+        renderer.draw_finished(views)
+
+        def work() -> None:
+            for _ in range(_FRAMES):
+                renderer.draw_finished(views)
+
+        cost = shortest_us(work, _FRAMES)
+        renderer.release()
+    return cost
+
+
+def _register(name: str, source: str, settings: RenderSettings, *, default: bool = False) -> None:
+    run: Callable[[], RenderSettings] = lambda: settings  # noqa: E731  what the renderer is given
+    registry.register(
+        Method(
+            group=GROUP,
+            name=name,
+            source=source,
+            cost=lambda: _cost_us(settings),
+            error=lambda: edge_error(settings),
+            unit="px",
+            valid_range="any; samples as many as the driver has",
+            run=run,
+            default=default,
+        )
+    )
+
+
+registry.describe(
+    Group(
+        name=GROUP,
+        what="smooth edges: a frame of 300 lit boxes, 640x360; error: share of cut pixels, edges at nine angles",
+        unit="px",
+        work="",
+        reference=reference_us,
+    )
+)
+_register("none", "a pixel is what is seen at its middle", _PLAIN)
+_register("filter", "edges found in the finished picture (Lottes 2009)", replace(_PLAIN, fxaa=True))
+_register("2 samples", "coverage at two places of a pixel, one shading", replace(_PLAIN, msaa=2))
+_register("4 samples", "coverage at four places of a pixel, one shading", replace(_PLAIN, msaa=4), default=True)
+_register("4 samples, filter", "both, one after the other", replace(_PLAIN, msaa=4, fxaa=True))

@@ -1,0 +1,3 @@
+"""Pictures of the world within its picture: mirrors, screens, insets."""
+
+__all__: list[str] = []

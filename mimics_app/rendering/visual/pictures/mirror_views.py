@@ -1,0 +1,104 @@
+"""The view a plane mirror shows: from the reflected eye, of what is before the plane."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.rendering.visual.view import Rect, View
+from mimics_app.world.meshes.mesh import MeshData
+
+__all__ = ["Reflection", "plane_of_sheet", "reflect_view"]
+
+F8 = NDArray[np.float64]
+
+_FLAT = 1e-3
+"""Largest share of its width that a sheet may be thick."""
+
+_LEAST_DISTANCE = 1e-3
+"""Of an eye before a mirror in which it sees anything [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Reflection:
+    """What a mirror shows in a view.
+
+    Attributes:
+        view: From the reflected eye; its picture is turned over left to right.
+        pixels: The part of the view's picture the mirror lies in [px], from the view's own corner.
+    """
+
+    view: View
+    pixels: Rect
+
+
+def plane_of_sheet(mesh: MeshData) -> F8 | None:
+    """Unit normal and offset of a flat mesh in its own frame, float64 [4]; None where it is not flat.
+
+    The normal is the mean of the mesh's.
+    """
+    positions = np.asarray(mesh.positions, np.float64)
+    normal = np.asarray(mesh.normals, np.float64).mean(axis=0)
+    length = float(np.linalg.norm(normal))
+    if length < 0.5:
+        return None
+    normal /= length
+    heights = positions @ normal
+    if float(np.ptp(heights)) > _FLAT * float(np.ptp(positions, axis=0).max()):
+        return None
+    return np.array([*normal, -heights.mean()])
+
+
+def reflect_view(view: View, size: tuple[int, int], plane: F8, corners: F8, resolution: float) -> Reflection | None:
+    """The view of a mirror, cut to what it covers.
+
+    The pose stays a rotation: the reflection of a picture is drawn turned over, and read the other way round.
+
+    Args:
+        view: From where the mirror is looked at.
+        size: Of that view's picture [px].
+        plane: Of the mirror, world, unit normal towards what is mirrored and offset, [4].
+        corners: Of a box about the mirror, world [m], [8, 3].
+        resolution: Of the picture over that of the view.
+
+    Returns:
+        None where nothing of it is seen, as from behind.
+    """
+    distance = float(plane[:3] @ view.eye_world + plane[3])
+    pixels = _covered(view, size, corners)
+    if distance < _LEAST_DISTANCE or pixels is None:
+        return None
+    x, y, width, height = pixels
+    left, right, bottom, top = view.tangents
+    across, along = (right - left) / size[0], (top - bottom) / size[1]
+    # Turned over: what lies at a slope to the right lies at that slope to the left.
+    tangents = (-(left + (x + width) * across), -(left + x * across), bottom + y * along, bottom + (y + height) * along)
+    drawn = (0, 0, max(1, round(width * resolution)), max(1, round(height * resolution)))
+    whole = (-right, -left, bottom, top)
+    pose = _reflection(plane) @ view.world_from_eye @ np.diag([-1.0, 1.0, 1.0, 1.0])
+    return Reflection(View(pose, tangents, drawn, view.near, view.far, clip_plane=plane, part_of=whole), pixels)
+
+
+def _reflection(plane: F8) -> F8:
+    """Householder's matrix of a plane (world [4, 4])."""
+    matrix = np.eye(4)
+    matrix[:3, :3] -= 2.0 * np.outer(plane[:3], plane[:3])
+    matrix[:3, 3] = -2.0 * plane[3] * plane[:3]
+    return matrix
+
+
+def _covered(view: View, size: tuple[int, int], corners: F8) -> Rect | None:
+    """The pixels a box may touch, a margin about it; None where it is outside the picture."""
+    clip = np.c_[corners, np.ones(len(corners))] @ view.clip_from_world.T
+    if (clip[:, 3] < view.near).all():
+        return None
+    if (clip[:, 3] < view.near).any():
+        return 0, 0, *size
+    share = 0.5 + 0.5 * clip[:, :2] / clip[:, 3:]
+    low = np.clip(np.floor(share.min(axis=0) * size) - 1, 0, size).astype(int)
+    high = np.clip(np.ceil(share.max(axis=0) * size) + 1, 0, size).astype(int)
+    if (high <= low).any():
+        return None
+    return int(low[0]), int(low[1]), int(high[0] - low[0]), int(high[1] - low[1])

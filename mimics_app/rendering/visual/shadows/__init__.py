@@ -1,0 +1,3 @@
+"""Shadows: maps in an atlas, and volumes."""
+
+__all__: list[str] = []

@@ -1,0 +1,62 @@
+"""What a graphics driver can do, read once: the table by which techniques are chosen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from mimics_app.world.materials.technique import Needs
+
+if TYPE_CHECKING:
+    import moderngl
+
+__all__ = ["Capabilities", "read_capabilities"]
+
+_SOFTWARE = ("llvmpipe", "softpipe", "SwiftShader")
+"""Renderers that draw on the processor, which the haptic loop needs too."""
+
+
+@dataclass(frozen=True)
+class Capabilities:
+    """One row per thing a technique can ask for.
+
+    Attributes:
+        gl: Version of OpenGL, 430 for 4.3.
+        texture_units: Pictures a fragment shader can read.
+        texture_size: Longest side of a picture [texels].
+        extensions: Names.
+        renderer: As the driver calls itself.
+    """
+
+    gl: int
+    texture_units: int
+    texture_size: int
+    extensions: frozenset[str]
+    renderer: str = ""
+
+    @property
+    def software(self) -> bool:
+        """Whether the driver draws on the processor."""
+        return any(name in self.renderer for name in _SOFTWARE)
+
+    def missing(self, needs: Needs) -> list[str]:
+        """What of these needs is not there, in words; [] when all is."""
+        figures = (
+            (needs.gl, self.gl, "OpenGL {:.1f}", 0.01),
+            (needs.texture_units, self.texture_units, "{:.0f} texture units", 1.0),
+            (needs.texture_size, self.texture_size, "textures of {:.0f}", 1.0),
+        )
+        found = [words.format(wanted * unit) for wanted, there, words, unit in figures if wanted > there]
+        return found + [name for name in needs.extensions if name not in self.extensions]
+
+
+def read_capabilities(ctx: moderngl.Context) -> Capabilities:
+    """The table of a context."""
+    info = ctx.info
+    return Capabilities(
+        gl=ctx.version_code,
+        texture_units=int(info["GL_MAX_TEXTURE_IMAGE_UNITS"]),
+        texture_size=int(info["GL_MAX_TEXTURE_SIZE"]),
+        extensions=frozenset(ctx.extensions),
+        renderer=str(info["GL_RENDERER"]),
+    )

@@ -1,0 +1,76 @@
+"""Pictures brought from the driver a frame or two later, so that no frame waits for its own to be read."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from mimics_app.rendering.visual.surfaces.surface import Size, Surface
+
+if TYPE_CHECKING:
+    import moderngl
+
+__all__ = ["FrameReader", "ReadFrame"]
+
+
+@dataclass(frozen=True, slots=True)
+class ReadFrame:
+    """One picture: when it was shown [ns], its size [px], and its display values, RGB rows from the bottom up."""
+
+    t_ns: int
+    size: Size
+    pixels: bytes
+
+
+class FrameReader:
+    """Has the driver copy each picture into a buffer, and reads the buffer when newer pictures have been drawn.
+
+    Args:
+        surface: Whose pictures.
+        behind: Frames between a picture and its reading; 0 reads at once.
+
+    Attributes:
+        behind: The same.
+    """
+
+    def __init__(self, surface: Surface, behind: int = 2) -> None:
+        self._surface = surface
+        self.behind = behind
+        self._free: list[moderngl.Buffer] = []
+        self._waiting: deque[tuple[int, Size, moderngl.Buffer]] = deque()
+
+    def take(self, t_ns: int) -> list[ReadFrame]:
+        """Take the picture drawn last, shown at a time [ns]; returns what is ready, mostly an older one."""
+        size = self._surface.size
+        self._waiting.append((t_ns, size, self._copy(size)))
+        return self._read(self.behind)
+
+    def flush(self) -> list[ReadFrame]:
+        """What was taken and not read yet."""
+        return self._read(0)
+
+    def release(self) -> None:
+        """Free the buffers; what was not read is lost."""
+        for buffer in (*self._free, *(each[2] for each in self._waiting)):
+            buffer.release()
+        self._free.clear()
+        self._waiting.clear()
+
+    def _copy(self, size: Size) -> moderngl.Buffer:
+        wanted = 3 * size[0] * size[1]
+        fitting = next((buffer for buffer in self._free if buffer.size == wanted), None)
+        if fitting is None:
+            fitting = self._surface.ctx.buffer(reserve=wanted)
+        else:
+            self._free.remove(fitting)
+        self._surface.framebuffer.read_into(fitting, components=3, alignment=1)
+        return fitting
+
+    def _read(self, left: int) -> list[ReadFrame]:
+        ready = []
+        while len(self._waiting) > left:
+            t_ns, size, buffer = self._waiting.popleft()
+            ready.append(ReadFrame(t_ns, size, buffer.read()))
+            self._free.append(buffer)
+        return ready

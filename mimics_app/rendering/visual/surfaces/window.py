@@ -1,0 +1,242 @@
+"""A window on the desktop with keyboard, mouse and gamepad, through GLFW."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable, Mapping
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.window_input import GamepadState, InputEvent
+from mimics_app.rendering.visual.surfaces.surface import Size, Surface
+
+if TYPE_CHECKING:
+    import moderngl
+
+__all__ = ["WindowSurface"]
+
+_NO_DISPLAY = "give the session a display, or run headless: --headless, --backend egl"
+_FIX_GL = "install it with: apt-get install libgl1 libgl1-mesa-dri, or run headless: --headless"
+_ALIASES = {"kp_enter": "enter"}
+_READ_FRAMEBUFFER, _DRAW_FRAMEBUFFER, _COLOUR_BUFFER_BIT, _NEAREST = 0x8CA8, 0x8CA9, 0x4000, 0x2600
+
+
+class WindowSurface(Surface):
+    """The glass: the picture is drawn offscreen and copied to the window by `swap`.
+
+    F11 switches between window and full screen. Only one window at a time.
+
+    Raises:
+        DeviceError: no display, or no OpenGL 4.3 on it.
+    """
+
+    _events: list[InputEvent]
+
+    def __init__(self, size: Size, title: str, *, vsync: bool = True) -> None:
+        import glfw
+
+        self._read_library(glfw)
+        self._title, self._vsync = title, vsync
+        self._pointer: tuple[float, float] | None = None
+        self._windowed: tuple[int, int, int, int] | None = None
+        context = self._open(size)
+        super().__init__("window", context, glfw.get_framebuffer_size(self._window))
+
+    def _open(self, size: Size) -> moderngl.Context:
+        """Open the window and make its context."""
+        import moderngl
+
+        glfw = self._glfw
+        self._window = _open_window(glfw, size, self._title)
+        glfw.make_context_current(self._window)
+        glfw.swap_interval(1 if self._vsync else 0)
+        self._bind_framebuffer, self._blit_framebuffer = _load_blit(glfw)
+        self._listen()
+        return moderngl.create_context(require=430)
+
+    def renew(self) -> None:
+        # A window of GLFW has one context for life: another one is opened in its place, whole screen or not.
+        glfw = self._glfw
+        whole, self._windowed = self._windowed is not None, None
+        place, size = glfw.get_window_pos(self._window), glfw.get_window_size(self._window)
+        self.close()
+        self.keys = self.buttons = frozenset()
+        context = self._open(size)
+        glfw.set_window_pos(self._window, *place)
+        self.size = glfw.get_framebuffer_size(self._window)
+        self._take(context)
+        if whole:
+            self.toggle_fullscreen()
+
+    def poll(self) -> list[InputEvent]:
+        self._glfw.poll_events()
+        self._read_gamepad()
+        events, self._events = self._events, []
+        self.wheel = sum(event.y for event in events if event.kind == "wheel")
+        if any(event.kind == "key" and event.name == "f11" and event.pressed and not event.repeat for event in events):
+            self.toggle_fullscreen()
+        return events
+
+    def pointer(self) -> tuple[float, float] | None:
+        return self._pointer
+
+    def swap(self) -> None:
+        self.present()
+        self._glfw.swap_buffers(self._window)
+
+    def present(self) -> None:
+        """Copy the picture to the window's back buffer without showing it yet."""
+        # moderngl keeps the size the default framebuffer had at first, so that a resized window needs the raw call.
+        self._bind_framebuffer(_READ_FRAMEBUFFER, self.framebuffer.glo)
+        self._bind_framebuffer(_DRAW_FRAMEBUFFER, 0)
+        self._blit_framebuffer(0, 0, *self.size, 0, 0, *self.size, _COLOUR_BUFFER_BIT, _NEAREST)
+        self.framebuffer.use()
+
+    def read_screen(self) -> bytes:
+        """What the window's back buffer holds: RGBA rows from the bottom up, 4 * width * height bytes."""
+        picture = self.ctx.screen.read(viewport=(0, 0, *self.size), components=4)
+        _ = self.ctx.error  # moderngl names a colour attachment the window does not have; reading clears the complaint
+        return picture
+
+    @property
+    def should_close(self) -> bool:
+        return bool(self._glfw.window_should_close(self._window))
+
+    def toggle_fullscreen(self) -> None:
+        """Switch between the window and the whole of the primary monitor."""
+        glfw = self._glfw
+        if self._windowed:
+            x, y, width, height = self._windowed
+            self._windowed = None
+            glfw.set_window_monitor(self._window, None, x, y, width, height, 0)
+            return
+        monitor = glfw.get_primary_monitor()
+        if not monitor:
+            return
+        self._windowed = (*glfw.get_window_pos(self._window), *glfw.get_window_size(self._window))
+        mode = glfw.get_video_mode(monitor)
+        glfw.set_window_monitor(self._window, monitor, 0, 0, mode.size.width, mode.size.height, mode.refresh_rate)
+
+    def close(self) -> None:
+        super().close()
+        self._glfw.destroy_window(self._window)
+        self._glfw.terminate()
+
+    def _read_library(self, glfw: Any) -> None:
+        self._glfw = glfw
+        self._key_names = _constant_names(glfw, "KEY_")
+        self._pad_buttons = _constant_names(glfw, "GAMEPAD_BUTTON_")
+        self._pad_axes = _constant_names(glfw, "GAMEPAD_AXIS_")
+        self._events = []
+
+    def _listen(self) -> None:
+        glfw, window = self._glfw, self._window
+        glfw.set_key_callback(window, self._on_key)
+        glfw.set_mouse_button_callback(window, self._on_button)
+        glfw.set_cursor_pos_callback(window, self._on_move)
+        glfw.set_scroll_callback(window, lambda _, x, y: self._events.append(InputEvent("wheel", x=x, y=y)))
+        glfw.set_framebuffer_size_callback(window, self._on_resize)
+        glfw.set_window_close_callback(window, lambda _: self._events.append(InputEvent("close")))
+        glfw.set_window_focus_callback(window, self._on_focus)
+
+    def _on_key(self, _window: object, key: int, _scancode: int, action: int, _modifiers: int) -> None:
+        name = self._key_names.get(key, "")
+        name = _ALIASES.get(name, name)
+        if not name:
+            return
+        pressed = action != self._glfw.RELEASE
+        self.keys = self.keys | {name} if pressed else self.keys - {name}
+        self._events.append(InputEvent("key", name, pressed, action == self._glfw.REPEAT))
+
+    def _on_button(self, _window: object, button: int, action: int, _modifiers: int) -> None:
+        name = ("left", "right", "middle")[button] if button < 3 else f"button_{button + 1}"
+        pressed = action == self._glfw.PRESS
+        self.buttons = self.buttons | {name} if pressed else self.buttons - {name}
+        x, y = self._pointer or (0.0, 0.0)
+        self._events.append(InputEvent("button", name, pressed, x=x, y=y))
+
+    def _on_move(self, _window: object, x: float, y: float) -> None:
+        width, height = self._glfw.get_window_size(self._window)
+        if min(width, height) < 1:
+            return
+        right, up = 2.0 * x / width - 1.0, 1.0 - 2.0 * y / height
+        self._pointer = (min(max(right, -1.0), 1.0), min(max(up, -1.0), 1.0))
+        self._events.append(InputEvent("move", x=self._pointer[0], y=self._pointer[1]))
+
+    def _on_resize(self, _window: object, width: int, height: int) -> None:
+        if min(width, height) < 1:
+            return  # minimised: the picture keeps its size until there is something to see again
+        self.resize((width, height))
+        self._events.append(InputEvent("resize", x=width, y=height))
+
+    def _on_focus(self, _window: object, focused: int) -> None:
+        # A window that lost the focus is told of no release any more: what was held is let go.
+        if focused:
+            return
+        self._events += [InputEvent("key", name) for name in sorted(self.keys)]
+        self._events += [InputEvent("button", name) for name in sorted(self.buttons)]
+        self.keys = self.buttons = frozenset()
+
+    def _read_gamepad(self) -> None:
+        state = self._query_gamepad()
+        for name in sorted(state.buttons ^ self.gamepad.buttons):
+            self._events.append(InputEvent("pad", name, name in state.buttons))
+        self.gamepad = state
+
+    def _query_gamepad(self) -> GamepadState:
+        glfw = self._glfw
+        for joystick in range(glfw.JOYSTICK_1, glfw.JOYSTICK_LAST + 1):
+            if not glfw.joystick_present(joystick) or not glfw.joystick_is_gamepad(joystick):
+                continue
+            raw = glfw.get_gamepad_state(joystick)
+            if raw is None:
+                continue
+            axes = {name: _scale_axis(name, raw.axes[index]) for index, name in self._pad_axes.items()}
+            held = frozenset(name for index, name in self._pad_buttons.items() if raw.buttons[index])
+            return GamepadState(_text(glfw.get_gamepad_name(joystick)), axes, held)
+        return GamepadState()
+
+
+def _open_window(glfw: ModuleType, size: Size, title: str) -> Any:
+    # Errors come back as return values, turned into one DeviceError here, instead of as warnings on stderr.
+    glfw.ERROR_REPORTING = False  # type: ignore[attr-defined]  # the module's documented switch
+    if not glfw.init():
+        raise DeviceError("no display for a window", _NO_DISPLAY)
+    glfw.default_window_hints()
+    glfw.window_hint(glfw.CONTEXT_VERSION_MAJOR, 4)
+    glfw.window_hint(glfw.CONTEXT_VERSION_MINOR, 3)
+    glfw.window_hint(glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE)
+    glfw.window_hint(glfw.OPENGL_FORWARD_COMPAT, True)
+    glfw.window_hint(glfw.RESIZABLE, True)
+    glfw.window_hint(glfw.SAMPLES, 0)
+    glfw.window_hint(glfw.SRGB_CAPABLE, False)
+    glfw.window_hint(glfw.CONTEXT_ROBUSTNESS, glfw.LOSE_CONTEXT_ON_RESET)
+    window = glfw.create_window(*size, title, None, None)
+    if not window:  # a driver that cannot tell of a reset may refuse to be asked for it
+        glfw.window_hint(glfw.CONTEXT_ROBUSTNESS, glfw.NO_ROBUSTNESS)
+        window = glfw.create_window(*size, title, None, None)
+    if not window:
+        glfw.terminate()
+        raise DeviceError("the display gives no window with OpenGL 4.3", _FIX_GL)
+    return window
+
+
+def _load_blit(glfw: ModuleType) -> tuple[Callable[..., None], Callable[..., None]]:
+    bind = ctypes.CFUNCTYPE(None, ctypes.c_uint, ctypes.c_uint)
+    blit = ctypes.CFUNCTYPE(None, *([ctypes.c_int] * 8), ctypes.c_uint, ctypes.c_uint)
+    return bind(glfw.get_proc_address("glBindFramebuffer")), blit(glfw.get_proc_address("glBlitFramebuffer"))
+
+
+def _constant_names(glfw: ModuleType, prefix: str) -> Mapping[int, str]:
+    # Sorted so that of two names of one value (GAMEPAD_BUTTON_A, _CROSS, _LAST) the shortest, plainest wins.
+    names = sorted((n for n in dir(glfw) if n.startswith(prefix)), key=lambda n: (-len(n), n))
+    return {getattr(glfw, name): name.removeprefix(prefix).lower() for name in names if not name.endswith("_LAST")}
+
+
+def _scale_axis(name: str, value: float) -> float:
+    return 0.5 * (value + 1.0) if name.endswith("trigger") else float(value)
+
+
+def _text(value: bytes | str | None) -> str:
+    return value.decode(errors="replace") if isinstance(value, bytes) else value or "gamepad"

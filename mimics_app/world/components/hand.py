@@ -1,0 +1,41 @@
+"""Component type of a hand that closes on things: which entities show its fingers, and how far they open. SI units."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+from msgspec import Meta
+
+from mimics_app.contracts.errors import Issue
+from mimics_app.world.components.registry import Component, component, register_check
+
+if TYPE_CHECKING:
+    from mimics_app.world.scene.scene import Scene
+
+__all__ = ["GraspingHand"]
+
+Positive = Annotated[float, Meta(gt=0)]
+
+
+@component("grasping_hand")
+class GraspingHand(Component, frozen=True):
+    """The visible hand; its entity stands between the fingertips. Trials begin where the scene has it."""
+
+    fingers: Annotated[
+        tuple[str, str], Meta(description="Ids of the entities at its -x and +x side that open and close along its x")
+    ]
+    open: Annotated[Positive, Meta(description="From the middle to the inner side of a finger, hand open [m]")] = 0.045
+    closed: Annotated[Positive, Meta(description="The same with the hand shut on nothing [m]")] = 0.006
+    closing_force: Annotated[Positive, Meta(description="Grasp force that shuts it on nothing [N]")] = 2.0
+
+
+def _check(hand: GraspingHand, pointer: str, scene: Scene) -> list[Issue]:
+    issues = [
+        issue for i, finger in enumerate(hand.fingers) for issue in scene.check_entity(f"{pointer}/fingers/{i}", finger)
+    ]
+    if hand.closed >= hand.open:
+        issues.append(scene.issue(f"{pointer}/closed", f"{hand.closed:g} is not below open, {hand.open:g}", "lower it"))
+    return issues
+
+
+register_check("grasping_hand", _check)

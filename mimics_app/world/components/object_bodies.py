@@ -1,0 +1,179 @@
+"""What a haptic object is made of: its shapes with their sizes, and the mass that fills them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.world.components import shapes as visible
+from mimics_app.world.components.haptic_shapes import (
+    CapsuleSolid,
+    CubeSolid,
+    CylinderSolid,
+    MeshSolid,
+    Solid,
+    SphereSolid,
+    TouchSurface,
+)
+from mimics_app.world.components.objects import HapticObject
+from mimics_app.world.components.visible import MeshComponent
+from mimics_app.world.meshes.mass_properties import (
+    FilledShape,
+    box_integrals,
+    capsule_integrals,
+    combine,
+    cylinder_integrals,
+    sphere_integrals,
+)
+from mimics_app.world.meshes.solids import SolidMesh, enclosing_sphere, mesh_integrals, solid_mesh
+from mimics_app.world.scene.scene import Scene
+
+__all__ = [
+    "BodyMass",
+    "ObjectFault",
+    "mass_properties_of",
+    "mesh_of",
+    "rotation_of",
+    "shapes_of",
+]
+
+F8 = NDArray[np.float64]
+
+_DEFAULT_MASS = 1.0
+
+
+class ObjectFault(Exception):
+    """An object that cannot be made: where below its pointer, what is wrong, what to do."""
+
+    def __init__(self, place: str, what: str, fix: str = "") -> None:
+        super().__init__(what)
+        self.place = place
+        self.what = what
+        self.fix = fix
+
+
+@dataclass(frozen=True, eq=False)
+class BodyMass:
+    """How a body resists: mass [kg], centre of mass in its frame [m], inertia about that centre [kg m^2], [3, 3]."""
+
+    mass: float
+    centre: F8
+    inertia: F8
+
+
+def shapes_of(scene: Scene, entity: str, thing: HapticObject) -> tuple[Solid, ...]:
+    """The shapes of an object: its own, else that of its entity's visible primitive; boxes and spheres fitted.
+
+    Raises:
+        ObjectFault: it has none, or a model that cannot be touched.
+    """
+    found = thing.shapes or (_of_primitive(scene, entity),)
+    return tuple(_fitted(scene, shape, f"/shapes/{i}") for i, shape in enumerate(found))
+
+
+def mesh_of(scene: Scene, shape: MeshSolid, place: str = "") -> SolidMesh:
+    """The triangles of a mesh shape or their hull.
+
+    Raises:
+        ObjectFault: there are none, or they lie in a plane.
+    """
+    try:
+        return solid_mesh(scene.assets, shape.source, shape.scale, hull=shape.fit != "mesh")
+    except (KeyError, ValueError) as error:
+        what = f'"{shape.source}" cannot be touched: {error.args[0]}'
+        raise ObjectFault(f"{place}/source", what) from None
+
+
+def mass_properties_of(scene: Scene, thing: HapticObject, shapes: tuple[Solid, ...]) -> BodyMass:
+    """Mass, centre and inertia: as given, else of the shapes, filled evenly.
+
+    Raises:
+        ObjectFault: a surface that is not closed has nothing to fill.
+    """
+    known = thing.inertia is not None and thing.centre is not None and thing.density is None
+    if known or not (thing.enable_translation or thing.enable_rotation):
+        filled = FilledShape(1.0, np.zeros(3), np.eye(3))
+    else:
+        filled = combine([_filled(scene, shape, f"/shapes/{i}") for i, shape in enumerate(shapes)])
+    mass = thing.mass if thing.mass is not None else _DEFAULT_MASS
+    if thing.density is not None:
+        mass = thing.density * filled.volume
+    inertia = filled.inertia * (mass / filled.volume)
+    centre = filled.centre
+    if thing.inertia is not None:
+        inertia = np.diag(thing.inertia)
+    elif thing.centre is not None:
+        shift = np.array(thing.centre) - centre
+        inertia = inertia + mass * (float(shift @ shift) * np.eye(3) - np.outer(shift, shift))
+    return BodyMass(mass, centre if thing.centre is None else np.array(thing.centre), inertia)
+
+
+def rotation_of(quaternion: tuple[float, ...]) -> F8:
+    """Matrix of a quaternion xyzw, shape [3, 3]."""
+    from mimics_app.maths.quat import to_matrix  # compiled: reading a scene without objects does not need it
+
+    unit = np.array(quaternion)
+    R = np.zeros((3, 3))
+    to_matrix(unit / np.linalg.norm(unit), R)
+    return R
+
+
+def _of_primitive(scene: Scene, entity: str) -> Solid:
+    mesh = scene.entity(entity).components.get("mesh")
+    match mesh.primitive if isinstance(mesh, MeshComponent) else None:
+        case visible.BoxShape(size=size):
+            return CubeSolid(size=size)
+        case visible.SphereShape(radius=radius):
+            return SphereSolid(radius=radius)
+        case visible.CapsuleShape(radius=radius, length=length):
+            return CapsuleSolid(radius=radius, length=length)
+        case visible.CylinderShape(radius=radius, height=height, top_radius=top) if top is None or top == radius:
+            return CylinderSolid(radius=radius, length=height)
+    raise ObjectFault(
+        "", "it has no shapes, and its entity no mesh of a box, sphere, cylinder or capsule", 'give "shapes"'
+    )
+
+
+def _fitted(scene: Scene, shape: Solid, place: str) -> Solid:
+    """A mesh that asks for a box or a sphere as that; the rest as it is."""
+    if not isinstance(shape, MeshSolid) or shape.fit not in ("box", "sphere"):
+        return shape
+    vertices = mesh_of(scene, shape, place).vertices
+    kept: dict[str, Any] = {name: getattr(shape, name) for name in (*TouchSurface.__struct_fields__, "rotation")}
+    if shape.fit == "sphere":
+        middle, radius = enclosing_sphere(vertices)
+        return SphereSolid(**kept, position=_moved(shape, middle), radius=radius)
+    least, greatest = vertices.min(axis=0), vertices.max(axis=0)
+    size = tuple((greatest - least).tolist())
+    if min(size) <= 0.0:
+        raise ObjectFault(f"{place}/fit", "it is flat: a box of no thickness", "give a thin cube instead")
+    return CubeSolid(**kept, position=_moved(shape, 0.5 * (least + greatest)), size=size)
+
+
+def _moved(shape: MeshSolid, middle: F8) -> tuple[float, float, float]:
+    """Where a point of the shape's own frame is in the object's."""
+    x, y, z = (np.array(shape.position) + rotation_of(shape.rotation) @ middle).tolist()
+    return x, y, z
+
+
+def _filled(scene: Scene, shape: Solid, place: str) -> FilledShape:
+    match shape:
+        case CubeSolid():
+            filled = box_integrals(shape.size)
+        case SphereSolid():
+            filled = sphere_integrals(shape.radius)
+        case CylinderSolid():
+            filled = cylinder_integrals(shape.radius, shape.length)
+        case CapsuleSolid():
+            filled = capsule_integrals(shape.radius, shape.length)
+        case MeshSolid():
+            mesh = mesh_of(scene, shape, place)
+            volume, centre, inertia = mesh_integrals(mesh)
+            if not mesh.watertight or volume <= 0.0:
+                what = f'"{shape.source}" is no closed surface: it has no mass of its own'
+                raise ObjectFault(place, what, 'give "mass", "inertia" and "centre", or "fit": "hull"')
+            filled = FilledShape(volume, centre, inertia)
+    return filled.placed(np.array(shape.position), rotation_of(shape.rotation))

@@ -1,0 +1,258 @@
+"""What types cannot say about haptic objects, walls, effects and wires: sizes that fit, names that exist, stability."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.haptic import MAX_PIECES
+from mimics_app.world.components import haptic_effects as effects
+from mimics_app.world.components.haptic_shapes import (
+    CubeSolid,
+    CylinderSolid,
+    MeshSolid,
+    Solid,
+    TouchSurface,
+    surface_of,
+)
+from mimics_app.world.components.object_bodies import ObjectFault, mass_properties_of, shapes_of
+from mimics_app.world.components.objects import (
+    SIDES,
+    Connections,
+    ForceField,
+    HapticEffect,
+    HapticObject,
+    HapticPath,
+    HapticWalls,
+    InteractionPoints,
+)
+from mimics_app.world.components.registry import register_check
+from mimics_app.world.components.robot import Tunnel
+from mimics_app.world.components.signals import SignalFault, parse_source, parse_target
+from mimics_app.world.scene.placing import pose_of, stands_somewhere
+
+if TYPE_CHECKING:
+    from mimics_app.world.scene.scene import Scene
+
+__all__ = ["check_path"]
+
+_THINNEST = 1e-4
+"""Least width of what can be touched [m]."""
+
+Layer = tuple[TouchSurface, str]
+"""What is said of a surface, and the pointer where it stands."""
+
+_GREATEST_GAIN = 1e6
+
+_CUBIC = 4
+"""Least number of control points."""
+
+_TURN_TOLERANCE = 1e-3
+_FARTHEST = 1e3
+"""Greatest distance from the middle of the world, or of an object, that is understood [m]."""
+
+
+def _check_object(thing: HapticObject, pointer: str, scene: Scene) -> list[Issue]:
+    issues = _check_place(pointer, scene)
+    if thing.mass is not None and thing.density is not None:
+        issues.append(scene.issue(f"{pointer}/density", "gives the mass a second time", "leave one of the two out"))
+    if thing.enable_translation is False and any(thing.initial_velocity):
+        issues.append(
+            scene.issue(f"{pointer}/initial_velocity", "it may not shift", "enable_translation, or leave out")
+        )
+    if thing.enable_rotation is False and any(thing.initial_angular_velocity):
+        where = f"{pointer}/initial_angular_velocity"
+        issues.append(scene.issue(where, "it may not turn", "enable_rotation, or leave it out"))
+    if thing.inertia is not None and 2.0 * max(thing.inertia) > sum(thing.inertia) * (1.0 + 1e-9):
+        what = "no body has this inertia: one axis is above the sum of the other two"
+        issues.append(scene.issue(f"{pointer}/inertia", what))
+    if thing.crush_force > 0.0 and not thing.grip:
+        issues.append(scene.issue(f"{pointer}/crush_force", "nothing grips it", 'set "grip": true'))
+    for i, shape in enumerate(thing.shapes):
+        issues += _check_shape(shape, f"{pointer}/shapes/{i}", scene)
+    own: Layer = (thing, pointer)
+    special: list[Layer] = [(shape, f"{pointer}/shapes/{i}") for i, shape in enumerate(thing.shapes)]
+    issues += _check_surfaces([[layer, own] for layer in special] or [[own]], scene)
+    return issues or _check_body(thing, pointer, scene)
+
+
+def _check_place(pointer: str, scene: Scene) -> list[Issue]:
+    """Faults of the place of an entity that has one; that it has none is told with its transform or parent."""
+    name = _owner(pointer, scene)
+    if not stands_somewhere(scene, name):
+        return []
+    try:
+        place, _ = pose_of(scene, name)
+    except SceneError as error:
+        return error.issues
+    if np.abs(place).max() > _FARTHEST:
+        return [scene.issue(f"{scene.entity(name).pointer}/transform/translation", "is more than 1 km away")]
+    return []
+
+
+def _check_body(thing: HapticObject, pointer: str, scene: Scene) -> list[Issue]:
+    """Faults of the object as a whole: shapes and a mass it can be made of."""
+    try:
+        shapes = shapes_of(scene, _owner(pointer, scene), thing)
+        mass_properties_of(scene, thing, shapes)
+    except ObjectFault as fault:
+        return [scene.issue(f"{pointer}{fault.place}", fault.what, fault.fix)]
+    return []
+
+
+def _check_shape(shape: Solid, pointer: str, scene: Scene) -> list[Issue]:
+    issues = _check_turn(shape.rotation, pointer, scene)
+    if isinstance(shape, MeshSolid):
+        issues += scene.check_model_reference(f"{pointer}/source", shape.source)
+    smallest = _thinnest(shape)
+    if smallest < _THINNEST:
+        issues.append(scene.issue(pointer, f"it is {smallest:g} m thin: a hand is through it within a tick"))
+    if isinstance(shape, CubeSolid | CylinderSolid) and shape.rounding >= 0.5 * smallest:
+        what = f"{shape.rounding:g} m leaves nothing of an edge of {smallest:g} m"
+        issues.append(scene.issue(f"{pointer}/rounding", what, f"stay below {0.5 * smallest:g} m"))
+    return issues
+
+
+def _thinnest(shape: Solid) -> float:
+    """Least width of a shape [m]; inf of a mesh."""
+    if isinstance(shape, CubeSolid):
+        return min(shape.size)
+    if isinstance(shape, CylinderSolid):
+        return min(2.0 * shape.radius, shape.length)
+    return math.inf if isinstance(shape, MeshSolid) else 2.0 * shape.radius
+
+
+def _check_surfaces(surfaces: Sequence[Sequence[Layer]], scene: Scene) -> list[Issue]:
+    """Faults of surfaces, each in layers with their pointers, the most special first; what is alike is told once."""
+    issues: list[Issue] = []
+    for layers in surfaces:
+        issues += [issue for issue in _check_surface(layers, scene) if issue not in issues]
+    return issues
+
+
+def _check_surface(layers: Sequence[Layer], scene: Scene) -> list[Issue]:
+    surface = surface_of(*(layer for layer, _ in layers))
+    issues = []
+
+    def tell(field: str, what: str, fix: str = "") -> None:
+        place = next(pointer for layer, pointer in layers if getattr(layer, field) is not None)
+        issues.append(scene.issue(f"{place}/{field}", what, fix))
+
+    static, dynamic = surface.friction_static or 0.0, surface.friction_dynamic or 0.0
+    if static < dynamic:
+        what = f"{static:g} is below friction_dynamic, {dynamic:g}: it would slide more easily at rest"
+        tell("friction_static", what)
+    height, length = surface.texture_height or 0.0, surface.texture_length or 0.0
+    if length < math.pi * height:
+        what = f"ripples {height:g} m high and {length:g} m long are steeper than 45 degrees"
+        tell("texture_height", what, f"stay below texture_length / pi = {length / math.pi:.3g} m")
+    return issues
+
+
+def _check_turn(rotation: tuple[float, ...] | None, pointer: str, scene: Scene) -> list[Issue]:
+    if rotation is None or abs(math.hypot(*rotation) - 1.0) <= _TURN_TOLERANCE:
+        return []
+    what = f"a quaternion of length {math.hypot(*rotation):.4g} instead of 1"
+    return [scene.issue(f"{pointer}/rotation", what, "write x, y, z, w of a unit quaternion")]
+
+
+def _check_walls(walls: HapticWalls, pointer: str, scene: Scene) -> list[Issue]:
+    issues = _check_place(pointer, scene)
+    sides = [(getattr(walls, side), f"{pointer}/{side}") for side in SIDES]
+    issues += _check_surfaces([[side, (walls, pointer)] for side in sides], scene)
+    for side in SIDES:
+        wall = getattr(walls, side)
+        issues += _check_turn(wall.rotation, f"{pointer}/{side}", scene)
+        if wall.enabled and walls.size is None and wall.position is None:
+            what = f'the wall "{side}" stands nowhere'
+            issues.append(scene.issue(pointer, what, f'give the walls a "size", {side} a position, or disable it'))
+    return issues
+
+
+def _check_effect(effect: HapticEffect, pointer: str, scene: Scene) -> list[Issue]:
+    act, place = effect.effect, f"{pointer}/effect"
+    issues = _check_acting(effect, pointer, scene)
+    if isinstance(act, effects.PathSpring | effects.Guidance):
+        paths = [entity for entity, _, _ in [*scene.components(HapticPath), *scene.components(Tunnel)]]
+        if act.path not in paths:
+            issues += scene.check_entity_with(HapticPath, f"{place}/path", act.path)
+        if effect.object is not None and effect.acts_on == "user":
+            issues.append(
+                scene.issue(f"{pointer}/object", "a path stays in the world", 'leave it out, or "acts_on": "object"')
+            )
+    if isinstance(act, effects.ConstantForce) and not any(act.force):
+        issues.append(scene.issue(f"{place}/force", "no force at all", "disable the effect instead"))
+    if isinstance(act, effects.Vibration) and not any(act.direction):
+        issues.append(scene.issue(f"{place}/direction", "points nowhere"))
+    if isinstance(act, effects.Workspace) and (act.radius is None) == (act.size is None):
+        issues.append(scene.issue(place, "needs either a radius or a size", "give exactly one of the two"))
+    return issues
+
+
+def _check_acting(acting: HapticEffect | ForceField, pointer: str, scene: Scene) -> list[Issue]:
+    if acting.object is not None:
+        return scene.check_entity_with(HapticObject, f"{pointer}/object", acting.object)
+    if acting.acts_on == "object":
+        return [scene.issue(f"{pointer}/acts_on", "no object is named", 'give an "object"')]
+    return []
+
+
+def check_path(path: HapticPath, pointer: str, scene: Scene) -> list[Issue]:
+    """Faults of the component itself; whether a curve can be laid through it is the haptic stage's to say."""
+    if (path.control_points is None) == (path.path_file is None):
+        return [scene.issue(pointer, "needs either control_points or a path_file", "give exactly one of the two")]
+    issues = [] if path.material is None else scene.check_material(f"{pointer}/material", path.material)
+    points = path.control_points
+    if points is not None and not _CUBIC <= len(points) <= MAX_PIECES + _CUBIC - 1:
+        what = f"{len(points)} control points; a cubic takes {_CUBIC} to {MAX_PIECES + _CUBIC - 1}"
+        issues.append(scene.issue(f"{pointer}/control_points", what))
+    if path.path_file is not None:
+        issues += scene.check_file(f"{pointer}/path_file", path.path_file)
+    elif path.basis_functions is not None:
+        issues.append(scene.issue(f"{pointer}/basis_functions", "fits a path_file, and there is none", "leave it out"))
+    return issues
+
+
+def _check_points(points: InteractionPoints, pointer: str, scene: Scene) -> list[Issue]:
+    first = scene.components(InteractionPoints)[0][2]
+    if pointer == first:
+        named = [(i, point.entity) for i, point in enumerate(points.points) if point.entity is not None]
+        return [issue for i, name in named for issue in scene.check_entity(f"{pointer}/points/{i}/entity", name)]
+    return [scene.issue(pointer, f"a second set of points; the first is {scene.place(first)}", "keep one")]
+
+
+def _check_connections(connections: Connections, pointer: str, scene: Scene) -> list[Issue]:
+    objects = [entity for entity, _, _ in scene.components(HapticObject)]
+    acting = [entity for kind in (HapticEffect, ForceField) for entity, _, _ in scene.components(kind)]
+    issues = []
+    for i, wire in enumerate(connections.wires):
+        if np.abs(wire.gain).max() > _GREATEST_GAIN:
+            issues.append(scene.issue(f"{pointer}/wires/{i}/gain", f"is beyond {_GREATEST_GAIN:g}"))
+        ends: list[tuple[str, Callable[[], object]]] = [
+            ("from", lambda text=wire.source: parse_source(text, objects)),  # type: ignore[misc]
+            ("to", lambda text=wire.target: parse_target(text, objects, acting)),  # type: ignore[misc]
+        ]
+        for name, parse in ends:
+            try:
+                parse()
+            except SignalFault as fault:
+                issues.append(scene.issue(f"{pointer}/wires/{i}/{name}", fault.what, fault.fix))
+    return issues
+
+
+def _owner(pointer: str, scene: Scene) -> str:
+    """Id of the entity a component's pointer is of."""
+    return next(entity.id for entity in scene.entities if pointer.startswith(f"{entity.pointer}/"))
+
+
+register_check("haptic_object", _check_object)
+register_check("haptic_walls", _check_walls)
+register_check("haptic_effect", _check_effect)
+register_check("force_field", _check_acting)
+register_check("haptic_path", check_path)
+register_check("interaction_points", _check_points)
+register_check("connections", _check_connections)

@@ -1,0 +1,222 @@
+"""Component types of what can be touched (D2.1 4.2.8-4.2.10): objects, walls, effects, and the wires between them.
+
+The pose of an object at first is its entity's transform. Names in brackets are those of the block masks in D2.1.
+SI units; world frame unless said otherwise.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import msgspec
+from msgspec import Meta
+
+from mimics_app.contracts.haptic_objects import MAX_POINTS
+from mimics_app.world.components.haptic_effects import Effect
+from mimics_app.world.components.haptic_shapes import Solid, TouchSurface
+from mimics_app.world.components.registry import Component, component
+
+__all__ = [
+    "SIDES",
+    "Connections",
+    "ForceField",
+    "HapticEffect",
+    "HapticObject",
+    "HapticPath",
+    "HapticWalls",
+    "InteractionPoint",
+    "InteractionPoints",
+    "Wall",
+    "Wire",
+]
+
+_MOST = 1e6
+"""Greatest size of a number whose unit gives no better bound: beyond it a tick of a contact has no digits left."""
+
+NotNegative = Annotated[float, Meta(ge=0, le=_MOST)]
+Positive = Annotated[float, Meta(gt=0, le=_MOST)]
+Coordinate = Annotated[float, Meta(ge=-1e3, le=1e3)]
+Point = tuple[Coordinate, Coordinate, Coordinate]
+Number = Annotated[float, Meta(ge=-_MOST, le=_MOST)]
+Vector = tuple[Number, Number, Number]
+Turn = tuple[float, float, float, float]
+Row = tuple[float, float, float]
+Rows = tuple[Row, Row, Row]
+"""Without bounds, which msgspec 0.22 cannot free in a union with a number: `object_checks` looks at them."""
+
+Integrator = Literal["semi_implicit", "explicit", "exact_drag", "implicit_midpoint"]
+
+
+@component("haptic_object")
+class HapticObject(TouchSurface, frozen=True):
+    """A body that is touched, and moves if it may (4.2.8)."""
+
+    shapes: Annotated[
+        tuple[Solid, ...],
+        Meta(description="What is touched, one or several [Object dimensions]; absent: the primitive of its `mesh`"),
+    ] = ()
+    enable_translation: Annotated[bool, Meta(description="It may shift [Enable translation]")] = True
+    enable_rotation: Annotated[bool, Meta(description="It may turn [Enable rotation]")] = True
+    enable_force_on_object: Annotated[
+        bool, Meta(description="The hand shifts it [Enable translational haptic force on object]")
+    ] = True
+    enable_torque_on_object: Annotated[
+        bool, Meta(description="The hand turns it [Enable rotational haptic force on object]")
+    ] = True
+    mass: Annotated[Positive | None, Meta(description="[Mass of haptic object, kg]; absent: of `density`, or 1 kg")] = (
+        None
+    )
+    density: Annotated[Positive | None, Meta(description="Instead of the mass [kg/m^3]")] = None
+    inertia: Annotated[
+        tuple[Positive, Positive, Positive] | None,
+        Meta(description="About its own x, y, z through the centre of mass [kg m^2]; absent: of its shapes, filled"),
+    ] = None
+    centre: Annotated[
+        Point | None, Meta(description="Of mass, in its own frame [m]; absent: of its shapes, filled")
+    ] = None
+    gravity: Annotated[Vector, Meta(description="[Gravity acceleration, m/s^2]")] = (0.0, 0.0, 0.0)
+    initial_velocity: Annotated[Point, Meta(description="[Object initial velocity, m/s]")] = (0.0, 0.0, 0.0)
+    initial_angular_velocity: Annotated[Point, Meta(description="[Initial omega of object, rad/s]")] = (0.0, 0.0, 0.0)
+    environment_translation_damping: Annotated[
+        NotNegative, Meta(description="[Environment translation damping, N s/m]")
+    ] = 0.0
+    environment_rotation_damping: Annotated[NotNegative, Meta(description="[Environment rotation damping, N m s]")] = (
+        0.0
+    )
+    force_aux: Annotated[Vector, Meta(description="Steady part of F_aux [N]; wires add to it")] = (0.0, 0.0, 0.0)
+    torque_aux: Annotated[Vector, Meta(description="Steady part of T_aux [N m]; wires add to it")] = (0.0, 0.0, 0.0)
+    integrator: Annotated[Integrator, Meta(description="How its translation is advanced")] = "semi_implicit"
+    sleeps: Annotated[bool, Meta(description="May be left out of the work while nothing moves it")] = True
+    grip: Annotated[bool, Meta(description="Fingers can hold it")] = False
+    crush_force: Annotated[NotNegative, Meta(description="Grip force that bruises it [N]; 0: none does")] = 0.0
+
+
+class Wall(TouchSurface, frozen=True):
+    """One of the six walls; its free side is at its own +z (4.2.8.6)."""
+
+    enabled: Annotated[bool, Meta(description="[Enable wall]")] = True
+    position: Annotated[
+        Point | None, Meta(description="[Pose of the wall] relative to the entity [m]; absent: by the walls' `size`")
+    ] = None
+    rotation: Annotated[
+        Turn | None, Meta(description="[Pose of the wall] unit quaternion x, y, z, w; absent: facing the middle")
+    ] = None
+
+
+_EVERY_WALL = Wall()
+
+
+@component("haptic_walls")
+class HapticWalls(TouchSurface, frozen=True):
+    """Six walls that bound a room, fixed to the scene; each can be placed, changed and disabled by itself (4.2.8.6)."""
+
+    size: Annotated[
+        tuple[Positive, Positive, Positive] | None,
+        Meta(description="Of the room about the entity along its x, y, z [m]; absent: every wall has its own pose"),
+    ] = None
+    left: Annotated[Wall, Meta(description="At -x")] = _EVERY_WALL
+    right: Annotated[Wall, Meta(description="At +x")] = _EVERY_WALL
+    floor: Annotated[Wall, Meta(description="At -y")] = _EVERY_WALL
+    ceiling: Annotated[Wall, Meta(description="At +y")] = _EVERY_WALL
+    back: Annotated[Wall, Meta(description="At -z")] = _EVERY_WALL
+    front: Annotated[Wall, Meta(description="At +z")] = _EVERY_WALL
+
+
+SIDES = ("left", "right", "floor", "ceiling", "back", "front")
+"""The six walls in the order of their rows: -x, +x, -y, +y, -z, +z."""
+
+
+class _Acting(Component, frozen=True):
+    """What acts on somebody."""
+
+    enabled: Annotated[bool, Meta(description="Acts from the start")] = True
+    object: Annotated[
+        str | None,
+        Meta(
+            description="Id of an entity with a `haptic_object`: it moves with it and pushes back on it; absent: none"
+        ),
+    ] = None
+    acts_on: Annotated[
+        Literal["user", "object"],
+        Meta(description="Who feels it; object: the named one alone, about a place that stays in the world"),
+    ] = "user"
+
+
+@component("haptic_effect")
+class HapticEffect(_Acting, frozen=True, kw_only=True):
+    """A force without a surface; its place is its entity's, or that seen from the `object` it moves with."""
+
+    effect: Annotated[Effect, Meta(description="What it does")]
+
+
+@component("force_field")
+class ForceField(_Acting, frozen=True, kw_only=True):
+    """A force computed by a compiled function of the application, a scenario or a plug-in."""
+
+    function: Annotated[str, Meta(description="Its name: curl, saddle, well, or that of a plug-in's force field")]
+    parameters: Annotated[
+        Annotated[tuple[Number, ...], Meta(max_length=8)], Meta(description="Its numbers, as its own guide says")
+    ] = ()
+    within: Annotated[NotNegative, Meta(description="Acts only this near to its place [m]; 0: everywhere")] = 0.0
+    largest_force: Annotated[NotNegative, Meta(description="[N]; 0: no bound")] = 0.0
+
+
+@component("haptic_path")
+class HapticPath(Component, frozen=True):
+    """A path for effects: the cubic B-spline of D2.1 4.2.10 without its walls."""
+
+    control_points: Annotated[tuple[Point, ...] | None, Meta(description="World [m]; at least 4")] = None
+    path_file: Annotated[
+        str | None, Meta(description="Recorded path to fit instead: .csv (x,y,z columns) or .json, world [m]")
+    ] = None
+    basis_functions: Annotated[
+        Annotated[int, Meta(ge=4, le=99)] | None, Meta(description="Basis functions fitted to `path_file`")
+    ] = None
+    material: Annotated[str | None, Meta(description="Of a line that shows it; absent: not shown")] = None
+    shown_radius: Annotated[float, Meta(gt=0, le=1, description="Of that line [m]")] = 0.0015
+
+
+class InteractionPoint(Component, frozen=True):
+    """A point, or small ball, that touches; it is fixed to the hand, which does not turn."""
+
+    offset: Annotated[Point, Meta(description="From the hand, world [m]")] = (0.0, 0.0, 0.0)
+    radius: Annotated[float, Meta(ge=0, le=0.2, description="Of the ball [m]; 0: a point")] = 0.0
+    enabled: Annotated[bool, Meta(description="Touches at all")] = True
+    entity: Annotated[str | None, Meta(description="Id of the entity that shows it; absent: not shown")] = None
+
+
+@component("interaction_points")
+class InteractionPoints(Component, frozen=True):
+    """Where the hand touches; without it, all over the `ball` at its largest, or in one point. One per scene."""
+
+    points: Annotated[
+        Annotated[tuple[InteractionPoint, ...], Meta(min_length=1, max_length=MAX_POINTS)],
+        Meta(description="Fingers, or both hands"),
+    ]
+
+
+class Wire(Component, frozen=True):
+    """One connection: input += gain * output + offset, every tick."""
+
+    source: Annotated[
+        str,
+        Meta(
+            description="Output: p_rob, v_rob, F_meas, F_rob, grasp, time, or OBJECT.p_obj, .v_obj, .omega_obj, "
+            ".R_obj.x, .R_obj.y, .R_obj.z, .F_rob, .touched, .collided"
+        ),
+    ] = msgspec.field(name="from")
+    target: Annotated[
+        str, Meta(description="Input: OBJECT.F_aux, OBJECT.T_aux, EFFECT.position, EFFECT.force, EFFECT.stiffness")
+    ] = msgspec.field(name="to")
+    gain: Annotated[
+        float | Rows,
+        Meta(description="A number, or a matrix by rows; single numbers travel as (x, 0, 0) and are taken from x"),
+    ] = 1.0
+    offset: Annotated[Vector, Meta(description="Added after the gain, in the input's unit")] = (0.0, 0.0, 0.0)
+
+
+@component("connections")
+class Connections(Component, frozen=True):
+    """Wires between outputs and inputs of blocks (4.2.12); what several bring to one input is added."""
+
+    wires: Annotated[Annotated[tuple[Wire, ...], Meta(min_length=1)], Meta(description="One by one")]

@@ -1,0 +1,199 @@
+"""From plain JSON values to Structs, with every fault reported and none stopping the rest.
+
+msgspec stops at its first error. So a value is given to it whole, which is fast; only when it refuses is the value
+taken apart, and each part tried on its own.
+"""
+
+from __future__ import annotations
+
+import re
+import types
+import typing
+from collections.abc import Callable
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+import msgspec
+
+from mimics_app.contracts.errors import nearest
+from mimics_app.world.scene.json_text import escape
+
+__all__ = ["FAILED", "Report", "is_comment", "read_struct"]
+
+Report = Callable[[str, str, str], None]
+"""(pointer below the value, what, fix)"""
+
+
+class _Failed:
+    """Result of a value that could not be read."""
+
+
+FAILED = _Failed()
+"""Returned for a value that could not be read; its faults were reported."""
+
+_WORDS = {
+    "float": "a number",
+    "int": "a whole number",
+    "str": "a text",
+    "bool": "true or false",
+    "object": "an object {..}",
+    "array": "a list [..]",
+}
+_TYPE_NAMES = re.compile(r"`([^`]*)`")
+
+
+def is_comment(key: str) -> bool:
+    """True for keys that pass unread: those that begin with "x-"."""
+    return key.startswith("x-")
+
+
+def read_struct(wanted: Any, value: Any, report: Report, pointer: str = "") -> Any:
+    """Convert a JSON value.
+
+    Args:
+        wanted: A Struct or any type msgspec knows.
+        value: As `json` gives it.
+        report: Called once for each fault.
+        pointer: Put before the pointers that are reported.
+
+    Returns:
+        The converted value, or `FAILED` when something was reported.
+    """
+    try:
+        return msgspec.convert(value, wanted)
+    except msgspec.ValidationError as error:
+        return _Reader(report).read(wanted, value, pointer, str(error))
+
+
+class _Reader:
+    """Takes one refused value apart."""
+
+    def __init__(self, report: Report) -> None:
+        self._report = report
+
+    def read(self, wanted: Any, value: Any, pointer: str, error: str = "") -> Any:
+        if not error:
+            try:
+                return msgspec.convert(value, wanted)
+            except msgspec.ValidationError as refused:
+                error = str(refused)
+        inner = get_args(wanted)[0] if get_origin(wanted) is Annotated else wanted
+        if get_origin(inner) in (Union, types.UnionType):
+            inner = _candidate(inner, value)
+        part = self._parts(inner, value, pointer)
+        if part is None or (part is not FAILED and _wrong_length(wanted, part)):
+            return self._leaf(inner, value, pointer, error)
+        return part
+
+    def _parts(self, wanted: Any, value: Any, pointer: str) -> Any:
+        """The value read part by part, or None when it has no parts of its own that could be at fault."""
+        if isinstance(wanted, type) and issubclass(wanted, msgspec.Struct) and isinstance(value, dict):
+            return self._struct(wanted, value, pointer)
+        origin, arguments = get_origin(wanted), get_args(wanted)
+        if origin is dict and isinstance(value, dict):
+            named = [(key, item) for key, item in value.items() if not is_comment(key)]
+            read = {key: self.read(arguments[1], item, f"{pointer}/{escape(key)}") for key, item in named}
+            return FAILED if FAILED in read.values() else read
+        if origin not in (list, tuple) or not isinstance(value, list):
+            return None
+        if origin is list or arguments[-1] is Ellipsis:
+            kinds = [arguments[0]] * len(value)
+        elif len(arguments) == len(value):
+            kinds = list(arguments)
+        else:
+            return None
+        items = [
+            self.read(kind, item, f"{pointer}/{i}") for i, (kind, item) in enumerate(zip(kinds, value, strict=True))
+        ]
+        return FAILED if FAILED in items else origin(items)
+
+    def _struct(self, wanted: type[msgspec.Struct], value: dict[str, Any], pointer: str) -> Any:
+        fields = {field.encode_name: field for field in msgspec.structs.fields(wanted)}
+        hints = typing.get_type_hints(wanted, include_extras=True)
+        tag = wanted.__struct_config__.tag_field
+        given = {key: item for key, item in value.items() if not is_comment(key) and key != tag}
+        failed = False
+        for key in [key for key in given if key not in fields]:
+            self._report(f"{pointer}/{escape(key)}", f'unknown key "{key}"', nearest(key, fields))
+            failed = True
+        for name, field in fields.items():
+            if name not in given and field.required:
+                self._report(pointer, f'the key "{name}" is missing', "")
+                failed = True
+        read = {}
+        for name, field in fields.items():
+            if name in given:
+                read[field.name] = self.read(hints[field.name], given[name], f"{pointer}/{escape(name)}")
+        if failed or FAILED in read.values():
+            return FAILED
+        return wanted(**read)
+
+    def _leaf(self, wanted: Any, value: Any, pointer: str, error: str) -> Any:
+        if get_origin(wanted) is Literal and isinstance(value, str):
+            return self._say(pointer, f'"{value}" is not possible here', nearest(value, map(str, get_args(wanted))))
+        tags = _tags(wanted)
+        if tags and isinstance(value, dict):
+            field, names = tags
+            if field not in value:
+                return self._say(pointer, f'the key "{field}" is missing', "one of: " + ", ".join(sorted(names)))
+            given = str(value[field])
+            return self._say(f"{pointer}/{field}", f'"{given}" is not possible here', nearest(given, names))
+        plain = _plain(error)
+        got = "" if "got" in plain or not isinstance(value, int | float | str) else f", got {value!r:.40}"
+        return self._say(pointer, plain + got)
+
+    def _say(self, pointer: str, what: str, fix: str = "") -> Any:
+        self._report(pointer, what, fix)
+        return FAILED
+
+
+def _candidate(union: Any, value: Any) -> Any:
+    """The member of a union that a value of this kind can only be meant for, or the union."""
+    members = [member for member in get_args(union) if member is not type(None)]
+    if len(members) == 1:
+        return _bare(members[0])
+    if isinstance(value, dict):
+        fitting = [member for member in members if _accepts_tag(member, value)]
+    elif isinstance(value, list):
+        fitting = [member for member in members if get_origin(_bare(member)) in (list, tuple)]
+    else:
+        fitting = [member for member in members if _bare(member) in (float, int, str, bool)]
+    return _bare(fitting[0]) if len(fitting) == 1 else union
+
+
+def _accepts_tag(member: Any, value: dict[str, Any]) -> bool:
+    bare = _bare(member)
+    if not (isinstance(bare, type) and issubclass(bare, msgspec.Struct)):
+        return get_origin(bare) is dict
+    config = bare.__struct_config__
+    return config.tag_field is None or value.get(config.tag_field) == config.tag
+
+
+def _tags(union: Any) -> tuple[str, set[str]] | None:
+    """(tag field, tags) of a union of tagged Structs."""
+    members = [_bare(member) for member in get_args(union)]
+    structs = [member for member in members if isinstance(member, type) and issubclass(member, msgspec.Struct)]
+    fields = {struct.__struct_config__.tag_field for struct in structs}
+    field = fields.pop() if len(fields) == 1 else None
+    return None if field is None else (field, {str(struct.__struct_config__.tag) for struct in structs})
+
+
+def _wrong_length(wanted: Any, value: Any) -> bool:
+    """True when a list or object whose parts are right breaks a limit on their number."""
+    limits = [meta for meta in get_args(wanted)[1:] if isinstance(meta, msgspec.Meta)]
+    least = max((meta.min_length for meta in limits if meta.min_length is not None), default=0)
+    most = min((meta.max_length for meta in limits if meta.max_length is not None), default=None)
+    return isinstance(value, list | tuple | dict) and (len(value) < least or (most is not None and len(value) > most))
+
+
+def _bare(wanted: Any) -> Any:
+    return get_args(wanted)[0] if get_origin(wanted) is Annotated else wanted
+
+
+def _plain(error: str) -> str:
+    """A msgspec message in plain words, without its own kind of path."""
+    text = _TYPE_NAMES.sub(lambda found: _words(found[1]), error.split(" - at `$")[0])
+    return text[:1].lower() + text[1:]
+
+
+def _words(names: str) -> str:
+    return " or ".join(_WORDS.get(name, name) for name in names.split(" | "))

@@ -1,0 +1,84 @@
+"""Settings of the stages: what stands under `systems` in a scene file."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from msgspec import Meta
+
+from mimics_app.world.components.registry import Component, register_system
+
+__all__ = ["AudioSettings", "HapticSettings", "Tolerances", "VisualSettings"]
+
+
+class HapticSettings(Component, frozen=True):
+    """The haptic loop."""
+
+    projection: Annotated[
+        Literal["auto", "newton one step", "newton warm", "golden section", "brute force"],
+        Meta(description="How the closest point of a tunnel's bisector is found; auto: the planner (mimics explain)"),
+    ] = "auto"
+
+
+class VisualSettings(Component, frozen=True):
+    """The picture."""
+
+    anti_aliasing: Annotated[
+        Literal["none", "samples", "filter", "both"],
+        Meta(description="Smooth edges: several `samples` a pixel, a filter of the finished picture, or both"),
+    ] = "samples"
+    samples: Annotated[Literal[0, 2, 4, 8], Meta(description="Of multisample anti-aliasing; 0: none")] = 4
+    exposure: Annotated[float, Meta(gt=0, le=64, description="Factor on all light before the tone map")] = 1.0
+    tone_map: Annotated[
+        Literal["neutral", "none"],
+        Meta(
+            description="neutral: base colours stay what they are, what dazzles keeps its hue; none: cut off at white"
+        ),
+    ] = "neutral"
+    ambient_occlusion: Annotated[
+        float, Meta(ge=0, le=4, description="How much near surfaces take off each other's light from the sky; 0: none")
+    ] = 0.0
+    ambient_radius: Annotated[float, Meta(gt=0, description="Within which surfaces do so [m]")] = 0.3
+    bloom: Annotated[float, Meta(ge=0, le=1, description="Share of the light that glows about its source; 0: none")] = (
+        0.0
+    )
+    shadow_size: Annotated[int, Meta(ge=0, le=8192, description="Side of the shadow map [pixels]; 0: no shadows")] = 512
+    shadows: Annotated[
+        Literal["texture_additive", "texture_modulative", "stencil_additive", "stencil_modulative"],
+        Meta(description="How the sun's shadows are made: maps or volumes, light left out or the picture darkened"),
+    ] = "texture_additive"
+    shadow_distance: Annotated[
+        float, Meta(ge=0, description="How far from the eye shadows are seen [m], in `cascades`; 0: one map of it all")
+    ] = 0.0
+    cascades: Annotated[int, Meta(ge=1, le=4, description="Maps of the sun, one in another")] = 3
+    fog_density: Annotated[float, Meta(ge=0, description="Haze of the horizon's colour with distance [1/m]")] = 0.12
+
+
+class AudioSettings(Component, frozen=True):
+    """The sound."""
+
+    enabled: Annotated[bool, Meta(description="False: no audio process at all")] = True
+    hrtf: Annotated[
+        bool | Literal["auto"],
+        Meta(description="Place sounds about the head (headphones); auto: as systems.tolerances.itd_us asks"),
+    ] = "auto"
+    gain: Annotated[float, Meta(ge=0, le=4, description="Of everything, linear")] = 1.0
+
+
+_Limit = Annotated[float, Meta(gt=0)]
+
+
+class Tolerances(Component, frozen=True):
+    """Largest errors the scene accepts. What is left out is the profile's (draft, training, study)."""
+
+    force_N: Annotated[_Limit | None, Meta(description="Of a force on the hand [N]")] = None  # noqa: N815  the unit
+    position_m: Annotated[_Limit | None, Meta(description="Of a point that is touched, or its path [m]")] = None
+    angle_rad: Annotated[_Limit | None, Meta(description="Of a direction or frame [rad]")] = None
+    itd_us: Annotated[_Limit | None, Meta(description="Of the delay of a sound between the ears [us]")] = None
+    frame_ms: Annotated[_Limit | None, Meta(description="Longest a frame of the picture may take [ms]")] = None
+
+
+register_system("tolerances", Tolerances)
+register_system("haptic", HapticSettings)
+register_system("visual", VisualSettings)
+register_system("audio", AudioSettings)

@@ -1,0 +1,255 @@
+"""Component types of every scene: what is seen and heard. Those of the robot stand in `robot`.
+
+Units are SI, colours linear RGB, angles radians; the descriptions become the JSON Schema that editors show.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import msgspec
+from msgspec import Meta
+
+from mimics_app.contracts.errors import Issue
+from mimics_app.world.components.registry import Component, component, register_check
+from mimics_app.world.components.shapes import RingShape, Shape
+
+if TYPE_CHECKING:
+    from mimics_app.world.scene.scene import Scene
+
+__all__ = [
+    "BackdropSpec",
+    "CameraComponent",
+    "Environment",
+    "FogSpec",
+    "Hud",
+    "LightComponent",
+    "MeshComponent",
+    "Sound",
+    "SoundEmitter",
+    "TunnelView",
+]
+
+Positive = Annotated[float, Meta(gt=0)]
+Colour = tuple[
+    Annotated[float, Meta(ge=0)],
+    Annotated[float, Meta(ge=0)],
+    Annotated[float, Meta(ge=0)],
+]
+Point = tuple[float, float, float]
+
+
+@component("mesh")
+class MeshComponent(Component, frozen=True):
+    """A visible body: either a `primitive` or a `source` in a model file."""
+
+    primitive: Annotated[Shape | None, Meta(description="A shape made by the application")] = None
+    source: Annotated[
+        str | None,
+        Meta(
+            description='In a model: "asset" (all of it), "asset#/nodes/Name" (with its children), "asset#/meshes/Name"'
+        ),
+    ] = None
+    material: Annotated[
+        str | None, Meta(description="Of the scene's `materials`; absent: the model's own, or plain grey")
+    ] = None
+    visible: Annotated[bool, Meta(description="Drawn at all")] = True
+    casts_shadow: Annotated[bool, Meta(description="Drawn into shadow maps")] = True
+
+
+@component("light")
+class LightComponent(Component, frozen=True):
+    """A light; directional and spot shine along the entity's own -z."""
+
+    kind: Annotated[Literal["directional", "point", "spot", "ambient"], Meta(description="How it spreads")] = (
+        "directional"
+    )
+    colour: Annotated[Colour, Meta(description="Linear RGB, usually 0-1")] = (1.0, 1.0, 1.0)
+    intensity: Annotated[
+        float,
+        Meta(ge=0, description="Directional and ambient: factor (1 = white surface white); point, spot: same at 1 m"),
+    ] = 1.0
+    range: Annotated[Positive | None, Meta(description="Beyond it is dark [m]; absent: unlimited")] = None
+    inner_cone: Annotated[float, Meta(ge=0, lt=1.5708, description="Half angle of full strength (spot) [rad]")] = 0.0
+    outer_cone: Annotated[float, Meta(gt=0, lt=1.5708, description="Half angle where it ends (spot) [rad]")] = 0.785398
+    casts_shadow: Annotated[bool, Meta(description="Has shadows (directional, spot)")] = False
+    target: Annotated[Point | None, Meta(description="World point it is turned to [m]")] = None
+
+
+@component("camera")
+class CameraComponent(Component, frozen=True):
+    """An eye; it looks along the entity's own -z, +y up."""
+
+    vertical_fov: Annotated[float, Meta(gt=0, lt=3.1415, description="Full angle of view, bottom to top [rad]")] = (
+        0.8727
+    )
+    near: Annotated[float, Meta(gt=0, description="Nearest distance drawn [m]")] = 0.05
+    far: Annotated[float, Meta(gt=0, description="Farthest distance drawn [m]; beyond `near`")] = 100.0
+    target: Annotated[Point | None, Meta(description="World point it is turned to [m]")] = None
+
+
+class FogSpec(Component, frozen=True):
+    """Haze with distance."""
+
+    density: Annotated[float, Meta(ge=0, description="[1/m]")]
+    kind: Annotated[
+        Literal["squared", "exponential", "linear"],
+        Meta(description="What is seen at s beyond start: exp(-(density s)^2), exp(-density s), 1 - density s"),
+    ] = "exponential"
+    start: Annotated[float, Meta(ge=0, description="Distance up to which nothing is lost [m]")] = 0.0
+    colour: Annotated[Colour | None, Meta(description="Linear RGB; absent: the horizon's")] = None
+
+
+class BackdropSpec(Component, frozen=True):
+    """Pictures laid over the sky; where they are clear the sky's colours are seen."""
+
+    kind: Annotated[
+        Literal["box", "dome", "plane"],
+        Meta(description="box: six pictures towards +x -x +y -y +z -z; dome: longitude by latitude; plane: clouds"),
+    ]
+    textures: Annotated[tuple[str, ...], Meta(description="Of the scene's `assets`, six pictures (box) or one")]
+    height: Annotated[Positive, Meta(description="Of the plane above the eye [m]")] = 40.0
+    tile: Annotated[Positive, Meta(description="Width of the picture on the plane [m]")] = 100.0
+
+
+@component("environment")
+class Environment(Component, frozen=True):
+    """Sky and the light that comes from everywhere; one per scene."""
+
+    zenith: Annotated[Colour, Meta(description="Sky straight up, linear RGB")] = (0.18, 0.30, 0.52)
+    horizon: Annotated[Colour, Meta(description="Sky at the horizon, linear RGB")] = (0.62, 0.70, 0.78)
+    ground: Annotated[Colour, Meta(description="Below the horizon, linear RGB")] = (0.20, 0.19, 0.18)
+    ambient: Annotated[float, Meta(ge=0, description="Factor on the sky's light on surfaces")] = 0.5
+    fog: Annotated[FogSpec | None, Meta(description="Haze; absent: as systems.visual.fog_density says")] = None
+    backdrop: Annotated[BackdropSpec | None, Meta(description="Pictures over the sky: sky box, dome or plane")] = None
+
+
+@component("sound")
+class Sound(Component, frozen=True):
+    """A sound that can be started; its name is the entity's id. Either an `asset` or a `synth` recipe."""
+
+    asset: Annotated[str | None, Meta(description="Of the scene's `assets`, a .wav file")] = None
+    synth: Annotated[str | None, Meta(description="Recipe of the built-in synthesiser")] = None
+    parameters: Annotated[dict[str, float], Meta(description="Numbers of the recipe, SI units")] = msgspec.field(
+        default_factory=dict
+    )
+    trigger: Annotated[
+        Literal["contact", "contact_end", "impact", "goal", "start", "step"] | None,
+        Meta(description="What starts it without a task: touching or leaving the wall, the goal, a trial's start"),
+    ] = None
+    gain: Annotated[float, Meta(ge=0, le=4, description="Linear factor, 1 = as recorded")] = 1.0
+    full_level: Annotated[
+        float, Meta(gt=0, description="Contact force that gives `gain` [N]; softer contacts are quieter in proportion")
+    ] = 10.0
+
+
+@component("sound_emitter")
+class SoundEmitter(Component, frozen=True):
+    """A sound that plays from this entity, with distance (inverse law, clamped)."""
+
+    sound: Annotated[str, Meta(description="Id of an entity with a `sound`")]
+    gain: Annotated[float, Meta(ge=0, le=4, description="Linear factor")] = 1.0
+    loop: Annotated[bool, Meta(description="Starts again when it ends")] = True
+    autoplay: Annotated[bool, Meta(description="Starts with the scene")] = True
+    reference_distance: Annotated[float, Meta(gt=0, description="Where `gain` holds [m]")] = 1.0
+    max_distance: Annotated[float, Meta(gt=0, description="Beyond it the level falls no further [m]")] = 50.0
+    rolloff: Annotated[float, Meta(ge=0, description="0: no fall with distance, 1: natural")] = 1.0
+
+
+@component("hud")
+class Hud(Component, frozen=True):
+    """Figures and bars laid over the picture."""
+
+    show: Annotated[
+        tuple[
+            Literal[
+                "progress", "time", "contacts", "force", "score", "state", "trial", "margin", "grasp", "placed", "drops"
+            ],
+            ...,
+        ],
+        Meta(description="What is shown, in order"),
+    ] = ("progress", "time", "contacts", "force")
+    depth: Annotated[float, Meta(gt=0, description="Distance before the eyes [m]")] = 1.0
+    force_full: Annotated[float, Meta(gt=0, description="Force that fills the force bar [N]")] = 30.0
+
+
+@component("tunnel_view")
+class TunnelView(Component, frozen=True):
+    """How a tunnel looks; stands on the entity that has the `tunnel`."""
+
+    material: Annotated[str, Meta(description="Of the wall; best a glass one, so that the ball is seen")]
+    bisector_material: Annotated[str | None, Meta(description="Of a thin line along the middle; absent: none")] = None
+    bisector_radius: Annotated[float, Meta(gt=0, le=1.0, description="Of that line [m]")] = 0.0015
+    sides: Annotated[int, Meta(ge=6, le=128, description="Facets round the tunnel")] = 32
+    rings_per_piece: Annotated[int, Meta(ge=2, le=128, description="Rings along each piece of the curve")] = 16
+
+
+def _check_mesh(mesh: MeshComponent, pointer: str, scene: Scene) -> list[Issue]:
+    issues = []
+    if (mesh.primitive is None) == (mesh.source is None):
+        issues.append(scene.issue(pointer, "needs either a primitive or a source", "give exactly one of the two"))
+    if isinstance(mesh.primitive, RingShape) and mesh.primitive.inner_radius >= mesh.primitive.outer_radius:
+        where = f"{pointer}/primitive/inner_radius"
+        issues.append(scene.issue(where, f"{mesh.primitive.inner_radius:g} m is not inside outer_radius"))
+    if mesh.source is not None:
+        issues += scene.check_model_reference(f"{pointer}/source", mesh.source)
+    if mesh.material is not None:
+        issues += scene.check_material(f"{pointer}/material", mesh.material)
+    return issues
+
+
+def _check_light(light: LightComponent, pointer: str, scene: Scene) -> list[Issue]:
+    issues = []
+    if light.kind == "spot" and light.inner_cone >= light.outer_cone:
+        issues.append(scene.issue(f"{pointer}/inner_cone", f"{light.inner_cone:g} rad is not inside outer_cone"))
+    return issues
+
+
+def _check_camera(camera: CameraComponent, pointer: str, scene: Scene) -> list[Issue]:
+    if camera.far > camera.near:
+        return []
+    return [scene.issue(f"{pointer}/far", f"{camera.far:g} m is not beyond near, {camera.near:g} m")]
+
+
+def _check_environment(environment: Environment, pointer: str, scene: Scene) -> list[Issue]:
+    first = scene.components(Environment)[0][2]
+    if pointer != first:
+        return [scene.issue(pointer, f"a second environment; the first is {scene.place(first)}", "keep one")]
+    backdrop, issues = environment.backdrop, []
+    if backdrop is not None:
+        below = f"{pointer}/backdrop/textures"
+        wanted = 6 if backdrop.kind == "box" else 1
+        if len(backdrop.textures) != wanted:
+            issues.append(scene.issue(below, f"a {backdrop.kind} has {wanted} pictures, not {len(backdrop.textures)}"))
+        for number, texture in enumerate(backdrop.textures):
+            issues += scene.check_asset(f"{below}/{number}", texture, "picture")
+    return issues
+
+
+def _check_sound(sound: Sound, pointer: str, scene: Scene) -> list[Issue]:
+    issues = []
+    if (sound.asset is None) == (sound.synth is None):
+        issues.append(scene.issue(pointer, "needs either an asset or a synth recipe", "give exactly one of the two"))
+    if sound.asset is not None:
+        issues += scene.check_asset(f"{pointer}/asset", sound.asset, "sound")
+    return issues
+
+
+def _check_sound_emitter(emitter: SoundEmitter, pointer: str, scene: Scene) -> list[Issue]:
+    return scene.check_entity_with(Sound, f"{pointer}/sound", emitter.sound)
+
+
+def _check_tunnel_view(view: TunnelView, pointer: str, scene: Scene) -> list[Issue]:
+    issues = scene.check_material(f"{pointer}/material", view.material)
+    if view.bisector_material is not None:
+        issues += scene.check_material(f"{pointer}/bisector_material", view.bisector_material)
+    return issues
+
+
+register_check("mesh", _check_mesh)
+register_check("light", _check_light)
+register_check("camera", _check_camera)
+register_check("environment", _check_environment)
+register_check("sound", _check_sound)
+register_check("sound_emitter", _check_sound_emitter)
+register_check("tunnel_view", _check_tunnel_view)

@@ -1,0 +1,142 @@
+"""Accessors of a glTF file as arrays: strides, normalised integers, sparse values; bounds before allocation."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.world.gltf.buffers import GltfBuffers
+from mimics_app.world.gltf.source import GltfSource
+
+__all__ = ["MAX_ELEMENTS", "GltfAccessors"]
+
+MAX_ELEMENTS = 50_000_000
+"""Most numbers in one accessor."""
+
+_TYPES = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
+_SIZES = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
+_INDEX_TYPES = (np.uint8, np.uint16, np.uint32)
+
+Array = NDArray[Any]
+
+
+class GltfAccessors:
+    """Reads accessors by index; each is decoded once."""
+
+    def __init__(self, source: GltfSource, buffers: GltfBuffers) -> None:
+        self._source = source
+        self._buffers = buffers
+        self._decoded: dict[int, Array] = {}
+
+    def floats(self, index: object, pointer: str, *shapes: str) -> NDArray[np.float32]:
+        """An accessor as float32 [n, components], normalised integers turned to 0-1 or -1-1.
+
+        Args:
+            index: As the file gives it.
+            pointer: Where the index stands.
+            shapes: Types that are possible here, e.g. "VEC3".
+        """
+        place = self._require(index, pointer, shapes)
+        values = self._read(place)
+        if values.dtype != np.float32:
+            values = self._normalised(values, self._source.table("accessors")[place])
+        return values
+
+    def integers(self, index: object, pointer: str) -> NDArray[np.uint32]:
+        """A SCALAR accessor of unsigned integers as uint32 [n]."""
+        place = self._require(index, pointer, ("SCALAR",))
+        values = self._read(place)
+        if values.dtype.type not in _INDEX_TYPES:
+            self._source.fail(f"/accessors/{place}/componentType", "indices must be unsigned integers")
+        return values[:, 0].astype(np.uint32)
+
+    def count(self, index: object, pointer: str) -> int:
+        """Elements of an accessor, unread."""
+        accessor = self._source.item("accessors", index, pointer)
+        return self._source.whole(accessor, "count", f"/accessors/{index}", None, 1)
+
+    def _require(self, index: object, pointer: str, shapes: tuple[str, ...]) -> int:
+        table = self._source.table("accessors")
+        place = self._source.index(index, len(table), "accessors", pointer)
+        shape = table[place].get("type")
+        if shape not in shapes:
+            self._source.fail(f"/accessors/{place}/type", f"{shape!r:.40} instead of {' or '.join(shapes)}")
+        return place
+
+    def _read(self, index: int) -> Array:
+        if index not in self._decoded:
+            self._decoded[index] = self._decode(self._source.table("accessors")[index], f"/accessors/{index}")
+        return self._decoded[index]
+
+    def _decode(self, accessor: dict[str, Any], place: str) -> Array:
+        source = self._source
+        kind = _TYPES.get(source.whole(accessor, "componentType", place))
+        if kind is None:
+            source.fail(f"{place}/componentType", f"{accessor['componentType']} is no component type")
+        dtype, width = np.dtype(kind), _SIZES[accessor["type"]]
+        count = source.whole(accessor, "count", place, None, 1)
+        if count * width > MAX_ELEMENTS:
+            source.fail(f"{place}/count", f"{count} elements of {width} are more than {MAX_ELEMENTS} numbers")
+        if accessor["type"].startswith("MAT") and kind is not np.float32:
+            source.fail(f"{place}/componentType", "matrices must be float")
+        if "bufferView" in accessor:
+            values = self._strided(accessor, place, dtype, width, count)
+        else:
+            source.take(count * width * dtype.itemsize, f"{place}/count")
+            values = np.zeros((count, width), dtype)
+        if "sparse" in accessor:
+            self._apply_sparse(source.object(accessor, "sparse", place), f"{place}/sparse", values)
+        if kind is np.float32 and not np.isfinite(values).all():
+            first = int(np.flatnonzero(~np.isfinite(values).all(axis=1))[0])
+            source.fail(place, f"element {first} is not finite")
+        return values
+
+    def _strided(self, accessor: dict[str, Any], place: str, dtype: np.dtype[Any], width: int, count: int) -> Array:
+        source = self._source
+        data, stride = self._buffers.view(accessor["bufferView"], f"{place}/bufferView")
+        offset = source.whole(accessor, "byteOffset", place, 0)
+        size = dtype.itemsize * width
+        step = stride or size
+        if step < size:
+            source.fail(place, f"elements of {size} bytes overlap: the stride is {step}")
+        needed = offset + step * (count - 1) + size
+        if needed > len(data):
+            source.fail(place, f"needs {needed} bytes, its buffer view has {len(data)}")
+        source.take(size * count, f"{place}/count")
+        return np.ndarray((count, width), dtype.newbyteorder("<"), data, offset, (step, dtype.itemsize)).astype(dtype)
+
+    def _apply_sparse(self, sparse: dict[str, Any], place: str, values: Array) -> None:
+        source = self._source
+        count = source.whole(sparse, "count", place, None, 1)
+        if count > len(values):
+            source.fail(f"{place}/count", f"{count} replacements of {len(values)} elements")
+        where = source.object(sparse, "indices", place)
+        kind = _TYPES.get(source.whole(where, "componentType", f"{place}/indices"))
+        if kind not in _INDEX_TYPES:
+            source.fail(f"{place}/indices/componentType", "indices must be unsigned integers")
+        indices = self._packed(where, f"{place}/indices", np.dtype(kind), count, 1)[:, 0].astype(np.int64)
+        if int(indices.max()) >= len(values) or (np.diff(indices) <= 0).any():
+            source.fail(f"{place}/indices", f"must rise and stay below {len(values)}")
+        put = source.object(sparse, "values", place)
+        values[indices] = self._packed(put, f"{place}/values", values.dtype, count, values.shape[1])
+
+    def _packed(self, holder: dict[str, Any], place: str, dtype: np.dtype[Any], count: int, width: int) -> Array:
+        if "bufferView" not in holder:
+            self._source.fail(place, 'the key "bufferView" is missing')
+        data, _ = self._buffers.view(holder["bufferView"], f"{place}/bufferView")
+        offset = self._source.whole(holder, "byteOffset", place, 0)
+        size = dtype.itemsize * width * count
+        if offset + size > len(data):
+            self._source.fail(place, f"needs {offset + size} bytes, its buffer view has {len(data)}")
+        return np.frombuffer(data, dtype.newbyteorder("<"), count * width, offset).reshape(count, width).astype(dtype)
+
+    def _normalised(self, values: Array, accessor: dict[str, Any]) -> NDArray[np.float32]:
+        self._source.take(values.size * 4, "/accessors")
+        if accessor.get("normalized") is not True:
+            return values.astype(np.float32)
+        scaled: NDArray[np.float32] = np.maximum(values / np.float64(np.iinfo(values.dtype).max), -1.0).astype(
+            np.float32
+        )
+        return scaled

@@ -1,0 +1,170 @@
+"""glTF 2.0 files: static content read by our own reader, which believes nothing in them.
+
+GLB and .gltf, data URIs and files beside it, sparse and strided accessors, normalised integers, metallic-roughness
+materials, cameras, lights, and components in `extras.mimics`. Skins, clips and morph targets stay in `raw`.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from mimics_app.contracts.errors import nearest
+from mimics_app.world.gltf.accessors import GltfAccessors
+from mimics_app.world.gltf.buffers import GltfBuffers
+from mimics_app.world.gltf.images import GltfImages
+from mimics_app.world.gltf.materials import GltfMaterials
+from mimics_app.world.gltf.meshes import GltfMesh, GltfMeshes
+from mimics_app.world.gltf.nodes import GltfCamera, GltfLight, GltfNode, GltfNodes
+from mimics_app.world.gltf.source import GltfError, GltfSource, open_gltf
+from mimics_app.world.materials.material import Material, TextureData
+
+__all__ = ["SUPPORTED_EXTENSIONS", "GltfDocument", "GltfError", "load_gltf"]
+
+SUPPORTED_EXTENSIONS = frozenset(
+    {
+        "KHR_lights_punctual",
+        "KHR_materials_emissive_strength",
+        "KHR_materials_unlit",
+        "KHR_mesh_quantization",
+        "KHR_node_visibility",
+        "KHR_texture_transform",
+        "MSFT_lod",
+    }
+)
+"""Extensions a file may require."""
+
+
+@dataclass(frozen=True, eq=False)
+class GltfDocument:
+    """A file that was read and found right.
+
+    Attributes:
+        file: Its name for messages.
+        nodes: In file order; indices elsewhere refer to it.
+        roots: Top nodes of its default scene.
+        meshes: In file order; a node's `mesh` is an index.
+        materials: In file order, names unique; `base_texture` is a key of `textures`.
+        textures: Those the materials use.
+        cameras: In file order; None where it is of a kind that is not used.
+        lights: In file order.
+        raw: The whole JSON: skins, animations, extensions.
+        notes: What was left out or repaired, for people.
+        files: Every file read, its own first.
+    """
+
+    file: str
+    nodes: list[GltfNode]
+    roots: list[int]
+    meshes: list[GltfMesh]
+    materials: list[Material]
+    textures: dict[str, TextureData]
+    cameras: list[GltfCamera | None]
+    lights: list[GltfLight | None]
+    raw: dict[str, Any]
+    notes: list[str]
+    files: list[Path]
+
+    def find_node(self, name: str) -> int:
+        """Index of the node of that name.
+
+        Raises:
+            KeyError: there is none (the message names the nearest), or there are several.
+        """
+        return _find(name, [node.name for node in self.nodes], "node")
+
+    def find_mesh(self, name: str) -> int:
+        """Index of the mesh of that name.
+
+        Raises:
+            KeyError: there is none (the message names the nearest), or there are several.
+        """
+        return _find(name, [mesh.name for mesh in self.meshes], "mesh")
+
+    def subtree(self, index: int) -> Iterator[int]:
+        """Indices of a node and everything below it, parents first."""
+        waiting = [index]
+        while waiting:
+            node = waiting.pop()
+            yield node
+            waiting += reversed(self.nodes[node].children)
+
+
+def load_gltf(path: Path, root: Path | None = None, file: str = "", *, without_pictures: bool = False) -> GltfDocument:
+    """Read a .glb or .gltf file.
+
+    Args:
+        path: The file.
+        root: Folder that every file it names must stay inside; default: its own folder. No URL is ever opened.
+        file: Name for messages; default: the path.
+        without_pictures: True notes a picture that cannot be had, and reads the rest: whoever only looks at the model.
+
+    Raises:
+        GltfError: every fault found, each with file, JSON pointer and reason.
+    """
+    source = open_gltf(path, path.parent if root is None else root, file or str(path))
+    source.without_pictures = without_pictures
+    try:
+        return _read(source)
+    except GltfError as error:
+        raise GltfError([*source.issues, *(issue for issue in error.issues if issue not in source.issues)]) from None
+
+
+def _read(source: GltfSource) -> GltfDocument:
+    with source.collecting():
+        _check_extensions(source)
+    buffers = GltfBuffers(source)
+    images = GltfImages(source, buffers)
+    materials = GltfMaterials(source, images).read_all()
+    images.check_files()
+    meshes = GltfMeshes(source, GltfAccessors(source, buffers), materials).read_all()
+    tree = GltfNodes(source, len(meshes))
+    tree.read_all()
+    roots = tree.roots()
+    if source.issues:
+        raise GltfError(source.issues)
+    _note_names(source, tree.nodes)
+    return GltfDocument(
+        source.file,
+        tree.nodes,
+        roots,
+        meshes,
+        [item.material for item in materials],
+        images.textures,
+        tree.cameras,
+        tree.lights,
+        source.json,
+        source.notes,
+        list(dict.fromkeys(source.files)),
+    )
+
+
+def _check_extensions(source: GltfSource) -> None:
+    for i, name in enumerate(source.list(source.json, "extensionsRequired", "")):
+        if name not in SUPPORTED_EXTENSIONS:
+            source.fail(f"/extensionsRequired/{i}", f"{name!r:.60} is required and not supported")
+    used = source.list(source.json, "extensionsUsed", "")
+    ignored = [str(name) for name in used if name not in SUPPORTED_EXTENSIONS]
+    if ignored:
+        source.notes.append("extensions not used: " + ", ".join(ignored))
+
+
+def _note_names(source: GltfSource, nodes: list[GltfNode]) -> None:
+    counts = Counter(node.name for node in nodes if node.name)
+    twice = sorted(name for name, count in counts.items() if count > 1)
+    if twice:
+        source.notes.append("several nodes have the same name and cannot be referred to: " + ", ".join(twice))
+
+
+def _find(name: str, names: list[str], what: str) -> int:
+    found = [i for i, each in enumerate(names) if each == name]
+    if len(found) == 1:
+        return found[0]
+    if found:
+        raise KeyError(f'{len(found)} {what}s are named "{name}"; give them different names')
+    known = sorted({each for each in names if each})
+    hint = nearest(name, known) if known else f"its {what}s have no names"
+    raise KeyError(f'no {what} "{name}"; {hint}')

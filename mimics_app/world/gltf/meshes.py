@@ -1,0 +1,164 @@
+"""Meshes of a glTF file as `MeshData`: triangles out of lists, strips and fans, missing normals made flat."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.world.gltf.accessors import GltfAccessors
+from mimics_app.world.gltf.materials import GltfMaterial
+from mimics_app.world.gltf.source import GltfSource
+from mimics_app.world.meshes.mesh import MeshData, compute_normals
+
+__all__ = ["GltfMesh", "GltfMeshes", "GltfPrimitive"]
+
+_POINTS_AND_LINES = (0, 1, 2, 3)
+_TRIANGLES, _STRIP, _FAN = 4, 5, 6
+
+F4 = NDArray[np.float32]
+U4 = NDArray[np.uint32]
+
+
+@dataclass(frozen=True, eq=False)
+class GltfPrimitive:
+    """One drawable part: `material` is an index into the file's materials, or None for the default one."""
+
+    mesh: MeshData
+    material: int | None
+
+
+@dataclass(frozen=True, eq=False)
+class GltfMesh:
+    """A mesh of the file, with its name ("" for none) and its drawable parts."""
+
+    name: str
+    primitives: list[GltfPrimitive]
+
+
+class GltfMeshes:
+    """Reads meshes in order."""
+
+    def __init__(self, source: GltfSource, accessors: GltfAccessors, materials: list[GltfMaterial]) -> None:
+        self._source = source
+        self._accessors = accessors
+        self._materials = materials
+
+    def read_all(self) -> list[GltfMesh]:
+        """Every mesh; faults are collected, and a faulty primitive is left out."""
+        result = []
+        for i, item in enumerate(self._source.table("meshes")):
+            mesh = GltfMesh("", [])
+            with self._source.collecting():
+                mesh = self._read(item, f"/meshes/{i}")
+            result.append(mesh)
+        return result
+
+    def _read(self, item: dict[str, Any], place: str) -> GltfMesh:
+        mesh = GltfMesh(self._source.text(item, "name", place), [])
+        primitives = self._source.list(item, "primitives", place)
+        if not primitives:
+            self._source.fail(f"{place}/primitives", "has no primitive")
+        for i, primitive in enumerate(primitives):
+            with self._source.collecting():
+                here = f"{place}/primitives/{i}"
+                if not isinstance(primitive, dict):
+                    self._source.fail(here, "is not an object")
+                part = self._primitive(primitive, here)
+                if part is not None:
+                    mesh.primitives.append(part)
+        return mesh
+
+    def _primitive(self, primitive: dict[str, Any], place: str) -> GltfPrimitive | None:
+        source = self._source
+        attributes = source.object(primitive, "attributes", place)
+        mode = source.whole(primitive, "mode", place, _TRIANGLES)
+        if mode > _FAN:
+            source.fail(f"{place}/mode", f"{mode} is no mode")
+        if mode in _POINTS_AND_LINES or "POSITION" not in attributes:
+            why = "points and lines are not drawn" if mode in _POINTS_AND_LINES else "it has no POSITION"
+            source.notes.append(f"{place} left out: {why}")
+            return None
+        material = None
+        if "material" in primitive:
+            material = source.index(primitive["material"], len(self._materials), "materials", f"{place}/material")
+        return GltfPrimitive(self._geometry(primitive, attributes, mode, material, place), material)
+
+    def _geometry(
+        self, primitive: dict[str, Any], attributes: dict[str, Any], mode: int, material: int | None, place: str
+    ) -> MeshData:
+        here = f"{place}/attributes"
+        positions = self._accessors.floats(attributes["POSITION"], f"{here}/POSITION", "VEC3")
+        corners = self._triangles(primitive, len(positions), mode, place)
+        normals = self._optional(attributes, "NORMAL", here, len(positions), "VEC3")
+        uvs = self._uvs(attributes, here, len(positions), material)
+        colours = self._optional(attributes, "COLOR_0", here, len(positions), "VEC3", "VEC4")
+        if colours is not None and colours.shape[1] == 3:
+            colours = np.concatenate([colours, np.ones((len(colours), 1), np.float32)], axis=1)
+        if normals is None:  # flat normals (glTF 2.0 3.7.2.1): no vertex may be shared between triangles
+            self._source.take(corners.size * 48, place)
+            positions = positions[corners]
+            uvs = None if uvs is None else uvs[corners]
+            colours = None if colours is None else colours[corners]
+            corners = np.arange(corners.size, dtype=np.uint32)
+            normals = compute_normals(positions, corners)
+        else:
+            normals = self._unit(normals, place)
+        return MeshData(positions, normals, corners, uvs, colours).validated()
+
+    def _triangles(self, primitive: dict[str, Any], vertices: int, mode: int, place: str) -> U4:
+        source = self._source
+        where = f"{place}/indices"
+        if "indices" in primitive:
+            indices = self._accessors.integers(primitive["indices"], where)
+            highest = int(indices.max())
+            if highest >= vertices:
+                source.fail(where, f"index {highest} points past the {vertices} vertices")
+        else:
+            indices = np.arange(vertices, dtype=np.uint32)
+        if mode == _TRIANGLES and indices.size % 3:
+            source.fail(where, f"{indices.size} corners are not a multiple of three")
+        if mode != _TRIANGLES and indices.size < 3:
+            source.fail(where, f"{indices.size} corners are too few for a triangle")
+        return _as_list(indices, mode)
+
+    def _optional(self, attributes: dict[str, Any], name: str, place: str, vertices: int, *shapes: str) -> F4 | None:
+        if name not in attributes:
+            return None
+        values = self._accessors.floats(attributes[name], f"{place}/{name}", *shapes)
+        if len(values) != vertices:
+            self._source.fail(f"{place}/{name}", f"has {len(values)} elements, POSITION has {vertices}")
+        return values
+
+    def _uvs(self, attributes: dict[str, Any], place: str, vertices: int, material: int | None) -> F4 | None:
+        used = None if material is None else self._materials[material]
+        name = "TEXCOORD_0" if used is None else f"TEXCOORD_{used.uv_set}"
+        uvs = self._optional(attributes, name, place, vertices, "VEC2")
+        if used is None or not used.material.textures:
+            return uvs
+        if uvs is None:
+            self._source.notes.append(f"{place}: its material has a texture, but there is no {name}")
+            return None
+        placed: F4 = (uvs @ used.uv_transform[:, :2].T + used.uv_transform[:, 2]).astype(np.float32)
+        return placed
+
+    def _unit(self, normals: F4, place: str) -> F4:
+        lengths = np.linalg.norm(normals.astype(np.float64), axis=1, keepdims=True)
+        if np.abs(lengths - 1.0).max() > 5e-3:
+            self._source.notes.append(f"{place}: normals were not of length 1 and were scaled")
+        unit = np.where(lengths > 0.0, normals / np.where(lengths > 0.0, lengths, 1.0), [0.0, 1.0, 0.0])
+        return unit.astype(np.float32)
+
+
+def _as_list(indices: U4, mode: int) -> U4:
+    """Corners of separate triangles, three each; every second one of a strip is turned to face the same side."""
+    if mode == _TRIANGLES:
+        return indices
+    count = indices.size - 2
+    first = np.arange(count)
+    if mode == _FAN:
+        return np.stack([indices[1:-1], indices[2:], np.repeat(indices[:1], count)], axis=1).ravel()
+    odd = first % 2
+    return np.stack([indices[first], indices[first + 1 + odd], indices[first + 2 - odd]], axis=1).ravel()

@@ -1,0 +1,39 @@
+"""A world out of one glTF file, as a viewer or a measurement wants it: no scene file around it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from mimics_app.world.gltf.file import load_gltf
+from mimics_app.world.gltf.prefab import ModelPrefab
+from mimics_app.world.scene.assets import ModelPart, SceneAsset
+from mimics_app.world.world import World
+
+__all__ = ["load_model_world", "read_model"]
+
+
+def read_model(path: Path, *, without_pictures: bool = False) -> ModelPrefab:
+    """A glTF file ready to be put into worlds, as often as wanted.
+
+    Args:
+        path: The file.
+        without_pictures: As `load_gltf`.
+
+    Raises:
+        SceneError: every fault of the file.
+    """
+    model = load_gltf(path, without_pictures=without_pictures)
+    asset = SceneAsset(path.stem, "model", path, model=model, files=tuple(model.files))
+    return ModelPrefab(ModelPart(asset, model, tuple(model.roots)))
+
+
+def load_model_world(path: Path) -> World:
+    """A world that holds the default scene of a glTF file, its update done; without lights but the file's own.
+
+    Raises:
+        SceneError: every fault of the file.
+    """
+    world = World()
+    read_model(path).instantiate(world, world.root)
+    world.update()
+    return world

@@ -1,0 +1,293 @@
+"""Nodes, cameras and lights of a glTF file: one tree, checked without recursion."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from mimics_app.maths.decompose import decompose_trs
+from mimics_app.world.gltf.source import GltfSource
+from mimics_app.world.levels import MAX_LEVELS
+from mimics_app.world.light import LightKind
+
+__all__ = ["MAX_DEPTH", "MAX_NODES", "GltfCamera", "GltfLight", "GltfNode", "GltfNodes"]
+
+MAX_NODES = 100_000
+"""Most nodes of one file."""
+
+MAX_DEPTH = 256
+"""Most nodes above each other."""
+
+_QUATERNION_TOLERANCE = 1e-2
+"""Farthest a quaternion's length may be from 1 to be taken as rounding (normalised bytes) and scaled."""
+
+_LIGHT_KINDS: tuple[LightKind, ...] = ("directional", "point", "spot")
+_IDENTITY = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+
+
+Triple = tuple[float, float, float]
+
+
+@dataclass(eq=False)
+class GltfNode:
+    """One node.
+
+    Attributes:
+        name: "" for none.
+        translation: [m].
+        rotation: Unit xyzw.
+        scale: May be negative.
+        children: Indices.
+        parent: Index, or None.
+        mesh, camera, light: Indices into the file's lists, or None.
+        visible: From KHR_node_visibility.
+        occluder: Centre and size [m] of `extras.mimics.occluder`, a box inside the body that hides what is behind it.
+        levels: Nodes shown in its place when it is small, ever coarser (MSFT_lod).
+        coverages: Least share of the picture for itself and each of them; [] where the file does not say.
+        components: `extras.mimics.components`, undecoded.
+        extras: All of `extras`.
+    """
+
+    name: str = ""
+    translation: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rotation: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
+    scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    children: list[int] = field(default_factory=list)
+    parent: int | None = None
+    mesh: int | None = None
+    camera: int | None = None
+    light: int | None = None
+    visible: bool = True
+    levels: list[int] = field(default_factory=list)
+    coverages: list[float] = field(default_factory=list)
+    occluder: tuple[Triple, Triple] | None = None
+    components: dict[str, Any] = field(default_factory=dict)
+    extras: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class GltfCamera:
+    """A perspective camera: full angle bottom to top [rad], nearest and farthest distance [m]."""
+
+    name: str
+    vertical_fov: float
+    near: float
+    far: float
+
+
+@dataclass(frozen=True)
+class GltfLight:
+    """A light of KHR_lights_punctual; its lux or candela are taken as our factor."""
+
+    name: str
+    kind: LightKind
+    colour: tuple[float, float, float]
+    intensity: float
+    range: float
+    inner_cone: float
+    outer_cone: float
+
+
+class GltfNodes:
+    """Reads the node tree and what hangs on it."""
+
+    def __init__(self, source: GltfSource, meshes: int) -> None:
+        self._source = source
+        self._meshes = meshes
+        self.nodes: list[GltfNode] = []
+        self.cameras: list[GltfCamera | None] = []
+        self.lights: list[GltfLight | None] = []
+
+    def read_all(self) -> None:
+        """Fill `nodes`, `cameras` and `lights`; faults are collected."""
+        source = self._source
+        table = source.table("nodes")
+        if len(table) > MAX_NODES:
+            source.fail("/nodes", f"{len(table)} nodes are more than {MAX_NODES}")
+        self._read_cameras()
+        self._read_lights()
+        for i, item in enumerate(table):
+            node = GltfNode()
+            with source.collecting():
+                node = self._node(item, f"/nodes/{i}")
+            self.nodes.append(node)
+        self._link()
+
+    def roots(self) -> list[int]:
+        """Top nodes of the default scene; without scenes, all nodes that hang on nothing."""
+        source = self._source
+        scenes = source.table("scenes")
+        if not scenes:
+            return [i for i, node in enumerate(self.nodes) if node.parent is None]
+        chosen = source.index(source.json.get("scene", 0), len(scenes), "scenes", "/scene")
+        place = f"/scenes/{chosen}/nodes"
+        roots: list[int] = []
+        for i, value in enumerate(source.list(scenes[chosen], "nodes", f"/scenes/{chosen}")):
+            index = source.index(value, len(self.nodes), "nodes", f"{place}/{i}")
+            if self.nodes[index].parent is not None:
+                source.fail(f"{place}/{i}", f"node {index} is no top node: it hangs on {self.nodes[index].parent}")
+            if index in roots:
+                source.fail(f"{place}/{i}", f"node {index} stands here twice")
+            roots.append(index)
+        return roots
+
+    def _node(self, item: dict[str, Any], place: str) -> GltfNode:
+        source = self._source
+        node = GltfNode(name=source.text(item, "name", place))
+        self._place(node, item, place)
+        extensions = source.object(item, "extensions", place)
+        punctual = source.object(extensions, "KHR_lights_punctual", f"{place}/extensions")
+        where = f"{place}/extensions/KHR_lights_punctual/light"
+        if "mesh" in item:
+            node.mesh = source.index(item["mesh"], self._meshes, "meshes", f"{place}/mesh")
+        if "camera" in item:
+            node.camera = source.index(item["camera"], len(self.cameras), "cameras", f"{place}/camera")
+        if "light" in punctual:
+            node.light = source.index(punctual["light"], len(self.lights), "lights", where)
+        visibility = source.object(extensions, "KHR_node_visibility", f"{place}/extensions")
+        node.visible = visibility.get("visible") is not False
+        self._read_levels(node, source.object(extensions, "MSFT_lod", f"{place}/extensions"), item, place)
+        extras = item.get("extras")
+        if isinstance(extras, dict):
+            node.extras = extras
+            ours = source.object(extras, "mimics", f"{place}/extras")
+            node.components = source.object(ours, "components", f"{place}/extras/mimics")
+            node.occluder = self._occluder(ours, f"{place}/extras/mimics")
+        return node
+
+    def _read_levels(self, node: GltfNode, lod: dict[str, Any], item: dict[str, Any], place: str) -> None:
+        if not lod:
+            return
+        source, count = self._source, len(self._source.table("nodes"))
+        where = f"{place}/extensions/MSFT_lod/ids"
+        for i, value in enumerate(source.list(lod, "ids", f"{place}/extensions/MSFT_lod")):
+            node.levels.append(source.index(value, count, "nodes", f"{where}/{i}"))
+        if len(node.levels) >= MAX_LEVELS:
+            source.fail(where, f"{len(node.levels)} coarser levels are more than {MAX_LEVELS - 1}")
+        extras = item.get("extras")
+        told = extras.get("MSFT_screencoverage") if isinstance(extras, dict) else None
+        if isinstance(told, list) and told:
+            numbers = [float(part) for part in told if isinstance(part, int | float) and 0.0 <= part <= 1.0]
+            falling = all(after < before for before, after in itertools.pairwise(numbers))
+            if len(numbers) != len(told) or len(told) != len(node.levels) + 1 or not falling:
+                what = f"is not {len(node.levels) + 1} falling numbers from 1 to 0"
+                source.fail(f"{place}/extras/MSFT_screencoverage", what)
+            node.coverages = numbers
+
+    def _occluder(self, ours: dict[str, Any], place: str) -> tuple[Triple, Triple] | None:
+        if "occluder" not in ours:
+            return None
+        source = self._source
+        box = source.object(ours, "occluder", place)
+        x, y, z = source.vector(box, "centre", f"{place}/occluder", (0.0, 0.0, 0.0))
+        width, height, depth = source.vector(box, "size", f"{place}/occluder", (0.0, 0.0, 0.0))
+        if min(width, height, depth) <= 0.0:
+            source.fail(f"{place}/occluder/size", "is not greater than 0 along every axis")
+        return (x, y, z), (width, height, depth)
+
+    def _place(self, node: GltfNode, item: dict[str, Any], place: str) -> None:
+        source = self._source
+        if "matrix" in item:
+            self._decompose(node, source.vector(item, "matrix", place, _IDENTITY), place)
+            return
+        x, y, z = source.vector(item, "translation", place, (0.0, 0.0, 0.0))
+        sx, sy, sz = source.vector(item, "scale", place, (1.0, 1.0, 1.0))
+        rotation = source.vector(item, "rotation", place, (0.0, 0.0, 0.0, 1.0))
+        length = math.sqrt(sum(part * part for part in rotation))
+        if abs(length - 1.0) > _QUATERNION_TOLERANCE:
+            source.fail(f"{place}/rotation", f"a quaternion of length {length:.4g} instead of 1")
+        qx, qy, qz, qw = (part / length for part in rotation)
+        node.translation, node.rotation, node.scale = (x, y, z), (qx, qy, qz, qw), (sx, sy, sz)
+
+    def _decompose(self, node: GltfNode, values: tuple[float, ...], place: str) -> None:
+        matrix = np.array(values).reshape(4, 4).T
+        if not np.array_equal(matrix[3], [0.0, 0.0, 0.0, 1.0]):
+            self._source.fail(f"{place}/matrix", "its last row is not 0 0 0 1")
+        translation, rotation, scale, shear = decompose_trs(matrix)
+        if shear > 1e-4:
+            self._source.notes.append(f"{place}: its matrix shears; the nearest rotation and scale were taken")
+        node.translation = tuple(translation.tolist())
+        node.rotation = tuple(rotation.tolist())
+        node.scale = tuple(scale.tolist())
+
+    def _link(self) -> None:
+        """Parents out of children; refuses a second parent, a loop, and trees that are too deep."""
+        source = self._source
+        for i, item in enumerate(source.table("nodes")):
+            with source.collecting():
+                for j, value in enumerate(source.list(item, "children", f"/nodes/{i}")):
+                    place = f"/nodes/{i}/children/{j}"
+                    child = source.index(value, len(self.nodes), "nodes", place)
+                    if self.nodes[child].parent is not None:
+                        source.fail(place, f"node {child} hangs on node {self.nodes[child].parent} already")
+                    self.nodes[child].parent = i
+                    self.nodes[i].children.append(child)
+        depth = {i: 0 for i, node in enumerate(self.nodes) if node.parent is None}
+        waiting = list(depth)
+        while waiting:
+            index = waiting.pop()
+            if depth[index] >= MAX_DEPTH:
+                source.fail(f"/nodes/{index}", f"more than {MAX_DEPTH} nodes hang on each other")
+            for child in self.nodes[index].children:
+                depth[child] = depth[index] + 1
+                waiting.append(child)
+        if len(depth) < len(self.nodes):
+            lost = next(i for i in range(len(self.nodes)) if i not in depth)
+            source.fail(f"/nodes/{lost}", "is part of a loop: it hangs on itself")
+
+    def _read_cameras(self) -> None:
+        source = self._source
+        for i, item in enumerate(source.table("cameras")):
+            camera = None
+            with source.collecting():
+                camera = self._camera(item, f"/cameras/{i}")
+            self.cameras.append(camera)
+
+    def _camera(self, item: dict[str, Any], place: str) -> GltfCamera | None:
+        source = self._source
+        if source.text(item, "type", place) != "perspective":
+            source.notes.append(f"{place} left out: only perspective cameras are used")
+            return None
+        lens = source.object(item, "perspective", place)
+        here = f"{place}/perspective"
+        fov = source.number(lens, "yfov", here, 0.0, 0.0)
+        near = source.number(lens, "znear", here, 0.0, 0.0)
+        far = source.number(lens, "zfar", here, math.inf, 0.0) if "zfar" in lens else math.inf
+        if not 0.0 < fov < math.pi:
+            source.fail(f"{here}/yfov", f"{fov:g} rad is not between 0 and pi")
+        if not 0.0 < near < far:
+            source.fail(here, f"no view between znear {near:g} and zfar {far:g}")
+        return GltfCamera(source.text(item, "name", place), fov, near, far)
+
+    def _read_lights(self) -> None:
+        source = self._source
+        extensions = source.object(source.json, "extensions", "")
+        holder = source.object(extensions, "KHR_lights_punctual", "/extensions")
+        place = "/extensions/KHR_lights_punctual"
+        for i, item in enumerate(source.list(holder, "lights", place)):
+            light = None
+            with source.collecting():
+                if not isinstance(item, dict):
+                    source.fail(f"{place}/lights/{i}", "is not an object")
+                light = self._light(item, f"{place}/lights/{i}")
+            self.lights.append(light)
+
+    def _light(self, item: dict[str, Any], place: str) -> GltfLight:
+        source = self._source
+        named = source.text(item, "type", place)
+        kind = next((kind for kind in _LIGHT_KINDS if kind == named), None)
+        if kind is None:
+            source.fail(f"{place}/type", f'"{named[:40]}" is not one of {", ".join(_LIGHT_KINDS)}')
+        spot = source.object(item, "spot", place)
+        inner = source.number(spot, "innerConeAngle", f"{place}/spot", 0.0, 0.0)
+        outer = source.number(spot, "outerConeAngle", f"{place}/spot", math.pi / 4, 0.0)
+        if kind == "spot" and not inner < outer <= math.pi / 2:
+            source.fail(f"{place}/spot", f"cones of {inner:g} and {outer:g} rad do not lie in each other")
+        red, green, blue = source.vector(item, "color", place, (1.0, 1.0, 1.0))
+        reach = source.number(item, "range", place, math.inf, 0.0) if "range" in item else math.inf
+        intensity = source.number(item, "intensity", place, 1.0, 0.0)
+        return GltfLight(source.text(item, "name", place), kind, (red, green, blue), intensity, reach, inner, outer)

@@ -1,0 +1,127 @@
+"""Instances of a model: its nodes, meshes, lights and cameras as often as they are wanted, its data once."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from mimics_app.world.gltf.file import GltfDocument
+from mimics_app.world.scene.assets import ModelPart
+from mimics_app.world.scene_node import SceneNode
+from mimics_app.world.world import DEFAULT_MATERIAL, World
+
+__all__ = ["ModelPrefab"]
+
+
+class ModelPrefab:
+    """Part of a glTF file, ready to be put into a world.
+
+    Args:
+        part: Nodes with all below them, or one mesh.
+        material: Key of a material of the world that replaces the model's own, or None.
+    """
+
+    def __init__(self, part: ModelPart, material: str | None = None) -> None:
+        self._part = part
+        self._material = material
+
+    @property
+    def document(self) -> GltfDocument:
+        """The file it is of."""
+        return self._part.model
+
+    def instantiate(self, world: World, node: SceneNode) -> list[SceneNode]:
+        """Put an instance on a node; returns it and all new nodes.
+
+        A node that is meant itself becomes `node` (its own placement in the file is left out); those of a whole
+        model hang below it. Nodes below are named "node/Name"; without a name of their own, or with
+        one that is taken, they have none.
+        """
+        self._load(world)
+        part, model = self._part, self._part.model
+        if part.mesh is not None:
+            self._show(world, node, part.mesh)
+            return [node]
+        made: dict[int, SceneNode] = {}
+        if part.node is not None:
+            made[part.node] = node
+            self._fill(world, node, part.node)
+        for top in part.nodes if part.node is None else (part.node,):
+            for index in model.subtree(top):
+                if index not in made:
+                    above = model.nodes[index].parent
+                    made[index] = self._create(world, made.get(-1 if above is None else above, node), node.name, index)
+        return [node, *(each for each in made.values() if each != node)]
+
+    def _create(self, world: World, parent: SceneNode, prefix: str, index: int) -> SceneNode:
+        source = self._part.model.nodes[index]
+        name = f"{prefix}/{source.name}" if source.name else ""
+        child = parent.create_child("" if name in world else name, source.translation, source.rotation, source.scale)
+        child.visible = source.visible
+        self._fill(world, child, index)
+        return child
+
+    def _fill(self, world: World, node: SceneNode, index: int) -> None:
+        model, source = self._part.model, self._part.model.nodes[index]
+        if source.mesh is not None and source.levels:
+            self._show_levels(world, node, index)
+        elif source.mesh is not None:
+            self._show(world, node, source.mesh)
+        if source.occluder is not None and node.index not in world.content.occluders:
+            centre, size = source.occluder
+            world.content.occluders.add(node.index, centre=centre, size=size)
+        light = None if source.light is None else model.lights[source.light]
+        if light is not None and node.light is None:
+            node.create_light(
+                light.kind,
+                colour=light.colour,
+                intensity=light.intensity,
+                range=light.range,
+                inner_cone=light.inner_cone,
+                outer_cone=light.outer_cone,
+            )
+        camera = None if source.camera is None else model.cameras[source.camera]
+        if camera is not None and node.camera is None:
+            node.create_camera(camera.vertical_fov, camera.near, camera.far)
+
+    def _show(self, world: World, node: SceneNode, mesh: int) -> None:
+        parts = self._parts(mesh)
+        if parts:
+            world.show(node, parts)
+
+    def _show_levels(self, world: World, node: SceneNode, index: int) -> None:
+        """All levels of detail of a node stand where it stands, whatever the placement of theirs in the file."""
+        source, nodes = self._part.model.nodes[index], self._part.model.nodes
+        meshes = [source.mesh, *(nodes[level].mesh for level in source.levels)]
+        levels = [[] if mesh is None else self._parts(mesh) for mesh in meshes]
+        halved = [*(0.25 ** (k + 1) for k in range(len(levels) - 1)), 0.0]
+        world.content.add_levels(node.index, levels, source.coverages or halved)
+
+    def _parts(self, mesh: int) -> list[tuple[str, str]]:
+        return [
+            (self._mesh_key(mesh, number), self._material or self._material_key(primitive.material))
+            for number, primitive in enumerate(self._part.model.meshes[mesh].primitives)
+        ]
+
+    def _load(self, world: World) -> None:
+        """Put the file's data into the world, once per file."""
+        model, asset = self._part.model, self._part.asset.id
+        for i, mesh in enumerate(model.meshes):
+            for number, primitive in enumerate(mesh.primitives):
+                if world.meshes.get(self._mesh_key(i, number)) is not primitive.mesh:
+                    world.set_mesh(self._mesh_key(i, number), primitive.mesh)
+        for key, texture in model.textures.items():
+            world.textures[f"{asset}#{key}"] = texture
+        for i, material in enumerate(model.materials):
+            keys: dict[str, Any] = {f"{which}_texture": f"{asset}#{key}" for which, key in material.textures.items()}
+            own = replace(material, name=self._material_key(i), **keys)
+            if world.materials.get(own.name) != own:
+                world.set_material(own)
+
+    def _mesh_key(self, mesh: int, primitive: int) -> str:
+        return f"{self._part.asset.id}#{mesh}/{primitive}"
+
+    def _material_key(self, material: int | None) -> str:
+        if material is None:
+            return DEFAULT_MATERIAL
+        return f"{self._part.asset.id}#{self._part.model.materials[material].name}"

@@ -1,0 +1,216 @@
+"""A glTF file taken apart into its JSON and its binary chunk, and careful access to the values in that JSON.
+
+Nothing in a file is believed: each value is fetched through these functions, which name the place of what is wrong.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NoReturn
+
+from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.world.scene.json_text import parse_json
+from mimics_app.world.scene.paths import PathFault, find_file
+from mimics_app.world.scene.source import read_bytes
+
+__all__ = ["MAX_TOTAL_BYTES", "GltfError", "GltfSource", "open_gltf"]
+
+MAX_TOTAL_BYTES = 256 * 1024 * 1024
+"""Most bytes one model may take in memory: buffers, decoded accessors and pictures together."""
+
+GltfError = SceneError
+"""A glTF file is wrong; every issue names file, JSON pointer and reason."""
+
+_MAGIC = b"glTF"
+_JSON_CHUNK = 0x4E4F534A
+_BINARY_CHUNK = 0x004E4942
+
+
+@dataclass(eq=False)
+class GltfSource:
+    """One opened file.
+
+    Attributes:
+        path: Where it is.
+        file: Its name for messages.
+        root: Folder that every file it names must stay inside.
+        json: The document.
+        binary: The GLB's binary chunk, or None.
+        issues: Faults found so far.
+        notes: What was left out or repaired, for people.
+        files: Every file read.
+        without_pictures: True notes a picture that cannot be had instead of refusing the file.
+    """
+
+    path: Path
+    file: str
+    root: Path
+    json: dict[str, Any]
+    binary: bytes | None
+    issues: list[Issue] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    files: list[Path] = field(default_factory=list)
+    without_pictures: bool = False
+    _taken: int = 0
+
+    def fail(self, pointer: str, what: str, fix: str = "") -> NoReturn:
+        """Raise the fault at a pointer."""
+        raise SceneError(Issue(self.file, pointer, what, fix))
+
+    @contextmanager
+    def collecting(self) -> Iterator[None]:
+        """Keep a fault raised inside and go on after the block."""
+        try:
+            yield
+        except SceneError as error:
+            self.issues += [issue for issue in error.issues if issue not in self.issues]
+
+    def take(self, size: int, pointer: str) -> None:
+        """Count bytes before they are allocated; fails when the file wants too many in all."""
+        self._taken += size
+        if self._taken > MAX_TOTAL_BYTES:
+            self.fail(pointer, f"the model needs more than {MAX_TOTAL_BYTES // 1024**2} MiB of memory")
+
+    def external(self, uri: str, pointer: str) -> Path:
+        """The file a URI names."""
+        try:
+            path = find_file(uri, self.path.parent, self.root)
+        except PathFault as fault:
+            self.fail(pointer, fault.what, fault.fix)
+        self.files.append(path)
+        return path
+
+    def table(self, name: str) -> list[dict[str, Any]]:
+        """A top-level list of objects, such as "meshes"; empty where absent."""
+        value = self.json.get(name, [])
+        if not isinstance(value, list):
+            self.fail(f"/{name}", "is not a list")
+        for i, item in enumerate(value):
+            if not isinstance(item, dict):
+                self.fail(f"/{name}/{i}", "is not an object")
+        return value
+
+    def item(self, name: str, index: Any, pointer: str) -> dict[str, Any]:
+        """The object that an index at `pointer` refers to."""
+        table = self.table(name)
+        return table[self.index(index, len(table), name, pointer)]
+
+    def index(self, value: Any, count: int, name: str, pointer: str) -> int:
+        """An index below `count`."""
+        if not isinstance(value, int) or isinstance(value, bool):
+            self.fail(pointer, f"{value!r:.40} is not an index into {name}")
+        if not 0 <= value < count:
+            self.fail(pointer, f"{name} {value} does not exist; there are {count}")
+        return value
+
+    def object(self, holder: dict[str, Any], key: str, pointer: str) -> dict[str, Any]:
+        """An object-valued property, {} where absent."""
+        value = holder.get(key, {})
+        if not isinstance(value, dict):
+            self.fail(f"{pointer}/{key}", "is not an object")
+        return value
+
+    def list(self, holder: dict[str, Any], key: str, pointer: str) -> list[Any]:
+        """A list-valued property, [] where absent."""
+        value = holder.get(key, [])
+        if not isinstance(value, list):
+            self.fail(f"{pointer}/{key}", "is not a list")
+        return value
+
+    def text(self, holder: dict[str, Any], key: str, pointer: str, default: str = "") -> str:
+        """A text-valued property."""
+        value = holder.get(key, default)
+        if not isinstance(value, str):
+            self.fail(f"{pointer}/{key}", "is not a text")
+        return value
+
+    def whole(self, holder: dict[str, Any], key: str, pointer: str, default: int | None = None, least: int = 0) -> int:
+        """A whole number of at least `least`; required where there is no default."""
+        value = holder.get(key, default)
+        if value is None:
+            self.fail(pointer, f'the key "{key}" is missing')
+        if not isinstance(value, int) or isinstance(value, bool) or value < least:
+            self.fail(f"{pointer}/{key}", f"{value!r:.40} is not a whole number of {least} or more")
+        return value
+
+    def number(self, holder: dict[str, Any], key: str, pointer: str, default: float, least: float = -math.inf) -> float:
+        """A finite number of at least `least`."""
+        value = holder.get(key, default)
+        if not isinstance(value, int | float) or isinstance(value, bool) or not value >= least:
+            self.fail(f"{pointer}/{key}", f"{value!r:.40} is not a number" + (f" >= {least:g}" if least > -1e9 else ""))
+        return float(value)
+
+    def vector(self, holder: dict[str, Any], key: str, pointer: str, default: tuple[float, ...]) -> tuple[float, ...]:
+        """A list of as many finite numbers as the default has."""
+        value = holder.get(key)
+        if value is None:
+            return default
+        if not isinstance(value, list) or len(value) != len(default):
+            self.fail(f"{pointer}/{key}", f"is not a list of {len(default)} numbers")
+        for i, item in enumerate(value):
+            if not isinstance(item, int | float) or isinstance(item, bool) or not abs(item) < 1e30:
+                self.fail(f"{pointer}/{key}/{i}", f"{item!r:.40} is not a finite number")
+        return tuple(float(item) for item in value)
+
+
+def open_gltf(path: Path, root: Path, file: str) -> GltfSource:
+    """Read a .glb or .gltf file, JSON only; nothing it names is opened.
+
+    Args:
+        path: The file.
+        root: Folder that every file it names must stay inside.
+        file: Name for messages.
+
+    Raises:
+        GltfError: it cannot be read, is damaged, or is another version.
+    """
+    data = read_bytes(path, file, MAX_TOTAL_BYTES)
+    text, binary = _chunks(data, file) if data[:4] == _MAGIC else (data, None)
+    document, issues = parse_json(text, file)
+    if not isinstance(document, dict):
+        raise SceneError(Issue(file, "", "is not an object"))
+    source = GltfSource(path, file, root, document, binary, issues, files=[path.resolve()])
+    _check_version(source)
+    return source
+
+
+def _chunks(data: bytes, file: str) -> tuple[bytes, bytes | None]:
+    """JSON and binary chunk of a GLB."""
+
+    def fail(what: str) -> NoReturn:
+        raise SceneError(Issue(file, "", what))
+
+    if len(data) < 20:
+        fail(f"is cut off: {len(data)} bytes are too few for a GLB")
+    version, length = struct.unpack_from("<II", data, 4)
+    if version != 2:
+        fail(f"is GLB version {version}; only version 2 is read")
+    if length > len(data):
+        fail(f"is cut off: its header says {length} bytes, it has {len(data)}")
+    chunks: list[tuple[int, bytes]] = []
+    offset = 12
+    while offset + 8 <= length:
+        size, kind = struct.unpack_from("<II", data, offset)
+        if offset + 8 + size > length:
+            fail(f"chunk {len(chunks)} claims {size} bytes, {length - offset - 8} are left")
+        chunks.append((kind, data[offset + 8 : offset + 8 + size]))
+        offset += 8 + size
+    if not chunks or chunks[0][0] != _JSON_CHUNK:
+        fail("its first chunk is not JSON")
+    binary = chunks[1][1] if len(chunks) > 1 and chunks[1][0] == _BINARY_CHUNK else None
+    return chunks[0][1], binary
+
+
+def _check_version(source: GltfSource) -> None:
+    asset = source.json.get("asset")
+    if not isinstance(asset, dict):
+        source.fail("/asset", "is missing: this is no glTF file")
+    for key in ("version", "minVersion"):
+        version = asset.get(key, "2.0")
+        if not isinstance(version, str) or version.partition(".")[0] != "2":
+            source.fail(f"/asset/{key}", f"{version!r:.40} is not read; only glTF 2")

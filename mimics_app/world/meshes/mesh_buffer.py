@@ -1,0 +1,109 @@
+"""A mesh whose numbers are changed while it is drawn: numpy arrays that are its buffers, told range by range."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.world.meshes.mesh import MeshData
+from mimics_app.world.meshes.vertex_declaration import COLOUR_DECLARATION, VERTEX_DECLARATION, VertexDeclaration
+
+__all__ = ["MeshBuffer", "MeshChange"]
+
+F4 = NDArray[np.float32]
+U4 = NDArray[np.uint32]
+
+_REMEMBERED = 64
+"""Changes a reader may be behind by; one that is further behind reads the whole mesh."""
+
+MeshChange = tuple[int, Literal["vertices", "indices"], int, int]
+"""Revision of the mesh after the change, what, first, count."""
+
+
+class MeshBuffer:
+    """The vertex and index buffers of one mesh; its numbers of vertices and indices stay.
+
+    Write into the arrays, then tell which range was written: `buffer.positions[4:8] += up; buffer.update(4, 4)`.
+
+    Args:
+        mesh: What it begins with; copied.
+        revision: Of the mesh in its world once this is in its place.
+        publish: Called with the buffer after every change; returns the mesh's revision then.
+
+    Attributes:
+        mesh: The same arrays as a mesh of the world; another one after every change.
+        positions, normals: Object frame [m] and unit, float32 [n, 3].
+        uvs: Texture coordinates, float32 [n, 2], or None where the mesh has none.
+        colours: Linear RGBA, float32 [n, 4], or None.
+        indices: Three per triangle, uint32 [m].
+    """
+
+    def __init__(self, mesh: MeshData, revision: int, publish: Callable[[MeshBuffer], int]) -> None:
+        own = mesh.validated()
+        self.positions: F4 = own.positions.copy()
+        self.normals: F4 = own.normals.copy()
+        self.uvs: F4 | None = None if own.uvs is None else own.uvs.copy()
+        self.colours: F4 | None = None if own.colours is None else own.colours.copy()
+        self.indices: U4 = own.indices.copy()
+        self._publish = publish
+        self._changes: deque[MeshChange] = deque(maxlen=_REMEMBERED)
+        self.mesh = MeshData(self.positions, self.normals, self.indices, self.uvs, self.colours)
+        self._first = revision
+
+    @property
+    def declarations(self) -> tuple[VertexDeclaration, ...]:
+        """How vertices lie in the driver's buffers."""
+        return (VERTEX_DECLARATION,) if self.colours is None else (VERTEX_DECLARATION, COLOUR_DECLARATION)
+
+    def update(self, first: int = 0, count: int | None = None) -> None:
+        """Tell that vertices were written; the mesh's bounds are worked out anew.
+
+        Args:
+            first: The first of them.
+            count: How many; None: all from there.
+
+        Raises:
+            ValueError: the range is not inside, or a number in it is not finite.
+        """
+        end = self._end(first, count, len(self.positions), "vertices")
+        for array in (self.positions, self.normals, self.uvs, self.colours):
+            if array is not None and not np.isfinite(array[first:end]).all():
+                raise ValueError(f"vertices {first} to {end - 1}: not all numbers are finite")
+        self._tell("vertices", first, end - first)
+
+    def update_indices(self, first: int = 0, count: int | None = None) -> None:
+        """Tell that indices were written.
+
+        Args:
+            first: The first of them.
+            count: How many; None: all from there.
+
+        Raises:
+            ValueError: the range is not inside, or an index in it points past the vertices.
+        """
+        end = self._end(first, count, len(self.indices), "indices")
+        most = int(self.indices[first:end].max(initial=0))
+        if most >= len(self.positions):
+            raise ValueError(f"indices: {most} points past the {len(self.positions)} vertices")
+        self._tell("indices", first, end - first)
+
+    def changes_since(self, revision: int) -> list[MeshChange] | None:
+        """What changed after a revision of the mesh, oldest first; None where that is not remembered."""
+        known = self._first if len(self._changes) < _REMEMBERED else self._changes[0][0] - 1
+        return [change for change in self._changes if change[0] > revision] if revision >= known else None
+
+    def _tell(self, what: Literal["vertices", "indices"], first: int, count: int) -> None:
+        # The same arrays in a new mesh: bounds and whatever else was worked out for the old one are gone with it.
+        self.mesh = replace(self.mesh)
+        self._changes.append((self._publish(self), what, first, count))
+
+    def _end(self, first: int, count: int | None, size: int, what: str) -> int:
+        end = size if count is None else first + count
+        if not 0 <= first <= end <= size:
+            raise ValueError(f"{what} {first} to {end - 1} are not among the {size} there are")
+        return end

@@ -1,0 +1,120 @@
+"""Mesh files that are no glTF (STL, OBJ, PLY, OFF), read by trimesh to be looked at."""
+
+from __future__ import annotations
+
+import io
+import logging
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.world.materials.material import Material, TextureData
+from mimics_app.world.meshes.mesh import MeshData
+from mimics_app.world.meshes.shading_groups import shaded_mesh
+from mimics_app.world.scene.source import read_bytes
+from mimics_app.world.scene_node import SceneNode
+from mimics_app.world.world import World
+
+if TYPE_CHECKING:
+    import trimesh
+
+__all__ = ["MESH_SUFFIXES", "add_mesh_file"]
+
+MESH_SUFFIXES = (".stl", ".obj", ".ply", ".off")
+"""What is read, by the ending of the file's name."""
+
+_MOST_BYTES = 512 * 1024 * 1024
+_MOST_TRIANGLES = 20_000_000
+_FARTHEST = 1e15
+"""Farthest a corner may be [m]: squares of distances have to fit into float32."""
+_GREY = (0.62, 0.62, 0.64, 1.0)
+
+
+def add_mesh_file(world: World, node: SceneNode, path: Path) -> None:
+    """Put the bodies of a mesh file below a node; its unit is taken as the metre.
+
+    Raises:
+        SceneError: it cannot be read, or holds no triangle.
+    """
+    for number, (name, body) in enumerate(_bodies(path)):
+        key = f"{path.stem}#{number}"
+        mesh, material = _mesh(path, body), _material(key, body, world)
+        world.replace_mesh(key, mesh)
+        world.set_material(material)
+        node.create_child(name if name not in world else "").create_entity(key, key)
+
+
+def _bodies(path: Path) -> list[tuple[str, trimesh.Trimesh]]:
+    """Every body of a file, placed in the file's own frame."""
+    import trimesh
+
+    data = read_bytes(path, str(path), _MOST_BYTES)
+    logging.getLogger("trimesh").setLevel(logging.CRITICAL + 1)  # what it cannot read is told here, in one line
+    try:
+        try:
+            loaded = _load(path, data)
+        except ImportError:  # it would guess at what is no UTF-8, with a library that is not here
+            loaded = _load(path, data.decode("utf-8", "replace").encode())
+        bodies = [(str(name), loaded.geometry[name]) for name in loaded.geometry]
+    except MemoryError:
+        raise SceneError(Issue(str(path), "", "does not fit into memory")) from None
+    except Exception as error:  # each of its readers has its own way of giving up
+        said = " ".join(str(error).split())[:160] or type(error).__name__
+        raise SceneError(Issue(str(path), "", f"is damaged or no {path.suffix[1:].upper()} file: {said}")) from error
+    found = [(name, body) for name, body in bodies if isinstance(body, trimesh.Trimesh) and len(body.faces)]
+    if not found:
+        raise SceneError(Issue(str(path), "", "holds no triangle"))
+    if sum(len(body.faces) for _, body in found) > _MOST_TRIANGLES:
+        raise SceneError(Issue(str(path), "", f"has more than {_MOST_TRIANGLES} triangles"))
+    return found
+
+
+def _load(path: Path, data: bytes) -> trimesh.Scene:
+    import trimesh
+
+    beside = trimesh.resolvers.FilePathResolver(os.fspath(path))
+    kind = path.suffix[1:].lower()
+    return trimesh.load_scene(io.BytesIO(data), file_type=kind, resolver=beside, process=False)
+
+
+def _mesh(path: Path, body: trimesh.Trimesh) -> MeshData:
+    vertices, faces = np.asarray(body.vertices, np.float64), np.asarray(body.faces, np.int64)
+    if not (np.abs(vertices) < _FARTHEST).all() or faces.min(initial=0) < 0 or faces.max(initial=0) >= len(vertices):
+        raise SceneError(Issue(str(path), "", "has corners that are nowhere"))
+    uvs = getattr(body.visual, "uv", None)
+    colours = _vertex_colours(body)
+    if uvs is None or len(uvs) != len(vertices):
+        return shaded_mesh(vertices, faces, colours)
+    flipped = np.asarray(uvs, np.float32)[:, :2] * (1.0, -1.0) + (0.0, 1.0)  # ours begin at the top
+    normals = np.asarray(body.vertex_normals, np.float32)
+    return MeshData(vertices.astype(np.float32), normals, faces.reshape(-1).astype(np.uint32), flipped.astype("f4"))
+
+
+def _vertex_colours(body: trimesh.Trimesh) -> NDArray[np.float32] | None:
+    """Linear RGBA of the vertices, where the file gives them colours."""
+    visual: Any = body.visual
+    if getattr(visual, "kind", None) != "vertex":
+        return None
+    values = np.asarray(visual.vertex_colors, np.float32) / 255.0
+    linear = np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
+    return np.concatenate([linear[:, :3], values[:, 3:]], axis=1).astype(np.float32)
+
+
+def _material(key: str, body: trimesh.Trimesh, world: World) -> Material:
+    """Plain grey, the colour of the file's material, or its picture."""
+    given: Any = getattr(body.visual, "material", None)
+    picture = getattr(given, "image", None) or getattr(given, "baseColorTexture", None)
+    if picture is not None:
+        world.textures[key] = TextureData(np.array(picture.convert("RGBA"), np.uint8))
+        return Material(key, base_colour=(1.0, 1.0, 1.0, 1.0), base_texture=key, double_sided=True)
+    if getattr(body.visual, "kind", None) == "vertex":
+        return Material(key, base_colour=(1.0, 1.0, 1.0, 1.0), double_sided=True)
+    colour = getattr(given, "main_color", None) if getattr(body.visual, "kind", None) == "texture" else None
+    if colour is None:
+        return Material(key, base_colour=_GREY, roughness=0.5, double_sided=True)
+    red, green, blue, alpha = ((float(value) / 255.0) ** 2.2 for value in colour)
+    return Material(key, base_colour=(red, green, blue, alpha ** (1 / 2.2)), double_sided=True)

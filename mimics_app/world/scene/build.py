@@ -1,0 +1,177 @@
+"""From a loaded scene to a running world. Node names are entity ids; nodes of a model are "entity/Node"."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Container
+
+import numpy as np
+
+from mimics_app.world.components.effects import Billboard, Particles, Projector
+from mimics_app.world.components.pictures import Inset, Mirror, Screen
+from mimics_app.world.components.shapes import Shape
+from mimics_app.world.components.visible import CameraComponent, Environment, LightComponent, MeshComponent
+from mimics_app.world.environment import Backdrop, Fog, Sky
+from mimics_app.world.gltf.prefab import ModelPrefab
+from mimics_app.world.live_pictures import InsetView, ScreenSurface, show_mirror, show_screen
+from mimics_app.world.meshes.primitives import build_shape
+from mimics_app.world.scene.assets import find_in_model
+from mimics_app.world.scene.scene import Scene, SceneEntity
+from mimics_app.world.scene.spec import TransformSpec
+from mimics_app.world.scene_node import SceneNode
+from mimics_app.world.world import DEFAULT_MATERIAL, World
+
+__all__ = [
+    "build",
+    "build_entity",
+    "light_up",
+    "load_library",
+    "place",
+    "shape_key",
+    "show_live_pictures",
+    "show_mesh",
+    "turn_to_targets",
+]
+
+
+def build(scene: Scene) -> World:
+    """The world of a scene, updated once."""
+    world = World()
+    load_library(world, scene)
+    for entity in scene.entities:
+        if not entity.in_model:
+            build_entity(world, scene, entity)
+    for entity in scene.entities:
+        if not entity.in_model and entity.parent is not None:
+            world.find(entity.parent).attach(world.find(entity.id))
+    for entity in scene.entities:
+        if entity.in_model:
+            finish_model_node(world, entity)
+    turn_to_targets(world, scene)
+    world.update()
+    return world
+
+
+def load_library(world: World, scene: Scene) -> None:
+    """Put the scene's materials, techniques, pictures and sky into the world, replacing those of the same name."""
+    for material in scene.materials.values():
+        if world.materials.get(material.name) != material:
+            world.set_material(material)
+    for asset in scene.assets.values():
+        if asset.picture is not None:
+            world.textures[asset.id] = asset.picture
+    world.techniques = dict(scene.techniques)
+    found = scene.components(Environment)
+    sky = found[0][1] if found else Environment()
+    fog = None if sky.fog is None else Fog(sky.fog.kind, sky.fog.density, sky.fog.start, sky.fog.colour)
+    over = sky.backdrop
+    backdrop = None if over is None else Backdrop(over.kind, over.textures, over.height, over.tile)
+    world.environment = Sky(sky.zenith, sky.horizon, sky.ground, sky.ambient, fog, backdrop)
+
+
+def build_entity(world: World, scene: Scene, entity: SceneEntity) -> SceneNode:
+    """Make the node of an entity, on the root, with what it carries."""
+    node = world.create_node(entity.id)
+    place(node, entity.transform)
+    for component in entity.components.values():
+        if isinstance(component, MeshComponent):
+            show_mesh(world, scene, node, component)
+        elif isinstance(component, LightComponent):
+            light_up(node, component)
+        elif isinstance(component, CameraComponent):
+            node.create_camera(component.vertical_fov, component.near, component.far)
+        elif isinstance(component, Billboard | Particles | Projector):
+            world.effects.add(node.index, component)
+    show_live_pictures(world, entity)
+    return node
+
+
+def show_live_pictures(world: World, entity: SceneEntity) -> None:
+    """Have an entity that is built already mirror, or show what a camera sees, as its components say now."""
+    for known in (world.mirrors, world.screens, world.insets):
+        known.pop(entity.id, None)
+    node = world.find(entity.id)
+    for component in entity.components.values():
+        if isinstance(component, Mirror):
+            show_mirror(node, component.tint, component.resolution)
+        elif isinstance(component, Screen):
+            shown = ScreenSurface(component.camera, component.size, component.every)
+            show_screen(node, shown, shines=component.shows == "light", brightness=component.brightness)
+        elif isinstance(component, Inset):
+            figures = (component.rectangle, component.mirrored, component.every, component.border)
+            world.insets[entity.id] = InsetView(component.camera, *figures)
+
+
+def place(node: SceneNode, transform: TransformSpec) -> None:
+    """Set a node's local transform."""
+    node.set_position(transform.translation)
+    node.set_orientation(transform.rotation)
+    node.set_scale(transform.scale)
+
+
+def finish_model_node(world: World, entity: SceneEntity) -> None:
+    """Give a node that came with its model what the scene or the modeller says about it."""
+    if entity.id not in world:
+        return
+    node = world.find(entity.id)
+    if entity.transform != TransformSpec():
+        place(node, entity.transform)
+    for component in entity.components.values():
+        if isinstance(component, MeshComponent):
+            node.visible = component.visible
+            body = node.entity
+            if body is not None and component.material is not None:
+                body.set_material(component.material)
+        elif isinstance(component, LightComponent) and node.light is None:
+            light_up(node, component)
+        elif isinstance(component, Billboard | Particles | Projector):
+            world.effects.add(node.index, component)
+
+
+def turn_to_targets(world: World, scene: Scene, only: Container[str] | None = None) -> None:
+    """Turn lights and cameras that have a `target` towards it; those of the entities `only`, or all."""
+    targets = [(name, light.target) for name, light, _ in scene.components(LightComponent)]
+    targets += [(name, camera.target) for name, camera, _ in scene.components(CameraComponent)]
+    for name, target in targets:
+        if target is None or name not in world or not (only is None or name in only):
+            continue
+        node = world.find(name)
+        if not np.allclose(node.world_matrix()[:3, 3], target):
+            node.look_at(target)
+
+
+def show_mesh(world: World, scene: Scene, node: SceneNode, mesh: MeshComponent) -> None:
+    """Show a mesh component on a node."""
+    if mesh.primitive is not None:
+        key = shape_key(mesh.primitive)
+        if key not in world.meshes:
+            world.set_mesh(key, build_shape(mesh.primitive))
+        node.create_entity(key, mesh.material or DEFAULT_MATERIAL)
+        bodies = [node]
+    elif mesh.source is not None:
+        part = find_in_model(scene.assets, mesh.source)
+        bodies = ModelPrefab(part, mesh.material).instantiate(world, node)
+    for each in bodies:
+        body = each.entity
+        if body is not None:
+            for piece in body.subentities:
+                piece.visible = mesh.visible
+                piece.casts_shadow = mesh.casts_shadow
+
+
+def shape_key(shape: Shape) -> str:
+    """Key of a primitive's mesh; equal shapes share one."""
+    return f"#{shape!r}"
+
+
+def light_up(node: SceneNode, light: LightComponent) -> None:
+    """Let a light component shine from a node."""
+    node.create_light(
+        light.kind,
+        colour=light.colour,
+        intensity=light.intensity,
+        range=math.inf if light.range is None else light.range,
+        inner_cone=light.inner_cone,
+        outer_cone=light.outer_cone,
+        casts_shadow=light.casts_shadow,
+    )

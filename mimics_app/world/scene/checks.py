@@ -1,0 +1,89 @@
+"""What the shape of a scene file cannot say: ids, parents, transforms, and the registered checks of meaning."""
+
+from __future__ import annotations
+
+import math
+
+from mimics_app.contracts.errors import Issue, nearest
+from mimics_app.world.components.registry import checks_of, section_of
+from mimics_app.world.gltf.nodes import MAX_DEPTH
+from mimics_app.world.scene.scene import Scene, SceneEntity
+
+__all__ = ["check_meaning"]
+
+_QUATERNION_TOLERANCE = 1e-3
+"""Farthest a written quaternion's length may be from 1: four decimals are enough, a forgotten one is not."""
+
+
+def check_meaning(scene: Scene) -> list[Issue]:
+    """Every fault of a decoded scene that its types could not show."""
+    issues: list[Issue] = []
+    first: dict[str, SceneEntity] = {}
+    for entity in scene.entities:
+        issues += _check_id(scene, entity, first)
+        issues += _check_transform(scene, entity)
+    issues += _check_parents(scene, first)
+    for entity in scene.entities:
+        for name, struct in entity.components.items():
+            pointer = f"{entity.pointer}/components/{name}"
+            for check in checks_of(name):
+                found = check(struct, pointer, scene)
+                issues += found
+                if found:  # later checks may rely on what this one looks at
+                    break
+    for name, struct in scene.sections.items():
+        section = section_of(name)
+        if section is not None and section.check is not None:
+            issues += section.check(struct, scene)
+    return issues
+
+
+def _check_id(scene: Scene, entity: SceneEntity, first: dict[str, SceneEntity]) -> list[Issue]:
+    pointer = f"{entity.pointer}/id"
+    if entity.id in first:
+        earlier = scene.place(f"{first[entity.id].pointer}/id")
+        return [scene.issue(pointer, f'the id "{entity.id}" is taken by {earlier}', "choose another id")]
+    first[entity.id] = entity
+    return []
+
+
+def _check_transform(scene: Scene, entity: SceneEntity) -> list[Issue]:
+    issues = []
+    length = math.hypot(*entity.transform.rotation)
+    if abs(length - 1.0) > _QUATERNION_TOLERANCE:
+        what = f"a quaternion of length {length:.4g} instead of 1"
+        issues.append(
+            scene.issue(f"{entity.pointer}/transform/rotation", what, "write x, y, z, w of a unit quaternion")
+        )
+    issues += [
+        scene.issue(f"{entity.pointer}/transform/scale/{i}", "a scale of 0 makes it flat", "hide it instead")
+        for i, factor in enumerate(entity.transform.scale)
+        if factor == 0.0
+    ]
+    return issues
+
+
+def _check_parents(scene: Scene, by_id: dict[str, SceneEntity]) -> list[Issue]:
+    issues = []
+    for entity in scene.entities:
+        if entity.parent is not None and entity.parent not in by_id:
+            what, hint = f'no entity "{entity.parent}"', nearest(entity.parent, by_id)
+            issues.append(scene.issue(f"{entity.pointer}/parent", what, hint))
+    depth: dict[str, int] = {}
+    for entity in scene.entities:
+        path: dict[str, None] = {}
+        name: str | None = entity.id
+        while name is not None and name in by_id and name not in depth and name not in path:
+            path[name] = None
+            name = by_id[name].parent
+        if name in path:
+            loop = list(path)
+            chain = " -> ".join((*loop[loop.index(name) :], name))
+            issues.append(scene.issue(f"{by_id[name].pointer}/parent", f"hangs on itself: {chain}"))
+        above = depth.get(name, 0) if name is not None else 0
+        depth |= {each: above + number for number, each in enumerate(reversed(path), start=1)}
+    deepest = next((name for name, number in depth.items() if number > MAX_DEPTH), None)
+    if deepest is not None:
+        what = f"more than {MAX_DEPTH} entities hang on each other"
+        issues.append(scene.issue(f"{by_id[deepest].pointer}/parent", what, "hang some of them on the scene itself"))
+    return issues

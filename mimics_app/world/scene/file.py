@@ -1,0 +1,103 @@
+"""Scene files: versioned JSON, read with all their faults at once (format: `spec`, types: `world.components`).
+
+`mimics check` and `mimics run` both come through `load_scene`, so that what the one accepts the other runs.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.world.components import (
+    effects,
+    hand,
+    object_checks,
+    objects,
+    pictures,
+    robot,
+    robot_checks,
+    systems,
+    visible,
+)
+from mimics_app.world.components.struct_reader import is_comment
+from mimics_app.world.scene.checks import check_meaning
+from mimics_app.world.scene.json_text import NOT_FINITE
+from mimics_app.world.scene.loader import SceneLoader
+from mimics_app.world.scene.paths import find_root
+from mimics_app.world.scene.scene import Scene
+from mimics_app.world.scene.source import read_sources
+
+if TYPE_CHECKING:
+    from mimics_app.world.world import World
+
+__all__ = ["build_world", "load_scene"]
+
+REGISTERING = (visible, effects, robot, hand, objects, pictures, systems, robot_checks, object_checks)
+"""Modules whose import makes the built-in component types, systems and checks known."""
+
+
+def load_scene(path: Path, root: Path | None = None) -> Scene:
+    """Read a scene file and everything it names.
+
+    Args:
+        path: The scene file.
+        root: Folder that every file it names must stay inside; default: see `paths.find_root`.
+
+    Raises:
+        SceneError: every fault found, each with file, JSON pointer, what is wrong, and the nearest right name.
+    """
+    issues: list[Issue] = []
+    folder = find_root(path) if root is None else root
+    sources = read_sources(path, folder, issues)
+    scene = SceneLoader(sources, folder, issues).load()
+    unusable = [issue for issue in issues if NOT_FINITE in issue.what]
+    issues += [issue for issue in check_meaning(scene) if not _is_about(issue, unusable)]
+    if issues:
+        places = {(issue.file, issue.pointer) for issue in unusable}
+        told = [issue for issue in issues if issue in unusable or (issue.file, issue.pointer) not in places]
+        raise SceneError(list(dict.fromkeys(told)))
+    scene.hash = _hash(scene)
+    return scene
+
+
+def build_world(scene: Scene) -> World:
+    """The running world a scene describes."""
+    from mimics_app.world.scene.build import build  # compiled code: not needed to check a scene
+
+    return build(scene)
+
+
+def _is_about(issue: Issue, unusable: list[Issue]) -> bool:
+    """True for a fault of a value that holds a number that is none: what follows from that is not told again."""
+    return any(issue.file == one.file and f"{one.pointer}/".startswith(f"{issue.pointer}/") for one in unusable)
+
+
+def _hash(scene: Scene) -> str:
+    """SHA-256 of the resolved document, comments left out, and of the bytes of every file it names.
+
+    The scene files themselves are left out: how a scene is spread over them, or laid out, changes nothing.
+    """
+    text = _canonical(scene.document)
+    if '"x-' in text:
+        text = _canonical(_without_comments(scene.document))
+    digest = hashlib.sha256(text.encode())
+    for name in sorted(scene.assets):
+        digest.update(f"{name}:{scene.assets[name].digest}".encode())
+    for path in scene.named_files:
+        digest.update(hashlib.sha256(path.read_bytes()).digest())
+    return digest.hexdigest()
+
+
+def _canonical(document: dict[str, Any]) -> str:
+    return json.dumps(document, sort_keys=True, separators=(",", ":"), allow_nan=False)
+
+
+def _without_comments(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _without_comments(item) for key, item in value.items() if not is_comment(key)}
+    if isinstance(value, list):
+        return [_without_comments(item) for item in value]
+    return value

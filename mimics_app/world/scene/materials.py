@@ -1,0 +1,78 @@
+"""Materials and techniques of a scene, with what they inherit."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from mimics_app.contracts.errors import Issue, nearest
+from mimics_app.world.components.struct_reader import FAILED, read_struct
+from mimics_app.world.materials.material import MAPS, Affine, Material
+from mimics_app.world.materials.technique import TechniqueSpec
+from mimics_app.world.materials.technique_library import built_in_techniques
+from mimics_app.world.scene.document import SceneDocument
+from mimics_app.world.scene.inheritance import inherit
+from mimics_app.world.scene.json_text import escape
+from mimics_app.world.scene.provenance import Layer
+from mimics_app.world.scene.scene import Scene
+from mimics_app.world.scene.spec import MaterialSpec, UvTransform
+
+__all__ = ["load_materials", "load_techniques"]
+
+_NOT_OF_A_MATERIAL = ("inherits", "uv_transform")
+
+
+def load_techniques(scene: Scene, document: SceneDocument, issues: list[Issue]) -> None:
+    """Decode the scene's own techniques; their shapes were checked and reported already."""
+    known = built_in_techniques()
+    for name, (value, layers) in inherit(document.tables["techniques"], "technique", issues, known).items():
+        document.origins.set(f"/techniques/{escape(name)}", layers)
+        spec: Any = read_struct(TechniqueSpec, value, lambda *fault: None)
+        if spec is FAILED:
+            continue
+        scene.techniques[name] = spec
+        if not spec.passes:
+            what = "the technique has no pass"
+            issues.append(scene.issue(f"/techniques/{escape(name)}", what, 'give it "passes", or "inherits"'))
+    for name, spec in scene.techniques.items():
+        if spec.fallback is not None and spec.fallback not in scene.techniques | known:
+            what, hint = f'no technique "{spec.fallback}"', nearest(spec.fallback, scene.techniques | known)
+            issues.append(scene.issue(f"/techniques/{escape(name)}/fallback", what, hint))
+
+
+def load_materials(scene: Scene, document: SceneDocument, issues: list[Issue]) -> None:
+    """Decode the scene's materials; a technique that is not there is a note, because a safe one can stand in."""
+    known = scene.techniques | built_in_techniques()
+    for name, (value, layers) in inherit(document.tables["materials"], "material", issues).items():
+        document.origins.set(f"/materials/{escape(name)}", layers)
+        spec: Any = read_struct(MaterialSpec, value, lambda *fault: None)
+        if spec is FAILED:
+            continue
+        scene.materials[name] = _material(name, spec)
+        for key, texture in ((f"{which}_texture", getattr(spec, f"{which}_texture")) for which in MAPS):
+            if texture is not None:
+                _check_picture(scene, document.tables["assets"], f"/materials/{escape(name)}/{key}", texture, issues)
+        if spec.technique not in known:
+            what, hint = f'no technique "{spec.technique}"', nearest(spec.technique, known)
+            scene.notes.append(str(scene.issue(f"/materials/{escape(name)}/technique", what, hint)))
+
+
+def _check_picture(scene: Scene, known: dict[str, Layer], pointer: str, texture: str, issues: list[Issue]) -> None:
+    asset = scene.assets.get(texture)
+    if texture not in known:
+        hint = nearest(texture, known) if known else "the scene has no assets"
+        issues.append(scene.issue(pointer, f'no asset "{texture}"', hint))
+    elif asset is not None and asset.kind != "picture":
+        issues.append(scene.issue(pointer, f'asset "{texture}" is a {asset.kind}, not a picture'))
+
+
+def _material(name: str, spec: MaterialSpec) -> Material:
+    fields = {key: getattr(spec, key) for key in spec.__struct_fields__ if key not in _NOT_OF_A_MATERIAL}
+    return Material(name, uv_transforms=(_affine(spec.uv_transform),) * len(MAPS), **fields)
+
+
+def _affine(placed: UvTransform) -> Affine:
+    """KHR_texture_transform: translation after rotation after scale, v downwards."""
+    cos, sin = math.cos(placed.rotation), math.sin(placed.rotation)
+    (right, down), (wide, high) = placed.offset, placed.scale
+    return cos * wide, sin * high, right, -sin * wide, cos * high, down

@@ -1,0 +1,82 @@
+"""Where an entity of a scene stands in the world, before there is a world: the product of its parents' transforms."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import SceneError
+from mimics_app.maths.decompose import decompose_trs
+from mimics_app.world.components.visible import MeshComponent
+from mimics_app.world.scene.assets import ModelPart, find_in_model
+from mimics_app.world.scene.scene import Scene, SceneEntity
+from mimics_app.world.scene.spec import TransformSpec
+
+__all__ = ["model_matrix", "pose_of", "stands_somewhere", "world_matrix"]
+
+Array = NDArray[np.float64]
+Triple = tuple[float, float, float]
+
+_SCALE_TOLERANCE = 1e-6
+
+
+def stands_somewhere(scene: Scene, name: str) -> bool:
+    """Whether an entity has a place: its parents exist, none hangs on itself, and every rotation is one."""
+    by_id = {entity.id: entity for entity in scene.entities}
+    seen: set[str] = set()
+    step: str | None = name
+    while step is not None:
+        if step in seen or step not in by_id or not any(by_id[step].transform.rotation):
+            return False
+        seen.add(step)
+        step = by_id[step].parent
+    return True
+
+
+def pose_of(scene: Scene, name: str) -> tuple[Array, Array]:
+    """Position [m] and unit quaternion xyzw of an entity in the world.
+
+    Raises:
+        SceneError: it, or something it hangs on, is scaled: a haptic shape has its size in metres.
+    """
+    entity = scene.entity(name)
+    translation, rotation, scale, shear = decompose_trs(world_matrix(scene, entity))
+    if np.abs(scale - 1.0).max() > _SCALE_TOLERANCE or shear > _SCALE_TOLERANCE:
+        factors = ", ".join(f"{factor:.4g}" for factor in scale)
+        what = f'"{name}" is scaled by {factors}; what can be touched has its size in metres'
+        fix = "scale 1 here; put a scaled mesh on a child entity"
+        raise SceneError(scene.issue(f"{entity.pointer}/transform/scale", what, fix))
+    return translation, rotation
+
+
+def world_matrix(scene: Scene, entity: SceneEntity) -> Array:
+    """T_world_from_entity, shape [4, 4]; parents must form no loop."""
+    own = _local_matrix(scene, entity)
+    if entity.parent is None:
+        return own
+    above: Array = world_matrix(scene, scene.entity(entity.parent)) @ own
+    return above
+
+
+def model_matrix(part: ModelPart, index: int) -> Array:
+    """T_entity_from_node of a node of a model that an entity shows, shape [4, 4]."""
+    node = part.model.nodes[index]
+    if index == part.node:
+        return np.eye(4)
+    own = _compose(node.translation, node.rotation, node.scale)
+    return own if node.parent is None else model_matrix(part, node.parent) @ own
+
+
+def _local_matrix(scene: Scene, entity: SceneEntity) -> Array:
+    if entity.in_model and entity.parent is not None and entity.transform == TransformSpec():
+        mesh = scene.entity(entity.parent).components.get("mesh")
+        if isinstance(mesh, MeshComponent) and mesh.source is not None:
+            part = find_in_model(scene.assets, mesh.source)
+            return model_matrix(part, part.model.find_node(entity.id.removeprefix(f"{entity.parent}/")))
+    return _compose(entity.transform.translation, entity.transform.rotation, entity.transform.scale)
+
+
+def _compose(translation: Triple, rotation: tuple[float, ...], scale: Triple) -> Array:
+    from mimics_app.maths.mat import compose  # compiled: reading a scene without objects does not need it
+
+    return compose(translation, rotation, scale)

@@ -1,0 +1,217 @@
+"""A loaded scene: everything its files say, decoded and checked, and where each of it was written."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeVar, overload
+
+import msgspec
+
+from mimics_app.contracts.errors import Issue, SceneError, nearest
+from mimics_app.world.components.registry import component_types
+from mimics_app.world.materials.material import Material
+from mimics_app.world.materials.technique import TechniqueSpec
+from mimics_app.world.scene.assets import AssetKind, SceneAsset, find_in_model
+from mimics_app.world.scene.paths import PathFault, find_file
+from mimics_app.world.scene.provenance import Origins
+from mimics_app.world.scene.spec import TransformSpec
+
+__all__ = ["Scene", "SceneEntity"]
+
+S = TypeVar("S", bound=msgspec.Struct)
+
+
+@dataclass(frozen=True, eq=False)
+class SceneEntity:
+    """One entity of a scene.
+
+    Attributes:
+        id: Unique in the scene; inside a prefab or model "instance/child".
+        parent: Id of the entity it moves with, or None.
+        transform: Relative to the parent.
+        components: By type.
+        pointer: Where it stands in the resolved document.
+        in_model: True for a node of a model: building the model makes it.
+    """
+
+    id: str
+    parent: str | None
+    transform: TransformSpec
+    components: dict[str, msgspec.Struct]
+    pointer: str
+    in_model: bool = False
+
+
+@dataclass(eq=False)
+class Scene:
+    """What a scene file and all it includes say.
+
+    Attributes:
+        name: Short name.
+        path: The scene file.
+        root: Folder all its files are in.
+        document: The whole scene in one plain object, includes and prefabs resolved.
+        title, description, picture: For the launcher; a picture file, or None.
+        scenario: Name of the scenario that runs it.
+        hash: SHA-256 of that object and of every asset's bytes, in hexadecimal.
+        entities: In the order of the files.
+        materials: By id; their textures are asset ids.
+        techniques: The scene's own, by id.
+        assets: By id.
+        systems: Settings of the stages, decoded, by name.
+        task: The task as plain JSON, {} where there is none.
+        sections: Registered sections, decoded ("task"), by name.
+        files: Every file read, the scene file first.
+        named_files: Those that components name, in the order they were asked for.
+        methods: What the planner chose where the files leave the choice to it, by group of methods; {} before it ran.
+        notes: What was left out of models or repaired, for people.
+    """
+
+    name: str
+    path: Path
+    root: Path
+    document: dict[str, Any]
+    origins: Origins
+    title: str = ""
+    description: str = ""
+    scenario: str = ""
+    picture: Path | None = None
+    hash: str = ""
+    entities: list[SceneEntity] = field(default_factory=list)
+    materials: dict[str, Material] = field(default_factory=dict)
+    techniques: dict[str, TechniqueSpec] = field(default_factory=dict)
+    assets: dict[str, SceneAsset] = field(default_factory=dict)
+    systems: dict[str, msgspec.Struct] = field(default_factory=dict)
+    task: dict[str, Any] = field(default_factory=dict)
+    sections: dict[str, msgspec.Struct] = field(default_factory=dict)
+    files: list[Path] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    named_files: list[Path] = field(default_factory=list)
+    methods: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def file(self) -> str:
+        """The scene file as the user wrote it."""
+        return str(self.path)
+
+    @overload
+    def components(self, wanted: type[S]) -> list[tuple[str, S, str]]: ...
+
+    @overload
+    def components(self, wanted: str) -> list[tuple[str, Any, str]]: ...
+
+    def components(self, wanted: Any) -> list[tuple[str, Any, str]]:
+        """(entity id, component, pointer) of every component of a type, given by its Struct or its name.
+
+        Raises:
+            KeyError: no component type has that name; the message names the nearest.
+        """
+        names = component_types()
+        if isinstance(wanted, str) and wanted not in names:
+            raise KeyError(f'no component type "{wanted}"; {nearest(wanted, names)}')
+        keys = [wanted] if isinstance(wanted, str) else [name for name, struct in names.items() if struct is wanted]
+        return [
+            (entity.id, entity.components[key], f"{entity.pointer}/components/{key}")
+            for entity in self.entities
+            for key in keys
+            if key in entity.components
+        ]
+
+    def one(self, wanted: type[S]) -> tuple[str, S, str]:
+        """(entity id, component, pointer) of the first component of a type.
+
+        Raises:
+            SceneError: the scene has none.
+        """
+        found = self.components(wanted)
+        if not found:
+            names = [name for name, struct in component_types().items() if struct is wanted]
+            raise SceneError(
+                self.issue("/entities", f'no entity has a "{"".join(names)}"', "give one of them this component")
+            )
+        return found[0]
+
+    def entity(self, name: str) -> SceneEntity:
+        """The entity of that id.
+
+        Raises:
+            KeyError: there is none; the message names the nearest.
+        """
+        for entity in self.entities:
+            if entity.id == name:
+                return entity
+        raise KeyError(f'no entity "{name}"; {nearest(name, [entity.id for entity in self.entities])}')
+
+    def issue(self, pointer: str, what: str, fix: str = "") -> Issue:
+        """A fault at a pointer of the resolved document, told with the file and pointer where it was written."""
+        layer = self.origins.locate(pointer)
+        return Issue(layer.file, layer.pointer, what, fix)
+
+    def place(self, pointer: str) -> str:
+        """`file#pointer` where the value at a pointer of the resolved document was written."""
+        layer = self.origins.locate(pointer)
+        return f"{layer.file}#{layer.pointer}"
+
+    def file_at(self, pointer: str, uri: str) -> Path:
+        """The file that a URI written at `pointer` names; it is added to `files`.
+
+        Raises:
+            SceneError: it is missing or outside the root.
+        """
+        try:
+            path = find_file(uri, self.origins.locate(pointer).folder, self.root)
+        except PathFault as fault:
+            raise SceneError(self.issue(pointer, fault.what, fault.fix)) from None
+        if path not in self.files:
+            self.files.append(path)
+            self.named_files.append(path)
+        return path
+
+    def check_file(self, pointer: str, uri: str) -> list[Issue]:
+        """The fault of a URI written at `pointer`, if it has one."""
+        try:
+            self.file_at(pointer, uri)
+        except SceneError as error:
+            return error.issues
+        return []
+
+    def check_asset(self, pointer: str, name: str, kind: AssetKind) -> list[Issue]:
+        """The fault of an asset id written at `pointer`, if it has one."""
+        if name not in self.assets:
+            return self._unknown(pointer, "asset", name, list(self.document.get("assets", {})))
+        found = self.assets[name].kind
+        return [] if found == kind else [self.issue(pointer, f'asset "{name}" is a {found}, not a {kind}')]
+
+    def check_material(self, pointer: str, name: str) -> list[Issue]:
+        """The fault of a material id written at `pointer`, if it has one."""
+        return self._unknown(pointer, "material", name, list(self.document.get("materials", {})))
+
+    def check_entity(self, pointer: str, name: str) -> list[Issue]:
+        """The fault of an entity id written at `pointer`, if it has one."""
+        return self._unknown(pointer, "entity", name, [entity.id for entity in self.entities])
+
+    def check_entity_with(self, wanted: type[msgspec.Struct], pointer: str, name: str) -> list[Issue]:
+        """The fault of the id of an entity that must have a component of a type, if it has one."""
+        known = [entity for entity, _, _ in self.components(wanted)]
+        types = "".join(key for key, struct in component_types().items() if struct is wanted)
+        return self._unknown(pointer, f'entity with a "{types}"', name, known)
+
+    def check_model_reference(self, pointer: str, reference: str) -> list[Issue]:
+        """The fault of a reference into a model written at `pointer`, if it has one."""
+        name = reference.partition("#")[0]
+        if name not in self.assets and name in self.document.get("assets", {}):
+            return []  # the model itself is wrong, and that was told
+        faults = self.check_asset(pointer, name, "model")
+        if faults:
+            return faults
+        try:
+            find_in_model(self.assets, reference)
+        except KeyError as error:
+            return [self.issue(pointer, str(error.args[0]))]
+        return []
+
+    def _unknown(self, pointer: str, what: str, name: str, known: list[str]) -> list[Issue]:
+        if name in known:
+            return []
+        return [self.issue(pointer, f'no {what} "{name}"', nearest(name, known) if known else "the scene has none")]

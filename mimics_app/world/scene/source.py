@@ -1,0 +1,143 @@
+"""The files of a scene: the one asked for and all it includes, each decoded and its shape checked."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.world.components.registry import section_of
+from mimics_app.world.components.struct_reader import is_comment, read_struct
+from mimics_app.world.scene.json_text import parse_json
+from mimics_app.world.scene.migrations import migrate
+from mimics_app.world.scene.paths import SHIPPED, PathFault, find_file
+from mimics_app.world.scene.provenance import Layer
+from mimics_app.world.scene.spec import FORMAT, VERSION, SceneSpec
+
+__all__ = ["SceneSource", "read_bytes", "read_sources"]
+
+_MAX_BYTES = 64 * 1024 * 1024
+"""Largest scene file read [bytes]; one of 10,000 entities has about 2 million."""
+
+
+@dataclass(frozen=True, eq=False)
+class SceneSource:
+    """One decoded file.
+
+    Attributes:
+        path: Where it is.
+        layer: Its whole document, in the newest version.
+    """
+
+    path: Path
+    layer: Layer
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """The file's top-level object."""
+        document: dict[str, Any] = self.layer.value
+        return document
+
+
+def read_sources(path: Path, root: Path, issues: list[Issue]) -> list[SceneSource]:
+    """The scene file and, after it, everything it includes, each file once.
+
+    Args:
+        path: The scene file.
+        root: Folder all files must stay inside.
+        issues: Receives faults of shape, and of files that cannot be included.
+
+    Raises:
+        SceneError: the scene file itself cannot be read or is no scene.
+    """
+    reader = _Reader(root, issues)
+    reader.read(path, str(path))
+    reader.follow_includes(reader.sources[0], (path.resolve(),))
+    return reader.sources
+
+
+def read_bytes(path: Path, file: str, limit: int = _MAX_BYTES) -> bytes:
+    """The bytes of a file.
+
+    Raises:
+        SceneError: it cannot be read or is longer than `limit`.
+    """
+    try:
+        with path.open("rb") as stream:
+            data = stream.read(limit + 1)
+    except OSError as error:
+        what = "no such file" if isinstance(error, FileNotFoundError) else f"cannot be read: {error.strerror}"
+        raise SceneError(Issue(file, "", what)) from None
+    if len(data) > limit:
+        raise SceneError(Issue(file, "", f"is larger than {limit // 1024**2} MiB"))
+    return data
+
+
+class _Reader:
+    def __init__(self, root: Path, issues: list[Issue]) -> None:
+        self._root = root
+        self._issues = issues
+        self._seen: set[Path] = set()
+        self.sources: list[SceneSource] = []
+
+    def read(self, path: Path, file: str) -> SceneSource:
+        """Decode one file and check its shape."""
+        self._seen.add(path.resolve())
+        document, issues = parse_json(read_bytes(path, file), file)
+        self._issues += issues
+        if not isinstance(document, dict) or document.get("format") != FORMAT:
+            what = f'is no scene: it must be an object with "format": "{FORMAT}"'
+            raise SceneError([*issues, Issue(file, "/format", what)])
+        newest = migrate(document)
+        if newest is None:
+            what = f"version {document.get('version')!r:.40} cannot be read; this application reads up to {VERSION}"
+            raise SceneError([*issues, Issue(file, "/version", what)])
+        source = SceneSource(path, Layer(file, path.resolve().parent, "", newest))
+        self._check_shape(source)
+        self.sources.append(source)
+        return source
+
+    def follow_includes(self, source: SceneSource, above: tuple[Path, ...]) -> None:
+        """Read what a file includes; a file that was read already is not read again."""
+        uris = source.document.get("include", [])
+        for i, uri in enumerate(uris if isinstance(uris, list) else []):
+            if not isinstance(uri, str):
+                continue
+            try:
+                path = find_file(uri, source.layer.folder, self._root)
+            except PathFault as fault:
+                self._issues.append(Issue(source.layer.file, f"/include/{i}", fault.what, fault.fix))
+                continue
+            if path in above:
+                chain = " -> ".join(place.name for place in (*above[above.index(path) :], path))
+                self._issues.append(Issue(source.layer.file, f"/include/{i}", f"includes itself: {chain}"))
+            elif path not in self._seen:
+                self._include(path, _display(source.layer.file, uri, path), above)
+
+    def _include(self, path: Path, file: str, above: tuple[Path, ...]) -> None:
+        try:
+            self.follow_includes(self.read(path, file), (*above, path))
+        except SceneError as error:
+            self._issues += [issue for issue in error.issues if issue not in self._issues]
+
+    def _check_shape(self, source: SceneSource) -> None:
+        file = source.layer.file
+
+        def report(pointer: str, what: str, fix: str) -> None:
+            self._issues.append(Issue(file, pointer, what, fix))
+
+        shape = SceneSpec.__struct_fields__
+        own = {
+            key: value
+            for key, value in source.document.items()
+            if key in shape or not (section_of(key) or is_comment(key))
+        }
+        read_struct(SceneSpec, own, report)
+
+
+def _display(including: str, uri: str, path: Path) -> str:
+    if uri.startswith(SHIPPED):
+        return str(path)
+    return os.path.normpath(os.path.join(os.path.dirname(including), uri))
