@@ -15,11 +15,11 @@ __all__ = ["display"]
 
 @contextmanager
 def display(size: str = "1280x720x24") -> Iterator[str]:
-    """Name of the display (":7") of a new Xvfb; skips the test where there is no Xvfb."""
+    """Name of the display (":7") of a new Xvfb, which outlives its last client; skips the test where there is no Xvfb."""
     if shutil.which("Xvfb") is None:
         pytest.skip("Xvfb is not installed: apt-get install xvfb")
     reading, writing = os.pipe()
-    command = ["Xvfb", "-displayfd", str(writing), "-screen", "0", size, "-nolisten", "tcp"]
+    command = ["Xvfb", "-displayfd", str(writing), "-screen", "0", size, "-nolisten", "tcp", "-noreset"]
     server = subprocess.Popen(command, pass_fds=[writing], stderr=subprocess.DEVNULL)
     os.close(writing)
     try:
