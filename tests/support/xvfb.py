@@ -15,7 +15,7 @@ __all__ = ["display"]
 
 @contextmanager
 def display(size: str = "1280x720x24") -> Iterator[str]:
-    """Name of the display (":7") of a new Xvfb, which outlives its last client; skips the test where there is no Xvfb."""
+    """Name of the display (":7") of a new Xvfb that outlives its last client; skips the test where there is none."""
     if shutil.which("Xvfb") is None:
         pytest.skip("Xvfb is not installed: apt-get install xvfb")
     reading, writing = os.pipe()
