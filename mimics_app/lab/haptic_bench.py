@@ -13,11 +13,12 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from numba import types
 from numpy.typing import NDArray
 
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.haptic_objects import OBJECT_COUNTS, STATIC, BodyFlag, ShapeKind
-from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.kernel import kernel, typed_kernel
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.contracts.session_memory import Capacities, SessionMemory
 from mimics_app.lab.haptic_peers import PEERS, chai3d_us
@@ -29,7 +30,7 @@ from mimics_app.rendering.haptic.methods.body_worlds import heap_of_boxes
 from mimics_app.rendering.haptic.methods.probe import shortest_us
 from mimics_app.rendering.haptic.methods.touch_probe import DT, RADIUS, STIFFNESS, touch_scene
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS
-from mimics_app.rendering.haptic.objects import ObjectWork, new_object_work
+from mimics_app.rendering.haptic.objects import SIMULATE, ObjectWork, new_object_work
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.rendering.haptic.simulate import simulate_objects
 from mimics_app.world.components.robot import Patient, Robot
@@ -122,7 +123,7 @@ class Scene:
         return new_object_work(self.capacities, self.meshes)
 
 
-@kernel
+@typed_kernel(types.void(types.FunctionType(SIMULATE), *SIMULATE.args, types.int64))
 def _simulate_often(
     simulate: Any, rows: Any, work: Any, counts: Any, hand: Array, fields: Any, dt: float, force: Array, ticks: int
 ) -> None:
