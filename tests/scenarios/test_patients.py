@@ -7,13 +7,12 @@ import pytest
 
 from tests.support.tunnel_play import travel
 
-SEEDS = range(1, 21)
 PRESETS = ("healthy", "moderate", "severe")
 
 
-@pytest.fixture(scope="module")
-def outcomes() -> dict[str, list[dict[str, float]]]:
-    return {preset: [dict(travel(preset, seed).rows[0]) for seed in SEEDS] for preset in PRESETS}
+@pytest.fixture(scope="module", params=[10, pytest.param(20, marks=pytest.mark.slow)], ids="{} seeds".format)
+def outcomes(request: pytest.FixtureRequest) -> dict[str, list[dict[str, float]]]:
+    return {preset: [dict(travel(preset, seed).rows[0]) for seed in range(1, request.param + 1)] for preset in PRESETS}
 
 
 @pytest.mark.parametrize("measure", ["time_s", "path_error_rms_m", "contacts"])
@@ -31,15 +30,18 @@ def test_smoothness_falls_with_impairment(outcomes):
 
 @pytest.mark.parametrize("measure", ["time_s", "path_error_rms_m", "contacts"])
 def test_the_order_holds_for_most_single_seeds_too(outcomes, measure):
-    """A difference of means that one outlier makes would be worth nothing: 15 of 20 pairs must agree (p < 0.03)."""
+    """A difference of means that one outlier makes would be worth nothing: three of four pairs must agree."""
     for better, worse in (("healthy", "moderate"), ("moderate", "severe")):
         agree = sum(a[measure] <= b[measure] for a, b in zip(outcomes[better], outcomes[worse], strict=True))
-        assert agree >= 15, f"{measure}: only {agree} of 20 {better} runs are no worse than the {worse} one"
+        runs = len(outcomes[better])
+        assert agree >= 0.75 * runs, (
+            f"{measure}: only {agree} of {runs} {better} runs are no worse than the {worse} one"
+        )
 
 
 @pytest.mark.parametrize("preset", PRESETS)
 def test_every_run_touches_the_wall_and_reaches_the_end(outcomes, preset):
-    for seed, row in zip(SEEDS, outcomes[preset], strict=True):
+    for seed, row in enumerate(outcomes[preset], 1):
         assert row["outcome"] == "finished", f"{preset}, seed {seed}: {row['outcome']}"
         assert row["contacts"] >= 1, f"{preset}, seed {seed} never touched the wall"
 
