@@ -1,13 +1,5 @@
-// One material. Filled by rendering/visual/look.py: same order, std140.
-
-layout(std140, binding = 1) uniform MaterialBlock {
-    vec4 base_colour;           // linear RGBA
-    vec4 emission;              // linear; w: alpha below which a masked material draws nothing, -1 for no mask
-    vec4 finish;                // metallic, roughness, grid spacing [m], 1 for double-sided
-    vec4 uv_scale;              // on both texture coordinates
-    vec4 map_strength;          // factor on slopes of the normal map, share of the occlusion map
-    vec4 uv_rows[10];           // rows of the 2 x 3 matrix that places each map: base, normal, surface, ...
-};
+// One material: its numbers and pictures.
+#include "common/material_block.glsl"
 
 #ifdef TEXTURED
 layout(binding = 0) uniform sampler2D base_texture;
@@ -32,11 +24,11 @@ vec2 map_place(int map, vec2 uv) {
     vec3 at = vec3(uv, 1.0);
     uv = vec2(dot(uv_rows[2 * map].xyz, at), dot(uv_rows[2 * map + 1].xyz, at));
 #endif
-    return map == BASE ? uv * uv_scale.xy : uv;
+    return uv;
 }
 
-vec4 material_colour(vec4 vertex_colour, vec2 uv) {
-    vec4 colour = base_colour * vertex_colour;
+vec4 material_colour(vec4 tint, vec2 uv) {
+    vec4 colour = tint;
 #ifdef TEXTURED
     colour *= texture(base_texture, map_place(BASE, uv));
 #endif
@@ -64,8 +56,10 @@ float material_occlusion(vec2 uv) {
 vec3 material_emission(vec2 uv) {
 #ifdef EMISSION_MAP
     return emission.rgb * texture(emission_texture, map_place(EMISSION, uv)).rgb;
-#else
+#elif defined(EMISSIVE)
     return emission.rgb;
+#else
+    return vec3(0.0);
 #endif
 }
 

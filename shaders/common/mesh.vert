@@ -1,5 +1,6 @@
 // A mesh instance: object frame to the eye frame, shared by all techniques.
 #include "common/view.glsl"
+#include "common/material_block.glsl"
 
 in vec3 in_position;
 in vec3 in_normal;
@@ -15,7 +16,11 @@ invariant gl_Position;
 out vec3 position_eye;
 out vec3 normal;
 out vec2 uv;
-out vec4 vertex_colour;
+#ifdef COLOURED
+out vec4 tint;
+#else
+flat out vec4 tint;
+#endif
 
 void main() {
     mat3 axes = transpose(mat3(eye_row0.xyz, eye_row1.xyz, eye_row2.xyz));
@@ -25,10 +30,10 @@ void main() {
     position_eye = vec3(dot(eye_row0, position), dot(eye_row1, position), dot(eye_row2, position));
     normal = turn * in_normal * (dot(axes[0], turn[0]) < 0.0 ? -1.0 : 1.0);
     uv = in_uv;
+    // Here and not for every pixel: software renderers pay for each number that is read from a block.
+    tint = base_colour;
 #ifdef COLOURED
-    vertex_colour = in_colour;
-#else
-    vertex_colour = vec4(1.0);
+    tint *= in_colour;
 #endif
     gl_Position = clip_from_eye * vec4(position_eye, 1.0);
 }

@@ -5,23 +5,22 @@
 
 layout(std140, binding = 0) uniform ViewBlock {
     mat4 clip_from_eye;
-    mat4 shadow_from_eye;       // to coordinates in the tile and depth of the sun's innermost map, 0 to 1
-    vec4 shadow_scale[4];       // from there to the atlas: across, along; depth of a texel; half of what may be asked
-    vec4 shadow_offset[4];      // the same; w unused
-    vec4 shadow_tile[4];        // middle in the atlas, far away for a map that is not there
+    vec4 sun_right;             // across the sun's rays, unit; w: half of a map that may be asked [texel]
+    vec4 sun_up;                // across both; w: width of a map's tile in the atlas [texel]
+    vec4 sun_map[4];            // middle from the eye along the two, half the width that may be asked [m]; w unused
     mat4 spot_from_eye[4];      // the same of spot lights, before the division by w
-    vec4 spot_tile[4];          // texel [m] at 1 m
+    vec4 spot_tile[4];          // corner and width in the atlas [texel], texel at 1 m [m]
     vec4 tangents;              // left, right, bottom, top
     vec4 axis_right;            // of the eye, in the world; w: where the eye is in the world, x
     vec4 axis_up;               //                          w: y
     vec4 axis_back;             //                          w: z
-    vec4 sun_direction;         // unit, towards the sun; w: unused
-    vec4 sun_colour;            // linear; 1 makes a white surface facing it white
+    vec4 sun_direction;         // unit, towards the sun; w: depth per metre
+    vec4 sun_colour;            // linear; 1 makes a white surface facing it white; w: depth of the eye
     vec4 sky_zenith;            // linear radiance; w: exposure
     vec4 sky_horizon;           // w: unused
     vec4 sky_ground;            // w: 1 for the neutral tone map, 0 for none
     vec4 ambient;               // rgb: factor on the sky's light on surfaces; w: number of lights below
-    vec4 shadow;                // texel of the atlas [uv], tone of modulative shadows or 0, lift across by the normal, unused
+    vec4 shadow;                // tone of modulative ones or 0, half a texel over half of what a map may be asked, texel of the atlas [uv], its tiles along a side
     vec4 fog_colour;            // linear; w: unused
     vec4 fog_figures;           // density [1/m], start [m], kind: 0 squared, 1 exponential, 2 linear
     vec4 light_position[MAX_LIGHTS];   // eye frame; w: range [m], 0 for unlimited

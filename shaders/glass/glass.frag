@@ -1,19 +1,16 @@
 // Translucent wall: clear where looked at head-on, filling and mirroring towards its rim. Drawn back faces first.
 #include "common/view.glsl"
 #include "common/material.glsl"
+#include "common/surface.glsl"
 #include "common/sky.glsl"
 #include "common/output.glsl"
 #include "common/brdf.glsl"
 #include "common/grid.glsl"
 
-in vec3 position_eye;
-in vec3 normal;
-in vec2 uv;
-in vec4 vertex_colour;
 out vec4 colour;
 
 void main() {
-    vec4 tint = material_colour(vertex_colour, uv);
+    vec4 base = material_colour(tint, uv);
     float distance = length(position_eye);
     vec3 view = position_eye / -distance;
     vec3 n = normalize(normal);
@@ -27,14 +24,14 @@ void main() {
 #else
     float ring = 0.0;
 #endif
-    Surface surface = make_surface(tint.rgb, 0.0, finish.y, n, view);
+    Surface surface = make_surface(base.rgb, 0.0, finish.y, n, view);
     float through = 0.35 + 0.65 * abs(dot(n, sun_direction.xyz));
-    vec3 body = tint.rgb * (sky_irradiance(n) + through * sun_colour.rgb) + emission.rgb;
+    vec3 body = base.rgb * (sky_irradiance(n) + through * sun_colour.rgb) + emission.rgb;
     float incidence = clamp(dot(n, sun_direction.xyz), 0.0, 1.0);
     float glint = incidence * specular_lobe(surface, sun_direction.xyz, incidence) * 0.04;
     float mirror = 0.04 + 0.7 * rim * rim;
     vec3 gloss = glint * sun_colour.rgb + mirror * sky_radiance(reflect(-view, n)) * ambient.rgb;
-    float fill = clamp(tint.a + 0.55 * rim + 0.35 * ring, 0.0, 1.0);
+    float fill = clamp(base.a + 0.55 * rim + 0.35 * ring, 0.0, 1.0);
     float cover = clamp(fill + max(gloss.r, max(gloss.g, gloss.b)), 0.0, 1.0);
     vec3 light = (body * fill + gloss) / cover;
     colour = vec4(encode_output(apply_fog(light, distance)), cover);

@@ -1,6 +1,7 @@
 // Opaque, masked or blended surface lit by sun, lights and sky.
 #include "common/view.glsl"
 #include "common/material.glsl"
+#include "common/surface.glsl"
 #include "common/sky.glsl"
 #include "common/output.glsl"
 #include "common/shadow.glsl"
@@ -9,14 +10,10 @@
 #include "common/ambient.glsl"
 #include "common/grid.glsl"
 
-in vec3 position_eye;
-in vec3 normal;
-in vec2 uv;
-in vec4 vertex_colour;
 out vec4 colour;
 
 void main() {
-    vec4 base = material_colour(vertex_colour, uv);
+    vec4 base = material_colour(tint, uv);
 #ifdef MASKED
     if (base.a < emission.w) discard;
 #endif

@@ -1,6 +1,7 @@
 // A plane that shows the picture drawn from behind it; where none was drawn, as in another mirror, the sky.
 #include "common/view.glsl"
 #include "common/material.glsl"
+#include "common/surface.glsl"
 #include "common/sky.glsl"
 #include "common/output.glsl"
 
@@ -9,10 +10,6 @@ layout(std140, binding = 5) uniform MirrorBlock {
     vec4 drawn;                 // width and height of what was drawn [texels], 0: nothing was
 };
 
-in vec3 position_eye;
-in vec3 normal;
-in vec2 uv;
-in vec4 vertex_colour;
 out vec4 colour;
 
 void main() {

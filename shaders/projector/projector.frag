@@ -2,6 +2,7 @@
 #define MATT
 #include "common/view.glsl"
 #include "common/material.glsl"
+#include "common/surface.glsl"
 #include "common/sky.glsl"
 #include "common/output.glsl"
 #include "common/shadow.glsl"
@@ -16,10 +17,6 @@ uniform vec4 towards;           // xyz: against the rays, unit (w = 0), or where
 uniform vec4 slide_tint;        // linear RGB, strength
 uniform vec2 lean;              // cosines: all shows from the first on, nothing below the second
 
-in vec3 position_eye;
-in vec3 normal;
-in vec2 uv;
-in vec4 vertex_colour;
 out vec4 colour;
 
 void main() {
@@ -39,7 +36,7 @@ void main() {
 #if defined(STAIN)
     colour = vec4(mix(vec3(1.0), encode_srgb(shown), cover * seen), 1.0);
 #elif defined(LIGHT)
-    vec3 albedo = material_colour(vertex_colour, uv).rgb;
+    vec3 albedo = material_colour(tint, uv).rgb;
     vec3 light = albedo * shown * cover * max(facing, 0.0) * seen;
     colour = vec4(encode_output(light), 1.0);
 #else

@@ -11,6 +11,6 @@ void main() {
     if (texel.x + texel.y != 0) discard;
 #endif
 #ifdef TEXTURED
-    if (material_colour(vec4(1.0), uv).a < emission.w) discard;
+    if (material_colour(base_colour, uv).a < emission.w) discard;
 #endif
 }

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from mimics_app.rendering.visual.draw_buffer import DrawBuffer, texture_of
@@ -146,7 +145,7 @@ class PictureTarget:
 
 
 class ShadowTarget:
-    """A square depth texture that compares when it is read.
+    """A square depth texture.
 
     Attributes:
         size: Texels along a side.
@@ -159,8 +158,8 @@ class ShadowTarget:
 
         self.size = size
         self._texture = ctx.depth_texture((max(size, 1),) * 2)
-        self._texture.compare_func = "<="
-        self._texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        self._texture.compare_func = ""
+        self._texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self._texture.repeat_x = self._texture.repeat_y = False
         self._framebuffer = ctx.framebuffer(depth_attachment=self._texture)
 
@@ -175,17 +174,9 @@ class ShadowTarget:
         self._framebuffer.viewport = rectangle
         self._framebuffer.clear(depth=1.0, viewport=rectangle)
 
-    @contextmanager
-    def as_picture(self, binding: int) -> Iterator[None]:
-        """Let a sampler read its depths as they are, inside the block."""
-        self._texture.compare_func = ""
+    def bind(self, binding: int = _BINDING) -> None:
+        """Make it what shaders read: surfaces as their map, or others as a picture."""
         self._texture.use(binding)
-        yield
-        self._texture.compare_func = "<="
-
-    def bind(self) -> None:
-        """Make it the map the shaders read."""
-        self._texture.use(self._BINDING)
 
     def release(self) -> None:
         """Free the texture."""

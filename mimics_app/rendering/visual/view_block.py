@@ -9,7 +9,13 @@ from numpy.typing import NDArray
 
 from mimics_app.rendering.visual.lighting import MAX_LIGHTS, Lighting
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.shadows.shadow_maps import MAX_CASCADES, MAX_SPOT_MAPS, ShadowPlan, texture_from_world
+from mimics_app.rendering.visual.shadows.shadow_maps import (
+    MAX_CASCADES,
+    MAX_SPOT_MAPS,
+    ShadowMap,
+    ShadowPlan,
+    texture_from_world,
+)
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.environment import Fog, FogKind
 
@@ -23,10 +29,9 @@ F8 = NDArray[np.float64]
 VIEW_BLOCK = np.dtype(
     [
         ("clip_from_eye", "f4", (4, 4)),
-        ("shadow_from_eye", "f4", (4, 4)),
-        ("shadow_scale", "f4", (MAX_CASCADES, 4)),
-        ("shadow_offset", "f4", (MAX_CASCADES, 4)),
-        ("shadow_tile", "f4", (MAX_CASCADES, 4)),
+        ("sun_right", "f4", (4,)),
+        ("sun_up", "f4", (4,)),
+        ("sun_map", "f4", (MAX_CASCADES, 4)),
         ("spot_from_eye", "f4", (MAX_SPOT_MAPS, 4, 4)),
         ("spot_tile", "f4", (MAX_SPOT_MAPS, 4)),
         ("tangents", "f4", (4,)),
@@ -51,8 +56,8 @@ VIEW_BLOCK = np.dtype(
 """std140: vec4 and mat4 only, so that it has no holes. Matrices are stored column after column."""
 
 _BINDING = 0
-_NOWHERE = 9.0
-"""A place outside every map."""
+_FILTER_MARGIN = 2.0
+"""Texels along a map's edge that may not be asked, as the filter reaches over them."""
 _FOG_KINDS: tuple[FogKind, ...] = ("squared", "exponential", "linear")
 """In the order of their numbers in shaders/common/output.glsl."""
 
@@ -111,27 +116,37 @@ class ViewBlock:
 
     def _fill_shadows(self, plan: ShadowPlan, eye: F8) -> None:
         data, settings = self._data, self.settings
-        world_from_eye = np.eye(4)
-        world_from_eye[:3, 3] = eye
-        tone = settings.shadow_tone if settings.shadows == "texture_modulative" else 0.0
-        texel = 1.0 / max(settings.shadow_size, 1)
-        data["shadow"] = (texel, tone, 0.0, 0.0)
-        data["shadow_tile"] = _NOWHERE
+        data["sun_map"][:, 2] = -1.0
+        tile = settings.shadow_size / plan.grid
         for number, shadow in enumerate(plan.sun):
-            first = texture_from_world(plan.sun[0]) @ world_from_eye
-            own = texture_from_world(shadow) @ world_from_eye
-            left, bottom, width = plan.tile_of(shadow)
-            scale = np.linalg.norm(own[:3, :3], axis=1) / np.linalg.norm(first[:3, :3], axis=1)
-            offset = own[:3, 3] - scale * first[:3, 3]
-            # Half a texel along the normal: of one size across for all maps, of each one's own along the rays.
-            data["shadow"][2] = 0.5 * shadow.texel * scale[0] * width
-            depth, most = 0.5 * shadow.texel * scale[2], 0.5 * width - 2.0 * texel
-            data["shadow_from_eye"] = first.T
-            data["shadow_scale"][number] = (scale[0] * width, scale[2], depth, most)
-            data["shadow_offset"][number, :3] = (left + width * offset[0], bottom + width * offset[1], offset[2])
-            data["shadow_tile"][number, :2] = (left + 0.5 * width, bottom + 0.5 * width)
+            clip = shadow.clip_from_world
+            radius = 1.0 / float(np.linalg.norm(clip[0, :3]))
+            asked = radius * (1.0 - 2.0 * _FILTER_MARGIN / tile)
+            middle = -radius * (clip[:2, :3] @ eye + clip[:2, 3])
+            data["sun_map"][number] = (*middle, asked, 0.0)
+        if plan.sun:
+            self._fill_sun(plan.sun[0], tile, eye)
+        tone = settings.shadow_tone if settings.shadows == "texture_modulative" else 0.0
+        half_texel = 1.0 / max(tile - 2.0 * _FILTER_MARGIN, 1.0)
+        data["shadow"] = (tone, half_texel, 1.0 / max(settings.shadow_size, 1), plan.grid)
+        self._fill_spots(plan, eye)
+
+    def _fill_sun(self, shadow: ShadowMap, tile: float, eye: F8) -> None:
+        """What all maps of the sun share: the way they look and how depth is told."""
+        data, clip = self._data, shadow.clip_from_world
+        axes = clip[:2, :3] / np.linalg.norm(clip[:2, :3], axis=1, keepdims=True)
+        data["sun_right"] = (*axes[0], 0.5 * tile - _FILTER_MARGIN)
+        data["sun_up"] = (*axes[1], tile)
+        data["sun_direction"][3] = -0.5 * np.linalg.norm(clip[2, :3])
+        data["sun_colour"][3] = 0.5 * (clip[2, :3] @ eye + clip[2, 3]) + 0.5
+
+    def _fill_spots(self, plan: ShadowPlan, eye: F8) -> None:
+        data, world_from_eye = self._data, np.eye(4)
+        world_from_eye[:3, 3] = eye
         data["light_shadow"][:, 0] = -1.0
         for number, (light, shadow) in enumerate(plan.spots.items()):
+            left, bottom, width = plan.tile_of(shadow)
+            size = self.settings.shadow_size
             data["spot_from_eye"][number] = (texture_from_world(shadow) @ world_from_eye).T
-            data["spot_tile"][number] = (*plan.tile_of(shadow), shadow.texel)
+            data["spot_tile"][number] = (left * size, bottom * size, width * size, shadow.texel)
             data["light_shadow"][light, 0] = number

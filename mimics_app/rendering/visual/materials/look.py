@@ -24,12 +24,11 @@ _BLOCK = np.dtype(
         ("base_colour", "f4", (4,)),
         ("emission", "f4", (4,)),
         ("finish", "f4", (4,)),
-        ("uv_scale", "f4", (4,)),
         ("map_strength", "f4", (4,)),
         ("uv_rows", "f4", (2 * len(MAPS), 4)),
     ]
 )
-"""The layout of shaders/common/material.glsl, std140."""
+"""The layout of shaders/common/material_block.glsl, std140."""
 
 _BLOCK_BINDING = 1
 
@@ -110,10 +109,9 @@ def pack_material(material: Material, pictures: Mapping[str, TextureData]) -> np
     block["emission"] = (*material.emission, material.alpha_cutoff if material.alpha_mode == "mask" else -1.0)
     block["finish"] = (material.metallic, material.roughness, material.grid, float(material.double_sided))
     rates = np.array([_rates(pictures.get(which)) for which in MAPS])
-    block["uv_scale"][:2] = rates[0]
     block["map_strength"] = (material.normal_scale, material.occlusion_strength, 0.0, 0.0)
     rows = np.array(material.uv_transforms, np.float64).reshape(len(MAPS), 2, 3)
-    rows[1:] *= rates[1:, :, None]
+    rows *= rates[:, :, None]
     block["uv_rows"][:, :3] = rows.reshape(-1, 3)
     return block
 

@@ -27,7 +27,15 @@ if TYPE_CHECKING:
 
 __all__ = ["LIGHT_FEATURES", "MaterialStore"]
 
-LIGHT_FEATURES = ("PLACED_LIGHTS", "SUN_SHADOW", "SUN_CASCADES", "SPOT_SHADOWS", "AMBIENT_OCCLUSION")
+LIGHT_FEATURES = (
+    "PLACED_LIGHTS",
+    "SUN_SHADOW",
+    "SUN_MAPS_2",
+    "SUN_MAPS_3",
+    "SUN_MAPS_4",
+    "SPOT_SHADOWS",
+    "AMBIENT_OCCLUSION",
+)
 """Features of shaders that hang on what shines."""
 
 _BINDINGS = {"base": 0, "normal": 5, "surface": 6, "occlusion": 7, "emission": 8}
@@ -198,8 +206,6 @@ class MaterialStore:
 
     def _features(self, material: Material, pictures: _Pictures, coloured: bool) -> list[str]:
         """What shaders may be asked for, in a fixed order."""
-        placed = any(transform != IDENTITY for transform in material.uv_transforms)
-        placed = placed or any("mirror" in picture.wrap for which, picture in pictures.items() if which != "base")
         has = {
             "COLOURED": coloured,
             **{_feature_of(which): which in pictures for which in MAPS},
@@ -207,7 +213,8 @@ class MaterialStore:
             **{each: each in self._variant.light_features for each in LIGHT_FEATURES},
             "MATT": material.roughness >= _MATT and material.metallic == 0.0 and "surface" not in pictures,
             "GRID": material.grid > 0.0,
-            "UV_TRANSFORMS": placed and bool(pictures),
+            "EMISSIVE": any(material.emission),
+            "UV_TRANSFORMS": any(_is_placed(material, which, picture) for which, picture in pictures.items()),
         }
         return [feature for feature, wanted in has.items() if wanted]
 
@@ -215,7 +222,7 @@ class MaterialStore:
         defines = []
         if "base" in pictures and material.alpha_mode == "mask":
             defines.append("TEXTURED")
-            if material.uv_transforms[0] != IDENTITY:
+            if _is_placed(material, "base", pictures["base"]):
                 defines.append("UV_TRANSFORMS")
         if blended:
             defines.append("TRANSLUCENT")
@@ -241,6 +248,11 @@ class MaterialStore:
 
 def _feature_of(which: str) -> str:
     return "TEXTURED" if which == "base" else f"{which.upper()}_MAP"
+
+
+def _is_placed(material: Material, which: str, picture: TextureData) -> bool:
+    """True when a map is not read at the mesh's own coordinates; a mirrored one is not, see `unfolded`."""
+    return material.uv_transforms[MAPS.index(which)] != IDENTITY or "mirror" in picture.wrap
 
 
 def _pictures(material: Material, world: World) -> _Pictures:

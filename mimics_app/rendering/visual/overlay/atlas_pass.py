@@ -44,8 +44,8 @@ class AtlasPass:
         self._ctx.viewport = (0, 0, width, height)
         self._ctx.enable_only(moderngl.BLEND)
         self._ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
-        with shadows.as_picture(_BINDING):
-            self._array.render(moderngl.TRIANGLE_STRIP, vertices=4)
+        shadows.bind(_BINDING)
+        self._array.render(moderngl.TRIANGLE_STRIP, vertices=4)
         return 1
 
     def release(self) -> None:

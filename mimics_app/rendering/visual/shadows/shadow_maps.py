@@ -40,6 +40,9 @@ _GROWTH = 3.5
 _STEPS = 8
 """Steps in which a cascade moves, to its radius."""
 
+_DEPTH_STEPS, _LEAST_DEPTH = 16, 1.0
+"""Steps in which the depth of all cascades grows, to its power of two, and the least one [m]."""
+
 _NEAR_OF_SPOT, _REACH_OF_SPOT = 0.05, 50.0
 _TO_TEXTURE = np.array([[0.5, 0.0, 0.0, 0.5], [0.0, 0.5, 0.0, 0.5], [0.0, 0.0, 0.5, 0.5], [0.0, 0.0, 0.0, 1.0]])
 
@@ -114,9 +117,9 @@ def fit_cascades(
     """Boxes along the sun's rays about the eyes, one in another; right for any number of views at once.
 
     Each box is of fixed size about a point before the eyes, which moves in steps of many whole texels: neither turning
-    nor walking makes edges crawl, and between two steps the map of a scene that stands still is the same one. Its depth
-    reaches from the farthest caster towards the sun to the lowest one: what lies below all of them is told as if it lay
-    at the bottom, where it is in the same shadow.
+    nor walking makes edges crawl, and between two steps the map of a scene that stands still is the same one. All tell
+    depth alike, from the farthest caster towards the sun to the lowest one: what lies below all of them is told as if
+    it lay at the bottom, where it is in the same shadow.
 
     Args:
         sun_direction: Unit, towards the sun.
@@ -130,6 +133,7 @@ def fit_cascades(
     eye = np.mean([view.eye_world for view in views], axis=0)
     forward = -np.mean([view.world_from_eye[:3, 2] for view in views], axis=0)
     placed = (casters.centres - eye) @ rotation.T
+    top, bottom = _depth_of(casters.centres @ rotation[2], casters.radii)
     maps = []
     for number in range(count):
         seen = distance / (1.0 + _AHEAD) * _GROWTH ** (number + 1 - count)
@@ -140,8 +144,6 @@ def fit_cascades(
         middle = np.round(middle / step) * step
         offset = placed - (middle - rotation @ eye)
         near = np.abs(offset[:, :2]).max(axis=1, initial=0.0) < radius + casters.radii
-        top = float((offset[near, 2] + casters.radii[near]).max(initial=radius))
-        bottom = float((offset[near, 2] - casters.radii[near]).min(initial=-radius))
         kept = Casters(casters.items[near], casters.centres[near], casters.radii[near])
         maps.append(ShadowMap(_box(rotation, middle, radius, top, bottom), rotation.T @ middle, texel, kept))
     return maps
@@ -166,11 +168,25 @@ def fit_spot(light: Light, casters: Casters, size: int) -> ShadowMap:
     return ShadowMap(clip, place, 2.0 * edge / size, kept)
 
 
+def _depth_of(heights: F8, radii: F8) -> tuple[float, float]:
+    """From the farthest caster towards the sun to the lowest one [m], widened to steps that moving casters rarely leave.
+
+    Args:
+        heights: Of the casters' middles towards the sun [m], [n].
+        radii: Their bounding radii [m], [n].
+    """
+    if len(heights) == 0:
+        return _LEAST_DEPTH, 0.0
+    top, bottom = float((heights + radii).max()), float((heights - radii).min())
+    step = 2.0 ** math.ceil(math.log2(max(top - bottom, _LEAST_DEPTH))) / _DEPTH_STEPS
+    return step * (math.floor(top / step) + 1), step * math.floor(bottom / step)
+
+
 def _box(rotation: F8, middle: F8, radius: float, top: float, bottom: float) -> F8:
     """Orthographic projection: `radius` about the middle across, from `top` towards the sun down to `bottom`."""
     clip = np.eye(4)
     half, centre = 0.5 * (top - bottom), 0.5 * (top + bottom)
     clip[:3, :3] = np.diag([1.0 / radius, 1.0 / radius, -1.0 / half]) @ rotation
-    clip[:3, 3] = -middle / radius
-    clip[2, 3] = (middle[2] + centre) / half
+    clip[:2, 3] = -middle[:2] / radius
+    clip[2, 3] = centre / half
     return clip

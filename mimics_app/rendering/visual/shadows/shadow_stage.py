@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -38,10 +37,11 @@ __all__ = ["ShadowStage", "light_features"]
 
 def light_features(lighting: Lighting, settings: RenderSettings) -> frozenset[str]:
     """Features of shaders that this light needs (`materials.LIGHT_FEATURES`)."""
+    maps = _sun_maps(lighting, settings)
     wanted = {
         "PLACED_LIGHTS": lighting.place_count > 0,
-        "SUN_SHADOW": _sun_has_map(lighting, settings),
-        "SUN_CASCADES": _sun_has_map(lighting, settings) and settings.shadow_distance > 0.0,
+        "SUN_SHADOW": maps > 0,
+        f"SUN_MAPS_{maps}": maps > 1,
         "SPOT_SHADOWS": settings.shadow_size > 0 and bool(_spots(lighting)),
     }
     return frozenset(feature for feature, has in wanted.items() if has)
@@ -78,7 +78,7 @@ class ShadowStage:
         settings: RenderSettings,
     ) -> None:
         """Choose the frame's maps and queue what casts into those that have changed."""
-        sun_maps = (settings.cascades if settings.shadow_distance > 0.0 else 1) * _sun_has_map(lighting, settings)
+        sun_maps = _sun_maps(lighting, settings)
         spots = _spots(lighting) if settings.shadow_size else []
         tile = settings.shadow_size // max(1, math.ceil(math.sqrt(sun_maps + len(spots))))
         sun: list[ShadowMap] = []
@@ -104,9 +104,9 @@ class ShadowStage:
         self._target.bind()
         return draws
 
-    def as_picture(self, binding: int) -> AbstractContextManager[None]:
-        """Let a sampler read the atlas's depths as they are, inside the block."""
-        return self._target.as_picture(binding)
+    def bind(self, binding: int) -> None:
+        """Let a shader read the atlas's depths."""
+        self._target.bind(binding)
 
     def release(self) -> None:
         """Free the atlas."""
@@ -137,8 +137,11 @@ class _Drawn:
         return alike and np.array_equal(self.clip, other.clip) and np.array_equal(self.casters, other.casters)
 
 
-def _sun_has_map(lighting: Lighting, settings: RenderSettings) -> bool:
-    return lighting.sun_casts_shadow and settings.shadow_size > 0 and settings.shadows.startswith("texture")
+def _sun_maps(lighting: Lighting, settings: RenderSettings) -> int:
+    """How many maps the sun has: one about all casters, or cascades."""
+    if not (lighting.sun_casts_shadow and settings.shadow_size and settings.shadows.startswith("texture")):
+        return 0
+    return settings.cascades if settings.shadow_distance > 0.0 else 1
 
 
 def _spots(lighting: Lighting) -> list[int]:

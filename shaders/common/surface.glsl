@@ -1,0 +1,9 @@
+// What common/mesh.vert says of a place on a surface.
+in vec3 position_eye;
+in vec3 normal;                 // not of unit length
+in vec2 uv;
+#ifdef COLOURED
+in vec4 tint;                   // base colour of the material, times that of the vertex: linear RGBA
+#else
+flat in vec4 tint;
+#endif
