@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from mimics_app.app.governor import FrameGovernor
 from mimics_app.app.render_workloads import Workload, open_workload
 from mimics_app.contracts.clock import MonotonicClock, process_seconds
 from mimics_app.contracts.errors import UsageError, nearest
 from mimics_app.rendering.visual.frame_stats import FrameStats
+from mimics_app.rendering.visual.quality_steps import quality_steps
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen, read_pixels, save_png
 from mimics_app.rendering.visual.surfaces.surface import Size, Surface
@@ -20,6 +22,8 @@ from mimics_app.rendering.visual.surfaces.surface import Size, Surface
 __all__ = ["OPTIONS", "RenderBench", "measure_render"]
 
 _LEAST_FRAMES = 5
+_CALM_NS, _SETTLING_NS = 4_000_000_000, 40_000_000_000
+"""The governor has settled when it has done nothing for this long; how long it is given."""
 
 OPTIONS: dict[str, dict[str, Any]] = {
     "full": {"shading": "full"},
@@ -42,25 +46,27 @@ class RenderBench:
         workload: One of `render_workloads.WORKLOADS`.
         data: Folder of the workloads' files, None: not known.
         size: Of the picture [px].
-        msaa: Samples per pixel.
+        msaa: Samples per pixel; None: as the workload asks.
         frames: Frames timed.
         warmup: Frames drawn before.
         budget: Stop after this many seconds timed [s].
         count: Nodes, 0: as the peers have.
         options: Words of `OPTIONS`.
         shot: Where the last frame goes as PNG, or None.
+        fps: Quality is given up, as a run does, until so many frames a second are held; None: it is all kept.
     """
 
     workload: str
     data: Path | None
     size: Size = (1280, 720)
-    msaa: int = 0
+    msaa: int | None = None
     frames: int = 40
     warmup: int = 6
     budget: float = 25.0
     count: int = 0
     options: tuple[str, ...] = ()
     shot: Path | None = None
+    fps: float | None = None
 
 
 def measure_render(wanted: RenderBench) -> dict[str, Any]:
@@ -78,14 +84,31 @@ def measure_render(wanted: RenderBench) -> dict[str, Any]:
             raise UsageError(f'there is no option "{word}"', nearest(word, OPTIONS))
     workload = open_workload(wanted.workload, wanted.data, wanted.count)
     workload.prepare(wanted.warmup + wanted.frames)
-    settings = replace(workload.settings, msaa=wanted.msaa)
+    settings = workload.settings if wanted.msaa is None else replace(workload.settings, msaa=wanted.msaa)
     for word in wanted.options:
         settings = replace(settings, **OPTIONS[word])
     with open_offscreen("osmesa" if "osmesa" in wanted.options else "egl", wanted.size) as surface:
         renderer = Renderer(surface, workload.world, settings)
-        answer = _time_frames(wanted, workload, renderer, surface)
+        given_up = _settle(wanted.fps, wanted, workload, renderer) if wanted.fps else {}
+        answer = {**_time_frames(wanted, workload, renderer, surface), **given_up, **_quality(renderer)}
         renderer.release()
     return answer
+
+
+def _settle(fps: float, wanted: RenderBench, workload: Workload, renderer: Renderer) -> dict[str, Any]:
+    """Let the governor find the quality that holds a frame rate; it has, once it lets things be for a while."""
+    clock = MonotonicClock()
+    governor = FrameGovernor(quality_steps(renderer), 1e3 / fps)
+    begun = calm = clock.now_ns()
+    state, frame = governor.state, 0
+    while (now := clock.now_ns()) - calm < _CALM_NS and now - begun < _SETTLING_NS:
+        workload.update(frame)
+        renderer.draw_finished([workload.view(frame, wanted.size)])
+        governor.note((clock.now_ns() - now) * 1e-6, clock.now_ns())
+        if governor.state != state:
+            state, calm = governor.state, clock.now_ns()
+        frame += 1
+    return {"fps_wanted": fps, "given_up": state, "settled": now - begun < _SETTLING_NS}
 
 
 def _time_frames(wanted: RenderBench, workload: Workload, renderer: Renderer, surface: Surface) -> dict[str, Any]:
@@ -122,11 +145,21 @@ def _describe(wanted: RenderBench, workload: Workload, surface: Surface) -> dict
     return {
         "workload": wanted.workload,
         "size": f"{wanted.size[0]}x{wanted.size[1]}",
-        "msaa": wanted.msaa,
         "n": wanted.count,
         "opt": " ".join(wanted.options),
         "nodes": workload.nodes,
         "device": surface.ctx.info["GL_RENDERER"],
+    }
+
+
+def _quality(renderer: Renderer) -> dict[str, Any]:
+    settings = renderer.settings
+    return {
+        "msaa": settings.msaa,
+        "fxaa": settings.fxaa,
+        "scale": settings.scale,
+        "shadow_size": settings.shadow_size,
+        "shading": settings.shading,
     }
 
 

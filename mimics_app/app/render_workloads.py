@@ -1,7 +1,7 @@
 """The workloads of `mimics bench render`, the same closed formulas for every renderer that is compared.
 
 city: walking down a street, 1.4 m a frame. nodes: cubes under groups, every one of which moves every frame. walk: the
-product's own city as its scene shows it, with shadows, sky and all materials, which no peer draws.
+product's own city as its scene shows it, with shadows, sky and all materials, at the pace of a person.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ class Workload(ABC):
         settings: Quality of its picture.
     """
 
-    settings = RenderSettings(shadow_size=0, tone_map="none", fog_density=0.0, shading="plain")
+    settings = RenderSettings(msaa=0, shadow_size=0, tone_map="none", fog_density=0.0, shading="plain")
 
     def __init__(self, world: World, nodes: int) -> None:
         self.world = world
@@ -82,16 +82,28 @@ class City(Workload):
 
     start = (-40.0, 1.7, 360.0)
 
+    def place(self, frame: int) -> float:
+        """How far down the street [m]."""
+        return 1.4 * frame
+
     def eye(self, frame: int) -> tuple[F8, F8]:
-        eye = np.array(self.start) - np.array([0.0, 0.0, 1.4 * frame])
+        eye = np.array(self.start) - np.array([0.0, 0.0, self.place(frame)])
         yaw = math.radians(20.0) * math.sin(0.15 * frame)
         return eye, eye + np.array([math.sin(yaw), 0.02, -math.cos(yaw)])
 
 
 class Walk(City):
-    """The same walk through the product's own city, at the quality its scene asks for."""
+    """The product's own city as its scene asks for it: a few steps at a walking pace, and again some way further on."""
 
     start = (-1.75, 1.7, 330.0)
+    _STRIDE, _STEPS = 1.4 / 30.0, 8
+    """What a person walks between two of 30 frames a second [m]; frames in one place."""
+    _PLACES, _APART = 16, 20.0
+    """Along the street to the square in its middle, and back to its beginning; how far apart [m]."""
+
+    def place(self, frame: int) -> float:
+        number, step = divmod(frame, self._STEPS)
+        return self._APART * (number % self._PLACES) + self._STRIDE * step
 
     def __init__(self) -> None:
         scene = load_checked_scene(root() / "scenes" / "city_walk.json")

@@ -38,12 +38,22 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--data", type=Path, help="of render: folder of the workloads, else RENDER_DATA names it")
     parser.add_argument("--size", type=_size, default="1280x720", metavar="WxH", help="of render: of the picture [px]")
-    parser.add_argument("--msaa", type=int, choices=(0, 2, 4, 8), default=0, help="of render: samples per pixel")
+    parser.add_argument(
+        "--msaa",
+        type=int,
+        choices=(0, 2, 4, 8),
+        help="of render: samples per pixel (default: 0; of walk, 4)",
+    )
     parser.add_argument("--frames", type=_count, default=40, help="of render: frames timed")
     parser.add_argument("--warmup", type=_count, default=6, help="of render: frames drawn before")
     parser.add_argument("--budget", type=_positive, default=25.0, help="of render: stop after this time [s]")
     parser.add_argument("--n", type=_nodes, default=0, help="of render: nodes, 0: 10000")
     parser.add_argument("--opt", default="", help="of render: words that change the settings")
+    parser.add_argument(
+        "--fps",
+        type=_positive,
+        help="of render: give up quality, as a run does, until this is held (default: none)",
+    )
     parser.add_argument("--shot", type=Path, help="of render: write the last frame here as PNG")
 
 
@@ -86,6 +96,7 @@ def _run_render(args: argparse.Namespace) -> int:
             args.n,
             options,
             args.shot,
+            args.fps,
         )
     )
     if args.json:

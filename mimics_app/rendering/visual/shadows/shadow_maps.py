@@ -169,7 +169,7 @@ def fit_spot(light: Light, casters: Casters, size: int) -> ShadowMap:
 
 
 def _depth_of(heights: F8, radii: F8) -> tuple[float, float]:
-    """From the farthest caster towards the sun to the lowest one [m], widened to steps that moving casters rarely leave.
+    """Height of the caster farthest towards the sun and of the lowest [m], in steps that moving casters rarely leave.
 
     Args:
         heights: Of the casters' middles towards the sun [m], [n].
