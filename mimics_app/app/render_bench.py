@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import statistics
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from mimics_app.app.governor import FrameGovernor
-from mimics_app.app.render_workloads import Workload, open_workload
+from mimics_app.app.render_workloads import Nodes, Workload, open_workload
 from mimics_app.contracts.clock import MonotonicClock, process_seconds
 from mimics_app.contracts.errors import UsageError, nearest
 from mimics_app.rendering.visual.frame_stats import FrameStats
@@ -22,6 +23,7 @@ from mimics_app.rendering.visual.surfaces.surface import Size, Surface
 __all__ = ["OPTIONS", "RenderBench", "measure_render"]
 
 _LEAST_FRAMES = 5
+_FEW = 3
 _CALM_NS, _SETTLING_NS = 4_000_000_000, 40_000_000_000
 """The governor has settled when it has done nothing for this long; how long it is given."""
 
@@ -91,6 +93,8 @@ def measure_render(wanted: RenderBench) -> dict[str, Any]:
         renderer = Renderer(surface, workload.world, settings)
         given_up = _settle(wanted.fps, wanted, workload, renderer) if wanted.fps else {}
         answer = {**_time_frames(wanted, workload, renderer, surface), **given_up, **_quality(renderer)}
+        if isinstance(workload, Nodes):
+            answer.update(_time_poses(workload, wanted.frames))
         renderer.release()
     return answer
 
@@ -139,6 +143,21 @@ def _time_frames(wanted: RenderBench, workload: Workload, renderer: Renderer, su
         "mean_rgb": [round(float(level), 1) for level in picture.mean(axis=0)],
         **_drawn(stats),
     }
+
+
+def _time_poses(nodes: Nodes, frames: int) -> dict[str, float]:
+    """Every pose of a frame and the world matrices, without drawing: handed over at once, and node by node [ms]."""
+    clock = MonotonicClock()
+
+    def median_ms(update: Callable[[int], None], count: int) -> float:
+        times = []
+        for frame in range(count):
+            started = clock.now_ns()
+            update(frame)
+            times.append((clock.now_ns() - started) * 1e-6)
+        return round(statistics.median(times), 3)
+
+    return {"ms_setter": median_ms(nodes.update, frames), "ms_handles": median_ms(nodes.update_by_handles, _FEW)}
 
 
 def _describe(wanted: RenderBench, workload: Workload, surface: Surface) -> dict[str, Any]:

@@ -142,7 +142,8 @@ class Nodes(Workload):
         for cube in cubes:
             world.show(cube, parts)
         world.update()
-        self._rows = world.transforms.rows(np.array([node.index for node in (*groups, *cubes)]))
+        self._handles = [*groups, *cubes]
+        self._rows = world.transforms.rows(np.array([node.index for node in self._handles]))
         self._poses: list[_Poses] = []
         light_up(world)
         super().__init__(world, count + self._groups)
@@ -154,6 +155,14 @@ class Nodes(Workload):
     def update(self, frame: int) -> None:
         poses = self._poses[frame]
         self.world.transforms.set_poses(self._rows, poses.translations, poses.rotations)
+        self.world.update()
+
+    def update_by_handles(self, frame: int) -> None:
+        """The same as `update` by one call for each node and figure, as a scenario moves its few."""
+        poses = self._poses[frame]
+        for node, translation, rotation in zip(self._handles, poses.translations, poses.rotations, strict=True):
+            node.set_position(translation)
+            node.set_orientation(rotation)
         self.world.update()
 
     def eye(self, frame: int) -> tuple[F8, F8]:
