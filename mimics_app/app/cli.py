@@ -115,7 +115,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         with ExitStack() as stack:
             stack.enter_context(_terminated_by_exception())
             if as_json:
-                from mimics_app.app import output
+                from mimics_app.app.terminal import output
 
                 stack.enter_context(output.reserved_stdout())
             return _guarded(arguments, as_json)
@@ -201,7 +201,7 @@ def _say(arguments: list[str], issues: Sequence[Issue], as_json: bool) -> None:
         for issue in issues:
             sys.stderr.write(f"mimics: {issue}\n")
         return
-    from mimics_app.app import output
+    from mimics_app.app.terminal import output
 
     if output.object_written():  # the answer stands already; a second object would break its reader
         _say(arguments, issues, as_json=False)

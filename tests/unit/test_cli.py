@@ -13,8 +13,9 @@ from typing import Any
 
 import pytest
 
-from mimics_app.app import cli, output, settings
-from mimics_app.app.first_start import is_cold
+from mimics_app.app import cli, settings
+from mimics_app.app.terminal import output
+from mimics_app.app.terminal.first_start import is_cold
 from mimics_app.contracts.errors import (
     DeviceError,
     Issue,
@@ -139,7 +140,9 @@ def test_internal_error_is_traced_and_still_one_object(
 def test_json_leaves_exactly_one_object_on_stdout() -> None:
     """Prints of a library, of C code and of a child process go to stderr."""
     script = (
-        "import sys; from mimics_app.app import cli; import os, subprocess, types; from mimics_app.app import output\n"
+        "import os, subprocess, sys, types\n"
+        "from mimics_app.app import cli\n"
+        "from mimics_app.app.terminal import output\n"
         "def run(args):\n"
         "    print('from Python'); sys.stdout.flush(); os.write(1, b'from C\\n')\n"
         "    subprocess.run([sys.executable, '-c', 'print(\"from a child\")'], check=True)\n"

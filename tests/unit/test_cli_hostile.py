@@ -15,7 +15,7 @@ from mimics_app.app import cli
 
 COMMAND = [sys.executable, "-m", "mimics_app.app.cli"]
 STAND_IN = (
-    "import os, signal, sys, time, types; from mimics_app.app import cli, output\n"
+    "import os, signal, sys, time, types; from mimics_app.app import cli; from mimics_app.app.terminal import output\n"
     "{body}\n"
     "cli._command_module = lambda name: types.SimpleNamespace(add_arguments=lambda p: None, run=run)\n"
     "sys.exit(cli.main(sys.argv[1:]))\n"

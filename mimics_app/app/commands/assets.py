@@ -32,8 +32,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _list(args: argparse.Namespace) -> int:
-    from mimics_app.app import output
-    from mimics_app.app.asset_builders import find_builders
+    from mimics_app.app.installation.asset_builders import find_builders
+    from mimics_app.app.terminal import output
 
     builders = find_builders()
     if args.json:
@@ -48,7 +48,7 @@ def _list(args: argparse.Namespace) -> int:
 def _levels(args: argparse.Namespace) -> int:
     from dataclasses import asdict
 
-    from mimics_app.app import output
+    from mimics_app.app.terminal import output
     from mimics_app.contracts.errors import UsageError
     from mimics_app.world.gltf.level_writer import SHARES, write_levels
 
@@ -72,8 +72,8 @@ def _levels(args: argparse.Namespace) -> int:
 
 
 def _build(args: argparse.Namespace) -> int:
-    from mimics_app.app import output
-    from mimics_app.app.asset_builders import find_builder
+    from mimics_app.app.installation.asset_builders import find_builder
+    from mimics_app.app.terminal import output
     from mimics_app.contracts.errors import UsageError
 
     if not args.name:

@@ -49,7 +49,7 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Measure, and print a table or one JSON object."""
-    from mimics_app.app import output
+    from mimics_app.app.terminal import output
 
     if args.what == "render":
         return _run_render(args)
@@ -67,8 +67,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _run_render(args: argparse.Namespace) -> int:
-    from mimics_app.app import output
-    from mimics_app.app.render_bench import RenderBench, measure_render
+    from mimics_app.app.bench.render_bench import RenderBench, measure_render
+    from mimics_app.app.terminal import output
 
     if args.workload is None:
         raise UsageError("a workload to draw is missing", "mimics bench render walk, city or nodes")
@@ -107,7 +107,7 @@ def _measure_realtime(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _measure_apart(kind: str, scene: Path, seconds: float) -> dict[str, Any]:
-    command = [sys.executable, "-m", "mimics_app.app.realtime_load", kind, str(scene), str(seconds)]
+    command = [sys.executable, "-m", "mimics_app.app.bench.realtime_load", kind, str(scene), str(seconds)]
     child = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
     if child.returncode != 0:
         raise DeviceError(f"the measurement of {kind} ended with exit code {child.returncode}", "see the lines above")

@@ -55,12 +55,12 @@ def run(args: argparse.Namespace) -> int:
 
 def _check(args: argparse.Namespace) -> int:
     """The conformance kit against one device."""
-    from mimics_app.app.device_check import check_by_name
+    from mimics_app.app.devices.check import check_by_name
 
     findings = check_by_name(args.device, args.recording)
     failed = [one for one in findings if one.verdict == "failed"]
     if args.json:
-        from mimics_app.app.output import write_object
+        from mimics_app.app.terminal.output import write_object
 
         rows = [{"check": one.check, "verdict": one.verdict, "what": one.what} for one in findings]
         write_object("devices", {"device": args.device, "passed": not failed, "checks": rows})
@@ -72,13 +72,13 @@ def _check(args: argparse.Namespace) -> int:
 
 def _emulate(args: argparse.Namespace) -> int:
     """A robot that is not there, until it is told to end."""
-    from mimics_app.app.device_emulator import EmulatorSettings, open_emulator, serve
+    from mimics_app.app.devices.emulator import EmulatorSettings, open_emulator, serve
 
     settings = EmulatorSettings(args.scene, args.patient, args.seed, args.port, args.delay)
     with open_emulator(args.device, settings) as emulator:
         address = f"{args.device}:{emulator.address}"
         if args.json:
-            from mimics_app.app.output import write_object
+            from mimics_app.app.terminal.output import write_object
 
             write_object("devices", {"address": address})
         else:
@@ -92,7 +92,7 @@ def _list(args: argparse.Namespace) -> int:
     """What a scene can be run on; what cannot be asked here is said, not failed on."""
     found = find_all()
     if args.json:
-        from mimics_app.app.output import write_object
+        from mimics_app.app.terminal.output import write_object
 
         write_object("devices", found)
     else:
@@ -105,7 +105,7 @@ def find_all() -> dict[str, Any]:
 
     Displays, gamepads and the sound output are asked for in processes of their own: their drivers may crash.
     """
-    from mimics_app.app.probes import probe
+    from mimics_app.app.installation.probes import probe
 
     attached, sound = probe("attached"), probe("sound")
     graphics = {backend: probe(backend) for backend in ("window", "egl", "osmesa")}
@@ -131,7 +131,7 @@ def _built_in() -> Iterator[dict[str, Any]]:
 
 
 def _plugged_in() -> Iterator[dict[str, Any]]:
-    from mimics_app.app.plugins import list_plugins
+    from mimics_app.app.installation.plugins import list_plugins
 
     for plugin in list_plugins("mimics_app.devices"):
         about = inspect.getdoc(plugin.loaded) or "" if plugin.loaded is not None else ""

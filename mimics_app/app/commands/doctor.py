@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from mimics_app import __version__
-from mimics_app.app import system_packages
+from mimics_app.app.installation import system_packages
 
 __all__ = ["add_arguments", "examine", "run"]
 
@@ -45,7 +45,7 @@ def run(args: argparse.Namespace) -> int:
     """Examine the machine; 0 when scenes can run here, 4 when something they need is missing."""
     findings = examine(args.runs)
     if args.json:
-        from mimics_app.app.output import write_object
+        from mimics_app.app.terminal.output import write_object
 
         write_object("doctor", findings)
     else:
@@ -59,8 +59,8 @@ def examine(runs: Path) -> dict[str, Any]:
     Args:
         runs: Folder that run folders would be made in.
     """
-    from mimics_app.app.plugins import list_plugins
-    from mimics_app.app.probes import probe
+    from mimics_app.app.installation.plugins import list_plugins
+    from mimics_app.app.installation.probes import probe
 
     found = [(need, need.found()) for need in system_packages.NEEDS]
     lacking = [need for need, place in found if not place and _is_linux()]

@@ -64,7 +64,7 @@ def _groups(words: list[str]) -> list[str]:
 
 
 def _measure(groups: list[str]) -> list[MeasuredGroup]:
-    from mimics_app.app.progress import ProgressBar
+    from mimics_app.app.terminal.progress import ProgressBar
     from mimics_app.lab.catalogue import load_methods
     from mimics_app.lab.measure import count_probes, measure
 
@@ -74,7 +74,7 @@ def _measure(groups: list[str]) -> list[MeasuredGroup]:
 
 
 def _show_table(args: argparse.Namespace, measured: list[MeasuredGroup]) -> int:
-    from mimics_app.app import output
+    from mimics_app.app.terminal import output
     from mimics_app.lab.machine import describe_machine
     from mimics_app.lab.measure import as_dict, to_table
     from mimics_app.lab.table import Table, shipped_file
@@ -114,7 +114,7 @@ def _chart(args: argparse.Namespace, measured: list[MeasuredGroup]) -> int:
 
 
 def _stability(args: argparse.Namespace) -> int:
-    from mimics_app.app.progress import ProgressBar
+    from mimics_app.app.terminal.progress import ProgressBar
     from mimics_app.lab.stability.catalogue import load_experiments
     from mimics_app.lab.stability_chart import draw_outcome
 
@@ -130,7 +130,7 @@ def _stability(args: argparse.Namespace) -> int:
 
 def _write(args: argparse.Namespace, figures: list[Figure]) -> int:
     """Write the figures and the gallery, and say where."""
-    from mimics_app.app import output
+    from mimics_app.app.terminal import output
     from mimics_app.lab.figure import write_figure
     from mimics_app.lab.gallery import write_gallery
 

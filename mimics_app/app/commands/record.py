@@ -38,7 +38,7 @@ def run(args: argparse.Namespace) -> int:
         wrong += opened.disagreements()
     answer["problems"] = wrong
     if args.json:
-        from mimics_app.app.output import write_object
+        from mimics_app.app.terminal.output import write_object
 
         write_object("record", {"action": args.action, **answer})
     else:

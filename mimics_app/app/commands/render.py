@@ -30,12 +30,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Draw and say what was drawn with which driver."""
-    from mimics_app.app import output
-    from mimics_app.app.first_start import say_if_cold
+    from mimics_app.app.terminal import output
+    from mimics_app.app.terminal.first_start import say_if_cold
 
     say_if_cold()
+    from mimics_app.app.picture.stills import draw_stills
     from mimics_app.app.settings import RunSettings
-    from mimics_app.app.stills import draw_stills
 
     settings = RunSettings(args.scene, seed=args.seed, profile=args.profile, size=args.size)
     stills = draw_stills(

@@ -25,7 +25,7 @@ def run(args: argparse.Namespace) -> int:
     opened = Run.open(args.folder)
     problems = opened.problems()
     if args.json:
-        from mimics_app.app.output import write_object
+        from mimics_app.app.terminal.output import write_object
 
         write_object(
             "report",

@@ -42,10 +42,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the scene and say what it came to."""
-    from mimics_app.app.first_start import say_if_cold
+    from mimics_app.app.terminal.first_start import say_if_cold
 
     say_if_cold()
-    from mimics_app.app.play import play
+    from mimics_app.app.play.play import play
 
     names = (
         "scene",

@@ -28,9 +28,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Compute what is missing, and join all of it."""
-    from mimics_app.app import output
     from mimics_app.app.sweep.experiments import NAMES, find_experiment
     from mimics_app.app.sweep.worker import SweepJob
+    from mimics_app.app.terminal import output
     from mimics_app.contracts.errors import SceneError
     from mimics_app.lab.sweep.points import count_points
     from mimics_app.lab.sweep.spec import load_sweep, span_of

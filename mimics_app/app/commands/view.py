@@ -57,7 +57,7 @@ def run(args: argparse.Namespace) -> int:
         raise UsageError("--frames and --video are of --headless", "add --headless --output turn.png")
     if args.sheet is not None:
         return _draw_sheet(args)
-    from mimics_app.app.build import has_display
+    from mimics_app.app.session.build import has_display
     from mimics_app.app.viewer.shown import open_shown
 
     if not (args.headless or has_display()):
@@ -118,7 +118,7 @@ def _describe(shown: Shown) -> dict[str, Any]:
 
 
 def _answer(args: argparse.Namespace, answer: dict[str, Any]) -> None:
-    from mimics_app.app import output
+    from mimics_app.app.terminal import output
 
     if args.json:
         output.write_object("view", answer)

@@ -13,12 +13,12 @@ from typing import Any
 
 import msgspec
 
-from mimics_app.app.bare_play import BarePlay
-from mimics_app.app.catalogue import open_scenario
-from mimics_app.app.haptic_side import HapticSide
-from mimics_app.app.plan import settle
-from mimics_app.app.scene_loading import find_scene, load_checked_scene
+from mimics_app.app.planner.plan import settle
+from mimics_app.app.scenes.catalogue import open_scenario
+from mimics_app.app.scenes.loading import find_scene, load_checked_scene
 from mimics_app.app.settings import PROFILES
+from mimics_app.app.touch.bare_play import BarePlay
+from mimics_app.app.touch.haptic_side import HapticSide
 from mimics_app.contracts.errors import Issue, MimicsError, nearest
 from mimics_app.contracts.messages import TaskAction
 from mimics_app.lab.sweep.quantity import Columns, Quantity, SweepExperiment

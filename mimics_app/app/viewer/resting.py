@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from mimics_app.app.catalogue import is_playable, open_scenario
+from mimics_app.app.scenes.catalogue import is_playable, open_scenario
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.scenario_port import Scenario
 from mimics_app.world.components.robot import Ball, Robot

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 
+from mimics_app.app.picture.video import draw_film
 from mimics_app.app.settings import Profile
-from mimics_app.app.video import draw_film
 from mimics_app.app.viewer.page import draw_caption
 from mimics_app.app.viewer.shown import Shown
 from mimics_app.app.viewer.stage import ViewerStage
