@@ -41,7 +41,6 @@ COMMANDS: dict[str, str] = {
 """Each is a module of `app.commands` with `add_arguments(parser)` and `run(args)`; with none given `launch` runs."""
 
 _LAUNCHER = "launch"
-_EXIT_USAGE = 2
 _EXIT_FILE = 3
 _EXIT_INTERNAL = 1
 _EXIT_BROKEN_PIPE = 128 + 13
@@ -207,8 +206,7 @@ def _say(arguments: list[str], issues: Sequence[Issue], as_json: bool) -> None:
         _say(arguments, issues, as_json=False)
         return
     command = arguments[0] if arguments[0] in COMMANDS else ""
-    errors = [{"file": i.file, "pointer": i.pointer, "what": i.what, "fix": i.fix} for i in issues]
-    output.write_object(command, {"errors": errors}, schema="errors")
+    output.write_object(command, {"errors": output.issue_rows(issues)}, schema="errors")
 
 
 class _Terminated:

@@ -178,9 +178,7 @@ def _request(settings: EmulatorSettings) -> DeviceRequest:
         return DeviceRequest(Robot(delay_ticks=0), None, seed=settings.seed)
     scene = load_checked_scene(settings.scene)
     scenario = open_scenario(scene, build_world(scene))
-    robots, patients = scene.components(Robot), scene.components(Patient)
-    robot = robots[0][1] if robots else Robot()
-    patient = patients[0][1] if patients else Patient()
+    robot, patient = scene.first(Robot) or Robot(), scene.first(Patient) or Patient()
     if settings.patient:
         patient = msgspec.structs.replace(patient, preset=settings.patient)
     way = robot_from_world(robot, scenario.via_points_world)

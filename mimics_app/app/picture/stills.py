@@ -19,6 +19,7 @@ from mimics_app.contracts.messages import TaskOrders
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen, render_frames
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.scene.file import build_world
+from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
 __all__ = ["Stills", "draw_stills"]
@@ -68,14 +69,9 @@ def draw_stills(
     scene = load_checked_scene(settings.scene)
     if video is not None:
         frames = max(1, round(FRAMES_PER_SECOND * seconds))
-    play: _Moments
-    if is_playable(scene):
-        play = _Play(Rehearsal(scene, settings.seed), frames, seconds)
-    else:
-        play = _Standing(build_world(scene), settings.seed, frames, seconds)
-    picture = Picture(
-        open_offscreen(backend, settings.size), scene, play.world, picture_quality(scene, settings.profile), camera
-    )
+    play = _moments(scene, settings.seed, frames, seconds)
+    quality = picture_quality(scene, settings.profile)
+    picture = Picture(open_offscreen(backend, settings.size), scene, play.world, quality, camera)
 
     def views(number: int) -> list[View]:
         picture.lay_out(play.to(number))
@@ -101,6 +97,13 @@ class _Moments(Protocol):
 
     def to(self, number: int) -> dict[str, object]:
         """Bring the world to frame `number` and return its figures."""
+
+
+def _moments(scene: Scene, seed: int, frames: int, seconds: float) -> _Moments:
+    """The scene played, or as it stands where no scenario plays it."""
+    if is_playable(scene):
+        return _Play(Rehearsal(scene, seed), frames, seconds)
+    return _Standing(build_world(scene), seed, frames, seconds)
 
 
 class _Standing:
@@ -143,13 +146,11 @@ class _Play:
         self._rehearsal.scenario.apply(TaskOrders(), snapshot)
         self.world.update()
         self.world.effects.time = self._done / TICKS_PER_SECOND
-        force = float(np.linalg.norm(snapshot.f_user_world))
-        seconds = self._done / TICKS_PER_SECOND
-        stability = {"margin": snapshot.margin, "energy": snapshot.energy}
         return {
             "progress": snapshot.progress,
             "contacts": snapshot.contacts,
-            "time": seconds,
-            "force": force,
-            **stability,
+            "time": self._done / TICKS_PER_SECOND,
+            "force": float(np.linalg.norm(snapshot.f_user_world)),
+            "margin": snapshot.margin,
+            "energy": snapshot.energy,
         }

@@ -42,8 +42,8 @@ def load_checked_scene(path: Path) -> Scene:
 
 def _check_widest_tunnel(scene: Scene) -> list[Issue]:
     """The task may widen the tunnel only as far as its tightest bend allows (radius x curvature below 1)."""
-    task = scene.sections.get("task")
-    if not isinstance(task, TaskSpec) or not scene.components(Tunnel):
+    task = scene.section(TaskSpec)
+    if task is None or not scene.components(Tunnel):
         return []
     limit = tunnel_of_scene(scene)[0].max_radius_scale
     issues = []
@@ -74,8 +74,8 @@ def _check_reach(scene: Scene) -> list[Issue]:
 
 def _check_carry_reach(scene: Scene) -> list[Issue]:
     """The robot must reach the mark, and whatever lies below where the thing falls from."""
-    task = scene.sections.get("task")
-    if not isinstance(task, TaskSpec) or task.carry is None or not scene.components(Robot):
+    task = scene.section(TaskSpec)
+    if task is None or task.carry is None or not scene.components(Robot):
         return []
     robot, carry = scene.one(Robot)[1], task.carry
     mark = pose_of(scene, carry.to)[0]

@@ -10,12 +10,14 @@ import json
 import math
 import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, redirect_stdout, suppress
 from pathlib import PurePath
 from typing import Any, TextIO
 
-__all__ = ["finite", "object_written", "reserved_stdout", "write_object"]
+from mimics_app.contracts.errors import Issue
+
+__all__ = ["finite", "issue_rows", "object_written", "reserved_stdout", "write_object"]
 
 
 class _ObjectStream:
@@ -88,6 +90,11 @@ def write_object(command: str, data: Mapping[str, Any], *, schema: str = "", ver
 def object_written() -> bool:
     """Whether this call of the command line has written its object."""
     return _target.written
+
+
+def issue_rows(issues: Iterable[Issue]) -> list[dict[str, str]]:
+    """Issues as objects of JSON."""
+    return [{"file": i.file, "pointer": i.pointer, "what": i.what, "fix": i.fix} for i in issues]
 
 
 def finite(value: Any) -> Any:
