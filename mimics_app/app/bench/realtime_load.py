@@ -22,6 +22,7 @@ from mimics_app.app.session.build import build_session, start_loop
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.touch.rehearsal import Rehearsal
 from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.rendering.haptic.devices.registry import SIMULATED
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
@@ -31,7 +32,6 @@ __all__ = ["main"]
 _WORK_NS = 8_000_000
 _PERIOD_NS = 1_000_000
 _SIZE = (1280, 720)
-_SIMULATED = "simulated_hapticmaster"
 
 Row = dict[str, Any]
 
@@ -46,17 +46,17 @@ def main(kind: str, scene: Path, seconds: float) -> Row:
 def _measure_product(scene: Path, seconds: float, recipe: str) -> Row:
     """The product's own session, live, with the simulated patient."""
     with tempfile.TemporaryDirectory(prefix="mimics-bench-") as runs:
-        settings = RunSettings(scene, device=_SIMULATED, recipe=recipe, runs=Path(runs), size=_SIZE)
+        settings = RunSettings(scene, device=SIMULATED, recipe=recipe, runs=Path(runs), size=_SIZE)
         with build_session(settings, live=True) as session:
             start_loop(session)
-            session.picture = _open_picture(session.scene, session.world)
-            frames = Frames(session)
+            picture, frames = _open_picture(session.scene, session.world), Frames(session)
+            session.show(picture)
 
             def draw() -> None:
                 frames.step()
-                session.picture.draw(frames.orders.hud)  # type: ignore[union-attr]
+                picture.draw(frames.orders.hud)
 
-            count = _load(draw, session.picture, seconds)
+            count = _load(draw, picture, seconds)
             late = session.haptics.histogram()
             session.end_stages()
             session.finish({})

@@ -18,9 +18,8 @@ __all__ = ["person_inputs", "simulated_person"]
 
 def simulated_person(scene: Scene, scenario: Scenario) -> SimulatedPatient:
     """What a simulated person does with what the scene asks: the run's own, or one on an emulated robot."""
-    patients = scene.components(Patient)
-    intent = patients[0][1].intent if patients else True
-    return SimulatedPatient(intent=intent, follows_way=len(scenario.via_points_world) > 1)
+    patient = scene.first(Patient) or Patient()
+    return SimulatedPatient(intent=patient.intent, follows_way=len(scenario.via_points_world) > 1)
 
 
 def person_inputs(session: Session) -> Inputs:
@@ -32,13 +31,11 @@ def person_inputs(session: Session) -> Inputs:
     picture = session.picture
     if picture is None:
         raise RuntimeError("a person needs a window")
-    robots = session.scene.components(Robot)
-    robot = robots[0][1] if robots else Robot()
-    balls = session.scene.components(Ball)
+    robot, ball = session.scene.first(Robot) or Robot(), session.scene.first(Ball)
     centre = robot.robot_to_world.translation
     half_width = float(np.sin(robot.joint_max[1]) * (robot.stroke / 2 + robot.offset))
     plane = FrontalPlane(centre, half_width=half_width, half_height=robot.joint_max[2])
-    settings = PointerSettings(grasp_full=balls[0][1].grasp_force_full if balls else PointerSettings().grasp_full)
+    settings = PointerSettings() if ball is None else PointerSettings(grasp_full=ball.grasp_force_full)
     at_mouse = Pointer(plane, picture.ray, settings)
     on_robot = [simulated_person(session.scene, session.scenario)] if session.haptics.plugin.real_time else []
     return Inputs([*on_robot, at_mouse], window=picture.surface)

@@ -68,6 +68,12 @@ class Session:
     trouble: str = ""
     on_close: ExitStack = field(default_factory=ExitStack)
 
+    def show(self, picture: Picture) -> None:
+        """Take a picture to draw from now on, into a film where one is wanted."""
+        self.picture = picture
+        if self.settings.video is not None:
+            self.on_close.callback(picture.start_film(self.settings.video, live=self.live).finish)
+
     def end_stages(self) -> AudioReport | None:
         """Stop touch, picture and sound, in that order; the recorder still runs."""
         self.tasks.end_session(self.clock.now_ns())
