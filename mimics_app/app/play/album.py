@@ -60,10 +60,7 @@ class Album:
 
         session = self._session
         surface = open_offscreen("auto", session.settings.size)
-        session.picture = Picture(
-            surface, session.scene, session.world, picture_quality(session.scene, session.settings.profile)
-        )
-        if session.settings.video is not None:
-            film = session.picture.start_film(session.settings.video, live=session.live)
-            session.on_close.callback(film.finish)
-        return session.picture
+        quality = picture_quality(session.scene, session.settings.profile)
+        picture = Picture(surface, session.scene, session.world, quality)
+        session.show(picture)
+        return picture

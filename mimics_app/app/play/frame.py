@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from mimics_app.app.cues.effect_cues import EffectCues
 from mimics_app.app.session.session import Session
 from mimics_app.app.touch.loss_watch import LossWatch
-from mimics_app.contracts.haptic import EVENT, INBOX
+from mimics_app.app.touch.person_inbox import PersonInbox
+from mimics_app.contracts.haptic import EVENT
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders, VRInput
 
 __all__ = ["Frames"]
@@ -32,7 +33,7 @@ class Frames:
 
     def __init__(self, session: Session) -> None:
         self._session = session
-        self._inbox: NDArray[Any] = np.zeros(1, INBOX)
+        self._inbox = PersonInbox(session.haptics)
         self._effects = EffectCues(session.world)
         self.number = 0
         self.orders = TaskOrders()
@@ -91,14 +92,5 @@ class Frames:
         if orders.hud.get("state") in _DRIVEN:
             x, y, z = snapshot.hip_world
             session.inputs.hold_at((float(x), float(y), float(z)))
-        self._tell(vr, person_may_act=orders.person_may_act)
-
-    def _tell(self, vr: VRInput, *, person_may_act: bool) -> None:
-        record = self._inbox[0]
-        pointer = vr.pointer
-        record["active"] = int(person_may_act and pointer is not None and pointer.active)
-        record["trial"] = self._session.desk.block["trial"][0]
-        if pointer is not None:
-            record["target_world"] = pointer.target_world
-            record["grasp"] = pointer.grasp
-        self._session.haptics.tell(self._inbox)
+        trial = int(session.desk.block["trial"][0])
+        self._inbox.tell(vr.pointer, trial=trial, may_act=orders.person_may_act)

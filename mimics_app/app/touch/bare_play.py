@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.app.touch.device_fit import device_values, fit_context
 from mimics_app.app.touch.haptic_side import HapticSide
+from mimics_app.app.touch.person_inbox import PersonInbox
 from mimics_app.contracts import ring
 from mimics_app.contracts.clock import ticks_until_frame
-from mimics_app.contracts.haptic import INBOX, SAMPLE
+from mimics_app.contracts.haptic import SAMPLE
 from mimics_app.contracts.messages import TaskAction, TaskOrders
 from mimics_app.inputs.interaction.simulated_patient import SimulatedPatient
 from mimics_app.inputs.stage import Inputs
@@ -70,7 +71,7 @@ class BarePlay:
         self.inputs = Inputs([SimulatedPatient(intent=patient.intent, follows_way=len(way) > 1)])
         self.samples: NDArray[Any] = np.zeros(0, SAMPLE)
         self._out = np.zeros(len(self.memory.samples), SAMPLE)
-        self._inbox: NDArray[Any] = np.zeros(1, INBOX)
+        self._inbox = PersonInbox(self.haptics)
         self._frame = 0
         self.desk.hand_to(self.haptics.publish)
 
@@ -89,12 +90,7 @@ class BarePlay:
         snapshot = self.haptics.snapshot()
         orders = self.tasks.step(vr, action, snapshot, self.haptics.events(), self.now_ns)
         self.desk.change(orders.haptic)
-        record, pointer = self._inbox[0], vr.pointer
-        record["active"] = int(orders.person_may_act and pointer is not None and pointer.active)
-        record["trial"] = self.desk.block["trial"][0]
-        if pointer is not None:
-            record["target_world"], record["grasp"] = pointer.target_world, pointer.grasp
-        self.haptics.tell(self._inbox)
+        self._inbox.tell(vr.pointer, trial=int(self.desk.block["trial"][0]), may_act=orders.person_may_act)
         self.scenario.apply(orders, snapshot)
         self.desk.change(self.scenario.haptic_orders())
         self.inputs.aim(self.scenario.aim(snapshot))

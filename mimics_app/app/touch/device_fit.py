@@ -19,8 +19,7 @@ def device_values(plugin: DevicePlugin, scene: Scene) -> Mapping[str, object]:
     """SCENE fields that depend on the device: its delay, and how it is driven."""
     values: dict[str, object] = {"device_delay": plugin.delay}
     if plugin.follows == "force":
-        found = scene.components(Impedance)
-        values |= impedance_values(found[0][1] if found else Impedance())
+        values |= impedance_values(scene.first(Impedance) or Impedance())
     elif plugin.follows == "nothing":  # no virtual mass moves with it whose energy could be controlled
         values["passivity"] = 0
     return values

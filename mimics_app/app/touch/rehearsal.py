@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.app.touch.device_fit import device_values, feel_of
 from mimics_app.app.touch.haptic_side import HapticSide
+from mimics_app.app.touch.person_inbox import PersonInbox
 from mimics_app.contracts import ring
 from mimics_app.contracts.clock import TICKS_PER_SECOND
-from mimics_app.contracts.haptic import INBOX, SAMPLE, SafetyState
+from mimics_app.contracts.haptic import SAMPLE, SafetyState
+from mimics_app.contracts.messages import PointerState
 from mimics_app.contracts.scenario_port import Home
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.world.components.robot import Patient, Robot
@@ -37,10 +36,9 @@ class Rehearsal:
         self.world = build_world(scene)
         self.world.effects.seed = seed
         self.scenario = open_scenario(scene, self.world)
-        robots, patients = scene.components(Robot), scene.components(Patient)
         plugin = build_device(
-            robots[0][1] if robots else Robot(),
-            patients[0][1] if patients else Patient(),
+            scene.first(Robot) or Robot(),
+            scene.first(Patient) or Patient(),
             self.scenario.via_points_world,
             seed,
         )
@@ -51,7 +49,8 @@ class Rehearsal:
         self._rows = np.zeros(len(self.memory.samples), SAMPLE)
         self._desk = side.desk(self.scenario.scene_block())
         self._desk.change(device_values(plugin, scene))
-        self._inbox: NDArray[Any] = np.zeros(1, INBOX)
+        self._inbox = PersonInbox(self.haptics)
+        self._pointer = PointerState((0.0, 0.0, 0.0), 0.0, active=True)
         self._desk.hand_to(self.haptics.publish)
         self._go_home()
         self._let_go()
@@ -70,7 +69,6 @@ class Rehearsal:
         """Hand the robot to the simulated person, forces on."""
         self._desk.change({"controller": int(feel_of(self.haptics.plugin)), "trial": 1})
         self.advance(TICKS_PER_SECOND)
-        self._inbox["active"], self._inbox["trial"] = 1, 1
         self._look()
 
     def advance(self, ticks: int) -> None:
@@ -91,8 +89,8 @@ class Rehearsal:
         aim = self.scenario.aim(self.haptics.snapshot())
         self._aims = aim is not None
         if aim is not None:
-            self._inbox["target_world"], self._inbox["grasp"] = aim.target_world, float(aim.close)
-        self.haptics.tell(self._inbox)
+            self._pointer = PointerState(aim.target_world, float(aim.close), active=True)
+        self._inbox.tell(self._pointer, trial=1, may_act=True)
 
 
 def rehearse(scene: Scene, ticks: int) -> Rehearsal:
