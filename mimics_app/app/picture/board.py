@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Colour, Hud
+from mimics_app.rendering.visual.figures.palette import ACCENT, FAINT, INK
 
 __all__ = ["draw_board"]
 
 _PANEL: Colour = (0.06, 0.08, 0.11, 0.62)
-_INK: Colour = (0.96, 0.97, 0.98, 1.0)
-_FAINT: Colour = (0.74, 0.79, 0.84, 1.0)
-_ACCENT: Colour = (0.30, 0.74, 0.92, 1.0)
 _CALM: Colour = (0.36, 0.78, 0.47, 1.0)
 _WARN: Colour = (0.96, 0.62, 0.16, 1.0)
 _ALARM: Colour = (0.90, 0.22, 0.20, 1.0)
@@ -74,16 +72,16 @@ def _draw_figure(
 ) -> None:
     x, y, width = place
     label, text = _LABELS.get(name, name.capitalize()), _text(name, figures)
-    hud.text(x, y + 27.0, label, 15.0, _FAINT)
+    hud.text(x, y + 27.0, label, 15.0, FAINT)
     if name in _DRAWN:
         _DRAWN[name](hud, figures, place)
         return
     if name not in ("progress", "force"):
-        hud.text(x, y, text, 25.0, _INK, bold=True, width=width)
+        hud.text(x, y, text, 25.0, INK, bold=True, width=width)
         return
-    hud.text(x + width, y + 27.0, text, 17.0, _INK, bold=True, align="right")
+    hud.text(x + width, y + 27.0, text, 17.0, INK, bold=True, align="right")
     share = _number(figures, name) / (force_full if name == "force" else 1.0)
-    hud.bar((x, y + 4.0, width, 11.0), share, _ACCENT if name == "progress" else _force_colour(share))
+    hud.bar((x, y + 4.0, width, 11.0), share, ACCENT if name == "progress" else _force_colour(share))
 
 
 _LABELS = {
@@ -123,7 +121,7 @@ def _draw_margin(hud: Hud, figures: Mapping[str, object], place: tuple[float, fl
     if isinstance(share, float) and share < _SOFTENED:
         text, colour = f"soft {100.0 * share:.0f} %", _WARN
     hud.text(x, y, text, 25.0, colour, bold=True, width=0.62 * width)
-    hud.text(x + width, y + 4.0, f"{1e3 * energy:.1f} mJ", 17.0, _ALARM if energy < -_LEAK else _FAINT, align="right")
+    hud.text(x + width, y + 4.0, f"{1e3 * energy:.1f} mJ", 17.0, _ALARM if energy < -_LEAK else FAINT, align="right")
 
 
 def _draw_grasp(hud: Hud, figures: Mapping[str, object], place: tuple[float, float, float]) -> None:
@@ -132,10 +130,10 @@ def _draw_grasp(hud: Hud, figures: Mapping[str, object], place: tuple[float, flo
     grasp, least, most = (_number(figures, name) for name in ("grasp", "grasp_least", "grasp_most"))
     full = _GRASP_ROOM * most if most > 0.0 else 1.0
     right = least <= grasp <= most
-    hud.text(x + width, y + 27.0, f"{grasp:.1f} N", 17.0, _INK, bold=True, align="right")
+    hud.text(x + width, y + 27.0, f"{grasp:.1f} N", 17.0, INK, bold=True, align="right")
     left, wide = x + width * least / full, width * (most - least) / full
     hud.box(left, y - 1.0, wide, 21.0, _RIGHT, radius=4.0)
-    hud.bar((x, y + 4.0, width, 11.0), grasp / full, _CALM if right else _ACCENT if grasp < least else _WARN)
+    hud.bar((x, y + 4.0, width, 11.0), grasp / full, _CALM if right else ACCENT if grasp < least else _WARN)
 
 
 def _margin_colour(margin: float) -> Colour:
@@ -162,7 +160,7 @@ def _draw_message(hud: Hud, message: str, *, alarm: bool) -> None:
     width = min(hud.measure(message, size, bold=True) + 64.0, hud.width - 2.0 * _MARGIN)
     x, y = 0.5 * (hud.width - width), 46.0
     hud.box(x, y, width, 64.0, (0.55, 0.08, 0.08, 0.86) if alarm else _PANEL, radius=18.0)
-    hud.text(0.5 * hud.width, y + 21.0, message, size, _INK, bold=True, align="centre", width=width - 32.0)
+    hud.text(0.5 * hud.width, y + 21.0, message, size, INK, bold=True, align="centre", width=width - 32.0)
 
 
 _DRAWN = {"margin": _draw_margin, "grasp": _draw_grasp}
