@@ -108,8 +108,8 @@ def test_nohup_is_respected() -> None:
         (["run", "--seed", "9" * 30], "is no seed"),
         (["run", "--seed", "1.5"], "1.5 is no seed"),
         (["render", "scene.json", "--seed", str(2**63)], "is no seed"),
-        (["bench", "realtime", "--seconds", "nan"], "nan is not a time"),
-        (["bench", "realtime", "--seconds", "-1"], "-1 is not a time"),
+        (["bench", "realtime", "--seconds", "nan"], "nan is no time"),
+        (["bench", "realtime", "--seconds", "-1"], "-1 is no time"),
         (["bench", "realtime", "--rounds", "0"], "0 is no number of rounds"),
     ],
 )

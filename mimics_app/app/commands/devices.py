@@ -10,10 +10,11 @@ from __future__ import annotations
 import argparse
 import inspect
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from mimics_app.app.terminal.arguments import positive_time, random_seed, whole_number
 from mimics_app.contracts.errors import DeviceError, UsageError
 
 __all__ = ["add_arguments", "find_all", "run"]
@@ -27,21 +28,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--recording", type=Path, metavar="RUN", help="run folder for checking the replay device")
     parser.add_argument("--scene", type=Path, help="whose way and robot the emulated person has")
     parser.add_argument("--patient", choices=("healthy", "moderate", "severe"), default="", help="who is emulated")
-    parser.add_argument("--seed", type=int, default=1, help="of the emulated person and sensors")
-    parser.add_argument("--port", type=_whole(65535), default=0, help="a hapticmaster listens on; 0: any")
-    parser.add_argument("--delay", type=_whole(200), default=0, metavar="MS", help="of a hapticmaster's answers")
-    parser.add_argument("--seconds", type=float, help="how long to emulate [s]")
-
-
-def _whole(largest: int) -> Callable[[str], int]:
-    """A whole number from 0 to `largest` from the command line."""
-
-    def read(text: str) -> int:
-        if not (text.isdecimal() and int(text) <= largest):
-            raise argparse.ArgumentTypeError(f"{text} is no whole number from 0 to {largest}")
-        return int(text)
-
-    return read
+    parser.add_argument("--seed", type=random_seed, default=1, help="of the emulated person and sensors")
+    parser.add_argument(
+        "--port", type=whole_number("port", range(65536)), default=0, help="a hapticmaster listens on; 0: any"
+    )
+    parser.add_argument(
+        "--delay",
+        type=whole_number("number of milliseconds", range(201)),
+        default=0,
+        metavar="MS",
+        help="of a hapticmaster's answers",
+    )
+    parser.add_argument("--seconds", type=positive_time, help="how long to emulate [s]")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -7,6 +7,8 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from mimics_app.app.terminal.arguments import whole_number
+
 if TYPE_CHECKING:
     from mimics_app.lab.figure import Figure
     from mimics_app.lab.measure import MeasuredGroup
@@ -28,7 +30,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--all", action="store_true", help="all groups or experiments, as without a name")
     parser.add_argument("--save", action="store_true", help="measure: keep the figures for the planner of this machine")
     parser.add_argument("--shipped", action="store_true", help="measure: keep them as the table the product ships with")
-    parser.add_argument("--points", type=_grid, default=_POINTS, help="stability: how fine the grid is")
+    parser.add_argument(
+        "--points",
+        type=whole_number("number of points", range(2, 2001)),
+        default=_POINTS,
+        help="stability: how fine the grid is",
+    )
     parser.add_argument("--out", type=Path, default=Path("docs/charts"), help="folder of the figures")
 
 
@@ -43,13 +50,6 @@ def run(args: argparse.Namespace) -> int:
     groups = _groups(args.name)
     measured = _measure(groups)
     return _show_table(args, measured) if args.action == "measure" else _chart(args, measured)
-
-
-def _grid(text: str) -> int:
-    points = int(text)
-    if not 2 <= points <= 2000:
-        raise argparse.ArgumentTypeError(f"{text} is not a number of points between 2 and 2000")
-    return points
 
 
 def _groups(words: list[str]) -> list[str]:

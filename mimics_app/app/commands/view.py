@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.app.settings import PROFILES
+from mimics_app.app.terminal.arguments import frame_count, picture_size
 from mimics_app.contracts.errors import DeviceError, UsageError
 
 if TYPE_CHECKING:
@@ -17,9 +18,6 @@ __all__ = ["add_arguments", "run"]
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics view`."""
-    from mimics_app.app.commands.render import frame_count
-    from mimics_app.app.commands.run import picture_size
-
     parser.epilog = (
         "In the window: drag to go round, wheel, WASD to fly, click to choose, drag what is chosen to move it, Ctrl+S "
         "to save it to the scene file; H lists all keys. Files and shaders are loaded again when they are saved."

@@ -26,12 +26,13 @@ class ProgressBar:
     Args:
         stream: Where to write; silent unless it is a terminal.
         total: Number of steps.
+        done: Of these beforehand.
     """
 
-    def __init__(self, stream: TextIO, total: int) -> None:
+    def __init__(self, stream: TextIO, total: int, done: int = 0) -> None:
         self._stream = stream
         self._total = max(total, 1)
-        self._done = 0
+        self._done = done
         self._shown = stream.isatty()
 
     def __enter__(self) -> ProgressBar:
