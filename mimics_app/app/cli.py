@@ -16,7 +16,7 @@ from contextlib import ExitStack, contextmanager
 from typing import Any, NoReturn
 
 from mimics_app import __version__
-from mimics_app.contracts.errors import Issue, MimicsError, UsageError, nearest
+from mimics_app.contracts.errors import Issue, MimicsError, SceneError, UsageError, nearest
 
 __all__ = ["COMMANDS", "build_parser", "main"]
 
@@ -41,7 +41,6 @@ COMMANDS: dict[str, str] = {
 """Each is a module of `app.commands` with `add_arguments(parser)` and `run(args)`; with none given `launch` runs."""
 
 _LAUNCHER = "launch"
-_EXIT_FILE = 3
 _EXIT_INTERNAL = 1
 _EXIT_BROKEN_PIPE = 128 + 13
 _STDERR = 2
@@ -166,7 +165,7 @@ def _say_file_trouble(arguments: list[str], error: OSError, as_json: bool) -> in
     if not file:  # perhaps stdout itself
         _silence_stdout()
     _say(arguments, [Issue(file, "", str(error.strerror))], as_json)
-    return _EXIT_FILE
+    return SceneError.exit_code
 
 
 def _silence_stdout() -> None:

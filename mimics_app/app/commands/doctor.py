@@ -12,10 +12,10 @@ from typing import Any
 
 from mimics_app import __version__
 from mimics_app.app.installation import system_packages
+from mimics_app.contracts.errors import DeviceError
 
 __all__ = ["add_arguments", "examine", "run"]
 
-_EXIT_DEVICE = 4
 _PACKAGES = (
     "numpy",
     "numba",
@@ -50,7 +50,7 @@ def run(args: argparse.Namespace) -> int:
         write_object("doctor", findings)
     else:
         sys.stdout.write("\n".join(_lines(findings)) + "\n")
-    return 0 if findings["ready"] else _EXIT_DEVICE
+    return 0 if findings["ready"] else DeviceError.exit_code
 
 
 def examine(runs: Path) -> dict[str, Any]:

@@ -39,7 +39,7 @@ def run(args: argparse.Namespace) -> int:
     from mimics_app.app.settings import RunSettings
 
     settings = RunSettings(args.scene, seed=args.seed, profile=args.profile, size=args.size)
-    stills = draw_stills(
+    drawn = draw_stills(
         settings,
         args.output,
         backend=args.backend,
@@ -49,11 +49,10 @@ def run(args: argparse.Namespace) -> int:
         video=args.video,
     )
     if args.json:
-        files = [file.name if args.video is None else str(file) for file in stills.files]
-        answer = {"backend": stills.backend, "gl": stills.gl, "files": files, "ms_median": stills.ms_median}
-        output.write_object("render", {**answer, "folder": args.output})
+        files = [file.name if args.video is None else str(file) for file in drawn.files]
+        output.write_object("render", {**drawn.as_dict(), "files": files, "folder": args.output})
         return 0
-    print(f"{stills.backend}: {stills.gl}, {stills.ms_median:.1f} ms a frame")
-    for file in stills.files:
+    print(f"{drawn.backend}: {drawn.gl}, {drawn.ms_median:.1f} ms a frame")
+    for file in drawn.files:
         print(file)
     return 0

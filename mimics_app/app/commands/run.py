@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import fields
 from pathlib import Path
 
 from mimics_app.app.settings import PROFILES, RECIPES, SOUNDS, RunSettings
@@ -53,18 +54,5 @@ def run(args: argparse.Namespace) -> int:
     say_if_cold()
     from mimics_app.app.play.play import play
 
-    names = (
-        "scene",
-        "seconds",
-        "seed",
-        "profile",
-        "device",
-        "recording",
-        "patient",
-        "sound",
-        "size",
-        "pictures",
-        "video",
-    )
-    chosen = {name: getattr(args, name) for name in (*names, "action", "runs", "recipe", "headless")}
-    return play(RunSettings(**chosen), as_json=args.json)
+    settings = RunSettings(**{field.name: getattr(args, field.name) for field in fields(RunSettings)})
+    return play(settings, as_json=args.json)

@@ -77,7 +77,7 @@ def _look(args: argparse.Namespace, shown: Shown) -> int:
 def _draw(args: argparse.Namespace, shown: Shown) -> int:
     from mimics_app.app.viewer.stills import draw_turntable
 
-    stills = draw_turntable(
+    drawn = draw_turntable(
         shown,
         args.output,
         args.size,
@@ -88,8 +88,7 @@ def _draw(args: argparse.Namespace, shown: Shown) -> int:
         caption=args.caption,
         video=args.video,
     )
-    drawn = {"backend": stills.backend, "gl": stills.gl, "files": stills.files, "ms_median": stills.ms_median}
-    _answer(args, {**_describe(shown), **drawn})
+    _answer(args, {**_describe(shown), **drawn.as_dict()})
     return 0
 
 

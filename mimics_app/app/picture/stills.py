@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
 import numpy as np
 
+from mimics_app.app.picture.drawn import Drawn
 from mimics_app.app.picture.picture import Picture, picture_quality
 from mimics_app.app.picture.video import FRAMES_PER_SECOND, draw_film
 from mimics_app.app.scenes.catalogue import is_playable
@@ -22,19 +22,9 @@ from mimics_app.world.scene.file import build_world
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
-__all__ = ["Stills", "draw_stills"]
+__all__ = ["draw_stills"]
 
 _MOST_TICKS = 4000
-
-
-@dataclass(frozen=True, slots=True)
-class Stills:
-    """What was drawn: files, backend, driver, and median time per frame [ms]."""
-
-    files: list[Path]
-    backend: str
-    gl: str
-    ms_median: float
 
 
 def draw_stills(
@@ -46,7 +36,7 @@ def draw_stills(
     seconds: float = 0.0,
     camera: str = "",
     video: Path | None = None,
-) -> Stills:
+) -> Drawn:
     """Draw frames of a scene at even distances of simulated play, the last after `seconds` [s].
 
     A film has 60 of them a second instead.
@@ -78,15 +68,13 @@ def draw_stills(
         return picture.views
 
     if video is None:
-        drawn = render_frames(picture.renderer, picture.surface, frames, views, folder)
+        made = render_frames(picture.renderer, picture.surface, frames, views, folder)
     else:
-        drawn = draw_film(picture.renderer, picture.surface, frames, views, video)
-    info = picture.surface.ctx.info
-    gl = f"{info['GL_VERSION']}, {info['GL_RENDERER']}"
-    stills = Stills(drawn.files, picture.surface.backend, gl, drawn.ms_median)
+        made = draw_film(picture.renderer, picture.surface, frames, views, video)
+    drawn = Drawn.on(picture.surface, made)
     picture.tell_issues()
     picture.close()
-    return stills
+    return drawn
 
 
 class _Moments(Protocol):

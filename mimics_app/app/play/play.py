@@ -19,15 +19,13 @@ from mimics_app.app.session.session import Session
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal import output
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.errors import DeviceError, PartialDataError, SafetyStop
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.recording.manifest import Manifest
 from mimics_app.recording.report import write_report
 
 __all__ = ["play"]
 
-_EXIT_SAFETY = 5
-_EXIT_PARTIAL = 6
 _STOPS = (SafetyState.SAFE_STOP.name, SafetyState.E_STOP.name)
 
 
@@ -61,10 +59,10 @@ def play(settings: RunSettings, *, as_json: bool) -> int:
     else:
         _say(answer)
     if summary["safety"]["state"] in _STOPS:
-        return _EXIT_SAFETY
+        return SafetyStop.exit_code
     if session.trouble:
         return DeviceError.exit_code
-    return 0 if whole else _EXIT_PARTIAL
+    return 0 if whole else PartialDataError.exit_code
 
 
 def _report(session: Session, manifest: Manifest) -> tuple[Path | None, bool]:
