@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mimics_app.app.scene_loading import load_checked_scene
+from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.resources import root
 from mimics_app.recording.run import Run

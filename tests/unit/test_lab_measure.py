@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from mimics_app.app.plan import choose
+from mimics_app.app.planner.plan import choose
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.methods import Group, Method, Registry
 from mimics_app.lab.front import pareto_front

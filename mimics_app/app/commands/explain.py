@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from mimics_app.app.settings import PROFILES
 
 if TYPE_CHECKING:
-    from mimics_app.app.plan import Plan
+    from mimics_app.app.planner.plan import Plan
 
 __all__ = ["add_arguments", "run"]
 
@@ -22,11 +22,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Plan the scene as a run of it would, and say what was taken and why."""
-    from mimics_app.app import output
-    from mimics_app.app.explain import explain_plan
-    from mimics_app.app.plan import plan_scene
-    from mimics_app.app.scene_loading import load_checked_scene
-    from mimics_app.app.shadow_cost import measure_shadow_us
+    from mimics_app.app.picture.shadow_cost import measure_shadow_us
+    from mimics_app.app.planner.explain import explain_plan
+    from mimics_app.app.planner.plan import plan_scene
+    from mimics_app.app.scenes.loading import load_checked_scene
+    from mimics_app.app.terminal import output
 
     scene = load_checked_scene(args.scene)
     plan = plan_scene(scene, args.profile)

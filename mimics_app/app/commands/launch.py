@@ -28,8 +28,8 @@ def run(args: argparse.Namespace) -> int:
     Raises:
         DeviceError: there is no display.
     """
-    from mimics_app.app.build import has_display
-    from mimics_app.app.play import play
+    from mimics_app.app.play.play import play
+    from mimics_app.app.session.build import has_display
     from mimics_app.app.settings import RunSettings
 
     if not has_display():
@@ -83,7 +83,7 @@ def _choose() -> tuple[Path, dict[str, str]] | None:
 
 def _cards() -> list[ScenarioCard]:
     """One card per shipped scene that is played, scenarios first: its title, words, and picture where it has one."""
-    from mimics_app.app.catalogue import ONLY_LOOKED_AT
+    from mimics_app.app.scenes.catalogue import ONLY_LOOKED_AT
     from mimics_app.contracts.resources import root
     from mimics_app.rendering.visual.figures.launcher import ScenarioCard
 

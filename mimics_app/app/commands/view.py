@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.app.settings import PROFILES
+from mimics_app.app.terminal.arguments import frame_count, picture_size
 from mimics_app.contracts.errors import DeviceError, UsageError
 
 if TYPE_CHECKING:
@@ -17,9 +18,6 @@ __all__ = ["add_arguments", "run"]
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics view`."""
-    from mimics_app.app.commands.render import frame_count
-    from mimics_app.app.commands.run import picture_size
-
     parser.epilog = (
         "In the window: drag to go round, wheel, WASD to fly, click to choose, drag what is chosen to move it, Ctrl+S "
         "to save it to the scene file; H lists all keys. Files and shaders are loaded again when they are saved."
@@ -57,7 +55,7 @@ def run(args: argparse.Namespace) -> int:
         raise UsageError("--frames and --video are of --headless", "add --headless --output turn.png")
     if args.sheet is not None:
         return _draw_sheet(args)
-    from mimics_app.app.build import has_display
+    from mimics_app.app.session.build import has_display
     from mimics_app.app.viewer.shown import open_shown
 
     if not (args.headless or has_display()):
@@ -79,7 +77,7 @@ def _look(args: argparse.Namespace, shown: Shown) -> int:
 def _draw(args: argparse.Namespace, shown: Shown) -> int:
     from mimics_app.app.viewer.stills import draw_turntable
 
-    stills = draw_turntable(
+    drawn = draw_turntable(
         shown,
         args.output,
         args.size,
@@ -90,8 +88,7 @@ def _draw(args: argparse.Namespace, shown: Shown) -> int:
         caption=args.caption,
         video=args.video,
     )
-    drawn = {"backend": stills.backend, "gl": stills.gl, "files": stills.files, "ms_median": stills.ms_median}
-    _answer(args, {**_describe(shown), **drawn})
+    _answer(args, {**_describe(shown), **drawn.as_dict()})
     return 0
 
 
@@ -118,7 +115,7 @@ def _describe(shown: Shown) -> dict[str, Any]:
 
 
 def _answer(args: argparse.Namespace, answer: dict[str, Any]) -> None:
-    from mimics_app.app import output
+    from mimics_app.app.terminal import output
 
     if args.json:
         output.write_object("view", answer)

@@ -14,7 +14,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Compile every kernel of a run that is not in the cache yet."""
-    from mimics_app.app import output
+    from mimics_app.app.terminal import output
     from mimics_app.contracts.clock import MonotonicClock
     from mimics_app.contracts.kernel import cache_folder
 
@@ -36,7 +36,7 @@ def _compile_everything() -> None:
     """Run a short session in memory: loop, devices, world."""
     from pathlib import Path
 
-    from mimics_app.app.rehearsal import rehearse
-    from mimics_app.app.scene_loading import load_checked_scene
+    from mimics_app.app.scenes.loading import load_checked_scene
+    from mimics_app.app.touch.rehearsal import rehearse
 
     rehearse(load_checked_scene(Path("scenes/wavy_tunnel.json")), ticks=100)

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from mimics_app.app.overlay_keys import toggle_overlay
+from mimics_app.app.picture.overlay_keys import toggle_overlay
 from mimics_app.app.settings import Profile
 from mimics_app.app.viewer.controls import ViewerControls
 from mimics_app.app.viewer.hand import Hand

@@ -27,7 +27,6 @@ __all__ = ["collide_bodies"]
 
 _WALL = int(ShapeKind.WALL)
 _SPHERE = int(ShapeKind.SPHERE)
-_BOX = int(ShapeKind.BOX)
 _CYLINDER = int(ShapeKind.CYLINDER)
 _CAPSULE = int(ShapeKind.CAPSULE)
 _MESH = int(ShapeKind.MESH)
