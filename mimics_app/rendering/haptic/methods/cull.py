@@ -96,7 +96,7 @@ def misses(number: int, count: int = _TYPICAL) -> float:
 
 
 _CULLS: list[tuple[str, str, str, Callable[..., Any], bool]] = [
-    ("groups of 64", "bounds tested 64 at a time without a branch", "any scene, moving or not", find_near, False),
+    ("groups of 16", "bounds tested 16 at a time without a branch", "any scene, moving or not", find_near, False),
     ("one by one", "bounds tested one after the other", "any scene", find_near_plain, False),
     ("grid", "the cell of the point tells its shapes", "shapes at rest: filled again at each change", _in_cell, True),
 ]
