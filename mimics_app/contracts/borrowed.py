@@ -17,10 +17,11 @@ from numba import types
 from numba.core import cgutils
 from numba.core.datamodel import models
 from numba.core.imputils import lower_cast, lower_getattr_generic
+from numba.core.typeconv.castgraph import Conversion
 from numba.core.typing.templates import AttributeTemplate, infer_getattr
-from numba.extending import lower_builtin, register_model, type_callable
+from numba.extending import NativeValue, lower_builtin, register_model, type_callable, unbox
 
-__all__ = ["borrowed"]
+__all__ = ["borrowed", "borrowed_type"]
 
 T = TypeVar("T")
 
@@ -34,7 +35,7 @@ class _BorrowedArray(types.Array):
 
     def copy(self, dtype=None, ndim=None, layout=None, readonly=None):
         """The type of a view of such an array, as numba asks for it."""
-        return _borrowed_type(super().copy(dtype=dtype, ndim=ndim, layout=layout, readonly=readonly))
+        return borrowed_type(super().copy(dtype=dtype, ndim=ndim, layout=layout, readonly=readonly))
 
 
 class _BorrowedTuple(types.Type):
@@ -45,10 +46,25 @@ class _BorrowedTuple(types.Type):
         digest = hashlib.sha256(of.name.encode()).hexdigest()[:12]  # the name of a hundred fields is no symbol
         super().__init__(name=f"borrowed {of.instance_class.__name__} {digest}")
 
+    def can_convert_from(self, typingctx, other):
+        """Such a tuple itself may be handed over: it is borrowed for the call."""
+        return Conversion.safe if isinstance(other, types.BaseNamedTuple) and _counted(other) == self.of else None
 
-def _borrowed_type(kind):
+
+def _counted(kind: Any) -> Any:
+    """The type whose machine value is the same and counts."""
     if isinstance(kind, types.BaseNamedTuple):
-        return _BorrowedTuple(kind)
+        members: Any = kind
+        return types.NamedTuple([_counted(inner) for inner in members], members.instance_class)
+    if isinstance(kind, _BorrowedArray):
+        return types.Array(kind.dtype, kind.ndim, kind.layout, not kind.mutable, aligned=kind.aligned)
+    return kind
+
+
+def borrowed_type(kind: Any) -> Any:
+    """Type of `borrowed(value)` for a value of this numba type, for signatures; itself where nothing is counted."""
+    if isinstance(kind, types.BaseNamedTuple):
+        return _BorrowedTuple(_counted(kind))
     if isinstance(kind, types.Array) and not isinstance(kind, (_BorrowedArray, types.NestedArray)):
         return _BorrowedArray(kind.dtype, kind.ndim, kind.layout, not kind.mutable, kind.aligned)
     return kind
@@ -102,16 +118,43 @@ def borrowed(value: T) -> T:
 
 @type_callable(borrowed)
 def _type_borrowed(context):
-    return _borrowed_type
+    return borrowed_type
+
+
+def _into_frame(builder, value):
+    """Pointer to a copy of a machine value in the frame of the function that is being compiled."""
+    return builder.bitcast(cgutils.alloca_once_value(builder, value), cgutils.voidptr_t)
 
 
 @lower_builtin(borrowed, types.Any)
 def _borrow(context, builder, signature, args):
     (kind,) = signature.args
     value = _without_counts(context, builder, kind, args[0])
-    if not isinstance(kind, types.BaseNamedTuple):
-        return value
-    return builder.bitcast(cgutils.alloca_once_value(builder, value), cgutils.voidptr_t)
+    return _into_frame(builder, value) if isinstance(kind, types.BaseNamedTuple) else value
+
+
+@lower_cast(types.BaseNamedTuple, _BorrowedTuple)
+def _borrow_for_call(context, builder, kind, wanted, value):
+    return _into_frame(builder, _without_counts(context, builder, kind, value))
+
+
+@lower_cast(_BorrowedArray, types.Array)
+def _to_plain(context, builder, kind, wanted, value):
+    return value
+
+
+@unbox(_BorrowedTuple)
+def _unbox(kind, obj, c):
+    """A tuple of Python's, borrowed for the call."""
+    native = c.unbox(kind.of, obj)
+
+    def let_go():
+        if native.cleanup is not None:
+            native.cleanup()
+        c.context.nrt.decref(c.builder, kind.of, native.value)
+
+    value = _without_counts(c.context, c.builder, kind.of, native.value)
+    return NativeValue(_into_frame(c.builder, value), is_error=native.is_error, cleanup=let_go)
 
 
 @infer_getattr
@@ -120,9 +163,10 @@ class _BorrowedTupleFields(AttributeTemplate):
 
     key = _BorrowedTuple
 
-    def generic_resolve(self, kind, name):
+    def generic_resolve(self, value, attr):  # type: ignore[override]
         """Type of a field, None: there is none of this name."""
-        return _borrowed_type(kind.of.types[kind.of.fields.index(name)]) if name in kind.of.fields else None
+        fields = value.of.fields
+        return borrowed_type(value.of.types[fields.index(attr)]) if attr in fields else None
 
 
 @lower_getattr_generic(_BorrowedTuple)
@@ -133,8 +177,3 @@ def _field_of_borrowed(context, builder, kind, value, name):
     if isinstance(kind.of.types[index], types.BaseNamedTuple):
         return builder.bitcast(field, cgutils.voidptr_t)
     return builder.load(field)
-
-
-@lower_cast(_BorrowedArray, types.Array)
-def _to_plain(context, builder, kind, plain, value):
-    return value
