@@ -105,8 +105,8 @@ register_numbered(
     ),
     (
         NumberedRival(
-            "groups of 64",
-            "bounds tested 64 at a time without a branch",
+            "groups of 16",
+            "bounds tested 16 at a time without a branch",
             "any scene, moving or not",
             find_near,
             _COUNTS,
