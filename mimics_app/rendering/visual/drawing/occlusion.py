@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
-from mimics_app.rendering.visual.kernels.occlusion import MARGIN_PX, draw_occluders, pick_occluders, remove_hidden
+from mimics_app.rendering.visual.kernels.occluders import draw_occluders, pick_occluders
+from mimics_app.rendering.visual.kernels.occlusion import MARGIN_PX, remove_hidden
 from mimics_app.rendering.visual.settings import Occlusion
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.world import World
