@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mimics_app.app.scene_loading import load_checked_scene
+from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.recording.run import Run
 from mimics_app.rendering.visual.displays.desktop import desktop_views
 from mimics_app.world.scene.file import build_world
