@@ -21,7 +21,7 @@ from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.session.build import build_session, start_loop
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.touch.rehearsal import Rehearsal
-from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.contracts.clock import TICK_NS, MonotonicClock
 from mimics_app.rendering.haptic.devices.registry import SIMULATED
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.world.scene.scene import Scene
@@ -30,14 +30,13 @@ from mimics_app.world.world import World
 __all__ = ["main"]
 
 _WORK_NS = 8_000_000
-_PERIOD_NS = 1_000_000
 _SIZE = (1280, 720)
 
 Row = dict[str, Any]
 
 
 def main(kind: str, scene: Path, seconds: float) -> Row:
-    """Measure one loop: "product", "unprivileged" or "rival_python_thread"."""
+    """Measure one loop, "product", "unprivileged" or "rival_python_thread", for so many seconds [s]."""
     if kind == "rival_python_thread":
         return _measure_python_thread(scene, seconds)
     return _measure_product(scene, seconds, "ordinary" if kind == "unprivileged" else "auto")
@@ -74,13 +73,13 @@ def _measure_python_thread(scene_file: Path, seconds: float) -> Row:
 
     def loop() -> None:
         clock = MonotonicClock()
-        due = clock.now_ns() + _PERIOD_NS
+        due = clock.now_ns() + TICK_NS
         while not quit_event.is_set():
             clock.sleep_until_ns(due)
             late_us.append((clock.now_ns() - due) * 1e-3)
             rehearsal.advance(1)
-            ended_late.append(clock.now_ns() - due > _PERIOD_NS)
-            due += _PERIOD_NS
+            ended_late.append(clock.now_ns() - due > TICK_NS)
+            due += TICK_NS
 
     thread = threading.Thread(target=loop)
     thread.start()

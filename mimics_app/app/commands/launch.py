@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 __all__ = ["run"]
 
 _SIZE = (1280, 720)
-_FRAME_NS = 1_000_000_000 // 60
 
 _OWN = "scene's own"
 _WORDS = {"pointer": "mouse, keys, gamepad", "simulated_hapticmaster": "simulated patient"}
@@ -64,7 +63,7 @@ def _options() -> dict[str, list[str]]:
 
 
 def _choose() -> tuple[Path, dict[str, str]] | None:
-    from mimics_app.contracts.clock import MonotonicClock
+    from mimics_app.contracts.clock import FRAME_NS, MonotonicClock
     from mimics_app.rendering.visual.figures.launcher import Launcher
     from mimics_app.rendering.visual.surfaces.contexts import create_surface
 
@@ -77,7 +76,7 @@ def _choose() -> tuple[Path, dict[str, str]] | None:
                 return launcher.choice
             launcher.draw()
             surface.swap()
-            clock.sleep_until_ns(clock.now_ns() + _FRAME_NS // 4)
+            clock.sleep_until_ns(clock.now_ns() + FRAME_NS // 4)
     return None
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.contracts.clock import TICK_NS, MonotonicClock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.recording.run import Run
 from mimics_app.rendering.haptic.devices.conformance import Finding, check_device
@@ -13,8 +13,6 @@ from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.world.components.robot import Patient, Robot
 
 __all__ = ["check_by_name"]
-
-_TICK_NS = 1_000_000
 
 
 class _WallTime:
@@ -28,7 +26,7 @@ class _WallTime:
 
     def step(self) -> None:
         """Wait for the next millisecond; after a pause the count begins anew."""
-        self._due = max(self._due + _TICK_NS, self._clock.now_ns() - _TICK_NS)
+        self._due = max(self._due + TICK_NS, self._clock.now_ns() - TICK_NS)
         self._clock.sleep_until_ns(self._due)
 
     def spoil(self, what: str) -> None:

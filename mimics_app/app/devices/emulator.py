@@ -18,7 +18,7 @@ import msgspec
 
 from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.contracts.clock import TICK_NS, MonotonicClock
 from mimics_app.contracts.errors import DeviceError, UsageError, nearest
 from mimics_app.rendering.haptic import scheduler
 from mimics_app.rendering.haptic.devices.emulators.faults import Faults, apply_order
@@ -31,7 +31,6 @@ __all__ = ["EMULATED", "EmulatorSettings", "open_emulator", "serve"]
 
 EMULATED = ("serial", "hapticmaster")
 
-_STEP_NS = 1_000_000
 _LATEST_NS = 20_000_000
 """Further behind than this, the lost time is not made up for."""
 
@@ -116,7 +115,7 @@ def serve(emulator: Emulator, seconds: float | None) -> None:
         steps += 1
         if steps % _LISTEN_EVERY == 0 and not orders.obey(emulator.faults):
             return
-        due = max(due + _STEP_NS, clock.now_ns() - _LATEST_NS)
+        due = max(due + TICK_NS, clock.now_ns() - _LATEST_NS)
         clock.sleep_until_ns(due)
 
 

@@ -9,12 +9,12 @@ import numpy as np
 
 from mimics_app.app.picture.drawn import Drawn
 from mimics_app.app.picture.picture import Picture, picture_quality
-from mimics_app.app.picture.video import FRAMES_PER_SECOND, draw_film
+from mimics_app.app.picture.video import draw_film
 from mimics_app.app.scenes.catalogue import is_playable
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.touch.rehearsal import Rehearsal
-from mimics_app.contracts.clock import TICKS_PER_SECOND
+from mimics_app.contracts.clock import FRAMES_PER_SECOND, TICKS_PER_SECOND
 from mimics_app.contracts.messages import TaskOrders
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen, render_frames
 from mimics_app.rendering.visual.view import View

@@ -13,6 +13,7 @@ from pathlib import Path
 from statistics import median
 from typing import IO, TYPE_CHECKING, Protocol
 
+from mimics_app.contracts.clock import FRAMES_PER_SECOND
 from mimics_app.contracts.errors import UsageError
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.surfaces.frame_reader import FrameReader, ReadFrame
@@ -23,9 +24,7 @@ from mimics_app.rendering.visual.view import View
 if TYPE_CHECKING:
     from PIL import Image
 
-__all__ = ["FRAMES_PER_SECOND", "Film", "draw_film", "film_place"]
-
-FRAMES_PER_SECOND = 60
+__all__ = ["Film", "draw_film", "film_place"]
 
 _NS = 1_000_000_000
 _ROOM = 16

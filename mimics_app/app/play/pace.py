@@ -11,7 +11,7 @@ from mimics_app.app.play.frame import Frames
 from mimics_app.app.play.reload import SceneReload
 from mimics_app.app.play.view_desk import ViewDesk
 from mimics_app.app.session.session import Session
-from mimics_app.contracts.clock import TICKS_PER_SECOND, ticks_until_frame
+from mimics_app.contracts.clock import FRAME_NS, TICK_NS, ticks_until_frame
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.rendering.visual.quality_steps import quality_steps
@@ -19,8 +19,6 @@ from mimics_app.rendering.visual.quality_steps import quality_steps
 __all__ = ["run_live", "run_unseen", "run_virtual"]
 
 _NS = 1_000_000_000
-_FRAME_NS = _NS // 60
-_TICK_NS = _NS // TICKS_PER_SECOND
 _LATCHED = (SafetyState.SAFE_STOP, SafetyState.E_STOP)
 
 Progress = Callable[[Frames], None]
@@ -36,7 +34,7 @@ def run_virtual(session: Session, frames: Frames, after_frame: Progress) -> None
         begin, end = ticks_until_frame(frames.number), ticks_until_frame(frames.number + 1)
         session.recorder.wait_for_room(end - begin)
         session.haptics.advance(end - begin)
-        session.clock.sleep_until_ns(end * _TICK_NS)
+        session.clock.sleep_until_ns(end * TICK_NS)
         frames.step()
         after_frame(frames)
         if frames.snapshot is not None and frames.snapshot.state in _LATCHED:
@@ -68,7 +66,7 @@ def run_live(session: Session, frames: Frames, after_frame: Progress) -> None:
                 return
             governor.note((done_ns - begun_ns) * 1e-6, done_ns)
         after_frame(frames)
-        due = max(due + _FRAME_NS, session.clock.now_ns() - _FRAME_NS)
+        due = max(due + FRAME_NS, session.clock.now_ns() - FRAME_NS)
         session.clock.sleep_until_ns(due)
 
 
@@ -97,7 +95,7 @@ def run_unseen(session: Session, frames: Frames, after_frame: Progress) -> None:
         latched = frames.snapshot is not None and frames.snapshot.state in _LATCHED
         if latched and session.settings.seconds is None:
             return
-        due = max(due + _FRAME_NS, session.clock.now_ns() - _FRAME_NS)
+        due = max(due + FRAME_NS, session.clock.now_ns() - FRAME_NS)
         session.clock.sleep_until_ns(due)
 
 

@@ -19,6 +19,7 @@ from mimics_app.app.scenes.loading import find_scene, load_checked_scene
 from mimics_app.app.settings import PROFILES
 from mimics_app.app.touch.bare_play import BarePlay
 from mimics_app.app.touch.haptic_side import HapticSide
+from mimics_app.contracts.clock import FRAMES_PER_SECOND
 from mimics_app.contracts.errors import Issue, MimicsError, nearest
 from mimics_app.contracts.messages import TaskAction
 from mimics_app.lab.sweep.quantity import Columns, Quantity, SweepExperiment
@@ -78,7 +79,7 @@ def travel(
         patient = msgspec.structs.replace(patient, preset=preset)
     play = BarePlay(scene, _task_of(scene), scene.first(Robot) or Robot(), patient, seed)
     first = TaskAction(dict(action), at_trial=0) if action else None
-    for _ in range(round(seconds * 60.0)):
+    for _ in range(round(seconds * FRAMES_PER_SECOND)):
         play.step(first)
         first = None
         if play.tasks.done:

@@ -12,7 +12,7 @@ from mimics_app.app.touch.device_fit import device_values, fit_context
 from mimics_app.app.touch.haptic_side import HapticSide
 from mimics_app.app.touch.person_inbox import PersonInbox
 from mimics_app.contracts import ring
-from mimics_app.contracts.clock import ticks_until_frame
+from mimics_app.contracts.clock import TICK_NS, ticks_until_frame
 from mimics_app.contracts.haptic import SAMPLE
 from mimics_app.contracts.messages import TaskAction, TaskOrders
 from mimics_app.inputs.interaction.simulated_patient import SimulatedPatient
@@ -24,11 +24,8 @@ from mimics_app.tasks.task_manager import TaskManager
 from mimics_app.world.components.robot import Patient, Robot
 from mimics_app.world.scene.file import build_world
 from mimics_app.world.scene.scene import Scene
-from mimics_app.world.world import World
 
 __all__ = ["BarePlay"]
-
-_TICK_NS = 1_000_000
 
 
 class BarePlay:
@@ -40,7 +37,6 @@ class BarePlay:
         robot: Instead of the scene's.
         patient: Instead of the scene's.
         seed: Of patient, sensor, and everything the task draws.
-        world: Built from the scene; None: builds one.
 
     Attributes:
         world, scenario, memory, haptics, desk, tasks, inputs: As in a session.
@@ -54,10 +50,8 @@ class BarePlay:
         robot: Robot,
         patient: Patient,
         seed: int,
-        *,
-        world: World | None = None,
     ) -> None:
-        self.world = build_world(scene) if world is None else world
+        self.world = build_world(scene)
         self.scenario = open_scenario(scene, self.world)
         way = self.scenario.via_points_world
         plugin = build_device(robot, patient, way, seed)
@@ -78,7 +72,7 @@ class BarePlay:
     @property
     def now_ns(self) -> int:
         """Session time [ns]."""
-        return ticks_until_frame(self._frame) * _TICK_NS
+        return ticks_until_frame(self._frame) * TICK_NS
 
     def step(self, action: TaskAction | None = None) -> TaskOrders:
         """Play one frame; what the task ordered at its end."""

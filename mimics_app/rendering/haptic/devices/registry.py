@@ -128,8 +128,6 @@ def build_device(
     via_points_world: NDArray[np.float64] | None = None,
     seed: int = 0,
     *,
-    rate: int = 1000,
-    start_joints: tuple[float, float, float] = (0.0, 0.0, 0.0),
     samples: NDArray[np.void] | None = None,
     objects: tuple[DeviceObject, ...] = (),
 ) -> DevicePlugin:
@@ -141,8 +139,6 @@ def build_device(
         via_points_world: Points the simulated person means to pass, world [m], shape [n, 3]; dense enough that straight
             lines between them are good enough (the bisector at 50 or more parameters).
         seed: Of all random numbers.
-        rate: Ticks per second.
-        start_joints: Where a simulated robot stands at first [m, rad, m].
         samples: SAMPLE rows, for the replay device.
         objects: What a robot that renders objects by itself should make, robot frame.
 
@@ -155,8 +151,6 @@ def build_device(
         patient=patient,
         way_robot=robot_from_world(robot, points),
         seed=seed,
-        rate=rate,
-        start_joints=start_joints,
         samples=samples,
         address=split_device(robot.device).address,
         objects=objects,
