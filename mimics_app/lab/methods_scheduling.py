@@ -1,26 +1,25 @@
 """How the 1 kHz loop gets the processor: lateness against the share of a core, beside a thread that is busy.
 
 Every recipe runs the same tick for a few seconds while another thread burns Python as main does, lowered where the
-recipe asks main for it. A recipe that the system does not
-grant here is skipped. Importing this module registers the group.
+recipe asks main for it. A recipe that the system does not grant here is skipped. Importing this module registers the
+group.
 """
 
 from __future__ import annotations
 
 import sys
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
 
-from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.contracts.clock import TICKS_PER_SECOND, MonotonicClock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import reference_us
 from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.lab.python_loop import PythonLoop
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.scene_block import scene_from_components
@@ -35,7 +34,6 @@ SECONDS = 2.0
 """Of each run [s], after the first second that does not count."""
 
 _WARM_UP_S = 1.0
-_PERIOD_NS = 1_000_000
 _THREAD = "python thread"
 
 Figures = tuple[float, float]
@@ -72,34 +70,11 @@ def measure_recipe(recipe: str) -> Figures:
 def measure_thread() -> Figures:
     """Run the same tick in a plain Python thread that sleeps to the same deadlines."""
     engine = _engine("plain")
-    late_us: list[float] = []
-    with _running(engine, late_us) as thread:
-        share = _busy_beside(thread, False)
+    with PythonLoop(lambda: engine.advance(1)) as loop:
+        share = _busy_beside(loop.thread, False)
     engine.stop()
-    counted = late_us[round(_WARM_UP_S * 1e9 / _PERIOD_NS) :]
+    counted = loop.late_us[round(_WARM_UP_S * TICKS_PER_SECOND) :]
     return float(np.percentile(counted, 99)), share
-
-
-@contextmanager
-def _running(engine: HapticEngine, late_us: list[float]) -> Iterator[threading.Thread]:
-    over = threading.Event()
-
-    def loop() -> None:
-        clock = MonotonicClock()
-        due = clock.now_ns() + _PERIOD_NS
-        while not over.is_set():
-            clock.sleep_until_ns(due)
-            late_us.append((clock.now_ns() - due) * 1e-3)
-            engine.advance(1)
-            due += _PERIOD_NS
-
-    thread = threading.Thread(target=loop, name=_THREAD)
-    thread.start()
-    try:
-        yield thread
-    finally:
-        over.set()
-        thread.join()
 
 
 def _busy_beside(thread: threading.Thread, lower: bool) -> float:

@@ -8,7 +8,6 @@ from __future__ import annotations
 import json
 import sys
 import tempfile
-import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,8 @@ from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.session.build import build_session, start_loop
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.touch.rehearsal import Rehearsal
-from mimics_app.contracts.clock import TICK_NS, MonotonicClock
+from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.lab.python_loop import PythonLoop
 from mimics_app.rendering.haptic.devices.registry import SIMULATED
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.world.scene.scene import Scene
@@ -30,6 +30,8 @@ from mimics_app.world.world import World
 __all__ = ["main"]
 
 _WORK_NS = 8_000_000
+_UNCOUNTED = 1000
+"""Ticks at the beginning that do not count, as in the loop's own histogram."""
 _SIZE = (1280, 720)
 
 Row = dict[str, Any]
@@ -63,33 +65,18 @@ def _measure_product(scene: Path, seconds: float, recipe: str) -> Row:
 
 
 def _measure_python_thread(scene_file: Path, seconds: float) -> Row:
-    """A plain Python thread that sleeps to the same deadlines and runs the same tick."""
+    """The same tick in `PythonLoop`, under the same load."""
     scene = load_checked_scene(scene_file)
     rehearsal = Rehearsal(scene)
     rehearsal.advance(10)
     picture = _open_picture(scene, rehearsal.world)
     rehearsal.world.update()
-    quit_event, late_us, ended_late = threading.Event(), list[float](), list[bool]()
-
-    def loop() -> None:
-        clock = MonotonicClock()
-        due = clock.now_ns() + TICK_NS
-        while not quit_event.is_set():
-            clock.sleep_until_ns(due)
-            late_us.append((clock.now_ns() - due) * 1e-3)
-            rehearsal.advance(1)
-            ended_late.append(clock.now_ns() - due > TICK_NS)
-            due += TICK_NS
-
-    thread = threading.Thread(target=loop)
-    thread.start()
-    count = _load(lambda: picture.draw({}), picture, seconds)
-    quit_event.set()
-    thread.join()
+    with PythonLoop(lambda: rehearsal.advance(1)) as loop:
+        count = _load(lambda: picture.draw({}), picture, seconds)
     picture.close()
-    counted = np.array(late_us[1000:] or [0.0])
+    counted = np.array(loop.late_us[_UNCOUNTED:] or [0.0])
     percentiles = tuple(float(np.percentile(counted, share)) for share in (50, 99, 99.9, 100))
-    return _row("python thread", len(late_us), count, percentiles, int(sum(ended_late[1000:])))
+    return _row("python thread", len(loop.late_us), count, percentiles, sum(loop.ended_late[_UNCOUNTED:]))
 
 
 def _open_picture(scene: Scene, world: World) -> Picture:
@@ -119,7 +106,7 @@ def _row(recipe: str, ticks: int, frames: int, late: tuple[float, ...], missed: 
         "frames": frames,
         "lateness_us": dict(zip(names, late, strict=True)),
         "missed": missed,
-        "missed_share": missed / max(1, ticks - 1000),
+        "missed_share": missed / max(1, ticks - _UNCOUNTED),
     }
 
 

@@ -1,0 +1,48 @@
+"""The rival of the compiled loop: a plain Python thread that sleeps to the same deadlines and runs the same tick."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+from mimics_app.contracts.clock import TICK_NS, MonotonicClock
+
+__all__ = ["PythonLoop"]
+
+
+class PythonLoop:
+    """Runs from `with` to its end.
+
+    Args:
+        tick: One tick of the loop.
+
+    Attributes:
+        thread: Where it runs.
+        late_us: How late it woke for each tick [us].
+        ended_late: Whether each tick ended after the next one's deadline.
+    """
+
+    def __init__(self, tick: Callable[[], object]) -> None:
+        self._tick = tick
+        self._over = threading.Event()
+        self.late_us: list[float] = []
+        self.ended_late: list[bool] = []
+        self.thread = threading.Thread(target=self._run, name="python thread")
+
+    def __enter__(self) -> PythonLoop:
+        self.thread.start()
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self._over.set()
+        self.thread.join()
+
+    def _run(self) -> None:
+        clock = MonotonicClock()
+        due = clock.now_ns() + TICK_NS
+        while not self._over.is_set():
+            clock.sleep_until_ns(due)
+            self.late_us.append((clock.now_ns() - due) * 1e-3)
+            self._tick()
+            self.ended_late.append(clock.now_ns() - due > TICK_NS)
+            due += TICK_NS
