@@ -43,12 +43,15 @@ def _compile_everything() -> None:
     from mimics_app.app.scenes.catalogue import is_playable
     from mimics_app.app.scenes.loading import load_checked_scene
     from mimics_app.app.settings import RunSettings
+    from mimics_app.app.terminal.progress import ProgressBar
     from mimics_app.app.touch.rehearsal import rehearse
     from mimics_app.contracts.errors import DeviceError
     from mimics_app.contracts.resources import root
 
-    with TemporaryDirectory(prefix="mimics-") as folder:
-        for file in sorted((root() / "scenes").glob("*.json")):
+    files = sorted((root() / "scenes").glob("*.json"))
+    with TemporaryDirectory(prefix="mimics-") as folder, ProgressBar(sys.stderr, len(files)) as bar:
+        for file in files:
+            bar.step(file.stem)
             try:
                 draw_stills(RunSettings(file, size=_SIZE), Path(folder), seconds=_SECONDS)
             except DeviceError:
