@@ -16,6 +16,7 @@ from typing import Protocol
 
 import msgspec
 
+from mimics_app.app.play.collector import left_alone
 from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.contracts.clock import TICK_NS, MonotonicClock
@@ -105,6 +106,11 @@ def serve(emulator: Emulator, seconds: float | None) -> None:
     """
     if threading.current_thread() is threading.main_thread():
         _hurry()
+    with left_alone():
+        _step_each_millisecond(emulator, seconds)
+
+
+def _step_each_millisecond(emulator: Emulator, seconds: float | None) -> None:
     clock = MonotonicClock()
     due = clock.now_ns()
     end = 1 << 62 if seconds is None else due + round(seconds * 1e9)

@@ -10,6 +10,7 @@ from typing import Any
 
 from mimics_app.app.picture.picture import Picture, live_quality
 from mimics_app.app.play.album import Album
+from mimics_app.app.play.collector import left_alone
 from mimics_app.app.play.frame import Frames
 from mimics_app.app.play.pace import run_live, run_unseen, run_virtual
 from mimics_app.app.play.progress_line import ProgressLine
@@ -97,7 +98,8 @@ def _play_in_window(session: Session, frames: Frames) -> None:
     quality = live_quality(session.scene, session.settings.profile, surface)
     session.show(Picture(surface, session.scene, session.world, quality))
     session.inputs = person_inputs(session)
-    run_live(session, frames, lambda _: None)
+    with left_alone():
+        run_live(session, frames, lambda _: None)
 
 
 def _play_headless(session: Session, frames: Frames) -> list[Path]:
@@ -118,7 +120,8 @@ def _play_unseen(session: Session, frames: Frames) -> list[Path]:
     """The person of a device with a time of its own plays: live loop, no window."""
     album = Album(session)
     start_loop(session)
-    run_unseen(session, frames, album.look)
+    with left_alone():
+        run_unseen(session, frames, album.look)
     return album.finish(frames)
 
 

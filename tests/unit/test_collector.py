@@ -1,0 +1,37 @@
+"""What exists when a session begins is not looked through again; what it makes and drops is still found."""
+
+from __future__ import annotations
+
+import gc
+import weakref
+
+import pytest
+
+from mimics_app.app.play.collector import left_alone
+
+
+class _Ring:
+    def __init__(self) -> None:
+        self.itself = self
+
+
+def test_what_exists_is_left_out_and_what_is_made_is_found():
+    before = len(gc.get_objects())
+    with left_alone():
+        assert gc.get_freeze_count() > 0.5 * before
+        assert len(gc.get_objects()) < 0.1 * before
+        dropped = weakref.ref(_Ring())
+        gc.collect()
+        assert dropped() is None
+    assert gc.get_freeze_count() == 0
+
+
+def test_a_session_that_breaks_off_leaves_the_collector_as_it_was():
+    ring = _Ring()
+    seen = weakref.ref(ring)
+    with pytest.raises(RuntimeError), left_alone():
+        raise RuntimeError
+    assert gc.get_freeze_count() == 0
+    del ring
+    gc.collect()
+    assert seen() is None, "what was left alone is found afterwards"
