@@ -12,10 +12,11 @@ import pytest
 
 from mimics_app.app.catalogue import open_scenario
 from mimics_app.app.explain import TICK_GROUP, UNUSED, describe_plan, explain_plan
-from mimics_app.app.plan import USES, choose, load_table, plan_scene, settle
+from mimics_app.app.plan import choose, load_table, plan_scene, settle
 from mimics_app.app.scene_loading import load_checked_scene
 from mimics_app.app.settings import PROFILES
 from mimics_app.app.tolerances import BY_PROFILE, FIELD_OF_UNIT, tolerances_of
+from mimics_app.app.uses import USES
 from mimics_app.contracts.haptic import Projection
 from mimics_app.contracts.resources import root
 from mimics_app.lab.table import Row, Table
@@ -23,7 +24,7 @@ from mimics_app.world.components.systems import HapticSettings, Tolerances
 from mimics_app.world.scene.file import build_world
 
 SCENE = root() / "scenes" / "wavy_tunnel.json"
-PART_KEYS = ["part", "group", "method", "cost_us", "error", "unit", "tolerance", "next_cheaper"]
+PART_KEYS = ["part", "group", "method", "cost_us", "error", "unit", "tolerance", "next_cheaper", "too_dear", "more_ms"]
 
 
 def row(method: str, cost_us: float, error: float, unit: str) -> Row:
