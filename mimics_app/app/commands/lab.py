@@ -28,6 +28,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--all", action="store_true", help="all groups or experiments, as without a name")
     parser.add_argument("--save", action="store_true", help="measure: keep the figures for the planner of this machine")
     parser.add_argument("--shipped", action="store_true", help="measure: keep them as the table the product ships with")
+    parser.add_argument(
+        "--rounds", type=_count, default=1, metavar="N", help="measure, chart: so many times; the least costs stand"
+    )
     parser.add_argument("--points", type=_grid, default=_POINTS, help="stability: how fine the grid is")
     parser.add_argument("--out", type=Path, default=Path("docs/charts"), help="folder of the figures")
 
@@ -41,7 +44,7 @@ def run(args: argparse.Namespace) -> int:
     if args.action == "stability":
         return _stability(args)
     groups = _groups(args.name)
-    measured = _measure(groups)
+    measured = _measure(groups, args.rounds)
     return _show_table(args, measured) if args.action == "measure" else _chart(args, measured)
 
 
@@ -50,6 +53,12 @@ def _grid(text: str) -> int:
     if not 2 <= points <= 2000:
         raise argparse.ArgumentTypeError(f"{text} is not a number of points between 2 and 2000")
     return points
+
+
+def _count(text: str) -> int:
+    if not (text.isdecimal() and 1 <= int(text) <= 100):
+        raise argparse.ArgumentTypeError(f"{text} is not a number of rounds between 1 and 100")
+    return int(text)
 
 
 def _groups(words: list[str]) -> list[str]:
@@ -63,14 +72,14 @@ def _groups(words: list[str]) -> list[str]:
     return [known.get(name, name) for name in names] or list(GROUPS)
 
 
-def _measure(groups: list[str]) -> list[MeasuredGroup]:
+def _measure(groups: list[str], rounds: int) -> list[MeasuredGroup]:
     from mimics_app.app.progress import ProgressBar
     from mimics_app.lab.catalogue import load_methods
     from mimics_app.lab.measure import count_probes, measure
 
     registry = load_methods(groups)
-    with ProgressBar(sys.stderr, count_probes(registry, groups)) as bar:
-        return [measure(group, registry, bar.step) for group in groups]
+    with ProgressBar(sys.stderr, count_probes(registry, groups, rounds)) as bar:
+        return [measure(group, registry, bar.step, rounds) for group in groups]
 
 
 def _show_table(args: argparse.Namespace, measured: list[MeasuredGroup]) -> int:
