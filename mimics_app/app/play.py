@@ -98,7 +98,7 @@ def _play_in_window(session: Session, frames: Frames) -> None:
     start_loop(session)
     surface = create_surface("window", session.settings.size, session.scene.name)
     quality = live_quality(session.scene, session.settings.profile, surface)
-    session.recorder.journal("picture", asdict(quality))
+    session.recorder.journal("quality", asdict(quality))
     session.picture = Picture(surface, session.scene, session.world, quality)
     if session.settings.video is not None:
         session.on_close.callback(session.picture.start_film(session.settings.video, live=True).finish)
