@@ -235,5 +235,5 @@ def _header(
         "safety": msgspec.structs.asdict(safety[0][1] if safety else Safety()),
         "settings": chosen,
         "facts": scenario.facts,
-        "plan": describe_plan(scene, plan),
+        "plan": describe_plan(scene, plan.without_picture if live else plan),
     }

@@ -164,7 +164,7 @@ def _filters_left_out(scene: Scene, plan: Plan) -> list[LeftOut]:
         )
         if not used
     ]
-    if not plan.methods.get("anti aliasing", "").endswith("filter"):
+    if not plan.methods.get("anti aliasing", "filter").endswith("filter"):
         left.append(LeftOut("filter of edges, per frame", "edges are smooth enough, or fall as they fall", None))
     return left
 

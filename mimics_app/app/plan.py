@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mimics_app.app.settings import Profile
 from mimics_app.app.tolerances import FIELD_OF_UNIT, tolerances_of
@@ -91,6 +91,11 @@ class Plan:
     def methods(self) -> dict[str, str]:
         """Name of the method that runs, by group."""
         return {choice.group: choice.taken.method for choice in self.choices}
+
+    @property
+    def without_picture(self) -> Plan:
+        """The plan less what is chosen only when a live picture is opened."""
+        return replace(self, choices=tuple(choice for choice in self.choices if not USES[choice.group].pixels))
 
 
 def choose(rivals: Sequence[Row], tolerance: float, most_us: float = math.inf) -> Row:

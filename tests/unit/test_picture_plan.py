@@ -190,6 +190,13 @@ def test_only_a_picture_drawn_on_the_processor_is_planned_by_its_costs(of, monke
         assert live_quality(of(), "training", Surface()).msaa == samples
 
 
+def test_a_plan_made_before_a_live_picture_is_open_says_nothing_of_it(of):
+    loaded = of(bloom=0.2)
+    plan = plan_scene(loaded, "training", planted()).without_picture
+    assert not {"sun shadows", "anti aliasing", "bloom"} & set(plan.methods)
+    assert "filter of edges, per frame" not in {left["part"] for left in describe_plan(loaded, plan)["left_out"]}
+
+
 def test_every_method_of_the_catalogue_has_settings_that_draw_it():
     """Named by the registry, understood by the renderer: each rival's own settings come back from its name."""
     registry = load_methods(["anti aliasing", "sun shadows", "level of detail", "occlusion"])
