@@ -68,7 +68,7 @@ def _say(answer: dict[str, Any], plan: Plan) -> None:
         if part["too_dear"]:
             print(f"          better but too dear: {_too_dear(part['too_dear'], part['unit'])}")
     for left in answer["left_out"]:
-        saved = "" if left["saved_us"] is None else f" ({left['saved_us']:.3f} us saved)"
+        saved = "" if left["saved_us"] is None else f" ({_time_of(left['saved_us'])} saved)"
         print(f"left out  {left['part']}: {left['why']}{saved}")
 
 
@@ -77,7 +77,11 @@ def _cost_of(part: dict[str, Any]) -> str:
     if part["cost_us"] is None:
         return "not in the table"
     more = part["more_ms"]
-    return f"{part['cost_us']:.3f} us" if more is None else f"{more:.3g} ms a frame more than the cheapest"
+    return _time_of(part["cost_us"]) if more is None else f"{more:.3g} ms a frame more than the cheapest"
+
+
+def _time_of(us: float) -> str:
+    return f"{us:.3f} us" if us < 1000.0 else f"{1e-3 * us:.3g} ms"
 
 
 def _too_dear(dearer: dict[str, Any], unit: str) -> str:
