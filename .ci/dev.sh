@@ -17,7 +17,7 @@ venv=$root/.venv
 vpython=$venv/bin/python
 mark=$venv/.mimics-ready
 log=$root/.setup.log
-needs=mimics_app/app/system_packages.py
+needs=mimics_app/app/installation/system_packages.py
 oldest='(3, 11)'
 newest='(3, 14)'
 

@@ -16,7 +16,7 @@ from contextlib import ExitStack, contextmanager
 from typing import Any, NoReturn
 
 from mimics_app import __version__
-from mimics_app.contracts.errors import Issue, MimicsError, UsageError, nearest
+from mimics_app.contracts.errors import Issue, MimicsError, SceneError, UsageError, nearest
 
 __all__ = ["COMMANDS", "build_parser", "main"]
 
@@ -41,8 +41,6 @@ COMMANDS: dict[str, str] = {
 """Each is a module of `app.commands` with `add_arguments(parser)` and `run(args)`; with none given `launch` runs."""
 
 _LAUNCHER = "launch"
-_EXIT_USAGE = 2
-_EXIT_FILE = 3
 _EXIT_INTERNAL = 1
 _EXIT_BROKEN_PIPE = 128 + 13
 _STDERR = 2
@@ -115,7 +113,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         with ExitStack() as stack:
             stack.enter_context(_terminated_by_exception())
             if as_json:
-                from mimics_app.app import output
+                from mimics_app.app.terminal import output
 
                 stack.enter_context(output.reserved_stdout())
             return _guarded(arguments, as_json)
@@ -167,7 +165,7 @@ def _say_file_trouble(arguments: list[str], error: OSError, as_json: bool) -> in
     if not file:  # perhaps stdout itself
         _silence_stdout()
     _say(arguments, [Issue(file, "", str(error.strerror))], as_json)
-    return _EXIT_FILE
+    return SceneError.exit_code
 
 
 def _silence_stdout() -> None:
@@ -201,14 +199,13 @@ def _say(arguments: list[str], issues: Sequence[Issue], as_json: bool) -> None:
         for issue in issues:
             sys.stderr.write(f"mimics: {issue}\n")
         return
-    from mimics_app.app import output
+    from mimics_app.app.terminal import output
 
     if output.object_written():  # the answer stands already; a second object would break its reader
         _say(arguments, issues, as_json=False)
         return
     command = arguments[0] if arguments[0] in COMMANDS else ""
-    errors = [{"file": i.file, "pointer": i.pointer, "what": i.what, "fix": i.fix} for i in issues]
-    output.write_object(command, {"errors": errors}, schema="errors")
+    output.write_object(command, {"errors": output.issue_rows(issues)}, schema="errors")
 
 
 class _Terminated:

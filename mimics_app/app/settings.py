@@ -24,7 +24,7 @@ class RunSettings:
     Attributes:
         scene: Scene file.
         headless: No window: virtual clock, simulated patient, as fast as the machine allows.
-        seconds: Simulated time after which the run ends; None: when the task is done.
+        seconds: Simulated time after which the run ends [s]; None: when the task is done.
         seed: Of everything random: trial order, patient, sensor noise.
         profile: How much the picture and the tolerances may give up.
         device: Instead of the scene's robot device; "" keeps it (a window takes "pointer").

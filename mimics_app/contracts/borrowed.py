@@ -1,22 +1,94 @@
 """Arrays without their reference counts, for compiled code that owns nothing.
 
 Taking an array out of a tuple, or handing it to another compiled function, counts a reference up and down with atomic
-instructions: some 10 ns each time, more than a whole contact of a point and a shape in a kernel of a few dozen arrays.
-The loop borrows what others keep alive for its whole run, so it need not count.
+instructions or at least with two calls, and hands every array over as seven words and more: together more than a whole
+contact of a point and a shape in a kernel of a few dozen arrays. The loop borrows what others keep alive for its whole
+run, so it need not count: a borrowed array is a type of its own, for which numba emits no counting at all, and a
+borrowed tuple travels as one pointer, from which just those arrays are read that are used.
 """
 
 from __future__ import annotations
 
+import hashlib
 from typing import Any, TypeVar
 
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
-from numba.extending import intrinsic, overload
+from numba.core.datamodel import models
+from numba.core.imputils import lower_cast, lower_getattr_generic
+from numba.core.typeconv.castgraph import Conversion
+from numba.core.typing.templates import AttributeTemplate, infer_getattr
+from numba.extending import NativeValue, lower_builtin, register_model, type_callable, unbox
 
-__all__ = ["borrowed"]
+__all__ = ["borrowed", "borrowed_type"]
 
 T = TypeVar("T")
+
+
+class _BorrowedArray(types.Array):
+    """An array that counts no references; so do its views."""
+
+    def __init__(self, dtype, ndim, layout, readonly=False, aligned=True):
+        plain = types.Array(dtype, ndim, layout, readonly=readonly, aligned=aligned)
+        super().__init__(dtype, ndim, layout, readonly=readonly, name=f"borrowed {plain}", aligned=aligned)
+
+    def copy(self, dtype=None, ndim=None, layout=None, readonly=None):
+        """The type of a view of such an array, as numba asks for it."""
+        return borrowed_type(super().copy(dtype=dtype, ndim=ndim, layout=layout, readonly=readonly))
+
+
+class _BorrowedTuple(types.Type):
+    """A pointer to a named tuple of arrays and named tuples that lies in the frame of whoever borrowed it."""
+
+    def __init__(self, of):
+        self.of = of
+        digest = hashlib.sha256(of.name.encode()).hexdigest()[:12]  # the name of a hundred fields is no symbol
+        super().__init__(name=f"borrowed {of.instance_class.__name__} {digest}")
+
+    def can_convert_from(self, typingctx, other):
+        """Such a tuple itself may be handed over: it is borrowed for the call."""
+        return Conversion.safe if isinstance(other, types.BaseNamedTuple) and _counted(other) == self.of else None
+
+
+def _counted(kind: Any) -> Any:
+    """The type whose machine value is the same and counts."""
+    if isinstance(kind, types.BaseNamedTuple):
+        members: Any = kind
+        return types.NamedTuple([_counted(inner) for inner in members], members.instance_class)
+    if isinstance(kind, _BorrowedArray):
+        return types.Array(kind.dtype, kind.ndim, kind.layout, not kind.mutable, aligned=kind.aligned)
+    return kind
+
+
+def borrowed_type(kind: Any) -> Any:
+    """Type of `borrowed(value)` for a value of this numba type, for signatures; itself where nothing is counted."""
+    if isinstance(kind, types.BaseNamedTuple):
+        return _BorrowedTuple(_counted(kind))
+    if isinstance(kind, types.Array) and not isinstance(kind, (_BorrowedArray, types.NestedArray)):
+        return _BorrowedArray(kind.dtype, kind.ndim, kind.layout, not kind.mutable, kind.aligned)
+    return kind
+
+
+@register_model(_BorrowedArray)
+class _BorrowedArrayModel(models.StructModel):
+    """The machine value of an array, with nothing in it that numba would count."""
+
+    def __init__(self, dmm, fe_type):
+        extents = types.UniTuple(types.intp, fe_type.ndim)
+        members = [
+            ("meminfo", types.voidptr),
+            ("parent", types.voidptr),
+            ("nitems", types.intp),
+            ("itemsize", types.intp),
+            ("data", types.CPointer(fe_type.dtype)),
+            ("shape", extents),
+            ("strides", extents),
+        ]
+        super().__init__(dmm, fe_type, members)
+
+
+register_model(_BorrowedTuple)(models.OpaqueModel)
 
 
 def _without_counts(context, builder, kind, value):
@@ -33,16 +105,10 @@ def _without_counts(context, builder, kind, value):
     return value
 
 
-@intrinsic
-def _borrowed(typingctx, value):
-    def codegen(context, builder, signature, args):
-        return _without_counts(context, builder, signature.args[0], args[0])
-
-    return value(value), codegen
-
-
 def borrowed(value: T) -> T:
-    """The same array, or tuple of arrays and tuples, without reference counts.
+    """The same array, or named tuple of arrays and named tuples, without reference counts.
+
+    What is borrowed is not to be returned: a tuple lies in the frame of the function that borrowed it.
 
     Args:
         value: What somebody else keeps alive for as long as the result is used.
@@ -50,6 +116,64 @@ def borrowed(value: T) -> T:
     return value
 
 
-@overload(borrowed)
-def _overload_borrowed(value):
-    return lambda value: _borrowed(value)
+@type_callable(borrowed)
+def _type_borrowed(context):
+    return borrowed_type
+
+
+def _into_frame(builder, value):
+    """Pointer to a copy of a machine value in the frame of the function that is being compiled."""
+    return builder.bitcast(cgutils.alloca_once_value(builder, value), cgutils.voidptr_t)
+
+
+@lower_builtin(borrowed, types.Any)
+def _borrow(context, builder, signature, args):
+    (kind,) = signature.args
+    value = _without_counts(context, builder, kind, args[0])
+    return _into_frame(builder, value) if isinstance(kind, types.BaseNamedTuple) else value
+
+
+@lower_cast(types.BaseNamedTuple, _BorrowedTuple)
+def _borrow_for_call(context, builder, kind, wanted, value):
+    return _into_frame(builder, _without_counts(context, builder, kind, value))
+
+
+@lower_cast(_BorrowedArray, types.Array)
+def _to_plain(context, builder, kind, wanted, value):
+    return value
+
+
+@unbox(_BorrowedTuple)
+def _unbox(kind, obj, c):
+    """A tuple of Python's, borrowed for the call."""
+    native = c.unbox(kind.of, obj)
+
+    def let_go():
+        if native.cleanup is not None:
+            native.cleanup()
+        c.context.nrt.decref(c.builder, kind.of, native.value)
+
+    value = _without_counts(c.context, c.builder, kind.of, native.value)
+    return NativeValue(_into_frame(c.builder, value), is_error=native.is_error, cleanup=let_go)
+
+
+@infer_getattr
+class _BorrowedTupleFields(AttributeTemplate):
+    """What the fields of a borrowed tuple are: borrowed themselves."""
+
+    key = _BorrowedTuple
+
+    def generic_resolve(self, value, attr):  # type: ignore[override]
+        """Type of a field, None: there is none of this name."""
+        fields = value.of.fields
+        return borrowed_type(value.of.types[fields.index(attr)]) if attr in fields else None
+
+
+@lower_getattr_generic(_BorrowedTuple)
+def _field_of_borrowed(context, builder, kind, value, name):
+    index = kind.of.fields.index(name)
+    where = builder.bitcast(value, context.get_value_type(kind.of).as_pointer())
+    field = cgutils.gep_inbounds(builder, where, 0, index)
+    if isinstance(kind.of.types[index], types.BaseNamedTuple):
+        return builder.bitcast(field, cgutils.voidptr_t)
+    return builder.load(field)

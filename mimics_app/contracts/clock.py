@@ -7,7 +7,10 @@ from datetime import UTC, datetime
 from typing import Protocol
 
 __all__ = [
+    "FRAMES_PER_SECOND",
+    "FRAME_NS",
     "TICKS_PER_SECOND",
+    "TICK_NS",
     "Clock",
     "MonotonicClock",
     "VirtualClock",
@@ -17,6 +20,13 @@ __all__ = [
 ]
 
 TICKS_PER_SECOND = 1000
+TICK_NS = 1_000_000_000 // TICKS_PER_SECOND
+
+FRAMES_PER_SECOND = 60
+"""Of the picture, and of the stages that are called once a frame; a film has as many."""
+
+FRAME_NS = 1_000_000_000 // FRAMES_PER_SECOND
+"""Shortest distance of two live frames, less than a nanosecond short of a sixtieth of a second."""
 
 
 class Clock(Protocol):
@@ -65,9 +75,9 @@ def process_seconds() -> float:
     return time.process_time()
 
 
-def ticks_until_frame(frame: int, frames_per_second: int = 60) -> int:
+def ticks_until_frame(frame: int) -> int:
     """Ticks due before frame `frame` begins: 17/17/16 a frame at 60 Hz in a fixed pattern, no float accumulator."""
-    return round(frame * TICKS_PER_SECOND / frames_per_second)
+    return round(frame * TICKS_PER_SECOND / FRAMES_PER_SECOND)
 
 
 def wall_time() -> datetime:

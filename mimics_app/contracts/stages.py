@@ -1,34 +1,16 @@
-"""The stages of D2.1 Figure 1 as the frame calls them, left to right; each may be replaced by its null form.
+"""The stages of D2.1 Figure 1 that have a null form, as the frame calls them, left to right.
 
 inputs -> dsp -> estimation -> learning -> tasks -> (haptic, visual, audio rendering)
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from collections.abc import Sequence
+from typing import Protocol
 
-from numpy.typing import NDArray
+from mimics_app.contracts.messages import FeatureFrame, SignalBlock, TaskAction, UserState
 
-from mimics_app.contracts.messages import (
-    FeatureFrame,
-    HapticSnapshot,
-    SignalBlock,
-    TaskAction,
-    TaskOrders,
-    UserState,
-    VRInput,
-)
-
-__all__ = ["Dsp", "Estimation", "InputStage", "Learning", "TaskStage"]
-
-
-class InputStage(Protocol):
-    """What comes in: body signals and the pointing device."""
-
-    def poll(self, now_ns: int) -> VRInput:
-        """Everything that arrived since the last frame."""
-        ...
+__all__ = ["Dsp", "Estimation", "Learning"]
 
 
 class Dsp(Protocol):
@@ -52,28 +34,4 @@ class Learning(Protocol):
 
     def choose(self, state: UserState, now_ns: int) -> TaskAction | None:
         """The next adaptation, or None to leave the task as it is."""
-        ...
-
-
-class TaskStage(Protocol):
-    """The task manager: flow of the scenario, goals, score."""
-
-    @property
-    def done(self) -> bool:
-        """True when the last trial is over."""
-        ...
-
-    def step(
-        self,
-        vr: VRInput,
-        action: TaskAction | None,
-        snapshot: HapticSnapshot,
-        events: NDArray[Any],
-        now_ns: int,
-    ) -> TaskOrders:
-        """One frame: `events` are the EVENT records since the last frame, shape [n]."""
-        ...
-
-    def result(self) -> Mapping[str, float]:
-        """Totals so far under the keys of `mimics run --json`."""
         ...

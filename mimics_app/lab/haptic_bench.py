@@ -20,6 +20,7 @@ from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.haptic_objects import OBJECT_COUNTS, STATIC, BodyFlag, ShapeKind
 from mimics_app.contracts.kernel import kernel, typed_kernel
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
+from mimics_app.contracts.probe import shortest_us
 from mimics_app.contracts.session_memory import Capacities, SessionMemory
 from mimics_app.lab.haptic_peers import PEERS, chai3d_us
 from mimics_app.rendering.haptic.devices.registry import build_device
@@ -27,7 +28,6 @@ from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.kernels.objects.hand import HAND_LENGTH
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 from mimics_app.rendering.haptic.methods.body_worlds import heap_of_boxes
-from mimics_app.rendering.haptic.methods.probe import shortest_us
 from mimics_app.rendering.haptic.methods.touch_probe import DT, RADIUS, STIFFNESS, touch_scene
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS
 from mimics_app.rendering.haptic.objects import SIMULATE, ObjectWork, new_object_work

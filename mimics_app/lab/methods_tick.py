@@ -5,7 +5,6 @@ The planner tells a scene's tick cost from these figures. Importing this module 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache, partial
 from typing import Any
 
@@ -13,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts import ring
-from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.haptic import INBOX, SAMPLE, Projection
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.probe import shortest_us
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.engine import HapticEngine
@@ -34,7 +33,6 @@ NO_TUNNEL = "no tunnel"
 REFERENCE_CALLS = 20_000
 
 _TICKS = 2000
-_REPEATS = 5
 _SEED = 1
 _REACH = 0.15
 """Half the length of the tunnel [m]; it waves by 20 mm in the frontal plane."""
@@ -55,18 +53,7 @@ def _turn_often(R: Array, p: Array, calls: int) -> None:
 def reference_us() -> float:
     """Cost of turning a vector and making it a unit again [us], the shortest of a few runs."""
     R = np.array([[0.8, -0.6, 0.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0]])
-    return _shortest_us(lambda: _turn_often(R, np.ones(3), REFERENCE_CALLS), REFERENCE_CALLS)
-
-
-def _shortest_us(work: Callable[[], object], calls: int) -> float:
-    clock = MonotonicClock()
-    work()
-    shortest = 1 << 62
-    for _ in range(_REPEATS):
-        started = clock.now_ns()
-        work()
-        shortest = min(shortest, clock.now_ns() - started)
-    return shortest * 1e-3 / calls
+    return shortest_us(lambda: _turn_often(R, np.ones(3), REFERENCE_CALLS), REFERENCE_CALLS)
 
 
 @cache
@@ -110,7 +97,7 @@ class _Bench:
 def tick_us(projection: Projection | None) -> float:
     """Cost of a tick [us], the shortest of a few runs of 2000; None: without a tunnel."""
     bench = _Bench(projection)
-    return _shortest_us(lambda: bench.advance(_TICKS), _TICKS)
+    return shortest_us(lambda: bench.advance(_TICKS), _TICKS)
 
 
 @cache

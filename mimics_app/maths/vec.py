@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["Vec", "add_scaled", "cross", "distance", "dot", "norm", "normalise", "perpendicular", "unit"]
+__all__ = ["Vec", "cross", "distance", "dot", "norm", "normalise", "perpendicular", "unit"]
 
 Vec = NDArray[np.float64]
 """float64, shape [3] unless said otherwise."""
@@ -42,13 +42,6 @@ def cross(a: Vec, b: Vec, out: Vec) -> None:
     y = a[2] * b[0] - a[0] * b[2]
     z = a[0] * b[1] - a[1] * b[0]
     out[0], out[1], out[2] = x, y, z
-
-
-@kernel
-def add_scaled(a: Vec, factor: float, b: Vec, out: Vec) -> None:
-    """Set out = a + factor b."""
-    for i in range(3):
-        out[i] = a[i] + factor * b[i]
 
 
 @kernel

@@ -15,6 +15,10 @@ Values = NDArray[np.float64]
 
 _LEFT, _RIGHT, _TOP, _BOTTOM = 62.0, 22.0, 10.0, 40.0
 _GRID_PX = 0.25
+_WIDTH, _MOST_HEIGHT = 860.0, 620.0
+"""Of a plot [px]; the height of one whose axes have the same scale follows from their ranges."""
+_TICKS = 6
+"""About so many lines of the grid along an axis."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,9 +55,9 @@ class Axis:
         return log_ticks(self.low, self.high) if self.log else nice_ticks(self.low, self.high)
 
 
-def nice_ticks(low: float, high: float, about: int = 6) -> list[float]:
+def nice_ticks(low: float, high: float) -> list[float]:
     """Round numbers in [low, high], 1, 2 or 5 times a power of ten apart."""
-    raw = (high - low) / about
+    raw = (high - low) / _TICKS
     power = 10.0 ** math.floor(math.log10(raw))
     step = power * next((m for m in (1, 2, 5) if raw <= m * power * 1.0000001), 10)
     first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
@@ -103,20 +107,20 @@ class Plot:
     x: Axis
     y: Axis
     title: str
-    width: float = 860.0
+    width: float = _WIDTH
     height: float = 220.0
     _parts: list[str] = field(default_factory=list)
     _legend: list[tuple[str, str]] = field(default_factory=list)
 
     @classmethod
-    def equal(cls, x: Axis, y: Axis, title: str, width: float = 860.0, most_height: float = 620.0) -> Plot:
+    def equal(cls, x: Axis, y: Axis, title: str) -> Plot:
         """A plot whose axes have the same scale; the shorter range is widened."""
-        inner = width - _LEFT - _RIGHT
+        inner = _WIDTH - _LEFT - _RIGHT
         span_x, span_y = x.high - x.low, y.high - y.low
-        inner_height = min(max(span_y / span_x * inner, 150.0), most_height)
+        inner_height = min(max(span_y / span_x * inner, 150.0), _MOST_HEIGHT)
         scale = max(span_x / inner, span_y / inner_height)
         x, y = _widened(x, scale * inner), _widened(y, scale * inner_height)
-        return cls(x, y, title, width, inner_height + _TOP + _BOTTOM)
+        return cls(x, y, title, _WIDTH, inner_height + _TOP + _BOTTOM)
 
     @property
     def _inner(self) -> tuple[float, float]:

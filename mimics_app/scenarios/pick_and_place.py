@@ -171,8 +171,8 @@ class PickAndPlace(Scenario):
 
 
 def _carry_of(scene: Scene) -> CarrySpec:
-    task = scene.sections.get("task")
-    if not isinstance(task, TaskSpec) or task.carry is None:
+    task = scene.section(TaskSpec)
+    if task is None or task.carry is None:
         raise SceneError(scene.issue("/task", "nothing is carried in this task", 'say what and where under "carry"'))
     return task.carry
 

@@ -14,21 +14,15 @@ from mimics_app.rendering.haptic.scene_block import axis_offset, robot_from_worl
 from mimics_app.world.components.robot import Admittance, Ball, JointPd, Robot, Safety, WorldPd
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["Vec3", "perhaps", "robot_block", "start_at", "triple"]
+__all__ = ["Vec3", "robot_block", "start_at", "triple"]
 
 Vec3 = tuple[float, float, float]
 
 
-def perhaps(scene: Scene, kind: type[Any]) -> Any:
-    """The scene's first component of a type, or None."""
-    found = scene.components(kind)
-    return found[0][1] if found else None
-
-
 def robot_block(scene: Scene) -> NDArray[Any]:
     """A SCENE record of the scene's robot, controller, ball and limits, shape [1]."""
-    block = scene_from_components(scene.one(Robot)[1], *(perhaps(scene, kind) for kind in (Admittance, Ball, Safety)))
-    gains = perhaps(scene, WorldPd) or perhaps(scene, JointPd)
+    block = scene_from_components(scene.one(Robot)[1], scene.first(Admittance), scene.first(Ball), scene.first(Safety))
+    gains = scene.first(WorldPd) or scene.first(JointPd)
     if gains is not None:
         block[0]["kp"], block[0]["kd"] = gains.kp, gains.kd
     return block

@@ -16,7 +16,7 @@ from mimics_app.rendering.haptic.scene_block import axis_offset, robot_from_worl
 from mimics_app.rendering.haptic.scene_effects import curve_of_path
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.scenarios.body_nodes import BodyNodes
-from mimics_app.scenarios.robot_scene import perhaps, robot_block, start_at
+from mimics_app.scenarios.robot_scene import robot_block, start_at
 from mimics_app.world.components.objects import HapticObject, HapticPath, InteractionPoints
 from mimics_app.world.components.robot import Ball, Patient, Robot
 from mimics_app.world.meshes.primitives import tube
@@ -58,7 +58,7 @@ class TouchScene(Scenario):
         balls = scene.components(Ball)
         self._ball = world.find(balls[0][0]) if balls else None
         self._start = pose_of(scene, balls[0][0])[0] if balls else np.array(self._robot.robot_to_world.translation)
-        points = perhaps(scene, InteractionPoints)
+        points = scene.first(InteractionPoints)
         self._points = [
             (world.find(point.entity), np.array(point.offset))
             for point in (points.points if points else ())
@@ -97,7 +97,7 @@ class TouchScene(Scenario):
 
     def _stations(self) -> list[NDArray[np.float64]]:
         """Where the simulated person goes in turn [m]."""
-        patient = perhaps(self._scene, Patient)
+        patient = self._scene.first(Patient)
         names = patient.visits if patient is not None else ()
         paths = [entity for entity, _, _ in self._scene.components(HapticPath)]
         if not names and not paths:

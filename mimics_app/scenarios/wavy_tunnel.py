@@ -102,8 +102,8 @@ class WavyTunnel(Scenario):
     @property
     def _projection(self) -> str:
         """As the scene names it, else as planned; without a plan the one that is always right."""
-        settings = self._scene.systems.get("haptic")
-        if isinstance(settings, HapticSettings) and settings.projection != "auto":
+        settings = self._scene.system(HapticSettings)
+        if settings is not None and settings.projection != "auto":
             return settings.projection
         return self._scene.methods.get("tunnel projection", "newton warm")
 

@@ -110,8 +110,10 @@ class Carry:
         return 0.0 <= above <= self._spec.height and _level(place, self._target) <= self.within
 
     def _stage(self, hand: Vec3, place: Vec3, *, held: bool, at_mark: bool) -> Stage:
+        if at_mark:  # what lies there is not to be taken again: the hand stays open until the attempt ends
+            return Stage.OPEN
         if held:
-            return Stage.OPEN if at_mark else Stage.CARRY
+            return Stage.CARRY
         return Stage.CLOSE if math.dist(hand, place) <= _NEAR else Stage.REACH
 
     def _progress(self, hand: Vec3, place: Vec3, *, held: bool, at_mark: bool) -> float:

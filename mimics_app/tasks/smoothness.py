@@ -42,20 +42,17 @@ def sparc(speed: NDArray[np.float64], rate: float) -> float | None:
     return -float(np.sum(np.hypot(1.0 / last, np.diff(band[: last + 1]))))
 
 
-def resample_speed(
-    times_s: NDArray[np.float64], speeds: NDArray[np.float64], rate: float = RESAMPLE_HZ
-) -> NDArray[np.float64]:
-    """Speeds at a fixed rate by linear interpolation.
+def resample_speed(times_s: NDArray[np.float64], speeds: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Speeds at `RESAMPLE_HZ` by linear interpolation.
 
     Args:
         times_s: When the speeds were seen [s], rising, shape [n].
-        speeds: Shape [n].
-        rate: Wanted rate [Hz].
+        speeds: [m/s], shape [n].
 
     Returns:
         Shape [m], from the first time to the last whole period before the end; empty for fewer than two times.
     """
     if times_s.shape[0] < 2:
         return np.zeros(0)
-    count = int(np.floor((times_s[-1] - times_s[0]) * rate + 1e-9)) + 1
-    return np.interp(times_s[0] + np.arange(count) / rate, times_s, speeds)
+    count = int(np.floor((times_s[-1] - times_s[0]) * RESAMPLE_HZ + 1e-9)) + 1
+    return np.interp(times_s[0] + np.arange(count) / RESAMPLE_HZ, times_s, speeds)

@@ -37,7 +37,7 @@ class SceneGraph:
         self.root = self.create("", _NONE)
         # Detached nodes hang here, out of sight, so that every node keeps a row and every handle works.
         self._limbo = self.create("", self.root)
-        self.transforms.set_visible(self.transforms.rows(np.array([self._limbo])), np.zeros(1, np.uint8))
+        self.transforms.set_visible(self._limbo, visible=False)
 
     def create(self, name: str, parent: int) -> int:
         """Index of a new node on `parent`; it can be moved at once.

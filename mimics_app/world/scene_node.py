@@ -145,7 +145,7 @@ class SceneNode(Handle):
         Raises:
             ValueError: a number is not finite.
         """
-        self.world.transforms.set_translations(self._rows(), np.asarray(position, np.float64))
+        self.world.transforms.set_translation(self.index, position)
 
     def set_orientation(self, orientation: Vector) -> None:
         """Set the local orientation, xyzw of any length, [4].
@@ -153,7 +153,7 @@ class SceneNode(Handle):
         Raises:
             ValueError: it is zero or not finite.
         """
-        self.world.transforms.set_rotations(self._rows(), np.asarray(orientation, np.float64))
+        self.world.transforms.set_rotation(self.index, orientation)
 
     def set_scale(self, scale: Vector) -> None:
         """Set the local scale, [3].
@@ -161,7 +161,7 @@ class SceneNode(Handle):
         Raises:
             ValueError: a number is not finite.
         """
-        self.world.transforms.set_scales(self._rows(), np.asarray(scale, np.float64))
+        self.world.transforms.set_scale(self.index, scale)
 
     def translate(self, offset: Vector, frame: Frame = "parent") -> None:
         """Move by an offset [m] in the parent's axes or the node's own (before its scale)."""
@@ -223,7 +223,7 @@ class SceneNode(Handle):
 
     @visible.setter
     def visible(self, visible: bool) -> None:
-        self.world.transforms.set_visible(self._rows(), np.array([visible]))
+        self.world.transforms.set_visible(self.index, visible=visible)
 
     @property
     def entity(self) -> Entity | None:
@@ -239,6 +239,3 @@ class SceneNode(Handle):
     def camera(self) -> Camera | None:
         """The camera here, if any."""
         return Camera(self.world, self.id) if self.index in self.world.content.cameras else None
-
-    def _rows(self) -> NDArray[np.int32]:
-        return self.world.transforms.rows(np.array([self.index]))

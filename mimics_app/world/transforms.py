@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.maths.quat import normalise_rows
 from mimics_app.world.propagation import propagate, store_poses
 from mimics_app.world.store import grown
 
@@ -105,21 +106,34 @@ class TransformTable:
         """Row of one entity index."""
         return int(self._rows[index])
 
-    def set_translations(self, rows: NDArray[np.integer], values: NDArray[np.floating]) -> None:
-        """Set local translations [m], [n, 3].
+    def set_translation(self, index: int, value: Sequence[float] | F8) -> None:
+        """Set the local translation of one entity [m], [3].
 
         Raises:
-            ValueError: a number is not finite.
+            ValueError: a number is not finite, or there are not three.
         """
-        self._set(self._translations, rows, _finite("translation", values))
+        self._set_one(self._translations, index, _finite("translation", value))
 
-    def set_rotations(self, rows: NDArray[np.integer], values: NDArray[np.floating]) -> None:
-        """Set local rotations, xyzw of any length, [n, 4].
+    def set_rotation(self, index: int, value: Sequence[float] | F8) -> None:
+        """Set the local rotation of one entity, xyzw of any length, [4].
 
         Raises:
-            ValueError: one of them is zero or not finite.
+            ValueError: it is zero or not finite, or there are not four numbers.
         """
-        self._set(self._rotations, rows, normalise_rows(np.asarray(values, np.float64)))
+        x, y, z, w = map(float, value)
+        length = math.hypot(x, y, z, w)
+        if not 0.0 < length < math.inf:
+            raise ValueError("a zero or not finite quaternion is no rotation")
+        length = length if w >= 0.0 else -length
+        self._set_one(self._rotations, index, (x / length, y / length, z / length, w / length))
+
+    def set_scale(self, index: int, value: Sequence[float] | F8) -> None:
+        """Set the local scale of one entity, [3].
+
+        Raises:
+            ValueError: a number is not finite, or there are not three.
+        """
+        self._set_one(self._scales, index, _finite("scale", value))
 
     def set_poses(
         self, rows: NDArray[np.integer], translations: NDArray[np.floating], rotations: NDArray[np.floating]
@@ -143,17 +157,9 @@ class TransformTable:
             raise ValueError(f"pose {wrong} of {len(rows)} is not finite, or its rotation is zero")
         self._touched = True
 
-    def set_scales(self, rows: NDArray[np.integer], values: NDArray[np.floating]) -> None:
-        """Set local scales, [n, 3].
-
-        Raises:
-            ValueError: a number is not finite.
-        """
-        self._set(self._scales, rows, _finite("scale", values))
-
-    def set_visible(self, rows: NDArray[np.integer], values: NDArray[np.integer]) -> None:
-        """Switch nodes, and what hangs on them, on (1) or off (0), [n]."""
-        self._set(self._visible, rows, values)
+    def set_visible(self, index: int, *, visible: bool) -> None:
+        """Switch one node, and what hangs on it, on or off."""
+        self._set_one(self._visible, index, visible)
 
     def translation(self, index: int) -> F8:
         """Local translation of one entity [m], a copy, [3]."""
@@ -228,9 +234,11 @@ class TransformTable:
             self._changed,
         )
 
-    def _set(self, array: NDArray[Any], rows: NDArray[np.integer], values: NDArray[Any]) -> None:
-        array[rows] = values
-        self._dirty[rows] = 1
+    def _set_one(self, array: NDArray[Any], index: int, value: object) -> None:
+        """By plain numbers: for one row, arrays cost more than what is done with them."""
+        row = self._rows[index]
+        array[row] = value
+        self._dirty[row] = 1
         self._touched = True
 
     def _by_row(self) -> list[NDArray[Any]]:
@@ -262,8 +270,8 @@ class TransformTable:
         self._changed = grown(self._changed, rows)
 
 
-def _finite(what: str, values: NDArray[np.floating]) -> F8:
-    array = np.asarray(values, np.float64)
-    if not np.isfinite(array).all():
+def _finite(what: str, value: Sequence[float] | F8) -> tuple[float, float, float]:
+    x, y, z = map(float, value)
+    if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(z)):
         raise ValueError(f"a {what} that is not finite")
-    return array
+    return x, y, z

@@ -59,7 +59,6 @@ class World:
         self._mesh_revisions: dict[str, int] = {}
         self.meshes_published = 0
         self._mesh_buffers: dict[str, MeshBuffer] = {}
-        self._material_revision = 0
         self._order = self.transforms.revision
         self._render_list = self.content.refresh(None, self.transforms, moved=True)
 
@@ -172,15 +171,9 @@ class World:
         """The buffers of a mesh that somebody opened; None for one that stays as it is."""
         return self._mesh_buffers.get(name)
 
-    @property
-    def material_revision(self) -> int:
-        """Changes when a material is added or changed through `set_material`."""
-        return self._material_revision
-
     def set_material(self, material: Material) -> None:
         """Add a material, or change the one of that name."""
         self.materials[material.name] = material
-        self._material_revision += 1
 
     def require_mesh(self, name: str) -> None:
         """Raise a KeyError that names the nearest when the world has no such mesh."""

@@ -35,6 +35,11 @@ PLANTED = {
         "import json\n",
         "Kernels know only arrays",
     ),
+    "a room of the application knows the one above it": (
+        "app/picture/planted.py",
+        "import mimics_app.app.session.session\n",
+        "Rooms of the application",
+    ),
     "a new room nobody planned": ("attic/__init__.py", "", "Imports only go down"),
 }
 

@@ -6,6 +6,7 @@ import ast
 import re
 import tomllib
 from collections.abc import Iterator
+from functools import cache
 
 import pytest
 
@@ -144,6 +145,7 @@ def test_the_platform_stands_behind_one_module(what: str) -> None:
     assert not found
 
 
+@cache
 def _classes() -> dict[str, ast.ClassDef]:
     nodes = [node for tree in modules().values() for node in ast.walk(tree)]
     return {node.name: node for node in nodes if isinstance(node, ast.ClassDef)}

@@ -11,11 +11,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from mimics_app.app.build import build_session, start_loop
-from mimics_app.app.frame import Frames
-from mimics_app.app.pace import run_live
-from mimics_app.app.picture import Picture
-from mimics_app.app.play import play
+from mimics_app.app.picture.picture import Picture
+from mimics_app.app.play.frame import Frames
+from mimics_app.app.play.pace import run_live
+from mimics_app.app.play.play import play
+from mimics_app.app.session.build import build_session, start_loop
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
@@ -163,8 +163,10 @@ def test_a_picture_that_is_lost_for_good_ends_the_run_in_order(tmp_path, capsys,
         run_live(session, frames, lambda f: lose_once(session.picture.surface) if f.number == 3 else None)
         return []
 
-    monkeypatch.setattr("mimics_app.app.play._play_unseen", play_before)
-    monkeypatch.setattr("mimics_app.app.play.build_session", lambda settings, live: build_session(settings, live=True))
+    monkeypatch.setattr("mimics_app.app.play.play._play_unseen", play_before)
+    monkeypatch.setattr(
+        "mimics_app.app.play.play.build_session", lambda settings, live: build_session(settings, live=True)
+    )
     begun = MonotonicClock().now_ns()
     settings = RunSettings(
         SCENE, headless=True, seconds=60.0, runs=tmp_path, sound="off", device="simulated_hapticmaster", size=SIZE

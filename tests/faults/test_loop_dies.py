@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from mimics_app.app.pace import run_live
+from mimics_app.app.play.pace import run_live
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.kernel import typed_kernel

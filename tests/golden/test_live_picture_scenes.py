@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mimics_app.app.picture import picture_quality
+from mimics_app.app.picture.picture import picture_quality
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.resources import root
 from mimics_app.rendering.visual.displays.desktop import desktop_views

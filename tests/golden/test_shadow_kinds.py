@@ -14,7 +14,7 @@ from mimics_app.rendering.visual.displays.desktop import compose_look_at
 from mimics_app.rendering.visual.drawing.draw_list import Casters
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.shadows.shadow_maps import fit_cascades
+from mimics_app.rendering.visual.shadows.shadow_maps import ShadowMap, fit_cascades
 from mimics_app.rendering.visual.shadows.shadow_volumes import VolumeSource, extrude
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
@@ -215,6 +215,34 @@ def test_a_walk_moves_the_boxes_in_whole_texels():
     moved = np.diff(np.array(places), axis=0)
     assert np.abs(moved - np.round(moved)).max() < 1e-6
     assert np.abs(moved).max() >= 1.0
+
+
+def test_of_the_boxes_at_most_one_moves_in_a_frame_and_none_stays_behind():
+    """A walk at 1.4 m/s that looks about at 90 degrees a second; and a leap, after which all must be elsewhere."""
+    towards = np.array([0.3, 0.8, 0.5]) / np.linalg.norm([0.3, 0.8, 0.5])
+    casters = Casters(np.zeros(1, np.int32), np.zeros((1, 3)), np.ones(1))
+
+    def fit(place: float, yaw: float, before: list[ShadowMap]) -> list[ShadowMap]:
+        eye = np.array([0.0, 1.7, -place])
+        world_from_eye = compose_look_at(eye, eye + np.array([np.sin(yaw), 0.0, -np.cos(yaw)]))
+        view = View(world_from_eye, (-1.0, 1.0, -1.0, 1.0), (0, 0, 8, 8))
+        return fit_cascades(towards, [view], casters, 90.0, 3, 512, before)
+
+    def moved(now: list[ShadowMap], before: list[ShadowMap]) -> int:
+        pairs = zip(now, before, strict=True)
+        return sum(not np.array_equal(a.clip_from_world, b.clip_from_world) for a, b in pairs)
+
+    maps, moves = fit(0.0, 0.0, []), []
+    for frame in range(1, 200):
+        place, yaw = 1.4 / 60.0 * frame, np.sin(frame * np.pi / 120.0)
+        before, maps = maps, fit(place, yaw, maps)
+        moves.append(moved(maps, before))
+        for kept, fresh in zip(maps, fit(place, yaw, []), strict=True):
+            off = (kept.clip_from_world @ [*fresh.origin, 1.0])[:2]
+            assert np.abs(off).max() <= 0.25
+    assert max(moves) == 1
+    assert 10 < sum(moves) < 100
+    assert moved(fit(500.0, 0.0, maps), maps) == 3
 
 
 @pytest.mark.parametrize(("lamp_x", "side", "expected"), [(-0.15, -1, 0.05), (0.0, 0, -0.4)])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
 from mimics_app.maths import bspline
@@ -52,10 +52,15 @@ def test_wall_force_never_pulls_and_power_of_the_rest_is_known(points, share, p,
     assert dragged @ np.asarray(v) <= 1e-9
 
 
+CLOSED = [(0.25, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.25), (0.25, 0.0, 0.0)]
+"""One piece that comes back to its beginning: both of its ends are near the ball, and both are minima."""
+
+
 @QUICK
 @given(
     control_points, st.floats(0.1, 0.999), st.lists(st.floats(0.0, 1.0), min_size=2, max_size=2), st.floats(0.0, 6.28)
 )
+@example(CLOSED, 0.5, [1.0, 0.5], 0.0)
 def test_followed_point_is_the_closest_as_long_as_branches_keep_apart(points, share, ends, turn):
     curve = lawful(points, share)
     assume(curve is not None)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mimics_app.app.scene_loading import load_checked_scene
+from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.contracts.haptic import Controller
 from mimics_app.contracts.resources import root
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from mimics_app.app.cli import main
-from mimics_app.app.loss_watch import LossWatch
+from mimics_app.app.touch.loss_watch import LossWatch
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.haptic import EVENT, EventKind
 from mimics_app.contracts.kernel import typed_kernel

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mimics_app.app.haptic_side import HapticSide
+from mimics_app.app.touch.haptic_side import HapticSide
 from mimics_app.contracts import ring
 from mimics_app.contracts.haptic import SAMPLE, Controller
 from mimics_app.contracts.loop_ports import DevicePlugin

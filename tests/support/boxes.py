@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.drawing.occlusion import Occluders
+from mimics_app.rendering.visual.methods.box_items import box_items
 from mimics_app.rendering.visual.view import View
 
 F8 = NDArray[np.float64]
@@ -14,29 +15,7 @@ F8 = NDArray[np.float64]
 
 def as_items(half: F8) -> DrawItems:
     """Boxes of these half sizes [n, 3] about their nodes' origins, each on a node of its own."""
-    count = len(half)
-    zeros, flags = np.zeros(count, np.int32), np.ones(count, np.bool_)
-    local = np.concatenate([np.zeros((count, 3)), np.linalg.norm(half, axis=1)[:, None]], axis=1)
-    return DrawItems(
-        rows=np.arange(count, dtype=np.int32),
-        entities=np.arange(count, dtype=np.int32),
-        states=zeros,
-        shadow_states=zeros,
-        meshes=zeros,
-        paint=np.ones((count, 4), np.float32),
-        local=local,
-        half=half,
-        drawable=np.ones(count, np.uint8),
-        transparent=~flags,
-        solid=flags,
-        casting=flags,
-        levels=np.zeros(count, np.uint8),
-        families=zeros - 1,
-        mesh_names=["box"],
-        ranges=np.array([[36, 0, 0]], np.int32),
-        of_state=[],
-        of_shadow=[],
-    )
+    return box_items(np.arange(len(half), dtype=np.int32), half)
 
 
 def as_occluders(half: F8) -> Occluders:

@@ -7,8 +7,8 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from mimics_app.app.bare_play import BarePlay
-from mimics_app.app.scene_loading import load_checked_scene
+from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.touch.bare_play import BarePlay
 from mimics_app.contracts.messages import Aim, PointerState
 from mimics_app.contracts.resources import root
 from mimics_app.inputs.stage import Inputs

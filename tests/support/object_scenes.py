@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from mimics_app.app.scene_loading import load_checked_scene
+from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.contracts.errors import SceneError
 from mimics_app.rendering.haptic.scene_objects import SceneObjects, objects_of_scene
 from mimics_app.world.scene.scene import Scene

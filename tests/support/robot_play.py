@@ -8,9 +8,9 @@ from typing import Any
 
 import msgspec
 
-from mimics_app.app.bare_play import BarePlay
-from mimics_app.app.device_emulator import EmulatorSettings, open_emulator
-from mimics_app.app.scene_loading import load_checked_scene
+from mimics_app.app.devices.emulator import EmulatorSettings, open_emulator
+from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.touch.bare_play import BarePlay
 from mimics_app.world.components.robot import Patient, Robot
 from tests.support.device_rig import Rig
 from tests.support.market_play import SCENE

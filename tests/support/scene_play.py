@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from mimics_app.app.catalogue import open_scenario
-from mimics_app.app.haptic_side import HapticSide
-from mimics_app.app.scene_loading import load_checked_scene
+from mimics_app.app.scenes.catalogue import open_scenario
+from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.touch.haptic_side import HapticSide
 from mimics_app.contracts import ring
 from mimics_app.contracts.clock import ticks_until_frame
 from mimics_app.contracts.haptic import INBOX, SAMPLE

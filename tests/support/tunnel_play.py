@@ -8,9 +8,9 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from mimics_app.app.catalogue import open_scenario
-from mimics_app.app.parameter_desk import ParameterDesk
-from mimics_app.app.scene_loading import load_checked_scene
+from mimics_app.app.scenes.catalogue import open_scenario
+from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.touch.parameter_desk import ParameterDesk
 from mimics_app.contracts import ring
 from mimics_app.contracts.clock import ticks_until_frame
 from mimics_app.contracts.haptic import INBOX, SAMPLE

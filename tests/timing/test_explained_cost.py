@@ -7,10 +7,10 @@ from statistics import median
 
 import pytest
 
-from mimics_app.app.explain import TICK_GROUP, explain_plan
-from mimics_app.app.plan import plan_scene
-from mimics_app.app.rehearsal import rehearse
-from mimics_app.app.scene_loading import load_checked_scene
+from mimics_app.app.planner.explain import TICK_GROUP, explain_plan
+from mimics_app.app.planner.plan import plan_scene
+from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.touch.rehearsal import rehearse
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.resources import root
 from mimics_app.lab.catalogue import load_methods

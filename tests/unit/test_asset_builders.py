@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from mimics_app.app import asset_builders, cli
-from mimics_app.app.asset_builders import find_builder, find_builders
+from mimics_app.app import cli
+from mimics_app.app.installation import asset_builders
+from mimics_app.app.installation.asset_builders import find_builder, find_builders
 from mimics_app.contracts.errors import UsageError
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.app.board import draw_board
+from mimics_app.app.picture.board import draw_board
 from mimics_app.rendering.visual.figures.hud import Hud
 
 GREEN, ORANGE, RED = (0.36, 0.78, 0.47), (0.96, 0.62, 0.16), (0.90, 0.22, 0.20)

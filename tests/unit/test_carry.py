@@ -143,3 +143,4 @@ def test_stages_say_what_to_do_next():
     assert carry.see(frame(hand=(-0.05, 0.035, 0.0))).stage == Stage.CLOSE
     assert carry.see(frame(held=True)).stage == Stage.CARRY
     assert carry.see(frame((0.1, 0.232, 0.0), held=True)).stage == Stage.OPEN
+    assert carry.see(frame((0.1, 0.232, 0.0), hand=(0.1, 0.232, 0.0))).stage == Stage.OPEN  # let go, and to stay so

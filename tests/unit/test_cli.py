@@ -13,8 +13,9 @@ from typing import Any
 
 import pytest
 
-from mimics_app.app import cli, output, settings
-from mimics_app.app.first_start import is_cold
+from mimics_app.app import cli, settings
+from mimics_app.app.terminal import output
+from mimics_app.app.terminal.first_start import is_cold
 from mimics_app.contracts.errors import (
     DeviceError,
     Issue,
@@ -139,7 +140,9 @@ def test_internal_error_is_traced_and_still_one_object(
 def test_json_leaves_exactly_one_object_on_stdout() -> None:
     """Prints of a library, of C code and of a child process go to stderr."""
     script = (
-        "import sys; from mimics_app.app import cli; import os, subprocess, types; from mimics_app.app import output\n"
+        "import os, subprocess, sys, types\n"
+        "from mimics_app.app import cli\n"
+        "from mimics_app.app.terminal import output\n"
         "def run(args):\n"
         "    print('from Python'); sys.stdout.flush(); os.write(1, b'from C\\n')\n"
         "    subprocess.run([sys.executable, '-c', 'print(\"from a child\")'], check=True)\n"
@@ -218,12 +221,17 @@ def test_reader_that_leaves_early_is_no_error() -> None:
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["run", "--seconds", "long"], "long is not a time"),
-        (["run", "--seconds", "nan"], "nan is not a time"),
+        (["run", "--seconds", "long"], "long is no time"),
+        (["run", "--seconds", "nan"], "nan is no time"),
         (["run", "--pictures", "-1"], "-1 is no number of pictures"),
         (["run", "--recipe", "faster"], "invalid choice: 'faster'"),
         (["render", "scene.json", "--frames", "few"], "few is no number of frames"),
-        (["render", "scene.json", "--seconds", "-2"], "-2 is not a time"),
+        (["render", "scene.json", "--seconds", "-2"], "-2 is no time"),
+        (["run", "--seed", "1" * 5000], "1 is no seed from"),
+        (["bench", "render", "--frames", "0"], "0 is no number of frames from 1 to 1000"),
+        (["devices", "emulate", "--seconds", "inf"], "inf is no time between 0 and 1e6 s"),
+        (["devices", "emulate", "--seed", "1e3"], "1e3 is no seed"),
+        (["lab", "chart", "--points", "many"], "many is no number of points from 2 to 2000"),
     ],
 )
 def test_value_that_cannot_be_is_named_without_names_of_the_code(

@@ -15,7 +15,7 @@ from mimics_app.app import cli
 
 COMMAND = [sys.executable, "-m", "mimics_app.app.cli"]
 STAND_IN = (
-    "import os, signal, sys, time, types; from mimics_app.app import cli, output\n"
+    "import os, signal, sys, time, types; from mimics_app.app import cli; from mimics_app.app.terminal import output\n"
     "{body}\n"
     "cli._command_module = lambda name: types.SimpleNamespace(add_arguments=lambda p: None, run=run)\n"
     "sys.exit(cli.main(sys.argv[1:]))\n"
@@ -108,8 +108,8 @@ def test_nohup_is_respected() -> None:
         (["run", "--seed", "9" * 30], "is no seed"),
         (["run", "--seed", "1.5"], "1.5 is no seed"),
         (["render", "scene.json", "--seed", str(2**63)], "is no seed"),
-        (["bench", "realtime", "--seconds", "nan"], "nan is not a time"),
-        (["bench", "realtime", "--seconds", "-1"], "-1 is not a time"),
+        (["bench", "realtime", "--seconds", "nan"], "nan is no time"),
+        (["bench", "realtime", "--seconds", "-1"], "-1 is no time"),
         (["bench", "realtime", "--rounds", "0"], "0 is no number of rounds"),
     ],
 )

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from mimics_app.app.cli import main
-from mimics_app.app.device_emulator import EmulatorSettings, open_emulator, serve
+from mimics_app.app.devices.emulator import EmulatorSettings, open_emulator, serve
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.haptic import DeviceStatus

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.app.effect_cues import EffectCues
+from mimics_app.app.cues.effect_cues import EffectCues
 from mimics_app.contracts.haptic import EVENT, EventKind
 from mimics_app.contracts.messages import TaskOrders
 from mimics_app.world.scene.file import build_world, load_scene

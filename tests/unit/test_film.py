@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from mimics_app.app.play import play
+from mimics_app.app.picture.video import Film, film_place
+from mimics_app.app.play.play import play
 from mimics_app.app.settings import RunSettings
-from mimics_app.app.video import Film, film_place
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 
 SIZE = (31, 17)
@@ -146,7 +146,7 @@ def test_a_run_that_is_broken_off_leaves_a_whole_film(tmp_path, ffmpeg, monkeypa
         if len(shown) == 7:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr("mimics_app.app.progress.ProgressLine.show", interrupt)
+    monkeypatch.setattr("mimics_app.app.play.progress_line.ProgressLine.show", interrupt)
     settings = RunSettings(
         Path("wavy_tunnel"), headless=True, seconds=5.0, runs=tmp_path, sound="off", size=SIZE, video=tmp_path / "a.mp4"
     )

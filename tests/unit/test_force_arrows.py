@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from mimics_app.app.force_arrows import ForceArrows
-from mimics_app.app.overlay_keys import OVERLAY_KEYS, toggle_overlay
+from mimics_app.app.picture.force_arrows import ForceArrows
+from mimics_app.app.picture.overlay_keys import OVERLAY_KEYS, toggle_overlay
 from mimics_app.contracts.haptic import EVENT, EventKind
 from mimics_app.contracts.window_input import InputEvent
 from mimics_app.rendering.visual.overlay.overlay import LAYERS

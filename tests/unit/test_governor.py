@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import pytest
 
-from mimics_app.app.governor import FULL, FrameGovernor
+from mimics_app.app.picture.governor import FULL, FrameGovernor
 
 BUDGET = 16.7
 

@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from mimics_app.app.scene_loading import load_checked_scene
+from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.loop_ports import FIELD_PARAMETERS
 from mimics_app.rendering.haptic.force_fields import add_field

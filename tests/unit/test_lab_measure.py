@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from mimics_app.app.plan import choose
+from mimics_app.app.planner.plan import choose
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.methods import Group, Method, Registry
 from mimics_app.lab.front import pareto_front

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mimics_app.app.output import finite, write_object
+from mimics_app.app.terminal.output import finite, write_object
 
 
 def test_numbers_that_json_has_not_become_null() -> None:

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import pytest
 
-from mimics_app.app.explain import describe_plan, explain_plan
-from mimics_app.app.picture import live_quality, picture_quality
-from mimics_app.app.picture_methods import with_methods
-from mimics_app.app.plan import ROOM, plan_scene
-from mimics_app.app.uses import USES
+from mimics_app.app.picture.methods import with_methods
+from mimics_app.app.picture.picture import live_quality, picture_quality
+from mimics_app.app.planner.explain import describe_plan, explain_plan
+from mimics_app.app.planner.plan import ROOM, plan_scene
+from mimics_app.app.planner.uses import USES
 from mimics_app.lab.catalogue import load_methods
 from mimics_app.lab.table import Row, Table
 from mimics_app.rendering.visual.settings import RenderSettings
@@ -164,13 +164,13 @@ def test_what_a_scene_does_not_use_is_not_chosen(of):
 
 
 def test_a_table_without_the_picture_leaves_it_as_it_is(of, monkeypatch):
-    monkeypatch.setattr("mimics_app.app.plan.load_table", lambda: (Table({}, {}, {}), "planted"))
+    monkeypatch.setattr("mimics_app.app.planner.plan.load_table", lambda: (Table({}, {}, {}), "planted"))
     quality = picture_quality(of(), "training")
     assert quality == replace(RenderSettings(), hud_depth=quality.hud_depth)
 
 
 def test_what_is_chosen_is_what_is_drawn(of, monkeypatch):
-    monkeypatch.setattr("mimics_app.app.plan.load_table", lambda: (planted(), "planted"))
+    monkeypatch.setattr("mimics_app.app.planner.plan.load_table", lambda: (planted(), "planted"))
     loaded = of({"shadow_m": 1e-5, "edge_px": 0.2}, ambient_occlusion=1.0, bloom=0.2)
     still = picture_quality(loaded, "training")
     assert (still.shadows, still.msaa, still.fxaa) == ("stencil_additive", 0, True)
@@ -184,9 +184,9 @@ def test_only_a_picture_drawn_on_the_processor_is_planned_by_its_costs(of, monke
     class Surface:
         size = (640, 360)
 
-    monkeypatch.setattr("mimics_app.app.plan.load_table", lambda: (planted(), "planted"))
+    monkeypatch.setattr("mimics_app.app.planner.plan.load_table", lambda: (planted(), "planted"))
     for software, samples in ((True, 0), (False, 4)):
-        monkeypatch.setattr("mimics_app.app.picture.draws_in_software", lambda _, answer=software: answer)
+        monkeypatch.setattr("mimics_app.app.picture.picture.draws_in_software", lambda _, answer=software: answer)
         assert live_quality(of(), "training", Surface()).msaa == samples
 
 

@@ -10,13 +10,13 @@ from typing import get_args, get_type_hints
 
 import pytest
 
-from mimics_app.app.catalogue import open_scenario
-from mimics_app.app.explain import TICK_GROUP, UNUSED, describe_plan, explain_plan
-from mimics_app.app.plan import choose, load_table, plan_scene, settle
-from mimics_app.app.scene_loading import load_checked_scene
+from mimics_app.app.planner.explain import TICK_GROUP, UNUSED, describe_plan, explain_plan
+from mimics_app.app.planner.plan import choose, load_table, plan_scene, settle
+from mimics_app.app.planner.tolerances import BY_PROFILE, FIELD_OF_UNIT, tolerances_of
+from mimics_app.app.planner.uses import USES
+from mimics_app.app.scenes.catalogue import open_scenario
+from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.settings import PROFILES
-from mimics_app.app.tolerances import BY_PROFILE, FIELD_OF_UNIT, tolerances_of
-from mimics_app.app.uses import USES
 from mimics_app.contracts.haptic import Projection
 from mimics_app.contracts.resources import root
 from mimics_app.lab.table import Row, Table
@@ -109,7 +109,7 @@ def test_a_method_the_scene_names_runs_although_the_table_lacks_it(scene):
 @pytest.mark.parametrize("name", ["newton one step", "newton warm"])
 def test_what_is_chosen_is_what_runs(scene, name, monkeypatch):
     table = planted(tunnel_projection=[row(name, 1.0, 1e-12, "m"), row("golden section", 2.0, 1e-12, "m")])
-    monkeypatch.setattr("mimics_app.app.plan.load_table", lambda: (table, "planted"))
+    monkeypatch.setattr("mimics_app.app.planner.plan.load_table", lambda: (table, "planted"))
     settle(scene, "study")
     block = open_scenario(scene, build_world(scene)).scene_block()
     assert Projection(block[0]["tunnel"]["projection"]) is Projection[name.upper().replace(" ", "_")]

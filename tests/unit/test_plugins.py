@@ -8,8 +8,9 @@ from typing import Any
 
 import pytest
 
-from mimics_app.app import cli, probes
-from mimics_app.app.plugins import GROUPS, list_plugins
+from mimics_app.app import cli
+from mimics_app.app.installation import probes
+from mimics_app.app.installation.plugins import GROUPS, list_plugins
 
 _ENTRY_POINTS = """
 [mimics_app.devices]
@@ -86,10 +87,10 @@ def test_doctor_without_any_picture_is_a_device_error(
 def test_doctor_names_the_apt_line(
     answers: dict[str, Any], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from mimics_app.app.system_packages import SystemNeed
+    from mimics_app.app.installation.system_packages import SystemNeed
 
     needs = (SystemNeed("libnope1", "nothing at all", libraries=("libnope.so.9",)),)
-    monkeypatch.setattr("mimics_app.app.system_packages.NEEDS", needs)
+    monkeypatch.setattr("mimics_app.app.installation.system_packages.NEEDS", needs)
     cli.main(["doctor", "--json"])
     answer = json.loads(capsys.readouterr().out)
     assert answer["missing"] == ["libnope1"]

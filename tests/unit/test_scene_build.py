@@ -226,7 +226,7 @@ def test_a_watcher_sees_a_save_of_the_same_size_a_removal_and_a_return_once_each
 
 
 def test_the_shipped_scenes_are_right_and_build():
-    import mimics_app.app.scene_loading as loading
+    import mimics_app.app.scenes.loading as loading
 
     folder = Path(__file__).parents[2] / "scenes"
     files = sorted(folder.rglob("*.json"))

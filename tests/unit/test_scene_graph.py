@@ -300,8 +300,7 @@ def test_bulk_setters_move_many_rows_and_normalise():
     nodes = [world.create_node() for _ in range(300)]  # beyond the first capacity
     rows = world.transforms.rows(np.array([node.index for node in nodes]))
     places = np.random.default_rng(0).normal(size=(300, 3))
-    world.transforms.set_translations(rows, places)
-    world.transforms.set_rotations(rows, np.tile([0, 0, 0, -2.0], (300, 1)))
+    world.transforms.set_poses(rows, places, np.tile([0, 0, 0, -2.0], (300, 1)))
     world.update()
     assert world.transforms.world[rows][:, :3, 3].tolist() == places.tolist()
     assert nodes[7].orientation.tolist() == [0, 0, 0, 1]

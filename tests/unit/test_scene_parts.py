@@ -6,9 +6,12 @@ import json
 
 import pytest
 
+from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.contracts.errors import Issue
+from mimics_app.tasks.task import TaskSpec
 from mimics_app.world.components.registry import Component, register_section
 from mimics_app.world.components.robot import Ball, Safety
+from mimics_app.world.components.systems import AudioSettings, HapticSettings
 from mimics_app.world.components.visible import LightComponent, MeshComponent
 from mimics_app.world.scene import document as scene_document
 from mimics_app.world.scene import migrations
@@ -322,6 +325,18 @@ def test_a_key_with_a_slash_is_located_by_its_escaped_pointer(tmp_path):
     assert (origins.locate("/a/b~1c").file, origins.locate("/a/~0/0").file) == ("high", "low")
     assert origins.locate("/a/~0/1").pointer == "/y/~0/1"
     assert origins.locate("/elsewhere").file == "main"
+
+
+def test_first_component_settings_and_section_are_told_by_type_or_missed(tmp_path):
+    """Nothing there is None, and the first of two is the file's first."""
+    lights = thing("a", light={"intensity": 2.0}), thing("b", light={})
+    said = {"systems": {"haptic": {"projection": "newton warm"}}, "task": {"time_limit_s": 7.0}}
+    loaded = load_checked_scene(write(tmp_path, scene(*lights, **said)))
+    found, haptic, task = loaded.first(LightComponent), loaded.system(HapticSettings), loaded.section(TaskSpec)
+    assert found is not None and found.intensity == 2.0
+    assert haptic is not None and haptic.projection == "newton warm"
+    assert task is not None and task.time_limit_s == 7.0
+    assert (loaded.first(Ball), loaded.system(AudioSettings), loaded.section(Ball)) == (None, None, None)
 
 
 def test_components_can_be_asked_for_by_type_or_name(tmp_path):

@@ -11,7 +11,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from mimics_app.app.cli import main
-from mimics_app.app.scene_loading import load_checked_scene
+from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.sweep.experiments import NAMES, find_experiment
 from mimics_app.app.sweep.patient import travel
 from mimics_app.contracts.errors import SceneError

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from mimics_app.app import system_packages
-from mimics_app.app.system_packages import NEEDS, SystemNeed, apt_line, missing
+from mimics_app.app.installation import system_packages
+from mimics_app.app.installation.system_packages import NEEDS, SystemNeed, apt_line, missing
 
 
 def test_library_that_loads_is_found_by_its_name() -> None:

@@ -8,8 +8,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from mimics_app.app.reload import SceneReload
-from mimics_app.app.view_desk import ViewDesk
+from mimics_app.app.play.reload import SceneReload
+from mimics_app.app.play.view_desk import ViewDesk
 from mimics_app.contracts.clock import VirtualClock
 from mimics_app.contracts.errors import DeviceError, Issue
 from mimics_app.contracts.haptic import EVENT

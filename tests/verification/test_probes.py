@@ -7,8 +7,8 @@ import sys
 
 import pytest
 
-from mimics_app.app import probes
-from mimics_app.app.probes import probe
+from mimics_app.app.installation import probes
+from mimics_app.app.installation.probes import probe
 
 
 def test_egl_answers_with_a_context() -> None:

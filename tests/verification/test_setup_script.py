@@ -44,13 +44,14 @@ class Bench:
         self.tools = folder / "tools"
         self.calls = folder / "calls"
         (self.root / ".ci").mkdir(parents=True)
-        (self.root / "mimics_app" / "app" / "commands").mkdir(parents=True)
+        installation = self.root / "mimics_app" / "app" / "installation"
+        installation.mkdir(parents=True)
         self.tools.mkdir()
         self.calls.touch()
         shutil.copy(ROOT / ".ci" / "dev.sh", self.root / ".ci")
         for name in ("pyproject.toml", "requirements.txt"):
             shutil.copy(ROOT / name, self.root)
-        (self.root / "mimics_app" / "app" / "system_packages.py").write_text(_SYSTEM_PACKAGES)
+        (installation / "system_packages.py").write_text(_SYSTEM_PACKAGES)
         self.stand_in("uv", _UV)
         self.stand_in("id", '#!/bin/sh\n[ "$1" = -u ] && echo "${FAKE_UID:-1000}" || echo somebody\n')
         self.stand_in("sudo", "#!/bin/sh\nexit 1\n")

@@ -5,9 +5,13 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from mimics_app.app.terminal.arguments import real_number, whole_number
+
 __all__ = ["add_arguments", "run"]
 
-_MAX_SEED = 2**63 - 1
+_seed = whole_number("whole number", range(2**63))
+_share = real_number("share between 0 and 1", lambda share: 0.0 < share < 1.0)
+_pixels = real_number("number of pixels between 0 and 1000", lambda pixels: 0.0 < pixels < 1000.0)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -32,8 +36,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _list(args: argparse.Namespace) -> int:
-    from mimics_app.app import output
-    from mimics_app.app.asset_builders import find_builders
+    from mimics_app.app.installation.asset_builders import find_builders
+    from mimics_app.app.terminal import output
 
     builders = find_builders()
     if args.json:
@@ -48,7 +52,7 @@ def _list(args: argparse.Namespace) -> int:
 def _levels(args: argparse.Namespace) -> int:
     from dataclasses import asdict
 
-    from mimics_app.app import output
+    from mimics_app.app.terminal import output
     from mimics_app.contracts.errors import UsageError
     from mimics_app.world.gltf.level_writer import SHARES, write_levels
 
@@ -72,8 +76,8 @@ def _levels(args: argparse.Namespace) -> int:
 
 
 def _build(args: argparse.Namespace) -> int:
-    from mimics_app.app import output
-    from mimics_app.app.asset_builders import find_builder
+    from mimics_app.app.installation.asset_builders import find_builder
+    from mimics_app.app.terminal import output
     from mimics_app.contracts.errors import UsageError
 
     if not args.name:
@@ -86,30 +90,6 @@ def _build(args: argparse.Namespace) -> int:
     for file in files:
         print(f"{file}: {file.stat().st_size} bytes, sha256 {_digest(file)}")
     return 0
-
-
-def _share(text: str) -> float:
-    return _between(text, 0.0, 1.0, "share between 0 and 1")
-
-
-def _pixels(text: str) -> float:
-    return _between(text, 0.0, 1000.0, "number of pixels between 0 and 1000")
-
-
-def _between(text: str, least: float, most: float, what: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = least
-    if not least < value < most:
-        raise argparse.ArgumentTypeError(f"{text} is no {what}")
-    return value
-
-
-def _seed(text: str) -> int:
-    if not (text.isdecimal() and int(text) <= _MAX_SEED):
-        raise argparse.ArgumentTypeError(f"{text} is no whole number from 0 to 2^63 - 1")
-    return int(text)
 
 
 def _digest(file: Path) -> str:

@@ -10,12 +10,18 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from mimics_app.app.terminal.arguments import picture_size, positive_time, real_number, whole_number
 from mimics_app.contracts.errors import DeviceError, UsageError
 
 __all__ = ["add_arguments", "run"]
 
 _KINDS = ("product", "rival_python_thread", "unprivileged")
 _ALL_SECONDS = 10.0
+
+_rounds = whole_number("number of rounds", range(1, 1001))
+_frames = whole_number("number of frames", range(1, 1001))
+_nodes = whole_number("number of nodes", range(1_000_001))
+_frame_rate = real_number("frame rate from 1 to 1000", lambda fps: 1.0 <= fps <= 1000.0)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -25,9 +31,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     _add_render_arguments(parser)
     parser.add_argument("--scene", type=Path, default=Path("scenes/wavy_tunnel.json"), help="scene of the load")
-    parser.add_argument("--seconds", type=_positive, default=60.0, help="length of each real-time measurement [s]")
+    parser.add_argument("--seconds", type=positive_time, default=60.0, help="length of each real-time measurement [s]")
     parser.add_argument(
-        "--rounds", type=_count, default=1, help="real-time measurements of each loop; medians are told"
+        "--rounds", type=_rounds, default=1, help="real-time measurements of each loop; medians are told"
     )
 
 
@@ -37,19 +43,26 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
         "workload", nargs="?", choices=("city", "nodes", "crowd", "walk"), help="of render: what is drawn"
     )
     parser.add_argument("--data", type=Path, help="of render: folder of the workloads, else RENDER_DATA names it")
-    parser.add_argument("--size", type=_size, default="1280x720", metavar="WxH", help="of render: of the picture [px]")
-    parser.add_argument("--msaa", type=int, choices=(0, 2, 4, 8), default=0, help="of render: samples per pixel")
-    parser.add_argument("--frames", type=_count, default=40, help="of render: frames timed")
-    parser.add_argument("--warmup", type=_count, default=6, help="of render: frames drawn before")
-    parser.add_argument("--budget", type=_positive, default=25.0, help="of render: stop after this time [s]")
+    parser.add_argument(
+        "--size", type=picture_size, default="1280x720", metavar="WxH", help="of render: of the picture [px]"
+    )
+    parser.add_argument(
+        "--msaa", type=int, choices=(0, 2, 4, 8), help="of render: samples per pixel (default: 0; of walk, 4)"
+    )
+    parser.add_argument("--frames", type=_frames, default=40, help="of render: frames timed")
+    parser.add_argument("--warmup", type=_frames, default=6, help="of render: frames drawn before")
+    parser.add_argument("--budget", type=positive_time, default=25.0, help="of render: stop after this time [s]")
     parser.add_argument("--n", type=_nodes, default=0, help="of render: nodes, 0: 10000")
     parser.add_argument("--opt", default="", help="of render: words that change the settings")
+    parser.add_argument(
+        "--fps", type=_frame_rate, help="of render: give up quality, as a run does, until this is held (default: none)"
+    )
     parser.add_argument("--shot", type=Path, help="of render: write the last frame here as PNG")
 
 
 def run(args: argparse.Namespace) -> int:
     """Measure, and print a table or one JSON object."""
-    from mimics_app.app import output
+    from mimics_app.app.terminal import output
 
     if args.what == "render":
         return _run_render(args)
@@ -67,8 +80,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _run_render(args: argparse.Namespace) -> int:
-    from mimics_app.app import output
-    from mimics_app.app.render_bench import RenderBench, measure_render
+    from mimics_app.app.bench.render_bench import RenderBench, measure_render
+    from mimics_app.app.terminal import output
 
     if args.workload is None:
         raise UsageError("a workload to draw is missing", "mimics bench render walk, city or nodes")
@@ -86,6 +99,7 @@ def _run_render(args: argparse.Namespace) -> int:
             args.n,
             options,
             args.shot,
+            args.fps,
         )
     )
     if args.json:
@@ -107,7 +121,7 @@ def _measure_realtime(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _measure_apart(kind: str, scene: Path, seconds: float) -> dict[str, Any]:
-    command = [sys.executable, "-m", "mimics_app.app.realtime_load", kind, str(scene), str(seconds)]
+    command = [sys.executable, "-m", "mimics_app.app.bench.realtime_load", kind, str(scene), str(seconds)]
     child = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
     if child.returncode != 0:
         raise DeviceError(f"the measurement of {kind} ended with exit code {child.returncode}", "see the lines above")
@@ -145,34 +159,6 @@ def _measure_haptic(_: argparse.Namespace) -> dict[str, Any]:
         sys.stderr.write(f"{what}\n")
 
     return measure_haptic(tell)
-
-
-def _positive(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 0.0 < value < 1e6:
-        raise argparse.ArgumentTypeError(f"{text} is not a time between 0 and 1e6 s")
-    return value
-
-
-def _size(text: str) -> tuple[int, int]:
-    from mimics_app.app.commands.run import picture_size
-
-    return picture_size(text)
-
-
-def _nodes(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and int(text) <= 1_000_000):
-        raise argparse.ArgumentTypeError(f"{text} is no number of nodes up to 1000000")
-    return int(text)
-
-
-def _count(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and 1 <= int(text) <= 1000):
-        raise argparse.ArgumentTypeError(f"{text} is no number of rounds from 1 to 1000")
-    return int(text)
 
 
 _MEASURES = {

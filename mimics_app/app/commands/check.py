@@ -35,10 +35,9 @@ def run(args: argparse.Namespace) -> int:
             code = error.exit_code if code in (0, DeviceError.exit_code) else code
             issues += [issue if issue.file else Issue(str(file), "", issue.what, issue.fix) for issue in error.issues]
     if args.json:
-        from mimics_app.app.output import write_object
+        from mimics_app.app.terminal.output import issue_rows, write_object
 
-        errors = [{"file": i.file, "pointer": i.pointer, "what": i.what, "fix": i.fix} for i in issues]
-        write_object("check", {"files": findings, "errors": errors})
+        write_object("check", {"files": findings, "errors": issue_rows(issues)})
         return code
     for finding in findings:
         sys.stdout.writelines(_lines(finding))
@@ -59,8 +58,8 @@ def _examine(file: Path) -> dict[str, Any]:
         model = load_gltf(file)
         holds = {"nodes": len(model.nodes), "meshes": len(model.meshes), "materials": len(model.materials)}
         return {"file": str(file), "ok": True, "kind": "model", "holds": holds, "notes": model.notes}
-    from mimics_app.app.catalogue import is_part, is_playable, open_scenario
-    from mimics_app.app.scene_loading import load_checked_scene
+    from mimics_app.app.scenes.catalogue import is_part, is_playable, open_scenario
+    from mimics_app.app.scenes.loading import load_checked_scene
     from mimics_app.world.scene.file import build_world
 
     scene = load_checked_scene(file)

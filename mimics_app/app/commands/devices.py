@@ -10,10 +10,11 @@ from __future__ import annotations
 import argparse
 import inspect
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from mimics_app.app.terminal.arguments import positive_time, random_seed, whole_number
 from mimics_app.contracts.errors import DeviceError, UsageError
 
 __all__ = ["add_arguments", "find_all", "run"]
@@ -27,21 +28,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--recording", type=Path, metavar="RUN", help="run folder for checking the replay device")
     parser.add_argument("--scene", type=Path, help="whose way and robot the emulated person has")
     parser.add_argument("--patient", choices=("healthy", "moderate", "severe"), default="", help="who is emulated")
-    parser.add_argument("--seed", type=int, default=1, help="of the emulated person and sensors")
-    parser.add_argument("--port", type=_whole(65535), default=0, help="a hapticmaster listens on; 0: any")
-    parser.add_argument("--delay", type=_whole(200), default=0, metavar="MS", help="of a hapticmaster's answers")
-    parser.add_argument("--seconds", type=float, help="how long to emulate [s]")
-
-
-def _whole(largest: int) -> Callable[[str], int]:
-    """A whole number from 0 to `largest` from the command line."""
-
-    def read(text: str) -> int:
-        if not (text.isdecimal() and int(text) <= largest):
-            raise argparse.ArgumentTypeError(f"{text} is no whole number from 0 to {largest}")
-        return int(text)
-
-    return read
+    parser.add_argument("--seed", type=random_seed, default=1, help="of the emulated person and sensors")
+    parser.add_argument(
+        "--port", type=whole_number("port", range(65536)), default=0, help="a hapticmaster listens on; 0: any"
+    )
+    parser.add_argument(
+        "--delay",
+        type=whole_number("number of milliseconds", range(201)),
+        default=0,
+        metavar="MS",
+        help="of a hapticmaster's answers",
+    )
+    parser.add_argument("--seconds", type=positive_time, help="how long to emulate [s]")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -55,12 +53,12 @@ def run(args: argparse.Namespace) -> int:
 
 def _check(args: argparse.Namespace) -> int:
     """The conformance kit against one device."""
-    from mimics_app.app.device_check import check_by_name
+    from mimics_app.app.devices.check import check_by_name
 
     findings = check_by_name(args.device, args.recording)
     failed = [one for one in findings if one.verdict == "failed"]
     if args.json:
-        from mimics_app.app.output import write_object
+        from mimics_app.app.terminal.output import write_object
 
         rows = [{"check": one.check, "verdict": one.verdict, "what": one.what} for one in findings]
         write_object("devices", {"device": args.device, "passed": not failed, "checks": rows})
@@ -72,13 +70,13 @@ def _check(args: argparse.Namespace) -> int:
 
 def _emulate(args: argparse.Namespace) -> int:
     """A robot that is not there, until it is told to end."""
-    from mimics_app.app.device_emulator import EmulatorSettings, open_emulator, serve
+    from mimics_app.app.devices.emulator import EmulatorSettings, open_emulator, serve
 
     settings = EmulatorSettings(args.scene, args.patient, args.seed, args.port, args.delay)
     with open_emulator(args.device, settings) as emulator:
         address = f"{args.device}:{emulator.address}"
         if args.json:
-            from mimics_app.app.output import write_object
+            from mimics_app.app.terminal.output import write_object
 
             write_object("devices", {"address": address})
         else:
@@ -92,7 +90,7 @@ def _list(args: argparse.Namespace) -> int:
     """What a scene can be run on; what cannot be asked here is said, not failed on."""
     found = find_all()
     if args.json:
-        from mimics_app.app.output import write_object
+        from mimics_app.app.terminal.output import write_object
 
         write_object("devices", found)
     else:
@@ -105,7 +103,7 @@ def find_all() -> dict[str, Any]:
 
     Displays, gamepads and the sound output are asked for in processes of their own: their drivers may crash.
     """
-    from mimics_app.app.probes import probe
+    from mimics_app.app.installation.probes import probe
 
     attached, sound = probe("attached"), probe("sound")
     graphics = {backend: probe(backend) for backend in ("window", "egl", "osmesa")}
@@ -131,7 +129,7 @@ def _built_in() -> Iterator[dict[str, Any]]:
 
 
 def _plugged_in() -> Iterator[dict[str, Any]]:
-    from mimics_app.app.plugins import list_plugins
+    from mimics_app.app.installation.plugins import list_plugins
 
     for plugin in list_plugins("mimics_app.devices"):
         about = inspect.getdoc(plugin.loaded) or "" if plugin.loaded is not None else ""

@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any
 
 from mimics_app import __version__
-from mimics_app.app import system_packages
+from mimics_app.app.installation import system_packages
+from mimics_app.contracts.errors import DeviceError
 
 __all__ = ["add_arguments", "examine", "run"]
 
-_EXIT_DEVICE = 4
 _PACKAGES = (
     "numpy",
     "numba",
@@ -45,12 +45,12 @@ def run(args: argparse.Namespace) -> int:
     """Examine the machine; 0 when scenes can run here, 4 when something they need is missing."""
     findings = examine(args.runs)
     if args.json:
-        from mimics_app.app.output import write_object
+        from mimics_app.app.terminal.output import write_object
 
         write_object("doctor", findings)
     else:
         sys.stdout.write("\n".join(_lines(findings)) + "\n")
-    return 0 if findings["ready"] else _EXIT_DEVICE
+    return 0 if findings["ready"] else DeviceError.exit_code
 
 
 def examine(runs: Path) -> dict[str, Any]:
@@ -59,8 +59,8 @@ def examine(runs: Path) -> dict[str, Any]:
     Args:
         runs: Folder that run folders would be made in.
     """
-    from mimics_app.app.plugins import list_plugins
-    from mimics_app.app.probes import probe
+    from mimics_app.app.installation.plugins import list_plugins
+    from mimics_app.app.installation.probes import probe
 
     found = [(need, need.found()) for need in system_packages.NEEDS]
     lacking = [need for need, place in found if not place and _is_linux()]

@@ -7,17 +7,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.app.settings import PROFILES
+from mimics_app.app.terminal.arguments import picture_size
 
 if TYPE_CHECKING:
-    from mimics_app.app.plan import Plan
+    from mimics_app.app.planner.plan import Plan
 
 __all__ = ["add_arguments", "run"]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics explain`."""
-    from mimics_app.app.commands.run import picture_size
-
     parser.add_argument("scene", type=Path, help="scene file")
     parser.add_argument("--profile", choices=PROFILES, default="training", help="whose tolerances hold")
     parser.add_argument(
@@ -32,11 +31,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Plan the scene as a run of it would, and say what was taken and why."""
-    from mimics_app.app import output
-    from mimics_app.app.explain import explain_plan
-    from mimics_app.app.plan import plan_scene
-    from mimics_app.app.scene_loading import load_checked_scene
-    from mimics_app.app.shadow_cost import measure_shadow_us
+    from mimics_app.app.picture.shadow_cost import measure_shadow_us
+    from mimics_app.app.planner.explain import explain_plan
+    from mimics_app.app.planner.plan import plan_scene
+    from mimics_app.app.scenes.loading import load_checked_scene
+    from mimics_app.app.terminal import output
 
     scene = load_checked_scene(args.scene)
     plan = plan_scene(scene, args.profile, pixels=0 if args.still else args.size[0] * args.size[1])

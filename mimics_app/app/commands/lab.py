@@ -7,6 +7,8 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from mimics_app.app.terminal.arguments import whole_number
+
 if TYPE_CHECKING:
     from mimics_app.lab.figure import Figure
     from mimics_app.lab.measure import MeasuredGroup
@@ -29,9 +31,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--save", action="store_true", help="measure: keep the figures for the planner of this machine")
     parser.add_argument("--shipped", action="store_true", help="measure: keep them as the table the product ships with")
     parser.add_argument(
-        "--rounds", type=_count, default=1, metavar="N", help="measure, chart: so many times; the least costs stand"
+        "--rounds",
+        type=whole_number("number of rounds", range(1, 101)),
+        default=1,
+        metavar="N",
+        help="measure, chart: so many times; the least costs stand",
     )
-    parser.add_argument("--points", type=_grid, default=_POINTS, help="stability: how fine the grid is")
+    parser.add_argument(
+        "--points",
+        type=whole_number("number of points", range(2, 2001)),
+        default=_POINTS,
+        help="stability: how fine the grid is",
+    )
     parser.add_argument("--out", type=Path, default=Path("docs/charts"), help="folder of the figures")
 
 
@@ -48,19 +59,6 @@ def run(args: argparse.Namespace) -> int:
     return _show_table(args, measured) if args.action == "measure" else _chart(args, measured)
 
 
-def _grid(text: str) -> int:
-    points = int(text)
-    if not 2 <= points <= 2000:
-        raise argparse.ArgumentTypeError(f"{text} is not a number of points between 2 and 2000")
-    return points
-
-
-def _count(text: str) -> int:
-    if not (text.isdecimal() and 1 <= int(text) <= 100):
-        raise argparse.ArgumentTypeError(f"{text} is not a number of rounds between 1 and 100")
-    return int(text)
-
-
 def _groups(words: list[str]) -> list[str]:
     """Names of groups as given: with blanks, hyphens or underscores; several words may be one name."""
     from mimics_app.lab.catalogue import GROUPS
@@ -73,7 +71,7 @@ def _groups(words: list[str]) -> list[str]:
 
 
 def _measure(groups: list[str], rounds: int) -> list[MeasuredGroup]:
-    from mimics_app.app.progress import ProgressBar
+    from mimics_app.app.terminal.progress import ProgressBar
     from mimics_app.lab.catalogue import load_methods
     from mimics_app.lab.measure import count_probes, measure
 
@@ -83,7 +81,7 @@ def _measure(groups: list[str], rounds: int) -> list[MeasuredGroup]:
 
 
 def _show_table(args: argparse.Namespace, measured: list[MeasuredGroup]) -> int:
-    from mimics_app.app import output
+    from mimics_app.app.terminal import output
     from mimics_app.lab.machine import describe_machine
     from mimics_app.lab.measure import as_dict, to_table
     from mimics_app.lab.table import Table, shipped_file
@@ -123,7 +121,7 @@ def _chart(args: argparse.Namespace, measured: list[MeasuredGroup]) -> int:
 
 
 def _stability(args: argparse.Namespace) -> int:
-    from mimics_app.app.progress import ProgressBar
+    from mimics_app.app.terminal.progress import ProgressBar
     from mimics_app.lab.stability.catalogue import load_experiments
     from mimics_app.lab.stability_chart import draw_outcome
 
@@ -139,7 +137,7 @@ def _stability(args: argparse.Namespace) -> int:
 
 def _write(args: argparse.Namespace, figures: list[Figure]) -> int:
     """Write the figures and the gallery, and say where."""
-    from mimics_app.app import output
+    from mimics_app.app.terminal import output
     from mimics_app.lab.figure import write_figure
     from mimics_app.lab.gallery import write_gallery
 

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 __all__ = ["run"]
 
 _SIZE = (1280, 720)
-_FRAME_NS = 1_000_000_000 // 60
 
 _OWN = "scene's own"
 _WORDS = {"pointer": "mouse, keys, gamepad", "simulated_hapticmaster": "simulated patient"}
@@ -28,8 +27,8 @@ def run(args: argparse.Namespace) -> int:
     Raises:
         DeviceError: there is no display.
     """
-    from mimics_app.app.build import has_display
-    from mimics_app.app.play import play
+    from mimics_app.app.play.play import play
+    from mimics_app.app.session.build import has_display
     from mimics_app.app.settings import RunSettings
 
     if not has_display():
@@ -64,7 +63,7 @@ def _options() -> dict[str, list[str]]:
 
 
 def _choose() -> tuple[Path, dict[str, str]] | None:
-    from mimics_app.contracts.clock import MonotonicClock
+    from mimics_app.contracts.clock import FRAME_NS, MonotonicClock
     from mimics_app.rendering.visual.figures.launcher import Launcher
     from mimics_app.rendering.visual.surfaces.contexts import create_surface
 
@@ -77,13 +76,13 @@ def _choose() -> tuple[Path, dict[str, str]] | None:
                 return launcher.choice
             launcher.draw()
             surface.swap()
-            clock.sleep_until_ns(clock.now_ns() + _FRAME_NS // 4)
+            clock.sleep_until_ns(clock.now_ns() + FRAME_NS // 4)
     return None
 
 
 def _cards() -> list[ScenarioCard]:
     """One card per shipped scene that is played, scenarios first: its title, words, and picture where it has one."""
-    from mimics_app.app.catalogue import ONLY_LOOKED_AT
+    from mimics_app.app.scenes.catalogue import ONLY_LOOKED_AT
     from mimics_app.contracts.resources import root
     from mimics_app.rendering.visual.figures.launcher import ScenarioCard
 

@@ -8,12 +8,13 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from mimics_app.contracts.errors import PartialDataError
+
 if TYPE_CHECKING:
     from mimics_app.recording.run import Run
 
 __all__ = ["add_arguments", "run"]
 
-_EXIT_PARTIAL = 6
 _HELP = "info: say what is in it; recover: mend and seal a run that was never closed; verify: compare with its seals"
 
 
@@ -38,13 +39,13 @@ def run(args: argparse.Namespace) -> int:
         wrong += opened.disagreements()
     answer["problems"] = wrong
     if args.json:
-        from mimics_app.app.output import write_object
+        from mimics_app.app.terminal.output import write_object
 
         write_object("record", {"action": args.action, **answer})
     else:
         sys.stdout.write("".join(f"{name:14} {text}\n" for name, text in _lines(answer)))
     bad = opened.disagreements() if args.action == "recover" else wrong
-    return _EXIT_PARTIAL if bad else 0
+    return PartialDataError.exit_code if bad else 0
 
 
 def _describe(opened: Run) -> dict[str, Any]:

@@ -6,14 +6,15 @@ import argparse
 from pathlib import Path
 
 from mimics_app.app.settings import PROFILES
+from mimics_app.app.terminal.arguments import frame_count, picture_size, random_seed, real_number
 
-__all__ = ["add_arguments", "frame_count", "run"]
+__all__ = ["add_arguments", "run"]
+
+_seconds = real_number("time from 0 to 1e6 s", lambda seconds: 0.0 <= seconds < 1e6)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics render`."""
-    from mimics_app.app.commands.run import picture_size, random_seed
-
     parser.add_argument("scene", type=Path, help="scene file")
     parser.add_argument("--backend", choices=("auto", "egl", "osmesa", "window"), default="auto", help="GL context")
     parser.add_argument("--camera", default="", metavar="ENTITY", help="whose camera is looked through; else the first")
@@ -30,15 +31,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Draw and say what was drawn with which driver."""
-    from mimics_app.app import output
-    from mimics_app.app.first_start import say_if_cold
+    from mimics_app.app.terminal import output
+    from mimics_app.app.terminal.first_start import say_if_cold
 
     say_if_cold()
+    from mimics_app.app.picture.stills import draw_stills
     from mimics_app.app.settings import RunSettings
-    from mimics_app.app.stills import draw_stills
 
     settings = RunSettings(args.scene, seed=args.seed, profile=args.profile, size=args.size)
-    stills = draw_stills(
+    drawn = draw_stills(
         settings,
         args.output,
         backend=args.backend,
@@ -48,28 +49,10 @@ def run(args: argparse.Namespace) -> int:
         video=args.video,
     )
     if args.json:
-        files = [file.name if args.video is None else str(file) for file in stills.files]
-        answer = {"backend": stills.backend, "gl": stills.gl, "files": files, "ms_median": stills.ms_median}
-        output.write_object("render", {**answer, "folder": args.output})
+        files = [file.name if args.video is None else str(file) for file in drawn.files]
+        output.write_object("render", {**drawn.as_dict(), "files": files, "folder": args.output})
         return 0
-    print(f"{stills.backend}: {stills.gl}, {stills.ms_median:.1f} ms a frame")
-    for file in stills.files:
+    print(f"{drawn.backend}: {drawn.gl}, {drawn.ms_median:.1f} ms a frame")
+    for file in drawn.files:
         print(file)
     return 0
-
-
-def frame_count(text: str) -> int:
-    """A number of frames from the command line, at least one."""
-    if not (text.isdecimal() and 1 <= int(text) <= 100_000):
-        raise argparse.ArgumentTypeError(f"{text} is no number of frames from 1 to 100000")
-    return int(text)
-
-
-def _seconds(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = -1.0
-    if not 0.0 <= value < 1e6:
-        raise argparse.ArgumentTypeError(f"{text} is not a time from 0 to 1e6 s")
-    return value

@@ -19,8 +19,8 @@ def run(args: argparse.Namespace) -> int:
     Raises:
         PartialDataError: a tick comes out differently, or the run misses ticks or parameters.
     """
-    from mimics_app.app import output
-    from mimics_app.app.first_start import say_if_cold
+    from mimics_app.app.terminal import output
+    from mimics_app.app.terminal.first_start import say_if_cold
 
     say_if_cold()
     from mimics_app.contracts.errors import PartialDataError

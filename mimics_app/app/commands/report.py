@@ -6,9 +6,9 @@ import argparse
 import sys
 from pathlib import Path
 
-__all__ = ["add_arguments", "run"]
+from mimics_app.contracts.errors import PartialDataError
 
-_EXIT_PARTIAL = 6
+__all__ = ["add_arguments", "run"]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -25,7 +25,7 @@ def run(args: argparse.Namespace) -> int:
     opened = Run.open(args.folder)
     problems = opened.problems()
     if args.json:
-        from mimics_app.app.output import write_object
+        from mimics_app.app.terminal.output import write_object
 
         write_object(
             "report",
@@ -35,4 +35,4 @@ def run(args: argparse.Namespace) -> int:
         sys.stdout.write(f"{report}\n")
         for problem in problems:
             sys.stderr.write(f"mimics: {args.folder}: {problem}\n")
-    return _EXIT_PARTIAL if problems else 0
+    return PartialDataError.exit_code if problems else 0

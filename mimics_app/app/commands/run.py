@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import fields
 from pathlib import Path
 
 from mimics_app.app.settings import PROFILES, RECIPES, SOUNDS, RunSettings
+from mimics_app.app.terminal.arguments import picture_size, positive_time, random_seed, whole_number
 
-__all__ = ["add_arguments", "picture_size", "random_seed", "run"]
+__all__ = ["add_arguments", "run"]
 
-_LARGEST_SEED = 10**18 - 1
 _DEFAULT_SCENE = Path("scenes/wavy_tunnel.json")
 
 
@@ -21,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("scene", type=Path, nargs="?", default=_DEFAULT_SCENE, help="scene file")
     parser.add_argument("--headless", action="store_true", help="no window: virtual clock and simulated patient")
-    parser.add_argument("--seconds", type=_positive, help="end after this much simulated time [s]")
+    parser.add_argument("--seconds", type=positive_time, help="end after this much simulated time [s]")
     parser.add_argument("--seed", type=random_seed, default=1, help="of trial order, patient and sensor noise")
     parser.add_argument("--profile", choices=PROFILES, default="training", help="what may be given up for speed")
     parser.add_argument("--device", default="", help="instead of the scene's robot (see mimics devices)")
@@ -31,7 +32,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--sound", choices=SOUNDS, default="auto", help="where sound goes")
     parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="of the picture [px]")
-    parser.add_argument("--pictures", type=_count, default=4, metavar="N", help="frames a headless run draws and keeps")
+    parser.add_argument(
+        "--pictures",
+        type=whole_number("number of pictures", range(100_001)),
+        default=4,
+        metavar="N",
+        help="frames a headless run draws and keeps",
+    )
     parser.add_argument(
         "--video", type=Path, metavar="FILE", help="film of the run, e.g. out.mp4 (ffmpeg); a folder: PNG frames"
     )
@@ -42,58 +49,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the scene and say what it came to."""
-    from mimics_app.app.first_start import say_if_cold
+    from mimics_app.app.terminal.first_start import say_if_cold
 
     say_if_cold()
-    from mimics_app.app.play import play
+    from mimics_app.app.play.play import play
 
-    names = (
-        "scene",
-        "seconds",
-        "seed",
-        "profile",
-        "device",
-        "recording",
-        "patient",
-        "sound",
-        "size",
-        "pictures",
-        "video",
-    )
-    chosen = {name: getattr(args, name) for name in (*names, "action", "runs", "recipe", "headless")}
-    return play(RunSettings(**chosen), as_json=args.json)
-
-
-def random_seed(text: str) -> int:
-    """A seed of everything random from the command line."""
-    try:
-        value = int(text)
-    except ValueError:
-        value = _LARGEST_SEED + 1
-    if not -_LARGEST_SEED <= value <= _LARGEST_SEED:
-        raise argparse.ArgumentTypeError(f"{text} is no seed; give a whole number of at most 18 digits")
-    return value
-
-
-def _positive(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 0.0 < value < 1e6:
-        raise argparse.ArgumentTypeError(f"{text} is not a time between 0 and 1e6 s")
-    return value
-
-
-def _count(text: str) -> int:
-    if not (text.isdecimal() and int(text) <= 100_000):
-        raise argparse.ArgumentTypeError(f"{text} is no number of pictures from 0 to 100000")
-    return int(text)
-
-
-def picture_size(text: str) -> tuple[int, int]:
-    """A size like 1280x720 from the command line [px]."""
-    width, _, height = text.partition("x")
-    if not (width.isdigit() and height.isdigit() and 1 <= int(width) <= 8192 and 1 <= int(height) <= 8192):
-        raise argparse.ArgumentTypeError(f"{text} is no picture size; write it like 1280x720")
-    return int(width), int(height)
+    settings = RunSettings(**{field.name: getattr(args, field.name) for field in fields(RunSettings)})
+    return play(settings, as_json=args.json)

@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write the schema; the plain one, or inside the object of `--json`."""
-    import mimics_app.app.scene_loading  # noqa: F401  makes every stage's types known
+    import mimics_app.app.scenes.loading  # noqa: F401  makes every stage's types known
     from mimics_app.world.scene.schema import scene_schema
 
     schema = scene_schema()
@@ -30,7 +30,7 @@ def run(args: argparse.Namespace) -> int:
         except OSError as error:
             raise UsageError(f'"{args.out}" cannot be written: {error.strerror}') from None
     if args.json:
-        from mimics_app.app.output import write_object
+        from mimics_app.app.terminal.output import write_object
 
         write_object("schema", {"json_schema": schema})
     elif args.out is None:

@@ -7,7 +7,9 @@ import os
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, TextIO
+from typing import TYPE_CHECKING
+
+from mimics_app.app.terminal.arguments import whole_number
 
 if TYPE_CHECKING:
     from mimics_app.app.sweep.worker import SweepJob
@@ -15,22 +17,25 @@ if TYPE_CHECKING:
 
 __all__ = ["add_arguments", "run"]
 
-_WIDTH = 30
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics sweep`."""
     parser.add_argument("spec", type=Path, help="sweep file, such as docs/sweeps/wall_stability.json")
     parser.add_argument("--out", type=Path, help="Parquet file to write; without it runs/sweeps/NAME.parquet")
-    parser.add_argument("--workers", type=_count, help="processes of this machine; without it one for each core")
+    parser.add_argument(
+        "--workers",
+        type=whole_number("number of processes", range(1, 1025)),
+        help="processes of this machine; without it one for each core",
+    )
     parser.add_argument("--scheduler", metavar="ADDRESS", default="", help="of a Dask scheduler, instead of processes")
 
 
 def run(args: argparse.Namespace) -> int:
     """Compute what is missing, and join all of it."""
-    from mimics_app.app import output
     from mimics_app.app.sweep.experiments import NAMES, find_experiment
     from mimics_app.app.sweep.worker import SweepJob
+    from mimics_app.app.terminal import output
+    from mimics_app.app.terminal.progress import ProgressBar
     from mimics_app.contracts.errors import SceneError
     from mimics_app.lab.sweep.points import count_points
     from mimics_app.lab.sweep.spec import load_sweep, span_of
@@ -47,11 +52,11 @@ def run(args: argparse.Namespace) -> int:
     pieces = pieces_of(points, sweep.chunk or job.experiment.chunk)
     store = PieceStore(out, f"{sweep.digest}/{sources}/{files}")
     missing = [piece for piece in pieces if not store.has(piece)]
-    bar = _Bar(sys.stderr, len(pieces), len(pieces) - len(missing))
-    for piece, data in _compute(missing, job, args):
-        store.put(piece, data)
-        bar.step()
-    bar.end()
+    with ProgressBar(sys.stderr, len(pieces), len(pieces) - len(missing)) as bar:
+        bar.step(f"{len(missing)} of {len(pieces)} pieces to compute")
+        for piece, data in _compute(missing, job, args):
+            store.put(piece, data)
+            bar.step(f"of {len(pieces)} pieces")
     store.finish(pieces, sweep)
     if args.json:
         answer = {"experiment": sweep.experiment, "points": points, "pieces": len(pieces), "computed": len(missing)}
@@ -70,35 +75,3 @@ def _compute(missing: list[Piece], job: SweepJob, args: argparse.Namespace) -> I
     if workers <= 1:
         return executors.compute_here(missing, job)
     return executors.compute_in_processes(missing, job, workers)
-
-
-def _count(text: str) -> int:
-    if not (text.isdigit() and 1 <= int(text) <= 1024):
-        raise argparse.ArgumentTypeError(f"{text} is not a number of processes between 1 and 1024")
-    return int(text)
-
-
-class _Bar:
-    """One line on a terminal that says how far a sweep is; nothing where nobody watches."""
-
-    def __init__(self, stream: TextIO, total: int, done: int) -> None:
-        self._stream, self._total, self._done = stream, total, done
-        self._shown = stream.isatty()
-        self._show()
-
-    def step(self) -> None:
-        """One more piece is done."""
-        self._done += 1
-        self._show()
-
-    def _show(self) -> None:
-        if self._shown:
-            filled = round(_WIDTH * self._done / self._total)
-            bar = "#" * filled + "." * (_WIDTH - filled)
-            self._stream.write(f"\r[{bar}] {self._done} of {self._total} pieces ")
-            self._stream.flush()
-
-    def end(self) -> None:
-        """Leave the line."""
-        if self._shown:
-            self._stream.write("\n")

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.app.settings import PROFILES
+from mimics_app.app.terminal.arguments import frame_count, picture_size
 from mimics_app.contracts.errors import DeviceError, UsageError
 
 if TYPE_CHECKING:
@@ -17,9 +18,6 @@ __all__ = ["add_arguments", "run"]
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics view`."""
-    from mimics_app.app.commands.render import frame_count
-    from mimics_app.app.commands.run import picture_size
-
     parser.epilog = (
         "In the window: drag to go round, wheel, WASD to fly, click to choose, drag what is chosen to move it, Ctrl+S "
         "to save it to the scene file; H lists all keys. Files and shaders are loaded again when they are saved."
@@ -59,7 +57,7 @@ def run(args: argparse.Namespace) -> int:
     args.output = args.output or Path("view.png")
     if args.sheet is not None:
         return _draw_sheet(args)
-    from mimics_app.app.build import has_display
+    from mimics_app.app.session.build import has_display
     from mimics_app.app.viewer.shown import open_shown
 
     if not (headless or has_display()):
@@ -81,7 +79,7 @@ def _look(args: argparse.Namespace, shown: Shown) -> int:
 def _draw(args: argparse.Namespace, shown: Shown) -> int:
     from mimics_app.app.viewer.stills import draw_turntable
 
-    stills = draw_turntable(
+    drawn = draw_turntable(
         shown,
         args.output,
         args.size,
@@ -92,8 +90,7 @@ def _draw(args: argparse.Namespace, shown: Shown) -> int:
         caption=args.caption,
         video=args.video,
     )
-    drawn = {"backend": stills.backend, "gl": stills.gl, "files": stills.files, "ms_median": stills.ms_median}
-    _answer(args, {**_describe(shown), **drawn})
+    _answer(args, {**_describe(shown), **drawn.as_dict()})
     return 0
 
 
@@ -120,7 +117,7 @@ def _describe(shown: Shown) -> dict[str, Any]:
 
 
 def _answer(args: argparse.Namespace, answer: dict[str, Any]) -> None:
-    from mimics_app.app import output
+    from mimics_app.app.terminal import output
 
     if args.json:
         output.write_object("view", answer)

@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import argparse
 import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 __all__ = ["add_arguments", "run"]
+
+_SIZE = (64, 36)
+_SECONDS = 0.1
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -14,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Compile every kernel of a run that is not in the cache yet."""
-    from mimics_app.app import output
+    from mimics_app.app.terminal import output
     from mimics_app.contracts.clock import MonotonicClock
     from mimics_app.contracts.kernel import cache_folder
 
@@ -33,10 +38,20 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _compile_everything() -> None:
-    """Run a short session in memory: loop, devices, world."""
-    from pathlib import Path
+    """Play every shipped scene for a moment and draw it small; where nothing can be drawn, its loop alone."""
+    from mimics_app.app.picture.stills import draw_stills
+    from mimics_app.app.scenes.catalogue import is_playable
+    from mimics_app.app.scenes.loading import load_checked_scene
+    from mimics_app.app.settings import RunSettings
+    from mimics_app.app.touch.rehearsal import rehearse
+    from mimics_app.contracts.errors import DeviceError
+    from mimics_app.contracts.resources import root
 
-    from mimics_app.app.rehearsal import rehearse
-    from mimics_app.app.scene_loading import load_checked_scene
-
-    rehearse(load_checked_scene(Path("scenes/wavy_tunnel.json")), ticks=100)
+    with TemporaryDirectory(prefix="mimics-") as folder:
+        for file in sorted((root() / "scenes").glob("*.json")):
+            try:
+                draw_stills(RunSettings(file, size=_SIZE), Path(folder), seconds=_SECONDS)
+            except DeviceError:
+                scene = load_checked_scene(file)
+                if is_playable(scene):
+                    rehearse(scene, round(1000 * _SECONDS))

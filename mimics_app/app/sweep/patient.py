@@ -13,16 +13,18 @@ from typing import Any
 
 import msgspec
 
-from mimics_app.app.bare_play import BarePlay
-from mimics_app.app.catalogue import open_scenario
-from mimics_app.app.haptic_side import HapticSide
-from mimics_app.app.plan import settle
-from mimics_app.app.scene_loading import find_scene, load_checked_scene
+from mimics_app.app.planner.plan import settle
+from mimics_app.app.scenes.catalogue import open_scenario
+from mimics_app.app.scenes.loading import find_scene, load_checked_scene
 from mimics_app.app.settings import PROFILES
+from mimics_app.app.touch.bare_play import BarePlay
+from mimics_app.app.touch.haptic_side import HapticSide
+from mimics_app.contracts.clock import FRAMES_PER_SECOND
 from mimics_app.contracts.errors import Issue, MimicsError, nearest
 from mimics_app.contracts.messages import TaskAction
 from mimics_app.lab.sweep.quantity import Columns, Quantity, SweepExperiment
 from mimics_app.tasks.actions import build_action_space, fill_defaults
+from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.task import BlockSpec, TaskSpec
 from mimics_app.tasks.trial_file import resolve_trials
 from mimics_app.world.components.robot import Patient, Robot
@@ -32,7 +34,6 @@ from mimics_app.world.scene.scene import Scene
 __all__ = ["EXPERIMENT", "travel"]
 
 _ACTION = "action."
-_TICK_NS = 1_000_000
 
 
 @lru_cache(maxsize=8)
@@ -48,8 +49,7 @@ def _scene_file(name: str, folder: Path) -> Path:
 
 def _task_of(scene: Scene) -> TaskSpec:
     """The scene's task with its last trial alone."""
-    task = scene.sections.get("task")
-    spec = resolve_trials(task if isinstance(task, TaskSpec) else TaskSpec(), scene.path.parent, scene.root)
+    spec = resolve_trials(task_of(scene), scene.path.parent, scene.root)
     blocks = [block for block in spec.trials if isinstance(block, BlockSpec)]
     if not blocks:
         return spec
@@ -74,13 +74,12 @@ def travel(
         it had not ended in time.
     """
     settle(scene, profile)
-    robots, patients = scene.components(Robot), scene.components(Patient)
-    patient = patients[0][1] if patients else Patient()
+    patient = scene.first(Patient) or Patient()
     if preset:
         patient = msgspec.structs.replace(patient, preset=preset)
-    play = BarePlay(scene, _task_of(scene), robots[0][1] if robots else Robot(), patient, seed)
+    play = BarePlay(scene, _task_of(scene), scene.first(Robot) or Robot(), patient, seed)
     first = TaskAction(dict(action), at_trial=0) if action else None
-    for _ in range(round(seconds * 60.0)):
+    for _ in range(round(seconds * FRAMES_PER_SECOND)):
         play.step(first)
         first = None
         if play.tasks.done:

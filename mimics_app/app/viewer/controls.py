@@ -65,7 +65,7 @@ class ViewerControls:
                 self._stage.eye.zoom(event.y)
 
     def fly(self, seconds: float) -> None:
-        """Move the eye by the keys that are held."""
+        """Move the eye by the keys that are held, for the time since the last call [s]."""
         keys = self._stage.surface.keys
         if keys & _CONTROL:
             return

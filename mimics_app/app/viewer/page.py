@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Colour, Hud
+from mimics_app.rendering.visual.figures.palette import FAINT, INK
 
 __all__ = ["KEYS", "draw_caption", "draw_hint", "draw_keys", "draw_message", "draw_reason"]
 
@@ -29,8 +30,6 @@ KEYS: tuple[tuple[str, str], ...] = (
 """Keys and what they do, in the order they are listed."""
 
 _PANEL: Colour = (0.05, 0.06, 0.08, 0.66)
-_INK: Colour = (0.96, 0.97, 0.98, 1.0)
-_FAINT: Colour = (0.74, 0.79, 0.84, 1.0)
 _WARN: Colour = (0.98, 0.76, 0.40, 1.0)
 
 _ALARM: Colour = (0.98, 0.50, 0.44, 1.0)
@@ -60,9 +59,9 @@ def draw_caption(hud: Hud, title: str, lines: Sequence[str], notes: Sequence[str
     width, height = min(max(wanted), widest) + 2.0 * _PAD, 2.0 * _PAD + large + step * (len(lines) + len(told))
     hud.box(_MARGIN, _MARGIN, width, height, _PANEL, radius=12.0)
     x, y = _MARGIN + _PAD, _MARGIN + height - _PAD - 0.8 * large
-    hud.text(x, y, title, large, _INK, bold=True, width=widest)
+    hud.text(x, y, title, large, INK, bold=True, width=widest)
     for number, line in enumerate((*lines, *told)):
-        ink = _FAINT if number < len(lines) else _WARN
+        ink = FAINT if number < len(lines) else _WARN
         hud.text(x, y - step * (number + 1), line, small, ink, width=widest)
 
 
@@ -71,7 +70,7 @@ def draw_hint(hud: Hud, hint: str) -> None:
     wide = hud.measure(hint, 15.0) + 24.0
     x, top = _MARGIN, CANVAS_HEIGHT - _MARGIN - 30.0
     hud.box(x, top, wide, 30.0, _PANEL, radius=10.0)
-    hud.text(x + 12.0, top + 10.0, hint, 15.0, _FAINT)
+    hud.text(x + 12.0, top + 10.0, hint, 15.0, FAINT)
 
 
 def draw_reason(hud: Hud, title: str, verdict: str, issues: Sequence[Issue], scale: float) -> None:
@@ -79,17 +78,17 @@ def draw_reason(hud: Hud, title: str, verdict: str, issues: Sequence[Issue], sca
     small, large = 15.0 * scale, 22.0 * scale
     width = hud.width - 2.0 * (_MARGIN + _PAD)
     x, y = _MARGIN + _PAD, CANVAS_HEIGHT - _MARGIN - _PAD - large
-    hud.text(x, y, title, large, _INK, bold=True, width=width)
+    hud.text(x, y, title, large, INK, bold=True, width=width)
     hud.text(x, y - 1.6 * large, verdict, small, _ALARM, bold=True)
     y -= 1.8 * large
     for issue in issues[:_MOST_ISSUES]:
         place = f"{issue.pointer}: " if issue.pointer else ""
         for line in hud.wrap(f"{place}{issue.what}", small, width, _REASON_LINES):
             y -= 1.35 * small
-            hud.text(x, y, line, small, _FAINT)
+            hud.text(x, y, line, small, FAINT)
         y -= 0.5 * small
     if len(issues) > _MOST_ISSUES:
-        hud.text(x, y - 1.35 * small, f"and {len(issues) - _MOST_ISSUES} more", small, _FAINT)
+        hud.text(x, y - 1.35 * small, f"and {len(issues) - _MOST_ISSUES} more", small, FAINT)
 
 
 def draw_keys(hud: Hud) -> None:
@@ -101,8 +100,8 @@ def draw_keys(hud: Hud) -> None:
     hud.box(x, y, width, height, (0.05, 0.06, 0.08, 0.88), radius=18.0)
     for number, (key, what) in enumerate(KEYS):
         line = y + height - 44.0 - 30.0 * number
-        hud.text(x + 30.0, line, key, 17.0, _INK, bold=True)
-        hud.text(x + 54.0 + left, line, what, 17.0, _FAINT)
+        hud.text(x + 30.0, line, key, 17.0, INK, bold=True)
+        hud.text(x + 54.0 + left, line, what, 17.0, FAINT)
 
 
 def draw_message(hud: Hud, text: str, *, alarm: bool = False) -> None:
@@ -112,4 +111,4 @@ def draw_message(hud: Hud, text: str, *, alarm: bool = False) -> None:
     width = min(hud.measure(text, 19.0) + 48.0, hud.width - 2.0 * _MARGIN)
     x = 0.5 * (hud.width - width)
     hud.box(x, 132.0, width, 46.0, (0.50, 0.09, 0.08, 0.90) if alarm else _PANEL, radius=14.0)
-    hud.text(0.5 * hud.width, 148.0, text, 19.0, _INK, align="centre", width=width - 32.0)
+    hud.text(0.5 * hud.width, 148.0, text, 19.0, INK, align="centre", width=width - 32.0)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from mimics_app.app.catalogue import is_playable, open_scenario
+from mimics_app.app.scenes.catalogue import is_playable, open_scenario
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.scenario_port import Scenario
 from mimics_app.world.components.robot import Ball, Robot
@@ -36,10 +36,9 @@ def _resting_hand(scene: Scene, scenario: Scenario) -> HapticSnapshot:
     values: dict[str, Any] = {
         field.name: 0 if field.type in ("int", "float") else np.zeros(3) for field in fields(HapticSnapshot)
     }
-    robots, balls = scene.components(Robot), scene.components(Ball)
     way = scenario.via_points_world
-    middle = (robots[0][1] if robots else Robot()).robot_to_world.translation
+    middle = (scene.first(Robot) or Robot()).robot_to_world.translation
     values["hip_world"] = np.array(way[0] if len(way) else middle, np.float64)
-    values["ball_radius"] = (balls[0][1] if balls else Ball()).radius_max
+    values["ball_radius"] = (scene.first(Ball) or Ball()).radius_max
     values["poses"] = np.zeros((1 + len(scene.entities), 7))
     return HapticSnapshot(**values)

@@ -6,14 +6,14 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from mimics_app.app.overlay_keys import toggle_overlay
+from mimics_app.app.picture.overlay_keys import toggle_overlay
 from mimics_app.app.settings import Profile
 from mimics_app.app.viewer.controls import ViewerControls
 from mimics_app.app.viewer.hand import Hand
 from mimics_app.app.viewer.page import draw_caption, draw_hint, draw_keys, draw_message
 from mimics_app.app.viewer.shown import Shown, Up, open_shown
 from mimics_app.app.viewer.stage import ViewerStage
-from mimics_app.contracts.clock import Clock, MonotonicClock
+from mimics_app.contracts.clock import FRAME_NS, Clock, MonotonicClock
 from mimics_app.contracts.errors import MimicsError, SceneError
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import save_png
@@ -23,7 +23,6 @@ from mimics_app.world.scene.watcher import SceneWatcher
 __all__ = ["ViewerSession"]
 
 _NS = 1_000_000_000
-_FRAME_NS = _NS // 60
 _LOOK_NS = _NS // 4
 _SHOW_NS = 5 * _NS
 _REST_NS = _NS // 5
@@ -82,7 +81,7 @@ class ViewerSession:
             elif not rested and now - drawn > _REST_NS:
                 rested = True
                 self._draw(smooth=True)
-            due = max(due + _FRAME_NS, self._clock.now_ns() - _FRAME_NS)
+            due = max(due + FRAME_NS, self._clock.now_ns() - FRAME_NS)
             self._clock.sleep_until_ns(due)
 
     def __enter__(self) -> ViewerSession:

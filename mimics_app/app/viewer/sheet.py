@@ -100,12 +100,11 @@ def draw_sheet(folder: Path, output: Path, *, backend: str = "auto") -> Sheet:
     for file in models:
         tiles.append(press.print(file))
         pictures.append(read_pixels(surface)[..., :3])
-    info = surface.ctx.info
-    gl = f"{info['GL_VERSION']}, {info['GL_RENDERER']}"
+    sheet = Sheet(output, tiles, surface.backend, surface.driver)
     press.release()
     surface.close()
     Image.fromarray(_laid_out(pictures)).save(output, optimize=True)
-    return Sheet(output, tiles, surface.backend, gl)
+    return sheet
 
 
 class _Press:

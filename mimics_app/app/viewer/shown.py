@@ -110,7 +110,7 @@ def open_shown(path: Path, up: Up = "y") -> Shown:
 
 
 def _open_scene(path: Path) -> Shown:
-    from mimics_app.app.scene_loading import load_checked_scene
+    from mimics_app.app.scenes.loading import load_checked_scene
     from mimics_app.app.viewer.resting import rest
     from mimics_app.world.scene.file import build_world
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import sys
 
-from mimics_app.app.lost_picture import draw_or_recover
-from mimics_app.app.picture import draws_in_software, picture_quality
+from mimics_app.app.picture.lost_picture import draw_or_recover
+from mimics_app.app.picture.picture import draws_in_software, picture_quality
 from mimics_app.app.settings import Profile
 from mimics_app.app.viewer.eye import ViewerEye
 from mimics_app.app.viewer.shown import Shown

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 
+from mimics_app.app.picture.drawn import Drawn
+from mimics_app.app.picture.video import draw_film
 from mimics_app.app.settings import Profile
-from mimics_app.app.video import draw_film
 from mimics_app.app.viewer.page import draw_caption
 from mimics_app.app.viewer.shown import Shown
 from mimics_app.app.viewer.stage import ViewerStage
@@ -17,17 +17,7 @@ from mimics_app.rendering.visual.surfaces.headless import FrameSet, open_offscre
 from mimics_app.rendering.visual.surfaces.surface import Size
 from mimics_app.rendering.visual.view import View
 
-__all__ = ["ViewerStills", "draw_turntable"]
-
-
-@dataclass(frozen=True, slots=True)
-class ViewerStills:
-    """What was drawn: files, backend, driver, and median time per frame [ms]."""
-
-    files: list[Path]
-    backend: str
-    gl: str
-    ms_median: float
+__all__ = ["draw_turntable"]
 
 
 def draw_turntable(
@@ -41,7 +31,7 @@ def draw_turntable(
     camera: str = "",
     caption: bool = False,
     video: Path | None = None,
-) -> ViewerStills:
+) -> Drawn:
     """Draw a thing from as many sides as there are frames, spread over one turn.
 
     Args:
@@ -74,15 +64,13 @@ def draw_turntable(
     stage.draw()
     surface.ctx.finish()
     if video is not None:
-        drawn = draw_film(stage.renderer, surface, frames, views, video)
+        made = draw_film(stage.renderer, surface, frames, views, video)
     else:
-        drawn = _draw_files(stage, frames, views, output)
-    info = surface.ctx.info
-    gl = f"{info['GL_VERSION']}, {info['GL_RENDERER']}"
-    stills = ViewerStills(drawn.files, surface.backend, gl, round(drawn.ms_median, 3))
+        made = _draw_files(stage, frames, views, output)
+    drawn = Drawn.on(surface, made)
     stage.release()
     surface.close()
-    return stills
+    return drawn
 
 
 def _draw_files(stage: ViewerStage, frames: int, views: Callable[[int], list[View]], output: Path) -> FrameSet:

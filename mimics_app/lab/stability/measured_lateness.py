@@ -1,8 +1,6 @@
-"""How late the loop really wakes: from a short live run on this machine, or from the folder of a recorded one."""
+"""How late the loop really wakes: from a short live run on this machine."""
 
 from __future__ import annotations
-
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,13 +9,12 @@ from mimics_app.contracts import ring
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.haptic import SAMPLE
 from mimics_app.contracts.session_memory import SessionMemory
-from mimics_app.recording.run import Run
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.world.components.robot import Robot
 
-__all__ = ["measure_lateness", "recorded_lateness"]
+__all__ = ["measure_lateness"]
 
 Vec = NDArray[np.float64]
 
@@ -35,12 +32,3 @@ def measure_lateness(seconds: float) -> Vec:
     out = np.zeros(memory.samples.shape[0], SAMPLE)
     count = ring.drain(memory.sample_words, memory.samples, out)
     return np.asarray(out["lateness_ns"][:count] * 1e-9)
-
-
-def recorded_lateness(folder: Path) -> Vec:
-    """Lateness [s] of every tick of a recorded run; zeros where it was recorded on the virtual clock.
-
-    Raises:
-        MimicsError: The folder holds no run that this version can read.
-    """
-    return np.asarray(Run.open(folder).haptic["lateness_ns"] * 1e-9)

@@ -17,7 +17,7 @@ from mimics_app.lab.stability.linear import find_limit, hold, is_contracting
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.integrators import step_free
 
-__all__ = ["Wall", "exact_limit", "exact_matrix", "is_stable", "rule_limit", "simulated_limit"]
+__all__ = ["Wall", "exact_limit", "exact_matrix", "is_stable", "press_wall", "rule_limit", "simulated_limit"]
 
 Vec = NDArray[np.float64]
 Mat = NDArray[np.float64]
@@ -58,9 +58,25 @@ class Wall:
 
 
 @kernel
-def _press(k: float, B: float, m: float, b: float, dt: float, delay: int, ticks: int, peaks: Vec) -> None:
-    """Simulate a wall of stiffness k and damping B; peaks of |depth - rest| by quarter, shape [4]."""
-    line = np.full(delay + 1, k * _DEPTH)
+def press_wall(
+    k: float, B: float, m: float, b: float, dt: float, delay: int, ticks: int, line: Vec, peaks: Vec
+) -> None:
+    """Press the device into a wall and let it go.
+
+    Args:
+        k: Stiffness of the wall [N/m].
+        B: Damping of its law [N s/m].
+        m: Mass of the device [kg].
+        b: Its own damping [N s/m].
+        dt: Tick [s].
+        delay: Ticks between sampling and acting.
+        ticks: How long.
+        line: Room for the forces under way, shape [at least delay + 1].
+        peaks: Receives the peaks of |depth - rest| [m] by quarter of the run, shape [4]; the last infinite where it
+            does not come back.
+    """
+    line[: delay + 1] = k * _DEPTH
+    peaks[:] = 0.0
     x = _DEPTH + _APART
     last = x
     v = 0.0
@@ -81,7 +97,7 @@ def is_stable(wall: Wall, stiffness: float) -> bool:
     def run(ticks: int) -> Vec:
         peaks = np.zeros(4)
         m, b, B, dt = wall.mass, wall.device_damping, wall.wall_damping, 1.0 / wall.rate
-        _press(stiffness, B, m, b, dt, wall.delay, ticks, peaks)
+        press_wall(stiffness, B, m, b, dt, wall.delay, ticks, np.zeros(wall.delay + 1), peaks)
         return peaks
 
     return dies_away(run, _SHORTEST, _LONGEST)

@@ -13,43 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
-from mimics_app.lab.stability.growth import note_peak
+from mimics_app.lab.stability.wall_loop import press_wall
 from mimics_app.lab.sweep.quantity import Columns, Quantity, SweepExperiment
-from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
-from mimics_app.rendering.haptic.kernels.integrators import step_free
 
 __all__ = ["EXPERIMENT"]
 
 Vec = NDArray[np.float64]
 
 _MOST_DELAY = 64
-_DEPTH = 1000.0
-"""Rest inside the wall [m], absurdly deep, so that the surface is never reached and the law is never clamped."""
-_APART = 1e-3
-_LARGE = 1.0
 _PLAIN = 0.4
 _GONE = 1e-6
 _SHORTEST = 2_000
 _LONGEST = 128_000
-
-
-@kernel
-def _press(k: float, B: float, m: float, b: float, dt: float, delay: int, ticks: int, line: Vec, peaks: Vec) -> None:
-    """Peaks of |depth - rest| [m] by quarter of a run, shape [4]; infinite from where it does not come back."""
-    line[: delay + 1] = k * _DEPTH
-    peaks[:] = 0.0
-    x = _DEPTH + _APART
-    last = x
-    v = 0.0
-    for i in range(ticks):
-        line[i % (delay + 1)] = spring_damper(x, (x - last) / dt, k, B)
-        last = x
-        x, v = step_free(x, v, k * _DEPTH - line[(i + 1) % (delay + 1)], m, b, dt)
-        size = abs(x - _DEPTH)
-        if not size < _LARGE:
-            peaks[3] = np.inf
-            return
-        note_peak(size, i, ticks, peaks)
 
 
 @kernel
@@ -60,7 +35,7 @@ def _decide(k: Vec, B: Vec, m: Vec, b: Vec, dt: Vec, delay: NDArray[np.int64], s
     for i in range(k.shape[0]):
         ticks = _SHORTEST
         while True:
-            _press(k[i], B[i], m[i], b[i], dt[i], delay[i], ticks, line, peaks)
+            press_wall(k[i], B[i], m[i], b[i], dt[i], delay[i], ticks, line, peaks)
             if not peaks[3] < np.inf:
                 stable[i] = 0
                 break

@@ -31,9 +31,7 @@ class ALC:
     """Numbers of alc.h and alext.h that are used here."""
 
     FREQUENCY = 0x1007
-    REFRESH = 0x1008
     MONO_SOURCES = 0x1010
-    DEVICE_SPECIFIER = 0x1005
     ALL_DEVICES_SPECIFIER = 0x1013
     CONNECTED = 0x313
     FORMAT_CHANNELS = 0x1990
@@ -52,14 +50,11 @@ class AL:
     """Numbers of al.h and alext.h that are used here."""
 
     SOURCE_RELATIVE = 0x202
-    PITCH = 0x1003
     POSITION = 0x1004
     LOOPING = 0x1007
     BUFFER = 0x1009
     GAIN = 0x100A
     ORIENTATION = 0x100F
-    SOURCE_STATE = 0x1010
-    INITIAL = 0x1011
     PLAYING = 0x1012
     STOPPED = 0x1014
     REFERENCE_DISTANCE = 0x1020

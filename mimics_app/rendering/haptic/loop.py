@@ -18,6 +18,7 @@ from numba import from_dtype, types
 from numpy.typing import NDArray
 
 from mimics_app.contracts.atomics import load_acquire, now_ns, sleep_until_ns, store_release
+from mimics_app.contracts.borrowed import borrowed
 from mimics_app.contracts.haptic import SAMPLE, SCENE
 from mimics_app.contracts.kernel import kernel, typed_kernel
 from mimics_app.contracts.loop_ports import (
@@ -118,7 +119,7 @@ def _run_tick(
     """Read, tick, write, publish; return `late_stop_ns` of the parameters used."""
     slot, _ = acquire(channels.scene_words)
     scene = channels.scenes[slot]
-    rows = _rows_of(channels.rows, slot)
+    rows = borrowed(_rows_of(channels.rows, slot))
     _take_inbox(channels, work, scene)
     state = work.state[0]
     status = read(memory, work.inbox, work.data, state.tick)
@@ -167,6 +168,7 @@ def advance_ticks(
     period_ns: int,
 ) -> int:
     """Run `ticks` ticks un-timed on the virtual clock (tick k at k * period_ns); return the ticks done in all."""
+    channels, work = borrowed(channels), borrowed(work)
     state = work.state[0]
     sample = work.sample[0]
     dt = period_ns * 1e-9
@@ -196,6 +198,7 @@ def run_live(
     Sleeps to absolute deadlines and spins for the last `spin_ns`. Counts lateness and duration after the first second.
     A burst that catches up after one late wake-up counts once towards the misses in a row.
     """
+    channels, work = borrowed(channels), borrowed(work)
     state = work.state[0]
     sample = work.sample[0]
     control = channels.control
@@ -289,6 +292,7 @@ def replay_recorded(
     Returns:
         Ticks done.
     """
+    stack, objects = borrowed(stack), borrowed(objects)
     for k in range(inputs.shape[0]):
         row = inputs[k]
         for i in range(3):
@@ -302,7 +306,7 @@ def replay_recorded(
         out = outputs[k]
         status = int(row.status)
         stop_word, held = int(row.stop_word), int(row.held)
-        scene, rows = scenes[which[k]], _rows_of(stack, which[k])
+        scene, rows = scenes[which[k]], borrowed(_rows_of(stack, which[k]))
         tick(
             scene,
             rows,

@@ -24,6 +24,9 @@ _WELD = 1e-9
 
 _CURVE_BITS = 20
 
+_SHARP = 0.94
+"""Cosine between the normals of two triangles below which the edge between them is sharp: 20 degrees."""
+
 
 class MeshTable(NamedTuple):
     """All meshes of a scene, one after the other; SHAPE.mesh is a row of `rows`.
@@ -37,6 +40,7 @@ class MeshTable(NamedTuple):
         fans: Triangles by vertex, shape [3 triangles].
         boxes: Least and greatest corner of each node of the trees [m], shape [nodes, 6].
         hulls: Corners of the convex hulls of meshes that bodies carry [m], shape [corners, 3].
+        edges: Both ends of the sharp edges of the same meshes [m], shape [edges, 6].
     """
 
     rows: NDArray[Any]
@@ -47,6 +51,7 @@ class MeshTable(NamedTuple):
     fans: Indices
     boxes: Array
     hulls: Array
+    edges: Array
 
 
 def build_mesh_table(
@@ -66,7 +71,8 @@ def build_mesh_table(
     """
     rows = np.zeros(len(meshes), MESH)
     parts: list[tuple[Array, Indices, Indices, Array]] = []
-    vertex = triangle = node = hull = 0
+    vertex = triangle = node = hull = edge = 0
+    sharp: list[Array] = []
     carried = hulls or {}
     for number, (row, (vertices, triangles)) in enumerate(zip(rows, meshes, strict=True)):
         points, corners = _clean(np.asarray(vertices, float), np.asarray(triangles, np.int64))
@@ -82,13 +88,16 @@ def build_mesh_table(
         linked = np.where(neighbours < 0, -1, neighbours + triangle)
         parts.append((points, (corners + vertex).astype(np.int32), linked.astype(np.int32), boxes))
         vertex, triangle, node = vertex + len(points), triangle + len(corners), node + len(boxes)
-        hull += int(row["hull_corners"])
+        sharp.append(_sharp_edges(points, corners, neighbours) if number in carried else np.zeros((0, 6)))
+        row["first_edge"], row["edges"] = edge, len(sharp[-1])
+        hull, edge = hull + int(row["hull_corners"]), edge + len(sharp[-1])
     tips = [np.asarray(carried[number], float).reshape(-1, 3) for number in sorted(carried)]
-    return _joined(rows, parts, vertex, np.ascontiguousarray(np.concatenate([np.zeros((0, 3)), *tips])))
+    ends = np.ascontiguousarray(np.concatenate([np.zeros((0, 6)), *sharp]))
+    return _joined(rows, parts, vertex, np.ascontiguousarray(np.concatenate([np.zeros((0, 3)), *tips])), ends)
 
 
 def _joined(
-    rows: NDArray[Any], parts: list[tuple[Array, Indices, Indices, Array]], count: int, hulls: Array
+    rows: NDArray[Any], parts: list[tuple[Array, Indices, Indices, Array]], count: int, hulls: Array, edges: Array
 ) -> MeshTable:
     """One table of all parts, with the triangles round each of the `count` vertices."""
     empty = (np.zeros((0, 3)), np.zeros((0, 3), np.int32), np.zeros((0, 3), np.int32), np.zeros((0, 6)))
@@ -98,7 +107,8 @@ def _joined(
     of_vertex = corners.ravel()
     fans = np.argsort(of_vertex, kind="stable") // 3
     starts = np.searchsorted(np.sort(of_vertex), np.arange(count + 1))
-    return MeshTable(rows, vertices, corners, neighbours, starts.astype(np.int32), fans.astype(np.int32), boxes, hulls)
+    fan_starts, of_fans = starts.astype(np.int32), fans.astype(np.int32)
+    return MeshTable(rows, vertices, corners, neighbours, fan_starts, of_fans, boxes, hulls, edges)
 
 
 def _clean(vertices: Array, triangles: NDArray[np.int64]) -> tuple[Array, NDArray[np.int64]]:
@@ -139,6 +149,19 @@ def _neighbours(corners: NDArray[np.int64]) -> NDArray[np.int64]:
     found = np.full(len(heads), -1, np.int64)
     found[first], found[second] = second // 3, first // 3
     return found.reshape(-1, 3)
+
+
+def _sharp_edges(points: Array, corners: NDArray[np.int64], neighbours: NDArray[np.int64]) -> Array:
+    """Both ends of the edges at which a mesh turns outward by more than 20 degrees, shape [edges, 6]."""
+    a, b, c = (points[corners[:, i]] for i in range(3))
+    normals = np.cross(b - a, c - a)
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    triangle, side = np.nonzero(neighbours > np.arange(len(corners))[:, None])  # each edge once
+    other = neighbours[triangle, side]
+    ends = points[corners[triangle, side]], points[corners[triangle, (side + 1) % 3]]
+    turned = np.einsum("ij,ij->i", normals[triangle], normals[other]) < _SHARP
+    falls = np.einsum("ij,ij->i", normals[triangle], points[corners[other]].mean(axis=1) - ends[0]) < 0.0
+    return np.hstack(ends)[turned & falls]
 
 
 def _volume(points: Array, corners: NDArray[np.int64]) -> float:
@@ -183,6 +206,6 @@ _NUMBERS = types.int32[::1]
 _TABLE = types.float64[:, ::1]
 
 MESH_TABLE = types.NamedTuple(  # type: ignore[no-untyped-call]
-    [from_dtype(MESH)[::1], _TABLE, _TRIPLES, _TRIPLES, _NUMBERS, _NUMBERS, _TABLE, _TABLE], MeshTable
+    [from_dtype(MESH)[::1], _TABLE, _TRIPLES, _TRIPLES, _NUMBERS, _NUMBERS, _TABLE, _TABLE, _TABLE], MeshTable
 )
 """Compiled type of `MeshTable`, field by field."""

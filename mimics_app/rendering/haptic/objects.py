@@ -15,6 +15,7 @@ import numpy as np
 from numba import from_dtype, typeof, types
 from numpy.typing import NDArray
 
+from mimics_app.contracts.borrowed import borrowed_type
 from mimics_app.contracts.haptic import TUNNEL
 from mimics_app.contracts.haptic_objects import MAX_POINTS, MOTION, OBJECT_COUNTS
 from mimics_app.contracts.loop_ports import FIELD_PARAMETERS, FIELDS
@@ -191,7 +192,9 @@ OBJECT_WORK = typeof(new_object_work(_ONE))  # type: ignore[no-untyped-call]
 
 _VECTOR = types.float64[::1]
 
-SIMULATE = types.void(ROWS, OBJECT_WORK, from_dtype(OBJECT_COUNTS), _VECTOR, FIELDS, types.float64, _VECTOR)
+SIMULATE = types.void(
+    borrowed_type(ROWS), borrowed_type(OBJECT_WORK), from_dtype(OBJECT_COUNTS), _VECTOR, FIELDS, types.float64, _VECTOR
+)
 """Signature of `simulate(rows, work, counts, hand, fields, dt, force)`, the objects' part of the tick.
 
 It is handed to the loop as a first-class function, so that a scene without objects imports, compiles and runs none of

@@ -312,11 +312,10 @@ class _Gathered:
                 row["mesh"] = list(self.meshes).index(key)
 
     def _points(self) -> Records:
-        found = self.scene.components(InteractionPoints)
-        rows = np.zeros(len(found[0][1].points) if found else 1, POINT)
-        balls = self.scene.components(Ball)
-        rows["enabled"], rows["radius"] = 1, balls[0][1].radius_max if balls else 0.0
-        for row, point in zip(rows, found[0][1].points if found else (), strict=False):
+        found, ball = self.scene.first(InteractionPoints), self.scene.first(Ball)
+        rows = np.zeros(1 if found is None else len(found.points), POINT)
+        rows["enabled"], rows["radius"] = 1, 0.0 if ball is None else ball.radius_max
+        for row, point in zip(rows, () if found is None else found.points, strict=False):
             row["offset"], row["radius"], row["enabled"] = point.offset, point.radius, point.enabled
         return rows
 

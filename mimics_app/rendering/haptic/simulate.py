@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.borrowed import borrowed
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.object_rows import Rows
 from mimics_app.rendering.haptic.kernels.objects.bodies import place_bodies, step_bodies
@@ -50,7 +49,6 @@ def simulate_objects(
         dt: Tick [s].
         force: Receives what the objects do to the user, world [N], shape [3].
     """
-    rows, work = borrowed(rows), borrowed(work)
     totals = work.totals[0]
     clear_totals(totals)
     carry_signals(rows, work, counts, hand)

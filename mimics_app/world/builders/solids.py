@@ -107,10 +107,10 @@ def _side_places(axes: Axes, first: Uv, second: Uv, reach: Uv, length: float) ->
     return [(high, begin), (low, begin), (low, end), (high, end)]
 
 
-def circle(sides: int, radius: float, squash: float = 1.0) -> list[Uv]:
+def circle(sides: int, radius: float) -> list[Uv]:
     """A regular outline about the origin, counter-clockwise [m]."""
     turns = [2.0 * math.pi * (number + 0.5) / sides for number in range(sides)]
-    return [(radius * math.cos(turn), radius * squash * math.sin(turn)) for turn in turns]
+    return [(radius * math.cos(turn), radius * math.sin(turn)) for turn in turns]
 
 
 def add_column(

@@ -61,8 +61,7 @@ def load_library(world: World, scene: Scene) -> None:
         if asset.picture is not None:
             world.textures[asset.id] = asset.picture
     world.techniques = dict(scene.techniques)
-    found = scene.components(Environment)
-    sky = found[0][1] if found else Environment()
+    sky = scene.first(Environment) or Environment()
     fog = None if sky.fog is None else Fog(sky.fog.kind, sky.fog.density, sky.fog.start, sky.fog.colour)
     over = sky.backdrop
     backdrop = None if over is None else Backdrop(over.kind, over.textures, over.height, over.tile)

@@ -118,6 +118,19 @@ class Scene:
             if key in entity.components
         ]
 
+    def first(self, wanted: type[S]) -> S | None:
+        """The first component of a type, None where the scene has none: `scene.first(Robot) or Robot()`."""
+        found = self.components(wanted)
+        return found[0][1] if found else None
+
+    def system(self, wanted: type[S]) -> S | None:
+        """The settings of that type among `systems`, None where the scene states none."""
+        return _of_type(self.systems, wanted)
+
+    def section(self, wanted: type[S]) -> S | None:
+        """The section of that type, None where the scene has none."""
+        return _of_type(self.sections, wanted)
+
     def one(self, wanted: type[S]) -> tuple[str, S, str]:
         """(entity id, component, pointer) of the first component of a type.
 
@@ -215,3 +228,7 @@ class Scene:
         if name in known:
             return []
         return [self.issue(pointer, f'no {what} "{name}"', nearest(name, known) if known else "the scene has none")]
+
+
+def _of_type(named: dict[str, msgspec.Struct], wanted: type[S]) -> S | None:
+    return next((each for each in named.values() if isinstance(each, wanted)), None)

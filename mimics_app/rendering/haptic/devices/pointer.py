@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.errors import DeviceError, nearest
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.loop_ports import (
     DATA_BUTTONS,
@@ -17,6 +16,7 @@ from mimics_app.contracts.loop_ports import (
     READ,
     DevicePlugin,
 )
+from mimics_app.rendering.haptic.devices.device_settings import write_settings
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.simulated_hapticmaster import robot_delay, write_robot, write_robot_memory
 from mimics_app.rendering.haptic.kernels import hand
@@ -61,12 +61,5 @@ def build_pointer(request: DeviceRequest) -> DevicePlugin:
     memory = np.zeros(ROBOT_LENGTH + HAND_LENGTH)
     write_robot_memory(memory[:ROBOT_LENGTH], request)
     own = memory[ROBOT_LENGTH:]
-    for place, value in _SETTINGS.values():
-        own[place] = value
-    for name, value in request.robot.settings.items():
-        if name not in _SETTINGS:
-            raise DeviceError(f'the pointer has no setting "{name}"', nearest(name, _SETTINGS))
-        if not isinstance(value, int | float) or not 0.0 < value < 1e5:
-            raise DeviceError(f'the pointer\'s setting "{name}" is {value!r}', "give a positive number")
-        own[_SETTINGS[name][0]] = value
+    write_settings(own, _SETTINGS, request.robot.settings, "pointer")
     return DevicePlugin("pointer", read_pointer, write_robot, memory, delay=robot_delay(request))

@@ -23,9 +23,24 @@ if TYPE_CHECKING:
 
     from mimics_app.world.components.robot import Patient, Robot
 
-__all__ = ["BUILT_IN", "ENTRY_POINT_GROUP", "build_device", "check_device_name", "device_names", "find_builder"]
+__all__ = [
+    "BUILT_IN",
+    "ENTRY_POINT_GROUP",
+    "POINTER",
+    "SIMULATED",
+    "build_device",
+    "check_device_name",
+    "device_names",
+    "find_builder",
+]
 
 ENTRY_POINT_GROUP = "mimics_app.devices"
+
+SIMULATED = "simulated_hapticmaster"
+"""The device of a scene that names none, held by a simulated person."""
+
+POINTER = "pointer"
+"""The same robot, held by a person at a window."""
 
 
 def _build_serial(request: DeviceRequest) -> DevicePlugin:
@@ -43,9 +58,9 @@ def _build_hapticmaster(request: DeviceRequest) -> DevicePlugin:
 
 
 BUILT_IN: dict[str, DeviceBuilder] = {
-    "simulated_hapticmaster": build_simulated_hapticmaster,
+    SIMULATED: build_simulated_hapticmaster,
     "simulated_impedance": build_simulated_impedance,
-    "pointer": build_pointer,
+    POINTER: build_pointer,
     "replay": build_replay,
     "serial": _build_serial,
     "hapticmaster": _build_hapticmaster,
@@ -53,9 +68,9 @@ BUILT_IN: dict[str, DeviceBuilder] = {
 """Devices that come with the product. A plug-in cannot take one of these names."""
 
 _ADDRESSES = {
-    "simulated_hapticmaster": "",
+    SIMULATED: "",
     "simulated_impedance": "",
-    "pointer": "",
+    POINTER: "",
     "replay": "",
     "serial": "PORT[@BAUD]",
     "hapticmaster": "HOST[:PORT]",
@@ -113,8 +128,6 @@ def build_device(
     via_points_world: NDArray[np.float64] | None = None,
     seed: int = 0,
     *,
-    rate: int = 1000,
-    start_joints: tuple[float, float, float] = (0.0, 0.0, 0.0),
     samples: NDArray[np.void] | None = None,
     objects: tuple[DeviceObject, ...] = (),
 ) -> DevicePlugin:
@@ -126,8 +139,6 @@ def build_device(
         via_points_world: Points the simulated person means to pass, world [m], shape [n, 3]; dense enough that straight
             lines between them are good enough (the bisector at 50 or more parameters).
         seed: Of all random numbers.
-        rate: Ticks per second.
-        start_joints: Where a simulated robot stands at first [m, rad, m].
         samples: SAMPLE rows, for the replay device.
         objects: What a robot that renders objects by itself should make, robot frame.
 
@@ -140,8 +151,6 @@ def build_device(
         patient=patient,
         way_robot=robot_from_world(robot, points),
         seed=seed,
-        rate=rate,
-        start_joints=start_joints,
         samples=samples,
         address=split_device(robot.device).address,
         objects=objects,

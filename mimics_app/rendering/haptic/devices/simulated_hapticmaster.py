@@ -11,22 +11,15 @@ from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.loop_ports import (
     COMMAND_DQ,
     COMMAND_ENABLED,
-    DATA_BUTTONS,
-    DATA_GRASP,
-    INBOX_ACTIVE,
-    INBOX_BUTTONS,
-    INBOX_GRASP,
-    INBOX_TARGET,
-    INBOX_TRIAL,
     READ,
     WRITE,
     DevicePlugin,
 )
-from mimics_app.rendering.haptic.devices.patients import impairment_of, write_arm
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
-from mimics_app.rendering.haptic.kernels import arm, robot
-from mimics_app.rendering.haptic.kernels.arm import ARM_LENGTH, GRIP_FORCE, step_arm
-from mimics_app.rendering.haptic.kernels.noise import seed_noise, uniform
+from mimics_app.rendering.haptic.devices.simulated_person import move_person, write_person
+from mimics_app.rendering.haptic.kernels import robot
+from mimics_app.rendering.haptic.kernels.arm import ARM_LENGTH, GRIP_FORCE
+from mimics_app.rendering.haptic.kernels.noise import seed_noise
 from mimics_app.rendering.haptic.kernels.robot import (
     HANDLE,
     ROBOT_LENGTH,
@@ -37,6 +30,7 @@ from mimics_app.rendering.haptic.kernels.robot import (
     step_robot,
 )
 from mimics_app.rendering.haptic.kernels.vectors import all_finite
+from mimics_app.rendering.haptic.scene_block import axis_offset
 
 __all__ = ["build_simulated_hapticmaster", "read_patient", "robot_delay", "write_robot", "write_robot_memory"]
 
@@ -53,11 +47,7 @@ def read_patient(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
     person = memory[ROBOT_LENGTH:]
     if tick > 0:
         step_robot(machine)
-    active = inbox[INBOX_ACTIVE] != 0.0
-    handle = machine[HANDLE : HANDLE + 6]
-    target = inbox[INBOX_TARGET : INBOX_TARGET + 3]
-    data[DATA_GRASP] = step_arm(person, handle, active, inbox[INBOX_TRIAL], target, inbox[INBOX_GRASP], machine[TICK])
-    data[DATA_BUTTONS] = inbox[INBOX_BUTTONS]
+    move_person(person, machine[HANDLE : HANDLE + 6], inbox, data, machine[TICK])
     sense(machine, person[GRIP_FORCE : GRIP_FORCE + 3], data)
     return 0
 
@@ -77,7 +67,7 @@ def write_robot(memory: Vec, command: Vec, tick: int) -> int:
 def write_robot_memory(memory: Vec, request: DeviceRequest) -> None:
     """Fill a robot's memory, shape [robot.ROBOT_LENGTH], from the scene's robot component."""
     wanted = request.robot
-    d1 = wanted.stroke / 2.0 + wanted.offset if wanted.axis_offset is None else wanted.axis_offset
+    d1 = axis_offset(wanted)
     memory[robot.Q : robot.Q + 3] = request.start_joints
     memory[robot.MEASURED : robot.MEASURED + 3] = request.start_joints
     memory[robot.AXIS_OFFSET] = d1
@@ -107,12 +97,5 @@ def build_simulated_hapticmaster(request: DeviceRequest) -> DevicePlugin:
     """The simulated robot, held by the request's patient, or by a relaxed arm when there is none."""
     memory = np.zeros(ROBOT_LENGTH + ARM_LENGTH)
     write_robot_memory(memory[:ROBOT_LENGTH], request)
-    person = memory[ROBOT_LENGTH:]
-    seed_noise(person, arm.GENERATOR, 2 * request.seed + 1)
-    if request.patient is None:
-        person[arm.ARM_MASS] = 1.5
-    else:
-        write_arm(person, impairment_of(request.patient), request.way_robot, request.patient.intent)
-        for axis in range(3):
-            person[arm.TREMOR_PHASE + axis] = 2.0 * math.pi * uniform(person, arm.GENERATOR)
+    write_person(memory[ROBOT_LENGTH:], request)
     return DevicePlugin("simulated_hapticmaster", read_patient, write_robot, memory, delay=robot_delay(request))

@@ -50,6 +50,9 @@ _SWITCH_MARGIN = 0.01
 _SLICES = 16
 """Ticks in which the whole bisector is looked over once."""
 
+_STARTS = 5
+"""Points of a piece from which Newton may start when it is searched."""
+
 _FAR = 1e300
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 _GOLDEN_STEPS = 46
@@ -137,16 +140,21 @@ def refine(tunnel: Any, px: float, py: float, pz: float, s: float) -> tuple[floa
 
 @kernel
 def _best_in_piece(tunnel: Any, px: float, py: float, pz: float, piece: int) -> tuple[float, float, bool]:
-    """(s, distance [m], whether it is a minimum) of what Newton reaches from the best of five points of one piece."""
-    best2 = _FAR
-    best = 0.0
-    for i in range(5):
-        distance2 = _distance2(tunnel, px, py, pz, piece, 0.25 * i)
-        if distance2 < best2:
-            best2 = distance2
-            best = piece + 0.25 * i
-    s, distance2, found = refine(tunnel, px, py, pz, best)
-    return s, math.sqrt(distance2), found
+    """(s, distance [m], whether it is a minimum) of the nearest that Newton reaches within one piece.
+
+    It starts from every one of five points that is nearer than its neighbours: a piece that bends back on itself, as a
+    closed tunnel of one piece does, has more than one minimum.
+    """
+    best, best2, best_found = float(piece), _FAR, False
+    before, here = _FAR, _distance2(tunnel, px, py, pz, piece, 0.0)
+    for i in range(_STARTS):
+        after = _distance2(tunnel, px, py, pz, piece, (i + 1) / (_STARTS - 1)) if i + 1 < _STARTS else _FAR
+        if here <= before and here <= after:
+            s, distance2, found = refine(tunnel, px, py, pz, piece + i / (_STARTS - 1))
+            if distance2 < best2:
+                best, best2, best_found = s, distance2, found
+        before, here = here, after
+    return best, math.sqrt(best2), best_found
 
 
 @kernel

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.borrowed import borrowed
 from mimics_app.contracts.haptic_objects import OBJECT_COUNTS, STATIC, BodyFlag, ObjectIntegrator, ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
@@ -36,6 +37,7 @@ Edges = tuple[float, float, float]
 
 @kernel
 def _run(rows: Any, work: Any, counts: Any, dt: float, ticks: int) -> None:
+    rows, work = borrowed(rows), borrowed(work)
     for _ in range(ticks):
         clear_totals(work.totals[0])
         place_bodies(rows, work, counts)

@@ -7,17 +7,17 @@ shape too many or too few.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.methods import Group
+from mimics_app.contracts.probe import shortest_us
 from mimics_app.rendering.haptic.kernels.objects.cull import find_near, find_near_plain
-from mimics_app.rendering.haptic.methods.probe import reference_us, shortest_us
+from mimics_app.rendering.haptic.methods.numbered import NumberedRival, register_numbered
+from mimics_app.rendering.haptic.methods.probe import reference_us
 from mimics_app.rendering.haptic.methods.touch_probe import RADIUS
 
 __all__ = ["GROUP", "misses", "spread_bounds"]
@@ -95,36 +95,33 @@ def misses(number: int, count: int = _TYPICAL) -> float:
     return float(np.count_nonzero((squares < RADIUS * RADIUS).sum(axis=1) != arguments[-1]))
 
 
-_CULLS: list[tuple[str, str, str, Callable[..., Any], bool]] = [
-    ("groups of 64", "bounds tested 64 at a time without a branch", "any scene, moving or not", find_near, False),
-    ("one by one", "bounds tested one after the other", "any scene", find_near_plain, False),
-    ("grid", "the cell of the point tells its shapes", "shapes at rest: filled again at each change", _in_cell, True),
-]
-
-
-registry.describe(
+register_numbered(
     Group(
         name=GROUP,
         what="which of 1000 shapes a point may touch; error: of 2000 queries those with a shape too many or too few",
         unit="queries",
         work="shapes",
         reference=reference_us,
-    )
+    ),
+    (
+        NumberedRival(
+            "groups of 16",
+            "bounds tested 16 at a time without a branch",
+            "any scene, moving or not",
+            find_near,
+            _COUNTS,
+        ),
+        NumberedRival("one by one", "bounds tested one after the other", "any scene", find_near_plain, _COUNTS),
+        NumberedRival(
+            "grid",
+            "the cell of the point tells its shapes",
+            "shapes at rest: filled again at each change",
+            _in_cell,
+            _COUNTS,
+            yardstick=True,
+        ),
+    ),
+    cost=_cull_us,
+    error=misses,
+    typical=_TYPICAL,
 )
-for _number, (_name, _source, _valid, _run, _yardstick) in enumerate(_CULLS):
-    registry.register(
-        Method(
-            group=GROUP,
-            name=_name,
-            source=_source,
-            cost=partial(_cull_us, _number, _TYPICAL),
-            error=partial(misses, _number),
-            unit="queries",
-            valid_range=_valid,
-            run=_run,
-            default=_number == 0,
-            yardstick=_yardstick,
-            growth=partial(_cull_us, _number),
-            sizes=_COUNTS,
-        )
-    )

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.probe import shortest_us
 from mimics_app.rendering.haptic.kernels.contact_records import FRICTION
 from mimics_app.rendering.haptic.kernels.friction import (
     hayward_armstrong,
@@ -26,7 +27,7 @@ from mimics_app.rendering.haptic.kernels.friction import (
     regularised,
     regularised_printed,
 )
-from mimics_app.rendering.haptic.methods.probe import SIZES, reference_us, shortest_us
+from mimics_app.rendering.haptic.methods.probe import SIZES, reference_us
 
 __all__ = ["GROUP", "LAWS", "Hold", "hold"]
 

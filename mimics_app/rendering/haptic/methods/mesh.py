@@ -7,14 +7,14 @@ top on 2 kN/m, against k d straight up.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.methods import Group
+from mimics_app.contracts.probe import shortest_us
 from mimics_app.rendering.haptic.kernels.objects.desk import DESK
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
     ANYWHERE,
@@ -25,7 +25,8 @@ from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
 from mimics_app.rendering.haptic.kernels.objects.mesh_walk import probe_mesh
 from mimics_app.rendering.haptic.kernels.objects.records import MEMORY
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
-from mimics_app.rendering.haptic.methods.probe import reference_us, shortest_us
+from mimics_app.rendering.haptic.methods.numbered import NumberedRival, register_numbered
+from mimics_app.rendering.haptic.methods.probe import reference_us
 from mimics_app.rendering.haptic.methods.touch_probe import RADIUS, STIFFNESS, ball_mesh, slide_way
 
 __all__ = ["GROUP", "false_slide"]
@@ -34,7 +35,7 @@ Array = NDArray[np.float64]
 
 GROUP = "mesh finger"
 
-_TRIANGLES = (100, 1000, 10_000, 100_000, 1_000_000)
+_ALL = (100, 1000, 10_000, 100_000, 1_000_000)
 _TYPICAL = 1000
 
 
@@ -105,35 +106,30 @@ def _finger_us(number: int, triangles: int) -> float:
     return shortest_us(run, len(way))
 
 
-_FINGERS: list[tuple[str, str, str, Callable[..., Any], int]] = [
-    ("walk", "a stand-in that walks over the surface, held where it is", "meshes without cuts", probe_mesh, 5),
-    ("closest by tree", "closest triangle of every tick", "turns at edges: demonstration", closest_triangle, 5),
-    ("closest of all", "closest triangle, one by one", "small meshes: demonstration", closest_on_triangle, 3),
-]
-
-
-registry.describe(
+register_numbered(
     Group(
         name=GROUP,
         what="where a point behind a mesh rests; error: false force of a slide to an edge, 3 mm deep on 2 kN/m",
         unit="N",
         work="triangles",
         reference=reference_us,
-    )
+    ),
+    (
+        NumberedRival(
+            "walk", "a stand-in that walks over the surface, held where it is", "meshes without cuts", probe_mesh, _ALL
+        ),
+        NumberedRival(
+            "closest by tree", "closest triangle of every tick", "turns at edges: demonstration", closest_triangle, _ALL
+        ),
+        NumberedRival(
+            "closest of all",
+            "closest triangle, one by one",
+            "small meshes: demonstration",
+            closest_on_triangle,
+            _ALL[:3],
+        ),
+    ),
+    cost=_finger_us,
+    error=false_slide,
+    typical=_TYPICAL,
 )
-for _number, (_name, _source, _valid, _run, _sizes) in enumerate(_FINGERS):
-    registry.register(
-        Method(
-            group=GROUP,
-            name=_name,
-            source=_source,
-            cost=partial(_finger_us, _number, _TYPICAL),
-            error=partial(false_slide, _number),
-            unit="N",
-            valid_range=_valid,
-            run=_run,
-            default=_number == 0,
-            growth=partial(_finger_us, _number),
-            sizes=_TRIANGLES[:_sizes],
-        )
-    )

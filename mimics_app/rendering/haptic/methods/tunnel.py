@@ -6,7 +6,7 @@ Importing this module registers them. Probes run when asked: each takes well und
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -24,12 +24,13 @@ from mimics_app.rendering.haptic.kernels.tunnel_projection import (
     track,
     track_one_step,
 )
+from mimics_app.rendering.haptic.methods.numbered import NumberedRival, register_numbered
 from mimics_app.rendering.haptic.tunnel import TunnelCurve, build_tunnel
 
 __all__ = ["FRAME_GROUP", "PROJECTION_GROUP", "closest_by_roots", "helix", "twist_between"]
 
 Array = NDArray[np.float64]
-Projection = Callable[[Any, float, float, float, Any], float]
+Helix = tuple[Array, Array, Array, Array, Array]
 
 PROJECTION_GROUP = "tunnel projection"
 FRAME_GROUP = "tunnel frame"
@@ -37,6 +38,8 @@ FRAME_GROUP = "tunnel frame"
 _PIECES = 16
 _SIZES = (6, 12, 24, 48, MAX_PIECES)
 _TICKS = 4000
+_TICKS_OF = (_TICKS, _TICKS, 40, 400)
+"""How far along the path each rival's cost is measured, by its number: the slow ones need less of it."""
 _EVERY = 20
 _HELIX_POINTS = 385  # two turns of a tunnel of 24 pieces, 16 steps each
 _UP = np.array([0.0, 1.0, 0.0])
@@ -82,36 +85,25 @@ def _probe_tunnel(pieces: int = _PIECES) -> tuple[TunnelCurve, NDArray[Any], Arr
 
 
 @kernel
-def _walk_newton(tunnels: Any, path: Array, states: Any, out: Array) -> None:
+def _walk(number: int, tunnels: Any, path: Array, states: Any, out: Array) -> None:
+    """The parameter found at every point of a path, by the rival of a number."""
     for i in range(path.shape[0]):
-        out[i] = track(tunnels[0], path[i, 0], path[i, 1], path[i, 2], states[0])
+        x, y, z = path[i, 0], path[i, 1], path[i, 2]
+        if number == 0:
+            out[i] = track(tunnels[0], x, y, z, states[0])
+        elif number == 1:
+            out[i] = track_one_step(tunnels[0], x, y, z, states[0])
+        elif number == 2:
+            out[i] = project_brute_force(tunnels[0], x, y, z, states[0])
+        else:
+            out[i] = project_golden_section(tunnels[0], x, y, z, states[0])
 
 
-@kernel
-def _walk_one_step(tunnels: Any, path: Array, states: Any, out: Array) -> None:
-    for i in range(path.shape[0]):
-        out[i] = track_one_step(tunnels[0], path[i, 0], path[i, 1], path[i, 2], states[0])
-
-
-@kernel
-def _walk_brute_force(tunnels: Any, path: Array, states: Any, out: Array) -> None:
-    for i in range(path.shape[0]):
-        out[i] = project_brute_force(tunnels[0], path[i, 0], path[i, 1], path[i, 2], states[0])
-
-
-@kernel
-def _walk_golden_section(tunnels: Any, path: Array, states: Any, out: Array) -> None:
-    for i in range(path.shape[0]):
-        out[i] = project_golden_section(tunnels[0], path[i, 0], path[i, 1], path[i, 2], states[0])
-
-
-Walk = Callable[[Any, Array, Any, Array], None]
-
-
-def _projection_cost(walk: Walk, ticks: int, pieces: int = _PIECES) -> float:
+def _projection_us(number: int, pieces: int) -> float:
     _, record, path = _probe_tunnel(pieces)
+    ticks = _TICKS_OF[number]
     out = np.empty(ticks)
-    return shortest_us(lambda: walk(record, path[:ticks], np.zeros(1, TUNNEL_STATE), out), ticks)
+    return shortest_us(lambda: _walk(number, record, path[:ticks], np.zeros(1, TUNNEL_STATE), out), ticks)
 
 
 @cache
@@ -120,18 +112,16 @@ def _reference_parameters() -> Array:
     return np.array([closest_by_roots(curve.pieces, p)[0] for p in path[::_EVERY]])
 
 
-def _projection_error(walk: Walk) -> float:
+def _projection_error(number: int) -> float:
     """Greatest distance between the point found and the closest point along the probe path [m]."""
     curve, record, path = _probe_tunnel()
     out = np.empty(len(path))
-    walk(record, path, np.zeros(1, TUNNEL_STATE), out)
+    _walk(number, record, path, np.zeros(1, TUNNEL_STATE), out)
     difference = curve.point(out[::_EVERY]) - curve.point(_reference_parameters())
     return float(np.max(np.linalg.norm(difference, axis=1)))
 
 
-def helix(
-    count: int, radius: float = 0.1, pitch: float = 0.08, turns: float = 2.0
-) -> tuple[Array, Array, Array, Array, Array]:
+def helix(count: int, radius: float = 0.1, pitch: float = 0.08, turns: float = 2.0) -> Helix:
     """Points along a helix about y and their exact frames.
 
     Returns:
@@ -162,45 +152,72 @@ def twist_between(tangents: Array, normals: Array, reference: Array) -> Array:
     return np.arctan2(across, along)
 
 
-def _double_reflection() -> Array:
-    points, _, _, tangents, normals = helix(_HELIX_POINTS)
+def _double_reflection(curve: Helix) -> Array:
+    points, _, _, tangents, normals = curve
     return frames.rotation_minimising_normals(points, tangents, normals[0])
 
 
-def _frenet() -> Array:
-    _, first, second, _, _ = helix(_HELIX_POINTS)
-    return frames.frenet_normals(first, second)
+def _frenet(curve: Helix) -> Array:
+    return frames.frenet_normals(curve[1], curve[2])
 
 
-def _projected_up() -> Array:
-    _, _, _, tangents, _ = helix(_HELIX_POINTS)
-    return frames.projected_up_normals(tangents, _UP)
+def _projected_up(curve: Helix) -> Array:
+    return frames.projected_up_normals(curve[3], _UP)
 
 
-def _frame_error(normals: Array) -> float:
+def _frame_error(normals_of: Callable[[Helix], Array]) -> float:
     """Greatest turn about the tangent against the closed form, both starting alike [rad]."""
-    _, _, _, tangents, exact = helix(_HELIX_POINTS)
-    twist = np.unwrap(twist_between(tangents, normals, exact))
+    curve = helix(_HELIX_POINTS)
+    twist = np.unwrap(twist_between(curve[3], normals_of(curve), curve[4]))
     return float(np.max(np.abs(twist - twist[0])))
 
 
-def _frame_cost(run: Callable[..., Array]) -> float:
-    points, first, second, tangents, normals = helix(_HELIX_POINTS)
-    if run is frames.frenet_normals:
-        return shortest_us(lambda: run(first, second), _HELIX_POINTS)
-    if run is frames.projected_up_normals:
-        return shortest_us(lambda: run(tangents, _UP), _HELIX_POINTS)
-    return shortest_us(lambda: run(points, tangents, normals[0]), _HELIX_POINTS)
+def _frame_us(normals_of: Callable[[Helix], Array]) -> float:
+    curve = helix(_HELIX_POINTS)
+    return shortest_us(lambda: normals_of(curve), _HELIX_POINTS)
 
 
-registry.describe(
+register_numbered(
     Group(
         name=PROJECTION_GROUP,
         what="closest point of a wavy tunnel's bisector for a ball that travels it at 0.3 m/s, tick by tick",
         unit="m",
         work="pieces of the tunnel",
         reference=reference_us,
-    )
+    ),
+    (
+        NumberedRival(
+            "newton warm",
+            "Newton on the slope of the square distance from the last tick's point; whole search when it is lost",
+            "radius x curvature < 1; stays on its branch where the tunnel crosses or meets itself",
+            track,
+            _SIZES,
+        ),
+        NumberedRival(
+            "newton one step",
+            "one Newton step a tick from the last tick's point; the guards of newton warm",
+            "as newton warm; errs by about the square of a tick's motion over the bend's radius",
+            track_one_step,
+            _SIZES,
+        ),
+        NumberedRival(
+            "brute force",
+            "nearest of 256 points a piece",
+            "any curve; jumps between branches where the tunnel crosses itself",
+            project_brute_force,
+            _SIZES,
+        ),
+        NumberedRival(
+            "golden section",
+            "golden section around the nearest of 8 points a piece (Kiefer 1953)",
+            "any curve; to the square root of machine precision; jumps between branches",
+            project_golden_section,
+            _SIZES,
+        ),
+    ),
+    cost=_projection_us,
+    error=_projection_error,
+    typical=_PIECES,
 )
 registry.describe(
     Group(
@@ -211,97 +228,39 @@ registry.describe(
         reference=reference_us,
     )
 )
-registry.register(
-    Method(
-        group=PROJECTION_GROUP,
-        name="newton warm",
-        source="Newton on the slope of the square distance from the last tick's point; whole search when it is lost",
-        cost=lambda: _projection_cost(_walk_newton, _TICKS),
-        error=lambda: _projection_error(_walk_newton),
-        unit="m",
-        valid_range="radius x curvature < 1; stays on its branch where the tunnel crosses or meets itself",
-        run=track,
-        default=True,
-        growth=lambda pieces: _projection_cost(_walk_newton, _TICKS, pieces),
-        sizes=_SIZES,
+for _name, _source, _valid, _run, _normals in (
+    (
+        "double reflection",
+        "rotation-minimising frame (Wang, Juettler, Zheng & Liu 2008)",
+        "any smooth curve; error of order 4 in the step",
+        frames.rotation_minimising_normals,
+        _double_reflection,
+    ),
+    (
+        "frenet",
+        "principal normal (Frenet 1847, Serret 1851)",
+        "curves without inflection or straight part; turns with the torsion",
+        frames.frenet_normals,
+        _frenet,
+    ),
+    (
+        "projected up",
+        "world's up made square to the tangent",
+        "curves that are nowhere vertical",
+        frames.projected_up_normals,
+        _projected_up,
+    ),
+):
+    registry.register(
+        Method(
+            group=FRAME_GROUP,
+            name=_name,
+            source=_source,
+            cost=partial(_frame_us, _normals),
+            error=partial(_frame_error, _normals),
+            unit="rad",
+            valid_range=_valid,
+            run=_run,
+            default=_normals is _double_reflection,
+        )
     )
-)
-registry.register(
-    Method(
-        group=PROJECTION_GROUP,
-        name="newton one step",
-        source="one Newton step a tick from the last tick's point; the guards of newton warm",
-        cost=lambda: _projection_cost(_walk_one_step, _TICKS),
-        error=lambda: _projection_error(_walk_one_step),
-        unit="m",
-        valid_range="as newton warm; errs by about the square of a tick's motion over the bend's radius",
-        run=track_one_step,
-        growth=lambda pieces: _projection_cost(_walk_one_step, _TICKS, pieces),
-        sizes=_SIZES,
-    )
-)
-registry.register(
-    Method(
-        group=PROJECTION_GROUP,
-        name="brute force",
-        source="nearest of 256 points a piece",
-        cost=lambda: _projection_cost(_walk_brute_force, 40),
-        error=lambda: _projection_error(_walk_brute_force),
-        unit="m",
-        valid_range="any curve; jumps between branches where the tunnel crosses itself",
-        run=project_brute_force,
-        growth=lambda pieces: _projection_cost(_walk_brute_force, 40, pieces),
-        sizes=_SIZES,
-    )
-)
-registry.register(
-    Method(
-        group=PROJECTION_GROUP,
-        name="golden section",
-        source="golden section around the nearest of 8 points a piece (Kiefer 1953)",
-        cost=lambda: _projection_cost(_walk_golden_section, 400),
-        error=lambda: _projection_error(_walk_golden_section),
-        unit="m",
-        valid_range="any curve; to the square root of machine precision; jumps between branches",
-        run=project_golden_section,
-        growth=lambda pieces: _projection_cost(_walk_golden_section, 400, pieces),
-        sizes=_SIZES,
-    )
-)
-registry.register(
-    Method(
-        group=FRAME_GROUP,
-        name="double reflection",
-        source="rotation-minimising frame (Wang, Juettler, Zheng & Liu 2008)",
-        cost=lambda: _frame_cost(frames.rotation_minimising_normals),
-        error=lambda: _frame_error(_double_reflection()),
-        unit="rad",
-        valid_range="any smooth curve; error of order 4 in the step",
-        run=frames.rotation_minimising_normals,
-        default=True,
-    )
-)
-registry.register(
-    Method(
-        group=FRAME_GROUP,
-        name="frenet",
-        source="principal normal (Frenet 1847, Serret 1851)",
-        cost=lambda: _frame_cost(frames.frenet_normals),
-        error=lambda: _frame_error(_frenet()),
-        unit="rad",
-        valid_range="curves without inflection or straight part; turns with the torsion",
-        run=frames.frenet_normals,
-    )
-)
-registry.register(
-    Method(
-        group=FRAME_GROUP,
-        name="projected up",
-        source="world's up made square to the tangent",
-        cost=lambda: _frame_cost(frames.projected_up_normals),
-        error=lambda: _frame_error(_projected_up()),
-        unit="rad",
-        valid_range="curves that are nowhere vertical",
-        run=frames.projected_up_normals,
-    )
-)

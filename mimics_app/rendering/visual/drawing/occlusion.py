@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
-from mimics_app.rendering.visual.kernels.occlusion import MARGIN_PX, draw_occluders, pick_occluders, remove_hidden
+from mimics_app.rendering.visual.kernels.occluders import draw_occluders, pick_occluders
+from mimics_app.rendering.visual.kernels.occlusion import MARGIN_PX, remove_hidden
 from mimics_app.rendering.visual.settings import Occlusion
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.world import World
@@ -119,56 +120,74 @@ class OcclusionPass:
         Returns:
             How many stay.
         """
-        known, eye = self._occluders, np.ascontiguousarray(view.eye_world)
         able = picked[:count] if view.clip_plane is None else _before(picked[:count], view.clip_plane, centres, radii)
-        box = (known.of_item, known.inner_half)
-        chosen = pick_occluders(able, len(able), eye, *box, items.rows, world, centres, self._chosen, self._score)
-        if not chosen:
+        chosen = self._choose(able, np.ascontiguousarray(view.eye_world), items, world, centres)
+        if not len(chosen):
             return count
-        block = max(1, -(-size[0] // _BLOCKS_ACROSS))
-        shape = (-(-size[1] // block), -(-size[0] // block))
-        if self._nearness.shape != shape:
-            self._nearness = np.zeros(shape)
-        reach = MARGIN_PX + (0.5 if samples > 1 else 0.0)
-        screen, rays, window = _screen(view, size)
-        boxes = (known.whole_middle, known.whole_half, known.inner_middle, known.inner_half)
-        draw_occluders(
-            self._chosen,
-            chosen,
-            eye,
-            window,
-            screen,
-            rays,
-            view.near,
-            block,
-            reach,
-            items.rows,
-            world,
-            known.of_item,
-            *boxes,
-            known.caps,
-            known.caps_from,
-            self._nearness,
-        )
-        # Depth is linear in 1/w with this factor, whichever way the near plane lies.
-        step = _DEPTH_STEPS * 2.0 / abs(float(view.clip_from_eye[2, 3]))
-        return remove_hidden(
-            picked,
-            count,
-            eye,
-            screen,
-            view.near,
-            step,
-            block,
-            reach,
-            size[0],
-            size[1],
-            items.rows,
-            world,
-            items.local,
-            items.half,
-            self._nearness,
-        )
+        raster = _raster(view, size, samples)
+        self._draw(chosen, raster, items, world)
+        eye, near, (width, height) = raster.eye, raster.near, size
+        raster_figures = (eye, raster.screen, near, raster.step, raster.block, raster.reach, width, height)
+        bodies = (items.rows, world, items.local, items.half)
+        return remove_hidden(picked, count, *raster_figures, *bodies, self._nearness)
+
+    def _choose(self, able: I4, eye: F8, items: DrawItems, world: F8, centres: F8) -> I4:
+        """Those of some items that hide most, at most `_MOST_OCCLUDERS`."""
+        box = (self._occluders.of_item, self._occluders.inner_half)
+        found = pick_occluders(able, len(able), eye, *box, items.rows, world, centres, self._chosen, self._score)
+        return self._chosen[:found]
+
+    def _draw(self, chosen: I4, raster: _Raster, items: DrawItems, world: F8) -> None:
+        """Fill the coarse picture of how near what hides is."""
+        if self._nearness.shape != raster.shape:
+            self._nearness = np.zeros(raster.shape)
+        known = self._occluders
+        seen_by = (raster.eye, raster.window, raster.screen, raster.rays, raster.near, raster.block, raster.reach)
+        boxes = (known.of_item, known.whole_middle, known.whole_half, known.inner_middle, known.inner_half)
+        caps = (known.caps, known.caps_from)
+        draw_occluders(chosen, len(chosen), *seen_by, items.rows, world, *boxes, *caps, self._nearness)
+
+
+@dataclass(frozen=True, eq=False)
+class _Raster:
+    """How a view looks at the coarse picture of what hides.
+
+    Attributes:
+        eye: World [m], [3].
+        near: Distance of the near plane [m].
+        screen: World to X w, Y w, w, [3, 3].
+        rays: Per pixel, [3, 3].
+        window: Corners of the near window from the eye, [4, 3].
+        block: Pixels along a side of one of its squares.
+        shape: Its rows and columns.
+        reach: How far from its middle a pixel may be asked [px].
+        step: Of nearness, by which things are told apart.
+    """
+
+    eye: F8
+    near: float
+    screen: F8
+    rays: F8
+    window: F8
+    block: int
+    shape: tuple[int, int]
+    reach: float
+    step: float
+
+
+def _raster(view: View, size: tuple[int, int], samples: int) -> _Raster:
+    block = max(1, -(-size[0] // _BLOCKS_ACROSS))
+    # Depth is linear in 1/w with this factor, whichever way the near plane lies.
+    step = _DEPTH_STEPS * 2.0 / abs(float(view.clip_from_eye[2, 3]))
+    return _Raster(
+        np.ascontiguousarray(view.eye_world),
+        view.near,
+        *_screen(view, size),
+        block,
+        (-(-size[1] // block), -(-size[0] // block)),
+        MARGIN_PX + (0.5 if samples > 1 else 0.0),
+        step,
+    )
 
 
 def _before(picked: I4, plane: F8, centres: F8, radii: F8) -> I4:

@@ -155,25 +155,23 @@ class Hud:
         """Width of a line of text [hud px]."""
         return self.atlas.face(bold=bold).measure(text) * size
 
-    def wrap(self, text: str, size: float, width: float, lines: int, *, bold: bool = False) -> list[str]:
+    def wrap(self, text: str, size: float, width: float, lines: int) -> list[str]:
         """Break text at spaces into at most `lines` lines of `width` [hud px]; longer text ends in an ellipsis."""
         out: list[str] = []
         rest = text.split()
         while rest and len(out) < lines:
             count = 1
-            while count < len(rest) and self.measure(" ".join(rest[: count + 1]), size, bold=bold) <= width:
+            while count < len(rest) and self.measure(" ".join(rest[: count + 1]), size) <= width:
                 count += 1
             last = len(out) == lines - 1
             line = " ".join(rest if last else rest[:count])
-            out.append(self._shorten(line, size, width, bold=bold))
+            out.append(self._shorten(line, size, width, bold=False))
             rest = rest[count:]
         return out
 
-    def image(
-        self, box: tuple[float, float, float, float], layer: int, *, radius: float = 0.0, tint: Colour = (1, 1, 1, 1)
-    ) -> None:
+    def image(self, box: tuple[float, float, float, float], layer: int, *, radius: float = 0.0) -> None:
         """One of `images`, stretched over a rounded box."""
-        self._add(box, (0.0, 1.0, 1.0, -1.0), tint, (_IMAGE, radius, 0.0, float(layer)))
+        self._add(box, (0.0, 1.0, 1.0, -1.0), (1.0, 1.0, 1.0, 1.0), (_IMAGE, radius, 0.0, float(layer)))
 
     def _shorten(self, text: str, size: float, width: float, *, bold: bool) -> str:
         if self.measure(text, size, bold=bold) <= width:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Colour, Hud
+from mimics_app.rendering.visual.figures.palette import ACCENT, FAINT, INK
 
 __all__ = ["Box", "LauncherPage", "PageState", "ScenarioCard", "Spot"]
 
@@ -15,9 +16,6 @@ Box = tuple[float, float, float, float]
 _BACK: Colour = (0.055, 0.071, 0.094, 1.0)
 _PANEL: Colour = (0.098, 0.125, 0.161, 1.0)
 _PANEL_LIT: Colour = (0.133, 0.169, 0.216, 1.0)
-_INK: Colour = (0.95, 0.97, 0.98, 1.0)
-_FAINT: Colour = (0.64, 0.70, 0.76, 1.0)
-_ACCENT: Colour = (0.30, 0.74, 0.92, 1.0)
 _ON_ACCENT: Colour = (0.03, 0.09, 0.13, 1.0)
 
 _MARGIN = 40.0
@@ -118,12 +116,12 @@ class LauncherPage:
         # What scrolls past the head and the foot is covered again, so that one draw call needs no clipping.
         hud.box(0.0, CANVAS_HEIGHT - _HEAD + _GAP, hud.width, _HEAD - _GAP, _BACK)
         hud.box(0.0, 0.0, hud.width, _FOOT - 8.0, _BACK)
-        hud.text(_MARGIN, CANVAS_HEIGHT - 66.0, "mimics", 38.0, _INK, bold=True)
+        hud.text(_MARGIN, CANVAS_HEIGHT - 66.0, "mimics", 38.0, INK, bold=True)
         beside = _MARGIN + hud.measure("mimics", 38.0, bold=True) + 16.0
-        hud.text(beside, CANVAS_HEIGHT - 66.0, "Choose a scene", 20.0, _FAINT)
+        hud.text(beside, CANVAS_HEIGHT - 66.0, "Choose a scene", 20.0, FAINT)
         self._draw_settings(state)
         hint = "Arrows or stick: move     Enter or A: choose     Start: begin     Esc or B: leave"
-        hud.text(_MARGIN, 20.0, hint, 15.0, _FAINT, width=hud.width - 2.0 * _MARGIN)
+        hud.text(_MARGIN, 20.0, hint, 15.0, FAINT, width=hud.width - 2.0 * _MARGIN)
 
     @property
     def _cards_width(self) -> float:
@@ -160,11 +158,11 @@ class LauncherPage:
         picture = (width - 20.0) / _PICTURE_SHAPE
         hud.image((x + 10.0, y + height - 10.0 - picture, width - 20.0, picture), index, radius=8.0)
         text_y = y + height - picture - 38.0
-        hud.text(x + 14.0, text_y, card.title, 20.0, _INK, bold=True, width=width - 28.0)
+        hud.text(x + 14.0, text_y, card.title, 20.0, INK, bold=True, width=width - 28.0)
         for number, line in enumerate(hud.wrap(card.description, 14.5, width - 28.0, 3)):
-            hud.text(x + 14.0, text_y - 23.0 - 18.5 * number, line, 14.5, _FAINT)
+            hud.text(x + 14.0, text_y - 23.0 - 18.5 * number, line, 14.5, FAINT)
         if chosen or focused:
-            hud.box(x, y, width, height, _ACCENT if focused else _FAINT, radius=14.0, border=3.0 if focused else 1.5)
+            hud.box(x, y, width, height, ACCENT if focused else FAINT, radius=14.0, border=3.0 if focused else 1.5)
 
     def _draw_settings(self, state: PageState) -> None:
         hud = self._hud
@@ -172,15 +170,15 @@ class LauncherPage:
             x, y, width, height = self._option_box(index)
             focused = state.focus == ("option", index)
             hud.box(x, y, width, height, _PANEL_LIT if focused else _PANEL, radius=12.0)
-            hud.text(x + 0.5 * width, y + 39.0, name.capitalize(), 14.0, _FAINT, align="centre")
+            hud.text(x + 0.5 * width, y + 39.0, name.capitalize(), 14.0, FAINT, align="centre")
             value, room = state.values[name].replace("_", " "), width - 90.0
             size = min(19.0, max(13.0, 19.0 * room / max(hud.measure(value, 19.0, bold=True), 1.0)))
-            hud.text(x + 0.5 * width, y + 14.0, value, size, _INK, bold=True, align="centre", width=room)
-            hud.text(x + 24.0, y + 22.0, "◀", 18.0, _ACCENT if focused else _FAINT, align="centre")
-            hud.text(x + width - 24.0, y + 22.0, "▶", 18.0, _ACCENT if focused else _FAINT, align="centre")
+            hud.text(x + 0.5 * width, y + 14.0, value, size, INK, bold=True, align="centre", width=room)
+            hud.text(x + 24.0, y + 22.0, "◀", 18.0, ACCENT if focused else FAINT, align="centre")
+            hud.text(x + width - 24.0, y + 22.0, "▶", 18.0, ACCENT if focused else FAINT, align="centre")
             if focused:
-                hud.box(x, y, width, height, _ACCENT, radius=12.0, border=2.5)
+                hud.box(x, y, width, height, ACCENT, radius=12.0, border=2.5)
         x, y, width, height = self._start_box
         focused = state.focus == ("start", 0)
-        hud.box(x, y, width, height, _ACCENT if focused else (0.22, 0.55, 0.69, 1.0), radius=16.0)
+        hud.box(x, y, width, height, ACCENT if focused else (0.22, 0.55, 0.69, 1.0), radius=16.0)
         hud.text(x + 0.5 * width, y + 20.0, "Start", 26.0, _ON_ACCENT, bold=True, align="centre")

@@ -18,6 +18,7 @@ from mimics_app.contracts.probe import reference_us, shortest_us
 from mimics_app.maths.mat import compose, look_at
 from mimics_app.rendering.visual.drawing.culling import Culler, FlatCuller, TreeCuller
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
+from mimics_app.rendering.visual.methods.box_items import box_items
 from mimics_app.rendering.visual.view import View, compute_frustum_planes
 
 __all__ = ["GROUP", "CullingProbe", "make_probe"]
@@ -85,35 +86,8 @@ def make_probe(nodes: int) -> CullingProbe:
         world[1 + groups + i] = compose(places[i], (0.0, math.sin(angle), 0.0, math.cos(angle)))
     view = View(look_at((0.0, 1.7, 0.0), (1.0, 1.7, 0.3)), (-1.0, 1.0, -0.6, 0.6), (0, 0, 64, 36), 0.1, 200.0)
     radii = np.full(nodes, _HALF * math.sqrt(3.0))
-    items = _boxes(np.arange(1 + groups, 1 + groups + nodes, dtype=np.int32))
+    items = box_items(np.arange(1 + groups, 1 + groups + nodes, dtype=np.int32), np.full((nodes, 3), _HALF))
     return CullingProbe(items, parents, world, places, radii, compute_frustum_planes(view.clip_from_world))
-
-
-def _boxes(rows: I4) -> DrawItems:
-    count = len(rows)
-    zeros, yes = np.zeros(count, np.int32), np.ones(count, np.bool_)
-    local = np.zeros((count, 4))
-    local[:, 3] = _HALF * math.sqrt(3.0)
-    return DrawItems(
-        rows=rows,
-        entities=rows,
-        states=zeros,
-        shadow_states=zeros,
-        meshes=zeros,
-        paint=np.ones((count, 4), np.float32),
-        local=local,
-        half=np.full((count, 3), _HALF),
-        drawable=np.ones(count, np.uint8),
-        transparent=~yes,
-        solid=yes,
-        casting=yes,
-        levels=np.zeros(count, np.uint8),
-        families=zeros - 1,
-        mesh_names=["box"],
-        ranges=np.array([[36, 0, 0]], np.int32),
-        of_state=[],
-        of_shadow=[],
-    )
 
 
 def _flat(probe: CullingProbe) -> Culler:

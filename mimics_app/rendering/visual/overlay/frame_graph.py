@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, HUD_ROW, Colour, Hud
+from mimics_app.rendering.visual.figures.palette import FAINT, INK
 from mimics_app.rendering.visual.overlay.stage_times import FrameTimes
 
 __all__ = ["draw_frame_graph"]
@@ -18,8 +19,6 @@ _MARGIN, _BELOW = 18.0, 98.0
 """From the right edge, and from the upper one: below the figures of a task."""
 _FRAMES = 240
 _PANEL: Colour = (0.05, 0.06, 0.08, 0.80)
-_INK: Colour = (0.96, 0.97, 0.98, 1.0)
-_FAINT: Colour = (0.74, 0.79, 0.84, 1.0)
 _GPU: Colour = (1.0, 1.0, 1.0, 0.95)
 _COLOURS: tuple[Colour, ...] = (
     (0.36, 0.62, 0.96, 1.0),
@@ -51,8 +50,8 @@ def draw_frame_graph(hud: Hud, frames: Sequence[FrameTimes]) -> None:
     full = next((scale for scale in _SCALES_MS if longest <= scale), _SCALES_MS[-1])
     hud.extend(_bars(known, stages, x + 14.0, bottom, _HEIGHT / full))
     budget = bottom + _BUDGET_MS * _HEIGHT / full
-    hud.box(x + 14.0, budget, _WIDTH, 1.0, _FAINT)
-    hud.text(x + 14.0 + _WIDTH, budget + 3.0, "60 Hz", 11.0, _FAINT, align="right")
+    hud.box(x + 14.0, budget, _WIDTH, 1.0, FAINT)
+    hud.text(x + 14.0 + _WIDTH, budget + 3.0, "60 Hz", 11.0, FAINT, align="right")
     _write_stages(hud, known, stages, x + 14.0, bottom - 22.0)
 
 
@@ -61,12 +60,12 @@ def _write_head(hud: Hud, frames: Sequence[FrameTimes], x: float, y: float) -> N
     cpu = median(sum(frame.cpu_ms.values()) for frame in newest)
     gpu = [sum(frame.gpu_ms.values()) for frame in newest if frame.gpu_ms]
     told = f"driver {median(gpu):.1f} ms" if gpu else ""
-    wide = hud.text(x, y, f"{cpu:.1f} ms", 18.0, _INK, bold=True)
-    hud.text(x + wide + 12.0, y, told, 14.0, _FAINT)
+    wide = hud.text(x, y, f"{cpu:.1f} ms", 18.0, INK, bold=True)
+    hud.text(x + wide + 12.0, y, told, 14.0, FAINT)
     last = frames[-1]
     drawn = last.items - last.culled - last.hidden
     counts = f"{drawn} drawn, {last.culled} outside, {last.hidden} hidden"
-    hud.text(x + _WIDTH, y, counts, 14.0, _FAINT, align="right")
+    hud.text(x + _WIDTH, y, counts, 14.0, FAINT, align="right")
 
 
 def _bars(
@@ -95,8 +94,8 @@ def _write_stages(hud: Hud, frames: Sequence[FrameTimes], stages: Sequence[str],
     for number, name in enumerate(stages):
         line = y - 19.0 * number
         hud.box(x, line, 10.0, 10.0, _COLOURS[number % len(_COLOURS)], radius=3.0)
-        hud.text(x + 18.0, line, name, 14.0, _INK)
+        hud.text(x + 18.0, line, name, 14.0, INK)
         cpu = median(frame.cpu_ms.get(name, 0.0) for frame in newest)
         gpu = [frame.gpu_ms[name] for frame in newest if name in frame.gpu_ms]
-        hud.text(x + 260.0, line, f"{cpu:.2f} ms", 14.0, _INK, align="right")
-        hud.text(x + 380.0, line, f"driver {median(gpu):.2f}" if gpu else "", 14.0, _FAINT, align="right")
+        hud.text(x + 260.0, line, f"{cpu:.2f} ms", 14.0, INK, align="right")
+        hud.text(x + 380.0, line, f"driver {median(gpu):.2f}" if gpu else "", 14.0, FAINT, align="right")

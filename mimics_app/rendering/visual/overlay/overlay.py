@@ -28,6 +28,7 @@ from mimics_app.rendering.visual.world_stage import FrameScene, ViewDraws
 
 if TYPE_CHECKING:
     import moderngl
+from mimics_app.rendering.visual.figures.palette import INK
 
 __all__ = ["LAYERS", "Arrow", "Layer", "Overlay"]
 
@@ -47,7 +48,6 @@ _WORDS: dict[Layer, str] = {
 }
 _NO_MAPS = "shadow atlas: no map of shadows is drawn"
 _PANEL: Colour = (0.05, 0.06, 0.08, 0.66)
-_INK: Colour = (0.96, 0.97, 0.98, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,7 +132,7 @@ class Overlay:
             text = ", ".join(on)
             wide = hud.measure(text, 14.0) + 24.0
             hud.box(18.0, CANVAS_HEIGHT - 128.0, wide, 26.0, _PANEL, radius=9.0)
-            hud.text(30.0, CANVAS_HEIGHT - 120.0, text, 14.0, _INK)
+            hud.text(30.0, CANVAS_HEIGHT - 120.0, text, 14.0, INK)
 
     def draw_atlas(self, framebuffer: moderngl.Framebuffer, shadows: ShadowStage) -> int:
         """The shadow atlas in a corner of the surface, before `lay_out`; returns the draw calls made."""

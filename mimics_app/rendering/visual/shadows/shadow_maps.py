@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,8 +37,8 @@ _AHEAD = 0.6
 _GROWTH = 3.5
 """Each cascade's radius over that of the one inside it."""
 
-_STEPS = 8
-"""Steps in which a cascade moves, to its radius."""
+_WORTH, _MUST = 0.125, 0.5
+"""How far a cascade may be off, in its radii, before it is worth moving, and before it has to be."""
 
 _DEPTH_STEPS, _LEAST_DEPTH = 16, 1.0
 """Steps in which the depth of all cascades grows, to its power of two, and the least one [m]."""
@@ -57,6 +57,7 @@ class ShadowMap:
         texel: Width of a texel [m]; of a spot's at 1 m.
         casters: What it has to draw.
         tile: Column and row in the atlas's grid of squares.
+        middle: Of a cascade's box, along the sun's axes [m], float64 [3].
     """
 
     clip_from_world: F8
@@ -64,6 +65,7 @@ class ShadowMap:
     texel: float
     casters: Casters
     tile: tuple[int, int] = (0, 0)
+    middle: F8 | None = None
 
 
 @dataclass(eq=False)
@@ -100,8 +102,7 @@ def lay_out(sun: Sequence[ShadowMap], spots: dict[int, ShadowMap]) -> ShadowPlan
     """Give each map its tile: the smallest square grid that holds them all."""
     grid = max(1, math.ceil(math.sqrt(len(sun) + len(spots))))
     placed = [
-        ShadowMap(each.clip_from_world, each.origin, each.texel, each.casters, (number % grid, number // grid))
-        for number, each in enumerate([*sun, *spots.values()])
+        replace(each, tile=(number % grid, number // grid)) for number, each in enumerate([*sun, *spots.values()])
     ]
     return ShadowPlan(grid, placed[: len(sun)], dict(zip(spots, placed[len(sun) :], strict=True)))
 
@@ -112,14 +113,21 @@ def whole_map(frustum: ShadowFrustum, casters: Casters) -> ShadowMap:
 
 
 def fit_cascades(
-    sun_direction: F8, views: Sequence[View], casters: Casters, distance: float, count: int, size: int
+    sun_direction: F8,
+    views: Sequence[View],
+    casters: Casters,
+    distance: float,
+    count: int,
+    size: int,
+    before: Sequence[ShadowMap] = (),
 ) -> list[ShadowMap]:
     """Boxes along the sun's rays about the eyes, one in another; right for any number of views at once.
 
-    Each box is of fixed size about a point before the eyes, which moves in steps of many whole texels: neither turning
-    nor walking makes edges crawl, and between two steps the map of a scene that stands still is the same one. All tell
-    depth alike, from the farthest caster towards the sun to the lowest one: what lies below all of them is told as if
-    it lay at the bottom, where it is in the same shadow.
+    Each box is of fixed size about a point before the eyes and moves by whole texels: neither turning nor walking makes
+    edges crawl. It stays where it was while that is near enough, so that the map of a scene that stands still is the
+    same one, and of several only the one that is most off moves in a frame: a place that the inner box no longer holds
+    is found in the next. All tell depth alike, from the farthest caster towards the sun to the lowest one: what lies
+    below all of them is told as if it lay at the bottom, where it is in the same shadow.
 
     Args:
         sun_direction: Unit, towards the sun.
@@ -128,25 +136,44 @@ def fit_cascades(
         distance: How far from the eyes shadows are seen [m].
         count: Boxes, 1 to MAX_CASCADES.
         size: Texels along a side of one map.
+        before: Those of the frame before.
     """
     rotation = sun_axes(sun_direction)
-    eye = np.mean([view.eye_world for view in views], axis=0)
-    forward = -np.mean([view.world_from_eye[:3, 2] for view in views], axis=0)
-    placed = (casters.centres - eye) @ rotation.T
-    top, bottom = _depth_of(casters.centres @ rotation[2], casters.radii)
+    eye = rotation @ np.mean([view.eye_world for view in views], axis=0)
+    forward = -(rotation @ np.mean([view.world_from_eye[:3, 2] for view in views], axis=0))
+    seen = distance / (1.0 + _AHEAD) * _GROWTH ** np.arange(1.0 - count, 1.0)
+    radii = seen / (1.0 - _WORTH)
+    texels = 2.0 * radii / size
+    wanted = np.round((eye + _AHEAD * seen[:, None] * forward) / texels[:, None]) * texels[:, None]
+    middles = _settle(wanted, radii, _middles(before, rotation, radii))
+    placed = casters.centres @ rotation.T
+    top, bottom = _depth_of(placed[:, 2], casters.radii)
     maps = []
-    for number in range(count):
-        seen = distance / (1.0 + _AHEAD) * _GROWTH ** (number + 1 - count)
-        radius = seen / (1.0 - 1.0 / _STEPS)
-        texel = 2.0 * radius / size
-        step = max(1, size // (2 * _STEPS)) * texel
-        middle = rotation @ (eye + _AHEAD * seen * forward)
-        middle = np.round(middle / step) * step
-        offset = placed - (middle - rotation @ eye)
-        near = np.abs(offset[:, :2]).max(axis=1, initial=0.0) < radius + casters.radii
+    for middle, radius, texel in zip(middles, radii.tolist(), texels.tolist(), strict=True):
+        near = np.abs(placed[:, :2] - middle[:2]).max(axis=1, initial=0.0) < radius + casters.radii
         kept = Casters(casters.items[near], casters.centres[near], casters.radii[near])
-        maps.append(ShadowMap(_box(rotation, middle, radius, top, bottom), rotation.T @ middle, texel, kept))
+        clip = _box(rotation, middle, radius, top, bottom)
+        maps.append(ShadowMap(clip, rotation.T @ middle, texel, kept, middle=middle))
     return maps
+
+
+def _middles(before: Sequence[ShadowMap], rotation: F8, radii: F8) -> F8 | None:
+    """Where the middles of boxes were along the sun's axes [m], [n, 3]; None where those were other boxes."""
+    middles = [shadow.middle for shadow in before if shadow.middle is not None]
+    if len(middles) != len(radii):
+        return None
+    axes = rotation[:2] / radii[:, None, None]
+    alike = np.array_equal([shadow.clip_from_world[:2, :3] for shadow in before], axes)
+    return np.array(middles) if alike else None
+
+
+def _settle(wanted: F8, radii: F8, before: F8 | None) -> F8:
+    """Where the middles of boxes are to be [m], [n, 3]."""
+    if before is None:
+        return wanted
+    off = np.abs(wanted - before)[:, :2].max(axis=1) / radii
+    moves = (off > _MUST) | ((off > _WORTH) & (np.arange(len(off)) == off.argmax()))
+    return np.where(moves[:, None], wanted, before)
 
 
 def fit_spot(light: Light, casters: Casters, size: int) -> ShadowMap:
@@ -169,7 +196,7 @@ def fit_spot(light: Light, casters: Casters, size: int) -> ShadowMap:
 
 
 def _depth_of(heights: F8, radii: F8) -> tuple[float, float]:
-    """From the farthest caster towards the sun to the lowest one [m], widened to steps that moving casters rarely leave.
+    """Height of the caster farthest towards the sun and of the lowest [m], in steps that moving casters rarely leave.
 
     Args:
         heights: Of the casters' middles towards the sun [m], [n].
@@ -186,7 +213,7 @@ def _box(rotation: F8, middle: F8, radius: float, top: float, bottom: float) -> 
     """Orthographic projection: `radius` about the middle across, from `top` towards the sun down to `bottom`."""
     clip = np.eye(4)
     half, centre = 0.5 * (top - bottom), 0.5 * (top + bottom)
-    clip[:3, :3] = np.diag([1.0 / radius, 1.0 / radius, -1.0 / half]) @ rotation
+    clip[:2, :3], clip[2, :3] = rotation[:2] / radius, -rotation[2] / half
     clip[:2, 3] = -middle[:2] / radius
     clip[2, 3] = centre / half
     return clip

@@ -85,7 +85,7 @@ class ShadowStage:
         if sun_maps and settings.shadow_distance > 0.0:
             casters = listed.casters(math.inf)
             distance = settings.shadow_distance
-            sun = fit_cascades(lighting.sun_direction, views, casters, distance, sun_maps, tile)
+            sun = fit_cascades(lighting.sun_direction, views, casters, distance, sun_maps, tile, self.plan.sun)
         elif sun_maps:
             casters = listed.casters(settings.shadow_reach)
             frustum = fit_shadow_frustum(lighting.sun_direction, casters.centres, casters.radii, tile)

@@ -54,10 +54,10 @@ def render_frames(
     count: int,
     views: Callable[[int], Sequence[View]],
     folder: Path,
-    *,
-    warm_up: int = 1,
 ) -> FrameSet:
     """Draw frames and save each as frame_00000.png, frame_00001.png, ...
+
+    The first is drawn once before, so that the driver's compiling is not counted.
 
     Args:
         renderer: Draws on `surface`.
@@ -65,12 +65,10 @@ def render_frames(
         count: Number of frames, >= 1.
         views: Called with the number of each frame before it is drawn: moves the world, returns the eyes.
         folder: Where the files go; made when it is missing.
-        warm_up: Frames drawn before the first one, so that the driver's compiling is not counted.
     """
     folder.mkdir(parents=True, exist_ok=True)
     files, spent = [], []
-    for _ in range(warm_up):
-        renderer.draw(views(0))
+    renderer.draw(views(0))
     surface.ctx.finish()
     for number in range(count):
         spent.append(renderer.draw_finished(views(number)).cpu_ms)

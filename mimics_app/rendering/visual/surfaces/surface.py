@@ -45,6 +45,12 @@ class Surface:
         self.wheel = 0.0
         self.gamepad = GamepadState()
 
+    @property
+    def driver(self) -> str:
+        """Version of OpenGL and the driver's name for itself, for people."""
+        info = self.ctx.info
+        return f"{info['GL_VERSION']}, {info['GL_RENDERER']}"
+
     def poll(self) -> list[InputEvent]:
         """Return what happened since the last call, oldest first, and refresh keys, buttons, wheel and gamepad."""
         return []

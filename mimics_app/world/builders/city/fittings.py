@@ -53,12 +53,11 @@ _PLAIN: dict[str, tuple[int, float]] = {
 """Colours of one patch: ramp and tone."""
 
 
-def window(number: int, shade: float = 1.0) -> Skin:
+def window(number: int) -> Skin:
     """The skin of a window design."""
     column, row = number % 6, number // 6
-    return Skin(
-        "window", cell=_shares((column * 85, row * 128, column * 85 + 85, row * 128 + 128), _WINDOW_SIZE), shade=shade
-    )
+    cell = _shares((column * 85, row * 128, column * 85 + 85, row * 128 + 128), _WINDOW_SIZE)
+    return Skin("window", cell=cell, shade=1.0)
 
 
 def detail(kind: str, number: int) -> Skin:

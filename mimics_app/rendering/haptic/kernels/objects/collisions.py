@@ -27,7 +27,6 @@ __all__ = ["collide_bodies"]
 
 _WALL = int(ShapeKind.WALL)
 _SPHERE = int(ShapeKind.SPHERE)
-_BOX = int(ShapeKind.BOX)
 _CYLINDER = int(ShapeKind.CYLINDER)
 _CAPSULE = int(ShapeKind.CAPSULE)
 _MESH = int(ShapeKind.MESH)
@@ -110,16 +109,13 @@ def _rouse(pair: Any, bodies: Any, motions: Any, dynamics: Any, doze: int) -> No
 
 
 @kernel
-def _touch_mesh(
-    pair: Any, a: Any, b: Any, meshes: Any, vertices: Any, corners: Any, boxes: Any, hulls: Any, room: Any
-) -> int:
+def _touch_mesh(pair: Any, a: Any, b: Any, table: Any, room: Any) -> int:
     """`_touch` of a mesh: it alone needs the tables of triangles."""
     last = (pair.normal[0], pair.normal[1], pair.normal[2])
     if a.kind == _MESH or b.body != STATIC:
-        held = last if pair.touching else ANYWHERE
-        count, n = touch_carried_mesh(a, b, held, meshes, vertices, corners, boxes, hulls, room)
+        count, n = touch_carried_mesh(a, b, last if pair.touching else ANYWHERE, table, room)
     else:
-        count, n = touch_mesh(a, b, last, meshes, vertices, corners, boxes, room)
+        count, n = touch_mesh(a, b, last, table.rows, table.vertices, table.corners, table.boxes, room)
     pair.normal[0], pair.normal[1], pair.normal[2] = n
     return count
 
@@ -133,61 +129,23 @@ def _tell_left_out(sweep: Any, totals: Any) -> None:
 
 
 @kernel
-def _collide(
-    bodies: Any,
-    shapes: Any,
-    motions: Any,
-    dynamics: Any,
-    aux_forces: Any,
-    aux_torques: Any,
-    solids: Any,
-    meshes: Any,
-    vertices: Any,
-    corners: Any,
-    boxes: Any,
-    hulls: Any,
-    moving: Any,
-    order: Any,
-    following: Any,
-    pairs: Any,
-    slots: Any,
-    still: Any,
-    tracking: Any,
-    sweep: Any,
-    room: Any,
-    totals: Any,
-    counts: Any,
-    dt: float,
-) -> None:
-    """All of `collide_bodies`, over arrays."""
-    if counts.bodies == 0:
-        return
-    load_bodies(bodies, motions, dynamics, aux_forces, aux_torques, counts.bodies)
-    find_pairs(
-        bodies, shapes, motions, dynamics, solids, meshes, boxes, moving, order, following, pairs, slots, tracking,
-        sweep, counts, dt,
-    )  # fmt: skip
-    _tell_left_out(sweep, totals)
-    doze = rest_time(dt)
-    for k in range(sweep.pairs):
-        pair = pairs[k]
-        i, j = pair.body_a, pair.body_b
-        if not (_is_awake(bodies, motions, i) or _is_awake(bodies, motions, j)):
-            continue
-        a, b = solids[pair.a], solids[pair.b]
-        found = 0
+def _collide_pair(pair: Any, rows: Any, work: Any, doze: int, dt: float) -> None:
+    """One pair of which a body is awake: its points, its forces, who wakes whom."""
+    i, j = pair.body_a, pair.body_b
+    a, b, room = work.solids[pair.a], work.solids[pair.b], work.scratch[0]
+    found = 0
+    if b.kind == _WALL or near(a, b):
         if a.kind == _MESH or b.kind == _MESH:
-            if b.kind == _WALL or near(a, b):
-                found = _touch_mesh(pair, a, b, meshes, vertices, corners, boxes, hulls, room)
-        elif b.kind == _WALL or near(a, b):
+            found = _touch_mesh(pair, a, b, work.meshes, room)
+        else:
             found = _touch(pair, a, b, room)
-        if found == 0:
-            part(pair)
-            continue
-        first = motions[i] if i >= 0 else still[0]
-        second = motions[j] if j >= 0 else still[0]
-        push_apart(pair, room.points, found, first, second, totals, dt)
-        _rouse(pair, bodies, motions, dynamics, doze)
+    if found == 0:
+        part(pair)
+        return
+    first = work.motions[i] if i >= 0 else work.still[0]
+    second = work.motions[j] if j >= 0 else work.still[0]
+    push_apart(pair, room.points, found, first, second, work.totals[0], dt)
+    _rouse(pair, rows.bodies, work.motions, work.dynamics, doze)
 
 
 @kernel
@@ -203,10 +161,18 @@ def collide_bodies(rows: Any, work: Any, counts: Any, dt: float) -> None:
         counts: SCENE.objects.
         dt: Tick [s].
     """
-    # One step, without a branch: else every array of both tuples is counted, atomically, on the way in and out.
-    _collide(
-        rows.bodies, rows.shapes, work.motions, work.dynamics, work.aux_forces, work.aux_torques, work.solids,
-        work.meshes.rows, work.meshes.vertices, work.meshes.corners, work.meshes.boxes, work.meshes.hulls,
-        work.moving_shapes, work.order, work.next_moving, work.pairs, work.pair_slots, work.still, work.tracking[0],
-        work.sweep[0], work.scratch[0], work.totals[0], counts, dt,
+    if counts.bodies == 0:
+        return
+    motions, sweep = work.motions, work.sweep[0]
+    load_bodies(rows.bodies, motions, work.dynamics, work.aux_forces, work.aux_torques, counts.bodies)
+    find_pairs(
+        rows.bodies, rows.shapes, motions, work.dynamics, work.solids, work.meshes.rows, work.meshes.boxes,
+        work.moving_shapes, work.order, work.next_moving, work.pairs, work.pair_slots, work.tracking[0], sweep, counts,
+        dt,
     )  # fmt: skip
+    _tell_left_out(sweep, work.totals[0])
+    doze = rest_time(dt)
+    for k in range(sweep.pairs):
+        pair = work.pairs[k]
+        if _is_awake(rows.bodies, motions, pair.body_a) or _is_awake(rows.bodies, motions, pair.body_b):
+            _collide_pair(pair, rows, work, doze, dt)

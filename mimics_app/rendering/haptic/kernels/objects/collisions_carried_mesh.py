@@ -1,13 +1,14 @@
-"""A mesh that a body carries, against everything: what of the other is in it, and the corners of its hull in the other.
+"""A mesh that a body carries, against everything: what of the other is in it, its corners and edges in the other.
 
 Both ways are looked at, for a small box on a large mesh has its own corners in it, and a small mesh on a large box
 only those of the mesh. Corners that no hull needs never meet anything flat, so those of the convex hull are tried: by
-their height over a wall, the signed distance of another shape, the closest triangle of another mesh. Edges that cross
-between their corners are not seen, as with meshes of the static scene.
+their height over a wall, the signed distance of another shape, the closest triangle of another mesh. Sharp edges that
+pass through the other shape between their corners are met by `collisions_edges`.
 
 A point carries the share d / (sum of all d) of the stiffness, but no more than its kind carries elsewhere: a corner a
 quarter, an end of a capsule a half, a ball the whole. So a mesh that stands has its whole stiffness however fine it is,
-on a corner a quarter as a box has, and a point that dips in brings no step.
+on a corner a quarter as a box has, and a point that dips in brings no step. Two meshes that both have edges meet each
+crossing twice, once from each side, with half a quarter each.
 """
 
 from __future__ import annotations
@@ -15,11 +16,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.objects.collisions_edges import chord_in, may_pass, way_between
 from mimics_app.rendering.haptic.kernels.objects.collisions_mesh import depth_in_mesh, points_in_mesh, project_depths
 from mimics_app.rendering.haptic.kernels.objects.distances import depth_under, distance_to
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import ANYWHERE
@@ -37,9 +36,6 @@ from mimics_app.rendering.haptic.kernels.objects.triples import (
 
 __all__ = ["CORNER_SHARE", "touch_carried_mesh"]
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int32]
-
 _WALL = int(ShapeKind.WALL)
 _SPHERE = int(ShapeKind.SPHERE)
 _MESH = int(ShapeKind.MESH)
@@ -47,12 +43,15 @@ _MESH = int(ShapeKind.MESH)
 CORNER_SHARE = 0.25
 """Most of the stiffness that one corner of a hull carries."""
 
+_LEVEL = 0.05
+"""Sine of the angle between an edge and a face from which on the place where it passes through counts in full."""
+
 _ASIDE = 1e-3
 """Most that a corner may stand beside the bounds of a shape and still be held by an edge [m]; see `depth_under`."""
 
 
 @kernel
-def _keep(p: Three, depth: float, n: Three, room: Any, count: int) -> int:
+def _keep(p: Three, depth: float, n: Three, share: float, room: Any, count: int) -> int:
     """Add a point with its normal; in a full table in the place of the shallowest. Returns how many there are."""
     points, normals = room.points, room.normals
     at = count
@@ -64,7 +63,7 @@ def _keep(p: Three, depth: float, n: Three, room: Any, count: int) -> int:
         if depth <= points[at, 3]:
             return count
     points[at, 0], points[at, 1], points[at, 2] = p
-    points[at, 3], points[at, 4] = depth, CORNER_SHARE
+    points[at, 3], points[at, 4] = depth, share
     normals[at, 0], normals[at, 1], normals[at, 2] = n
     return max(count, at + 1)
 
@@ -88,19 +87,25 @@ def _is_within(p: Three, solid: Any) -> bool:
 
 
 @kernel
-def _hull_in(
-    carried: Any,
-    other: Any,
-    toward: Three,
-    side: float,
-    meshes: Any,
-    vertices: Array,
-    corners: Indices,
-    boxes: Array,
-    hulls: Array,
-    room: Any,
-    count: int,
-) -> int:
+def _depth_of(p: Three, other: Any, toward: Three, reach: float, table: Any, room: Any) -> tuple[float, Three]:
+    """Depth of a point in a shape by the faces that look along `toward`, 0 or less outside; normal out of them."""
+    if other.kind == _WALL:
+        n = axis(other, 2)
+        return dot(minus(middle(other), p), n), n
+    if other.kind == _MESH:
+        return depth_in_mesh(
+            other, p, 0.0, reach, toward, table.rows, table.vertices, table.corners, table.boxes, room
+        )  # fmt: skip
+    if not _is_within(p, other):
+        return 0.0, toward
+    if toward == ANYWHERE:
+        far, n = distance_to(other, p, toward)
+        return -far, n
+    return depth_under(other, p, toward)
+
+
+@kernel
+def _corners_in(carried: Any, other: Any, toward: Three, side: float, table: Any, room: Any, count: int) -> int:
     """Add the corners of a carried mesh's hull that are in another shape.
 
     Args:
@@ -108,54 +113,101 @@ def _hull_in(
         other: SOLID of the other shape.
         toward: Direction out of it in which its faces look that count; ANYWHERE: all of a mesh.
         side: 1: `other` is the second of the pair, the normals point out of it; -1: it is the first, they point in.
-        meshes: MeshTable.rows.
-        vertices: MeshTable.vertices.
-        corners: MeshTable.corners.
-        boxes: MeshTable.boxes.
-        hulls: MeshTable.hulls.
+        table: MeshTable.
         room: SCRATCH.
         count: Points so far.
     """
-    mesh, place, reach = meshes[carried.mesh], middle(carried), _thinnest(carried)
+    mesh, place, reach = table.rows[carried.mesh], middle(carried), _thinnest(carried)
     for i in range(mesh.first_hull, mesh.first_hull + mesh.hull_corners):
-        p = along(place, 1.0, out_of(carried, (hulls[i, 0], hulls[i, 1], hulls[i, 2])))
-        if other.kind == _WALL:
-            n = axis(other, 2)
-            depth = dot(minus(middle(other), p), n)
-        elif other.kind == _MESH:
-            depth, n = depth_in_mesh(other, p, 0.0, reach, toward, meshes, vertices, corners, boxes, room)
-        elif not _is_within(p, other):
-            continue
-        elif toward == ANYWHERE:
-            far, n = distance_to(other, p, toward)
-            depth = -far
-        else:
-            depth, n = depth_under(other, p, toward)
+        p = along(place, 1.0, out_of(carried, (table.hulls[i, 0], table.hulls[i, 1], table.hulls[i, 2])))
+        depth, n = _depth_of(p, other, toward, reach, table, room)
         if depth > 0.0:
-            count = _keep(along(p, 0.5 * depth, n), depth, times(side, n), room, count)
+            count = _keep(along(p, 0.5 * depth, n), depth, times(side, n), CORNER_SHARE, room, count)
     return count
 
 
 @kernel
-def _gather(
-    a: Any,
-    b: Any,
-    n: Three,
-    meshes: Any,
-    vertices: Array,
-    corners: Indices,
-    boxes: Array,
-    hulls: Array,
+def _weight(n: Three, way: Three, from_corner: float) -> float:
+    """How much the end of a chord counts, 0 to 1.
+
+    Nothing where the edge lies in the face, whose crossing then is anywhere, nor at the edge's own corner, which counts
+    itself and may stand a little aside.
+
+    Args:
+        n: Normal of the face.
+        way: The whole edge [m].
+        from_corner: Share of it from the end of the chord to the corner outside.
+    """
+    length = math.sqrt(dot(way, way))
+    steep = abs(dot(n, way)) / (_LEVEL * length) - 1.0
+    clear = from_corner * length / _ASIDE - 1.0
+    return min(max(min(steep, clear), 0.0), 1.0)
+
+
+@kernel
+def _edge_in(
+    p: Three,
+    q: Three,
+    other: Any,
+    toward: Three,
+    side: float,
+    share: float,
+    reach: float,
+    table: Any,
     room: Any,
-) -> tuple[int, float]:
+    count: int,
+) -> int:
+    """Add what of one edge is in another shape: between its two faces, and the ends of its chord under others."""
+    chord = chord_in(other, p, q, table, room)
+    found, t0, t1, n0, n1 = chord
+    if not found:
+        return count
+    way = minus(q, p)
+    if n0 != ANYWHERE and n1 != ANYWHERE:
+        depth, n, at = way_between(other, p, q, chord, toward, table, room)
+        if depth > 0.0:
+            count = _keep(along(at, 0.5 * depth, n), depth, times(side, n), share, room, count)
+    if toward == ANYWHERE:
+        return count
+    for k in range(2):
+        t, face, outside = (t0, n0, t0) if k == 0 else (t1, n1, 1.0 - t1)
+        weight = _weight(face, way, outside)
+        if weight > 0.0:
+            at = along(p, t, way)
+            depth, n = _depth_of(at, other, toward, reach, table, room)
+            if depth > 0.0:
+                count = _keep(along(at, 0.5 * depth, n), weight * depth, times(side, n), share, room, count)
+    return count
+
+
+@kernel
+def _edges_in(carried: Any, other: Any, toward: Three, side: float, table: Any, room: Any, count: int) -> int:
+    """Add what of the sharp edges of a carried mesh is in another shape; arguments as `_corners_in`."""
+    if other.kind == _WALL or other.kind == _SPHERE:  # their corners and middle say all
+        return count
+    mesh, place, reach, edges = table.rows[carried.mesh], middle(carried), _thinnest(carried), table.edges
+    meets_twice = other.kind == _MESH and table.rows[other.mesh].edges > 0
+    share = 0.5 * CORNER_SHARE if meets_twice else CORNER_SHARE
+    for i in range(mesh.first_edge, mesh.first_edge + mesh.edges):
+        p = along(place, 1.0, out_of(carried, (edges[i, 0], edges[i, 1], edges[i, 2])))
+        q = along(place, 1.0, out_of(carried, (edges[i, 3], edges[i, 4], edges[i, 5])))
+        if may_pass(p, q, other):
+            count = _edge_in(p, q, other, toward, side, share, reach, table, room, count)
+    return count
+
+
+@kernel
+def _gather(a: Any, b: Any, n: Three, table: Any, room: Any) -> tuple[int, float]:
     """Points of both in each other whose faces look along the normal n from a to b, and the sum of their depths."""
     count, out = 0, times(-1.0, n)
     if a.kind == _MESH:
-        count = _hull_in(a, b, out, 1.0, meshes, vertices, corners, boxes, hulls, room, 0)
+        count = _corners_in(a, b, out, 1.0, table, room, 0)
+        count = _edges_in(a, b, out, 1.0, table, room, count)
     else:
-        count, _ = points_in_mesh(a, b, out, meshes, vertices, corners, boxes, room)
+        count, _ = points_in_mesh(a, b, out, table.rows, table.vertices, table.corners, table.boxes, room)
     if b.kind == _MESH and a.kind != _SPHERE:  # a ball is exact by its middle
-        count = _hull_in(b, a, n, -1.0, meshes, vertices, corners, boxes, hulls, room, count)
+        count = _corners_in(b, a, n, -1.0, table, room, count)
+        count = _edges_in(b, a, n, -1.0, table, room, count)
     total = 0.0
     for k in range(count):
         total += room.points[k, 3]
@@ -186,17 +238,7 @@ def _share_out(count: int, room: Any) -> None:
 
 
 @kernel
-def touch_carried_mesh(
-    a: Any,
-    b: Any,
-    last: Three,
-    meshes: Any,
-    vertices: Array,
-    corners: Indices,
-    boxes: Array,
-    hulls: Array,
-    room: Any,
-) -> tuple[int, Three]:
+def touch_carried_mesh(a: Any, b: Any, last: Three, table: Any, room: Any) -> tuple[int, Three]:
     """Contact points of a pair of which one is a mesh that a body carries, the other anything.
 
     The faces that count are those which look along the normal of the contact. A new contact takes the deeper of two:
@@ -207,11 +249,7 @@ def touch_carried_mesh(
         a: SOLID of any shape but a wall.
         b: SOLID of a wall or a mesh; one of the two is a carried mesh.
         last: Normal of the last tick from a to b while they touch, else zero.
-        meshes: MeshTable.rows.
-        vertices: MeshTable.vertices.
-        corners: MeshTable.corners.
-        boxes: MeshTable.boxes.
-        hulls: MeshTable.hulls.
+        table: MeshTable.
         room: SCRATCH; `points` receives the points.
 
     Returns:
@@ -219,11 +257,11 @@ def touch_carried_mesh(
     """
     if b.kind != _WALL and last == ANYWHERE:
         last = _least_overlap(a, b)
-        _, along_axis = _gather(a, b, last, meshes, vertices, corners, boxes, hulls, room)
-        _, nearest = _gather(a, b, ANYWHERE, meshes, vertices, corners, boxes, hulls, room)
+        _, along_axis = _gather(a, b, last, table, room)
+        _, nearest = _gather(a, b, ANYWHERE, table, room)
         if nearest >= along_axis:
             last = ANYWHERE
-    count, _ = _gather(a, b, last, meshes, vertices, corners, boxes, hulls, room)
+    count, _ = _gather(a, b, last, table, room)
     if count == 0:
         return 0, last
     mean, normals = (0.0, 0.0, 0.0), room.normals

@@ -1,6 +1,6 @@
 """Which shapes a point may touch at all: its ball against the bounding sphere of each.
 
-Groups of 64 bounds are tested without a branch, which the compiler turns into vector instructions; only groups with a
+Groups of 16 bounds are tested without a branch, which the compiler turns into vector instructions; only groups with a
 hit are looked at one by one. Four rows of numbers are read and nothing else of a shape.
 """
 
@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 Vec = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
-_GROUP = 64
+_GROUP = 16
 
 
 @kernel

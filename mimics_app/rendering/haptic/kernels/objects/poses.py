@@ -11,7 +11,6 @@ from mimics_app.maths import quat
 
 __all__ = ["pose_shapes"]
 
-_WALL = int(ShapeKind.WALL)
 _SPHERE = int(ShapeKind.SPHERE)
 _BOX = int(ShapeKind.BOX)
 _CYLINDER = int(ShapeKind.CYLINDER)

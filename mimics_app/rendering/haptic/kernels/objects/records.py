@@ -206,6 +206,8 @@ MESH = np.dtype(
         ("closed", "i8"),  # 1: every edge has two triangles, so that there is an inside
         ("first_hull", "i8"),
         ("hull_corners", "i8"),  # 0: no body carries it
+        ("first_edge", "i8"),
+        ("edges", "i8"),  # sharp ones; 0: no body carries it
     ],
     align=True,
 )

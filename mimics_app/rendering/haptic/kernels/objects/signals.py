@@ -39,7 +39,6 @@ _AXIS_X_OBJECT = int(SignalSource.AXIS_X_OBJECT)
 _AXIS_Z_OBJECT = int(SignalSource.AXIS_Z_OBJECT)
 _FORCE_OBJECT = int(SignalSource.FORCE_OBJECT)
 _TOUCHED = int(SignalSource.TOUCHED)
-_COLLIDED = int(SignalSource.COLLIDED)
 
 _FORCE_AUX = int(SignalTarget.FORCE_AUX)
 _TORQUE_AUX = int(SignalTarget.TORQUE_AUX)

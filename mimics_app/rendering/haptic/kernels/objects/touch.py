@@ -5,10 +5,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from mimics_app.contracts.borrowed import borrowed
 from mimics_app.contracts.haptic_objects import BodyFlag, ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact import forget, to_object
@@ -23,8 +19,6 @@ from mimics_app.rendering.haptic.kernels.vectors import copy, rotate
 
 __all__ = ["touch_points"]
 
-Array = NDArray[np.float64]
-
 _WALL = int(ShapeKind.WALL)
 _MESH = int(ShapeKind.MESH)
 _FORCE_ON_OBJECT = int(BodyFlag.FORCE_ON_OBJECT)
@@ -32,13 +26,13 @@ _TORQUE_ON_OBJECT = int(BodyFlag.TORQUE_ON_OBJECT)
 
 
 @kernel
-def _take_point(desk: Any, point: int, positions: Array, velocities: Array, radius: float) -> None:
+def _take_point(desk: Any, point: int, rows: Any, work: Any) -> None:
     """Put a point on the desk."""
     for i in range(3):
         desk.felt[i] = 0.0
-        desk.point[i] = positions[point, i]
-        desk.point_velocity[i] = velocities[point, i]
-    desk.radius = radius
+        desk.point[i] = work.point_positions[point, i]
+        desk.point_velocity[i] = work.point_velocities[point, i]
+    desk.radius = rows.points[point].radius
 
 
 @kernel
@@ -55,16 +49,16 @@ def _take_motion(desk: Any, motion: Any) -> None:
 
 
 @kernel
-def _take_shape(desk: Any, row: int, body: int, rotations: Array, positions: Array, motions: Any) -> None:
+def _take_shape(desk: Any, row: int, body: int, work: Any) -> None:
     """Put the pose of a shape on the desk, and the motion of its body."""
     for i in range(3):
-        desk.position[i] = positions[row, i]
+        desk.position[i] = work.shape_positions[row, i]
         desk.drift[i] = 0.0
         desk.spin[i] = 0.0
         for j in range(3):
-            desk.rotation[i, j] = rotations[row, i, j]
+            desk.rotation[i, j] = work.shape_rotations[row, i, j]
     if body >= 0:
-        _take_motion(desk, motions[body])
+        _take_motion(desk, work.motions[body])
 
 
 @kernel
@@ -156,13 +150,6 @@ def _react(desk: Any, motion: Any, flags: int) -> None:
 
 
 @kernel
-def _hand_over(desk: Any, forces: Array, point: int) -> None:
-    """What the point at hand has felt, to its row."""
-    for i in range(3):
-        forces[point, i] += desk.felt[i]
-
-
-@kernel
 def _note_wall(desk: Any, wall: Any, row: int, contact: Any) -> None:
     """Keep what pressing a wall needs until all walls of the point are known."""
     wall.row = row
@@ -173,8 +160,9 @@ def _note_wall(desk: Any, wall: Any, row: int, contact: Any) -> None:
 
 
 @kernel
-def _settle(desk: Any, shape: Any, row: int, memory: Any, depth: float, totals: Any, motions: Any, bodies: Any) -> None:
+def _settle(desk: Any, shape: Any, row: int, memory: Any, depth: float, rows: Any, work: Any) -> None:
     """Press the shape at hand and hand the force to all whom it concerns."""
+    totals = work.totals[0]
     if not _press(desk, shape, memory, depth):
         forget(memory.contact)
         memory.touching = 0
@@ -182,88 +170,46 @@ def _settle(desk: Any, shape: Any, row: int, memory: Any, depth: float, totals: 
         return
     _count(desk, totals, row, depth, shape.body < 0)
     if shape.body >= 0:
-        _react(desk, motions[shape.body], bodies[shape.body].flags)
+        _react(desk, work.motions[shape.body], rows.bodies[shape.body].flags)
 
 
 @kernel
-def _settle_walls(
-    desk: Any,
-    point: int,
-    walls: Any,
-    met: int,
-    shapes: Any,
-    bodies: Any,
-    motions: Any,
-    rotations: Array,
-    positions: Array,
-    memories: Any,
-    totals: Any,
-) -> None:
+def _settle_walls(desk: Any, point: int, met: int, rows: Any, work: Any) -> None:
     """Press the walls that the point at hand met, their corner shared out."""
+    walls = work.walls
     share_corner(walls, met, desk.a, desk.b, desk.c)
     for k in range(met):
         row = walls[k].row
-        shape, memory = shapes[row], memories[point, row]
+        shape, memory = rows.shapes[row], work.memories[point, row]
         if walls[k].depth <= 0.0:
             memory.touching = 0
             continue
-        _take_shape(desk, row, shape.body, rotations, positions, motions)
+        _take_shape(desk, row, shape.body, work)
         _look(desk)
         copy(walls[k].slope, desk.slope)
         desk.rate = walls[k].rate
-        _settle(desk, shape, row, memory, walls[k].depth, totals, motions, bodies)
+        _settle(desk, shape, row, memory, walls[k].depth, rows, work)
 
 
 @kernel
-def _touch_all(
-    shapes: Any,
-    bodies: Any,
-    points: Any,
-    motions: Any,
-    point_positions: Array,
-    point_velocities: Array,
-    point_forces: Array,
-    rotations: Array,
-    positions: Array,
-    bounds: Array,
-    totals: Any,
-    desk: Any,
-    memories: Any,
-    births: Any,
-    befores: Any,
-    near: NDArray[np.int64],
-    walls: Any,
-    meshes: Any,
-    counts: Any,
-    dt: float,
-) -> None:
-    """`touch_points`, its arrays one by one; in one piece, since handing so many on costs as much as a contact."""
-    if counts.shapes == 0:
-        return
-    notice_changes(shapes, motions, counts, desk, births, befores)
-    for point in range(counts.points):
-        _take_point(desk, point, point_positions, point_velocities, points[point].radius)
-        follow_point(desk, point, points[point].enabled != 0, dt)
-        if points[point].enabled == 0:
+def _touch_near(desk: Any, point: int, found: int, rows: Any, work: Any) -> None:
+    """Press every shape that the point at hand is in, of those found near it."""
+    met = 0
+    for k in range(found):
+        row = work.near[k]
+        shape, memory = rows.shapes[row], work.memories[point, row]
+        _take_shape(desk, row, shape.body, work)
+        recall(desk, point, shape, work.births[row].tick, work.befores, memory)
+        _look(desk)
+        if not _feel(desk, shape, memory, work.meshes):
             continue
-        met = 0
-        for k in range(find_near(bounds, counts.shapes, desk.point, desk.radius, near)):
-            row = near[k]
-            shape, memory = shapes[row], memories[point, row]
-            _take_shape(desk, row, shape.body, rotations, positions, motions)
-            recall(desk, point, shape, births[row].tick, befores, memory)
-            _look(desk)
-            if not _feel(desk, shape, memory, meshes):
-                continue
-            if shape.kind == _WALL and met < MOST_WALLS:
-                _note_wall(desk, walls[met], row, memory.contact)
-                met += 1
-            else:
-                _settle(desk, shape, row, memory, memory.contact.depth, totals, motions, bodies)
-        if met > 0:
-            _settle_walls(desk, point, walls, met, shapes, bodies, motions, rotations, positions, memories, totals)
-        _hand_over(desk, point_forces, point)
-    keep_poses(motions, counts.bodies, befores)
+        if shape.kind == _WALL and met < MOST_WALLS:
+            _note_wall(desk, work.walls[met], row, memory.contact)
+            met += 1
+        else:
+            _settle(desk, shape, row, memory, memory.contact.depth, rows, work)
+    if met > 0:
+        _settle_walls(desk, point, met, rows, work)
 
 
 @kernel
@@ -278,27 +224,19 @@ def touch_points(rows: Any, work: Any, counts: Any, dt: float) -> None:
         counts: SCENE.objects.
         dt: Tick [s].
     """
-    # One way through this function: with a branch in it every array of both tuples would be counted in and out.
-    rows, work = borrowed(rows), borrowed(work)
-    _touch_all(
-        rows.shapes,
-        rows.bodies,
-        rows.points,
-        work.motions,
-        work.point_positions,
-        work.point_velocities,
-        work.point_forces,
-        work.shape_rotations,
-        work.shape_positions,
-        work.bounds,
-        work.totals[0],
-        work.desk[0],
-        work.memories,
-        work.births,
-        work.befores,
-        work.near,
-        work.walls,
-        work.meshes,
-        counts,
-        dt,
-    )
+    if counts.shapes == 0:
+        return
+    desk = work.desk[0]
+    notice_changes(rows.shapes, work.motions, counts, desk, work.births, work.befores)
+    for point in range(counts.points):
+        is_enabled = rows.points[point].enabled != 0
+        _take_point(desk, point, rows, work)
+        follow_point(desk, point, is_enabled, dt)
+        if not is_enabled:
+            continue
+        found = find_near(work.bounds, counts.shapes, desk.point, desk.radius, work.near)
+        if found > 0:
+            _touch_near(desk, point, found, rows, work)
+        for i in range(3):
+            work.point_forces[point, i] += desk.felt[i]
+    keep_poses(work.motions, counts.bodies, work.befores)

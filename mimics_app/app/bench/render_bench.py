@@ -1,0 +1,207 @@
+"""`mimics bench render`: frames of a workload that other renderers draw too, timed to the last pixel."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mimics_app.app.bench.render_workloads import Nodes, Workload, open_workload
+from mimics_app.app.picture.governor import FrameGovernor
+from mimics_app.contracts.clock import MonotonicClock, process_seconds
+from mimics_app.contracts.errors import UsageError, nearest
+from mimics_app.rendering.visual.frame_stats import FrameStats
+from mimics_app.rendering.visual.quality_steps import quality_steps
+from mimics_app.rendering.visual.renderer import Renderer
+from mimics_app.rendering.visual.surfaces.headless import open_offscreen, read_pixels, save_png
+from mimics_app.rendering.visual.surfaces.surface import Size, Surface
+
+__all__ = ["OPTIONS", "RenderBench", "measure_render"]
+
+_LEAST_FRAMES = 5
+_FEW = 3
+_CALM_NS, _SETTLING_NS = 4_000_000_000, 40_000_000_000
+"""The governor has settled when it has done nothing for this long; how long it is given."""
+
+OPTIONS: dict[str, dict[str, Any]] = {
+    "full": {"shading": "full"},
+    "noocc": {"occlusion": "off"},
+    "derived": {"occlusion": "derived"},
+    "authored": {"occlusion": "authored"},
+    "flat": {"culling": "flat"},
+    "tree": {"culling": "tree"},
+    "noshadow": {"shadow_size": 0},
+    "osmesa": {},
+}
+"""Words of `--opt` and what they change in the settings."""
+
+
+@dataclass(frozen=True, slots=True)
+class RenderBench:
+    """What to measure.
+
+    Attributes:
+        workload: One of `render_workloads.WORKLOADS`.
+        data: Folder of the workloads' files, None: not known.
+        size: Of the picture [px].
+        msaa: Samples per pixel; None: as the workload asks.
+        frames: Frames timed.
+        warmup: Frames drawn before.
+        budget: Stop after this many seconds timed [s].
+        count: Nodes, 0: as the peers have.
+        options: Words of `OPTIONS`.
+        shot: Where the last frame goes as PNG, or None.
+        fps: Quality is given up, as a run does, until so many frames a second are held; None: it is all kept.
+    """
+
+    workload: str
+    data: Path | None
+    size: Size = (1280, 720)
+    msaa: int | None = None
+    frames: int = 40
+    warmup: int = 6
+    budget: float = 25.0
+    count: int = 0
+    options: tuple[str, ...] = ()
+    shot: Path | None = None
+    fps: float | None = None
+
+
+def measure_render(wanted: RenderBench) -> dict[str, Any]:
+    """Draw and time.
+
+    Returns:
+        The line the peers print too: times in ms, mean colour of the last frame, what was drawn in it.
+
+    Raises:
+        UsageError: an option or workload that cannot be.
+        DeviceError: no way to draw.
+    """
+    for word in wanted.options:
+        if word not in OPTIONS:
+            raise UsageError(f'there is no option "{word}"', nearest(word, OPTIONS))
+    workload = open_workload(wanted.workload, wanted.data, wanted.count)
+    workload.prepare(wanted.warmup + wanted.frames)
+    settings = workload.settings if wanted.msaa is None else replace(workload.settings, msaa=wanted.msaa)
+    for word in wanted.options:
+        settings = replace(settings, **OPTIONS[word])
+    with open_offscreen("osmesa" if "osmesa" in wanted.options else "egl", wanted.size) as surface:
+        renderer = Renderer(surface, workload.world, settings)
+        given_up = _settle(wanted.fps, wanted, workload, renderer) if wanted.fps else {}
+        answer = {**_time_frames(wanted, workload, renderer, surface), **given_up, **_quality(renderer)}
+        if isinstance(workload, Nodes):
+            answer.update(_time_poses(workload, wanted.frames))
+        renderer.release()
+    return answer
+
+
+def _settle(fps: float, wanted: RenderBench, workload: Workload, renderer: Renderer) -> dict[str, Any]:
+    """Let the governor find the quality that holds a frame rate; it has, once it lets things be for a while."""
+    clock = MonotonicClock()
+    governor = FrameGovernor(quality_steps(renderer), 1e3 / fps)
+    begun = calm = clock.now_ns()
+    state, frame = governor.state, 0
+    while (now := clock.now_ns()) - calm < _CALM_NS and now - begun < _SETTLING_NS:
+        workload.update(frame)
+        renderer.draw_finished([workload.view(frame, wanted.size)])
+        governor.note((clock.now_ns() - now) * 1e-6, clock.now_ns())
+        if governor.state != state:
+            state, calm = governor.state, clock.now_ns()
+        frame += 1
+    return {"fps_wanted": fps, "given_up": state, "settled": now - begun < _SETTLING_NS}
+
+
+def _time_frames(wanted: RenderBench, workload: Workload, renderer: Renderer, surface: Surface) -> dict[str, Any]:
+    clock = MonotonicClock()
+    updates: list[float] = []
+    renders: list[float] = []
+    processor = 0.0
+    for frame in range(wanted.warmup + wanted.frames):
+        if frame == wanted.warmup:
+            processor = process_seconds()
+        started = clock.now_ns()
+        workload.update(frame)
+        handed = clock.now_ns()
+        stats = renderer.draw_finished([workload.view(frame, wanted.size)])
+        done = clock.now_ns()
+        if frame >= wanted.warmup:
+            updates.append((handed - started) * 1e-6)
+            renders.append((done - handed) * 1e-6)
+        if len(renders) >= _LEAST_FRAMES and 1e-3 * (sum(updates) + sum(renders)) > wanted.budget:
+            break
+    processor = process_seconds() - processor
+    if wanted.shot is not None:
+        save_png(surface, wanted.shot)
+    picture = read_pixels(surface)[..., :3].reshape(-1, 3)
+    return {
+        **_describe(wanted, workload, surface),
+        **_times(updates, renders, processor),
+        "mean_rgb": [round(float(level), 1) for level in picture.mean(axis=0)],
+        **_drawn(stats),
+    }
+
+
+def _time_poses(nodes: Nodes, frames: int) -> dict[str, float]:
+    """Every pose of a frame and the world matrices, without drawing: handed over at once, and node by node [ms]."""
+    clock = MonotonicClock()
+
+    def median_ms(update: Callable[[int], None], count: int) -> float:
+        times = []
+        for frame in range(count):
+            started = clock.now_ns()
+            update(frame)
+            times.append((clock.now_ns() - started) * 1e-6)
+        return round(statistics.median(times), 3)
+
+    return {"ms_setter": median_ms(nodes.update, frames), "ms_handles": median_ms(nodes.update_by_handles, _FEW)}
+
+
+def _describe(wanted: RenderBench, workload: Workload, surface: Surface) -> dict[str, Any]:
+    return {
+        "workload": wanted.workload,
+        "size": f"{wanted.size[0]}x{wanted.size[1]}",
+        "n": wanted.count,
+        "opt": " ".join(wanted.options),
+        "nodes": workload.nodes,
+        "device": surface.ctx.info["GL_RENDERER"],
+    }
+
+
+def _quality(renderer: Renderer) -> dict[str, Any]:
+    settings = renderer.settings
+    return {
+        "msaa": settings.msaa,
+        "fxaa": settings.fxaa,
+        "scale": settings.scale,
+        "shadow_size": settings.shadow_size,
+        "shading": settings.shading,
+    }
+
+
+def _times(updates: list[float], renders: list[float], processor: float) -> dict[str, Any]:
+    whole = [update + render for update, render in zip(updates, renders, strict=True)]
+    return {
+        "frames": len(whole),
+        "fps_median": round(1e3 / statistics.median(whole), 2),
+        "ms_median": round(statistics.median(whole), 3),
+        "ms_min": round(min(whole), 3),
+        "ms_p95": round(float(np.percentile(whole, 95)), 3),
+        "ms_update": round(statistics.median(updates), 3),
+        "ms_render": round(statistics.median(renders), 3),
+        "ms_cpu": round(1e3 * processor / len(whole), 3),
+    }
+
+
+def _drawn(stats: FrameStats) -> dict[str, Any]:
+    return {
+        "draw_calls": stats.draws,
+        "tris_submitted": stats.triangles,
+        "items": stats.items,
+        "culled": stats.culled,
+        "hidden": stats.hidden,
+        "tests": stats.tests,
+    }

@@ -1,0 +1,242 @@
+"""The workloads of `mimics bench render`, the same closed formulas for every renderer that is compared.
+
+city: walking down a street, 1.4 m a frame. nodes: cubes under groups, every one of which moves every frame. walk: the
+product's own city as its scene shows it, with shadows, sky and all materials, at the pace of a person.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.app.picture.picture import picture_quality
+from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.contracts.errors import SceneError, UsageError
+from mimics_app.contracts.resources import root
+from mimics_app.maths.mat import look_at
+from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.view import View
+from mimics_app.world.environment import Sky
+from mimics_app.world.gltf.model_world import load_model_world, read_model
+from mimics_app.world.scene.file import build_world
+from mimics_app.world.world import World
+
+__all__ = ["WORKLOADS", "City", "Nodes", "Walk", "Workload", "open_workload"]
+
+F8 = NDArray[np.float64]
+
+FOV_Y, NEAR, FAR = math.radians(60.0), 0.1, 2000.0
+SUN = np.array([0.4, 1.0, 0.3]) / np.linalg.norm([0.4, 1.0, 0.3])
+"""Direction to the sun."""
+
+AMBIENT, DIFFUSE = 0.4, 0.8
+_BACKGROUND = (0.5, 0.6, 0.7)
+"""Display values."""
+
+WORKLOADS = ("city", "nodes", "crowd", "walk")
+_FILES = {"city": "city.glb", "nodes": "cube.glb"}
+_DEFAULT_NODES = 10_000
+
+
+class Workload(ABC):
+    """A world and what happens in it, frame by frame.
+
+    Attributes:
+        world: What is drawn.
+        nodes: How many nodes the work is about.
+        settings: Quality of its picture.
+    """
+
+    settings = RenderSettings(msaa=0, shadow_size=0, tone_map="none", fog_density=0.0, shading="plain")
+
+    def __init__(self, world: World, nodes: int) -> None:
+        self.world = world
+        self.nodes = nodes
+
+    def prepare(self, frames: int) -> None:  # noqa: B027  not everything needs to
+        """Work out beforehand what an application would have: poses of every frame."""
+
+    def update(self, frame: int) -> None:
+        """Hand a frame's poses to the world and bring it up to date: what is timed as the application's part."""
+        self.world.update()
+
+    @abstractmethod
+    def eye(self, frame: int) -> tuple[F8, F8]:
+        """Where the eye is and what it looks at [m], [3] each."""
+
+    def view(self, frame: int, size: tuple[int, int]) -> View:
+        """The eye of a frame, for a picture of a size [px]."""
+        eye, target = self.eye(frame)
+        up = math.tan(0.5 * FOV_Y)
+        side = up * size[0] / size[1]
+        return View(look_at(eye, target), (-side, side, -up, up), (0, 0, *size), NEAR, FAR)
+
+
+class City(Workload):
+    """An eye 1.7 m high that goes down a street and looks around by 20 degrees."""
+
+    start = (-40.0, 1.7, 360.0)
+
+    def place(self, frame: int) -> float:
+        """How far down the street [m]."""
+        return 1.4 * frame
+
+    def eye(self, frame: int) -> tuple[F8, F8]:
+        eye = np.array(self.start) - np.array([0.0, 0.0, self.place(frame)])
+        yaw = math.radians(20.0) * math.sin(0.15 * frame)
+        return eye, eye + np.array([math.sin(yaw), 0.02, -math.cos(yaw)])
+
+
+class Walk(City):
+    """The product's own city as its scene asks for it: a few steps at a walking pace, and again some way further on."""
+
+    start = (-1.75, 1.7, 330.0)
+    _STRIDE, _STEPS = 1.4 / 30.0, 8
+    """What a person walks between two of 30 frames a second [m]; frames in one place."""
+    _PLACES, _APART = 16, 20.0
+    """Along the street to the square in its middle, and back to its beginning; how far apart [m]."""
+
+    def place(self, frame: int) -> float:
+        number, step = divmod(frame, self._STEPS)
+        return self._APART * (number % self._PLACES) + self._STRIDE * step
+
+    def __init__(self) -> None:
+        scene = load_checked_scene(root() / "scenes" / "city_walk.json")
+        world = build_world(scene)
+        self.settings = picture_quality(scene, "training")
+        super().__init__(world, len(world.transforms))
+
+
+@dataclass(frozen=True, eq=False)
+class _Poses:
+    """Translations [m], [n, 3], and rotations xyzw, [n, 4], of groups first and cubes after them."""
+
+    translations: F8
+    rotations: F8
+
+
+class Nodes(Workload):
+    """Cubes of one mesh under groups; groups and cubes shift and turn every frame."""
+
+    def __init__(self, file: Path, count: int) -> None:
+        world = World()
+        prefab = read_model(file)
+        self._count, self._groups = count, math.isqrt(count)
+        self._each = count // self._groups
+        groups = [world.root.create_child() for _ in range(self._groups)]
+        cubes = [groups[min(k // self._each, self._groups - 1)].create_child() for k in range(count)]
+        # The file's own node with its mesh; what hangs on it stands where the cube stands.
+        first = prefab.instantiate(world, cubes[0])
+        parts = next(
+            [(part.mesh, part.material) for part in node.entity.subentities]
+            for node in first
+            if node.entity is not None
+        )
+        for node in first[1:]:
+            node.remove()
+        for cube in cubes:
+            world.show(cube, parts)
+        world.update()
+        self._handles = [*groups, *cubes]
+        self._rows = world.transforms.rows(np.array([node.index for node in self._handles]))
+        self._poses: list[_Poses] = []
+        light_up(world)
+        super().__init__(world, count + self._groups)
+        world.update()
+
+    def prepare(self, frames: int) -> None:
+        self._poses = [self._pose(frame) for frame in range(frames)]
+
+    def update(self, frame: int) -> None:
+        poses = self._poses[frame]
+        self.world.transforms.set_poses(self._rows, poses.translations, poses.rotations)
+        self.world.update()
+
+    def update_by_handles(self, frame: int) -> None:
+        """The same as `update` by one call for each node and figure, as a scenario moves its few."""
+        poses = self._poses[frame]
+        for node, translation, rotation in zip(self._handles, poses.translations, poses.rotations, strict=True):
+            node.set_position(translation)
+            node.set_orientation(rotation)
+        self.world.update()
+
+    def eye(self, frame: int) -> tuple[F8, F8]:
+        angle = 0.01 * frame
+        return np.array([160.0 * math.sin(angle), 70.0, 160.0 * math.cos(angle)]), np.zeros(3)
+
+    def _pose(self, frame: int) -> _Poses:
+        k, g = np.arange(self._count), np.arange(self._groups)
+        groups = _grid(g, self._groups, 24.0, 3.0 * np.sin(0.05 * frame + g))
+        cubes = _grid(k, self._each, 2.0, 0.8 * np.sin(0.1 * frame + 0.37 * k))
+        yaw = np.concatenate([0.02 * frame + 0.1 * g, 0.05 * frame + 0.01 * k])
+        zero = np.zeros(len(yaw))
+        turns = np.stack([zero, np.sin(0.5 * yaw), zero, np.cos(0.5 * yaw)], -1)
+        return _Poses(np.concatenate([groups, cubes]), turns)
+
+
+def _grid(k: NDArray[np.integer], across: int, step: float, heights: F8) -> F8:
+    """Places of things on squares of `across` each, `step` [m] apart, about the origin, [n, 3]."""
+    side, j = math.isqrt(across), k % across
+    middle = 0.5 * (side - 1)
+    return np.stack([(j % side - middle) * step, heights, (j // side - middle) * step], -1)
+
+
+def light_up(world: World) -> None:
+    """One sun, light from everywhere, a plain background, and colours as the peers read them."""
+    linear = _decode(np.array(_BACKGROUND))
+    sky = (float(linear[0]), float(linear[1]), float(linear[2]))
+    world.environment = Sky(sky, sky, sky, 0.0)
+    # Light from everywhere is the sky's; divided by its colour, what reaches a surface is white.
+    everywhere = world.root.create_child()
+    everywhere.create_light("ambient", colour=tuple((AMBIENT / linear).tolist()))
+    sun = world.root.create_child()
+    sun.look_at(-SUN)
+    sun.create_light("directional", intensity=DIFFUSE, casts_shadow=0)
+    for material in list(world.materials.values()):
+        # The renderers compared take a file's colours for display values, which glTF does not mean.
+        red, green, blue = _decode(np.array(material.base_colour[:3])).tolist()
+        world.set_material(replace(material, base_colour=(red, green, blue, material.base_colour[3])))
+    world.update()
+
+
+def _decode(display: F8) -> F8:
+    """Linear light of display values (IEC 61966-2-1)."""
+    return np.where(display <= 0.04045, display / 12.92, ((display + 0.055) / 1.055) ** 2.4)
+
+
+def open_workload(name: str, folder: Path | None, count: int) -> Workload:
+    """Load a workload.
+
+    Args:
+        name: One of `WORKLOADS`.
+        folder: Where the files of the workloads are; None: not known.
+        count: Nodes of "nodes", 0: as the peers have.
+
+    Raises:
+        UsageError: it cannot be measured.
+        SceneError: its file is missing or wrong.
+    """
+    if name == "walk":
+        return Walk()
+    if name not in _FILES:
+        raise UsageError(
+            f'the workload "{name}" needs skinned characters, which are not drawn yet', "measure city, nodes or walk"
+        )
+    if folder is None:
+        raise UsageError("the folder of the workloads is not known", "name it by --data or RENDER_DATA")
+    file = folder / _FILES[name]
+    try:
+        if name == "city":
+            world = load_model_world(file)
+            light_up(world)
+            return City(world, len(world.transforms))
+        return Nodes(file, count or _DEFAULT_NODES)
+    except SceneError as error:
+        if file.is_file():
+            raise
+        raise UsageError(f"there is no {file}", "name the folder of the workloads by --data or RENDER_DATA") from error

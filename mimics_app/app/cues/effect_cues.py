@@ -1,0 +1,47 @@
+"""Effects as the frame drives them: the scene's time, and bursts of particles at a start, a goal or a touch."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.app.cues.cue_watch import TOUCHES, CueWatch
+from mimics_app.contracts.messages import TaskOrders
+from mimics_app.world.world import World
+
+__all__ = ["EffectCues"]
+
+
+class EffectCues:
+    """Tells a world's effects what happens."""
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._watch = CueWatch()
+
+    def step(self, orders: TaskOrders, events: NDArray[Any], now_ns: int) -> None:
+        """One frame at session time `now_ns`.
+
+        Args:
+            orders: Of the task.
+            events: Of the haptic loop since the last frame, EVENT records.
+            now_ns: [ns].
+        """
+        effects = self._world.effects
+        effects.time = now_ns * 1e-9
+        cue = self._watch.look(orders)
+        if not effects.emitters:
+            return
+        if cue is not None:
+            effects.trigger(cue)
+        for event in events:
+            touch = TOUCHES.get(int(event["kind"]))
+            if touch is not None:
+                effects.trigger(touch, _finite_place(event["position_world"]))
+
+
+def _finite_place(position: NDArray[np.float32]) -> tuple[float, float, float] | None:
+    x, y, z = (float(value) for value in position)
+    return (x, y, z) if bool(np.isfinite((x, y, z)).all()) else None

@@ -1,0 +1,3 @@
+"""Devices by name: the conformance kit run against one, and emulated robots."""
+
+__all__: list[str] = []

@@ -1,0 +1,52 @@
+"""Runs the conformance kit against a device by name: `mimics devices check NAME[:ADDRESS]`."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from mimics_app.contracts.clock import TICK_NS, MonotonicClock
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.recording.run import Run
+from mimics_app.rendering.haptic.devices.conformance import Finding, check_device
+from mimics_app.rendering.haptic.devices.registry import build_device
+from mimics_app.world.components.robot import Patient, Robot
+
+__all__ = ["check_by_name"]
+
+
+class _WallTime:
+    """The other side of a device that is really there: it needs its millisecond, and nobody can spoil it from here."""
+
+    can_fail = False
+
+    def __init__(self) -> None:
+        self._clock = MonotonicClock()
+        self._due = self._clock.now_ns()
+
+    def step(self) -> None:
+        """Wait for the next millisecond; after a pause the count begins anew."""
+        self._due = max(self._due + TICK_NS, self._clock.now_ns() - TICK_NS)
+        self._clock.sleep_until_ns(self._due)
+
+    def spoil(self, what: str) -> None:
+        """Refuse: see `can_fail`."""
+        raise DeviceError(f'a real device cannot be told to "{what}"')
+
+
+def check_by_name(device: str, recording: Path | None) -> list[Finding]:
+    """Build the device as a scene would, try it, and close it.
+
+    Args:
+        device: NAME or NAME:ADDRESS.
+        recording: Run folder for the replay device.
+
+    Raises:
+        DeviceError: The device cannot be had.
+    """
+    robot = Robot(device=device)
+    samples = None if recording is None else Run.open(recording).haptic
+    plugin = build_device(robot, Patient(), samples=samples)
+    if plugin.real_time and plugin.follows != "nothing":
+        sys.stderr.write("mimics: the device moves: up to 60 mm along its vertical axis\n")
+    return check_device(plugin, robot, _WallTime() if plugin.real_time else None)

@@ -1,0 +1,184 @@
+"""Runs an emulated robot in this process until it is told to end: `mimics devices emulate NAME`."""
+
+from __future__ import annotations
+
+import os
+import select
+import signal
+import sys
+import tempfile
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Protocol
+
+import msgspec
+
+from mimics_app.app.scenes.catalogue import open_scenario
+from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.contracts.clock import TICK_NS, MonotonicClock
+from mimics_app.contracts.errors import DeviceError, UsageError, nearest
+from mimics_app.rendering.haptic import scheduler
+from mimics_app.rendering.haptic.devices.emulators.faults import Faults, apply_order
+from mimics_app.rendering.haptic.devices.request import DeviceRequest
+from mimics_app.rendering.haptic.scene_block import robot_from_world
+from mimics_app.world.components.robot import Patient, Robot
+from mimics_app.world.scene.file import build_world
+
+__all__ = ["EMULATED", "EmulatorSettings", "open_emulator", "serve"]
+
+EMULATED = ("serial", "hapticmaster")
+
+_LATEST_NS = 20_000_000
+"""Further behind than this, the lost time is not made up for."""
+
+_LISTEN_EVERY = 10
+
+
+class Emulator(Protocol):
+    """What every emulated robot can do."""
+
+    faults: Faults
+
+    @property
+    def address(self) -> str:
+        """What to write behind the name and its colon."""
+
+    def step(self) -> None:
+        """One millisecond."""
+
+    def rehearse(self) -> None:
+        """Do all it can do once, before anybody waits for it."""
+
+    def close(self) -> None:
+        """Take it away."""
+
+
+@dataclass(frozen=True, slots=True)
+class EmulatorSettings:
+    """Who is on the emulated robot.
+
+    Attributes:
+        scene: Scene whose way the person knows and whose robot it is; None: a relaxed arm on the usual robot.
+        patient: Preset instead of the scene's; "" keeps it.
+        seed: Of everything random.
+        port: A hapticmaster listens on; 0: any that is free.
+        delay_ms: Its answers wait before they leave [ms].
+    """
+
+    scene: Path | None = None
+    patient: str = ""
+    seed: int = 1
+    port: int = 0
+    delay_ms: int = 0
+
+
+@contextmanager
+def open_emulator(name: str, settings: EmulatorSettings) -> Iterator[Emulator]:
+    """An emulated robot.
+
+    Raises:
+        UsageError: Nothing of that name is emulated.
+        DeviceError: This system cannot.
+        SceneError: The scene is wrong.
+    """
+    if name not in EMULATED:
+        raise UsageError(f'there is no emulator of "{name}"', nearest(name, EMULATED))
+    request = _request(settings)
+    with tempfile.TemporaryDirectory(prefix="mimics-") as folder:
+        emulator = _open(name, request, Path(folder), settings)
+        try:
+            emulator.rehearse()
+            yield emulator
+        finally:
+            emulator.close()
+
+
+def serve(emulator: Emulator, seconds: float | None) -> None:
+    """A step each millisecond; orders for faults are lines of stdin, "quit" or a signal ends it.
+
+    Args:
+        emulator: The robot.
+        seconds: How long [s]; None: until it is told to end.
+    """
+    if threading.current_thread() is threading.main_thread():
+        _hurry()
+    clock = MonotonicClock()
+    due = clock.now_ns()
+    end = 1 << 62 if seconds is None else due + round(seconds * 1e9)
+    orders = _Orders()
+    steps = 0
+    while due < end:
+        emulator.step()
+        steps += 1
+        if steps % _LISTEN_EVERY == 0 and not orders.obey(emulator.faults):
+            return
+        due = max(due + TICK_NS, clock.now_ns() - _LATEST_NS)
+        clock.sleep_until_ns(due)
+
+
+def _hurry() -> None:
+    """A robot does not wait for the rest of this machine; one that computes without end loses the privilege.
+
+    Only a process of its own may: the limit on such threads is the process's, and its signal would end it.
+    """
+    if sys.platform.startswith("linux"):
+        thread = threading.get_native_id()
+        signal.signal(signal.SIGXCPU, lambda *_: scheduler.demote(thread))
+    scheduler.arrange_thread("auto")
+
+
+class _Orders:
+    """Lines of stdin, read without waiting."""
+
+    def __init__(self) -> None:
+        self._text = ""
+        self._open = True
+
+    def obey(self, faults: Faults) -> bool:
+        """Do what came; False when the emulator should end."""
+        while self._open and select.select([sys.stdin], [], [], 0.0)[0]:
+            got = os.read(sys.stdin.fileno(), 4096).decode("utf-8", "replace")
+            self._open = bool(got)  # nobody there any more: the emulator goes on
+            self._text += got
+        *lines, self._text = self._text.split("\n")
+        for line in filter(None, map(str.strip, lines)):
+            if line == "quit":
+                return False
+            try:
+                apply_order(faults, line)
+            except UsageError as error:
+                sys.stderr.write(f"mimics: {error}\n")
+        return True
+
+
+def _open(name: str, request: DeviceRequest, folder: Path, settings: EmulatorSettings) -> Emulator:
+    from mimics_app.rendering.haptic.devices.emulators.hapticmaster import HapticMasterEmulator
+    from mimics_app.rendering.haptic.devices.emulators.hapticmaster_machine import RATE
+    from mimics_app.rendering.haptic.devices.emulators.serial_robot import SerialRobotEmulator
+    from mimics_app.rendering.haptic.devices.simulated_hapticmaster import build_simulated_hapticmaster
+
+    if name == "hapticmaster":
+        machine = build_simulated_hapticmaster(replace(request, rate=RATE))
+        try:
+            return HapticMasterEmulator(machine, settings.delay_ms, settings.seed, settings.port)
+        except OSError as failure:
+            raise DeviceError(f"port {settings.port} cannot be listened on: {failure.strerror}") from failure
+    if not hasattr(os, "openpty"):
+        raise DeviceError("this system has no pseudo-terminals", "emulate on Linux or macOS")
+    return SerialRobotEmulator(build_simulated_hapticmaster(request), folder / "robot", settings.seed)
+
+
+def _request(settings: EmulatorSettings) -> DeviceRequest:
+    """Robot, person and way of the scene."""
+    if settings.scene is None:
+        return DeviceRequest(Robot(delay_ticks=0), None, seed=settings.seed)
+    scene = load_checked_scene(settings.scene)
+    scenario = open_scenario(scene, build_world(scene))
+    robot, patient = scene.first(Robot) or Robot(), scene.first(Patient) or Patient()
+    if settings.patient:
+        patient = msgspec.structs.replace(patient, preset=settings.patient)
+    way = robot_from_world(robot, scenario.via_points_world)
+    return DeviceRequest(msgspec.structs.replace(robot, delay_ticks=0), patient, way, settings.seed)

@@ -1,0 +1,144 @@
+"""Frames of a scene as PNG files: the scene is played on the virtual clock without recorder or sound."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+
+from mimics_app.app.picture.drawn import Drawn
+from mimics_app.app.picture.picture import Picture, picture_quality
+from mimics_app.app.picture.video import draw_film
+from mimics_app.app.scenes.catalogue import is_playable
+from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.settings import RunSettings
+from mimics_app.app.touch.rehearsal import Rehearsal
+from mimics_app.contracts.clock import FRAMES_PER_SECOND, TICKS_PER_SECOND
+from mimics_app.contracts.messages import TaskOrders
+from mimics_app.rendering.visual.surfaces.headless import open_offscreen, render_frames
+from mimics_app.rendering.visual.view import View
+from mimics_app.world.scene.file import build_world
+from mimics_app.world.scene.scene import Scene
+from mimics_app.world.world import World
+
+__all__ = ["draw_stills"]
+
+_MOST_TICKS = 4000
+
+
+def draw_stills(
+    settings: RunSettings,
+    folder: Path,
+    *,
+    backend: str = "auto",
+    frames: int = 1,
+    seconds: float = 0.0,
+    camera: str = "",
+    video: Path | None = None,
+) -> Drawn:
+    """Draw frames of a scene at even distances of simulated play, the last after `seconds` [s].
+
+    A film has 60 of them a second instead.
+
+    A scene that no scenario plays is drawn as it stands.
+
+    Args:
+        settings: Scene, seed, profile and size; the rest is not used.
+        folder: Where frame_00000.png and so on go.
+        backend: "auto", "egl", "osmesa" or "window".
+        frames: How many.
+        seconds: How long the simulated patient plays.
+        camera: Entity whose camera is looked through; "": the first.
+        video: File of a film (see `video.film_place`) instead of the folder's files, or None.
+
+    Raises:
+        SceneError: the scene is wrong, or has no camera, or none of that name.
+        DeviceError: the context cannot be had.
+    """
+    scene = load_checked_scene(settings.scene)
+    if video is not None:
+        frames = max(1, round(FRAMES_PER_SECOND * seconds))
+    play = _moments(scene, settings.seed, frames, seconds)
+    quality = picture_quality(scene, settings.profile)
+    picture = Picture(open_offscreen(backend, settings.size), scene, play.world, quality, camera)
+
+    def views(number: int) -> list[View]:
+        picture.lay_out(play.to(number))
+        return picture.views
+
+    if video is None:
+        made = render_frames(picture.renderer, picture.surface, frames, views, folder)
+    else:
+        made = draw_film(picture.renderer, picture.surface, frames, views, video)
+    drawn = Drawn.on(picture.surface, made)
+    picture.tell_issues()
+    picture.close()
+    return drawn
+
+
+class _Moments(Protocol):
+    """A world at the time of each frame."""
+
+    @property
+    def world(self) -> World: ...
+
+    def to(self, number: int) -> dict[str, object]:
+        """Bring the world to frame `number` and return its figures."""
+
+
+def _moments(scene: Scene, seed: int, frames: int, seconds: float) -> _Moments:
+    """The scene played, or as it stands where no scenario plays it."""
+    if is_playable(scene):
+        return _Play(Rehearsal(scene, seed), frames, seconds)
+    return _Standing(build_world(scene), seed, frames, seconds)
+
+
+class _Standing:
+    """A world in which nothing happens but what moves by itself; it starts at time 0."""
+
+    def __init__(self, world: World, seed: int, frames: int, seconds: float) -> None:
+        self.world = world
+        self._seconds_per_frame = seconds / frames
+        world.update()
+        world.effects.seed = seed
+        world.effects.trigger("start")
+
+    def to(self, number: int) -> dict[str, object]:
+        """Let the time of frame `number` come."""
+        self.world.effects.time = self._seconds_per_frame * (number + 1)
+        return {}
+
+
+class _Play:
+    """The scene played up to each frame."""
+
+    def __init__(self, rehearsal: Rehearsal, frames: int, seconds: float) -> None:
+        self._rehearsal = rehearsal
+        self._ticks_per_frame = seconds * TICKS_PER_SECOND / frames
+        self._done = 0
+        rehearsal.advance(1)
+
+    @property
+    def world(self) -> World:
+        return self._rehearsal.world
+
+    def to(self, number: int) -> dict[str, object]:
+        """Play up to frame `number` and return its figures."""
+        wanted = round(self._ticks_per_frame * (number + 1))
+        while self._done < wanted:
+            ticks = min(_MOST_TICKS, wanted - self._done)
+            self._rehearsal.advance(ticks)
+            self._done += ticks
+        snapshot = self._rehearsal.haptics.snapshot()
+        self._rehearsal.scenario.apply(TaskOrders(), snapshot)
+        self.world.update()
+        self.world.effects.time = self._done / TICKS_PER_SECOND
+        return {
+            "progress": snapshot.progress,
+            "contacts": snapshot.contacts,
+            "time": self._done / TICKS_PER_SECOND,
+            "force": float(np.linalg.norm(snapshot.f_user_world)),
+            "margin": snapshot.margin,
+            "energy": snapshot.energy,
+        }

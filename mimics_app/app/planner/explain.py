@@ -1,0 +1,210 @@
+"""What a scene runs and what it leaves out, as the object of `mimics explain --json`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import msgspec
+
+from mimics_app.app.planner.plan import Choice, Dearer, Plan
+from mimics_app.app.planner.uses import USES, visual_of
+from mimics_app.lab.table import Row, Table
+from mimics_app.world.components.effects import Billboard, Particles, Projector
+from mimics_app.world.components.pictures import Inset, Mirror, Screen
+from mimics_app.world.components.robot import Tunnel
+from mimics_app.world.components.visible import LightComponent, Sound, SoundEmitter
+from mimics_app.world.scene.scene import Scene
+
+__all__ = ["TICK_GROUP", "UNUSED", "LeftOut", "Part", "describe_plan", "explain_plan"]
+
+TICK_GROUP = "haptic tick"
+"""Group of the table that holds the whole tick, by the projection in it."""
+
+_NO_TUNNEL = "no tunnel"
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One thing a scene runs.
+
+    Attributes:
+        part: What it is for.
+        group: Of the table.
+        method: The one that runs.
+        cost_us: By the table [us per call]; None for a method that the table does not know.
+        error: In `unit`; None where it has none, or the table does not know the method.
+        unit: Of error and tolerance.
+        tolerance: What the run accepts; None where nothing is chosen.
+        next_cheaper: The nearest cheaper rival, refused for its error, {"method", "error"}; None where there is none.
+        too_dear: What would be taken if a frame had the time, {"method", "error", "more_ms", "room_ms"}: what a frame
+            would take longer than with the cheapest, and what there was for it; None where time does not decide.
+        more_ms: What a frame takes longer than with the cheapest [ms]; None where no frame has to keep time.
+    """
+
+    part: str
+    group: str
+    method: str
+    cost_us: float | None
+    error: float | None
+    unit: str
+    tolerance: float | None
+    next_cheaper: dict[str, Any] | None
+    too_dear: dict[str, Any] | None = None
+    more_ms: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class LeftOut:
+    """One thing a scene does not run, why, and what that saves [us]; None: there is nothing to measure it by."""
+
+    part: str
+    why: str
+    saved_us: float | None
+
+
+def explain_plan(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None] = lambda: None) -> dict[str, Any]:
+    """The whole object.
+
+    Args:
+        scene: The scene of the plan.
+        plan: What runs.
+        shadow_us: Measures what a shadow pass would cost [us]; asked only where the scene casts no shadow.
+    """
+    left_out = _left_out(scene, plan, shadow_us)
+    return {**describe_plan(scene, plan), "left_out": [asdict(left) for left in left_out]}
+
+
+def describe_plan(scene: Scene, plan: Plan) -> dict[str, Any]:
+    """The object without measuring anything: what the header of a run keeps."""
+    parts = [*_tick_parts(scene, plan), *(_part(choice, plan) for choice in plan.choices)]
+    return {
+        "profile": plan.profile,
+        "tolerances": dict(plan.tolerances),
+        "pixels": plan.pixels,
+        "table": {"origin": plan.origin, "machine": plan.table.machine},
+        "parts": [asdict(part) for part in parts],
+        "left_out": [asdict(left) for left in _left_out(scene, plan, lambda: None)],
+    }
+
+
+def _part(choice: Choice, plan: Plan) -> Part:
+    taken, refused, dearer = choice.taken, choice.refused, choice.dearer
+    timed = bool(plan.pixels and USES[choice.group].pixels)
+    return Part(
+        part=choice.what,
+        group=choice.group,
+        method=taken.method,
+        cost_us=None if math.isnan(taken.cost_us) else taken.cost_us,
+        error=None if math.isnan(taken.error) else taken.error,
+        unit=taken.unit,
+        tolerance=choice.tolerance,
+        next_cheaper=None if refused is None else {"method": refused.method, "error": refused.error},
+        too_dear=None if dearer is None else _too_dear(dearer),
+        more_ms=choice.more_ms if timed else None,
+    )
+
+
+def _too_dear(dearer: Dearer) -> dict[str, Any]:
+    row = dearer.row
+    return {"method": row.method, "error": row.error, "more_ms": dearer.more_ms, "room_ms": dearer.room_ms}
+
+
+def _tick_parts(scene: Scene, plan: Plan) -> list[Part]:
+    """The whole haptic tick, where the table has it."""
+    method = plan.methods.get("tunnel projection", _NO_TUNNEL) if scene.components(Tunnel) else _NO_TUNNEL
+    row = _row(plan.table, TICK_GROUP, method)
+    if row is None:
+        return []
+    return [Part("haptic tick, all of it", TICK_GROUP, method, row.cost_us, None, "", None, None)]
+
+
+def _row(table: Table, group: str, method: str) -> Row | None:
+    return next((row for row in table.groups.get(group, []) if row.method == method), None)
+
+
+def _left_out(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None]) -> list[LeftOut]:
+    """Parts of the product this scene does not use."""
+    table = plan.table
+    absent: list[tuple[type[msgspec.Struct], str, str, float | None]] = [
+        (Sound, "sound process, per block of 5 ms", "no entity has a sound", _cheapest(table, "spatialiser")),
+        (SoundEmitter, "sound emitters", "no entity has a sound_emitter", _emitters_us(table, plan)),
+        (Billboard, "billboards, per frame", "no entity has a billboard", None),
+        (Particles, "particles, per frame", "no entity has particles", None),
+        (Projector, "decals and slides, per frame", "no entity has a projector", None),
+        (Mirror, "mirrors, a picture each per eye", "no entity has a mirror", None),
+        (Screen, "screens, a picture each", "no entity has a screen", None),
+        (Inset, "pictures over the display", "no entity has an inset", None),
+        (Tunnel, "tunnel force, per tick", "no entity has a tunnel", _tunnel_us(table)),
+    ]
+    left = [LeftOut(part, why, saved) for kind, part, why, saved in absent if not scene.components(kind)]
+    if not any(light.casts_shadow for _, light, _ in scene.components(LightComponent)):
+        left.append(LeftOut("shadow pass, per frame", "no light casts a shadow", shadow_us()))
+    left += _filters_left_out(scene, plan)
+    for group, (part, why) in UNUSED.items():
+        left.append(LeftOut(part, why, _cheapest(table, group)))
+    left.append(LeftOut("body signals, estimation, learning", "no recorder of body signals is in the scene", None))
+    return left
+
+
+def _filters_left_out(scene: Scene, plan: Plan) -> list[LeftOut]:
+    """What is done to the picture only where the scene asks."""
+    visual = visual_of(scene)
+    left = [
+        LeftOut(
+            f"{part}, per frame",
+            f"systems.visual.{group.replace(' ', '_')} does not ask for it",
+            _extra_us(plan, group),
+        )
+        for part, group, used in (
+            ("glow", "bloom", visual.bloom > 0.0),
+            ("darker corners", "ambient occlusion", visual.ambient_occlusion > 0.0),
+        )
+        if not used
+    ]
+    if not plan.methods.get("anti aliasing", "filter").endswith("filter"):
+        left.append(LeftOut("filter of edges, per frame", "edges are smooth enough, or fall as they fall", None))
+    return left
+
+
+def _extra_us(plan: Plan, group: str) -> float | None:
+    """What the dearest way costs more than the cheapest in the plan's picture [us]; None where none is timed."""
+    costs = [row.cost_us for row in plan.table.groups.get(group, [])]
+    return (max(costs) - min(costs)) * plan.pixels / USES[group].pixels if costs and plan.pixels else None
+
+
+UNUSED: Mapping[str, tuple[str, str]] = {
+    "integrator": ("rigid bodies, per body and tick", "nothing but the ball moves, and the robot moves it"),
+    "rotation update": ("rotation of bodies, per body and tick", "nothing turns"),
+    "contact law": ("contact with shapes, per contact and tick", "there is no shape to touch but the tunnel"),
+    "friction": ("friction, per contact and tick", "the wall of a tunnel is smooth; its drag is part of the tunnel"),
+}
+"""Groups whose methods no component of the present scene format asks for: (part, why)."""
+
+
+def _cheapest(table: Table, group: str) -> float | None:
+    """The least a part could have cost: what leaving it out saves at least [us]."""
+    costs = [row.cost_us for row in table.groups.get(group, [])]
+    return min(costs, default=None)
+
+
+def _emitters_us(table: Table, plan: Plan) -> float | None:
+    """Sources share one block: nothing is mixed for one that is not there."""
+    method = plan.methods.get("spatialiser")
+    row = None if method is None else _row(table, "spatialiser", method)
+    return None if row is None else row.cost_us / _SOURCES_OF_TABLE
+
+
+_SOURCES_OF_TABLE = 16
+"""Moving sources in the block that the spatialisers are measured by (rendering/audio/methods.py)."""
+
+
+def _tunnel_us(table: Table) -> float | None:
+    """What the whole tick costs more with a tunnel, and the projection at least."""
+    bare, least = _row(table, TICK_GROUP, _NO_TUNNEL), _cheapest(table, "tunnel projection")
+    whole = [row.cost_us for row in table.groups.get(TICK_GROUP, []) if row.method != _NO_TUNNEL]
+    if bare is None or least is None or not whole:
+        return least
+    return max(min(whole) - bare.cost_us, least)

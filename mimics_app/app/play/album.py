@@ -1,0 +1,66 @@
+"""The few frames a headless run draws and keeps, and its film; the renderer is made when the first frame is due."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from mimics_app.app.picture.picture import Picture, picture_quality
+from mimics_app.app.play.frame import Frames
+from mimics_app.app.session.session import Session
+from mimics_app.contracts.clock import FRAMES_PER_SECOND
+
+__all__ = ["Album"]
+
+_NS = 1_000_000_000
+
+
+class Album:
+    """Keeps pictures of chosen moments: the first trial's start, its middle, its wall contacts, its end.
+
+    Nobody knows beforehand how long a trial takes, so moments are shares of the tunnel, spread over the way. A film has
+    every frame.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._folder = session.folder / "pictures"
+        self._wanted = session.settings.pictures
+        self._files: list[Path] = []
+
+    def look(self, frames: Frames) -> None:
+        """Draw this frame if it is one to keep."""
+        due = len(self._files) < self._wanted and self._is_due(frames)
+        if due or self._session.settings.video is not None:
+            self._draw(frames, keep=due)
+
+    def finish(self, frames: Frames) -> list[Path]:
+        """The pictures kept; one of the last frame where the run was too short for any."""
+        if not self._files and self._wanted > 0 and frames.number > 0:
+            self._draw(frames, keep=True)
+        return self._files
+
+    def _is_due(self, frames: Frames) -> bool:
+        hud = frames.orders.hud
+        share = (len(self._files) + 0.5) / self._wanted
+        return hud.get("state") == "travel" and float(str(hud.get("progress", 0.0))) >= share
+
+    def _draw(self, frames: Frames, *, keep: bool) -> None:
+        picture = self._session.picture or self._open()
+        picture.draw(frames.figures)
+        if picture.film is not None:
+            picture.film.take(frames.number * _NS // FRAMES_PER_SECOND)
+        if keep:
+            self._folder.mkdir(parents=True, exist_ok=True)
+            file = self._folder / f"frame_{frames.number:06d}.png"
+            picture.save(file)
+            self._files.append(file)
+
+    def _open(self) -> Picture:
+        from mimics_app.rendering.visual.surfaces.headless import open_offscreen
+
+        session = self._session
+        surface = open_offscreen("auto", session.settings.size)
+        quality = picture_quality(session.scene, session.settings.profile)
+        picture = Picture(surface, session.scene, session.world, quality)
+        session.show(picture)
+        return picture

@@ -1,0 +1,96 @@
+"""One frame: D2.1 Figure 1 from left to right."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.app.cues.effect_cues import EffectCues
+from mimics_app.app.session.session import Session
+from mimics_app.app.touch.loss_watch import LossWatch
+from mimics_app.app.touch.person_inbox import PersonInbox
+from mimics_app.contracts.haptic import EVENT
+from mimics_app.contracts.messages import HapticSnapshot, TaskOrders, VRInput
+
+__all__ = ["Frames"]
+
+_DRIVEN = ("approach", "finished", "timeout", "aborted", "rest", "done")
+"""States of a trial in which the robot leads and the cursor rests on the ball."""
+
+
+class Frames:
+    """Calls every stage once per frame and remembers what the next frame needs.
+
+    Attributes:
+        number: Frames done.
+        orders: What the task wanted in the newest frame.
+        snapshot: The haptic state the newest frame saw.
+        losses: What of the scene's objects is not simulated any more.
+        events: What had happened in the haptic loop since the frame before, EVENT records.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._inbox = PersonInbox(session.haptics)
+        self._effects = EffectCues(session.world)
+        self.number = 0
+        self.orders = TaskOrders()
+        self.snapshot: HapticSnapshot | None = None
+        self.losses = LossWatch(session.side.effect_entities)
+        self.events: NDArray[Any] = np.zeros(0, EVENT)
+
+    @property
+    def figures(self) -> dict[str, object]:
+        """What may stand over the picture: the task's figures, and the stability margin with the contact's energy."""
+        figures = dict(self.orders.hud)
+        if self.snapshot is not None:
+            figures["margin"], figures["energy"] = self.snapshot.margin, self.snapshot.energy
+            figures["stiffness_share"] = self.snapshot.stiffness_share
+        return figures
+
+    def step(self) -> None:
+        """Do one frame at the session's present time."""
+        session = self._session
+        now_ns = session.clock.now_ns()
+        vr = session.inputs.poll(now_ns)
+        features = session.dsp.process(vr.signals, now_ns)
+        state = session.estimation.update(features)
+        action = session.learning.choose(state, now_ns)
+        snapshot, events = session.haptics.snapshot(), session.haptics.events()
+        self.losses.see(events)
+        orders = session.tasks.step(vr, action, snapshot, events, now_ns)
+        self._touch(vr, orders, snapshot)
+        session.scenario.apply(orders, snapshot)
+        session.desk.change(session.scenario.haptic_orders())
+        session.inputs.aim(session.scenario.aim(snapshot))
+        session.world.update()
+        self._effects.step(orders, events, now_ns)
+        if session.sound is not None:
+            session.sound.step(orders, session.world, now_ns)
+        self._journal(snapshot, now_ns)
+        self.number, self.orders, self.snapshot, self.events = self.number + 1, orders, snapshot, events
+
+    def _journal(self, snapshot: HapticSnapshot, now_ns: int) -> None:
+        """What this frame saw: the tick, and where every haptic body was."""
+        line: dict[str, object] = {"frame": self.number, "tick": snapshot.tick, "t_ns": now_ns}
+        bodies = int(self._session.desk.block["objects"]["bodies"][0])
+        if bodies:
+            line["bodies"] = snapshot.poses[1 : 1 + bodies].tolist()
+        self._session.recorder.journal("frame", line)
+
+    def _touch(self, vr: VRInput, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
+        """Hand the task's haptic orders and the person's pointer to the loop."""
+        session = self._session
+        if vr.pointer is not None and vr.pointer.stop:
+            session.haptics.stop_key()
+        haptic = dict(orders.haptic)
+        if "r" in vr.pressed:
+            haptic["resets"] = int(session.desk.block["resets"][0]) + 1
+        session.desk.change(haptic)
+        if orders.hud.get("state") in _DRIVEN:
+            x, y, z = snapshot.hip_world
+            session.inputs.hold_at((float(x), float(y), float(z)))
+        trial = int(session.desk.block["trial"][0])
+        self._inbox.tell(vr.pointer, trial=trial, may_act=orders.person_may_act)

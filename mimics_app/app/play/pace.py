@@ -1,0 +1,119 @@
+"""How frames follow each other: as fast as they go on the virtual clock, or 60 a second beside the live loop."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from mimics_app.app.picture.governor import FrameGovernor
+from mimics_app.app.planner.tolerances import tolerances_of
+from mimics_app.app.play.device_watch import DeviceWatch
+from mimics_app.app.play.frame import Frames
+from mimics_app.app.play.reload import SceneReload
+from mimics_app.app.play.view_desk import ViewDesk
+from mimics_app.app.session.session import Session
+from mimics_app.contracts.clock import FRAME_NS, TICK_NS, ticks_until_frame
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.haptic import SafetyState
+from mimics_app.rendering.visual.quality_steps import quality_steps
+
+__all__ = ["run_live", "run_unseen", "run_virtual"]
+
+_NS = 1_000_000_000
+_LATCHED = (SafetyState.SAFE_STOP, SafetyState.E_STOP)
+
+Progress = Callable[[Frames], None]
+
+
+def run_virtual(session: Session, frames: Frames, after_frame: Progress) -> None:
+    """Ticks and frames in a fixed pattern on the virtual clock, until the task is done or its time is over.
+
+    Nobody is there to reset a latched stop, so it ends the run too.
+    """
+    limit = _limit_ns(session)
+    while not session.tasks.done and session.clock.now_ns() < limit:
+        begin, end = ticks_until_frame(frames.number), ticks_until_frame(frames.number + 1)
+        session.recorder.wait_for_room(end - begin)
+        session.haptics.advance(end - begin)
+        session.clock.sleep_until_ns(end * TICK_NS)
+        frames.step()
+        after_frame(frames)
+        if frames.snapshot is not None and frames.snapshot.state in _LATCHED:
+            return
+
+
+def run_live(session: Session, frames: Frames, after_frame: Progress) -> None:
+    """Frames beside the live loop until the window closes, Escape is pressed, or the run's time is over.
+
+    A haptic loop that ended by itself ends the run too; stopping the session then says why. So does a picture that is
+    lost for good.
+    """
+    picture, desk = session.picture, ViewDesk(session)
+    reload, watch = SceneReload(session), DeviceWatch(session)
+    governor = session.governor = _govern(session)
+    limit = session.clock.now_ns() + _limit_ns(session)
+    due = session.clock.now_ns()
+    while session.clock.now_ns() < limit and session.haptics.running and not _left(session):
+        begun_ns = session.clock.now_ns()
+        reload.look()
+        frames.step()
+        trouble = watch.look()
+        if picture is not None and governor is not None:
+            desk.step(frames)
+            try:
+                done_ns = picture.show_frame({**frames.figures, **_message(session, reload, trouble)}, session.clock)
+            except DeviceError as error:
+                desk.give_up(error)
+                return
+            governor.note((done_ns - begun_ns) * 1e-6, done_ns)
+        after_frame(frames)
+        due = max(due + FRAME_NS, session.clock.now_ns() - FRAME_NS)
+        session.clock.sleep_until_ns(due)
+
+
+def _govern(session: Session) -> FrameGovernor | None:
+    """The governor of a live picture; a study fixes all of its quality."""
+    if session.picture is None:
+        return None
+    steps = quality_steps(session.picture.renderer)
+    fixed = {step.name for step in steps} if session.settings.profile == "study" else ()
+    budget_ms = tolerances_of(session.scene, session.settings.profile)["frame_ms"]
+    return FrameGovernor(steps, budget_ms, fixed=fixed, log=session.recorder.journal)
+
+
+def run_unseen(session: Session, frames: Frames, after_frame: Progress) -> None:
+    """Frames beside the live loop without a window, until the task is done or the run's time is over.
+
+    Nobody is there to reset a latched stop: it ends a run that has no other end.
+    """
+    watch = DeviceWatch(session)
+    limit = session.clock.now_ns() + _limit_ns(session)
+    due = session.clock.now_ns()
+    while session.clock.now_ns() < limit and session.haptics.running and not session.tasks.done:
+        frames.step()
+        after_frame(frames)
+        watch.look()
+        latched = frames.snapshot is not None and frames.snapshot.state in _LATCHED
+        if latched and session.settings.seconds is None:
+            return
+        due = max(due + FRAME_NS, session.clock.now_ns() - FRAME_NS)
+        session.clock.sleep_until_ns(due)
+
+
+def _message(session: Session, reload: SceneReload, trouble: str) -> Mapping[str, object]:
+    """What the person should read over the picture: trouble of device or recorder before news of a reload."""
+    problem = trouble or session.recorder.problem
+    return {"message": problem} if problem else reload.message
+
+
+def _limit_ns(session: Session) -> int:
+    seconds = session.settings.seconds
+    return 1 << 62 if seconds is None else round(seconds * _NS)
+
+
+def _left(session: Session) -> bool:
+    """Whether the person wants to leave."""
+    picture = session.picture
+    if picture is not None and picture.surface.should_close:
+        return True
+    events = session.inputs.frame.events
+    return any(event.kind == "key" and event.name == "escape" and event.pressed for event in events)

@@ -1,0 +1,146 @@
+"""Plays a scene from beginning to end: build, run, seal the recording, write the report, say what it came to."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from mimics_app.app.picture.picture import Picture, live_quality
+from mimics_app.app.play.album import Album
+from mimics_app.app.play.frame import Frames
+from mimics_app.app.play.pace import run_live, run_unseen, run_virtual
+from mimics_app.app.play.progress_line import ProgressLine
+from mimics_app.app.play.result import summarise
+from mimics_app.app.session.build import build_session, has_display, start_loop
+from mimics_app.app.session.session import Session
+from mimics_app.app.settings import RunSettings
+from mimics_app.app.terminal import output
+from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.contracts.errors import DeviceError, PartialDataError, SafetyStop
+from mimics_app.contracts.haptic import SafetyState
+from mimics_app.recording.manifest import Manifest
+from mimics_app.recording.report import write_report
+
+__all__ = ["play"]
+
+_STOPS = (SafetyState.SAFE_STOP.name, SafetyState.E_STOP.name)
+
+
+def play(settings: RunSettings, *, as_json: bool) -> int:
+    """Run a scene.
+
+    Returns:
+        0; 4 when the picture was lost for good; 5 when the run ended in a latched stop; 6 when ticks of it could not be
+        recorded or its report not written.
+    """
+    started = MonotonicClock().now_ns()
+    windowed = not settings.headless and has_display()
+    with build_session(settings, live=windowed) as session, _told_where(session):
+        frames = Frames(session)
+        if windowed:
+            _play_in_window(session, frames)
+            pictures: list[Path] = []
+        elif session.live:
+            pictures = _play_unseen(session, frames)
+        else:
+            pictures = _play_headless(session, frames)
+        sound = session.end_stages()
+        summary = summarise(session, frames, sound, (MonotonicClock().now_ns() - started) * 1e-9)
+        manifest = session.finish(summary)
+    report, whole = _report(session, manifest)
+    answer = {**summary, "state_hash": manifest.state_hash, "report": str(report or ""), "pictures": pictures}
+    if session.film is not None:
+        answer["video"] = session.film
+    if as_json:
+        output.write_object("run", answer)
+    else:
+        _say(answer)
+    if summary["safety"]["state"] in _STOPS:
+        return SafetyStop.exit_code
+    if session.trouble:
+        return DeviceError.exit_code
+    return 0 if whole else PartialDataError.exit_code
+
+
+def _report(session: Session, manifest: Manifest) -> tuple[Path | None, bool]:
+    """The report, and whether everything that happened is on disk; what is not is told."""
+    lost = manifest.dropped.get("samples", 0)
+    if lost:
+        sys.stderr.write(f"mimics: {session.folder}: {lost} ticks were not recorded; {manifest.problem}\n")
+    try:
+        return write_report(session.folder), not lost
+    except OSError as error:
+        sys.stderr.write(f"mimics: the report cannot be written: {error.strerror}; mimics report {session.folder}\n")
+        return None, False
+
+
+@contextmanager
+def _told_where(session: Session) -> Iterator[None]:
+    """Say where the recording of a run is that somebody broke off: its report is not written by itself."""
+    try:
+        yield
+    except (KeyboardInterrupt, SystemExit):
+        sys.stderr.write(f"mimics: broken off; mimics report {session.folder} tells what was recorded\n")
+        raise
+
+
+def _play_in_window(session: Session, frames: Frames) -> None:
+    """A person plays: window, live loop, sound card."""
+    from mimics_app.app.session.person import person_inputs
+    from mimics_app.rendering.visual.surfaces.contexts import create_surface
+
+    start_loop(session)
+    surface = create_surface("window", session.settings.size, session.scene.name)
+    quality = live_quality(session.scene, session.settings.profile, surface)
+    session.recorder.journal("quality", asdict(quality))
+    session.show(Picture(surface, session.scene, session.world, quality))
+    session.inputs = person_inputs(session)
+    run_live(session, frames, lambda _: None)
+
+
+def _play_headless(session: Session, frames: Frames) -> list[Path]:
+    """The simulated patient plays on the virtual clock; only the frames that are kept are drawn."""
+    album = Album(session)
+    progress = ProgressLine(sys.stderr, session)
+
+    def after_frame(frames: Frames) -> None:
+        album.look(frames)
+        progress.show(frames)
+
+    run_virtual(session, frames, after_frame)
+    progress.end()
+    return album.finish(frames)
+
+
+def _play_unseen(session: Session, frames: Frames) -> list[Path]:
+    """The person of a device with a time of its own plays: live loop, no window."""
+    album = Album(session)
+    start_loop(session)
+    run_unseen(session, frames, album.look)
+    return album.finish(frames)
+
+
+def _say(answer: dict[str, Any]) -> None:
+    task, safety = answer["task"], answer["safety"]
+    done = "completed" if task["completed"] else "not completed"
+    trials = _count(task["trials"], "trial")
+    print(f"task      {done}: {trials}, score {task['score']:.0f}, {task['time_s']:.1f} s under way")
+    print(f"path      error {1e3 * task['path_error_m']:.1f} mm, {_count(task['contacts'], 'contact')}")
+    if "drops" in task:
+        lost = f"{_count(task['drops'], 'drop')}, {_count(task['bruises'], 'bruise')}"
+        print(f"carried   {task['placed']} placed, {lost}, grasp off by {task['grasp_error_n']:.1f} N")
+    print(f"touch     {answer['ticks']} ticks ({answer['recipe']}), {answer['missed']} missed, {safety['state']}")
+    print(f"run       {answer['run_dir']}")
+    for picture in answer["pictures"]:
+        print(f"picture   {picture}")
+    if "video" in answer:
+        print(f"film      {answer['video']}")
+    print(f"report    {answer['report']}")
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"

@@ -1,0 +1,85 @@
+"""Live reload: a saved scene file replaces the running scene; a broken one is shown and changes nothing."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+
+from mimics_app.app.picture.picture import Picture
+from mimics_app.app.planner.plan import settle
+from mimics_app.app.scenes.catalogue import open_scenario
+from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.session.session import Session
+from mimics_app.app.touch.haptic_side import HapticSide
+from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.world.scene.file import build_world
+from mimics_app.world.scene.reload import reload_scene
+from mimics_app.world.scene.watcher import SceneWatcher
+
+__all__ = ["SceneReload"]
+
+_LOOK_NS = 250_000_000
+_SHOW_NS = 6_000_000_000
+_NEW_TABLES = "models, paths or force fields changed, or there are more objects than there is room for"
+
+
+class SceneReload:
+    """Watches the files of the running scene.
+
+    Attributes:
+        message: What the person should read over the picture now, as figures of the heads-up display.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._watcher = SceneWatcher(session.scene.files)
+        self._next_ns = 0
+        self._shown_until_ns = 0
+        self.message: Mapping[str, object] = {}
+
+    def look(self) -> None:
+        """Take a changed scene, a few times a second."""
+        now_ns = self._session.clock.now_ns()
+        if now_ns > self._shown_until_ns:
+            self.message = {}
+        if now_ns < self._next_ns:
+            return
+        self._next_ns = now_ns + _LOOK_NS
+        if self._session.picture is not None:
+            self._take_shaders(self._session.picture, now_ns)
+        if self._watcher.changed():
+            self._take(now_ns)
+
+    def _take_shaders(self, picture: Picture, now_ns: int) -> None:
+        """Take over changed shaders; one with a fault keeps its old form, and the fault's line is told."""
+        issues = picture.renderer.reload_shaders()
+        if issues:
+            self._say(now_ns, str(issues[0]))
+        for issue in issues:
+            sys.stderr.write(f"mimics: {issue}\n")
+
+    def _take(self, now_ns: int) -> None:
+        session = self._session
+        try:
+            candidate = load_checked_scene(session.scene.path)
+            open_scenario(candidate, build_world(candidate))  # in a world of its own: its faults must not end this one
+            side = HapticSide(candidate)
+            if not side.fits(session.side, session.memory):
+                raise SceneError(Issue(candidate.file, "", _NEW_TABLES, "end the run and start it again"))
+            scene, changes = reload_scene(session.world, session.scene)
+        except SceneError as error:
+            self._say(now_ns, str(error.issues[0]))
+            session.recorder.journal("reload", {"taken": False, "issues": [str(issue) for issue in error.issues]})
+            return
+        settle(scene, session.settings.profile)
+        session.scene, session.scenario = scene, open_scenario(scene, session.world)
+        if session.picture is not None:
+            session.picture.show(scene, session.world)
+        session.desk.replace(*side.parameters(session.scenario.scene_block()))
+        self._watcher.watch(scene.files)
+        later = changes.sections | changes.systems
+        self._say(now_ns, "scene reloaded" + (f"; {', '.join(sorted(later))} at the next start" if later else ""))
+        session.recorder.journal("reload", {"taken": True, "hash": scene.hash})
+
+    def _say(self, now_ns: int, text: str) -> None:
+        self.message, self._shown_until_ns = {"message": text}, now_ns + _SHOW_NS

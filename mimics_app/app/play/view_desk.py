@@ -1,0 +1,57 @@
+"""What a person wants of the picture of a live run: overlay, pictures to keep; and the end where it is lost."""
+
+from __future__ import annotations
+
+import sys
+
+from mimics_app.app.picture.force_arrows import ForceArrows
+from mimics_app.app.picture.overlay_keys import toggle_overlay
+from mimics_app.app.play.frame import Frames
+from mimics_app.app.session.session import Session
+from mimics_app.contracts.errors import MimicsError
+
+__all__ = ["ViewDesk"]
+
+_KEEP = "f12"
+
+
+class ViewDesk:
+    """Reads the window's events once a frame."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._arrows = ForceArrows()
+        self._kept = 0
+
+    def step(self, frames: Frames) -> None:
+        """Before a frame is drawn: put layers of the overlay on, take a picture, lay out forces."""
+        picture, events = self._session.picture, self._session.inputs.frame.events
+        if picture is None:
+            return
+        toggle_overlay(picture.renderer, events)
+        if any(event.kind == "key" and event.name == _KEEP and event.pressed and not event.repeat for event in events):
+            self._keep()
+        if picture.renderer.shows("forces") and frames.snapshot is not None:
+            now_ns = self._session.clock.now_ns()
+            picture.renderer.overlay.arrows = self._arrows.of(frames.snapshot, frames.events, now_ns)
+
+    def give_up(self, error: MimicsError) -> None:
+        """The picture cannot be had any more: the session ends in order, and says so."""
+        session = self._session
+        session.trouble = f"the picture is lost: {error}"
+        session.recorder.journal("picture", {"lost": str(error)})
+        sys.stderr.write(f"mimics: {session.trouble}; the run ends here\n")
+        if session.picture is not None:
+            session.picture.abandon()
+            session.picture = None
+
+    def _keep(self) -> None:
+        """Write the frame that is on the glass into the run's folder."""
+        picture = self._session.picture
+        assert picture is not None
+        self._kept += 1
+        folder = self._session.folder / "pictures"
+        folder.mkdir(parents=True, exist_ok=True)
+        file = folder / f"kept_{self._kept:03d}.png"
+        picture.save(file)
+        sys.stderr.write(f"mimics: picture {file}\n")

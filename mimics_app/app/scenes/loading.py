@@ -1,0 +1,120 @@
+"""Scenes as the application reads them: one validator with every stage's own checks, for `check` and `run` alike."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+import mimics_app.tasks.scene_section  # noqa: F401  registers the task block
+from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.resources import root
+from mimics_app.rendering.haptic import force_fields, scene_effects  # noqa: F401  their checks
+from mimics_app.rendering.haptic.kernels.kinematics import inverse
+from mimics_app.rendering.haptic.scene_block import axis_offset, robot_from_world
+from mimics_app.rendering.haptic.scene_objects import check_objects
+from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
+from mimics_app.tasks.actions import haptic_field
+from mimics_app.tasks.task import TaskSpec
+from mimics_app.world.components.robot import Robot, Tunnel
+from mimics_app.world.scene.file import load_scene
+from mimics_app.world.scene.placing import pose_of
+from mimics_app.world.scene.scene import Scene
+
+__all__ = ["find_scene", "load_checked_scene"]
+
+_REACH_CHECKS = 100
+
+
+def load_checked_scene(path: Path) -> Scene:
+    """Read a scene and everything it names, and check what no single stage can.
+
+    Raises:
+        SceneError: every fault found, each with file and JSON pointer.
+    """
+    scene = load_scene(find_scene(path))
+    issues = _check_widest_tunnel(scene) + _check_reach(scene) + _check_carry_reach(scene) + check_objects(scene)
+    if issues:
+        raise SceneError(issues)
+    return scene
+
+
+def _check_widest_tunnel(scene: Scene) -> list[Issue]:
+    """The task may widen the tunnel only as far as its tightest bend allows (radius x curvature below 1)."""
+    task = scene.section(TaskSpec)
+    if task is None or not scene.components(Tunnel):
+        return []
+    limit = tunnel_of_scene(scene)[0].max_radius_scale
+    issues = []
+    for name, parameter in task.parameters.items():
+        for target in parameter.maps:
+            if haptic_field(target) != "tunnel.radius_scale":
+                continue
+            widest = max(target.offset + target.scale * value for value in (parameter.min, parameter.max))
+            if widest >= limit:
+                what = f"makes the tunnel {widest:g} times as wide: its walls fold over in the tightest bend"
+                issues.append(scene.issue(f"/task/parameters/{name}/max", what, f"stay below {limit:.3f}"))
+    return issues
+
+
+def _check_reach(scene: Scene) -> list[Issue]:
+    """The robot must reach the whole bisector, or the person would push against its end stops."""
+    if not scene.components(Tunnel) or not scene.components(Robot):
+        return []
+    _, robot, pointer = scene.one(Robot)
+    curve, _ = tunnel_of_scene(scene)
+    for arc in np.linspace(0.0, curve.length, _REACH_CHECKS):
+        point = curve.point(curve.parameter_at(arc))[0]
+        if not _reaches(robot, point):
+            what = f"the robot does not reach the tunnel {arc:.3f} m from its start, at {_place(point)}"
+            return [scene.issue(f"{pointer}/robot_to_world", what, "move the robot or the tunnel")]
+    return []
+
+
+def _check_carry_reach(scene: Scene) -> list[Issue]:
+    """The robot must reach the mark, and whatever lies below where the thing falls from."""
+    task = scene.section(TaskSpec)
+    if task is None or task.carry is None or not scene.components(Robot):
+        return []
+    robot, carry = scene.one(Robot)[1], task.carry
+    mark = pose_of(scene, carry.to)[0]
+    if not _reaches(robot, mark):
+        what = f'the robot does not reach "{carry.to}" at {_place(mark)}'
+        return [scene.issue("/task/carry/to", what, "move the robot or the mark")]
+    box, height = carry.falls_from, robot.robot_to_world.translation[1]
+    corners = [(x, height, z) for x in (box.low[0], box.high[0]) for z in (box.low[2], box.high[2])] if box else []
+    for corner in corners:
+        if not _reaches(robot, np.array(corner)):
+            what = f"the robot does not reach what lies below its corner at {_place(np.array(corner))}"
+            return [scene.issue("/task/carry/falls_from", what, "make it smaller or move the robot")]
+    return []
+
+
+def _reaches(robot: Robot, point_world: NDArray[np.float64]) -> bool:
+    q = np.zeros(3)
+    inverse(robot_from_world(robot, point_world.reshape(1, 3))[0], axis_offset(robot), q)
+    return bool(np.all(q >= robot.joint_min) and np.all(q <= robot.joint_max))
+
+
+def _place(point: NDArray[np.float64]) -> str:
+    x, y, z = point
+    return f"({x:.3f}, {y:.3f}, {z:.3f})"
+
+
+def find_scene(path: Path) -> Path:
+    """The scene file itself, or the installation's one of that name (scenes/wavy_tunnel.json, wavy_tunnel).
+
+    Raises:
+        SceneError: neither is there.
+    """
+    if path.is_file():
+        return path
+    shipped = root() / "scenes" / f"{path.stem}.json"
+    if shipped.is_file() and path.parent.name in ("", "scenes"):
+        return shipped
+    raise SceneError(Issue(str(path), "", "there is no such scene", f"shipped: {', '.join(_shipped())}"))
+
+
+def _shipped() -> list[str]:
+    return sorted(f"scenes/{file.name}" for file in (root() / "scenes").glob("*.json"))

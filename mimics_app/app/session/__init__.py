@@ -1,0 +1,3 @@
+"""What one run owns, and how it is built."""
+
+__all__: list[str] = []

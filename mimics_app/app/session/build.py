@@ -1,0 +1,113 @@
+"""Builds a session: processes first, then the haptic loop, then the picture.
+
+Spawned children inherit the niceness of the moment, and a software renderer's workers that of the thread that makes the
+GL context; so the order here is what keeps the haptic loop in time.
+"""
+
+from __future__ import annotations
+
+import os
+from contextlib import ExitStack
+from pathlib import Path
+
+from mimics_app.app.session.header import describe_session
+from mimics_app.app.session.person import simulated_person
+from mimics_app.app.session.preparation import Preparation, prepare
+from mimics_app.app.session.session import Session
+from mimics_app.app.session.sound import open_sound
+from mimics_app.app.settings import RunSettings
+from mimics_app.app.touch.device_fit import device_values, fit_context
+from mimics_app.contracts.clock import MonotonicClock, VirtualClock
+from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.dsp.stage import NullDsp
+from mimics_app.estimation.stage import NullEstimation
+from mimics_app.inputs.stage import Inputs
+from mimics_app.recording.recorder import Recorder
+from mimics_app.recording.run_folder import create_run_folder
+from mimics_app.recording.statics import write_statics
+from mimics_app.rendering.haptic import scheduler
+from mimics_app.tasks.task_manager import TaskManager
+
+__all__ = ["build_session", "has_display", "start_loop"]
+
+
+def has_display() -> bool:
+    """Whether a window can be hoped for."""
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def build_session(settings: RunSettings, *, live: bool) -> Session:
+    """Load the scene, build the loop and the stages, start the recorder and the sound. Nothing moves yet.
+
+    A device with a time of its own makes the session live, whatever was asked for.
+
+    What can be wrong with files and devices is found before the first process starts and the run folder is made.
+
+    Raises:
+        SceneError: the scene or the action file is wrong.
+        DeviceError: the robot cannot be had.
+        UsageError: no room for the recording.
+    """
+    parts = prepare(settings, live=live)
+    with ExitStack() as stack:
+        stack.callback(parts.plugin.close)
+        parts.desk.change(device_values(parts.plugin, parts.scene))
+        session = _assemble(parts, stack)
+        session.recorder.wait_until_ready()
+        session.on_close = stack.pop_all()
+    parts.desk.hand_to(session.recorder.parameters, session.haptics.publish)
+    return session
+
+
+def _assemble(parts: Preparation, stack: ExitStack) -> Session:
+    """Start what runs beside the frames; what must be released after a failure goes on the stack."""
+    memory = parts.side.memory()
+    folder = create_run_folder(parts.settings.runs, parts.settings.seconds or 0.0)
+    recorder = _start_recorder(parts, memory, folder)
+    stack.callback(recorder.abandon)
+    sound = open_sound(parts, memory, folder)
+    if sound is not None:
+        stack.callback(sound.stop)
+    haptics = parts.side.engine(memory, parts.plugin, recipe=parts.settings.recipe)
+    stack.callback(haptics.stop)
+    return Session(
+        settings=parts.settings,
+        live=parts.live,
+        scene=parts.scene,
+        world=parts.world,
+        scenario=parts.scenario,
+        side=parts.side,
+        memory=memory,
+        clock=MonotonicClock() if parts.live else VirtualClock(),
+        desk=parts.desk,
+        haptics=haptics,
+        tasks=_task_manager(parts, recorder),
+        inputs=Inputs([simulated_person(parts.scene, parts.scenario)]),
+        dsp=NullDsp(),
+        estimation=NullEstimation(),
+        learning=parts.learning,
+        recorder=recorder,
+        folder=folder,
+        sound=sound,
+    )
+
+
+def _start_recorder(parts: Preparation, memory: SessionMemory, folder: Path) -> Recorder:
+    recorder = Recorder(memory, folder, describe_session(parts))
+    write_statics(folder, parts.side.statics)
+    recorder.start(wait=False)
+    return recorder
+
+
+def _task_manager(parts: Preparation, recorder: Recorder) -> TaskManager:
+    context = fit_context(parts.scenario.task_context, parts.plugin)
+    return TaskManager(parts.task, context, parts.settings.seed, on_trial=recorder.trial, on_event=recorder.journal)
+
+
+def start_loop(session: Session) -> str:
+    """Start the live haptic loop and make way for it; the recipe granted, in words."""
+    granted = session.haptics.start()
+    if granted.lower_main:
+        scheduler.lower_this_thread()
+    session.recorder.journal("scheduler", {"recipe": granted.recipe})
+    return granted.recipe

@@ -1,0 +1,40 @@
+"""What the recording of a run says about it at its head."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from mimics_app.app.planner.explain import describe_plan
+from mimics_app.app.session.preparation import Preparation
+from mimics_app.rendering.haptic.devices.registry import POINTER
+from mimics_app.world.components.robot import Safety
+
+__all__ = ["describe_session"]
+
+
+def describe_session(parts: Preparation) -> dict[str, Any]:
+    """Scene, seed, who moved it, limits, settings, plan: as plain objects of JSON."""
+    scene, settings = parts.scene, parts.settings
+    return {
+        "scene": {"name": scene.name, "file": str(scene.path), "hash": scene.hash, "document": scene.document},
+        "seed": settings.seed,
+        "profile": settings.profile,
+        "live": parts.live,
+        "moved_by": {"device": parts.robot.device, **_person(parts)},
+        "safety": msgspec.structs.asdict(scene.first(Safety) or Safety()),
+        "settings": {
+            name: str(value) if isinstance(value, Path) else value for name, value in asdict(settings).items()
+        },
+        "facts": parts.scenario.facts,
+        "plan": describe_plan(scene, parts.plan.without_picture if parts.live else parts.plan),
+    }
+
+
+def _person(parts: Preparation) -> dict[str, str]:
+    if parts.robot.device == POINTER:
+        return {"person": "at the pointer"}
+    return {"person": "simulated", "preset": parts.patient.preset}

@@ -1,0 +1,129 @@
+"""What a session is made of before anything starts: whatever can be wrong with files and devices is found here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import msgspec
+from numpy.typing import NDArray
+
+from mimics_app.app.planner.plan import Plan, settle
+from mimics_app.app.scenes.catalogue import open_scenario
+from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.settings import RunSettings
+from mimics_app.app.touch.haptic_side import HapticSide
+from mimics_app.app.touch.parameter_desk import ParameterDesk
+from mimics_app.contracts.loop_ports import DevicePlugin
+from mimics_app.contracts.scenario_port import Scenario
+from mimics_app.contracts.stages import Learning
+from mimics_app.learning.action_sequence import load_action_sequence
+from mimics_app.learning.stage import NullLearning
+from mimics_app.recording.run import Run
+from mimics_app.rendering.haptic.devices.registry import POINTER, SIMULATED, build_device
+from mimics_app.tasks.actions import build_action_space, fill_defaults
+from mimics_app.tasks.scene_section import task_of
+from mimics_app.tasks.task import TaskSpec
+from mimics_app.tasks.trial_file import resolve_trials
+from mimics_app.world.components.robot import Patient, Robot
+from mimics_app.world.scene.file import build_world
+from mimics_app.world.scene.scene import Scene
+from mimics_app.world.world import World
+
+__all__ = ["Preparation", "prepare"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Preparation:
+    """The parts.
+
+    Attributes:
+        settings: What was asked for.
+        live: True when the haptic loop will run in real time.
+        scene: The checked scene, its plan settled.
+        plan: Which methods run, and why.
+        world: Built from the scene.
+        scenario: What plays it.
+        side: What of it can be touched.
+        desk: Its haptic parameters.
+        task: The task, its trial file read and its parameters' defaults taken from the scene.
+        learning: What chooses the task's actions.
+        robot: The scene's, with the device of this run.
+        patient: The scene's, with the preset of this run.
+        plugin: The device, open: whoever has the parts closes it.
+    """
+
+    settings: RunSettings
+    live: bool
+    scene: Scene
+    plan: Plan
+    world: World
+    scenario: Scenario
+    side: HapticSide
+    desk: ParameterDesk
+    task: TaskSpec
+    learning: Learning
+    robot: Robot
+    patient: Patient
+    plugin: DevicePlugin
+
+
+def prepare(settings: RunSettings, *, live: bool) -> Preparation:
+    """Read the scene, plan it, and open the device. Nothing moves, no process runs, and nothing is written.
+
+    A device with a time of its own makes the session live, whatever was asked for.
+
+    Raises:
+        SceneError: the scene or the action file is wrong.
+        DeviceError: the robot cannot be had.
+    """
+    scene = load_checked_scene(settings.scene)
+    plan = settle(scene, settings.profile)
+    world = build_world(scene)
+    world.effects.seed = settings.seed
+    scenario = open_scenario(scene, world)
+    side = HapticSide(scene)
+    desk = side.desk(scenario.scene_block())
+    task = fill_defaults(resolve_trials(task_of(scene), scene.path.parent, scene.root), desk.value)
+    learning = _learning(settings, task)
+    robot, patient = _who_moves(settings, scene, live=live)
+    way, objects = scenario.via_points_world, side.for_robot(robot)
+    plugin = build_device(robot, patient, way, settings.seed, samples=_recorded(settings), objects=objects)
+    return Preparation(
+        settings=settings,
+        live=live or plugin.real_time,
+        scene=scene,
+        plan=plan,
+        world=world,
+        scenario=scenario,
+        side=side,
+        desk=desk,
+        task=task,
+        learning=learning,
+        robot=robot,
+        patient=patient,
+        plugin=plugin,
+    )
+
+
+def _learning(settings: RunSettings, task: TaskSpec) -> Learning:
+    if settings.action is None:
+        return NullLearning()
+    return load_action_sequence(settings.action, build_action_space(task))
+
+
+def _who_moves(settings: RunSettings, scene: Scene, *, live: bool) -> tuple[Robot, Patient]:
+    """The robot and the simulated person of this run: the scene's, with what the settings say over it.
+
+    A person at a window takes the place of the simulated one.
+    """
+    robot, patient = scene.first(Robot) or Robot(), scene.first(Patient) or Patient()
+    if settings.patient:
+        patient = msgspec.structs.replace(patient, preset=settings.patient)
+    device = settings.device or (POINTER if live and robot.device == SIMULATED else robot.device)
+    return msgspec.structs.replace(robot, device=device), patient
+
+
+def _recorded(settings: RunSettings) -> NDArray[Any] | None:
+    """Samples for the replay device, where a recording was named."""
+    return None if settings.recording is None else Run.open(settings.recording).haptic

@@ -1,0 +1,67 @@
+"""Readers of the command line's values: each refuses in words what its command cannot do."""
+
+from __future__ import annotations
+
+from argparse import ArgumentTypeError
+from collections.abc import Callable
+
+__all__ = ["frame_count", "picture_size", "positive_time", "random_seed", "real_number", "whole_number"]
+
+_MOST_DIGITS = 20
+"""More are no number that anything here could use, and take long to read."""
+
+
+def whole_number(what: str, allowed: range) -> Callable[[str], int]:
+    """A reader of whole numbers.
+
+    Args:
+        what: What it is, in the words of the refusal: "number of frames".
+        allowed: Those it takes.
+    """
+
+    def read(text: str) -> int:
+        digits = text.removeprefix("-")
+        if not (digits.isascii() and digits.isdigit() and len(digits) <= _MOST_DIGITS and int(text) in allowed):
+            raise ArgumentTypeError(f"{text} is no {what} from {allowed.start} to {allowed.stop - 1}")
+        return int(text)
+
+    return read
+
+
+def real_number(what: str, fits: Callable[[float], bool]) -> Callable[[str], float]:
+    """A reader of numbers.
+
+    Args:
+        what: What it is, with its bounds: "share between 0 and 1".
+        fits: Whether one is taken; never asked about a text that is no number.
+    """
+
+    def read(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = float("nan")
+        if not fits(value):
+            raise ArgumentTypeError(f"{text} is no {what}")
+        return value
+
+    return read
+
+
+positive_time = real_number("time between 0 and 1e6 s", lambda seconds: 0.0 < seconds < 1e6)
+"""Reads a length of time [s]."""
+
+random_seed = whole_number("seed", range(1 - 10**18, 10**18))
+"""Reads a seed of everything random."""
+
+
+frame_count = whole_number("number of frames", range(1, 100_001))
+"""Reads how many frames to draw."""
+
+
+def picture_size(text: str) -> tuple[int, int]:
+    """A size like 1280x720 [px]."""
+    width, _, height = text.partition("x")
+    if not (width.isdigit() and height.isdigit() and 1 <= int(width) <= 8192 and 1 <= int(height) <= 8192):
+        raise ArgumentTypeError(f"{text} is no picture size; write it like 1280x720")
+    return int(width), int(height)

@@ -1,0 +1,125 @@
+"""What a command says to a program: with `--json` exactly one object on stdout, everything else on stderr.
+
+While a command runs with `--json`, stdout itself (the Python stream and file descriptor 1, which libraries and child
+processes write to) leads to stderr; only `write_object` reaches the real one.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager, redirect_stdout, suppress
+from pathlib import PurePath
+from typing import Any, TextIO
+
+from mimics_app.contracts.errors import Issue
+
+__all__ = ["finite", "issue_rows", "object_written", "reserved_stdout", "write_object"]
+
+
+class _ObjectStream:
+    """The one place a JSON object may go to, and whether one went there."""
+
+    def __init__(self) -> None:
+        self.stream: TextIO | None = None
+        self.written = False
+
+
+_target = _ObjectStream()
+
+
+@contextmanager
+def reserved_stdout() -> Iterator[None]:
+    """Keep stdout for `write_object`; everything else written to stdout inside the block lands on stderr."""
+    real = sys.stdout
+    real.flush()
+    saved = _divert_descriptor(real)
+    try:
+        _target.stream = real if saved is None else os.fdopen(saved, "w", encoding="utf-8")
+        _target.written = False
+        with redirect_stdout(sys.stderr):
+            yield
+    finally:
+        stream, _target.stream = _target.stream, None
+        if saved is not None and stream is not None:
+            with suppress(OSError):  # its reader is gone or its disk full, which `write_object` told
+                sys.stderr.flush()
+                stream.flush()
+            os.dup2(saved, 1)
+            with suppress(OSError):
+                stream.close()
+
+
+def _divert_descriptor(real: TextIO) -> int | None:
+    """Lead descriptor 1 to stderr and return a copy of what it was; None where stdout is no descriptor (a test)."""
+    try:
+        if real.fileno() != 1 or sys.stderr.fileno() != 2:
+            return None
+    except (OSError, ValueError):
+        return None
+    saved = os.dup(1)
+    os.dup2(2, 1)
+    return saved
+
+
+def write_object(command: str, data: Mapping[str, Any], *, schema: str = "", version: int = 1) -> None:
+    """Write the answer of a command as one JSON object, `schema` and `command` first.
+
+    Args:
+        command: Name of the command.
+        data: The rest of the object; numpy scalars and arrays, paths and tuples are taken, numbers that are not finite
+            become null.
+        schema: Name of the schema where it is not the command's; it is written as `mimics.SCHEMA/VERSION`.
+        version: Raised when a key changes its meaning.
+
+    Raises:
+        RuntimeError: A second object in one call of the command line.
+    """
+    if _target.written and _target.stream is not None:
+        raise RuntimeError(f"command {command!r} wrote a second JSON object")
+    _target.written = True
+    answer = {"schema": f"mimics.{schema or command}/{version}", "command": command, **finite(data)}
+    stream = _target.stream or sys.stdout
+    stream.write(json.dumps(answer, allow_nan=False, ensure_ascii=False) + "\n")
+    stream.flush()
+
+
+def object_written() -> bool:
+    """Whether this call of the command line has written its object."""
+    return _target.written
+
+
+def issue_rows(issues: Iterable[Issue]) -> list[dict[str, str]]:
+    """Issues as objects of JSON."""
+    return [{"file": i.file, "pointer": i.pointer, "what": i.what, "fix": i.fix} for i in issues]
+
+
+def finite(value: Any) -> Any:
+    """The value in the types JSON has; NaN and infinities, which it has not, become None.
+
+    Raises:
+        TypeError: A value that is neither a container, a number, a text, a path nor an array.
+    """
+    if isinstance(value, float):  # numpy.float64 is one too
+        return float(value) if math.isfinite(value) else None
+    if isinstance(value, str):
+        return _printable(value)
+    if value is None or isinstance(value, (bool, int)):
+        return value
+    if isinstance(value, Mapping):
+        return {_printable(str(key)): finite(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple, set, frozenset)):
+        return [finite(item) for item in value]
+    if isinstance(value, PurePath):
+        return _printable(str(value))
+    if hasattr(value, "tolist"):  # numpy, without importing it
+        return finite(value.tolist())
+    raise TypeError(f"{type(value).__name__} cannot be written as JSON")
+
+
+def _printable(text: str) -> str:
+    """The text without half characters: names of files whose bytes are not UTF-8 have them."""
+    return text.encode("utf-8", "backslashreplace").decode()

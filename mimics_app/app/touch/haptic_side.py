@@ -1,0 +1,83 @@
+"""What a scene can touch, made ready for a session: room in its memory, rows on its desk, arrays for its loop."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+from numpy.typing import NDArray
+
+from mimics_app.app.touch.parameter_desk import ParameterDesk
+from mimics_app.contracts.loop_ports import DevicePlugin
+from mimics_app.contracts.object_rows import Rows
+from mimics_app.contracts.session_memory import Capacities, SessionMemory
+from mimics_app.recording.statics import Statics
+from mimics_app.rendering.haptic.devices.device_objects import DEFAULT_INERTIA, DeviceObject
+from mimics_app.rendering.haptic.devices.objects_of_rows import device_objects_of
+from mimics_app.rendering.haptic.engine import HapticEngine
+from mimics_app.rendering.haptic.scene_objects import objects_of_scene
+from mimics_app.rendering.haptic.scene_work import Names, fits, has_objects, row_names, statics_of
+from mimics_app.world.components.robot import Robot
+from mimics_app.world.scene.scene import Scene
+
+__all__ = ["HapticSide"]
+
+
+class HapticSide:
+    """The haptic objects of a scene, or their absence.
+
+    Args:
+        scene: The checked scene.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self._objects = objects_of_scene(scene)
+        self._some = has_objects(self._objects)
+        self._statics = statics_of(self._objects)
+
+    @property
+    def statics(self) -> Statics:
+        """What the recording keeps of it beside the parameters."""
+        return Statics(self._statics.arrays, self._statics.fields)
+
+    @property
+    def effect_entities(self) -> tuple[str, ...]:
+        """Id of the entity of each row of effects."""
+        return self._objects.effect_entities
+
+    def for_robot(self, robot: Robot) -> tuple[DeviceObject, ...]:
+        """What a robot that renders objects by itself should make; what it cannot is told on stderr."""
+        if robot.settings.get("mode") != "objects":
+            return ()
+        shapes = self._objects.rows.shapes[: int(self._objects.counts[0]["shapes"])]
+        inertia = float(robot.settings.get("inertia", DEFAULT_INERTIA))
+        objects, left_out = device_objects_of(shapes, self._objects.shape_entities, robot, inertia)
+        for entity, reason in left_out.items():
+            sys.stderr.write(f'mimics: "{entity}" cannot be felt: the robot does not make it, {reason}\n')
+        return objects
+
+    def memory(self) -> SessionMemory:
+        """Shared memory with room for them."""
+        return SessionMemory(Capacities(objects=self._objects.capacities) if self._some else None)
+
+    def desk(self, block: NDArray[Any]) -> ParameterDesk:
+        """A desk with the scene's parameter block and the rows of its objects."""
+        return ParameterDesk(*self.parameters(block))
+
+    def parameters(self, block: NDArray[Any]) -> tuple[NDArray[Any], Rows | None, Names]:
+        """The block with its objects counted, their rows and the names of these; what a desk takes."""
+        if not self._some:
+            return block, None, {}
+        block["objects"] = self._objects.counts[0]
+        return block, self._objects.rows, row_names(self._objects)
+
+    def engine(self, memory: SessionMemory, plugin: DevicePlugin, *, recipe: str = "auto") -> HapticEngine:
+        """The loop over that memory and a device."""
+        if not self._some:
+            return HapticEngine(memory, plugin, recipe=recipe)
+        work = self._statics.work(memory.capacities.objects)
+        return HapticEngine(memory, plugin, recipe=recipe, objects=work, fields=self._statics.functions())
+
+    def fits(self, present: HapticSide, memory: SessionMemory) -> bool:
+        """Whether a session that runs with `present` in `memory` can take this one's rows."""
+        return fits(self._objects, memory.capacities.objects, present._objects)

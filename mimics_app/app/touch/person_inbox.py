@@ -1,0 +1,41 @@
+"""What the person does, as the haptic loop reads it: one record a frame."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic import INBOX
+from mimics_app.contracts.messages import PointerState
+from mimics_app.rendering.haptic.engine import HapticEngine
+
+__all__ = ["PersonInbox"]
+
+
+class PersonInbox:
+    """The inbox of a loop's device.
+
+    Args:
+        haptics: The loop.
+    """
+
+    def __init__(self, haptics: HapticEngine) -> None:
+        self._haptics = haptics
+        self._record: NDArray[Any] = np.zeros(1, INBOX)
+
+    def tell(self, pointer: PointerState | None, *, trial: int, may_act: bool) -> None:
+        """Hand over a frame's pointer; None leaves the hand where it was, and nobody acts.
+
+        Args:
+            pointer: Of a person or a simulated one.
+            trial: Number of the trial under way.
+            may_act: False while the robot leads.
+        """
+        record = self._record[0]
+        record["active"] = int(may_act and pointer is not None and pointer.active)
+        record["trial"] = trial
+        if pointer is not None:
+            record["target_world"], record["grasp"] = pointer.target_world, pointer.grasp
+        self._haptics.tell(self._record)

@@ -1,0 +1,36 @@
+"""What a scene may set of a simulated device: positive numbers by name, each with its place in the memory."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import DeviceError, nearest
+
+__all__ = ["write_settings"]
+
+
+def write_settings(
+    memory: NDArray[np.float64], known: Mapping[str, tuple[int, float]], given: Mapping[str, object], device: str
+) -> None:
+    """Write every setting: as given, else its usual value.
+
+    Args:
+        memory: Of the device's part.
+        known: Place and usual value by name.
+        given: `robot.settings` of the scene.
+        device: What it is called in an error.
+
+    Raises:
+        DeviceError: An unknown setting, or one that is not a positive number.
+    """
+    for place, usual in known.values():
+        memory[place] = usual
+    for name, value in given.items():
+        if name not in known:
+            raise DeviceError(f'the {device} has no setting "{name}"', nearest(name, known))
+        if not isinstance(value, int | float) or not 0.0 < value < 1e5:
+            raise DeviceError(f'the setting "{name}" of the {device} is {value!r}', "give a positive number")
+        memory[known[name][0]] = value

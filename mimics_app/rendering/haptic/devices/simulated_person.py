@@ -1,0 +1,60 @@
+"""The person on a simulated robot: an arm with the request's impairment and way, or a relaxed one."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop_ports import (
+    DATA_BUTTONS,
+    DATA_GRASP,
+    INBOX_ACTIVE,
+    INBOX_BUTTONS,
+    INBOX_GRASP,
+    INBOX_TARGET,
+    INBOX_TRIAL,
+)
+from mimics_app.rendering.haptic.devices.patients import impairment_of, write_arm
+from mimics_app.rendering.haptic.devices.request import DeviceRequest
+from mimics_app.rendering.haptic.kernels import arm
+from mimics_app.rendering.haptic.kernels.arm import step_arm
+from mimics_app.rendering.haptic.kernels.noise import seed_noise, uniform
+from mimics_app.rendering.haptic.kernels.vectors import all_finite
+
+__all__ = ["move_person", "write_person"]
+
+Vec = NDArray[np.float64]
+
+_RELAXED_MASS = 1.5
+"""Of an arm that nobody describes [kg]."""
+
+
+@kernel
+def move_person(person: Vec, handle: Vec, inbox: Vec, data: Vec, dt: float) -> None:
+    """One tick of the person; grasp and buttons go into the sensors' data. An inbox that is not finite lets nobody act.
+
+    Args:
+        person: Arm memory, shape [arm.ARM_LENGTH].
+        handle: Position [m] and velocity [m/s] of the handle, robot frame, shape [6].
+        inbox: What the person is told, as the device sees it.
+        data: Of the device.
+        dt: Tick [s].
+    """
+    active = all_finite(inbox) and inbox[INBOX_ACTIVE] != 0.0
+    target = inbox[INBOX_TARGET : INBOX_TARGET + 3]
+    data[DATA_GRASP] = step_arm(person, handle, active, inbox[INBOX_TRIAL], target, inbox[INBOX_GRASP], dt)
+    data[DATA_BUTTONS] = inbox[INBOX_BUTTONS]
+
+
+def write_person(memory: Vec, request: DeviceRequest) -> None:
+    """Fill an arm's memory, shape [arm.ARM_LENGTH], from the request's patient, seed and way."""
+    seed_noise(memory, arm.GENERATOR, 2 * request.seed + 1)
+    if request.patient is None:
+        memory[arm.ARM_MASS] = _RELAXED_MASS
+        return
+    write_arm(memory, impairment_of(request.patient), request.way_robot, request.patient.intent)
+    for axis in range(3):
+        memory[arm.TREMOR_PHASE + axis] = 2.0 * math.pi * uniform(memory, arm.GENERATOR)

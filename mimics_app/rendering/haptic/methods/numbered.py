@@ -1,0 +1,65 @@
+"""Rivals that one compiled probe tells apart by their number: a probe's loop cannot be handed a function to run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from mimics_app.contracts.methods import Group, Method, registry
+
+__all__ = ["NumberedRival", "register_numbered"]
+
+
+@dataclass(frozen=True, slots=True)
+class NumberedRival:
+    """One of them; its number is its place in the list.
+
+    Attributes:
+        name, source, valid_range, run, yardstick: As in `Method`.
+        sizes: Of the work at which its growth is measured, ascending.
+    """
+
+    name: str
+    source: str
+    valid_range: str
+    run: Callable[..., Any]
+    sizes: tuple[int, ...]
+    yardstick: bool = False
+
+
+def register_numbered(
+    group: Group,
+    rivals: Sequence[NumberedRival],
+    cost: Callable[[int, int], float],
+    error: Callable[[int], float],
+    typical: int,
+) -> None:
+    """Describe a group and register its rivals; the first is the one the product uses by itself.
+
+    Args:
+        group: What they are for.
+        rivals: Number 0 first.
+        cost: Cost [us per call] of a number at a size of the work.
+        error: Error of a number, in the group's unit.
+        typical: Size at which their costs are compared.
+    """
+    registry.describe(group)
+    for number, rival in enumerate(rivals):
+        registry.register(
+            Method(
+                group=group.name,
+                name=rival.name,
+                source=rival.source,
+                cost=partial(cost, number, typical),
+                error=partial(error, number),
+                unit=group.unit,
+                valid_range=rival.valid_range,
+                run=rival.run,
+                default=number == 0,
+                yardstick=rival.yardstick,
+                growth=partial(cost, number),
+                sizes=rival.sizes,
+            )
+        )

@@ -1,0 +1,311 @@
+"""Choosing boxes inside opaque things, and drawing them into the small picture of what is near (see `occlusion`)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.visual.kernels.projection import project_box
+
+__all__ = ["draw_occluders", "pick_occluders"]
+
+I4 = NDArray[np.int32]
+F8 = NDArray[np.float64]
+
+_POINTS = 24
+"""A box cut by the near plane has at most 8 corners and 12 cut edges, of which some are gone."""
+
+
+@kernel
+def _to_local(world: F8, row: int, x: float, y: float, z: float, out: F8, place: int) -> None:
+    """out[place] = the node-frame coordinates of a world vector, by Cramer's rule; not finite where there are none."""
+    for axis in range(3):
+        i, j = (axis + 1) % 3, (axis + 2) % 3
+        nx = world[row, 1, i] * world[row, 2, j] - world[row, 2, i] * world[row, 1, j]
+        ny = world[row, 2, i] * world[row, 0, j] - world[row, 0, i] * world[row, 2, j]
+        nz = world[row, 0, i] * world[row, 1, j] - world[row, 1, i] * world[row, 0, j]
+        volume = nx * world[row, 0, axis] + ny * world[row, 1, axis] + nz * world[row, 2, axis]
+        out[place, axis] = (nx * x + ny * y + nz * z) / volume
+
+
+@kernel
+def _holds(
+    eye: F8, window: F8, world: F8, row: int, middle: F8, half: F8, box: int, caps: F8, first: int, last: int, out: F8
+) -> bool:
+    """True when an eye is where an inner box hides what is behind it.
+
+    The eye and the near plane's window have to be outside the whole body around it, on one side of its box, so that
+    no front face is cut away, and the eye behind every cap.
+
+    Args:
+        eye: World [m], [3].
+        window: Corners of the near plane's window, from the eye [m], [4, 3].
+        world: T_world_from_node per row.
+        row: The item's.
+        middle: Of the boxes about whole bodies in their nodes' frames [m], [boxes, 3].
+        half: Half sizes of those boxes [m], [boxes, 3].
+        box: Which one.
+        caps: Planes in the nodes' frames, [.., 4].
+        first: First of the box's.
+        last: The one past its last.
+        out: Written: eye and corners in the node's frame, [5, 3].
+    """
+    _to_local(world, row, eye[0] - world[row, 0, 3], eye[1] - world[row, 1, 3], eye[2] - world[row, 2, 3], out, 0)
+    for corner in range(4):
+        _to_local(world, row, window[corner, 0], window[corner, 1], window[corner, 2], out, corner + 1)
+    for k in range(3):
+        for corner in range(1, 5):
+            out[corner, k] += out[0, k]
+    apart = False
+    for k in range(3):
+        low, high = math.inf, -math.inf
+        for point in range(5):
+            low, high = min(low, out[point, k] - middle[box, k]), max(high, out[point, k] - middle[box, k])
+        apart = apart or low > half[box, k] or high < -half[box, k]
+    if not apart:
+        return False
+    for cap in range(first, last):
+        depth = caps[cap, 0] * out[0, 0] + caps[cap, 1] * out[0, 1] + caps[cap, 2] * out[0, 2] + caps[cap, 3]
+        if not depth < 0.0:
+            return False
+    return True
+
+
+@kernel
+def pick_occluders(
+    items: I4, count: int, eye: F8, solid: I4, inner_half: F8, rows: I4, world: F8, centres: F8, out: I4, score: F8
+) -> int:
+    """The items whose inner boxes look largest.
+
+    Args:
+        items: What is in the frustum, [>= count].
+        count: How many.
+        eye: World [m], [3].
+        solid: Number of each item's inner box, -1: none; [n].
+        inner_half: Half sizes of inner boxes in their nodes' frames [m], [boxes, 3].
+        rows: Row of the node per item, [n].
+        world: T_world_from_node per row.
+        centres: Of the items' spheres [m], [n, 3].
+        out: Written, best first, [most].
+        score: Scratch, [most].
+
+    Returns:
+        How many, at most the length of `out`.
+    """
+    kept, most = 0, out.shape[0]
+    for i in range(count):
+        item = items[i]
+        box = solid[item]
+        if box < 0:
+            continue
+        row, size, away = rows[item], 0.0, 0.0
+        for k in range(3):
+            for axis in range(3):
+                size += (world[row, k, axis] * inner_half[box, axis]) ** 2
+            away += (centres[item, k] - eye[k]) ** 2
+        worth = size / max(away, 1e-300)
+        if kept == most and worth <= score[kept - 1]:
+            continue
+        place = kept if kept < most else most - 1
+        kept = min(kept + 1, most)
+        while place > 0 and score[place - 1] < worth:
+            score[place], out[place] = score[place - 1], out[place - 1]
+            place -= 1
+        score[place], out[place] = worth, item
+    return kept
+
+
+@kernel
+def _cut_near(corners: F8, near: float, points: F8) -> int:
+    """Screen points [px] of a box's corners and, where it reaches behind the near plane, of its edges there."""
+    count = 0
+    for corner in range(8):
+        if corners[corner, 2] >= near:
+            points[count, 0] = corners[corner, 0] / corners[corner, 2]
+            points[count, 1] = corners[corner, 1] / corners[corner, 2]
+            count += 1
+        for bit in range(3):
+            other = corner | (1 << bit)
+            a, b = corners[corner, 2] - near, corners[other, 2] - near
+            if other == corner or (a < 0.0) == (b < 0.0):
+                continue
+            share = a / (a - b)
+            for k in range(2):
+                at = corners[corner, k] + share * (corners[other, k] - corners[corner, k])
+                points[count, k] = at / near
+            count += 1
+    return count
+
+
+@kernel
+def _hull(points: F8, count: int, out: F8) -> int:
+    """Convex hull, counter-clockwise with y up (monotone chain, Andrew 1979); ties in x are broken by y."""
+    for i in range(1, count):
+        x, y = points[i, 0], points[i, 1]
+        j = i
+        while j > 0 and (points[j - 1, 0] > x or (points[j - 1, 0] == x and points[j - 1, 1] > y)):
+            points[j, 0], points[j, 1] = points[j - 1, 0], points[j - 1, 1]
+            j -= 1
+        points[j, 0], points[j, 1] = x, y
+    size, least = 0, 2
+    for turn in range(2):
+        for step in range(turn, count):
+            i = step if turn == 0 else count - 1 - step
+            while size >= least and not _turns_left(out, size, points[i, 0], points[i, 1]):
+                size -= 1
+            out[size, 0], out[size, 1] = points[i, 0], points[i, 1]
+            size += 1
+        least = size + 1
+    return size - 1
+
+
+@kernel
+def _turns_left(hull: F8, size: int, x: float, y: float) -> bool:
+    ax, ay = hull[size - 1, 0] - hull[size - 2, 0], hull[size - 1, 1] - hull[size - 2, 1]
+    return bool(ax * (y - hull[size - 2, 1]) - ay * (x - hull[size - 2, 0]) > 0.0)
+
+
+@kernel
+def _entry_planes(eye_local: F8, middle: F8, half: F8, box: int, world: F8, row: int, rays: F8, out: F8) -> int:
+    """1/w of a box's faces that look at the eye, as a X + b Y + c over the screen [px]; a ray enters at the least.
+
+    Args:
+        eye_local: In the node's frame, [5, 3], the first line.
+        middle: Of the inner boxes [m], [boxes, 3].
+        half: Their half sizes [m], [boxes, 3].
+        box: Which one.
+        world: T_world_from_node per row.
+        row: The item's.
+        rays: World directions of w = 1 per pixel to the right, per pixel up, and at pixel (0, 0); [3, 3].
+        out: Written, [3, 3].
+    """
+    faces = 0
+    turned = np.empty((3, 3))
+    for k in range(3):
+        _to_local(world, row, rays[k, 0], rays[k, 1], rays[k, 2], turned, k)
+    for axis in range(3):
+        offset = eye_local[0, axis] - middle[box, axis]
+        if abs(offset) <= half[box, axis]:
+            continue
+        face = half[box, axis] if offset > 0.0 else -half[box, axis]
+        for k in range(3):
+            out[faces, k] = turned[k, axis] / (face - offset)
+        faces += 1
+    return faces
+
+
+@kernel
+def _fill(hull: F8, size: int, planes: F8, faces: int, block: int, reach: float, nearness: F8) -> None:
+    """Enter a convex shape into the blocks whose sample positions it covers all.
+
+    Args:
+        hull: Counter-clockwise [px], [>= size, 2].
+        size: Corners.
+        planes: 1/w as a X + b Y + c, [>= faces, 3].
+        faces: How many.
+        block: Pixels along a side of a block.
+        reach: Farthest a sample is from its pixel's middle, with the margin [px].
+        nearness: Greatest 1/w so far per block [1/m], [rows, columns].
+    """
+    bottom, top = hull[0, 1], hull[0, 1]
+    for k in range(1, size):
+        bottom, top = min(bottom, hull[k, 1]), max(top, hull[k, 1])
+    first = max(0, math.floor(bottom / block) - 1) if bottom > 0.0 else 0
+    last = min(nearness.shape[0], math.floor(min(top, 1e9) / block) + 1) if top > 0.0 else 0
+    low_side, high_side = 0.5 - reach, block - 0.5 + reach
+    for row in range(first, last):
+        y0, y1 = row * block + low_side, row * block + high_side
+        left, right = 0.0, float(nearness.shape[1] * block)
+        for k in range(size):
+            after = k + 1 if k + 1 < size else 0
+            ex, ey = hull[after, 0] - hull[k, 0], hull[after, 1] - hull[k, 1]
+            value = min(ex * (y0 - hull[k, 1]), ex * (y1 - hull[k, 1]))
+            if ey > 0.0:
+                right = min(right, hull[k, 0] + value / ey)
+            elif ey < 0.0:
+                left = max(left, hull[k, 0] + value / ey)
+            elif value < 0.0:
+                right = -1.0
+        start = max(0, math.ceil((left - low_side) / block))
+        end = min(nearness.shape[1], math.floor((right - high_side) / block) + 1)
+        for column in range(start, end):
+            x0, x1 = column * block + low_side, column * block + high_side
+            entered = math.inf
+            for face in range(faces):
+                a, b, c = planes[face, 0], planes[face, 1], planes[face, 2]
+                entered = min(entered, (a * x0 if a > 0.0 else a * x1) + (b * y0 if b > 0.0 else b * y1) + c)
+            if entered < math.inf and entered > nearness[row, column]:
+                nearness[row, column] = entered
+
+
+@kernel
+def draw_occluders(
+    chosen: I4,
+    count: int,
+    eye: F8,
+    window: F8,
+    screen: F8,
+    rays: F8,
+    near: float,
+    block: int,
+    reach: float,
+    rows: I4,
+    world: F8,
+    solid: I4,
+    whole_middle: F8,
+    whole_half: F8,
+    inner_middle: F8,
+    inner_half: F8,
+    caps: F8,
+    caps_from: I4,
+    nearness: F8,
+) -> int:
+    """Enter inner boxes into the picture of what is near.
+
+    Args:
+        chosen: Numbers of items that have one, [>= count].
+        count: How many.
+        eye: World [m], [3].
+        window: Corners of the near plane's window, from the eye [m], [4, 3].
+        screen: World to X w, Y w [px] and w [m], from the eye, [3, 3].
+        rays: World directions of w = 1 per pixel to the right, per pixel up, and at pixel (0, 0); [3, 3].
+        near: Distance of the near plane [m].
+        block: Pixels along a side of a block.
+        reach: Farthest a sample is from its pixel's middle, with the margin [px].
+        rows: Row of the node per item, [n].
+        world: T_world_from_node per row.
+        solid: Number of each item's inner box, [n].
+        whole_middle: Of the boxes about the whole bodies in their nodes' frames [m], [boxes, 3].
+        whole_half: Their half sizes [m], [boxes, 3].
+        inner_middle: Of the inner boxes in their nodes' frames [m], [boxes, 3].
+        inner_half: Their half sizes [m], [boxes, 3].
+        caps: Planes of all boxes, [.., 4].
+        caps_from: First plane of each box, and the one past the last, [boxes + 1].
+        nearness: Written: 1/w of what is nearest, 0 where nothing is [1/m], [rows, columns].
+
+    Returns:
+        How many were used.
+    """
+    nearness[:] = 0.0
+    corners, points, hull = np.empty((8, 3)), np.empty((_POINTS, 2)), np.empty((2 * _POINTS, 2))
+    spots, planes = np.empty((5, 3)), np.empty((3, 3))
+    used = 0
+    for i in range(count):
+        item = chosen[i]
+        row, box = rows[item], solid[item]
+        first, last = caps_from[box], caps_from[box + 1]
+        if not _holds(eye, window, world, row, whole_middle, whole_half, box, caps, first, last, spots):
+            continue
+        project_box(screen, eye, world, row, inner_middle, inner_half, box, corners)
+        size = _cut_near(corners, near, points)
+        if size < 3:
+            continue
+        faces = _entry_planes(spots, inner_middle, inner_half, box, world, row, rays, planes)
+        sides = _hull(points, size, hull)
+        if faces and sides >= 3:
+            _fill(hull, sides, planes, faces, block, reach, nearness)
+            used += 1
+    return used

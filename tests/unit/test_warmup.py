@@ -1,0 +1,46 @@
+"""The warm-up leaves no shipped scene to be compiled by its first run."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+
+from mimics_app.app import cli
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.resources import root
+
+
+@pytest.fixture
+def played(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Names of the scenes whose loop is played without a picture."""
+    names: list[str] = []
+    monkeypatch.setattr("mimics_app.app.touch.rehearsal.rehearse", lambda scene, ticks: names.append(scene.path.name))
+    return names
+
+
+def test_every_shipped_scene_is_drawn(
+    monkeypatch: pytest.MonkeyPatch, played: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    drawn: list[str] = []
+    monkeypatch.setattr(
+        "mimics_app.app.picture.stills.draw_stills", lambda settings, folder, seconds: drawn.append(settings.scene.name)
+    )
+    assert cli.main(["warmup", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["seconds"] >= 0.0
+    assert drawn == sorted(file.name for file in (root() / "scenes").glob("*.json"))
+    assert played == []
+
+
+def test_where_nothing_draws_the_loops_are_compiled_all_the_same(
+    monkeypatch: pytest.MonkeyPatch, played: list[str]
+) -> None:
+    """A scene that nobody plays has no loop."""
+
+    def refuse(*_: Any, **__: Any) -> None:
+        raise DeviceError("there is no way to draw")
+
+    monkeypatch.setattr("mimics_app.app.picture.stills.draw_stills", refuse)
+    assert cli.main(["warmup", "--json"]) == 0
+    assert played == ["pick_and_place.json", "wavy_tunnel.json"]
