@@ -76,6 +76,10 @@ def _anti_aliasing() -> None:
     import mimics_app.rendering.visual.methods.anti_aliasing
 
 
+def _effects() -> None:
+    import mimics_app.rendering.visual.methods.effects
+
+
 def _tick() -> None:
     import mimics_app.lab.methods_tick
 
@@ -111,6 +115,8 @@ GROUPS: dict[str, Callable[[], None]] = {
     "frame of nodes": _frame,
     "frame of triangles": _frame,
     "anti aliasing": _anti_aliasing,
+    "bloom": _effects,
+    "ambient occlusion": _effects,
     "haptic tick": _tick,
 }
 """Group -> what imports the module that registers it."""

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
+from statistics import median
 
 from mimics_app.lab.figure import Figure, no_boundary
 from mimics_app.lab.front import pareto_front
@@ -23,6 +26,9 @@ _BESIDE = 9
 """Methods of a group from which on the growth is drawn below, not beside."""
 
 _LIST_LINE = 16.0
+_RING = 9.0
+"""Radius of the ring about the default's point [px]."""
+
 _LEAST_ERROR = 1e-17
 """Smaller errors, 0 among them, stand at the lower edge of their axis."""
 
@@ -108,9 +114,38 @@ def _entries(measured: MeasuredGroup) -> list[tuple[str, str, str]]:
     return entries
 
 
+@dataclass(frozen=True, slots=True)
+class _Unit:
+    """What costs are told in: its name, and how many nanoseconds it has."""
+
+    name: str
+    ns: float
+
+    def of(self, cost_us: float) -> float:
+        """A cost in this unit."""
+        return cost_us * 1e3 / self.ns
+
+    def tell(self, cost_us: float) -> str:
+        """A cost with its unit."""
+        return f"{format_number(self.of(cost_us))} {self.name}"
+
+    @property
+    def label(self) -> str:
+        """Of an axis."""
+        return f"cost [{self.name} per call]"
+
+
+def _unit_for(costs_us: Sequence[float]) -> _Unit:
+    """The largest in which the middle one of the costs is at least 1."""
+    middle_ns = 1e3 * median(costs_us)
+    return next((unit for unit in (_Unit("ms", 1e6), _Unit("us", 1e3)) if middle_ns >= unit.ns), _Unit("ns", 1.0))
+
+
 def _error_scale(measured: MeasuredGroup) -> Scale:
     unit = measured.group.unit
     errors = [row.error for row in measured.rows]
+    if not any(errors):
+        return Scale(f"error [{unit}]: none has any", -1.0, 1.0, at=(0.0,))
     positive = [max(error, _LEAST_ERROR) for error in errors if 0.0 < error < math.inf]
     scale = scale_for(f"error [{unit}]", positive, log=True)
     low = scale.low / 10.0 if any(error < _LEAST_ERROR for error in errors) else scale.low
@@ -119,12 +154,15 @@ def _error_scale(measured: MeasuredGroup) -> Scale:
 
 
 def _error_panel(measured: MeasuredGroup, front: list[str], width: float, height: float) -> Panel:
-    x = scale_for("cost [ns per call]", [row.cost_us * 1e3 for row in measured.rows], log=True)
+    unit = _unit_for([row.cost_us for row in measured.rows])
+    x = scale_for(unit.label, [unit.of(row.cost_us) for row in measured.rows], log=True)
     panel = Panel(6.0, _HEAD, width, height, x, _error_scale(measured))
-    drawn = [(row.cost_us * 1e3, max(row.error, panel.y.low)) for row in measured.rows if row.method.name in front]
-    panel.line(_steps(sorted(drawn), panel), "front", "Pareto front: nothing is cheaper and as accurate")
-    for row in measured.rows:
-        _mark(panel, row, row.method.name in front)
+    if panel.y.log:
+        of_front = [row for row in measured.rows if row.method.name in front]
+        drawn = sorted((unit.of(row.cost_us), max(row.error, panel.y.low)) for row in of_front)
+        panel.line(_steps(drawn, panel), "front", "Pareto front: nothing is cheaper and as accurate")
+    for row in sorted(measured.rows, key=lambda row: row.method.name in front):  # nothing lies over the front's own
+        _mark(panel, row, unit, row.method.name in front)
     return panel
 
 
@@ -138,11 +176,11 @@ def _steps(points: list[tuple[float, float]], panel: Panel) -> list[tuple[float,
     return [*stairs, points[-1], (panel.x.high, points[-1][1])]
 
 
-def _mark(panel: Panel, row: Measured, on_front: bool) -> None:
-    name, cost, method = row.method.name, row.cost_us * 1e3, row.method
+def _mark(panel: Panel, row: Measured, unit: _Unit, on_front: bool) -> None:
+    name, cost, method = row.method.name, unit.of(row.cost_us), row.method
     told = "fails" if row.error == math.inf else f"{format_number(row.error)} {method.unit}"
     hover = (
-        f"{name}\ncost {format_number(cost)} ns, {format_number(row.ratio)} x the reference loop\nerror {told}\n"
+        f"{name}\ncost {unit.tell(row.cost_us)}, {format_number(row.ratio)} x the reference loop\nerror {told}\n"
         f"{method.source}\nvalid: {method.valid_range}"
     )
     if row.error == math.inf:
@@ -151,27 +189,28 @@ def _mark(panel: Panel, row: Measured, on_front: bool) -> None:
         return
     error = max(row.error, panel.y.low)
     if method.default:
-        panel.dot(cost, error, "ring", hover, 9.0)
+        panel.dot(cost, error, "ring", hover, _RING)
     panel.dot(cost, error, "dot" if on_front else "open yardstick" if method.yardstick else "open", hover)
     exact = " (error 0)" if row.error < panel.y.low else ""
-    panel.label(Label(cost, error, name + exact, "name strong" if method.default else "name"))
+    kind, clear = ("name strong", _RING - 4.0) if method.default else ("name", 0.0)
+    panel.label(Label(cost, error, name + exact, kind, clear))
 
 
 def _growth_panel(measured: MeasuredGroup, left: float, top: float, width: float) -> Panel:
     growing = [(row.method, row.growth) for row in measured.rows if row.growth]
     growing.sort(key=lambda pair: -pair[1].cost_us[-1])
     sizes = [float(size) for _, growth in growing for size in growth.sizes]
-    costs = [cost * 1e3 for _, growth in growing for cost in growth.cost_us]
-    y = scale_for("cost [ns per call]", costs, log=True)
+    unit = _unit_for([cost for _, growth in growing for cost in growth.cost_us])
+    y = scale_for(unit.label, [unit.of(cost) for _, growth in growing for cost in growth.cost_us], log=True)
     room = min(_LIST_LINE * (len(growing) + 0.5) / (_PANELS - 60.0), 0.6)
     y = Scale(y.label, y.low, y.low * (y.high / y.low) ** (1.0 / (1.0 - room)), True)
     panel = Panel(left, top, width, _PANELS, scale_for(measured.group.work, sizes, log=True), y)
     for i, (method, growth) in enumerate(growing):
         colour = f"s{i % SERIES}"
         grows = f"{method.name}: cost ∼ n^{format_number(round(growth.exponent, 2))}"
-        points = [(float(n), cost * 1e3) for n, cost in zip(growth.sizes, growth.cost_us, strict=True)]
-        panel.line(points, f"line {colour}", grows)
-        for n, cost in points:
-            panel.dot(n, cost, f"dot {colour}", f"{method.name}, n = {n:g}: {format_number(cost)} ns", 3.5)
+        costs = list(zip(growth.sizes, growth.cost_us, strict=True))
+        panel.line([(float(n), unit.of(cost)) for n, cost in costs], f"line {colour}", grows)
+        for n, cost in costs:
+            panel.dot(n, unit.of(cost), f"dot {colour}", f"{method.name}, n = {n:g}: {unit.tell(cost)}", 3.5)
         panel.entry(f"line {colour}", grows, "name strong" if method.default else "name")
     return panel

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from html import escape
 from itertools import pairwise
 
-from mimics_app.lab.scale import Scale, format_number
+from mimics_app.lab.scale import Scale, format_ticks
 
 __all__ = ["STYLE", "Label", "Panel", "document", "legend", "text_width"]
 
@@ -64,12 +64,14 @@ class Label:
         x, y: The place, in the panel's values.
         text: The word.
         kind: Classes of the text.
+        clear: How much of the place is drawn over all around [px], beyond a small dot.
     """
 
     x: float
     y: float
     text: str
     kind: str = "name"
+    clear: float = 0.0
 
 
 @dataclass
@@ -165,14 +167,15 @@ class Panel:
     def _axes(self) -> str:
         left, top, right, bottom = self._frame
         text = [f'<rect class="frame" x="{left:g}" y="{top:g}" width="{right - left:g}" height="{bottom - top:g}"/>']
-        for value in self.x.ticks():
+        columns, rows = self.x.ticks(), self.y.ticks()
+        for value, number in zip(columns, format_ticks(columns), strict=True):
             px = self.place(value, self.y.low)[0]
             text.append(f'<path class="grid" d="M{px:.1f} {top:g}V{bottom:g}"/>')
-            text.append(_word(px, bottom + 17, format_number(value), "small", "middle"))
-        for value in self.y.ticks():
+            text.append(_word(px, bottom + 17, number, "small", "middle"))
+        for value, number in zip(rows, format_ticks(rows), strict=True):
             py = self.place(self.x.low, value)[1]
             text.append(f'<path class="grid" d="M{left:g} {py:.1f}H{right:g}"/>')
-            text.append(_word(left - 6, py + 4, format_number(value), "small", "end"))
+            text.append(_word(left - 6, py + 4, number, "small", "end"))
         text.append(_word((left + right) / 2, bottom + 36, self.x.label, "", "middle"))
         turned = f'transform="translate({self.left + 14:g} {(top + bottom) / 2:g}) rotate(-90)"'
         text.append(f'<text text-anchor="middle" {turned}>{escape(self.y.label)}</text>')
@@ -190,7 +193,8 @@ class Panel:
             near = _nearest_in(box, (px, py))
             if math.dist(near, (px, py)) > 13.0 or self._doubt(box, px, py) > 0.4:
                 text.append(f'<path class="lead" d="M{px:.1f} {py:.1f}L{near[0]:.1f} {near[1]:.1f}"/>')
-            text.append(_word(box[0], box[3] - 4, label.text, label.kind, "start"))
+            x, anchor = _anchor(box, px)
+            text.append(_word(x, box[3] - 4, label.text, label.kind, anchor))
         return "".join(text)
 
     def _badness(self, box: Box, taken: list[Box], px: float, py: float) -> float:
@@ -213,11 +217,18 @@ class Panel:
 
 def _candidates(px: float, py: float, label: Label) -> Iterable[Box]:
     width = text_width(label.text, "strong" in label.kind)
-    for distance in _DISTANCES:
+    for distance in (label.clear + near for near in _DISTANCES):
         for along, down in _DIRECTIONS:
             x = px + along * distance - width * (0.0 if along > 0 else 1.0 if along < 0 else 0.5)
             y = py + down * distance - _LINE * (0.0 if down > 0 else 1.0 if down < 0 else 0.5)
             yield x, y, x + width, y + _LINE
+
+
+def _anchor(box: Box, px: float) -> tuple[float, str]:
+    """Where a word is held [px] and how: on the side of its place, which a wider letter then cannot cover."""
+    if box[2] <= px:
+        return box[2], "end"
+    return (box[0], "start") if box[0] >= px else ((box[0] + box[2]) / 2, "middle")
 
 
 def _nearest_in(box: Box, point: tuple[float, float]) -> tuple[float, float]:

@@ -185,6 +185,7 @@ class Recorder:
                         latency_ms (from the event to that sample)
             scheduler   recipe (what the live loop got)
             audio       device, sink, hrtf ...
+            quality     settings of a live picture as it was opened
             action      values of an adaptation
 
         Args:

@@ -258,9 +258,10 @@ def _settings(run: Run) -> str:
     plan = run.session.get("plan")
     if isinstance(plan, Mapping) and (methods := plan_tables(plan)):
         text += f"<h3>Methods</h3>{methods}"
-    for line in run.lines_of("app", "audio")[-1:]:
-        sound = {key: item for key, item in line.items() if key not in ("source", "kind")}
-        text += f"<h3>Sound</h3>{key_table(sound)}"
+    for title, kind in (("Sound", "audio"), ("Picture as it was opened", "quality")):
+        for line in run.lines_of("app", kind)[-1:]:
+            told = {key: item for key, item in line.items() if key not in ("source", "kind")}
+            text += f"<h3>{title}</h3>{key_table(told)}"
     actions = run.lines_of("app", "action")
     if actions:
         text += f"<h3>Adaptations</h3>{_lines_table(actions)}"

@@ -138,6 +138,22 @@ def test_what_a_wall_hides_has_bounds_of_another_colour():
         renderer.release()
 
 
+def test_an_atlas_without_maps_says_so(monkeypatch):
+    """As when the governor has given shadows up: the key is not without an answer."""
+    with create_surface("egl", SIZE) as surface:
+        renderer = Renderer(surface, make_world(), SETTINGS)
+        said: list[str] = []
+        monkeypatch.setattr(renderer.overlay.hud, "text", lambda x, y, text, *more, **how: said.append(text))
+        renderer.overlay.toggle("lights")
+        renderer.overlay.toggle("atlas")
+        for size in (256, 0, 128):
+            renderer.set_quality(shadow_size=size)
+            shot(renderer, surface)
+        renderer.release()
+    with_maps, without = "lights, shadow atlas", "lights, shadow atlas: no map of shadows is drawn"
+    assert said == [with_maps, without, with_maps]
+
+
 def test_every_view_has_its_own_overlay():
     halves = [make_view((0, 0, SIZE[0] // 2, SIZE[1])), make_view((SIZE[0] // 2, 0, SIZE[0] // 2, SIZE[1]))]
     with create_surface("egl", SIZE) as surface:

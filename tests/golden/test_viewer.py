@@ -139,9 +139,9 @@ def test_a_person_chooses_drags_saves_and_edits_while_the_window_is_open(tmp_pat
             saved = scene.read_text()
             scene.write_text(saved.replace("[0.8, 0.02, 0.02, 1.0]", "[0.02, 0.02, 0.8, 1.0]"))
             time.sleep(1.0)
-            edited = picture(3)
+            edited, again = picture(3), picture(4)
             tell("key", "F1", "key", "F2", "key", "F3", "key", "F4", "key", "F6")
-            overlaid = picture(4)
+            overlaid = picture(5)
             tell("mousemove", "400", "165", "click", "1")
             tell("mousedown", "1")
             tell("mousemove", "380", "185", "mouseup", "1")
@@ -156,11 +156,12 @@ def test_a_person_chooses_drags_saves_and_edits_while_the_window_is_open(tmp_pat
     answer = json.loads(out)
     assert answer["saved"] == ["place.json"]
     assert "mimics: not saved: cube, moved to [" in said, "nothing is lost: its place is told"
-    assert answer["files"] == [f"place_{number:03d}.png" for number in (1, 2, 3, 4)]
+    assert answer["files"] == [f"place_{number:03d}.png" for number in (1, 2, 3, 4, 5)]
     columns = [np.argwhere(redness(each) > 60)[:, 1].mean() for each in (before, moved)]
     assert columns[0] == pytest.approx(320.0, abs=8.0)
     assert columns[1] == pytest.approx(400.0, abs=12.0), "what was grabbed stays under the pointer"
     x = next(e for e in json.loads(saved)["entities"] if e["id"] == "cube")["transform"]["translation"][0]
     assert x > 0.1 and saved == _SCENE.replace("[0, 0.25, 0]", f"[{x!r}, 0.25, 0]"), "nothing else was touched"
     assert (redness(edited) > 60).sum() == 0, "an edit of the file is seen at once"
+    assert np.array_equal(edited, again), "the news of a picture is not in the next"
     assert (overlaid.astype(int) != edited).any(axis=-1).mean() > 0.1

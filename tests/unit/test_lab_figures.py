@@ -17,7 +17,7 @@ from mimics_app.lab.experiment import Experiment, Outcome, largest_disagreement
 from mimics_app.lab.figure import write_figure
 from mimics_app.lab.gallery import write_gallery
 from mimics_app.lab.measure import Growth, Measured, MeasuredGroup
-from mimics_app.lab.scale import Scale, format_number, scale_for
+from mimics_app.lab.scale import Scale, format_number, format_ticks, scale_for
 from mimics_app.lab.stability_chart import draw_outcome
 from mimics_app.lab.svg import Label, Panel
 
@@ -130,13 +130,42 @@ def test_words_keep_off_each_other_and_inside_the_frame():
     for i in range(8):  # all on one spot, in the corner
         panel.dot(0.97, 0.97 - 0.01 * i, "dot")
         panel.label(Label(0.97, 0.97 - 0.01 * i, f"method {i}"))
-    words = re.findall(r'<text class="name" x="([\d.]+)" y="([\d.]+)"', panel.svg())
-    boxes = [(float(x), float(y) - 11.0, float(x) + 54.0, float(y) + 4.0) for x, y in words]
+    words = re.findall(r'<text class="name" x="([\d.]+)" y="([\d.]+)" text-anchor="(\w+)"', panel.svg())
+    held = {"start": 0.0, "middle": 27.0, "end": 54.0}
+    lefts = [(float(x) - held[anchor], float(y)) for x, y, anchor in words]
+    boxes = [(x, y - 11.0, x + 54.0, y + 4.0) for x, y in lefts]
     assert len(boxes) == 8
     for i, a in enumerate(boxes):
         assert a[0] > 78.0 and a[2] < 600.0 and a[1] > 0.0
         for b in boxes[i + 1 :]:
             assert a[2] <= b[0] or b[2] <= a[0] or a[3] <= b[1] or b[3] <= a[1]
+
+
+def test_a_word_beside_a_point_is_held_on_the_side_of_the_point():
+    """However wide a font draws it, it does not cover what it names."""
+    axis = Scale("", 0.0, 1.0)
+    for x, anchor in ((0.9, "end"), (0.1, "start")):
+        panel = Panel(0.0, 0.0, 300.0, 300.0, axis, axis)
+        panel.dot(x, 0.5, "dot")
+        for side in (0.35, 0.65):  # above and below are taken
+            panel.dot(x, side, "dot")
+        panel.label(Label(x, 0.5, "a long name of a method"))
+        assert f'text-anchor="{anchor}">a long name' in panel.svg()
+
+
+def test_methods_without_any_error_stand_on_one_line_and_frames_are_told_in_milliseconds():
+    rows = [row("off", 20_000.0, 0.0), row("all", 11_000.0, 0.0, default=True)]
+    drawing = draw_chart(MeasuredGroup(Group("g", "w", "m", "", lambda: 0.5), 0.5, rows)).svg
+    assert "error [m]: none has any" in drawing and "(error 0)" not in drawing
+    assert "cost [ms per call]" in drawing and "cost 20 ms" in drawing
+    heights = re.findall(r'<circle class="(?:dot|open)" cx="[\d.]+" cy="([\d.]+)" r="4.5"><title>', drawing)
+    assert len(heights) == 2 and len(set(heights)) == 1
+
+
+def test_numbers_along_an_axis_are_written_in_one_way():
+    assert format_ticks([1e-6, 1e-3, 1.0, 10.0]) == ["10⁻⁶", "10⁻³", "1", "10"]
+    assert format_ticks([0.01, 0.1, 1.0]) == ["0.01", "0.1", "1"]
+    assert format_ticks([-2.0, 0.0, 2.0]) == ["−2", "0", "2"]
 
 
 def test_scales_have_few_ticks_inside_and_numbers_read_well():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -54,6 +55,29 @@ def test_exponent_with_an_outlier_is_the_least_squares_one():
 def test_exponent_of_nothing_is_refused(sizes: tuple[int, ...], costs: tuple[float, ...]):
     with pytest.raises(ValueError, match="no exponent"):
         fit_exponent(sizes, costs)
+
+
+def test_of_several_rounds_the_least_cost_of_each_stands_and_the_error_is_asked_once():
+    costs, sizes, errors = iter([8.0, 1.0, 5.0]), iter([4.0, 8.0, 2.0, 6.0, 9.0, 4.0]), iter([1e-3])
+    quick = method("quick", 0.0, 0.0, growth=lambda _: next(sizes), sizes=(1, 2))
+    registry = planted(quick=replace(quick, cost=lambda: next(costs), error=lambda: next(errors)))
+    [row] = measure(GROUP, registry, rounds=3).rows
+    assert (row.cost_us, row.ratio, row.error) == (1.0, 2.0, 1e-3)
+    assert row.growth.cost_us == (2.0, 4.0) and row.growth.exponent == pytest.approx(1.0)
+    assert count_probes(registry, [GROUP], 3) == 9
+
+
+def test_a_method_that_is_lost_in_a_later_round_keeps_its_first():
+    answers = iter([3.0])
+
+    def cost():
+        try:
+            return next(answers)
+        except StopIteration:
+            raise DeviceError("gone", "plug it in") from None
+
+    rows = measure(GROUP, planted(a=replace(method("a", 0.0, 1.0), cost=cost), b=method("b", 2.0, 1.0)), rounds=2).rows
+    assert [(row.method.name, row.cost_us) for row in rows] == [("a", 3.0), ("b", 2.0)]
 
 
 def test_costs_are_told_against_the_reference_loop_beside_them():

@@ -12,7 +12,8 @@ from tests.support.scenes import faults, scene, thing, write
 
 
 def of(folder, profile="training", **visual):
-    return picture_quality(load_scene(write(folder, scene(systems={"visual": visual}))), profile)
+    document = scene(thing("eye", camera={}), systems={"visual": visual})
+    return picture_quality(load_scene(write(folder, document)), profile)
 
 
 @pytest.mark.parametrize(
@@ -29,11 +30,11 @@ def test_without_a_word_the_picture_has_samples_and_no_filter(tmp_path):
     assert (quality.msaa, quality.fxaa, quality.bloom, quality.ambient_occlusion) == (4, False, 0.0, 0.0)
 
 
-def test_a_draft_has_none_of_it(tmp_path):
+def test_a_draft_goes_without_effects_and_keeps_the_edges_a_scene_states(tmp_path):
     wanted = {"anti_aliasing": "both", "bloom": 0.2, "ambient_occlusion": 1.0, "ambient_radius": 0.7}
     full, draft = of(tmp_path, **wanted), of(tmp_path, "draft", **wanted)
     assert (full.bloom, full.ambient_occlusion, full.ambient_radius) == (0.2, 1.0, 0.7)
-    assert (draft.msaa, draft.fxaa, draft.bloom, draft.ambient_occlusion) == (0, False, 0.0, 0.0)
+    assert (draft.msaa, draft.fxaa, draft.bloom, draft.ambient_occlusion) == (4, True, 0.0, 0.0)
 
 
 def test_exposure_and_tone_map_are_the_scene_s_in_every_profile(tmp_path):
@@ -58,7 +59,7 @@ def test_explain_lists_what_the_picture_goes_without(tmp_path):
         return {left["part"] for left in explain_plan(loaded, plan_scene(loaded, "training"))["left_out"]}
 
     parts = {"glow, per frame", "darker corners, per frame", "filter of edges, per frame", "pictures over the display"}
-    assert parts <= left_out(scene())
+    assert parts <= left_out(scene(thing("eye", camera={})))
     visual = {"bloom": 0.1, "ambient_occlusion": 1.0, "anti_aliasing": "filter"}
     full = scene(thing("eye", camera={}), thing("rear", inset={"camera": "eye"}), systems={"visual": visual})
     assert not parts & left_out(full)

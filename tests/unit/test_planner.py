@@ -11,8 +11,9 @@ from typing import get_args, get_type_hints
 import pytest
 
 from mimics_app.app.planner.explain import TICK_GROUP, UNUSED, describe_plan, explain_plan
-from mimics_app.app.planner.plan import USES, choose, load_table, plan_scene, settle
+from mimics_app.app.planner.plan import choose, load_table, plan_scene, settle
 from mimics_app.app.planner.tolerances import BY_PROFILE, FIELD_OF_UNIT, tolerances_of
+from mimics_app.app.planner.uses import USES
 from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.settings import PROFILES
@@ -23,7 +24,7 @@ from mimics_app.world.components.systems import HapticSettings, Tolerances
 from mimics_app.world.scene.file import build_world
 
 SCENE = root() / "scenes" / "wavy_tunnel.json"
-PART_KEYS = ["part", "group", "method", "cost_us", "error", "unit", "tolerance", "next_cheaper"]
+PART_KEYS = ["part", "group", "method", "cost_us", "error", "unit", "tolerance", "next_cheaper", "too_dear", "more_ms"]
 
 
 def row(method: str, cost_us: float, error: float, unit: str) -> Row:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.app.settings import PROFILES
+from mimics_app.app.terminal.arguments import picture_size
 
 if TYPE_CHECKING:
     from mimics_app.app.planner.plan import Plan
@@ -18,6 +19,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics explain`."""
     parser.add_argument("scene", type=Path, help="scene file")
     parser.add_argument("--profile", choices=PROFILES, default="training", help="whose tolerances hold")
+    parser.add_argument(
+        "--size",
+        type=picture_size,
+        default="1280x720",
+        metavar="WxH",
+        help="of the live picture, drawn on the processor [px]",
+    )
+    parser.add_argument("--still", action="store_true", help="pictures may take their time, as those of render do")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -29,7 +38,7 @@ def run(args: argparse.Namespace) -> int:
     from mimics_app.app.terminal import output
 
     scene = load_checked_scene(args.scene)
-    plan = plan_scene(scene, args.profile)
+    plan = plan_scene(scene, args.profile, pixels=0 if args.still else args.size[0] * args.size[1])
     answer = explain_plan(scene, plan, lambda: measure_shadow_us(scene))
     if args.json:
         output.write_object("explain", answer)
@@ -42,19 +51,41 @@ def _say(answer: dict[str, Any], plan: Plan) -> None:
     where = "measured on this machine" if plan.origin == "saved" else f"the {plan.origin} table"
     print(f"profile {plan.profile}; costs by {where} ({answer['table']['machine'].get('processor', '')})")
     limits = ", ".join(f"{name} {value:g}" for name, value in plan.tolerances.items())
-    print(f"accepts {limits}\n")
+    print(f"accepts {limits}")
+    if plan.pixels:
+        print(f"live picture of {plan.pixels / 1e6:.3g} million pixels, drawn on the processor")
+    print()
     overruled = {choice.group: choice.planner.method for choice in plan.choices if choice.planner is not None}
     for part in answer["parts"]:
         error = _error_of(part)
-        print(f"runs      {part['part']}: {part['method']}, {part['cost_us']:.3f} us{error}")
+        print(f"runs      {part['part']}: {part['method']}, {_cost_of(part)}{error}")
         if part["group"] in overruled:
             print(f"          the scene names it; the planner would take {overruled[part['group']]}")
         refused = part["next_cheaper"]
         if refused:
             print(f"          cheaper but refused: {refused['method']}, error {refused['error']:.2g} {part['unit']}")
+        if part["too_dear"]:
+            print(f"          better but too dear: {_too_dear(part['too_dear'], part['unit'])}")
     for left in answer["left_out"]:
-        saved = "" if left["saved_us"] is None else f" ({left['saved_us']:.3f} us saved)"
+        saved = "" if left["saved_us"] is None else f" ({_time_of(left['saved_us'])} saved)"
         print(f"left out  {left['part']}: {left['why']}{saved}")
+
+
+def _cost_of(part: dict[str, Any]) -> str:
+    """What a part costs: of a picture's refinements what a frame takes longer."""
+    if part["cost_us"] is None:
+        return "not in the table"
+    more = part["more_ms"]
+    return _time_of(part["cost_us"]) if more is None else f"{more:.3g} ms a frame more than the cheapest"
+
+
+def _time_of(us: float) -> str:
+    return f"{us:.3f} us" if us < 1000.0 else f"{1e-3 * us:.3g} ms"
+
+
+def _too_dear(dearer: dict[str, Any], unit: str) -> str:
+    more, room = dearer["more_ms"], dearer["room_ms"]
+    return f"{dearer['method']}, error {dearer['error']:.2g} {unit}: {more:.3g} ms a frame more, of {room:.3g} ms left"
 
 
 def _error_of(part: dict[str, Any]) -> str:

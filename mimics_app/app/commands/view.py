@@ -24,9 +24,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("file", type=Path, nargs="?", help="scene, .glb .gltf model, or .stl .obj .ply .off mesh")
     parser.add_argument("--sheet", type=Path, metavar="FOLDER", help="draw every model of a folder onto one PNG")
-    parser.add_argument("--headless", action="store_true", help="no window: draw PNG files")
+    parser.add_argument("--headless", action="store_true", help="no window: draw PNG files, as with --output")
     parser.add_argument(
-        "--output", type=Path, default=Path("view.png"), metavar="PNG", help="file of --headless, --sheet"
+        "--output", type=Path, metavar="PNG", help="draw into this file, without a window (default: view.png)"
     )
     parser.add_argument("--frames", type=frame_count, default=1, help="of --headless: pictures of one turn round it")
     parser.add_argument(
@@ -51,17 +51,19 @@ def run(args: argparse.Namespace) -> int:
     """
     if (args.file is None) == (args.sheet is None):
         raise UsageError("give one file to look at, or --sheet FOLDER", "see mimics view --help")
-    if (args.frames > 1 or args.video is not None) and not args.headless:
-        raise UsageError("--frames and --video are of --headless", "add --headless --output turn.png")
+    headless = args.headless or args.output is not None
+    if (args.frames > 1 or args.video is not None) and not headless:
+        raise UsageError("--frames and --video are of --headless", "add --output turn.png")
+    args.output = args.output or Path("view.png")
     if args.sheet is not None:
         return _draw_sheet(args)
     from mimics_app.app.session.build import has_display
     from mimics_app.app.viewer.shown import open_shown
 
-    if not (args.headless or has_display()):
-        raise DeviceError("no display for a window", "add --headless --output picture.png")
+    if not (headless or has_display()):
+        raise DeviceError("no display for a window", "add --output picture.png")
     shown = open_shown(args.file, args.up)
-    return _draw(args, shown) if args.headless else _look(args, shown)
+    return _draw(args, shown) if headless else _look(args, shown)
 
 
 def _look(args: argparse.Namespace, shown: Shown) -> int:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from mimics_app.app.picture.board import draw_board
 from mimics_app.app.picture.lost_picture import draw_or_recover
+from mimics_app.app.picture.methods import with_methods
 from mimics_app.app.picture.video import Film
+from mimics_app.app.planner.plan import plan_scene
+from mimics_app.app.planner.uses import visual_of
 from mimics_app.app.settings import Profile
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import SceneError, nearest
@@ -25,7 +27,6 @@ from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
 from mimics_app.rendering.visual.surfaces.headless import save_png
 from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.components.systems import VisualSettings
 from mimics_app.world.components.visible import Hud as HudComponent
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
@@ -34,9 +35,13 @@ __all__ = ["Picture", "draws_in_software", "live_quality", "picture_quality"]
 
 
 def live_quality(scene: Scene, profile: Profile, surface: Surface) -> RenderSettings:
-    """Quality of a picture that must keep up: on a software renderer only a study keeps its smooth edges."""
-    quality = picture_quality(scene, profile)
-    return replace(quality, msaa=0, fxaa=False) if draws_in_software(surface) and profile != "study" else quality
+    """Quality of a picture that must keep up: on the processor its frames bear only what the planner finds room for.
+
+    The table's costs are of pictures drawn on the processor; of another driver they say nothing, and the frame
+    governor alone minds the time.
+    """
+    width, height = surface.size
+    return picture_quality(scene, profile, width * height if draws_in_software(surface) else 0)
 
 
 def draws_in_software(surface: Surface) -> bool:
@@ -44,29 +49,32 @@ def draws_in_software(surface: Surface) -> bool:
     return read_capabilities(surface.ctx).software
 
 
-def picture_quality(scene: Scene, profile: Profile) -> RenderSettings:
-    """Quality of the picture: what the scene's `systems.visual` says; a draft gives up smooth edges."""
-    wanted = scene.systems.get("visual")
-    visual = wanted if isinstance(wanted, VisualSettings) else VisualSettings()
+def picture_quality(scene: Scene, profile: Profile, pixels: int = 0) -> RenderSettings:
+    """Quality of the picture: what the scene's `systems.visual` says, and the planner where it leaves the choice.
+
+    Args:
+        scene: What is drawn.
+        profile: Whose tolerances hold where the scene states none.
+        pixels: Of a live picture drawn on the processor [px]; 0: it may take its time (see `plan.plan_scene`).
+    """
+    visual = visual_of(scene)
     boards = scene.components(HudComponent)
     depth = boards[0][1].depth if boards else RenderSettings().hud_depth
-    draft = profile == "draft"
-    return RenderSettings(
-        msaa=visual.samples if visual.anti_aliasing in ("samples", "both") and not draft else 0,
-        fxaa=visual.anti_aliasing in ("filter", "both") and not draft,
-        bloom=0.0 if draft else visual.bloom,
-        ambient_occlusion=0.0 if draft else visual.ambient_occlusion,
+    wanted = RenderSettings(
+        bloom=visual.bloom,
+        ambient_occlusion=visual.ambient_occlusion,
         ambient_radius=visual.ambient_radius,
         exposure=visual.exposure,
         tone_map=visual.tone_map,
-        shadow_size=min(512, visual.shadow_size) if draft else visual.shadow_size,
-        shadows=visual.shadows,
+        shadow_size=RenderSettings().shadow_size if visual.shadow_size == "auto" else visual.shadow_size,
+        shadows="texture_additive" if visual.shadows == "auto" else visual.shadows,
         shadow_distance=visual.shadow_distance,
         cascades=visual.cascades,
         hud_depth=depth,
         fog_density=visual.fog_density,
         profile=profile,
     )
+    return with_methods(wanted, plan_scene(scene, profile, pixels=pixels).methods)
 
 
 class Picture:

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import msgspec
 
-from mimics_app.app.planner.plan import Choice, Plan
+from mimics_app.app.planner.plan import Choice, Dearer, Plan
+from mimics_app.app.planner.uses import USES, visual_of
 from mimics_app.lab.table import Row, Table
 from mimics_app.world.components.effects import Billboard, Particles, Projector
 from mimics_app.world.components.pictures import Inset, Mirror, Screen
 from mimics_app.world.components.robot import Tunnel
-from mimics_app.world.components.systems import VisualSettings
 from mimics_app.world.components.visible import LightComponent, Sound, SoundEmitter
 from mimics_app.world.scene.scene import Scene
 
@@ -33,21 +34,26 @@ class Part:
         part: What it is for.
         group: Of the table.
         method: The one that runs.
-        cost_us: By the table [us per call].
-        error: In `unit`; None where it has none.
+        cost_us: By the table [us per call]; None for a method that the table does not know.
+        error: In `unit`; None where it has none, or the table does not know the method.
         unit: Of error and tolerance.
         tolerance: What the run accepts; None where nothing is chosen.
         next_cheaper: The nearest cheaper rival, refused for its error, {"method", "error"}; None where there is none.
+        too_dear: What would be taken if a frame had the time, {"method", "error", "more_ms", "room_ms"}: what a frame
+            would take longer than with the cheapest, and what there was for it; None where time does not decide.
+        more_ms: What a frame takes longer than with the cheapest [ms]; None where no frame has to keep time.
     """
 
     part: str
     group: str
     method: str
-    cost_us: float
+    cost_us: float | None
     error: float | None
     unit: str
     tolerance: float | None
     next_cheaper: dict[str, Any] | None
+    too_dear: dict[str, Any] | None = None
+    more_ms: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,28 +79,37 @@ def explain_plan(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None]
 
 def describe_plan(scene: Scene, plan: Plan) -> dict[str, Any]:
     """The object without measuring anything: what the header of a run keeps."""
-    parts = [*_tick_parts(scene, plan), *(_part(choice) for choice in plan.choices)]
+    parts = [*_tick_parts(scene, plan), *(_part(choice, plan) for choice in plan.choices)]
     return {
         "profile": plan.profile,
         "tolerances": dict(plan.tolerances),
+        "pixels": plan.pixels,
         "table": {"origin": plan.origin, "machine": plan.table.machine},
         "parts": [asdict(part) for part in parts],
         "left_out": [asdict(left) for left in _left_out(scene, plan, lambda: None)],
     }
 
 
-def _part(choice: Choice) -> Part:
-    taken, refused = choice.taken, choice.refused
+def _part(choice: Choice, plan: Plan) -> Part:
+    taken, refused, dearer = choice.taken, choice.refused, choice.dearer
+    timed = bool(plan.pixels and USES[choice.group].pixels)
     return Part(
         part=choice.what,
         group=choice.group,
         method=taken.method,
-        cost_us=taken.cost_us,
-        error=taken.error,
+        cost_us=None if math.isnan(taken.cost_us) else taken.cost_us,
+        error=None if math.isnan(taken.error) else taken.error,
         unit=taken.unit,
         tolerance=choice.tolerance,
         next_cheaper=None if refused is None else {"method": refused.method, "error": refused.error},
+        too_dear=None if dearer is None else _too_dear(dearer),
+        more_ms=choice.more_ms if timed else None,
     )
+
+
+def _too_dear(dearer: Dearer) -> dict[str, Any]:
+    row = dearer.row
+    return {"method": row.method, "error": row.error, "more_ms": dearer.more_ms, "room_ms": dearer.room_ms}
 
 
 def _tick_parts(scene: Scene, plan: Plan) -> list[Part]:
@@ -127,27 +142,37 @@ def _left_out(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None]) -
     left = [LeftOut(part, why, saved) for kind, part, why, saved in absent if not scene.components(kind)]
     if not any(light.casts_shadow for _, light, _ in scene.components(LightComponent)):
         left.append(LeftOut("shadow pass, per frame", "no light casts a shadow", shadow_us()))
-    left += _filters_left_out(scene)
+    left += _filters_left_out(scene, plan)
     for group, (part, why) in UNUSED.items():
         left.append(LeftOut(part, why, _cheapest(table, group)))
     left.append(LeftOut("body signals, estimation, learning", "no recorder of body signals is in the scene", None))
     return left
 
 
-def _filters_left_out(scene: Scene) -> list[LeftOut]:
+def _filters_left_out(scene: Scene, plan: Plan) -> list[LeftOut]:
     """What is done to the picture only where the scene asks."""
-    wanted = scene.systems.get("visual")
-    visual = wanted if isinstance(wanted, VisualSettings) else VisualSettings()
-    absent = (
-        ("glow", "bloom", visual.bloom),
-        ("darker corners", "ambient_occlusion", visual.ambient_occlusion),
-        ("filter of edges", "anti_aliasing", float(visual.anti_aliasing in ("filter", "both"))),
-    )
-    return [
-        LeftOut(f"{part}, per frame", f"systems.visual.{name} does not ask for it", None)
-        for part, name, used in absent
-        if used == 0.0
+    visual = visual_of(scene)
+    left = [
+        LeftOut(
+            f"{part}, per frame",
+            f"systems.visual.{group.replace(' ', '_')} does not ask for it",
+            _extra_us(plan, group),
+        )
+        for part, group, used in (
+            ("glow", "bloom", visual.bloom > 0.0),
+            ("darker corners", "ambient occlusion", visual.ambient_occlusion > 0.0),
+        )
+        if not used
     ]
+    if not plan.methods.get("anti aliasing", "filter").endswith("filter"):
+        left.append(LeftOut("filter of edges, per frame", "edges are smooth enough, or fall as they fall", None))
+    return left
+
+
+def _extra_us(plan: Plan, group: str) -> float | None:
+    """What the dearest way costs more than the cheapest in the plan's picture [us]; None where none is timed."""
+    costs = [row.cost_us for row in plan.table.groups.get(group, [])]
+    return (max(costs) - min(costs)) * plan.pixels / USES[group].pixels if costs and plan.pixels else None
 
 
 UNUSED: Mapping[str, tuple[str, str]] = {

@@ -1,5 +1,8 @@
 """The planner: per group of methods the cheapest one whose measured error is within the scene's tolerance.
 
+What refines a live picture must also be borne by its frame's time: half of it, shared out from what is missed most to
+what is missed least. A study gives up no accuracy for time.
+
 It reads a table of figures and measures nothing, so a plan is the same on every machine and at every start: the shipped
 table (`assets/methods.json`), or the one a person saved on this machine with `mimics lab measure --save`. What it
 chooses is what runs: `settle` writes it into the scene before anything is built from it.
@@ -8,61 +11,35 @@ chooses is what runs: `settle` writes it into the scene before anything is built
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-
-import msgspec
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from mimics_app.app.planner.tolerances import FIELD_OF_UNIT, tolerances_of
+from mimics_app.app.planner.uses import USES, Use
 from mimics_app.app.settings import Profile
 from mimics_app.lab.table import Row, Table
-from mimics_app.world.components.robot import Admittance, Tunnel
-from mimics_app.world.components.systems import AudioSettings, HapticSettings
-from mimics_app.world.components.visible import Sound
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["USES", "Choice", "Plan", "Use", "choose", "load_table", "plan_scene", "settle"]
+__all__ = ["ROOM", "Choice", "Dearer", "Plan", "choose", "load_table", "plan_scene", "settle"]
+
+
+ROOM = 0.5
+"""Share of a frame's time for what refines the picture; the other half is for the bodies themselves."""
 
 
 @dataclass(frozen=True, slots=True)
-class Use:
-    """What a scene uses a group of methods for.
+class Dearer:
+    """A more accurate rival that the frame's time does not bear.
 
     Attributes:
-        what: In words.
-        needs: The component without which a scene has no use for it.
-        named: The method a scene names; "" where it leaves the choice to the planner.
+        row: Its figures.
+        more_ms: What a frame would take longer than with the group's cheapest [ms].
+        room_ms: What there was for it [ms].
     """
 
-    what: str
-    needs: type[msgspec.Struct]
-    named: Callable[[Scene], str]
-
-
-def _named_projection(scene: Scene) -> str:
-    haptic = scene.systems.get("haptic")
-    return haptic.projection if isinstance(haptic, HapticSettings) and haptic.projection != "auto" else ""
-
-
-def _named_form(scene: Scene) -> str:
-    found = scene.components(Admittance)
-    return found[0][1].form if found else Admittance().form
-
-
-def _named_spatialiser(scene: Scene) -> str:
-    audio = scene.systems.get("audio")
-    if not isinstance(audio, AudioSettings) or audio.hrtf == "auto":
-        return ""
-    return "hrtf" if audio.hrtf else "stereo"
-
-
-USES: Mapping[str, Use] = {
-    "tunnel projection": Use("closest point of the tunnel's bisector", Tunnel, _named_projection),
-    "tunnel frame": Use("frame carried along the bisector", Tunnel, lambda _: "double reflection"),
-    "admittance form": Use("motion of the virtual mass", Tunnel, _named_form),
-    "spatialiser": Use("direction of sounds", Sound, _named_spatialiser),
-}
-"""Groups the planner knows, by name. A method named for every scene alike is one the compiled tick has no rival of."""
+    row: Row
+    more_ms: float
+    room_ms: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +53,8 @@ class Choice:
         tolerance: Largest accepted error, in the unit of the figures.
         refused: The nearest cheaper rival, whose error is beyond the tolerance; None where nothing cheaper is.
         planner: What the planner would take where the scene names another; None where they agree.
+        dearer: What would be taken if the frame had the time; None where that does not decide.
+        more_ms: What a frame takes longer than with the group's cheapest [ms]; 0 where no frame has to keep time.
     """
 
     group: str
@@ -84,6 +63,8 @@ class Choice:
     tolerance: float
     refused: Row | None
     planner: Row | None = None
+    dearer: Dearer | None = None
+    more_ms: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,6 +77,7 @@ class Plan:
         table: The figures it was chosen by.
         origin: Where those are from: "shipped", "saved" on this machine, or "given" by the caller.
         choices: In the order of `USES`; only groups the scene has a use for.
+        pixels: Of the live picture it was made for [px]; 0 where no frame has to keep time.
     """
 
     profile: Profile
@@ -103,22 +85,35 @@ class Plan:
     table: Table
     origin: str
     choices: tuple[Choice, ...]
+    pixels: int = 0
 
     @property
     def methods(self) -> dict[str, str]:
         """Name of the method that runs, by group."""
         return {choice.group: choice.taken.method for choice in self.choices}
 
+    @property
+    def without_picture(self) -> Plan:
+        """The plan less what is chosen only when a live picture is opened."""
+        return replace(self, choices=tuple(choice for choice in self.choices if not USES[choice.group].pixels))
 
-def choose(rivals: Sequence[Row], tolerance: float) -> Row:
+
+def choose(rivals: Sequence[Row], tolerance: float, most_us: float = math.inf) -> Row:
     """The cheapest rival whose error is within the tolerance; where none is, the most accurate.
 
     Of equally cheap ones the more accurate, then the first by name, so that the order of the table decides nothing.
+
+    Args:
+        rivals: At least one.
+        tolerance: Largest accepted error.
+        most_us: What one may cost more than the cheapest [us]; others are passed over.
     """
-    inside = [rival for rival in rivals if rival.error <= tolerance]
+    least = min(rival.cost_us for rival in rivals)
+    borne = [rival for rival in rivals if rival.cost_us - least <= most_us]
+    inside = [rival for rival in borne if rival.error <= tolerance]
     if inside:
         return min(inside, key=lambda rival: (rival.cost_us, rival.error, rival.method))
-    return min(rivals, key=lambda rival: (rival.error, rival.cost_us, rival.method))
+    return min(borne, key=lambda rival: (rival.error, rival.cost_us, rival.method))
 
 
 def load_table() -> tuple[Table, str]:
@@ -130,32 +125,74 @@ def load_table() -> tuple[Table, str]:
     return (shipped, "shipped") if saved is None else (shipped.with_groups(saved), "saved")
 
 
-def plan_scene(scene: Scene, profile: Profile, table: Table | None = None) -> Plan:
-    """Choose for every group the scene has a use for; reads the table of this installation unless one is given."""
+def plan_scene(scene: Scene, profile: Profile, table: Table | None = None, pixels: int = 0) -> Plan:
+    """Choose for every group the scene has a use for.
+
+    Args:
+        scene: What is planned.
+        profile: Whose tolerances hold where the scene states none.
+        table: None: that of this installation.
+        pixels: Of a live picture whose frames have to keep time on the processor [px]; 0: pictures may take their
+            time, or a driver draws them of which the table's costs say nothing.
+    """
     table, origin = load_table() if table is None else (table, "given")
     tolerances = tolerances_of(scene, profile)
-    choices = [
-        _choice(scene, group, use, table.groups[group], tolerances)
-        for group, use in USES.items()
-        if group in table.groups and scene.components(use.needs)
-    ]
-    return Plan(profile, tolerances, table, origin, tuple(choices))
+    room_ms = ROOM * tolerances["frame_ms"] if pixels and profile != "study" else math.inf
+    choices = list[Choice]()
+    for group, use in USES.items():
+        if group in table.groups and use.used(scene):
+            scale = pixels / use.pixels if use.pixels else 0.0
+            choices.append(_choice(scene, group, use, table.groups[group], tolerances, _Budget(room_ms, scale)))
+            room_ms = max(0.0, room_ms - choices[-1].more_ms)
+    return Plan(profile, tolerances, table, origin, tuple(choices), pixels)
 
 
-def _choice(scene: Scene, group: str, use: Use, rivals: Sequence[Row], tolerances: Mapping[str, float]) -> Choice:
-    tolerance = tolerances[FIELD_OF_UNIT[rivals[0].unit]]
-    best = choose(rivals, tolerance)
+@dataclass(frozen=True, slots=True)
+class _Budget:
+    """What a frame has left for a group: [ms], and how much larger than the table's picture is drawn."""
+
+    room_ms: float
+    scale: float
+
+    @property
+    def most_us(self) -> float:
+        """What a method may cost more than the cheapest by the table [us]."""
+        return 1e3 * self.room_ms / self.scale if self.scale else math.inf
+
+    def more_ms(self, row: Row, rivals: Sequence[Row]) -> float:
+        """What a frame takes longer with a method than with the cheapest [ms]; 0 for one the table does not know."""
+        more = row.cost_us - min(rival.cost_us for rival in rivals)
+        return 0.0 if math.isnan(more) else 1e-3 * self.scale * more
+
+
+def _choice(
+    scene: Scene, group: str, use: Use, rows: Sequence[Row], tolerances: Mapping[str, float], budget: _Budget
+) -> Choice:
+    rivals = [row for row in rows if use.allowed(scene, row.method)] or list(rows)
+    tolerance = tolerances[FIELD_OF_UNIT[rows[0].unit]]
+    best, wanted = choose(rivals, tolerance, budget.most_us), choose(rivals, tolerance)
     named = use.named(scene)
-    taken = next((rival for rival in rivals if rival.method == named), best) if named else best
+    taken = next((row for row in rows if row.method == named), best) if named else best
     if named and taken.method != named:  # it runs all the same, whatever this table knows of it
-        taken = Row(named, math.nan, math.nan, math.nan, rivals[0].unit)
+        taken = Row(named, math.nan, math.nan, math.nan, rows[0].unit)
     cheaper = [rival for rival in rivals if rival.cost_us < taken.cost_us and not rival.error <= tolerance]
-    refused = max(cheaper, key=lambda rival: rival.cost_us, default=None)
-    return Choice(group, use.what, taken, tolerance, refused, None if best == taken else best)
+    return Choice(
+        group=group,
+        what=use.what,
+        taken=taken,
+        tolerance=tolerance,
+        refused=max(cheaper, key=lambda rival: rival.cost_us, default=None),
+        planner=None if best == taken else best,
+        dearer=None if named or wanted == best else Dearer(wanted, budget.more_ms(wanted, rivals), budget.room_ms),
+        more_ms=budget.more_ms(taken, rows if named else rivals),
+    )
 
 
 def settle(scene: Scene, profile: Profile) -> Plan:
-    """Plan a scene and write the choice into it: whatever is built from the scene afterwards runs the plan."""
+    """Plan a scene and write the choice into it: whatever is built from the scene afterwards runs the plan.
+
+    What a live picture gives up for time is chosen when it is opened, as that depends on who draws it.
+    """
     plan = plan_scene(scene, profile)
     scene.methods = plan.methods
     return plan

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -96,6 +97,7 @@ def _play_in_window(session: Session, frames: Frames) -> None:
     start_loop(session)
     surface = create_surface("window", session.settings.size, session.scene.name)
     quality = live_quality(session.scene, session.settings.profile, surface)
+    session.recorder.journal("quality", asdict(quality))
     session.show(Picture(surface, session.scene, session.world, quality))
     session.inputs = person_inputs(session)
     with left_alone():

@@ -171,6 +171,9 @@ class ViewerSession:
             self._left = True
 
     def _take_picture(self) -> None:
+        """Keep the window's picture, with smooth edges and without the news of the one before."""
+        self._message = ""
+        self._draw(smooth=True)
         number = 1
         while (file := Path(f"{self._stage.shown.path.stem}_{number:03d}.png")).exists():
             number += 1

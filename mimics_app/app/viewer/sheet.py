@@ -38,7 +38,7 @@ _WALL = (0.035, 0.035, 0.042)
 _MOST_MODELS = 1000
 _SCALE = 1.8
 """Of the letters on a tile."""
-_RAISED, _BACK = 0.13, -1.6
+_RAISED, _BACK = 0.11, -1.9
 """How far a model is lifted above its caption, in tiles, and the eye taken back, in steps of the wheel."""
 
 

@@ -24,10 +24,16 @@ class VisualSettings(Component, frozen=True):
     """The picture."""
 
     anti_aliasing: Annotated[
-        Literal["none", "samples", "filter", "both"],
-        Meta(description="Smooth edges: several `samples` a pixel, a filter of the finished picture, or both"),
-    ] = "samples"
-    samples: Annotated[Literal[0, 2, 4, 8], Meta(description="Of multisample anti-aliasing; 0: none")] = 4
+        Literal["auto", "none", "samples", "filter", "both"],
+        Meta(
+            description="Smooth edges: several `samples` a pixel, a filter of the finished picture, or both; "
+            "auto: `samples` where they are given, else the planner (mimics explain)"
+        ),
+    ] = "auto"
+    samples: Annotated[
+        Literal["auto", 0, 2, 4, 8],
+        Meta(description="Of multisample anti-aliasing; 0: none; auto: 4 where `anti_aliasing` asks for them"),
+    ] = "auto"
     exposure: Annotated[float, Meta(gt=0, le=64, description="Factor on all light before the tone map")] = 1.0
     tone_map: Annotated[
         Literal["neutral", "none"],
@@ -42,11 +48,17 @@ class VisualSettings(Component, frozen=True):
     bloom: Annotated[float, Meta(ge=0, le=1, description="Share of the light that glows about its source; 0: none")] = (
         0.0
     )
-    shadow_size: Annotated[int, Meta(ge=0, le=8192, description="Side of the shadow map [pixels]; 0: no shadows")] = 512
+    shadow_size: Annotated[
+        Annotated[int, Meta(ge=0, le=8192)] | Literal["auto"],
+        Meta(description="Side of the shadow map [pixels]; 0: no shadows; auto: the planner (mimics explain)"),
+    ] = "auto"
     shadows: Annotated[
-        Literal["texture_additive", "texture_modulative", "stencil_additive", "stencil_modulative"],
-        Meta(description="How the sun's shadows are made: maps or volumes, light left out or the picture darkened"),
-    ] = "texture_additive"
+        Literal["auto", "texture_additive", "texture_modulative", "stencil_additive", "stencil_modulative"],
+        Meta(
+            description="How the sun's shadows are made: maps or volumes, light left out or the picture darkened; "
+            "auto: maps where their size or distance is given, else the planner, which leaves light out"
+        ),
+    ] = "auto"
     shadow_distance: Annotated[
         float, Meta(ge=0, description="How far from the eye shadows are seen [m], in `cascades`; 0: one map of it all")
     ] = 0.0
@@ -76,6 +88,14 @@ class Tolerances(Component, frozen=True):
     angle_rad: Annotated[_Limit | None, Meta(description="Of a direction or frame [rad]")] = None
     itd_us: Annotated[_Limit | None, Meta(description="Of the delay of a sound between the ears [us]")] = None
     frame_ms: Annotated[_Limit | None, Meta(description="Longest a frame of the picture may take [ms]")] = None
+    edge_px: Annotated[_Limit | None, Meta(description="Of the share of a pixel that an edge covers [px]")] = None
+    shadow_m: Annotated[_Limit | None, Meta(description="Of the place of a shadow's edge [m]")] = None
+    pixel_share: Annotated[
+        _Limit | None, Meta(description="Pixels that may differ by what is left out or coarser, of all of them")
+    ] = None
+    effect_share: Annotated[
+        _Limit | None, Meta(description="What may be missing of glow or darker corners, of all of it; 1: both")
+    ] = None
 
 
 register_system("tolerances", Tolerances)

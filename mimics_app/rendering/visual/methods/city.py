@@ -83,7 +83,7 @@ def _register(group: str, name: str, source: str, valid: str, whole: RenderSetti
             source=source,
             cost=partial(city_us, settings),
             error=partial(city_error, settings, whole),
-            unit="pixels",
+            unit="share of pixels",
             valid_range=valid,
             run=run,
             default=name == default,
@@ -95,7 +95,7 @@ registry.describe(
     Group(
         name=OCCLUSION,
         what="a frame of the city from three places; error: share of pixels that differ from nothing hidden",
-        unit="pixels",
+        unit="share of pixels",
         work="",
         reference=reference_us,
     )
@@ -104,7 +104,7 @@ registry.describe(
     Group(
         name=DETAIL,
         what="a frame of the city from three places; error: share of pixels that differ from the finest forms",
-        unit="pixels",
+        unit="share of pixels",
         work="",
         reference=reference_us,
     )

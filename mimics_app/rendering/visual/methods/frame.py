@@ -114,7 +114,7 @@ def _register(
                 source=source,
                 cost=partial(_cost_us, build, settings, typical),
                 error=partial(_error, build, settings, first, typical),
-                unit="pixels",
+                unit="share of pixels",
                 valid_range="any",
                 run=show_picture,
                 default=name == rivals[-1][0],
@@ -128,7 +128,7 @@ registry.describe(
     Group(
         name=NODES,
         what="a frame of 10,000 cubes that all turn; error: share of pixels that differ from each node tested",
-        unit="pixels",
+        unit="share of pixels",
         work="nodes",
         reference=reference_us,
     )
@@ -137,7 +137,7 @@ registry.describe(
     Group(
         name=TRIANGLES,
         what="a frame of a million triangles in balls; error: share of pixels that differ from the finest forms",
-        unit="pixels",
+        unit="share of pixels",
         work="triangles",
         reference=reference_us,
     )

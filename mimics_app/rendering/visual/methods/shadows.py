@@ -162,7 +162,7 @@ registry.describe(
     Group(
         name=GROUP,
         what="a frame of a yard of 144 posts, one turning; error: how far a shadow's edge lies from its ray's end",
-        unit="m",
+        unit="m of a shadow's edge",
         work="posts",
         reference=reference_us,
     )
@@ -177,7 +177,7 @@ for _kind in _KINDS:
             source=_kind.source,
             cost=partial(yard_us, _settings),
             error=partial(edge_error, _settings),
-            unit="m",
+            unit="m of a shadow's edge",
             valid_range=_kind.valid,
             run=show_picture,
             default=_kind.default,

@@ -46,6 +46,7 @@ _WORDS: dict[Layer, str] = {
     "forces": "forces and contacts",
     "atlas": "shadow atlas",
 }
+_NO_MAPS = "shadow atlas: no map of shadows is drawn"
 _PANEL: Colour = (0.05, 0.06, 0.08, 0.66)
 
 
@@ -82,6 +83,7 @@ class Overlay:
         self._line_pass = LinePass(ctx, shaders)
         self._wires = WirePass(ctx, shaders, arena, frame)
         self._atlas = AtlasPass(ctx, shaders)
+        self._maps_shown = False
 
     @property
     def shows(self) -> bool:
@@ -124,6 +126,8 @@ class Overlay:
         if "graph" in self.layers:
             draw_frame_graph(hud, self.times.frames)
         on = [_WORDS[layer] for layer in LAYERS if layer in self.layers]
+        if "atlas" in self.layers and not self._maps_shown:
+            on[-1] = _NO_MAPS
         if on:
             text = ", ".join(on)
             wide = hud.measure(text, 14.0) + 24.0
@@ -131,8 +135,10 @@ class Overlay:
             hud.text(30.0, CANVAS_HEIGHT - 120.0, text, 14.0, INK)
 
     def draw_atlas(self, framebuffer: moderngl.Framebuffer, shadows: ShadowStage) -> int:
-        """The shadow atlas in a corner of the surface; returns the draw calls made."""
-        return self._atlas.draw(framebuffer, shadows) if "atlas" in self.layers else 0
+        """The shadow atlas in a corner of the surface, before `lay_out`; returns the draw calls made."""
+        draws = self._atlas.draw(framebuffer, shadows) if "atlas" in self.layers else 0
+        self._maps_shown = draws > 0
+        return draws
 
     def release(self) -> None:
         """Free everything; the vertex arrays of wires are the arena's."""
