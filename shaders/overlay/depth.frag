@@ -1,14 +1,23 @@
-// Depths of the shadow atlas as greys, near ones bright; what nothing was drawn to stays dark blue.
+// Depths of the shadow atlas as relief lit from the upper left, since all of a sun's maps share one long range: what is
+// level is grey, near things are a little brighter. What nothing was drawn to stays dark blue.
 layout(binding = 4) uniform sampler2D depths;
 uniform float tiles;            // along a side
+uniform float relief[16];       // by tile: depth over a texel, both in metres
 
 in vec2 uv;
 out vec4 colour;
 
 void main() {
-    float depth = texture(depths, uv).r;
+    ivec2 most = textureSize(depths, 0) - 1, texel = min(ivec2(uv * vec2(most + 1)), most);
+    float depth = texelFetch(depths, texel, 0).r;
+    ivec2 tile = min(ivec2(uv * tiles), ivec2(tiles) - 1);
+    vec2 rise = vec2(
+        depth - texelFetch(depths, min(texel + ivec2(1, 0), most), 0).r,
+        depth - texelFetch(depths, max(texel - ivec2(0, 1), ivec2(0)), 0).r);
+    float slope = (rise.x + rise.y) * relief[tile.y * int(tiles) + tile.x];
+    float shade = 0.55 - 0.38 * slope / sqrt(1.0 + slope * slope) + 0.12 * (0.5 - depth);
     vec2 border = abs(fract(uv * tiles + 0.5) - 0.5) / fwidth(uv * tiles);
-    vec3 grey = depth < 1.0 ? vec3(1.0 - 0.85 * depth) : vec3(0.05, 0.07, 0.16);
     bool edge = min(border.x, border.y) < 1.0;
-    colour = vec4(edge ? vec3(0.98, 0.76, 0.40) : grey, 0.94);
+    vec3 shown = depth < 1.0 ? vec3(shade) : vec3(0.05, 0.07, 0.16);
+    colour = vec4(edge ? vec3(0.98, 0.76, 0.40) : shown, 0.94);
 }

@@ -162,6 +162,7 @@ class ShadowTarget:
         self._texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self._texture.repeat_x = self._texture.repeat_y = False
         self._framebuffer = ctx.framebuffer(depth_attachment=self._texture)
+        self._framebuffer.clear(depth=1.0)
 
     def begin(self) -> None:
         """Draw into it from here on."""

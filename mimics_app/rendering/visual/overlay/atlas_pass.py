@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.shadows.shadow_maps import ShadowPlan
 from mimics_app.rendering.visual.shadows.shadow_stage import ShadowStage
 
 if TYPE_CHECKING:
@@ -15,10 +18,11 @@ __all__ = ["AtlasPass"]
 _BINDING = 4
 _SHARE = 0.36
 """Of the picture's height."""
+_MOST_TILES = 16
 
 
 class AtlasPass:
-    """Shows depths as greys, in the lower right corner."""
+    """Shows depths as a relief, in the lower right corner."""
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
         self._ctx = ctx
@@ -41,6 +45,7 @@ class AtlasPass:
         across = side * height / width
         self._shader.set_numbers("rectangle", (1.0 - across - 0.03, -0.95, across, side))
         self._shader.set_number("tiles", float(shadows.plan.grid))
+        self._shader.set_numbers("relief", _relief(shadows.plan))
         self._ctx.viewport = (0, 0, width, height)
         self._ctx.enable_only(moderngl.BLEND)
         self._ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
@@ -53,3 +58,13 @@ class AtlasPass:
         if self._array is not None:
             self._array.release()
             self._array = None
+
+
+def _relief(plan: ShadowPlan) -> list[float]:
+    """Depth [m] over a texel's width [m] of each tile; of a spot's, whose depth is not linear, about a metre away."""
+    figures = [1.0] * _MOST_TILES
+    for shadow in plan.maps:
+        column, row = shadow.tile
+        along = float(np.linalg.norm(shadow.clip_from_world[2, :3]))
+        figures[row * plan.grid + column] = 2.0 / (along * shadow.texel)
+    return figures
