@@ -86,11 +86,11 @@ def measure_render(wanted: RenderBench) -> dict[str, Any]:
             raise UsageError(f'there is no option "{word}"', nearest(word, OPTIONS))
     workload = open_workload(wanted.workload, wanted.data, wanted.count)
     workload.prepare(wanted.warmup + wanted.frames)
-    settings = workload.settings if wanted.msaa is None else replace(workload.settings, msaa=wanted.msaa)
+    changes: dict[str, Any] = {} if wanted.msaa is None else {"msaa": wanted.msaa}
     for word in wanted.options:
-        settings = replace(settings, **OPTIONS[word])
+        changes |= OPTIONS[word]
     with open_offscreen("osmesa" if "osmesa" in wanted.options else "egl", wanted.size) as surface:
-        renderer = Renderer(surface, workload.world, settings)
+        renderer = Renderer(surface, workload.world, replace(workload.quality(surface), **changes))
         given_up = _settle(wanted.fps, wanted, workload, renderer) if wanted.fps else {}
         answer = {**_time_frames(wanted, workload, renderer, surface), **given_up, **_quality(renderer)}
         if isinstance(workload, Nodes):

@@ -14,12 +14,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.app.picture.picture import picture_quality
+from mimics_app.app.picture.picture import live_quality
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.contracts.errors import SceneError, UsageError
 from mimics_app.contracts.resources import root
 from mimics_app.maths.mat import look_at
 from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.environment import Sky
 from mimics_app.world.gltf.model_world import load_model_world, read_model
@@ -49,14 +50,17 @@ class Workload(ABC):
     Attributes:
         world: What is drawn.
         nodes: How many nodes the work is about.
-        settings: Quality of its picture.
     """
 
-    settings = RenderSettings(msaa=0, shadow_size=0, tone_map="none", fog_density=0.0, shading="plain")
+    _settings = RenderSettings(msaa=0, shadow_size=0, tone_map="none", fog_density=0.0, shading="plain")
 
     def __init__(self, world: World, nodes: int) -> None:
         self.world = world
         self.nodes = nodes
+
+    def quality(self, surface: Surface) -> RenderSettings:
+        """Of its picture on a surface."""
+        return self._settings
 
     def prepare(self, frames: int) -> None:  # noqa: B027  not everything needs to
         """Work out beforehand what an application would have: poses of every frame."""
@@ -106,10 +110,12 @@ class Walk(City):
         return self._APART * (number % self._PLACES) + self._STRIDE * step
 
     def __init__(self) -> None:
-        scene = load_checked_scene(root() / "scenes" / "city_walk.json")
-        world = build_world(scene)
-        self.settings = picture_quality(scene, "training")
+        self._scene = load_checked_scene(root() / "scenes" / "city_walk.json")
+        world = build_world(self._scene)
         super().__init__(world, len(world.transforms))
+
+    def quality(self, surface: Surface) -> RenderSettings:
+        return live_quality(self._scene, "training", surface)
 
 
 @dataclass(frozen=True, eq=False)

@@ -47,7 +47,10 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
         "--size", type=picture_size, default="1280x720", metavar="WxH", help="of render: of the picture [px]"
     )
     parser.add_argument(
-        "--msaa", type=int, choices=(0, 2, 4, 8), help="of render: samples per pixel (default: 0; of walk, 4)"
+        "--msaa",
+        type=int,
+        choices=(0, 2, 4, 8),
+        help="of render: samples per pixel (default: 0; of walk, what a window would have)",
     )
     parser.add_argument("--frames", type=_frames, default=40, help="of render: frames timed")
     parser.add_argument("--warmup", type=_frames, default=6, help="of render: frames drawn before")
