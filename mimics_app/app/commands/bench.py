@@ -50,7 +50,7 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
         "--msaa",
         type=int,
         choices=(0, 2, 4, 8),
-        help="of render: samples per pixel (default: 0; of walk, what a window would have)",
+        help="of render: samples per pixel (default: 0; of walk, as in a window)",
     )
     parser.add_argument("--frames", type=_frames, default=40, help="of render: frames timed")
     parser.add_argument("--warmup", type=_frames, default=6, help="of render: frames drawn before")
