@@ -14,7 +14,8 @@ from mimics_app.rendering.visual.displays.desktop import compose_look_at
 from mimics_app.rendering.visual.drawing.draw_list import Casters
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.shadows.shadow_maps import ShadowMap, fit_cascades
+from mimics_app.rendering.visual.shadows.cascades import Cascades
+from mimics_app.rendering.visual.shadows.shadow_maps import ShadowMap
 from mimics_app.rendering.visual.shadows.shadow_volumes import VolumeSource, extrude
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
@@ -186,7 +187,7 @@ def test_boxes_lie_in_one_another_and_hold_their_casters():
     centres, radii = rng.uniform(-60.0, 60.0, (300, 3)), rng.uniform(0.1, 4.0, 300)
     casters = Casters(np.arange(300, dtype=np.int32), centres, radii)
     view = View(compose_look_at((1.0, 2.0, 3.0), (5.0, 2.0, 0.0)), (-1.0, 1.0, -1.0, 1.0), (0, 0, 8, 8))
-    maps = fit_cascades(towards, [view], casters, 40.0, 3, 512)
+    maps = Cascades().fit(towards, [view], casters, 40.0, 3, 512)
     for inner, outer in itertools.pairwise(maps):
         assert outer.texel == pytest.approx(3.5 * inner.texel)
         assert set(inner.casters.items.tolist()) <= set(outer.casters.items.tolist())
@@ -210,7 +211,7 @@ def test_a_walk_moves_the_boxes_in_whole_texels():
     for step in range(20):
         eye = (0.037 * step, 1.7, 0.1 * step)
         view = View(compose_look_at(eye, (eye[0] + 3.0, 1.5, eye[2] - 1.0)), (-1.0, 1.0, -1.0, 1.0), (0, 0, 8, 8))
-        shadow = fit_cascades(towards, [view], casters, 20.0, 2, 256)[0]
+        shadow = Cascades().fit(towards, [view], casters, 20.0, 2, 256)[0]
         places.append((shadow.clip_from_world @ fixed)[:2] * 128)
     moved = np.diff(np.array(places), axis=0)
     assert np.abs(moved - np.round(moved)).max() < 1e-6
@@ -222,27 +223,28 @@ def test_of_the_boxes_at_most_one_moves_in_a_frame_and_none_stays_behind():
     towards = np.array([0.3, 0.8, 0.5]) / np.linalg.norm([0.3, 0.8, 0.5])
     casters = Casters(np.zeros(1, np.int32), np.zeros((1, 3)), np.ones(1))
 
-    def fit(place: float, yaw: float, before: list[ShadowMap]) -> list[ShadowMap]:
+    def fit(place: float, yaw: float, cascades: Cascades) -> list[ShadowMap]:
         eye = np.array([0.0, 1.7, -place])
         world_from_eye = compose_look_at(eye, eye + np.array([np.sin(yaw), 0.0, -np.cos(yaw)]))
         view = View(world_from_eye, (-1.0, 1.0, -1.0, 1.0), (0, 0, 8, 8))
-        return fit_cascades(towards, [view], casters, 90.0, 3, 512, before)
+        return cascades.fit(towards, [view], casters, 90.0, 3, 512)
 
     def moved(now: list[ShadowMap], before: list[ShadowMap]) -> int:
         pairs = zip(now, before, strict=True)
         return sum(not np.array_equal(a.clip_from_world, b.clip_from_world) for a, b in pairs)
 
-    maps, moves = fit(0.0, 0.0, []), []
+    walking = Cascades()
+    maps, moves = fit(0.0, 0.0, walking), []
     for frame in range(1, 200):
         place, yaw = 1.4 / 60.0 * frame, np.sin(frame * np.pi / 120.0)
-        before, maps = maps, fit(place, yaw, maps)
+        before, maps = maps, fit(place, yaw, walking)
         moves.append(moved(maps, before))
-        for kept, fresh in zip(maps, fit(place, yaw, []), strict=True):
+        for kept, fresh in zip(maps, fit(place, yaw, Cascades()), strict=True):
             off = (kept.clip_from_world @ [*fresh.origin, 1.0])[:2]
             assert np.abs(off).max() <= 0.25
     assert max(moves) == 1
     assert 10 < sum(moves) < 100
-    assert moved(fit(500.0, 0.0, maps), maps) == 3
+    assert moved(fit(500.0, 0.0, walking), maps) == 3
 
 
 @pytest.mark.parametrize(("lamp_x", "side", "expected"), [(-0.15, -1, 0.05), (0.0, 0, -0.4)])

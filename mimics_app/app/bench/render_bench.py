@@ -35,6 +35,8 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "flat": {"culling": "flat"},
     "tree": {"culling": "tree"},
     "noshadow": {"shadow_size": 0},
+    "shadow1024": {"shadow_size": 1024},
+    "scale75": {"scale": 0.75},
     "osmesa": {},
 }
 """Words of `--opt` and what they change in the settings."""

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from mimics_app.rendering.visual.lighting import MAX_LIGHTS, Lighting
 from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.shadows.cascades import MAX_CASCADES
 from mimics_app.rendering.visual.shadows.shadow_maps import (
-    MAX_CASCADES,
     MAX_SPOT_MAPS,
     ShadowMap,
     ShadowPlan,

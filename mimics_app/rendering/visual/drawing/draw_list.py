@@ -85,6 +85,7 @@ class DrawList:
         self.moved: NDArray[np.bool_] | None = None
         self._updates = 0
         self._world: F8 = np.zeros((0, 4, 4))
+        self._casters: dict[float, Casters] = {}
         self.fates: NDArray[np.uint8] | None = None
 
     def update(
@@ -118,8 +119,11 @@ class DrawList:
         self._detail = settings.detail
         self.tally = Tally()
         self._world = world.transforms.world
+        before = self._shown.copy()
         np.multiply(listed.visible, self.items.drawable, out=self._shown)
         moved = self._move(world, everything=stale)
+        if stale or moved or not np.array_equal(before, self._shown):
+            self._casters.clear()
         self._culler.moved(moved, self.centres, self.radii)
         self.fates = np.zeros(len(self.items.rows), np.uint8) if fates else None
 
@@ -144,11 +148,17 @@ class DrawList:
 
         Args:
             longest: Bodies of a radius beyond this [m] are left out of the spheres: grounds and skies.
+
+        Returns:
+            The same object as in the frame before where nothing came, went or moved.
         """
-        shown = self._levels.show_finest(self._shown)
-        casting = np.flatnonzero(shown * self.items.casting).astype(np.int32)
-        held = casting[self.radii[casting] <= longest]
-        return Casters(casting, self.centres[held], self.radii[held])
+        known = self._casters.get(longest)
+        if known is None:
+            shown = self._levels.show_finest(self._shown)
+            casting = np.flatnonzero(shown * self.items.casting).astype(np.int32)
+            held = casting[self.radii[casting] <= longest]
+            known = self._casters[longest] = Casters(casting, self.centres[held], self.radii[held])
+        return known
 
     def batch_casters(self, frame: FrameBuffers, casters: Casters, origin: F8) -> list[DrawRun]:
         """Queue the shadow pass: instances relative to `origin` [m], grouped by state and mesh."""

@@ -17,11 +17,11 @@ from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.lighting import Lighting, fit_shadow_frustum
 from mimics_app.rendering.visual.passes.shadow import draw_shadows
 from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.shadows.cascades import Cascades
 from mimics_app.rendering.visual.shadows.shadow_maps import (
     MAX_SPOT_MAPS,
     ShadowMap,
     ShadowPlan,
-    fit_cascades,
     fit_spot,
     lay_out,
     whole_map,
@@ -59,6 +59,7 @@ class ShadowStage:
         self._ctx = ctx
         self._target = ShadowTarget(ctx, size)
         self.plan = ShadowPlan(1, [], {})
+        self._cascades = Cascades()
         self.runs: list[list[DrawRun] | None] = []
         self._drawn: dict[tuple[int, int], _Drawn] = {}
 
@@ -85,7 +86,7 @@ class ShadowStage:
         if sun_maps and settings.shadow_distance > 0.0:
             casters = listed.casters(math.inf)
             distance = settings.shadow_distance
-            sun = fit_cascades(lighting.sun_direction, views, casters, distance, sun_maps, tile, self.plan.sun)
+            sun = self._cascades.fit(lighting.sun_direction, views, casters, distance, sun_maps, tile)
         elif sun_maps:
             casters = listed.casters(settings.shadow_reach)
             frustum = fit_shadow_frustum(lighting.sun_direction, casters.centres, casters.radii, tile)
