@@ -37,6 +37,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "noshadow": {"shadow_size": 0},
     "shadow1024": {"shadow_size": 1024},
     "scale75": {"scale": 0.75},
+    "noaa": {"msaa": 0, "fxaa": False},
     "osmesa": {},
 }
 """Words of `--opt` and what they change in the settings."""
