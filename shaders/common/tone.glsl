@@ -29,10 +29,9 @@ vec3 undo_tone_map_neutral(vec3 colour) {
     return risen + (least < 0.04 ? sqrt(max(least, 0.0) / 6.25) - least : 0.04);
 }
 
-// The power of the curve, 1.055 x^(1/2.4) - 0.055, by roots: a fit of our own, nowhere more than 0.03 of 255 levels off.
 vec3 encode_srgb(vec3 linear) {
-    vec3 clamped = clamp(linear, 0.0, 1.0), root = sqrt(clamped);
-    vec3 curve = 0.91271 * root + 0.25449 * sqrt(root) + clamped * (0.03565 * root - 0.13224) - 0.07051;
+    vec3 clamped = clamp(linear, 0.0, 1.0);
+    vec3 curve = 1.055 * pow(clamped, vec3(1.0 / 2.4)) - 0.055;
     return mix(12.92 * clamped, curve, step(0.0031308, clamped));
 }
 
