@@ -9,8 +9,8 @@ uniform float neutral;          // 1 where the picture is tone mapped
 out vec4 colour;
 
 void main() {
-    vec3 light = decode_srgb(texelFetch(picture, ivec2(region_texel()), 0).rgb);
+    vec3 light = decode_srgb(texelFetch(picture, ivec2(region_at), 0).rgb);
     light = neutral > 0.5 ? undo_tone_map_neutral(light) : light;
-    light = mix(light, textureLod(wide, place, 0.0).rgb, share);
+    light = mix(light, textureLod(wide, (region_at - region.xy) / region.zw, 0.0).rgb, share);
     colour = vec4(encode_srgb(neutral > 0.5 ? tone_map_neutral(light) : light), 1.0);
 }

@@ -27,7 +27,7 @@ float luma_at(ivec2 texel) {
 }
 
 void main() {
-    vec2 at = region_texel();
+    vec2 at = region_at;
     ivec2 t = ivec2(at);
     vec3 own = texelFetch(picture, t, 0).rgb;
     float middle = luma(own);

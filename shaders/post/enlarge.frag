@@ -4,5 +4,5 @@
 out vec4 colour;
 
 void main() {
-    colour = vec4(region_colour(region_texel()), 1.0);
+    colour = vec4(region_colour(region_at), 1.0);
 }

@@ -2,14 +2,10 @@
 layout(binding = 20) uniform sampler2D picture;
 uniform vec4 region;            // lower left corner, width, height [texels]
 
-in vec2 place;                  // 0 to 1 over what is drawn
-
-vec2 region_texel() {
-    return region.xy + place * region.zw;
-}
+in vec2 region_at;              // where a pixel lies in the picture [texels]
+flat in vec4 inside;            // middles of the outermost texels, lower left and upper right
 
 // Linearly filtered; `at` in texels.
 vec3 region_colour(vec2 at) {
-    vec2 inside = clamp(at, region.xy + 0.5, region.xy + region.zw - 0.5);
-    return textureLod(picture, inside / vec2(textureSize(picture, 0)), 0.0).rgb;
+    return textureLod(picture, clamp(at, inside.xy, inside.zw) / vec2(textureSize(picture, 0)), 0.0).rgb;
 }

@@ -20,7 +20,7 @@ const float REACH = 1.0;
 out vec4 colour;
 
 void main() {
-    vec2 at = region_texel();
+    vec2 at = region_at;
     vec3 light = light_at(at + vec2(-REACH, -REACH)) + light_at(at + vec2(REACH, -REACH));
     light += light_at(at + vec2(-REACH, REACH)) + light_at(at + vec2(REACH, REACH));
     colour = vec4(0.25 * light, 1.0);
