@@ -10,7 +10,7 @@ from typing import get_args, get_type_hints
 
 import pytest
 
-from mimics_app.app.planner.explain import TICK_GROUP, UNUSED, describe_plan, explain_plan
+from mimics_app.app.planner.explain import OF_OBJECTS, TICK_GROUP, describe_plan, explain_plan
 from mimics_app.app.planner.plan import choose, load_table, plan_scene, settle
 from mimics_app.app.planner.tolerances import BY_PROFILE, FIELD_OF_UNIT, tolerances_of
 from mimics_app.app.planner.uses import USES
@@ -135,7 +135,7 @@ def test_shipped_table_knows_every_method_a_scene_may_name():
     assert set(names) - {"auto"} == {r.method for r in groups["tunnel projection"]}
     assert {"cartesian", "polar", "seed"} <= {r.method for r in groups["admittance form"]}
     assert {"hrtf", "stereo"} <= {r.method for r in groups["spatialiser"]}
-    assert {*UNUSED, TICK_GROUP} <= set(groups)
+    assert {*OF_OBJECTS, TICK_GROUP} <= set(groups)
     for group in USES:
         assert len({FIELD_OF_UNIT[r.unit] for r in groups[group]}) == 1, group
 
@@ -171,6 +171,21 @@ def test_sound_that_is_not_there_is_left_out_with_its_cost(scene):
     left = {item["part"]: item["saved_us"] for item in answer["left_out"]}
     assert left["sound process, per block of 5 ms"] == 10.0
     assert "spatialiser" not in {part["group"] for part in answer["parts"]}
+
+
+@pytest.mark.parametrize(
+    ("name", "ticks", "left"),
+    [
+        ("wavy_tunnel", "haptic tick, all of it", 4),
+        ("pick_and_place", "haptic tick without its objects", 0),
+        ("city_walk", "", 4),
+    ],
+)
+def test_what_only_objects_need_is_left_out_where_none_is(name, ticks, left):
+    scene = load_checked_scene(root() / "scenes" / f"{name}.json")
+    told = describe_plan(scene, plan_scene(scene, "training"))
+    assert [part["part"] for part in told["parts"] if part["group"] == TICK_GROUP] == ([ticks] if ticks else [])
+    assert len({*OF_OBJECTS.values()} & {part["part"] for part in told["left_out"]}) == left
 
 
 def test_shadow_is_measured_only_where_none_is_cast(scene):

@@ -42,7 +42,11 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "workload", nargs="?", choices=("city", "nodes", "crowd", "walk"), help="of render: what is drawn"
     )
-    parser.add_argument("--data", type=Path, help="of render: folder of the workloads, else RENDER_DATA names it")
+    parser.add_argument(
+        "--data",
+        type=Path,
+        help="of render: folder with city.glb and cube.glb, which city and nodes draw; else RENDER_DATA names it",
+    )
     parser.add_argument(
         "--size", type=picture_size, default="1280x720", metavar="WxH", help="of render: of the picture [px]"
     )

@@ -26,7 +26,7 @@ def run(args: argparse.Namespace) -> int:
     clock = MonotonicClock()
     started = clock.now_ns()
     if not args.json:
-        sys.stderr.write("compiling kernels ...\n")
+        sys.stderr.write("compiling kernels: some minutes the first time ...\n")
     _compile_everything()
     seconds = (clock.now_ns() - started) * 1e-9
     folder = str(cache_folder) if cache_folder else ""

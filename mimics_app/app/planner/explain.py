@@ -13,12 +13,13 @@ from mimics_app.app.planner.plan import Choice, Dearer, Plan
 from mimics_app.app.planner.uses import USES, visual_of
 from mimics_app.lab.table import Row, Table
 from mimics_app.world.components.effects import Billboard, Particles, Projector
+from mimics_app.world.components.objects import HapticObject, HapticWalls
 from mimics_app.world.components.pictures import Inset, Mirror, Screen
 from mimics_app.world.components.robot import Tunnel
 from mimics_app.world.components.visible import LightComponent, Sound, SoundEmitter
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["TICK_GROUP", "UNUSED", "LeftOut", "Part", "describe_plan", "explain_plan"]
+__all__ = ["OF_OBJECTS", "TICK_GROUP", "LeftOut", "Part", "describe_plan", "explain_plan"]
 
 TICK_GROUP = "haptic tick"
 """Group of the table that holds the whole tick, by the projection in it."""
@@ -113,12 +114,19 @@ def _too_dear(dearer: Dearer) -> dict[str, Any]:
 
 
 def _tick_parts(scene: Scene, plan: Plan) -> list[Part]:
-    """The whole haptic tick, where the table has it."""
+    """The whole haptic tick, where the table has it and somebody plays the scene."""
+    if scene.scenario == _NOBODY:
+        return []
     method = plan.methods.get("tunnel projection", _NO_TUNNEL) if scene.components(Tunnel) else _NO_TUNNEL
     row = _row(plan.table, TICK_GROUP, method)
     if row is None:
         return []
-    return [Part("haptic tick, all of it", TICK_GROUP, method, row.cost_us, None, "", None, None)]
+    what = "haptic tick without its objects" if _has_objects(scene) else "haptic tick, all of it"
+    return [Part(what, TICK_GROUP, method, row.cost_us, None, "", None, None)]
+
+
+def _has_objects(scene: Scene) -> bool:
+    return bool(scene.components(HapticObject) or scene.components(HapticWalls))
 
 
 def _row(table: Table, group: str, method: str) -> Row | None:
@@ -143,8 +151,8 @@ def _left_out(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None]) -
     if not any(light.casts_shadow for _, light, _ in scene.components(LightComponent)):
         left.append(LeftOut("shadow pass, per frame", "no light casts a shadow", shadow_us()))
     left += _filters_left_out(scene, plan)
-    for group, (part, why) in UNUSED.items():
-        left.append(LeftOut(part, why, _cheapest(table, group)))
+    if not _has_objects(scene):
+        left += [LeftOut(part, _NO_OBJECT, _cheapest(table, group)) for group, part in OF_OBJECTS.items()]
     left.append(LeftOut("body signals, estimation, learning", "no recorder of body signals is in the scene", None))
     return left
 
@@ -165,7 +173,7 @@ def _filters_left_out(scene: Scene, plan: Plan) -> list[LeftOut]:
         if not used
     ]
     if not plan.methods.get("anti aliasing", "filter").endswith("filter"):
-        left.append(LeftOut("filter of edges, per frame", "edges are smooth enough, or fall as they fall", None))
+        left.append(LeftOut("filter of edges, per frame", "see smooth edges above: another way runs, or none", None))
     return left
 
 
@@ -175,13 +183,18 @@ def _extra_us(plan: Plan, group: str) -> float | None:
     return (max(costs) - min(costs)) * plan.pixels / USES[group].pixels if costs and plan.pixels else None
 
 
-UNUSED: Mapping[str, tuple[str, str]] = {
-    "integrator": ("rigid bodies, per body and tick", "nothing but the ball moves, and the robot moves it"),
-    "rotation update": ("rotation of bodies, per body and tick", "nothing turns"),
-    "contact law": ("contact with shapes, per contact and tick", "there is no shape to touch but the tunnel"),
-    "friction": ("friction, per contact and tick", "the wall of a tunnel is smooth; its drag is part of the tunnel"),
+_NOBODY = "none"
+"""Scenario of a scene that is only looked at."""
+
+_NO_OBJECT = "no entity has a haptic_object or haptic_walls"
+
+OF_OBJECTS: Mapping[str, str] = {
+    "integrator": "rigid bodies, per body and tick",
+    "rotation update": "rotation of bodies, per body and tick",
+    "contact law": "contact with shapes, per contact and tick",
+    "friction": "friction, per contact and tick",
 }
-"""Groups whose methods no component of the present scene format asks for: (part, why)."""
+"""Groups whose methods only things to be touched need, with their part."""
 
 
 def _cheapest(table: Table, group: str) -> float | None:
