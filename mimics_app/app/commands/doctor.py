@@ -118,7 +118,7 @@ def _machine() -> dict[str, Any]:
 
 def _kernel_cache() -> dict[str, Any]:
     try:
-        from mimics_app.contracts.kernel import cache_folder
+        from mimics_app.contracts.kernel_cache import cache_folder
     except ImportError as error:
         return {"folder": None, "compiled": 0, "fix": str(error)}
     if cache_folder is None:

@@ -21,7 +21,7 @@ def run(args: argparse.Namespace) -> int:
     """Compile every kernel of a run that is not in the cache yet."""
     from mimics_app.app.terminal import output
     from mimics_app.contracts.clock import MonotonicClock
-    from mimics_app.contracts.kernel import cache_folder
+    from mimics_app.contracts.kernel_cache import cache_folder
 
     clock = MonotonicClock()
     started = clock.now_ns()

@@ -10,7 +10,7 @@ __all__ = ["is_cold", "say_if_cold"]
 
 def say_if_cold() -> None:
     """Say on stderr that kernels are about to be compiled, where no machine code is kept yet."""
-    from mimics_app.contracts.kernel import cache_folder
+    from mimics_app.contracts.kernel_cache import cache_folder
 
     if is_cold(cache_folder):
         sys.stderr.write("mimics: compiling the kernels, once for this version; a minute or two\n")

@@ -1,0 +1,254 @@
+"""The cache of compiled kernels: a private folder, one subfolder per module and state of the sources it can reach.
+
+numba's own cache looks at the file of the root function only: a changed helper in another file is not seen, a cache
+made with bounds checks is taken for one without, and its index is a pickle, so whoever may write the folder may run
+code as its reader. Here a module's key is the hash of its own source and of every source its imports reach, so an edit
+compiles its importers again and nothing else, and the folder belongs to this user alone.
+"""
+
+from __future__ import annotations
+
+import atexit
+import hashlib
+import os
+import re
+import shutil
+import stat
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
+
+__all__ = ["cache_folder", "enable_cache", "private_folder", "source_key", "sources_reached"]
+
+_OPEN_TO_OTHERS = 0o077
+_ROOT = Path(__file__).resolve().parents[2]
+_IMPORT = re.compile(
+    rb"^[ \t]*(?:from[ \t]+(\.*[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n]*)|import[ \t]+([^\n]*))", re.MULTILINE
+)
+_NAME = re.compile(rb"([\w.]+)(?:[ \t]+as[ \t]+\w+)?")
+
+
+# --- which folder ---------------------------------------------------------------------------------------------------
+
+
+def _candidates() -> Iterator[Path]:
+    """Where the folder may lie, best first."""
+    for variable in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME"):
+        if named := os.environ.get(variable):
+            yield Path(named) / "mimics"
+    with suppress(RuntimeError):  # a container's user may have no home at all
+        yield Path.home() / ".cache" / "mimics"
+    user = os.getuid() if hasattr(os, "getuid") else os.environ.get("USERNAME", "user")
+    yield Path(tempfile.gettempdir()) / f"mimics-{user}"
+
+
+def _make_private(folder: Path) -> bool:
+    """Whether `folder` is a directory (no link) of this user that nobody else may open; made or closed if need be."""
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        with suppress(FileExistsError):
+            folder.mkdir(mode=0o700)
+        found = folder.lstat()
+        if not stat.S_ISDIR(found.st_mode):
+            return False
+        if hasattr(os, "geteuid"):
+            if found.st_uid != os.geteuid():
+                return False
+            if found.st_mode & _OPEN_TO_OTHERS:
+                folder.chmod(0o700)
+        return os.access(folder, os.W_OK)
+    except OSError:
+        return False
+
+
+def private_folder() -> Path | None:
+    """The first candidate that is this user's own, else a fresh folder for this process and its children, else None."""
+    for folder in _candidates():
+        if _make_private(folder):
+            return folder
+    try:
+        fresh = Path(tempfile.mkdtemp(prefix="mimics-"))  # 0700 by its definition
+    except OSError:
+        return None
+    os.environ["NUMBA_CACHE_DIR"] = str(fresh)  # children share it; it goes with this process
+    atexit.register(shutil.rmtree, fresh, ignore_errors=True)
+    return fresh
+
+
+def _compiler_key() -> str:
+    """What besides sources decides machine code; numba's own index knows the processor."""
+    bounds = os.environ.get("NUMBA_BOUNDSCHECK", "0")
+    return hashlib.sha256(f"{numba.__version__} {sys.version_info[:2]} {bounds}".encode()).hexdigest()[:8]
+
+
+def _choose_cache_folder() -> Path | None:
+    base = private_folder()
+    return None if base is None else base / f"kernels-{_compiler_key()}"
+
+
+cache_folder: Path | None = _choose_cache_folder()
+"""Where machine code is kept, or None where nothing is writable (then each start compiles again)."""
+
+
+# --- which sources --------------------------------------------------------------------------------------------------
+
+
+@cache
+def _package_root(top: str) -> Path | None:
+    """The folder in which the top-level name of an import lies, if its sources can differ from run to run."""
+    if top == __name__.partition(".")[0]:
+        return _ROOT
+    if top in sys.stdlib_module_names:
+        return None
+    try:
+        spec = find_spec(top)
+    except (ImportError, ValueError):
+        return None
+    if spec is None:
+        return None
+    places = list(spec.submodule_search_locations or [])
+    place = Path(places[0]) if places else Path(spec.origin or "")
+    return None if place.suffix == ".so" else place.parent
+
+
+def _source_of(name: str) -> Path | None:
+    """File of a dotted module name below its package's root, or None where that is no source file."""
+    root = _package_root(name.partition(".")[0])
+    if root is None:
+        return None
+    place = root.joinpath(*name.split("."))
+    for file in (place.with_suffix(".py"), place / "__init__.py"):
+        if file.is_file():
+            return file
+    return None
+
+
+def _names(imported: bytes) -> list[str]:
+    text = b"\n".join(line.partition(b"#")[0] for line in imported.split(b"\n"))
+    return [found.decode() for part in text.strip(b"() \t").split(b",") if (found := _first_name(part))]
+
+
+def _first_name(part: bytes) -> bytes:
+    found = _NAME.match(part.strip())
+    return found[1] if found else b""
+
+
+def _absolute(source: Path, name: str) -> str | None:
+    """`name` of an import inside `source` without leading dots; None where a relative one leaves every package."""
+    dots = len(name) - len(name.lstrip("."))
+    if not dots:
+        return name
+    package = source.parent
+    for _ in range(dots - 1):
+        package = package.parent
+    parts: list[str] = []
+    while (package / "__init__.py").is_file():
+        parts.insert(0, package.name)
+        package = package.parent
+    return ".".join([*parts, name.lstrip(".")]).rstrip(".") if parts else None
+
+
+@cache
+def _read(source: Path) -> bytes:
+    return source.read_bytes()
+
+
+@cache
+def _imports(source: Path) -> tuple[Path, ...]:
+    """Sources that `source` imports directly, wherever in its text the import stands."""
+    found: set[Path] = set()
+    for origin, names, modules in _IMPORT.findall(_read(source)):
+        if modules:
+            found.update(file for name in _names(modules) if (file := _source_of(name)))
+        elif base := _absolute(source, origin.decode()):
+            own = _source_of(base)
+            found.update(file for name in _names(names) if (file := _source_of(f"{base}.{name}") or own))
+    return tuple(sorted(found))
+
+
+def _is_fixed(source: Path, own: Path) -> bool:
+    """Whether `source` is an installed library: its version changes with the environment, not with an edit."""
+    if "site-packages" not in source.parts or source.is_relative_to(_ROOT / "mimics_app"):
+        return False
+    return not source.is_relative_to(own)
+
+
+def sources_reached(source: Path) -> list[Path]:
+    """`source` and every source file its imports reach, sorted; installed libraries of others are left out."""
+    own = source.parent
+    while (own.parent / "__init__.py").is_file():
+        own = own.parent
+    reached, waiting = {source}, [source]
+    while waiting:
+        for file in _imports(waiting.pop()):
+            if file not in reached and not _is_fixed(file, own):
+                reached.add(file)
+                waiting.append(file)
+    return sorted(reached)
+
+
+@cache
+def _digest(source: Path) -> bytes:
+    return hashlib.sha256(_read(source)).digest()
+
+
+@cache
+def source_key(source: Path) -> str:
+    """16 hex digits that change with any byte of any source that `source` can reach."""
+    total = hashlib.sha256()
+    for file in sources_reached(source):
+        total.update(f"{file.parent.name}/{file.name}".encode())
+        total.update(_digest(file))
+    return total.hexdigest()[:16]
+
+
+# --- numba's side ---------------------------------------------------------------------------------------------------
+
+
+class _Locator(_CacheLocator):
+    """Puts a function's files into the folder of its module and of the sources that module reaches."""
+
+    def __init__(self, py_func: Callable[..., object], py_file: str) -> None:
+        source = Path(py_file).resolve()
+        self._py_file = py_file
+        self._line = py_func.__code__.co_firstlineno
+        self._key = source_key(source)
+        self._module = py_func.__module__ if source.is_relative_to(_ROOT) else source.stem
+
+    def get_cache_path(self) -> str:
+        return str((cache_folder or Path(tempfile.gettempdir())) / f"{self._module}-{self._key}")
+
+    def get_source_stamp(self) -> str:
+        return self._key
+
+    def get_disambiguator(self) -> str:
+        return str(self._line)
+
+    @classmethod
+    def from_function(cls, py_func: Callable[..., object], py_file: str) -> _Locator | None:
+        return cls(py_func, py_file) if os.path.exists(py_file) else None
+
+
+class _CacheFiles(CompileResultCacheImpl):
+    _locator_classes = [_Locator]  # noqa: RUF012  numba's own form
+
+
+class _KernelCache(FunctionCache):
+    _impl_class = _CacheFiles
+
+
+def enable_cache(dispatcher: Any) -> None:
+    """Let a compiled function keep its machine code in `cache_folder`; without a folder or a source file, not at all.
+
+    Functions typed at a prompt have no source file whose change could be seen, so they are compiled in each process.
+    """
+    if cache_folder is not None and os.path.exists(dispatcher.py_func.__code__.co_filename):
+        dispatcher._cache = _KernelCache(dispatcher.py_func)  # type: ignore[no-untyped-call]

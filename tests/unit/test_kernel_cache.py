@@ -1,0 +1,175 @@
+"""The kernel cache: every source a kernel can reach belongs to its key, and nobody else can put code into it."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from mimics_app.contracts import kernel_cache
+from mimics_app.contracts.resources import root
+
+ROOT = Path(__file__).parents[2]
+NUMBERED = [
+    "mimics_app/contracts/haptic.py",
+    "mimics_app/contracts/atomics.py",
+    "mimics_app/contracts/borrowed.py",
+    "mimics_app/contracts/haptic_objects.py",
+    "mimics_app/contracts/loop_ports.py",
+    "mimics_app/rendering/haptic/kernels/contact_law.py",
+]
+"""Files whose constants the loop compiles in: states, buttons, status words, fences."""
+
+
+@pytest.fixture(scope="module")
+def copied(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A checkout of the sources that may be edited."""
+    folder = tmp_path_factory.mktemp("checkout")
+    shutil.copytree(root() / "mimics_app", folder / "mimics_app", ignore=shutil.ignore_patterns("__pycache__"))
+    return folder
+
+
+def _run(code: str, folder: Path, **environment: str) -> str:
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(folder)} | environment,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
+
+
+_KEY = """
+from pathlib import Path
+import mimics_app
+from mimics_app.contracts.kernel_cache import source_key
+base = Path(mimics_app.__file__).resolve().parents[1]
+for name in {names!r}:
+    print(source_key(base / name))
+"""
+
+
+@pytest.mark.parametrize("edited", NUMBERED)
+def test_an_edit_of_any_source_the_loop_compiles_in_changes_its_key(copied: Path, edited: str) -> None:
+    code = _KEY.format(names=["mimics_app/rendering/haptic/loop.py"])
+    before = _run(code, copied)
+    file = copied / edited
+    text = file.read_bytes()
+    try:
+        file.write_bytes(text + b"\n_PLANTED = 1\n")
+        assert _run(code, copied) != before
+    finally:
+        file.write_bytes(text)
+    assert _run(code, copied) == before
+
+
+def test_an_edit_leaves_alone_what_does_not_import_it(copied: Path) -> None:
+    names = ["mimics_app/rendering/haptic/kernels/friction.py", "mimics_app/rendering/haptic/kernels/kinematics.py"]
+    code = _KEY.format(names=names)
+    before = _run(code, copied).split()
+    file = copied / names[0]
+    file.write_bytes(file.read_bytes() + b"\n_PLANTED = 1\n")
+    after = _run(code, copied).split()
+    assert after[0] != before[0] and after[1] == before[1]
+
+
+_PROBE = """
+from mimics_app.contracts.kernel import kernel
+from plugged.constants import ANSWER
+
+@kernel
+def answer(x):
+    return x + ANSWER
+"""
+
+
+def test_a_constant_of_another_file_takes_effect_in_the_next_process(tmp_path: Path) -> None:
+    """numba's own cache fails this: it looks at the file of the compiled function only."""
+    package = tmp_path / "plugged"
+    package.mkdir()
+    (package / "__init__.py").write_text("")
+    (package / "kernels.py").write_text(_PROBE)
+    code = "from plugged.kernels import answer; print(answer(0), sum(answer.stats.cache_hits.values()))"
+    seen = []
+    for value in (1, 1, 2):
+        (package / "constants.py").write_text(f"ANSWER = {value}\n")
+        seen.append(_run(code, tmp_path, PYTHONPATH=f"{tmp_path}:{ROOT}", NUMBA_CACHE_DIR=str(tmp_path / "cache")))
+    assert seen == ["1 0", "1 1", "2 0"]
+
+
+def test_relative_and_parenthesised_imports_are_followed(tmp_path: Path) -> None:
+    package = tmp_path / "relative_plugin"
+    (package / "inner").mkdir(parents=True)
+    for name in ("__init__.py", "inner/__init__.py", "leaf.py", "inner/twig.py"):
+        (package / name).write_text("")
+    (package / "inner" / "kernels.py").write_text(
+        "from ..leaf import (  # a remark\n    A,\n    B as C,\n)\nfrom . import twig\n"
+    )
+    code = (
+        "from pathlib import Path; from mimics_app.contracts.kernel_cache import sources_reached;"
+        f"print(*[f.name for f in sources_reached(Path({str(package / 'inner' / 'kernels.py')!r}))])"
+    )
+    assert _run(code, tmp_path, PYTHONPATH=f"{tmp_path}:{ROOT}") == "kernels.py twig.py leaf.py"
+
+
+# --- the folder -----------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """One candidate, in an empty folder; temporary folders lie beside it."""
+    monkeypatch.setattr(kernel_cache, "_candidates", lambda: iter([tmp_path / "mimics"]))
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    monkeypatch.setenv("NUMBA_CACHE_DIR", "")
+    return tmp_path / "mimics"
+
+
+def test_a_new_folder_is_open_to_its_user_alone(only: Path) -> None:
+    assert kernel_cache.private_folder() == only
+    assert only.stat().st_mode & 0o777 == 0o700
+
+
+def test_a_folder_of_this_user_that_stood_open_is_closed(only: Path) -> None:
+    only.mkdir(mode=0o777)
+    only.chmod(0o777)
+    assert kernel_cache.private_folder() == only
+    assert only.stat().st_mode & 0o777 == 0o700
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can make a folder of another user")
+def test_a_folder_that_another_user_made_first_is_not_taken(only: Path) -> None:
+    only.mkdir()
+    os.chown(only, 12346, 12346)
+    fresh = kernel_cache.private_folder()
+    assert fresh is not None and fresh != only and fresh.stat().st_uid == os.geteuid()
+    assert fresh.stat().st_mode & 0o777 == 0o700
+    assert os.environ["NUMBA_CACHE_DIR"] == str(fresh)
+
+
+def test_a_link_is_not_followed(only: Path, tmp_path: Path) -> None:
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    only.symlink_to(elsewhere)
+    assert kernel_cache.private_folder() not in (only, elsewhere)
+
+
+def test_a_file_in_the_way_is_passed_over(only: Path) -> None:
+    only.write_text("in the way")
+    fresh = kernel_cache.private_folder()
+    assert fresh is not None and fresh.is_dir()
+
+
+def test_without_any_writable_place_there_is_no_cache(only: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object, **__: object) -> str:
+        raise OSError("read-only file system")
+
+    only.write_text("in the way")
+    monkeypatch.setattr("tempfile.mkdtemp", refuse)
+    assert kernel_cache.private_folder() is None
