@@ -9,7 +9,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -19,7 +18,7 @@ from mimics_app.contracts.haptic import Controller, SafetyState, TripCause
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact_limits import common_share, is_pressed
 from mimics_app.rendering.haptic.kernels.limiter import limit_force, limit_held
-from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale, limited_credit
+from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale, limited_credit, middle_velocity
 from mimics_app.rendering.haptic.kernels.safety import HOLD, is_stopped, latch
 from mimics_app.rendering.haptic.kernels.stability import spring_share, stiffness_limit
 from mimics_app.rendering.haptic.kernels.tank import payable_share, settle_account
@@ -246,18 +245,22 @@ def _follow_credit(scene: Any, state: Any, totals: Any, dt: float) -> None:
 
 @kernel
 def _take_back(scene: Any, state: Any, dt: float) -> float:
-    """Passivity controller: the factor on the contacts' force."""
+    """Passivity controller: the factor 0-1 on the contacts' force; it never makes them pull."""
     acting = state.acting
     acting.passivity = 0.0
     felt = state.safety == _ACTIVE or state.safety == _DEGRADED
     if scene.passivity == 0 or not felt:
         return 1.0
-    most, least = scene.passivity_damping, 0.0
+    most, v = scene.passivity_damping, acting.v
     if scene.controller == _ADMITTANCE:
-        most, least = min(most, _STABLE_DAMPER * scene.virtual_mass / dt), -math.inf
+        most = min(most, _STABLE_DAMPER * scene.virtual_mass / dt)
+        v = state.work_b
+        for i in range(3):
+            state.work_a[i] = state.f_contact[i] + state.f_active[i]
+        middle_velocity(acting.v, state.work_a, state.f_meas_world, scene.virtual_mass, dt, v)
     credit = acting.credit - _under_way(scene, state, dt)
-    factor = contact_scale(credit, state.f_contact, acting.v, dt, most, least)
-    acting.passivity = abs(1.0 - factor) * norm(state.f_contact)
+    factor = contact_scale(credit, state.f_contact, v, dt, most)
+    acting.passivity = (1.0 - factor) * norm(state.f_contact)
     acting.passivity_ticks += 1 if acting.passivity > 0.0 else 0
     return factor
 

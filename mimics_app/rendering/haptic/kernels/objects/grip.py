@@ -292,9 +292,9 @@ def _let_go(grip: Any) -> None:
 def grip_bodies(rows: Any, work: Any, counts: Any, grasp: float, dt: float) -> None:
     """Let the fingers take, hold and lose bodies for one tick.
 
-    Adds to totals.grip_force, stiffness, even_stiffness and even_damping, to force, torque and force_user of the body held,
-    and names it in totals.held, and in totals.crushed once it was pressed too hard. A body without friction cannot be
-    held; one that is put back to its start is let go.
+    Adds to totals.grip_force, stiffness, even_stiffness and even_damping, to force, torque and force_user of the body
+    held, and names it in totals.held, and in totals.crushed once it was pressed too hard. A body without friction
+    cannot be held; one that is put back to its start is let go.
 
     Args:
         rows: Tables of the main thread; bodies with `grip` set can be held, `crush_force` bruises them.

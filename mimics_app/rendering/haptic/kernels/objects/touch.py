@@ -167,9 +167,7 @@ def _note_wall(desk: Any, wall: Any, row: int, contact: Any) -> None:
 
 
 @kernel
-def _settle(
-    desk: Any, shape: Any, row: int, memory: Any, depth: float, direction: Any, rows: Any, work: Any
-) -> None:
+def _settle(desk: Any, shape: Any, row: int, memory: Any, depth: float, direction: Any, rows: Any, work: Any) -> None:
     """Press the shape at hand and hand the force to all whom it concerns; stiff it is along `direction`."""
     totals = work.totals[0]
     if not _press(desk, shape, memory, depth):
