@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import EventKind
 from mimics_app.recording.attempts import Attempt
-from mimics_app.recording.report_tables import table
+from mimics_app.recording.report_tables import Table
 from mimics_app.recording.run import Run
 
-__all__ = ["smallest_margin", "stability_lines", "stability_text"]
+__all__ = ["smallest_margin", "stability_lines", "stability_tables"]
 
 _MOST_SHOWN = 10.0
 _MOST_LOSSES = 20
@@ -44,11 +44,11 @@ def stability_lines(attempt: Attempt) -> dict[str, dict[str, tuple[str, Values]]
     }
 
 
-def stability_text(run: Run) -> str:
-    """The worst of the run as a table, and when the margin was lost; "" where nothing was recorded."""
+def stability_tables(run: Run) -> dict[str, Table]:
+    """The worst of the run, and when the margin was lost, by heading; {} where nothing was recorded."""
     samples = run.haptic
     if len(samples) == 0:
-        return ""
+        return {}
     touching = samples[_touching(samples)]
     lost = run.events[run.events["kind"] == EventKind.MARGIN]
     capped = run.events[run.events["kind"] == EventKind.CAP]
@@ -71,13 +71,13 @@ def stability_text(run: Run) -> str:
             ("least share of the authored stiffness [%]", 100.0 * float(touching["stiffness_share"].min())),
             *rows,
         ]
-    text = "<h3>Stability</h3>" + table(["", "value"], rows)
+    tables = {"Stability": Table(["", "value"], rows)}
     if len(lost):
-        listed = [(int(event["tick"]), 100.0 * float(event["force"])) for event in lost[:_MOST_LOSSES]]
-        text += table(["margin lost at tick", "margin [%]"], listed)
+        tables["Margin lost"] = Table(["at [s]", "margin [%]"], _percentages(run, lost))
     if len(capped):
-        text += table(
-            ["softened from tick", "to [%]"],
-            [(int(e["tick"]), 100.0 * float(e["force"])) for e in capped[:_MOST_LOSSES]],
-        )
-    return text
+        tables["Softened by the cap"] = Table(["from [s]", "to [%]"], _percentages(run, capped))
+    return tables
+
+
+def _percentages(run: Run, events: NDArray[Any]) -> list[tuple[float, float]]:
+    return [(run.seconds(event["tick"]), 100.0 * float(event["force"])) for event in events[:_MOST_LOSSES]]
