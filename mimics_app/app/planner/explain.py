@@ -11,7 +11,7 @@ import msgspec
 
 from mimics_app.app.planner.plan import Choice, Dearer, Plan
 from mimics_app.app.planner.uses import USES, visual_of
-from mimics_app.lab.table import Row, Table
+from mimics_app.contracts.method_table import Row, Table
 from mimics_app.world.components.effects import Billboard, Particles, Projector
 from mimics_app.world.components.objects import HapticObject, HapticWalls
 from mimics_app.world.components.pictures import Inset, Mirror, Screen
