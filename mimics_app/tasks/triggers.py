@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from mimics_app.contracts.trial_state import TrialState
 from mimics_app.tasks.observation import Observation
-from mimics_app.tasks.state_machine import State
 from mimics_app.tasks.task import (
     CarryCondition,
     ContactCondition,
@@ -27,16 +27,16 @@ class Moment:
     """One frame as triggers see it.
 
     Attributes:
-        state: State of the trial after this frame.
+        state: TrialState of the trial after this frame.
         entered: The state that began in this frame, or None.
         left: The state that ended in this frame, or None.
         pressed: Keys and buttons that went down.
         seen: The robot.
     """
 
-    state: State
-    entered: State | None
-    left: State | None
+    state: TrialState
+    entered: TrialState | None
+    left: TrialState | None
     pressed: tuple[str, ...]
     seen: Observation
 
@@ -63,7 +63,7 @@ class Triggers:
             return moment.left == when.state
         if isinstance(when, KeyCondition):
             return when.key in moment.pressed
-        if State.TRAVEL not in (moment.state, moment.left):
+        if TrialState.TRAVEL not in (moment.state, moment.left):
             return False
         if isinstance(when, ContactCondition):
             return any(contact.begins and contact.force >= when.min_force for contact in moment.seen.contacts)

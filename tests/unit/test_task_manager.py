@@ -218,7 +218,7 @@ def test_stop_in_mid_trial_aborts_it_and_the_reset_restarts_it(state):
     player.step(**STOPPED)
     assert player.manager.state == "stopped"
     assert player.scene["controller"] == Controller.OFF
-    assert "stale device" in player.orders[-1].hud["message"]
+    assert "stale device" in player.orders[-1].board.message
     for _ in range(600):  # ten seconds: it waits for the operator, not for the clock
         player.step(**STOPPED)
     assert player.manager.state == "stopped"
@@ -377,14 +377,14 @@ def test_progress_is_crossed_once_per_trial_even_when_it_swings():
     player = triggered()
     player.until("travel")
     swing = (0.4, 0.5, 0.4, 0.6, 0.4, 0.7)
-    messages = [player.step(progress=progress, frame_ns=100_000_001).hud["message"] for progress in swing]
+    messages = [player.step(progress=progress, frame_ns=100_000_001).board.message for progress in swing]
     assert [message == "half way" for message in messages] == [False, True, False, False, False, False]
 
 
 def test_progress_is_crossed_even_in_the_frame_that_ends_the_travel():
     player = triggered()
     player.until("travel")
-    assert player.step(progress=1.0).hud["message"] == "half way"
+    assert player.step(progress=1.0).board.message == "half way"
     assert player.manager.state == "finished"
 
 
@@ -438,7 +438,7 @@ def test_action_beyond_the_limits_is_clipped_and_told():
 def test_hud_names_and_own_messages_with_foreign_braces():
     player = Player(make_manager(task(messages={"ready": "Trial {trial} of {trials} {x.__class__}"})))
     player.until("ready")
-    hud = player.step().hud
-    assert hud["message"] == "Trial 1 of 1 {x.__class__}"
-    assert set(hud) >= {"progress", "time", "contacts", "force", "score", "state", "trial", "message"}
-    json.dumps(dict(hud), allow_nan=False)
+    orders = player.step()
+    assert orders.board.message == "Trial 1 of 1 {x.__class__}"
+    assert set(orders.board.cards) >= {"progress", "time", "contacts", "force", "score", "state", "trial"}
+    assert (orders.view.state, orders.view.trial, orders.view.trials) == ("ready", 1, 1)
