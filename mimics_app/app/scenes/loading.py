@@ -37,6 +37,7 @@ def load_checked_scene(path: Path) -> Scene:
     issues = _check_widest_tunnel(scene) + _check_reach(scene) + _check_carry_reach(scene) + check_objects(scene)
     if issues:
         raise SceneError(issues)
+    scene.read.clear()  # what is checked is not yet made use of
     return scene
 
 
