@@ -18,8 +18,8 @@ from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.settings import PROFILES
 from mimics_app.contracts.haptic import Projection
+from mimics_app.contracts.method_table import Row, Table
 from mimics_app.contracts.resources import root
-from mimics_app.lab.table import Row, Table
 from mimics_app.world.components.systems import HapticSettings, Tolerances
 from mimics_app.world.scene.file import build_world
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from mimics_app.app.cli import COMMANDS, build_parser
+from mimics_app.app.cli import COMMANDS, parse
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", ROOT / "SECURITY.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -33,7 +33,7 @@ def test_snippet_can_be_typed(page: str, line: str) -> None:
         words = ["mimics", "run", "scenes/wavy_tunnel.json", *shlex.split(" ".join(given))]
     assert words[0] == "mimics"
     if len(words) > 1:
-        args = build_parser(words[1]).parse_args(words[1:])
+        args = parse(words[1:])
         assert args.command == words[1]
     for word in words:
         if word.startswith("scenes/"):

@@ -243,6 +243,26 @@ def test_record_command_mends_and_verifies(tmp_path: Path, capsys: pytest.Captur
     assert "trials.csv was changed" in capsys.readouterr().out
 
 
+def test_verify_gives_a_verdict_and_does_not_describe(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """What `info` prints says nothing of whether the files are those that were sealed."""
+    for name in ("whole", "open"):
+        (tmp_path / name).mkdir()
+    write_synthetic_run(tmp_path / "whole", 2.0)
+    assert main(["record", "verify", str(tmp_path / "whole")]) == 0
+    (line,) = capsys.readouterr().out.splitlines()
+    assert line.split()[0] == "verified" and "files and the state hash are as they were sealed" in line
+    assert main(["record", "verify", "--json", str(tmp_path / "whole")]) == 0
+    assert json.loads(capsys.readouterr().out)["verified"] is True
+    with (tmp_path / "whole" / "trials.csv").open("a") as file:
+        file.write("x")
+    assert main(["record", "verify", str(tmp_path / "whole")]) == 6
+    said = capsys.readouterr().out.splitlines()
+    assert said[0].split()[0] == "damaged" and all(line.split()[0] == "problem" for line in said[1:])
+    write_synthetic_run(tmp_path / "open", 2.0, closed=False)
+    assert main(["record", "verify", str(tmp_path / "open")]) == 6
+    assert capsys.readouterr().out.startswith("not verified")
+
+
 # the plots
 
 

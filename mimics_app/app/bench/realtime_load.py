@@ -23,7 +23,7 @@ from mimics_app.app.touch.rehearsal import Rehearsal
 from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.lab.python_loop import PythonLoop
-from mimics_app.rendering.haptic.devices.registry import SIMULATED
+from mimics_app.rendering.haptic.devices.device_names import SIMULATED
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World

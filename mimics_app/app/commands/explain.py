@@ -31,6 +31,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Plan the scene as a run of it would, and say what was taken and why."""
+    from mimics_app.app.scenes.finding import find_scene
+
+    find_scene(args.scene)
     from mimics_app.app.picture.shadow_cost import measure_shadow_us
     from mimics_app.app.planner.explain import explain_plan
     from mimics_app.app.planner.plan import plan_scene

@@ -51,8 +51,23 @@ def run(args: argparse.Namespace) -> int:
     """Run the scene and say what it came to."""
     from mimics_app.app.terminal.first_start import say_if_cold
 
+    _find_what_is_named(args)
     say_if_cold()
     from mimics_app.app.play.play import play
 
     settings = RunSettings(**{field.name: getattr(args, field.name) for field in fields(RunSettings)})
     return play(settings, as_json=args.json)
+
+
+def _find_what_is_named(args: argparse.Namespace) -> None:
+    """Refuse a scene, a device or a run that is not there before compiled code and graphics are imported."""
+    from mimics_app.app.scenes.finding import find_scene
+    from mimics_app.rendering.haptic.devices.device_names import check_device_name
+
+    find_scene(args.scene)
+    if args.device:
+        check_device_name(args.device)
+    if args.recording is not None:
+        from mimics_app.recording.run import Run
+
+        Run.open(args.recording)

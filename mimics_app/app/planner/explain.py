@@ -11,7 +11,7 @@ import msgspec
 
 from mimics_app.app.planner.plan import Choice, Dearer, Plan
 from mimics_app.app.planner.uses import USES, visual_of
-from mimics_app.lab.table import Row, Table
+from mimics_app.contracts.method_table import Row, Table
 from mimics_app.world.components.effects import Billboard, Particles, Projector
 from mimics_app.world.components.objects import HapticObject, HapticWalls
 from mimics_app.world.components.pictures import Inset, Mirror, Screen
@@ -117,7 +117,7 @@ def _tick_parts(scene: Scene, plan: Plan) -> list[Part]:
     """The whole haptic tick, where the table has it and somebody plays the scene."""
     if scene.scenario == _NOBODY:
         return []
-    method = plan.methods.get("tunnel projection", _NO_TUNNEL) if scene.components(Tunnel) else _NO_TUNNEL
+    method = plan.methods.get("tunnel projection", _NO_TUNNEL) if scene.has(Tunnel) else _NO_TUNNEL
     row = _row(plan.table, TICK_GROUP, method)
     if row is None:
         return []
@@ -126,7 +126,7 @@ def _tick_parts(scene: Scene, plan: Plan) -> list[Part]:
 
 
 def _has_objects(scene: Scene) -> bool:
-    return bool(scene.components(HapticObject) or scene.components(HapticWalls))
+    return scene.has(HapticObject) or scene.has(HapticWalls)
 
 
 def _row(table: Table, group: str, method: str) -> Row | None:
@@ -147,7 +147,7 @@ def _left_out(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None]) -
         (Inset, "pictures over the display", "no entity has an inset", None),
         (Tunnel, "tunnel force, per tick", "no entity has a tunnel", _tunnel_us(table)),
     ]
-    left = [LeftOut(part, why, saved) for kind, part, why, saved in absent if not scene.components(kind)]
+    left = [LeftOut(part, why, saved) for kind, part, why, saved in absent if not scene.has(kind)]
     if not any(light.casts_shadow for _, light, _ in scene.components(LightComponent)):
         left.append(LeftOut("shadow pass, per frame", "no light casts a shadow", shadow_us()))
     left += _filters_left_out(scene, plan)

@@ -50,7 +50,7 @@ def visual_of(scene: Scene) -> VisualSettings:
 
 
 def _has(kind: type[msgspec.Struct]) -> Callable[[Scene], bool]:
-    return lambda scene: bool(scene.components(kind))
+    return lambda scene: scene.has(kind)
 
 
 def _named_projection(scene: Scene) -> str:

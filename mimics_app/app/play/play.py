@@ -16,10 +16,11 @@ from mimics_app.app.play.frame import Frames
 from mimics_app.app.play.pace import run_live, run_unseen, run_virtual
 from mimics_app.app.play.progress_line import ProgressLine
 from mimics_app.app.play.result import summarise
-from mimics_app.app.session.build import build_session, has_display, start_loop
+from mimics_app.app.session.build import build_session, start_loop
 from mimics_app.app.session.session import Session
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal import output
+from mimics_app.app.terminal.display import has_display
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError, PartialDataError, SafetyStop
 from mimics_app.contracts.haptic import SafetyState
@@ -29,6 +30,9 @@ from mimics_app.recording.report import write_report
 __all__ = ["play"]
 
 _STOPS = (SafetyState.SAFE_STOP.name, SafetyState.E_STOP.name)
+
+_WHO_PLAYS = {False: "the simulated patient plays", True: "the person at the robot plays, without a picture"}
+"""Who does where no window can be opened, by whether the device has a time of its own."""
 
 
 def play(settings: RunSettings, *, as_json: bool) -> int:
@@ -42,6 +46,8 @@ def play(settings: RunSettings, *, as_json: bool) -> int:
     windowed = not settings.headless and has_display()
     with build_session(settings, live=windowed) as session, _told_where(session):
         frames = Frames(session)
+        if not (windowed or settings.headless):
+            sys.stderr.write(f"mimics: no display: {_WHO_PLAYS[session.live]}\n")
         if windowed:
             _play_in_window(session, frames)
             pictures: list[Path] = []

@@ -34,18 +34,5 @@ def summarise(session: Session, frames: Frames, sound: AudioReport | None, wall_
         **({} if session.governor is None else {"governor": session.governor.summary()}),
         "recipe": late.recipe,
         "audio": {"device": "none", "sink": "off"} if sound is None else sound.summary(),
-        "unread": _unread(session),
+        "unread": session.scene.unread,
     }
-
-
-_READ = frozenset(
-    "admittance ball billboard camera connections environment force_field grasping_hand haptic_effect haptic_object "
-    "haptic_path haptic_walls hud impedance interaction_points joint_pd light mesh particles patient projector robot "
-    "safety sound sound_emitter tunnel tunnel_view world_pd".split()
-)
-"""Component types that a run makes use of."""
-
-
-def _unread(session: Session) -> list[str]:
-    """Component types of the scene that nothing in this run looked at."""
-    return sorted({name for entity in session.scene.entities for name in entity.components} - _READ)
