@@ -85,8 +85,8 @@ class Lighting:
     def sky_light(self) -> F8:
         """What surfaces get from all around, as a + b y + c y^2 of their normal's height y; rows a, b, c: [3, 3].
 
-        It is the mean of the sky as drawn over the hemisphere before the surface, within 0.025 of what the three colours
-        differ by, and the sun's light that haze and lit surroundings scatter.
+        It is the mean of the sky as drawn over the hemisphere before the surface, within 0.025 of what the three
+        colours differ by, and the sun's light that haze and lit surroundings scatter.
         """
         colours = np.stack([self.zenith, self.horizon, self.ground])
         up, upright, down = np.array([_FACING_UP, _UPRIGHT, _FACING_DOWN]) @ colours
