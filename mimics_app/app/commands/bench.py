@@ -27,7 +27,7 @@ _frame_rate = real_number("frame rate from 1 to 1000", lambda fps: 1.0 <= fps <=
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics bench`."""
     parser.add_argument(
-        "what", choices=("all", "realtime", "methods", "sound", "haptic", "render"), help="what to measure"
+        "what", choices=("all", "realtime", "methods", "audio", "haptic", "render"), help="what to measure"
     )
     _add_render_arguments(parser)
     parser.add_argument("--scene", type=Path, default=Path("scenes/wavy_tunnel.json"), help="scene of the load")
@@ -74,7 +74,7 @@ def run(args: argparse.Namespace) -> int:
     if args.what == "render":
         return _run_render(args)
 
-    parts = ("methods", "sound", "haptic", "realtime") if args.what == "all" else (args.what,)
+    parts = ("methods", "audio", "haptic", "realtime") if args.what == "all" else (args.what,)
     answer: dict[str, Any] = {}
     for part in parts:
         measured = _MEASURES[part](args)
@@ -150,7 +150,7 @@ def _measure_methods(args: argparse.Namespace) -> dict[str, Any]:
     return {"groups": {group: as_dict(measure(group, registry)) for group in GROUPS}}
 
 
-def _measure_sound(args: argparse.Namespace) -> dict[str, Any]:
+def _measure_audio(args: argparse.Namespace) -> dict[str, Any]:
     """Contact to sample through a private PulseAudio null sink; says what is missing where there is none."""
     from mimics_app.rendering.audio.live_latency import measure_live_latency, pulse_missing
 
@@ -171,6 +171,6 @@ def _measure_haptic(_: argparse.Namespace) -> dict[str, Any]:
 _MEASURES = {
     "realtime": _measure_realtime,
     "methods": _measure_methods,
-    "sound": _measure_sound,
+    "audio": _measure_audio,
     "haptic": _measure_haptic,
 }
