@@ -138,7 +138,8 @@ def _measure_apart(kind: str, scene: Path, seconds: float) -> dict[str, Any]:
 
 def _median_round(rows: list[dict[str, Any]]) -> dict[str, Any]:
     """The round of median missed share: figures of one real run, not a mixture."""
-    return sorted(rows, key=lambda row: float(row["missed_share"]))[len(rows) // 2]
+    counted = [row for row in rows if "missed_share" in row] or rows
+    return sorted(counted, key=lambda row: float(row.get("missed_share", 0.0)))[len(counted) // 2]
 
 
 def _measure_methods(args: argparse.Namespace) -> dict[str, Any]:
