@@ -11,6 +11,7 @@ from __future__ import annotations
 import atexit
 import hashlib
 import os
+import pickle
 import re
 import shutil
 import stat
@@ -243,6 +244,15 @@ class _CacheFiles(CompileResultCacheImpl):
 
 class _KernelCache(FunctionCache):
     _impl_class = _CacheFiles
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Machine code kept earlier; None, so that it is compiled again, where the file is damaged or was made in a
+        module that this process does not have under that name.
+        """
+        try:
+            return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+        except (ImportError, AttributeError, EOFError, pickle.UnpicklingError):
+            return None
 
 
 def enable_cache(dispatcher: Any) -> None:
