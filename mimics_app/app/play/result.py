@@ -15,6 +15,7 @@ __all__ = ["summarise"]
 def summarise(session: Session, frames: Frames, sound: AudioReport | None, wall_s: float) -> dict[str, Any]:
     """Everything of the `mimics run --json` object that is known before the recording is sealed."""
     late = session.haptics.histogram()
+    stability = session.haptics.stability()
     state = SafetyState.OFF if frames.snapshot is None else SafetyState(frames.snapshot.state)
     return {
         "seed": session.settings.seed,
@@ -28,7 +29,7 @@ def summarise(session: Session, frames: Frames, sound: AudioReport | None, wall_
         "safety": {"state": state.name, "trips": late.trips},
         "lateness_us": {"p50": late.p50, "p99": late.p99, "p99_9": late.p99_9, "max": late.max},
         "lateness": late.as_dict(),
-        "stability": session.haptics.stability().as_dict(),
+        "stability": stability.as_dict() | {"contacts": stability.contacts(session.side.shape_entities)},
         "losses": frames.losses.summary(),
         "missed": late.missed,
         **({} if session.governor is None else {"governor": session.governor.summary()}),
