@@ -13,6 +13,7 @@ z up). Forces named `user` act on the user. SI units throughout.
 from __future__ import annotations
 
 from enum import IntEnum, IntFlag
+from typing import Any
 
 import numpy as np
 
@@ -23,6 +24,7 @@ __all__ = [
     "FEEL",
     "INBOX",
     "LIMITS",
+    "LIMIT_NAMES",
     "MAX_PIECES",
     "POSE",
     "SAMPLE",
@@ -151,7 +153,7 @@ TUNNEL = np.dtype(
 )
 """The tunnel of D2.1 4.2.10 as the tick reads it."""
 
-LIMITS = [
+LIMITS: list[tuple[Any, ...]] = [
     ("force_limit", "f8"),  # [N] of the virtual force on the user
     ("force_rate_limit", "f8"),  # [N/s] upwards; falling is free
     ("power_limit", "f8"),  # [W] of the virtual force on the user, given or taken
@@ -186,6 +188,9 @@ LIMITS = [
 ]
 """Fields of SCENE that keep the user safe, and what the device is counted on for. They are written once, at the start
 of a session: no task, action, policy or plug-in can name one."""
+
+LIMIT_NAMES: frozenset[str] = frozenset(field[0] for field in LIMITS)
+"""Their names."""
 
 FEEL = [
     ("virtual_mass", "f8"),  # [kg]

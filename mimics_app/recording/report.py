@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import EventKind
+from mimics_app.contracts.trips import TripReader
 from mimics_app.recording.attempts import Attempt, find_attempts
 from mimics_app.recording.report_carry import carry_cards, carry_facts, draw_carry
 from mimics_app.recording.report_figures import draw_lateness, draw_path, draw_states, draw_traces
@@ -40,6 +40,8 @@ _WARM_UP_TICKS = 1000
 _OWN_KEYS = ("format", "version", "versions", "machine", "clock", "plan")
 _TUNNEL_COLOURS = "The path of the robot's top is blue, the bisector of the tunnel red, its walls green."
 _CARRY_COLOURS = "The path of the empty hand is blue, that of the hand with the thing in it orange, the mark green."
+_TRIPS = "{}. A stop is latched until a person resets it; a short hold, after a late tick, ends by itself."
+_BADGES = {"clean": "recording complete", "open": "recording not closed"}
 _COUNTED = "Score, time, path and contacts tell of ended trials; practice counts only where it is all."
 
 
@@ -121,6 +123,11 @@ def _scene_name(run: Run) -> str:
     return str(scene.get("name", "a run") if isinstance(scene, Mapping) else scene).replace("_", " ")
 
 
+def _badge(run: Run) -> str:
+    """What is said of the recording, which says nothing of the run: that may have ended in a stop."""
+    return escape(_BADGES.get(run.status, f"recording {run.status}"))
+
+
 def _section(title: str, content: str) -> str:
     return f"<section><h2>{escape(title)}</h2>{content}</section>" if content else ""
 
@@ -136,7 +143,7 @@ def _head(run: Run, title: str) -> str:
     known = {**_mapping(run.session.get("settings")), **run.session}
     words += [str(known[key]) for key in ("patient", "device", "profile") if known.get(key)]
     line = " · ".join(escape(word) for word in words if word)
-    return f'<h1>{escape(title)}<span class="badge {tone}">{run.status}</span></h1><p class="soft">{line}</p>'
+    return f'<h1>{escape(title)}<span class="badge {tone}">{_badge(run)}</span></h1><p class="soft">{line}</p>'
 
 
 def _mapping(item: Any) -> Mapping[str, Any]:
@@ -167,11 +174,17 @@ def _cards(run: Run, attempts: list[Attempt]) -> str:
         "ticks missed": f"{real_time.missed} of {real_time.ticks:,}".replace(",", "\u2009")
         if real_time
         else "virtual clock",
-        "trips": value(int((run.events["kind"] == EventKind.TRIP).sum())),
+        **_stops_and_holds(run),
     }
     items = "".join(f"<div><b>{text}</b><span>{name}</span></div>" for name, text in cards.items() if text != "–")
     note = _soft(_COUNTED) if task else ""
     return f'<div class="cards">{items}</div>{note}'
+
+
+def _stops_and_holds(run: Run) -> dict[str, str]:
+    """How often a stop was latched, and how often the force was held for late ticks and came back by itself."""
+    latched = [trip.latched for trip in TripReader().take(run.events)]
+    return {"safety stops": value(sum(latched)), "short holds": value(len(latched) - sum(latched))}
 
 
 def _card(number: Any, unit: str) -> str:
@@ -220,8 +233,7 @@ def _movement(run: Run, attempts: list[Attempt]) -> str:
 def _safety(run: Run) -> str:
     if len(run.haptic) == 0:
         return ""
-    trips = int((run.events["kind"] == EventKind.TRIP).sum())
-    words = f"{trips} trip{'' if trips == 1 else 's'}." if trips else "No trip."
+    words = _TRIPS.format(", ".join(f"{name}: {number}" for name, number in _stops_and_holds(run).items()))
     text = f"{_soft(words)}{draw_states(run.haptic)}{event_table(run.events)}{trips_text(run)}{stability_text(run)}"
     return _section("Safety", text)
 

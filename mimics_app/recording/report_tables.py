@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import EventKind, SafetyState, TripCause
+from mimics_app.contracts.haptic import EventKind, SafetyState
+from mimics_app.contracts.trips import TripReader
 from mimics_app.recording.run import Run
 
 __all__ = ["contact_rows", "contact_table", "event_table", "key_table", "plan_tables", "score_table", "table", "value"]
@@ -185,15 +186,16 @@ def contact_table(rows: Sequence[Mapping[str, Any]]) -> str:
 
 
 def event_table(events: NDArray[Any]) -> str:
-    """Trips with their causes, what of the scene was not simulated any more, and below them every change of state."""
+    """Stops and short holds with cause and advice, what was not simulated any more, and every change of state."""
     text = ""
-    trips = [(int(e["tick"]), _word(TripCause, e["force"])) for e in events[events["kind"] == EventKind.TRIP]]
+    trips = TripReader().take(events)
     if trips:
-        text += table(["trip at tick", "cause"], trips)
+        rows = [(t.tick, t.seconds, "stop" if t.latched else "short hold", t.what, t.advice) for t in trips]
+        text += table(["at tick", "at [s]", "what", "cause", "what to do"], rows[:_MOST_ROWS])
     losses = [(int(e["tick"]), _loss(e)) for e in events if e["kind"] in (EventKind.LEFT_OUT, EventKind.QUARANTINE)]
     if losses:
         text += table(["from tick", "not simulated"], losses[:_MOST_ROWS])
-    states = [(int(e["tick"]), _word(SafetyState, e["force"])) for e in events[events["kind"] == EventKind.STATE]]
+    states = [(int(e["tick"]), _word(e["force"])) for e in events[events["kind"] == EventKind.STATE]]
     if states:
         listed = table(["tick", "state from then on"], states[:_MOST_ROWS])
         text += f"<details><summary>Every change of state ({len(states)})</summary>{listed}</details>"
@@ -207,9 +209,9 @@ def _loss(event: Any) -> str:
     return f"the force field of effect {number + 1}: it gave a number that is not finite"
 
 
-def _word(kinds: type[SafetyState] | type[TripCause], number: float) -> str:
+def _word(number: float) -> str:
     try:
-        return kinds(int(number)).name.replace("_", " ").lower()
+        return SafetyState(int(number)).name.replace("_", " ").lower()
     except ValueError:
         return str(int(number))
 

@@ -9,7 +9,7 @@ import msgspec
 import numpy as np
 
 from mimics_app.contracts.errors import Issue, nearest
-from mimics_app.contracts.haptic import FEEL, LIMITS, SCENE
+from mimics_app.contracts.haptic import FEEL, LIMIT_NAMES, SCENE
 from mimics_app.contracts.haptic_objects import BODY, EFFECT, SHAPE
 from mimics_app.tasks.actions import TARGET_GROUPS, TASK_TARGETS, haptic_field
 from mimics_app.tasks.task import (
@@ -27,7 +27,6 @@ from mimics_app.world.scene.json_text import escape
 __all__ = ["check_blocks", "check_task", "haptic_targets", "object_of_target"]
 
 _MAX_TRIALS = 10_000
-_LIMITS = frozenset(name for name, *_ in LIMITS)
 
 
 def check_task(spec: TaskSpec, pointer: str = "/task", file: str = "") -> list[Issue]:
@@ -118,12 +117,16 @@ def _check_map(target: MapSpec, parameter: ParameterSpec, pointer: str) -> Itera
         yield f"{pointer}/to", f'"{target.to}" begins with no known group', nearest(group, TARGET_GROUPS)
     elif not name:
         yield f"{pointer}/to", f'"{target.to}" names nothing', f'write "{group}.NAME"'
-    elif group == "haptic" and name in _LIMITS:
+    elif group == "haptic" and name in LIMIT_NAMES:
         may = ", ".join(sorted(haptic_targets()))
         what = f'"{name}" is a limit of the haptic loop; no task and no adaptation may change it'
         yield f"{pointer}/to", what, f"set it once in the scene; a parameter may change {may}, and numbers of objects"
     elif group == "haptic" and name not in haptic_targets() and object_of_target(name) is None:
-        yield f"{pointer}/to", f'"{name}" is no number of the haptic scene that a task may change', nearest(name, haptic_targets())
+        yield (
+            f"{pointer}/to",
+            f'"{name}" is no number of the haptic scene that a task may change',
+            nearest(name, haptic_targets()),
+        )
     elif group == "task" and name not in TASK_TARGETS:
         yield f"{pointer}/to", f'"{name}" is nothing a task can change', nearest(name, TASK_TARGETS)
     words = [entry for entry in target.table or () if isinstance(entry, str)]

@@ -60,7 +60,9 @@ def run_live(session: Session, frames: Frames, after_frame: Progress) -> None:
         if picture is not None and governor is not None:
             desk.step(frames)
             try:
-                done_ns = picture.show_frame({**frames.figures, **_message(session, reload, trouble)}, session.clock)
+                done_ns = picture.show_frame(
+                    {**frames.figures, **_message(session, frames, reload, trouble)}, session.clock
+                )
             except DeviceError as error:
                 desk.give_up(error)
                 return
@@ -99,9 +101,10 @@ def run_unseen(session: Session, frames: Frames, after_frame: Progress) -> None:
         session.clock.sleep_until_ns(due)
 
 
-def _message(session: Session, reload: SceneReload, trouble: str) -> Mapping[str, object]:
-    """What the person should read over the picture: trouble of device or recorder before news of a reload."""
-    problem = trouble or session.recorder.problem
+def _message(session: Session, frames: Frames, reload: SceneReload, trouble: str) -> Mapping[str, object]:
+    """What the person should read over the picture: device, recorder, a hold, then news of a reload."""
+    state = SafetyState.OFF if frames.snapshot is None else frames.snapshot.state
+    problem = trouble or session.recorder.problem or frames.safety.message(state)
     return {"message": problem} if problem else reload.message
 
 

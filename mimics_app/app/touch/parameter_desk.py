@@ -9,13 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import UsageError, nearest
-from mimics_app.contracts.haptic import LIMITS, SCENE, TUNNEL
+from mimics_app.contracts.haptic import LIMIT_NAMES, SCENE, TUNNEL
 from mimics_app.contracts.object_rows import Rows
 
 __all__ = ["ParameterDesk"]
 
 _PREFIX = "haptic."
-_LIMITS = frozenset(name for name, *_ in LIMITS)
 
 Receiver = Callable[[NDArray[Any], Rows | None], object]
 
@@ -86,7 +85,7 @@ class ParameterDesk:
             Whether the new parameters bring other limits; those of the start hold on.
         """
         block["sequence"] = self._block["sequence"]
-        kept = {name: self._block[0][name].copy() for name in _LIMITS}
+        kept = {name: self._block[0][name].copy() for name in LIMIT_NAMES}
         self._block, self._rows, self._names = block, rows, names or {}
         for name, value in {**self._fitted, **self._ordered}.items():
             self._set(name, value)
@@ -112,7 +111,7 @@ class ParameterDesk:
         return any(changed)
 
     def _refuse_limit(self, name: str) -> None:
-        if name.removeprefix(_PREFIX) in _LIMITS:
+        if name.removeprefix(_PREFIX) in LIMIT_NAMES:
             raise UsageError(f'"{name}" is a limit of the haptic loop, set once at the start', 'set it under "safety"')
 
     def value(self, name: str) -> float:
