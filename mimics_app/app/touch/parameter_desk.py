@@ -58,9 +58,10 @@ class ParameterDesk:
         """
         if self._receivers:
             raise UsageError("the device is fitted once, at the start", "call fit before hand_to")
-        for name, value in values.items():
-            self._set(name, value)
+        changed = [self._set(name, value) for name, value in values.items()]
         self._fitted.update(values)
+        if any(changed):
+            self._announce()
 
     def hand_to(self, *receivers: Receiver) -> None:
         """Hand every block from the present one on to the recorder that keeps it and the loop that obeys it."""
