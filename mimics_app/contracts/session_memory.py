@@ -42,7 +42,7 @@ class Capacities:
 
     objects: ObjectCapacities = field(default_factory=ObjectCapacities)
     samples: int = 16384  # 16 s at 1 kHz, twice what a recorder on a busy machine takes to be replaced; a power of two
-    events: int = 1024  # a power of two
+    events: int = 2048  # for as long; a power of two
     lateness_bins: int = 2048
 
 
