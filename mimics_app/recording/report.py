@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import EventKind
+from mimics_app.contracts.trips import TripReader
 from mimics_app.recording.attempts import Attempt, find_attempts
 from mimics_app.recording.plot import Plot
 from mimics_app.recording.report_carry import carry_cards, carry_facts, draw_carry
@@ -37,7 +37,7 @@ from mimics_app.recording.report_tables import (
     trip_table,
 )
 from mimics_app.recording.report_trips import MOST_DRAWN, Trip, trips_of
-from mimics_app.recording.report_values import NONE, counted, mapping, one, scaled, shown, thousands
+from mimics_app.recording.report_values import NONE, mapping, one, scaled, shown, thousands
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import FILES, write_atomically
 
@@ -47,6 +47,8 @@ _OPEN_ATTEMPTS = 3
 _WARM_UP_TICKS = 1000
 _OWN_KEYS = ("format", "version", "versions", "machine", "clock", "plan")
 _TUNNEL_COLOURS = "The path of the robot's top is blue, the bisector of the tunnel red, its walls green."
+_TRIPS = "{}. A stop is latched until a person resets it; a short hold, after a late tick, ends by itself."
+_BADGES = {"clean": "recording complete", "open": "recording not closed"}
 _CARRY_COLOURS = "The path of the empty hand is blue, that of the hand with the thing in it orange, the mark green."
 
 
@@ -196,7 +198,7 @@ def page_of(run: Run) -> Page:
     recorded = len(run.haptic) > 0
     return Page(
         title=f"Report of {_scene_name(run)}",
-        status=run.status,
+        status=_BADGES.get(run.status, f"recording {run.status}"),
         tone={"clean": "good", "open": "bad"}.get(run.status, "warn"),
         line=_head_line(run),
         problems=_problems(run),
@@ -252,7 +254,7 @@ def _cards(run: Run, attempts: list[Attempt]) -> dict[str, str]:
         "largest force felt": one(max(felt, default=None), "N"),
         "smallest stability margin": one(scaled(smallest_margin(run.haptic), 100.0), "%"),
         **_missed_card(run),
-        "trips": shown(int((run.events["kind"] == EventKind.TRIP).sum())),
+        **{name: shown(number) for name, number in _stops_and_holds(run).items()},
     }
 
 
@@ -261,6 +263,12 @@ def _missed_card(run: Run) -> dict[str, str]:
     if real_time is None:
         return {"ticks missed": "virtual clock"}
     return {f"ticks missed of {thousands(real_time.ticks)}": thousands(real_time.missed)}
+
+
+def _stops_and_holds(run: Run) -> dict[str, int]:
+    """How often a stop was latched, and how often the force was held for late ticks and came back by itself."""
+    latched = [trip.latched for trip in TripReader().take(run.events)]
+    return {"safety stops": sum(latched), "short holds": len(latched) - sum(latched)}
 
 
 def _card(figure: Any, unit: str) -> str:
@@ -290,15 +298,15 @@ def _movement(run: Run, attempt: Attempt, carry: Mapping[str, Any] | None, *, op
 
 
 def _safety(run: Run) -> Safety:
-    trips = int((run.events["kind"] == EventKind.TRIP).sum())
+    counts = _stops_and_holds(run)
     return Safety(
-        words=counted(trips, "trip") + "." if trips else "No trip.",
+        words=_TRIPS.format(", ".join(f"{name}: {number}" for name, number in counts.items())),
         states=draw_states(run.haptic),
         trips=trip_table(run),
         losses=loss_table(run),
         changes=state_table(run),
         drawn=trips_of(run),
-        more_drawn=trips > MOST_DRAWN,
+        more_drawn=sum(counts.values()) > MOST_DRAWN,
         stability=stability_tables(run),
     )
 

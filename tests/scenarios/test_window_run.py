@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import signal
 import time
 from collections.abc import Iterator
 from typing import Any
@@ -78,6 +79,22 @@ def test_space_stops_to_zero_force_and_escape_leaves_with_its_own_exit_code(wind
     assert window.leave()[0] == 5
     manifest = json.loads((next(window.runs.iterdir()) / "manifest.json").read_text())
     assert (manifest["status"], manifest["summary"]["safety"]["state"]) == ("clean", "E_STOP")
+
+
+def test_a_machine_that_stalls_pauses_a_person_at_a_mouse_and_goes_on(window):
+    """A third of a second is far beyond what latches a stop of a real device."""
+    window.wait("force", lambda: window.rows["state"][-1] == SafetyState.ACTIVE)
+    stalled = len(window.rows)
+    window.process.send_signal(signal.SIGSTOP)
+    time.sleep(0.35)
+    window.process.send_signal(signal.SIGCONT)
+    window.wait("pause", lambda: np.any(window.rows["state"][stalled:] == SafetyState.DEGRADED))
+    paused = stalled + int(np.argmax(window.rows["state"][stalled:] == SafetyState.DEGRADED))
+    window.wait("force again", lambda: np.any(window.rows["state"][paused:] == SafetyState.ACTIVE))
+    assert not np.any(window.rows["state"] >= SafetyState.SAFE_STOP)
+    code, answer = window.leave()
+    assert code == 0 and answer["safety"]["stops"] == 0 and answer["safety"]["holds"] >= 1
+    assert "short hold 1, it goes on by itself: this computer was too busy" in window.terminal
 
 
 def test_saved_scene_is_taken_while_running_and_a_broken_one_changes_nothing(tmp_path):

@@ -13,6 +13,7 @@ import pytest
 
 from mimics_app.app.cli import main
 from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.haptic import SafetyState, TripCause
 from mimics_app.recording import run as run_module
 from mimics_app.recording.attempts import find_attempts, tunnel_shape
 from mimics_app.recording.plot import Axis, Plot, envelope, log_ticks, nice_ticks
@@ -74,7 +75,8 @@ def test_page_holds_every_part(page: str) -> None:
         "smallest stability margin", "smallest stable stiffness then [N/m]",
         "<h2>Trials</h2>", "path error rms [mm]", "Contacts: touch, picture and sound", "first frame",
         "sound after [ms]",
-        "Safety", "E_STOP", "stop key", "Real time", "p99.9", "fifo", "ticks that ended more than 1 ms late",
+        "Safety", "E_STOP", "safety stops: 1, short holds: 0", "the stop key was pressed", "reset it when it is safe",
+        "recording complete", "Real time", "p99.9", "fifo", "ticks that ended more than 1 ms late",
         "Settings", "settings.safety.force_limit", "scene.hash",
         "200 values",
         "The whole scene", "moderate", "tunnel projection", "Left out",
@@ -82,6 +84,21 @@ def test_page_holds_every_part(page: str) -> None:
     ):  # fmt: skip
         assert words in page, words
     assert "wavy &lt;1&gt;" in page and "wavy <1>" not in page, "a label is text, not markup"
+
+
+def test_stops_and_short_holds_are_counted_apart(tmp_path: Path) -> None:
+    folder = write_synthetic_run(tmp_path, 4.0)
+    line = (
+        '{"source":"loop","kind":"%s","n":%d,"t_ns":0,"tick":%d,"body_a":0,"body_b":-1,"material_a":0,'
+        '"material_b":0,"speed":0,"force":%d,"value":0,"position_world":[0,0,0],"normal_world":[0,0,0]}'
+    )
+    told = [("state", SafetyState.DEGRADED), ("trip", TripCause.LATE_TICK)]
+    told += [("state", SafetyState.SAFE_STOP), ("trip", TripCause.STALE_DEVICE)]
+    lines = [line % (kind, i, 1000 + i, number) for i, (kind, number) in enumerate(told)]
+    (folder / "events.jsonl").write_text("\n".join(lines) + "\n")
+    page = write_report(folder).read_text(encoding="utf-8")
+    assert "<b>1</b><span>safety stops</span>" in page and "<b>1</b><span>short holds</span>" in page
+    assert "this computer was too busy: a tick came too late" in page and "look at its line and its power" in page
 
 
 def test_figure_48_colours(page: str) -> None:

@@ -134,17 +134,24 @@ def _play_unseen(session: Session, frames: Frames) -> list[Path]:
 
 
 def _say(answer: dict[str, Any]) -> None:
-    task, safety = answer["task"], answer["safety"]
+    task = answer["task"]
     done = "completed" if task["completed"] else "not completed"
     words = [f"{done}: {_count(task['trials'], 'trial')}", *_task_words(task)]
     print(f"task      {', '.join(words)}")
-    print(f"touch     {answer['ticks']} ticks ({answer['recipe']}), {answer['missed']} missed, {safety['state']}")
+    print(f"touch     {answer['ticks']} ticks ({answer['recipe']}), {answer['missed']} missed")
+    print(f"safety    {_safety_line(answer['safety'])}")
     print(f"run       {answer['run_dir']}")
     for picture in answer["pictures"]:
         print(f"picture   {picture}")
     if "video" in answer:
         print(f"film      {answer['video']}")
     print(f"report    {answer['report']}")
+
+
+def _safety_line(safety: dict[str, Any]) -> str:
+    """State at the end, stops and holds apart, and what the last of them was."""
+    line = f"{safety['state']}, {_count(safety['stops'], 'stop')}, {_count(safety['holds'], 'short hold')}"
+    return f"{line}; {safety['what']} ({safety['t_s']:.1f} s)" if "what" in safety else line
 
 
 _TASK_WORDS = {

@@ -7,16 +7,15 @@ from typing import Any
 from mimics_app.app.play.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.contracts.audio_port import AudioReport
-from mimics_app.contracts.haptic import SafetyState
 
 __all__ = ["summarise"]
 
 
 def summarise(session: Session, frames: Frames, sound: AudioReport | None, wall_s: float) -> dict[str, Any]:
-    """Everything of the `mimics run --json` object that is known before the recording is sealed."""
+    """Everything of the `mimics run --json` object that is known before the recording is sealed; the loop has ended."""
     late = session.haptics.histogram()
     stability = session.haptics.stability()
-    state = SafetyState.OFF if frames.snapshot is None else SafetyState(frames.snapshot.state)
+    frames.safety.see(session.haptics.events())
     return {
         "seed": session.settings.seed,
         "simulated_s": late.ticks / 1000.0,
@@ -26,7 +25,7 @@ def summarise(session: Session, frames: Frames, sound: AudioReport | None, wall_
         "scene_hash": session.scene.hash,
         "run_dir": str(session.folder),
         "task": session.tasks.result(),
-        "safety": {"state": state.name, "trips": late.trips},
+        "safety": frames.safety.summary(session.haptics.snapshot().state, late),
         "lateness_us": {"p50": late.p50, "p99": late.p99, "p99_9": late.p99_9, "max": late.max},
         "lateness": late.as_dict(),
         "stability": stability.as_dict() | {"contacts": stability.contacts(session.side.shape_entities)},
