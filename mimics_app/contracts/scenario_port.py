@@ -39,6 +39,7 @@ class TaskContext:
         home: How it gets there; None: by joint PD.
         bodies: Names of the haptic bodies in the order of their rows.
         places: Where the entities are that a task may name [m].
+        tunnel: Whether there is a tunnel whose bisector is the way.
         feel: Controller under which the person leads: ADMITTANCE, or IMPEDANCE on a force driven device.
     """
 
@@ -47,6 +48,7 @@ class TaskContext:
     bodies: tuple[str, ...] = ()
     places: Mapping[str, Vec3] = field(default_factory=dict)
     feel: Controller = Controller.ADMITTANCE
+    tunnel: bool = False
 
 
 class Scenario(Protocol):

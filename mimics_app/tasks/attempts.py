@@ -3,25 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict
 from typing import Any
 
+from mimics_app.contracts.trial_counts import FINISHED, SESSION_ENDED, count_trials
+from mimics_app.tasks.figures import Figures
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.score import session_result, trial_points
 from mimics_app.tasks.tally import Measures, Tally
 from mimics_app.tasks.task import ScoreSpec
 from mimics_app.tasks.trials import Trial
 
-__all__ = ["ABORTED", "FINISHED", "SESSION_ENDED", "TIMEOUT", "Attempts", "Row"]
+__all__ = ["ABORTED", "TIMEOUT", "Attempts", "Row"]
 
 Row = dict[str, Any]
 """One attempt: trial, attempt, block, label, repetition, practice, outcome, cause, begin_ns, end_ns, the fields of
-`Measures`, score, and `parameter.NAME` for each adaptable parameter as it stood at the end. The same keys in every row;
-smoothness is None where nothing moved."""
+`Measures` that apply to the task, score where it has one, and `parameter.NAME` for each adaptable parameter as it stood
+at the end. The same keys in every row; smoothness is None where nothing moved, grasp_error_n where nothing was held,
+score where the attempt was aborted."""
 
-FINISHED, TIMEOUT, ABORTED = "finished", "timeout", "aborted"
-SESSION_ENDED = "session ended"
-"""Cause of the row of an attempt that was under way when the session was closed."""
+TIMEOUT, ABORTED = "timeout", "aborted"
 
 
 class Attempts:
@@ -33,7 +33,7 @@ class Attempts:
         begun: Attempts over the whole session.
         tally: Of the travel, once the person was let go.
         rows: Of the attempts so far.
-        score: Points of the newest row.
+        score: Points of the newest trial that ended.
     """
 
     def __init__(
@@ -42,8 +42,7 @@ class Attempts:
         score: ScoreSpec,
         most_attempts: int,
         on_row: Callable[[Row], None],
-        *,
-        carries: bool = False,
+        figures: Figures,
     ) -> None:
         self.plan = tuple(plan)
         self.number = -1
@@ -55,7 +54,7 @@ class Attempts:
         self._score_spec = score
         self._most = most_attempts
         self._on_row = on_row
-        self._carries = carries
+        self._figures = figures
         self._begin_ns = 0
         self._open = False
 
@@ -109,25 +108,25 @@ class Attempts:
             return
         row = self._row(outcome, cause, parameters, now_ns)
         self._open = False
-        self.score = row["score"]
+        if row.get("score") is not None:
+            self.score = row["score"]
         self.rows.append(row)
         self._on_row(row)
 
-    def result(self, now_ns: int) -> dict[str, float]:
-        """Totals of the session, see `tasks.score.session_result`.
+    def result(self, now_ns: int) -> dict[str, Any]:
+        """Totals of the session: `TrialCounts` of the trials, and means, see `tasks.score.session_result`.
 
-        Travels that came to their goal or their time count; practice only where there is nothing else. Where none has
-        ended yet, the one under way, or cut off by the session's end, counts as it stands.
+        Means are over travels that came to their goal or their time; practice only where there is nothing else. Where
+        none has ended yet, the one under way, or cut off by the session's end, is measured as it stands.
         """
         ended = [row for row in self.rows if row["outcome"] != ABORTED]
         cut_off = [row for row in self.rows if row["cause"] == SESSION_ENDED and row["time_s"] > 0.0]
         if self._open and self.tally is not None:
             cut_off.append(self._row(ABORTED, SESSION_ENDED, {}, now_ns))
         counted = [row for row in ended if not row["practice"]]
-        trials = self.number + self.trial_over
-        return session_result(
-            counted or ended or cut_off, trials=trials, completed=self.finished, carries=self._carries
-        )
+        counts = count_trials(self.rows)
+        placed = {"placed": counts.completed} if self._figures.carries else {}
+        return {**counts.as_dict(), **session_result(counted or ended or cut_off), **placed}
 
     def _row(self, outcome: str, cause: str, parameters: Mapping[str, float], now_ns: int) -> Row:
         measures = self.tally.measures() if self.tally else Measures()
@@ -142,7 +141,15 @@ class Attempts:
             "cause": cause,
             "begin_ns": self.tally.begin_ns if self.tally else self._begin_ns,
             "end_ns": now_ns,
-            **asdict(measures),
-            "score": trial_points(self._score_spec, measures, finished=outcome == FINISHED),
+            **self._figures.row(measures),
+            **self._points(measures, outcome),
             **{f"parameter.{name}": value for name, value in parameters.items()},
         }
+
+    def _points(self, measures: Measures, outcome: str) -> Row:
+        """The score of a row: none of a task without one, None of an attempt that was aborted."""
+        if not self._figures.score:
+            return {}
+        if outcome == ABORTED:
+            return {"score": None}
+        return {"score": trial_points(self._score_spec, measures, finished=outcome == FINISHED)}

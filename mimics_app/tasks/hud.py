@@ -32,6 +32,13 @@ STAGES: Mapping[str, str] = {
 }
 """What the person is to do next, while something is carried."""
 
+_WITHOUT_SCORE: Mapping[TrialState, str] = {
+    TrialState.FINISHED: "Well done",
+    TrialState.TIMEOUT: "Time is over",
+    TrialState.DONE: "Finished",
+}
+"""The same where trials earn no points."""
+
 _GO_S = 1.5
 """How long the travel's message stays [s]; then the person has the picture to themselves."""
 
@@ -41,9 +48,10 @@ def state_message(
 ) -> str:
     """The line of a state, `elapsed_s` [s] after it began, or of the stage in it.
 
-    Only the named fields are filled in; other braces stay.
+    Only the named fields are filled in; other braces stay. Without a `score` the built-in lines promise no points.
     """
-    text = texts.get(state.value, BUILT_IN[state])
+    built_in = BUILT_IN if "score" in fields else {**BUILT_IN, **_WITHOUT_SCORE}
+    text = texts.get(state.value, built_in[state])
     if state is TrialState.TRAVEL and elapsed_s >= _GO_S:
         text = STAGES.get(stage, "")
     for name, value in fields.items():

@@ -17,7 +17,8 @@ def trial_points(spec: ScoreSpec, measures: Measures, *, finished: bool) -> floa
         100 * sum(weight_i * marks_i) / sum(weight_i), marks_i falling linearly from 1 at `best` to 0 at `worst`
 
     A trial that did not reach its goal earns that times the share of the way it came, so that a short unfinished
-    travel cannot beat a finished one. Smoothness that cannot be judged (nothing moved) counts as 0 marks.
+    travel cannot beat a finished one. What cannot be judged (smoothness where nothing moved, grasp error where nothing
+    was held) counts as 0 marks.
     """
     values = {
         "time": measures.time_s,
@@ -27,7 +28,7 @@ def trial_points(spec: ScoreSpec, measures: Measures, *, finished: bool) -> floa
         "path": measures.path_m,
         "drops": float(measures.drops),
         "bruises": float(measures.bruises),
-        "grasp_error": measures.grasp_error_n,
+        "grasp_error": math.inf if measures.grasp_error_n is None else measures.grasp_error_n,
     }
     parts: dict[str, ScorePartSpec] = {name: getattr(spec, name) for name in values}
     total = sum(part.weight for part in parts.values())
@@ -42,46 +43,38 @@ def part_marks(part: ScorePartSpec, value: float) -> float:
     return min(max((part.worst - value) / (part.worst - part.best), 0.0), 1.0)
 
 
-def session_result(
-    rows: Sequence[Mapping[str, object]], *, trials: int, completed: int, carries: bool = False
-) -> dict[str, float]:
-    """Totals under the keys of `mimics run --json`.
-
-    Args:
-        rows: Trial rows that count.
-        trials: Trials that are over.
-        completed: Those that reached their goal.
-        carries: Something is carried in this task: every trial completed placed it.
+def session_result(rows: Sequence[Mapping[str, object]]) -> dict[str, float]:
+    """Figures of a session over the trial rows that count, those alone that the rows have.
 
     Returns:
-        completed, trials; score, time_s [s] and path_error_m (rms) [m] as means over the rows; contacts as their sum;
-        placed: how often what is carried was set down at its mark. Where something is carried also drops and bruises
-        (sums), path_m [m] and grasp_error_n [N] (means).
+        score, time_s [s], path_error_m (rms) [m] as means over the rows, contacts as their sum; where something is
+        carried also drops and bruises (sums), path_m [m] and grasp_error_n [N] (means).
     """
-    carried = {
-        "drops": int(sum(_number(row, "drops") for row in rows)),
-        "bruises": int(sum(_number(row, "bruises") for row in rows)),
-        "path_m": _mean(rows, "path_m"),
-        "grasp_error_n": _mean(rows, "grasp_error_n"),
-    }
-    return {
-        "completed": completed,
-        "trials": trials,
-        "score": _mean(rows, "score"),
-        "time_s": _mean(rows, "time_s"),
-        "path_error_m": _mean(rows, "path_error_rms_m"),
-        "contacts": int(sum(_number(row, "contacts") for row in rows)),
-        "placed": completed if carries else 0,
-        **(carried if carries else {}),
-    }
+    carries = any("drops" in row for row in rows)
+    means = {"score": "score", "time_s": "time_s", "path_error_m": "path_error_rms_m"}
+    carried = {"path_m": "path_m", "grasp_error_n": "grasp_error_n"}
+    found: dict[str, float | None] = {key: _mean(rows, name) for key, name in means.items()}
+    found["contacts"] = _sum(rows, "contacts")
+    if carries:
+        found |= {"drops": _sum(rows, "drops"), "bruises": _sum(rows, "bruises")}
+        found |= {key: _mean(rows, name) for key, name in carried.items()}
+    return {key: value for key, value in found.items() if value is not None}
 
 
-def _mean(rows: Sequence[Mapping[str, object]], name: str) -> float:
-    return sum(_number(row, name) for row in rows) / len(rows) if rows else 0.0
+def _mean(rows: Sequence[Mapping[str, object]], name: str) -> float | None:
+    values = _numbers(rows, name)
+    return sum(values) / len(values) if values else None
 
 
-def _number(row: Mapping[str, object], name: str) -> float:
-    value = row[name]
-    if not isinstance(value, int | float):
-        raise TypeError(f'"{name}" of a trial row is {value!r}, no number')
-    return float(value)
+def _sum(rows: Sequence[Mapping[str, object]], name: str) -> int | None:
+    values = _numbers(rows, name)
+    return int(sum(values)) if values else None
+
+
+def _numbers(rows: Sequence[Mapping[str, object]], name: str) -> list[float]:
+    """The values of a column, rows without one left out."""
+    values = [row[name] for row in rows if row.get(name) is not None]
+    wrong = next((value for value in values if not isinstance(value, int | float)), None)
+    if wrong is not None:
+        raise TypeError(f'"{name}" of a trial row is {wrong!r}, no number')
+    return [float(value) for value in values if isinstance(value, int | float)]

@@ -30,7 +30,7 @@ class Measures:
         path_m: Length of the hand's way [m].
         drops: How often what is carried was lost.
         bruises: How often it was pressed too hard.
-        grasp_error_n: Root of the mean square of the grasp error over the time it was held [N].
+        grasp_error_n: Root of the mean square of the grasp error over the time it was held [N]; None: never held.
     """
 
     time_s: float = 0.0
@@ -45,7 +45,7 @@ class Measures:
     path_m: float = 0.0
     drops: int = 0
     bruises: int = 0
-    grasp_error_n: float = 0.0
+    grasp_error_n: float | None = None
 
 
 class Tally:
@@ -127,7 +127,7 @@ class Tally:
             path_m=self._path,
             drops=self._drops,
             bruises=self._bruises,
-            grasp_error_n=math.sqrt(self._squared_grasp_error_s / self._held_s) if self._held_s > 0.0 else 0.0,
+            grasp_error_n=math.sqrt(self._squared_grasp_error_s / self._held_s) if self._held_s > 0.0 else None,
         )
 
     def _take_contact(self, contact: Contact) -> None:

@@ -124,15 +124,7 @@ def test_start_never_reached_is_aborted_tried_again_and_given_up():
     rows = player.manager.rows
     assert [(row["trial"], row["attempt"]) for row in rows] == [(0, 1), (0, 2), (0, 3), (1, 1), (1, 2), (1, 3)]
     assert {(row["outcome"], row["cause"]) for row in rows} == {("aborted", "start not reached")}
-    assert player.manager.result() == {
-        "completed": 0,
-        "trials": 2,
-        "score": 0.0,
-        "time_s": 0.0,
-        "path_error_m": 0.0,
-        "contacts": 0,
-        "placed": 0,
-    }
+    assert player.manager.result() == {"completed": 0, "trials": 2}
 
 
 def test_soft_start_never_over_is_aborted():
@@ -301,7 +293,9 @@ def test_practice_is_left_out_of_the_result():
     player.until("done")
     slow = player.manager.rows[1]["time_s"]
     assert player.manager.result()["time_s"] == slow > 1.5 * player.manager.rows[0]["time_s"]
-    assert player.manager.result()["completed"] == player.manager.result()["trials"] == 2
+    result = player.manager.result()
+    assert (result["completed"], result["trials"]) == (1, 1)
+    assert result["practice"] == {"completed": 1, "trials": 1}
 
 
 def test_trial_cut_off_does_not_dilute_those_that_ended():
@@ -319,15 +313,37 @@ def test_trial_cut_off_does_not_dilute_those_that_ended():
 
 
 def test_result_has_the_keys_of_the_contract():
-    assert list(make_manager(task()).result()) == [
-        "completed",
-        "trials",
-        "score",
-        "time_s",
-        "path_error_m",
-        "contacts",
-        "placed",
-    ]
+    player = Player(make_manager(task()))
+    assert list(player.manager.result()) == ["completed", "trials"]  # nothing was measured yet
+    player.until("done")
+    assert list(player.manager.result()) == ["completed", "trials", "score", "time_s", "path_error_m", "contacts"]
+
+
+def test_figures_that_do_not_apply_are_in_no_row_and_no_total():
+    """A scene without a tunnel has no bisector, and what is not carried is neither dropped nor placed."""
+    spec = task(goals=[{"kind": "duration", "seconds": 1.0}])
+    player = Player(TaskManager(spec, TaskContext(START), 1))
+    player.until("travel")
+    assert not player.orders[-1].view.on_a_way
+    for _ in range(31):
+        player.step()
+    assert player.orders[-1].view.progress == pytest.approx(0.5, abs=0.05)
+    player.until("done")
+    (row,) = player.manager.rows
+    absent = {"path_error_rms_m", "path_error_max_m", "progress", "drops", "bruises", "grasp_error_n", "score"}
+    assert not absent & set(row)
+    assert list(player.manager.result()) == ["completed", "trials", "time_s", "contacts"]
+    board = player.orders[-1].board
+    assert board.message == "Finished" and not {"score", "progress"} & set(board.cards)
+
+
+def test_a_trial_that_was_stopped_counts_as_one_that_ended_and_was_not_completed():
+    player = Player(make_manager(two_trials()))
+    player.until("travel")
+    player.step(**STOPPED)
+    player.manager.end_session(player.now_ns)
+    assert player.manager.result() == {"completed": 0, "trials": 1}
+    assert player.manager.rows[0]["score"] is None  # an aborted attempt earns nothing that could be compared
 
 
 def test_the_same_frames_give_the_same_rows():
