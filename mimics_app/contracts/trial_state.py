@@ -35,7 +35,7 @@ class TaskView:
         trial: Its number, from 1; 0 before the first.
         trials: How many there are.
         elapsed_s: Time in the present state [s].
-        on_a_way: Whether progress is that of a way, along a tunnel or to a mark.
+        on_a_way: Whether a kind of task measures the progress; else it is that of the time.
     """
 
     state: TrialState = TrialState.APPROACH

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 from mimics_app.contracts.trial_counts import FINISHED, SESSION_ENDED, count_trials
-from mimics_app.tasks.figures import Figures
+from mimics_app.tasks.kinds.kind import KindPlay
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.score import session_result, trial_points
 from mimics_app.tasks.tally import Measures, Tally
@@ -17,9 +18,9 @@ __all__ = ["ABORTED", "TIMEOUT", "Attempts", "Row"]
 
 Row = dict[str, Any]
 """One attempt: trial, attempt, block, label, repetition, practice, outcome, cause, begin_ns, end_ns, the fields of
-`Measures` that apply to the task, score where it has one, and `parameter.NAME` for each adaptable parameter as it stood
-at the end. The same keys in every row; smoothness is None where nothing moved, grasp_error_n where nothing was held,
-score where the attempt was aborted."""
+`Measures`, what the task's kinds measure, score, and `parameter.NAME` for each adaptable parameter as it stood at the
+end. The same keys in every row; a measure is None where it does not apply or cannot be judged, the score where the
+attempt was aborted or the task has none."""
 
 TIMEOUT, ABORTED = "timeout", "aborted"
 
@@ -33,16 +34,25 @@ class Attempts:
         begun: Attempts over the whole session.
         tally: Of the travel, once the person was let go.
         rows: Of the attempts so far.
-        score: Points of the newest trial that ended.
+        score: Points of the newest trial that has some.
+
+    Args:
+        plan: The trials.
+        score: Weights; None for a task in which nothing earns points.
+        most_attempts: At one trial.
+        on_row: Called with each row.
+        plays: The kinds of the task.
+        counts: What they call trials that reached their goal.
     """
 
     def __init__(
         self,
         plan: Sequence[Trial],
-        score: ScoreSpec,
+        score: ScoreSpec | None,
         most_attempts: int,
         on_row: Callable[[Row], None],
-        figures: Figures,
+        plays: Sequence[KindPlay] = (),
+        counts: Sequence[str] = (),
     ) -> None:
         self.plan = tuple(plan)
         self.number = -1
@@ -54,7 +64,8 @@ class Attempts:
         self._score_spec = score
         self._most = most_attempts
         self._on_row = on_row
-        self._figures = figures
+        self._plays = tuple(plays)
+        self._counts = tuple(counts)
         self._begin_ns = 0
         self._open = False
 
@@ -100,7 +111,9 @@ class Attempts:
 
     def let_go(self, seen: Observation) -> None:
         """The travel begins with this frame."""
-        self.tally = Tally(seen)
+        self.tally = Tally(seen, self._plays)
+        for play in self._plays:
+            play.let_go(seen)
 
     def end(self, outcome: str, cause: str, parameters: Mapping[str, float], now_ns: int) -> None:
         """Write the row of the attempt under way; nothing when there is none."""
@@ -108,15 +121,15 @@ class Attempts:
             return
         row = self._row(outcome, cause, parameters, now_ns)
         self._open = False
-        if row.get("score") is not None:
+        if row["score"] is not None:
             self.score = row["score"]
         self.rows.append(row)
         self._on_row(row)
 
     def result(self, now_ns: int) -> dict[str, Any]:
-        """Totals of the session: `TrialCounts` of the trials, and means, see `tasks.score.session_result`.
+        """Totals of the session: its `TrialCounts`, and the totals of `tasks.score.session_result`.
 
-        Means are over travels that came to their goal or their time; practice only where there is nothing else. Where
+        Those are over travels that came to their goal or their time; practice only where there is nothing else. Where
         none has ended yet, the one under way, or cut off by the session's end, is measured as it stands.
         """
         ended = [row for row in self.rows if row["outcome"] != ABORTED]
@@ -125,11 +138,11 @@ class Attempts:
             cut_off.append(self._row(ABORTED, SESSION_ENDED, {}, now_ns))
         counted = [row for row in ended if not row["practice"]]
         counts = count_trials(self.rows)
-        placed = {"placed": counts.completed} if self._figures.carries else {}
-        return {**counts.as_dict(), **session_result(counted or ended or cut_off), **placed}
+        totals = session_result(counted or ended or cut_off)
+        return {**counts.as_dict(), **totals, **dict.fromkeys(self._counts, counts.completed)}
 
     def _row(self, outcome: str, cause: str, parameters: Mapping[str, float], now_ns: int) -> Row:
-        measures = self.tally.measures() if self.tally else Measures()
+        measures = self.tally.row() if self.tally else self._blank()
         return {
             "trial": self.number,
             "attempt": self.attempt,
@@ -141,15 +154,17 @@ class Attempts:
             "cause": cause,
             "begin_ns": self.tally.begin_ns if self.tally else self._begin_ns,
             "end_ns": now_ns,
-            **self._figures.row(measures),
-            **self._points(measures, outcome),
+            **measures,
+            "score": self._points(measures, outcome),
             **{f"parameter.{name}": value for name, value in parameters.items()},
         }
 
-    def _points(self, measures: Measures, outcome: str) -> Row:
-        """The score of a row: none of a task without one, None of an attempt that was aborted."""
-        if not self._figures.score:
-            return {}
-        if outcome == ABORTED:
-            return {"score": None}
-        return {"score": trial_points(self._score_spec, measures, finished=outcome == FINISHED)}
+    def _points(self, measures: Mapping[str, object], outcome: str) -> float | None:
+        """The score of a row; None where it would compare with nothing."""
+        if self._score_spec is None or outcome == ABORTED:
+            return None
+        return trial_points(self._score_spec, measures, finished=outcome == FINISHED)
+
+    def _blank(self) -> dict[str, Any]:
+        """Measures of an attempt in which nobody was let go: the same columns."""
+        return asdict(Measures()) | {column: None for play in self._plays for column in play.measures}

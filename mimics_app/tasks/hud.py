@@ -6,10 +6,9 @@ from collections.abc import Mapping
 
 from mimics_app.contracts.haptic import TripCause
 from mimics_app.contracts.trial_state import TrialState
-from mimics_app.tasks.carry import Stage
 from mimics_app.tasks.task import StateName
 
-__all__ = ["BUILT_IN", "STAGES", "Announcement", "cause_words", "state_message"]
+__all__ = ["BUILT_IN", "Announcement", "cause_words", "state_message"]
 
 BUILT_IN: Mapping[TrialState, str] = {
     TrialState.APPROACH: "The robot moves to the start",
@@ -24,14 +23,6 @@ BUILT_IN: Mapping[TrialState, str] = {
 }
 """Text of each state unless the scene has its own; {score}, {seconds}, {cause}, {trial}, {trials} are filled in."""
 
-STAGES: Mapping[str, str] = {
-    Stage.REACH: "Go to the {body}",
-    Stage.CLOSE: "Close your hand",
-    Stage.CARRY: "Carry it to the mark",
-    Stage.OPEN: "Open your hand",
-}
-"""What the person is to do next, while something is carried."""
-
 _WITHOUT_SCORE: Mapping[TrialState, str] = {
     TrialState.FINISHED: "Well done",
     TrialState.TIMEOUT: "Time is over",
@@ -44,16 +35,16 @@ _GO_S = 1.5
 
 
 def state_message(
-    state: TrialState, texts: Mapping[StateName, str], elapsed_s: float, fields: Mapping[str, str], stage: str = ""
+    state: TrialState, texts: Mapping[StateName, str], elapsed_s: float, fields: Mapping[str, str], prompt: str = ""
 ) -> str:
-    """The line of a state, `elapsed_s` [s] after it began, or of the stage in it.
+    """The line of a state, `elapsed_s` [s] after it began, or what is to be done next in it.
 
     Only the named fields are filled in; other braces stay. Without a `score` the built-in lines promise no points.
     """
     built_in = BUILT_IN if "score" in fields else {**BUILT_IN, **_WITHOUT_SCORE}
     text = texts.get(state.value, built_in[state])
     if state is TrialState.TRAVEL and elapsed_s >= _GO_S:
-        text = STAGES.get(stage, "")
+        text = prompt
     for name, value in fields.items():
         text = text.replace("{" + name + "}", value)
     return text

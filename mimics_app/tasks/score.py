@@ -5,35 +5,42 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from mimics_app.tasks.tally import Measures
-from mimics_app.tasks.task import ScorePartSpec, ScoreSpec
+from mimics_app.tasks.kinds.kind import Measure, ScorePartSpec
+from mimics_app.tasks.task import MEASURES, ScoreSpec
 
 __all__ = ["part_marks", "session_result", "trial_points"]
 
 
-def trial_points(spec: ScoreSpec, measures: Measures, *, finished: bool) -> float:
+def trial_points(spec: ScoreSpec, row: Mapping[str, object], *, finished: bool) -> float:
     """Points of one trial.
 
         100 * sum(weight_i * marks_i) / sum(weight_i), marks_i falling linearly from 1 at `best` to 0 at `worst`
 
-    A trial that did not reach its goal earns that times the share of the way it came, so that a short unfinished
-    travel cannot beat a finished one. What cannot be judged (smoothness where nothing moved, grasp error where nothing
-    was held) counts as 0 marks.
+    A measure that the task does not take (a path error where no way is given) counts in neither sum. Smoothness that
+    cannot be judged (nothing moved) counts as 0 marks. A trial that did not reach its goal earns the points times the
+    share of the way it came, so that a short unfinished travel cannot beat a finished one.
+
+    Args:
+        spec: The weights.
+        row: Measures by column of the trial table (`Tally.row`).
+        finished: Whether the goal was reached.
     """
-    values = {
-        "time": measures.time_s,
-        "path_error": measures.path_error_rms_m,
-        "contacts": float(measures.contacts),
-        "smoothness": -math.inf if measures.smoothness is None else measures.smoothness,
-        "path": measures.path_m,
-        "drops": float(measures.drops),
-        "bruises": float(measures.bruises),
-        "grasp_error": math.inf if measures.grasp_error_n is None else measures.grasp_error_n,
-    }
-    parts: dict[str, ScorePartSpec] = {name: getattr(spec, name) for name in values}
-    total = sum(part.weight for part in parts.values())
-    marks = sum(part.weight * part_marks(part, values[name]) for name, part in parts.items()) / total
-    return 100.0 * marks * (1.0 if finished else min(max(measures.progress, 0.0), 1.0))
+    taken = [measure for measure in MEASURES if _is_taken(measure, row)]
+    total = sum(spec.part(measure.part).weight for measure in taken)
+    if total <= 0.0:
+        return 0.0
+    marks = sum(spec.part(m.part).weight * part_marks(spec.part(m.part), _value(m, row)) for m in taken) / total
+    share = 0.0 if row.get("progress") is None else _number(row, "progress")
+    return 100.0 * marks * (1.0 if finished else min(max(share, 0.0), 1.0))
+
+
+def _is_taken(measure: Measure, row: Mapping[str, object]) -> bool:
+    return measure.part == "smoothness" or row.get(measure.column) is not None
+
+
+def _value(measure: Measure, row: Mapping[str, object]) -> float:
+    """The measure; -inf for a smoothness that cannot be judged."""
+    return -math.inf if row.get(measure.column) is None else _number(row, measure.column)
 
 
 def part_marks(part: ScorePartSpec, value: float) -> float:
@@ -44,37 +51,30 @@ def part_marks(part: ScorePartSpec, value: float) -> float:
 
 
 def session_result(rows: Sequence[Mapping[str, object]]) -> dict[str, float]:
-    """Figures of a session over the trial rows that count, those alone that the rows have.
+    """Totals over the trial rows that count, under the keys of `mimics run --json`.
 
     Returns:
-        score, time_s [s], path_error_m (rms) [m] as means over the rows, contacts as their sum; where something is
-        carried also drops and bruises (sums), path_m [m] and grasp_error_n [N] (means).
+        The mean score, then the total of each measure (a mean or a sum over the rows, see `Measure`). What no row has
+        is left out.
     """
-    carries = any("drops" in row for row in rows)
-    means = {"score": "score", "time_s": "time_s", "path_error_m": "path_error_rms_m"}
-    carried = {"path_m": "path_m", "grasp_error_n": "grasp_error_n"}
-    found: dict[str, float | None] = {key: _mean(rows, name) for key, name in means.items()}
-    found["contacts"] = _sum(rows, "contacts")
-    if carries:
-        found |= {"drops": _sum(rows, "drops"), "bruises": _sum(rows, "bruises")}
-        found |= {key: _mean(rows, name) for key, name in carried.items()}
-    return {key: value for key, value in found.items() if value is not None}
+    totals: dict[str, float] = {}
+    for column, total, sums in [("score", "score", False), *((m.column, m.total, m.sums) for m in MEASURES)]:
+        taken = [row for row in rows if row.get(column) is not None]
+        if total and taken:
+            totals[total] = _sum(taken, column) if sums else _mean(taken, column)
+    return totals
 
 
-def _mean(rows: Sequence[Mapping[str, object]], name: str) -> float | None:
-    values = _numbers(rows, name)
-    return sum(values) / len(values) if values else None
+def _sum(rows: Sequence[Mapping[str, object]], name: str) -> int:
+    return int(sum(_number(row, name) for row in rows))
 
 
-def _sum(rows: Sequence[Mapping[str, object]], name: str) -> int | None:
-    values = _numbers(rows, name)
-    return int(sum(values)) if values else None
+def _mean(rows: Sequence[Mapping[str, object]], name: str) -> float:
+    return sum(_number(row, name) for row in rows) / len(rows)
 
 
-def _numbers(rows: Sequence[Mapping[str, object]], name: str) -> list[float]:
-    """The values of a column, rows without one left out."""
-    values = [row[name] for row in rows if row.get(name) is not None]
-    wrong = next((value for value in values if not isinstance(value, int | float)), None)
-    if wrong is not None:
-        raise TypeError(f'"{name}" of a trial row is {wrong!r}, no number')
-    return [float(value) for value in values if isinstance(value, int | float)]
+def _number(row: Mapping[str, object], name: str) -> float:
+    value = row[name]
+    if not isinstance(value, int | float):
+        raise TypeError(f'"{name}" of a trial row is {value!r}, no number')
+    return float(value)

@@ -20,16 +20,16 @@ from mimics_app.tasks.actions import ActionSpace, Settings, build_action_space, 
 from mimics_app.tasks.adaptation import Adaptation
 from mimics_app.tasks.arrival import Arrival
 from mimics_app.tasks.attempts import ABORTED, TIMEOUT, Attempts, Row
-from mimics_app.tasks.cards import count_card, force_card, grasp_card, progress_card, state_card, time_card
-from mimics_app.tasks.carry import Carry
+from mimics_app.tasks.cards import count_card, force_card, progress_card, state_card, time_card
 from mimics_app.tasks.control import RobotControl
-from mimics_app.tasks.figures import Figures
 from mimics_app.tasks.goals import Goals
 from mimics_app.tasks.hud import Announcement, cause_words, state_message
+from mimics_app.tasks.kinds.kind import KindPlay, TaskKind
+from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.observation import Observation, observe
 from mimics_app.tasks.orders import Changes
 from mimics_app.tasks.state_machine import Conditions, next_state
-from mimics_app.tasks.task import ActionDeed, Deed, DurationGoal, MessageDeed, SoundDeed, TaskSpec
+from mimics_app.tasks.task import ActionDeed, Deed, DurationGoal, MessageDeed, ScoreSpec, SoundDeed, TaskSpec
 from mimics_app.tasks.trials import Trial, plan_trials, trial_blocks
 from mimics_app.tasks.triggers import Moment, Triggers
 
@@ -64,14 +64,19 @@ class TaskManager:
         self._space = build_action_space(spec)
         self._adaptation = Adaptation(self._space)
         plan = plan_trials(trial_blocks(spec), seed)
-        self._figures = Figures.of(spec, tunnel=context.tunnel)
-        self._attempts = Attempts(plan, spec.score, spec.start.attempts, on_trial, self._figures)
+        kinds = [kind for kind in task_kinds() if kind.takes(spec, context.offers)]
+        self._plays = {kind.name: kind.open(spec, context, seed) for kind in kinds}
+        self._captions = kinds[-1] if kinds else TaskKind()
+        counts = [kind.completes for kind in kinds if kind.completes]
+        plays = tuple(self._plays.values())
+        self._has_score = bool(kinds) or spec.score != ScoreSpec()  # the built-in weights judge a way
+        score = spec.score if self._has_score else None
+        self._attempts = Attempts(plan, score, spec.start.attempts, on_trial, plays, counts)
         self._bodies = context.bodies
-        self._carry = Carry(spec.carry, context.places[spec.carry.to], seed) if spec.carry is not None else None
         self._arrival = Arrival(spec.start, context.start_joints)
         self._control = RobotControl(context.home or Home(context.start_joints), context.feel)
-        self._goals = Goals(spec.goals)
-        self._triggers = Triggers(spec.triggers)
+        self._goals = Goals(spec.goals, [self._play_of(goal) for goal in spec.goals])
+        self._triggers = Triggers(spec.triggers, [self._play_of(trigger.when) for trigger in spec.triggers])
         self._announcement = Announcement()
         self._haptic, self._visual, self._audio = Changes(), Changes(), Changes()
         self._settings = Settings()
@@ -120,9 +125,8 @@ class TaskManager:
     ) -> TaskOrders:
         """One frame: `events` are the EVENT records since the last one, shape [n]; `now_ns` never falls."""
         seen = observe(snapshot, events, now_ns, self._bodies)
-        if self._carry is not None:
-            self._carry.within = self._setting(None, "within", self._carry.usual_within)
-            seen = self._carry.see(seen)
+        for play in self._plays.values():
+            seen = play.see(seen, self._settings.task)
         if action is not None:
             self._take(action, now_ns)
         left, entered = self._advance(seen)
@@ -209,8 +213,8 @@ class TaskManager:
         self._settings = settings_for(self._spec, self._adaptation.values)
         self._arrival.restart()
         self._triggers.restart()
-        if self._carry is not None:
-            self._carry.begin_attempt()
+        for play in self._plays.values():
+            play.begin_attempt()
 
     def _take(self, action: TaskAction, now_ns: int) -> None:
         self._adaptation.take(action)
@@ -234,8 +238,8 @@ class TaskManager:
 
     def _orders(self, seen: Observation, sounds: tuple[SoundEvent, ...]) -> TaskOrders:
         haptic = {**self._settings.haptic, **self._control.wanted(), "trial": self._attempts.begun}
-        if self._carry is not None:
-            haptic |= self._carry.orders
+        for play in self._plays.values():
+            haptic |= play.orders
         view = self._view(seen)
         return TaskOrders(
             haptic=self._haptic.since_last(haptic),
@@ -250,46 +254,46 @@ class TaskManager:
 
     def _view(self, seen: Observation) -> TaskView:
         attempts = self._attempts
-        elapsed = self._elapsed_s(seen.now_ns)
+        elapsed, on_a_way = self._elapsed_s(seen.now_ns), bool(self._plays)
         travels = self._state is TrialState.TRAVEL
-        done = seen.progress if self._figures.way else elapsed / self._length_s() if travels else 0.0
+        done = seen.progress if on_a_way else elapsed / self._length_s() if travels else 0.0
         progress = min(max(done, 0.0), 1.0)
-        return TaskView(
-            self._state, progress, attempts.number + 1, len(attempts.plan), elapsed, on_a_way=self._figures.way
-        )
+        return TaskView(self._state, progress, attempts.number + 1, len(attempts.plan), elapsed, on_a_way)
 
     def _lay_out(self, seen: Observation, view: TaskView) -> Board:
         attempts = self._attempts
-        score = self.result().get("score", attempts.score) if self.done else attempts.score
+        score = self.result().get("score", 0.0) if self.done else attempts.score
         fields = {
-            **({"score": f"{score:.0f}"} if self._figures.score else {}),
+            **({"score": f"{score:.0f}"} if self._has_score else {}),
             "cause": cause_words(self._cause),
             "seconds": str(max(0, math.ceil(self._rest_s() - view.elapsed_s))),
             "trial": str(view.trial),
             "trials": str(view.trials),
-            "body": self._spec.carry.body if self._spec.carry else "",
         }
-        line = state_message(self._state, self._spec.messages, view.elapsed_s, fields, seen.stage)
+        prompt = ""
+        for play in self._plays.values():
+            fields |= play.words
+            prompt = play.prompt or prompt
+        line = state_message(self._state, self._spec.messages, view.elapsed_s, fields, prompt)
         cards = {
             "trial": Card("Trial", f"{view.trial} / {view.trials}"),
             "state": state_card(view.state),
-            **({"progress": progress_card(view.progress)} if self._figures.way else {}),
+            **({"progress": progress_card(view.progress, self._captions.label)} if self._plays else {}),
             "time": time_card(attempts.tally.time_s if attempts.tally else 0.0),
-            "contacts": count_card("Wall contacts", attempts.tally.contacts if attempts.tally else 0),
+            "contacts": count_card(self._captions.contacts, attempts.tally.contacts if attempts.tally else 0),
             "force": force_card(seen.force),
-            **({"score": count_card("Score", score, width=130.0)} if self._figures.score else {}),
-            **self._carry_cards(seen),
+            **({"score": count_card("Score", score, width=130.0)} if self._has_score else {}),
         }
+        for play in self._plays.values():
+            cards |= play.cards(seen, attempts.finished)
         return Board(cards, self._announcement.line(seen.now_ns, line), alarm=self._state is TrialState.STOPPED)
 
-    def _carry_cards(self, seen: Observation) -> Mapping[str, Card]:
-        if self._spec.carry is None:
-            return {}
-        return {
-            "grasp": grasp_card(seen.grasp, self._spec.carry.grip),
-            "placed": count_card("Placed", self._attempts.finished, width=130.0),
-            "drops": count_card("Drops", seen.drops, width=120.0),
-        }
+    def _play_of(self, part: object) -> KindPlay | None:
+        """The kind of task that a goal or a condition is of; None for the task's own."""
+        for kind in task_kinds():
+            if isinstance(part, (*kind.goals, *kind.conditions)):
+                return self._plays.get(kind.name)
+        return None
 
     def _elapsed_s(self, now_ns: int) -> float:
         return 0.0 if self._entered_ns is None else max(0, now_ns - self._entered_ns) / 1e9
@@ -300,8 +304,8 @@ class TaskManager:
 
     def _length_s(self) -> float:
         """How long a trial without a way takes: as long as its goals ask for, at most its limit [s]."""
-        asked = [goal.seconds for goal in self._spec.goals if isinstance(goal, DurationGoal)]
-        return min([self._time_limit_s(), *([max(asked)] if max(asked, default=0.0) > 0.0 else [])])
+        asked = max((goal.seconds for goal in self._spec.goals if isinstance(goal, DurationGoal)), default=0.0)
+        return min(asked, self._time_limit_s()) if asked > 0.0 else self._time_limit_s()
 
     def _rest_s(self) -> float:
         return self._setting(self._attempts.trial.rest_s, "rest_s", self._spec.rest_s)

@@ -123,4 +123,4 @@ class Player:
 
 
 def make_manager(spec: Any, seed: int = 1, **listeners: Any) -> TaskManager:
-    return TaskManager(spec, TaskContext(START, tunnel=True), seed, **listeners)
+    return TaskManager(spec, TaskContext(START), seed, **listeners)
