@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import EventKind
+from mimics_app.contracts.trial_counts import count_trials
 from mimics_app.recording.attempts import Attempt, find_attempts
 from mimics_app.recording.report_carry import carry_cards, carry_facts, draw_carry
 from mimics_app.recording.report_figures import draw_lateness, draw_path, draw_states, draw_traces
@@ -40,7 +41,8 @@ _WARM_UP_TICKS = 1000
 _OWN_KEYS = ("format", "version", "versions", "machine", "clock", "plan")
 _TUNNEL_COLOURS = "The path of the robot's top is blue, the bisector of the tunnel red, its walls green."
 _CARRY_COLOURS = "The path of the empty hand is blue, that of the hand with the thing in it orange, the mark green."
-_COUNTED = "Score, time, path and contacts tell of ended trials; practice counts only where it is all."
+_HAND_COLOURS = "The path of the robot's top is blue."
+_COUNTED = "Figures are over trials that reached their goal or their time; practice is left out where there is other."
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,25 +155,40 @@ def _cards(run: Run, attempts: list[Attempt]) -> str:
     free = [attempt.samples[attempt.free] for attempt in attempts]
     felt = [_largest(rows["f_user_world"]) for rows in free]
     real_time = punctuality(run.haptic)
-    carried = carry_facts(run) is not None
-    finished = sum(row.get("outcome") == "finished" for row in run.trials)
+    carried, tunnel = carry_facts(run) is not None, _has_tunnel(attempts)
     cards = {
-        "trials finished": f"{task.get('completed', finished)} of {task.get('trials', len(run.trials))}",
+        **_trial_cards(run),
         "score": _one(task.get("score")),
         "time": _one(task.get("time_s"), "s"),
         **({name: _card(*figure) for name, figure in carry_cards(task).items()} if carried else {}),
         "off the straight way" if carried else "path error": _one(_scaled(task.get("path_error_m"), 1000.0), "mm"),
-        "contacts" if carried else "wall contacts": value(task.get("contacts")),
-        "largest force felt": _one(max(felt, default=None), "N"),
+        "wall contacts" if tunnel and not carried else "contacts": value(task.get("contacts")),
+        "largest force felt": _one(max(felt, default=0.0) or None, "N"),
         "smallest stability margin": _one(_scaled(smallest_margin(run.haptic), 100.0), "%"),
-        "ticks missed": f"{real_time.missed} of {real_time.ticks:,}".replace(",", "\u2009")
-        if real_time
-        else "virtual clock",
+        "ticks missed": _missed(real_time),
         "trips": value(int((run.events["kind"] == EventKind.TRIP).sum())),
     }
     items = "".join(f"<div><b>{text}</b><span>{name}</span></div>" for name, text in cards.items() if text != "–")
     note = _soft(_COUNTED) if task else ""
     return f'<div class="cards">{items}</div>{note}'
+
+
+def _missed(real_time: Punctuality | None) -> str:
+    return "–" if real_time is None else f"{real_time.missed} of {real_time.ticks:,}".replace(",", "\u2009")
+
+
+def _trial_cards(run: Run) -> dict[str, str]:
+    """How many trials were finished, those alone of which some ended."""
+    counts = count_trials(run.trials)
+    ended = {
+        "trials finished": (counts.completed, counts.trials),
+        "practice finished": (counts.practice_completed, counts.practice_trials),
+    }
+    return {name: f"{completed} of {trials}" for name, (completed, trials) in ended.items() if trials}
+
+
+def _has_tunnel(attempts: list[Attempt]) -> bool:
+    return any(attempt.tunnel is not None for attempt in attempts)
 
 
 def _card(number: Any, unit: str) -> str:
@@ -204,17 +221,19 @@ def _movement(run: Run, attempts: list[Attempt]) -> str:
     if not attempts:
         return _section("Movement", _soft("No tick was recorded."))
     carry = carry_facts(run)
-    text = _soft(
-        "Frontal plane seen by the person: lateral to the right, vertical up. "
-        + (_CARRY_COLOURS if carry is not None else _TUNNEL_COLOURS)
-    )
+    title, colours = "Movement of the hand", _HAND_COLOURS
+    if carry is not None:
+        title, colours = "Carrying", _CARRY_COLOURS
+    elif _has_tunnel(attempts):
+        title, colours = "Movement through the tunnel", _TUNNEL_COLOURS
+    text = _soft(f"Frontal plane seen by the person: lateral to the right, vertical up. {colours}")
     for i, attempt in enumerate(attempts):
         traces = "".join(draw_traces(attempt, carry))
         path = draw_path(attempt, run.events) if carry is None else draw_carry(attempt, carry)
         content = f"{path}<h3>Force and velocity</h3>{traces}"
         opened = " open" if i < _OPEN_ATTEMPTS else ""
         text += f"<details{opened}><summary>{escape(attempt.title)}</summary>{content}</details>"
-    return _section("Movement through the tunnel" if carry is None else "Carrying", text)
+    return _section(title, text)
 
 
 def _safety(run: Run) -> str:
