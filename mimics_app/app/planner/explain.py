@@ -163,7 +163,7 @@ def _filters_left_out(scene: Scene, plan: Plan) -> list[LeftOut]:
     left = [
         LeftOut(
             f"{part}, per frame",
-            f"systems.visual.{group.replace(' ', '_')} does not ask for it",
+            f"systems.visual.{group.replace(' ', '_')} does not request it",
             _extra_us(plan, group),
         )
         for part, group, used in (
