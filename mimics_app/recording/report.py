@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.trial_counts import count_trials
 from mimics_app.contracts.trips import TripReader
 from mimics_app.recording.attempts import Attempt, find_attempts
 from mimics_app.recording.plot import Plot
@@ -50,6 +51,7 @@ _TUNNEL_COLOURS = "The path of the robot's top is blue, the bisector of the tunn
 _TRIPS = "{}. A stop is latched until a person resets it; a short hold, after a late tick, ends by itself."
 _BADGES = {"clean": "recording complete", "open": "recording not closed"}
 _CARRY_COLOURS = "The path of the empty hand is blue, that of the hand with the thing in it orange, the mark green."
+_HAND_COLOURS = "The path of the robot's top is blue."
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,6 +197,7 @@ def page_of(run: Run) -> Page:
     """
     attempts = find_attempts(run)
     carry = carry_facts(run)
+    heading, colours = _heading(carry, attempts)
     recorded = len(run.haptic) > 0
     return Page(
         title=f"Report of {_scene_name(run)}",
@@ -205,8 +208,8 @@ def page_of(run: Run) -> Page:
         cards={name: text for name, text in _cards(run, attempts).items() if text != NONE},
         counted=bool(mapping(run.summary.get("task"))),
         trials=trials_of(run),
-        heading=_heading(carry, attempts),
-        colours=_TUNNEL_COLOURS if carry is None else _CARRY_COLOURS,
+        heading=heading,
+        colours=colours,
         movement=[_movement(run, attempt, carry, opened=i < _OPEN_ATTEMPTS) for i, attempt in enumerate(attempts)],
         contacts=contacts_of(run),
         safety=_safety(run) if recorded else None,
@@ -242,16 +245,15 @@ def _local_time(utc: Any) -> str:
 def _cards(run: Run, attempts: list[Attempt]) -> dict[str, str]:
     task = mapping(run.summary.get("task"))
     felt = [_largest(attempt.samples[attempt.free]["f_user_world"]) for attempt in attempts]
-    carried = carry_facts(run) is not None
-    finished = sum(row.get("outcome") == "finished" for row in run.trials)
+    carried, tunnel = carry_facts(run) is not None, _has_tunnel(attempts)
     return {
-        "trials finished": f"{shown(task.get('completed', finished))} of {shown(task.get('trials', len(run.trials)))}",
+        **_trial_cards(run),
         "score": one(task.get("score")),
         "time": one(task.get("time_s"), "s"),
         **({name: _card(*figure) for name, figure in carry_cards(task).items()} if carried else {}),
         "off the straight way" if carried else "path error": one(scaled(task.get("path_error_m"), 1000.0), "mm"),
-        "contacts" if carried else "wall contacts": shown(task.get("contacts")),
-        "largest force felt": one(max(felt, default=None), "N"),
+        "wall contacts" if tunnel and not carried else "contacts": shown(task.get("contacts")),
+        "largest force felt": one(max(felt, default=0.0) or None, "N"),
         "smallest stability margin": one(scaled(smallest_margin(run.haptic), 100.0), "%"),
         **_missed_card(run),
         **{name: shown(number) for name, number in _stops_and_holds(run).items()},
@@ -261,8 +263,22 @@ def _cards(run: Run, attempts: list[Attempt]) -> dict[str, str]:
 def _missed_card(run: Run) -> dict[str, str]:
     real_time = punctuality(run.haptic)
     if real_time is None:
-        return {"ticks missed": "virtual clock"}
+        return {}
     return {f"ticks missed of {thousands(real_time.ticks)}": thousands(real_time.missed)}
+
+
+def _trial_cards(run: Run) -> dict[str, str]:
+    """How many trials were finished, those alone of which some ended."""
+    counts = count_trials(run.trials)
+    ended = {
+        "trials finished": (counts.completed, counts.trials),
+        "practice finished": (counts.practice_completed, counts.practice_trials),
+    }
+    return {name: f"{completed} of {trials}" for name, (completed, trials) in ended.items() if trials}
+
+
+def _has_tunnel(attempts: list[Attempt]) -> bool:
+    return any(attempt.tunnel is not None for attempt in attempts)
 
 
 def _stops_and_holds(run: Run) -> dict[str, int]:
@@ -286,10 +302,15 @@ def _problems(run: Run) -> list[str]:
     return found
 
 
-def _heading(carry: Mapping[str, Any] | None, attempts: list[Attempt]) -> str:
+def _heading(carry: Mapping[str, Any] | None, attempts: list[Attempt]) -> tuple[str, str]:
+    """What the movement was, and what its colours mean."""
     if not attempts:
-        return "Movement"
-    return "Movement through the tunnel" if carry is None else "Carrying"
+        return "Movement", ""
+    if carry is not None:
+        return "Carrying", _CARRY_COLOURS
+    if _has_tunnel(attempts):
+        return "Movement through the tunnel", _TUNNEL_COLOURS
+    return "Movement of the hand", _HAND_COLOURS
 
 
 def _movement(run: Run, attempt: Attempt, carry: Mapping[str, Any] | None, *, opened: bool) -> Movement:

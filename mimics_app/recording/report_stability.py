@@ -75,11 +75,11 @@ def stability_tables(run: Run) -> dict[str, Table]:
     ]
     if len(touching):
         limit, margin = float(touching["stiffness_limit"].min()), 100.0 * float(touching["margin"].min())
-        energy = 1e3 * min(0.0, float(touching["energy"].min()))
+        given = 1e3 * max(0.0, -float(touching["energy"].min()))
         rows = [
             ("smallest margin while touching [%]", margin),
             ("smallest stable stiffness then [N/m]", limit),
-            ("most that one contact gave away [mJ]", -energy),
+            ("most that one contact gave away [mJ]", given),
             ("least share of the authored stiffness [%]", 100.0 * float(touching["stiffness_share"].min())),
             *rows,
         ]

@@ -25,7 +25,7 @@ _WITHOUT_A_TASK = TaskSpec(goals=[DurationGoal(seconds=60.0)], time_limit_s=120.
 
 def task_of(scene: Scene) -> TaskSpec:
     """The task of a scene; without one to travel its tunnel, or to be there for a minute."""
-    return scene.section(TaskSpec) or (TaskSpec() if scene.has(Tunnel) else _WITHOUT_A_TASK)
+    return scene.section(TaskSpec) or (TaskSpec() if scene.components(Tunnel) else _WITHOUT_A_TASK)
 
 
 def check_section(spec: TaskSpec, scene: Scene) -> list[Issue]:

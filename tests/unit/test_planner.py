@@ -67,6 +67,15 @@ def accepting(scene, **tolerances: float):
     return scene
 
 
+def test_a_stage_that_nobody_built_is_not_blamed_on_the_scene(scene):
+    """There is no component by which a scene could have a recorder of body signals."""
+    left = {
+        one["part"]: one["why"] for one in explain_plan(scene, plan_scene(scene, "training", planted()))["left_out"]
+    }
+    (why,) = [why for part, why in left.items() if "body signals" in part]
+    assert why.startswith("not built yet") and "is in the scene" not in why
+
+
 def test_a_rival_at_half_the_cost_and_equal_error_is_taken_and_at_ten_times_the_error_dropped():
     ours = row("ours", 2.0, 5e-7, "m")
     assert choose([ours, row("rival", 1.0, 5e-7, "m")], 1e-6).method == "rival"

@@ -71,9 +71,12 @@ def test_every_group_that_is_announced_is_loaded() -> None:
     from mimics_app.app.scenes import catalogue
     from mimics_app.rendering.haptic import force_fields
     from mimics_app.rendering.haptic.devices import device_names
+    from mimics_app.tasks.kinds import registry
     from mimics_app.world.components import plugins
 
-    assert set(GROUPS) == {place.ENTRY_POINT_GROUP for place in (catalogue, force_fields, device_names, plugins)}
+    assert set(GROUPS) == {
+        place.ENTRY_POINT_GROUP for place in (catalogue, force_fields, device_names, registry, plugins)
+    }
 
 
 def test_no_plug_ins_is_no_error() -> None:

@@ -95,4 +95,4 @@ def _lines(finding: dict[str, Any]) -> list[str]:
     if not finding["ok"]:
         return []
     holds = ", ".join(f"{count} {what}" for what, count in finding["holds"].items())
-    return [f"{finding['file']}: right ({holds})\n", *(f"  {note}\n" for note in finding["notes"])]
+    return [f"{finding['file']}: ok ({holds})\n", *(f"  {note}\n" for note in finding["notes"])]

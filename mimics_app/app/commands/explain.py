@@ -73,7 +73,7 @@ def _say(answer: dict[str, Any], plan: Plan) -> None:
             print(f"          better but too dear: {_too_dear(part['too_dear'], part['unit'])}")
     for left in answer["left_out"]:
         saved = "" if left["saved_us"] is None else f" ({_time_of(left['saved_us'])} saved)"
-        print(f"left out  {left['part']}: {left['why']}{saved}")
+        print(f"not used  {left['part']}: {left['why']}{saved}")
 
 
 def _cost_of(part: dict[str, Any]) -> str:

@@ -14,6 +14,7 @@ GROUPS = (
     "mimics_app.devices",
     COMPONENTS,
     "mimics_app.scenarios",
+    "mimics_app.task_kinds",
     "mimics_app.force_fields",
 )
 """The groups of entry points a package may offer something in: each is loaded by the stage that has a place for it."""

@@ -166,7 +166,7 @@ def _left_out(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None]) -
     left += _filters_left_out(scene, plan)
     if not _has_objects(scene):
         left += [LeftOut(part, _NO_OBJECT, _cheapest(table, group)) for group, part in OF_OBJECTS.items()]
-    left.append(LeftOut("body signals, estimation, learning", "no recorder of body signals is in the scene", None))
+    left.append(LeftOut("body signals, their processing and estimation, learned adaptation", _NOT_BUILT, None))
     return left
 
 
@@ -176,7 +176,7 @@ def _filters_left_out(scene: Scene, plan: Plan) -> list[LeftOut]:
     left = [
         LeftOut(
             f"{part}, per frame",
-            f"systems.visual.{group.replace(' ', '_')} does not ask for it",
+            f"systems.visual.{group.replace(' ', '_')} does not request it",
             _extra_us(plan, group),
         )
         for part, group, used in (
@@ -200,6 +200,8 @@ _NOBODY = "none"
 """Scenario of a scene that is only looked at."""
 
 _NO_OBJECT = "no entity has a haptic_object or haptic_walls"
+
+_NOT_BUILT = "not built yet: nothing in a scene can ask for it"
 
 OF_OBJECTS: Mapping[str, str] = {
     "integrator": "rigid bodies, per body and tick",

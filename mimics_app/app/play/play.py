@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 from mimics_app.app.picture.picture import Picture, live_quality
 from mimics_app.app.play.album import Album
@@ -16,6 +15,7 @@ from mimics_app.app.play.frame import Frames
 from mimics_app.app.play.pace import run_live, run_unseen, run_virtual
 from mimics_app.app.play.progress_line import ProgressLine
 from mimics_app.app.play.result import summarise
+from mimics_app.app.play.summary_lines import summary_lines
 from mimics_app.app.session.build import build_session, start_loop
 from mimics_app.app.session.session import Session
 from mimics_app.app.settings import RunSettings
@@ -65,7 +65,7 @@ def play(settings: RunSettings, *, as_json: bool) -> int:
     if as_json:
         output.write_object("run", answer)
     else:
-        _say(answer)
+        print("\n".join(summary_lines(answer)))
     if summary["safety"]["state"] in _STOPS:
         return SafetyStop.exit_code
     if session.trouble:
@@ -131,47 +131,3 @@ def _play_unseen(session: Session, frames: Frames) -> list[Path]:
     with left_alone():
         run_unseen(session, frames, album.look)
     return album.finish(frames)
-
-
-def _say(answer: dict[str, Any]) -> None:
-    task = answer["task"]
-    done = "completed" if task["completed"] else "not completed"
-    words = [f"{done}: {_count(task['trials'], 'trial')}", *_task_words(task)]
-    print(f"task      {', '.join(words)}")
-    print(f"touch     {answer['ticks']} ticks ({answer['recipe']}), {answer['missed']} missed")
-    print(f"safety    {_safety_line(answer['safety'])}")
-    print(f"run       {answer['run_dir']}")
-    for picture in answer["pictures"]:
-        print(f"picture   {picture}")
-    if "video" in answer:
-        print(f"film      {answer['video']}")
-    print(f"report    {answer['report']}")
-
-
-def _safety_line(safety: dict[str, Any]) -> str:
-    """State at the end, stops and holds apart, and what the last of them was."""
-    line = f"{safety['state']}, {_count(safety['stops'], 'stop')}, {_count(safety['holds'], 'short hold')}"
-    return f"{line}; {safety['what']} ({safety['t_s']:.1f} s)" if "what" in safety else line
-
-
-_TASK_WORDS = {
-    "score": "score {:.0f}",
-    "time_s": "{:.1f} s under way",
-    "path_error_m": "path error {:.4f} m",
-    "contacts": "{} contacts",
-    "placed": "{} placed",
-    "drops": "{} drops",
-    "bruises": "{} bruises",
-    "grasp_error_n": "grasp off by {:.1f} N",
-}
-"""How the totals of a task are said; those of other kinds by their names."""
-
-
-def _task_words(task: Mapping[str, Any]) -> list[str]:
-    """The totals that there are, in words."""
-    said = ("completed", "trials", "path_m")
-    return [_TASK_WORDS.get(name, name + " {:g}").format(value) for name, value in task.items() if name not in said]
-
-
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}{'' if number == 1 else 's'}"
