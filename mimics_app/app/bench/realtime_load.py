@@ -75,7 +75,7 @@ def _draw_frames(session: Session, seconds: float) -> int:
     end = clock.now_ns() + round(seconds * 1e9)
     while clock.now_ns() < end:
         frames.step()
-        picture.draw(frames.orders.hud)
+        picture.draw(frames.board)
         picture.surface.ctx.finish()
         until, work = clock.now_ns() + _WORK_NS, 0
         while clock.now_ns() < until:
