@@ -40,7 +40,7 @@ def test_every_contact_is_heard_on_a_live_sound_server():
     """And the device's own buffers hold less than the bound; what a busy machine adds is measured by the slow test."""
     result = measure_heard(5.0)
     assert (result["sink"], result["hrtf"], result["rate"]) == ("device", True, 48_000)
-    assert result["events"] >= 20
+    assert result["events"] >= 10
     assert 0.0 < result["buffers_ms"] <= 20.0
     assert 0.0 < result["latency_ms"]["p50"] <= result["latency_ms"]["p95"] <= result["latency_ms"]["max"]
 

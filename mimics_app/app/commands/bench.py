@@ -160,13 +160,13 @@ def _measure_audio(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _measure_haptic(_: argparse.Namespace) -> dict[str, Any]:
-    """Shapes, meshes and bodies against a reference loop and the peers."""
+    """Shapes, meshes and bodies against a reference loop and the peers; PEERS names a folder with further ones."""
     from mimics_app.lab.haptic_bench import measure_haptic
 
     def tell(what: str) -> None:
         sys.stderr.write(f"{what}\n")
 
-    return measure_haptic(tell)
+    return measure_haptic(tell, Path(os.environ["PEERS"]) if os.environ.get("PEERS") else None)
 
 
 _MEASURES = {
