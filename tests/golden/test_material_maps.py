@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.rendering.visual.displays.desktop import compose_look_at
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.environment import Sky
 from mimics_app.world.materials.material import IDENTITY, Material, TextureData
 from mimics_app.world.meshes.primitives import plane
