@@ -75,6 +75,8 @@ def gather(run: Run) -> ReplayData:
     samples = run.haptic
     if len(samples) == 0:
         raise PartialDataError(f"{run.folder} holds no tick")
+    if not run.layout.current:
+        raise PartialDataError(f"{run.folder} was recorded with other columns", "replay it with the version it names")
     if run.gaps:
         gap = run.gaps[0]
         raise PartialDataError(

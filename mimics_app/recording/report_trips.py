@@ -29,11 +29,7 @@ class Trip:
 
 
 def trips_of(run: Run) -> list[Trip]:
-    """The trips of a run, the first of them with drawings.
-
-    Raises:
-        OSError: A log that was missing cannot be written.
-    """
+    """The first trips of a run, with drawings."""
     return [_trip(run, tick, path) for tick, path in complete_trips(run)[:MOST_DRAWN]]
 
 

@@ -19,11 +19,11 @@ from mimics_app.recording.arrow_format import (
     encode_parameters,
     encode_samples,
     parameters_schema,
-    samples_schema,
     schema_bytes,
 )
 from mimics_app.recording.arrow_scan import Found, read_index, scan_stream
 from mimics_app.recording.event_log import encode_event, events_of, read_lines, whole_length
+from mimics_app.recording.layout import samples_schema
 from mimics_app.recording.run_folder import FILES
 from mimics_app.recording.state_hash import StateHash
 
@@ -153,7 +153,7 @@ class EventStream:
         end = None
         if resume:
             end = whole_length(path) if path.exists() else 0
-            lines = read_lines(path)[0]
+            lines = read_lines(path)[0] if path.exists() else []
             self.earlier_gaps = [line for line in lines if line["source"] == "recorder" and line["kind"] == "gap"]
             events = events_of(lines)
             self._hash.add_events(events)

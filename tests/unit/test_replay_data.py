@@ -100,6 +100,18 @@ def test_comparison_is_of_bits_and_of_outputs_only() -> None:
         compare(one, other[:4])
 
 
+@pytest.mark.parametrize("row", [0, 999, 1000, 1001, 49_999])
+def test_a_difference_is_found_in_every_row(row: int) -> None:
+    """Also far behind the first second, and in the last row."""
+    one = np.zeros(50_000, SAMPLE)
+    one["tick"] = np.arange(50_000)
+    other = one.copy()
+    other["f_user_world"][row, 1] = np.nextafter(0.0, 1.0)
+    difference = compare(one, other)
+    assert difference is not None
+    assert (difference.tick, difference.column, difference.count) == (row, "f_user_world[1]", 1)
+
+
 def test_missing_parameter_block_and_empty_run_cannot_be_replayed(tmp_path: Path) -> None:
     with pytest.raises(PartialDataError, match="parameter block 2 is missing"):
         gather(Run.open(_write_run(tmp_path, drop_block=True)))
@@ -113,7 +125,8 @@ def test_checksum_is_crc32_of_the_rows() -> None:
     """Written down for readers that are not ours: CRC32 over seq and first (int64, little endian), t, then sample."""
     import pyarrow as pa
 
-    from mimics_app.recording.arrow_format import samples_schema, schema_bytes
+    from mimics_app.recording.arrow_format import schema_bytes
+    from mimics_app.recording.layout import samples_schema
 
     samples = np.zeros(3, SAMPLE)
     samples["t"], samples["ramp"] = [1, 2, 3], [4, 5, 6]

@@ -233,10 +233,11 @@ def test_run_without_anything_is_still_reported(tmp_path: Path) -> None:
 def test_record_command_mends_and_verifies(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     write_synthetic_run(tmp_path, 4.0, closed=False)
     assert main(["record", "info", str(tmp_path)]) == 6
-    assert main(["record", "recover", str(tmp_path), "--json"]) == 0
+    assert main(["record", "recover", str(tmp_path), "--json"]) == 6, "all there is was saved, and it was cut off"
     lines = capsys.readouterr().out.splitlines()
     answer = json.loads(lines[-1])
     assert answer["status"] == "recovered" and answer["ticks"] == 4000
+    assert answer["problems"] == ["the run is recovered"] and "manifest.json" in answer["mended"]
     with (tmp_path / "trials.csv").open("a") as file:
         file.write("x")
     assert main(["record", "verify", str(tmp_path)]) == 6
