@@ -148,6 +148,11 @@ class Run:
         """The loop's EVENT records, shape [n], in order."""
         return events_of(self.lines)
 
+    @property
+    def last_event_tick(self) -> int:
+        """Tick of the last event of the loop, 0 where there is none."""
+        return int(self.events["tick"].max()) if len(self.events) else 0
+
     @cached_property
     def _trials(self) -> tuple[list[dict[str, Any]], int, str]:
         return _read_or_say(self.folder / FILES["trials"], read_table)
