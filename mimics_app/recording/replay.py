@@ -78,7 +78,7 @@ def gather(run: Run) -> ReplayData:
     """
     samples = run.haptic
     if len(samples) == 0:
-        raise PartialDataError(f"{run.folder} holds no tick")
+        raise PartialDataError(f"{run.folder} holds no tick", "; ".join(run.losses()))
     if not run.layout.current:
         raise PartialDataError(f"{run.folder} was recorded with other columns", "replay it with the version it names")
     if run.gaps:
