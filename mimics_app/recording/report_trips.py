@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.recording.plot import Axis, Plot
+from mimics_app.recording.report_values import Seconds
 from mimics_app.recording.run import Run
 from mimics_app.recording.trip_log import FOLDER, complete_trips, read_trip
 
@@ -23,7 +24,7 @@ MOST_DRAWN = 8
 class Trip:
     """The second before a trip: when it was [s], the name of its file, drawings ([] where no row was left)."""
 
-    at_s: float
+    at_s: Seconds
     file: str
     plots: list[Plot]
 
@@ -36,7 +37,7 @@ def trips_of(run: Run) -> list[Trip]:
 def _trip(run: Run, tick: int, path: Path) -> Trip:
     samples = read_trip(path)
     plots = [_forces(samples), _speeds(samples)] if len(samples) > 1 else []
-    return Trip(run.seconds(tick), f"{FOLDER}/{path.name}", plots)
+    return Trip(Seconds(run.seconds(tick)), f"{FOLDER}/{path.name}", plots)
 
 
 def _before(samples: NDArray[Any]) -> NDArray[np.float64]:

@@ -18,6 +18,7 @@ from mimics_app.recording.attempts import find_attempts, tunnel_shape
 from mimics_app.recording.plot import Axis, Plot, envelope, log_ticks, nice_ticks
 from mimics_app.recording.report import punctuality, write_report
 from mimics_app.recording.report_tables import contact_rows, trials_of
+from mimics_app.recording.report_values import Seconds, shown
 from mimics_app.recording.run import Run
 from mimics_app.recording.trial_table import TrialTable
 from tests.support.synthetic_run import RADIUS, bisector, samples_of_session, scene_block, write_synthetic_run
@@ -209,6 +210,11 @@ def test_trials_come_first_with_units_and_within_the_page(tmp_path: Path) -> Non
     assert {name.replace("_", " ") for name in names} <= {n for t in trials.measured for n in t.names}, "none is lost"
     page = write_report(tmp_path).read_text()
     assert page.index("<h2>Trials") < page.index("<h2>Movement")
+
+
+def test_moments_of_a_long_run_are_told_to_the_millisecond() -> None:
+    assert shown(Seconds(1583.1234)) == "1583.123" and shown(1583.1234) == "1583"
+    assert (shown(None), shown(float("nan")), shown(True), shown([1, {"a": 2.5}])) == ("–", "–", "yes", "1, a 2.5")
 
 
 def test_interrupted_run_is_reported_and_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
