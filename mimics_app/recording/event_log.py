@@ -5,6 +5,8 @@ Every line has `source` and `kind`:
     loop      EVENT records of the 1 kHz loop, `n` counting from 0, kinds as in contracts.haptic.EventKind
     app       what the main thread journals; the kinds that the report reads are listed in `recorder.Recorder.journal`
     recorder  start, gap, clock (pairs of wall and monotonic time), problem, restart, end
+
+Both stand first in it, so that lines of a kind are found without reading the others.
 """
 
 from __future__ import annotations
@@ -25,11 +27,11 @@ __all__ = [
     "encode_event",
     "encode_line",
     "events_of",
+    "find_lines",
     "missing_events",
     "read_lines",
     "split_lines",
     "to_json",
-    "whole_length",
 ]
 
 _SCALARS = ("t_ns", "tick", "body_a", "body_b", "material_a", "material_b", "speed", "force", "value")
@@ -205,10 +207,7 @@ def _parse_line(text: bytes) -> dict[str, Any]:
     return line
 
 
-def whole_length(path: Path) -> int:
-    """Bytes up to and with the last end of line.
-
-    Raises:
-        OSError: There is no such file, or it cannot be read.
-    """
-    return read_regular(path).rfind(b"\n") + 1
+def find_lines(data: bytes, source: str, kind: str = "") -> list[bytes]:
+    """Whole lines of one source, and of one kind where one is given, of the bytes of an events.jsonl."""
+    head = f'{{"source":"{source}",' + (f'"kind":"{kind}",' if kind else "")
+    return [line for line in data.split(b"\n")[:-1] if line.startswith(head.encode())]

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from mimics_app.contracts.environment import clock_pair
 from mimics_app.contracts.regular_file import open_regular, read_regular
 from mimics_app.recording.append_file import AppendFile
 from mimics_app.recording.arrow_format import (
@@ -24,7 +25,6 @@ from mimics_app.recording.arrow_format import (
     schema_bytes,
 )
 from mimics_app.recording.arrow_scan import Damage, Found, read_index, read_schema, scan_stream
-from mimics_app.recording.environment import clock_pair
 from mimics_app.recording.event_log import split_lines
 from mimics_app.recording.layout import SampleLayout, layout_of
 from mimics_app.recording.manifest import Manifest, hash_files, write_manifest

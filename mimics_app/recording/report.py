@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import EventKind
+from mimics_app.contracts.trial_counts import count_trials
+from mimics_app.contracts.trips import TripReader
 from mimics_app.recording.attempts import Attempt, find_attempts
 from mimics_app.recording.plot import Plot
 from mimics_app.recording.report_carry import carry_cards, carry_facts, draw_carry
@@ -37,7 +38,7 @@ from mimics_app.recording.report_tables import (
     trip_table,
 )
 from mimics_app.recording.report_trips import MOST_DRAWN, Trip, trips_of
-from mimics_app.recording.report_values import NONE, counted, mapping, one, scaled, shown, thousands
+from mimics_app.recording.report_values import NONE, mapping, one, scaled, shown, thousands
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import FILES, write_atomically
 from mimics_app.recording.verdict import judge
@@ -48,7 +49,10 @@ _OPEN_ATTEMPTS = 3
 _WARM_UP_TICKS = 1000
 _OWN_KEYS = ("format", "version", "versions", "machine", "clock", "plan")
 _TUNNEL_COLOURS = "The path of the robot's top is blue, the bisector of the tunnel red, its walls green."
+_TRIPS = "{}. A stop is latched until a person resets it; a short hold, after a late tick, ends by itself."
+_BADGES = {"clean": "recording complete", "open": "recording not closed"}
 _CARRY_COLOURS = "The path of the empty hand is blue, that of the hand with the thing in it orange, the mark green."
+_HAND_COLOURS = "The path of the robot's top is blue."
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,18 +193,19 @@ def page_of(run: Run) -> Page:
     """Everything the report of a run shows."""
     attempts = find_attempts(run)
     carry = carry_facts(run)
+    heading, colours = _heading(carry, attempts)
     recorded = len(run.haptic) > 0
     return Page(
         title=f"Report of {_scene_name(run)}",
-        status=run.status,
+        status=_BADGES.get(run.status, f"recording {run.status}"),
         tone={"clean": "good", "open": "bad"}.get(run.status, "warn"),
         line=_head_line(run),
         problems=list(judge(run).problems),
         cards={name: text for name, text in _cards(run, attempts).items() if text != NONE},
         counted=bool(mapping(run.summary.get("task"))),
         trials=trials_of(run),
-        heading=_heading(carry, attempts),
-        colours=_TUNNEL_COLOURS if carry is None else _CARRY_COLOURS,
+        heading=heading,
+        colours=colours,
         movement=[_movement(run, attempt, carry, opened=i < _OPEN_ATTEMPTS) for i, attempt in enumerate(attempts)],
         contacts=contacts_of(run),
         safety=_safety(run) if recorded else None,
@@ -236,27 +241,46 @@ def _local_time(utc: Any) -> str:
 def _cards(run: Run, attempts: list[Attempt]) -> dict[str, str]:
     task = mapping(run.summary.get("task"))
     felt = [_largest(attempt.samples[attempt.free]["f_user_world"]) for attempt in attempts]
-    carried = carry_facts(run) is not None
-    finished = sum(row.get("outcome") == "finished" for row in run.trials)
+    carried, tunnel = carry_facts(run) is not None, _has_tunnel(attempts)
     return {
-        "trials finished": f"{shown(task.get('completed', finished))} of {shown(task.get('trials', len(run.trials)))}",
+        **_trial_cards(run),
         "score": one(task.get("score")),
         "time": one(task.get("time_s"), "s"),
         **({name: _card(*figure) for name, figure in carry_cards(task).items()} if carried else {}),
         "off the straight way" if carried else "path error": one(scaled(task.get("path_error_m"), 1000.0), "mm"),
-        "contacts" if carried else "wall contacts": shown(task.get("contacts")),
-        "largest force felt": one(max(felt, default=None), "N"),
+        "wall contacts" if tunnel and not carried else "contacts": shown(task.get("contacts")),
+        "largest force felt": one(max(felt, default=0.0) or None, "N"),
         "smallest stability margin": one(scaled(smallest_margin(run.haptic), 100.0), "%"),
         **_missed_card(run),
-        "trips": shown(int((run.events["kind"] == EventKind.TRIP).sum())),
+        **{name: shown(number) for name, number in _stops_and_holds(run).items()},
     }
 
 
 def _missed_card(run: Run) -> dict[str, str]:
     real_time = punctuality(run.haptic)
     if real_time is None:
-        return {"ticks missed": "virtual clock"}
+        return {}
     return {f"ticks missed of {thousands(real_time.ticks)}": thousands(real_time.missed)}
+
+
+def _trial_cards(run: Run) -> dict[str, str]:
+    """How many trials were finished, those alone of which some ended."""
+    counts = count_trials(run.trials)
+    ended = {
+        "trials finished": (counts.completed, counts.trials),
+        "practice finished": (counts.practice_completed, counts.practice_trials),
+    }
+    return {name: f"{completed} of {trials}" for name, (completed, trials) in ended.items() if trials}
+
+
+def _has_tunnel(attempts: list[Attempt]) -> bool:
+    return any(attempt.tunnel is not None for attempt in attempts)
+
+
+def _stops_and_holds(run: Run) -> dict[str, int]:
+    """How often a stop was latched, and how often the force was held for late ticks and came back by itself."""
+    latched = [trip.latched for trip in TripReader().take(run.events)]
+    return {"safety stops": sum(latched), "short holds": len(latched) - sum(latched)}
 
 
 def _card(figure: Any, unit: str) -> str:
@@ -267,10 +291,15 @@ def _largest(vectors: NDArray[np.float64]) -> float:
     return float(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)).max()) if len(vectors) else 0.0
 
 
-def _heading(carry: Mapping[str, Any] | None, attempts: list[Attempt]) -> str:
+def _heading(carry: Mapping[str, Any] | None, attempts: list[Attempt]) -> tuple[str, str]:
+    """What the movement was, and what its colours mean."""
     if not attempts:
-        return "Movement"
-    return "Movement through the tunnel" if carry is None else "Carrying"
+        return "Movement", ""
+    if carry is not None:
+        return "Carrying", _CARRY_COLOURS
+    if _has_tunnel(attempts):
+        return "Movement through the tunnel", _TUNNEL_COLOURS
+    return "Movement of the hand", _HAND_COLOURS
 
 
 def _movement(run: Run, attempt: Attempt, carry: Mapping[str, Any] | None, *, opened: bool) -> Movement:
@@ -279,15 +308,15 @@ def _movement(run: Run, attempt: Attempt, carry: Mapping[str, Any] | None, *, op
 
 
 def _safety(run: Run) -> Safety:
-    trips = int((run.events["kind"] == EventKind.TRIP).sum())
+    counts = _stops_and_holds(run)
     return Safety(
-        words=counted(trips, "trip") + "." if trips else "No trip.",
+        words=_TRIPS.format(", ".join(f"{name}: {number}" for name, number in counts.items())),
         states=draw_states(run.haptic),
         trips=trip_table(run),
         losses=loss_table(run),
         changes=state_table(run),
         drawn=trips_of(run),
-        more_drawn=trips > MOST_DRAWN,
+        more_drawn=sum(counts.values()) > MOST_DRAWN,
         stability=stability_tables(run),
     )
 

@@ -72,7 +72,8 @@ def _mark_contacts(plot: Plot, attempt: Attempt, events: NDArray[Any]) -> None:
     if len(mine):
         where = 1000.0 * mine["position_world"].astype(np.float64)
         hovers = [f"tick {e['tick']}, {e['force']:.1f} N" for e in mine]
-        plot.points(where[:, 0], where[:, 1], "contact", "wall contact begins", hovers)
+        what = "contact begins" if attempt.tunnel is None else "wall contact begins"
+        plot.points(where[:, 0], where[:, 1], "contact", what, hovers)
 
 
 def _contacts_of(attempt: Attempt, events: NDArray[Any]) -> NDArray[Any]:
@@ -86,7 +87,7 @@ def draw_traces(attempt: Attempt, carry: Mapping[str, Any] | None = None) -> lis
 
     Args:
         attempt: Whose.
-        carry: What the scenario told of the carrying (`report_carry.carry_facts`); None: a tunnel was travelled.
+        carry: What the scenario told of the carrying (`report_carry.carry_facts`); None: nothing was carried.
     """
     samples = attempt.samples
     if len(samples) < 2:
@@ -95,7 +96,11 @@ def draw_traces(attempt: Attempt, carry: Mapping[str, Any] | None = None) -> lis
         "measured": ("force of the person on the handle", _norm(samples["f_meas"])),
         "felt": ("virtual force on the person", _norm(samples["f_user_world"])),
     }
-    own = _tunnel_traces(attempt) if carry is None else _carry_traces(attempt, carry)
+    own: list[Plot] = []
+    if carry is not None:
+        own = _carry_traces(attempt, carry)
+    elif attempt.tunnel is not None:
+        own = _tunnel_traces(attempt)
     return [
         _trace_plot(attempt, "force [N]", force),
         *own,

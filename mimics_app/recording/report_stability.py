@@ -1,7 +1,8 @@
-"""What a report says about stability: the margin of the wall touched, and the energy of each contact."""
+"""What a report says about stability: the margins of what was touched, and the energy of each contact."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -22,14 +23,25 @@ Values = NDArray[np.float64]
 
 
 def _touching(samples: NDArray[Any]) -> NDArray[np.bool_]:
-    """Ticks in which the person felt the wall."""
-    return np.asarray((samples["penetration"] > 0.0) & samples["f_user_world"].any(axis=1))
+    """Ticks in which the person felt the wall of the tunnel or a shape."""
+    pressed = (samples["penetration"] > 0.0) | (samples["touching"] > 0.0)
+    return np.asarray(pressed & samples["f_user_world"].any(axis=1))
 
 
 def smallest_margin(samples: NDArray[Any]) -> float | None:
-    """Smallest stability margin of a wall that was touched [-], or None where none was."""
+    """Smallest stability margin of what was touched [-], or None where nothing was."""
     margins = samples["margin"][_touching(samples)]
     return float(margins.min()) if len(margins) else None
+
+
+def _contacts(run: Run) -> list[tuple[str, float]]:
+    """Least margin of each thing touched [%], the least first."""
+    stability = run.manifest.summary.get("stability") if run.manifest else None
+    contacts = stability.get("contacts") if isinstance(stability, Mapping) else None
+    if not isinstance(contacts, Mapping):
+        return []
+    known = [(str(name), 100.0 * margin) for name, margin in contacts.items() if isinstance(margin, float)]
+    return sorted(known, key=lambda item: item[1])
 
 
 def stability_lines(attempt: Attempt) -> dict[str, dict[str, tuple[str, Values]]]:
@@ -64,15 +76,17 @@ def stability_tables(run: Run) -> dict[str, Table]:
     ]
     if len(touching):
         limit, margin = float(touching["stiffness_limit"].min()), 100.0 * float(touching["margin"].min())
-        energy = 1e3 * min(0.0, float(touching["energy"].min()))
+        given = 1e3 * max(0.0, -float(touching["energy"].min()))
         rows = [
             ("smallest margin while touching [%]", margin),
             ("smallest stable stiffness then [N/m]", limit),
-            ("most that one contact gave away [mJ]", -energy),
+            ("most that one contact gave away [mJ]", given),
             ("least share of the authored stiffness [%]", 100.0 * float(touching["stiffness_share"].min())),
             *rows,
         ]
     tables = {"Stability": Table(["", "value"], rows)}
+    if contacts := _contacts(run):
+        tables["Smallest margins"] = Table(["touched", "along its normal [%]"], contacts)
     if len(lost):
         tables["Margin lost"] = Table(["at [s]", "margin [%]"], _percentages(run, lost))
     if len(capped):

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import EventKind, SafetyState, TripCause
+from mimics_app.contracts.haptic import EventKind, SafetyState
+from mimics_app.contracts.trips import TripReader
 from mimics_app.recording.report_values import Seconds, counted, mapping, number, scaled
 from mimics_app.recording.run import Run
 
@@ -253,10 +254,10 @@ def _median_and_most(rows: Sequence[Mapping[str, Any]], name: str) -> str:
 
 
 def trip_table(run: Run) -> Table | None:
-    """Trips with their causes; None for none."""
-    trips = run.events[run.events["kind"] == EventKind.TRIP]
-    rows = [(Seconds(run.seconds(e["tick"])), _word(TripCause, e["force"])) for e in trips]
-    return Table(["trip at [s]", "cause"], rows) if rows else None
+    """Stops and short holds with cause and advice; None for none."""
+    trips = TripReader().take(run.events)
+    rows = [(Seconds(run.seconds(t.tick)), "stop" if t.latched else "short hold", t.what, t.advice) for t in trips]
+    return Table(["at [s]", "what", "cause", "what to do"], rows) if rows else None
 
 
 def loss_table(run: Run) -> Table | None:
@@ -269,7 +270,7 @@ def loss_table(run: Run) -> Table | None:
 def state_table(run: Run) -> Table | None:
     """Every change of state; None for none."""
     states = run.events[run.events["kind"] == EventKind.STATE]
-    rows = [(Seconds(run.seconds(e["tick"])), _word(SafetyState, e["force"])) for e in states]
+    rows = [(Seconds(run.seconds(e["tick"])), _word(e["force"])) for e in states]
     return Table(["at [s]", "state from then on"], rows) if rows else None
 
 
@@ -280,9 +281,9 @@ def _loss(event: Any) -> str:
     return f"the force field of effect {amount + 1}: it gave a number that is not finite"
 
 
-def _word(kinds: type[SafetyState] | type[TripCause], code: Any) -> str:
+def _word(code: Any) -> str:
     try:
-        return kinds(_whole(code)).name.replace("_", " ").lower()
+        return SafetyState(_whole(code)).name.replace("_", " ").lower()
     except ValueError:
         return str(_whole(code))
 

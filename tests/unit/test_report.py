@@ -13,6 +13,7 @@ import pytest
 
 from mimics_app.app.cli import main
 from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.haptic import SafetyState, TripCause
 from mimics_app.recording import run as run_module
 from mimics_app.recording.attempts import find_attempts, tunnel_shape
 from mimics_app.recording.plot import Axis, Plot, envelope, log_ticks, nice_ticks
@@ -75,7 +76,8 @@ def test_page_holds_every_part(page: str) -> None:
         "smallest stability margin", "smallest stable stiffness then [N/m]",
         "<h2>Trials</h2>", "path error rms [mm]", "Contacts: touch, picture and sound", "first frame",
         "sound after [ms]",
-        "Safety", "E_STOP", "stop key", "Real time", "p99.9", "fifo", "ticks that ended more than 1 ms late",
+        "Safety", "E_STOP", "safety stops: 1, short holds: 0", "the stop key was pressed", "reset it when it is safe",
+        "recording complete", "Real time", "p99.9", "fifo", "ticks that ended more than 1 ms late",
         "Settings", "settings.safety.force_limit", "scene.hash",
         "200 values",
         "The whole scene", "moderate", "tunnel projection", "Left out",
@@ -83,6 +85,21 @@ def test_page_holds_every_part(page: str) -> None:
     ):  # fmt: skip
         assert words in page, words
     assert "wavy &lt;1&gt;" in page and "wavy <1>" not in page, "a label is text, not markup"
+
+
+def test_stops_and_short_holds_are_counted_apart(tmp_path: Path) -> None:
+    folder = write_synthetic_run(tmp_path, 4.0)
+    line = (
+        '{"source":"loop","kind":"%s","n":%d,"t_ns":0,"tick":%d,"body_a":0,"body_b":-1,"material_a":0,'
+        '"material_b":0,"speed":0,"force":%d,"value":0,"position_world":[0,0,0],"normal_world":[0,0,0]}'
+    )
+    told = [("state", SafetyState.DEGRADED), ("trip", TripCause.LATE_TICK)]
+    told += [("state", SafetyState.SAFE_STOP), ("trip", TripCause.STALE_DEVICE)]
+    lines = [line % (kind, i, 1000 + i, number) for i, (kind, number) in enumerate(told)]
+    (folder / "events.jsonl").write_text("\n".join(lines) + "\n")
+    page = write_report(folder).read_text(encoding="utf-8")
+    assert "<b>1</b><span>safety stops</span>" in page and "<b>1</b><span>short holds</span>" in page
+    assert "this computer was too busy: a tick came too late" in page and "look at its line and its power" in page
 
 
 def test_figure_48_colours(page: str) -> None:
@@ -170,10 +187,10 @@ def test_no_text_of_a_recording_is_markup(tmp_path: Path) -> None:
 def test_the_figure_that_was_markup(tmp_path: Path) -> None:
     write_synthetic_run(tmp_path, 2.0)
     manifest = json.loads((tmp_path / "manifest.json").read_text())
-    manifest["summary"]["task"] = {"completed": _SCRIPT, "trials": _SCRIPT}
+    manifest["summary"]["task"] = {"completed": _SCRIPT, "trials": _SCRIPT, "contacts": _SCRIPT}
     (tmp_path / "manifest.json").write_text(json.dumps(manifest))
     page = write_report(tmp_path).read_text()
-    assert "<script" not in page and "&lt;script&gt;alert(1)&lt;/script&gt; of" in page
+    assert "<script" not in page and "<b>&lt;script&gt;alert(1)&lt;/script&gt;</b>" in page
 
 
 def test_everything_is_escaped_by_the_template_engine() -> None:
@@ -248,6 +265,26 @@ def test_record_command_mends_and_verifies(tmp_path: Path, capsys: pytest.Captur
         file.write("x")
     assert main(["record", "verify", str(tmp_path)]) == 6
     assert "trials.csv was changed" in capsys.readouterr().out
+
+
+def test_verify_gives_a_verdict_and_does_not_describe(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """What `info` prints says nothing of whether the files are those that were sealed."""
+    for name in ("whole", "open"):
+        (tmp_path / name).mkdir()
+    write_synthetic_run(tmp_path / "whole", 2.0)
+    assert main(["record", "verify", str(tmp_path / "whole")]) == 0
+    (line,) = capsys.readouterr().out.splitlines()
+    assert line.split()[0] == "verified" and "files and the state hash are as they were sealed" in line
+    assert main(["record", "verify", "--json", str(tmp_path / "whole")]) == 0
+    assert json.loads(capsys.readouterr().out)["verified"] is True
+    with (tmp_path / "whole" / "trials.csv").open("a") as file:
+        file.write("x")
+    assert main(["record", "verify", str(tmp_path / "whole")]) == 6
+    said = capsys.readouterr().out.splitlines()
+    assert said[0].split()[0] == "damaged" and all(line.split()[0] == "problem" for line in said[1:])
+    write_synthetic_run(tmp_path / "open", 2.0, closed=False)
+    assert main(["record", "verify", str(tmp_path / "open")]) == 6
+    assert capsys.readouterr().out.startswith("not verified")
 
 
 # the plots
