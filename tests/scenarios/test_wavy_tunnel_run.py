@@ -51,10 +51,10 @@ def answer(tmp_path_factory) -> dict[str, Any]:
 def test_answer_has_the_keys_scripts_rely_on(answer):
     assert list(answer)[:2] == ["schema", "command"]
     wanted = {"seed", "simulated_s", "wall_s", "ticks", "frames", "state_hash", "scene_hash", "run_dir", "report"}
-    assert wanted | {"task", "safety", "lateness_us", "missed", "recipe", "audio", "unread"} <= set(answer)
+    assert wanted | {"task", "safety", "recipe", "audio", "unread"} <= set(answer)
     assert {"completed", "trials", "score", "time_s", "path_error_m", "contacts"} <= set(answer["task"])
     assert set(answer["safety"]) == {"state", "stops", "holds"}
-    assert {"p50", "p99", "p99_9", "max"} == set(answer["lateness_us"])
+    assert not {"lateness_us", "missed"} & set(answer)  # on a virtual clock no tick can be late
     assert {"device", "sink"} <= set(answer["audio"])
     assert (answer["ticks"], answer["frames"], answer["unread"]) == (20_000, 1200, [])
 

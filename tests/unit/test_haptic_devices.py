@@ -12,7 +12,8 @@ from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import SAMPLE
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic import scheduler
-from mimics_app.rendering.haptic.devices.registry import BUILT_IN, build_device, device_names, find_builder
+from mimics_app.rendering.haptic.devices.device_names import device_names
+from mimics_app.rendering.haptic.devices.registry import BUILT_IN, build_device, find_builder
 from mimics_app.rendering.haptic.scene_block import (
     apply_joint_pd,
     apply_world_pd,

@@ -70,6 +70,7 @@ class SceneReload:
             self._say(now_ns, str(error.issues[0]))
             session.recorder.journal("reload", {"taken": False, "issues": [str(issue) for issue in error.issues]})
             return
+        scene.read |= session.scene.read
         settle(scene, session.settings.profile)
         session.scene, session.scenario = scene, open_scenario(scene, session.world)
         if session.picture is not None:

@@ -10,7 +10,7 @@ import msgspec
 
 from mimics_app.app.planner.explain import describe_plan
 from mimics_app.app.session.preparation import Preparation
-from mimics_app.rendering.haptic.devices.registry import POINTER
+from mimics_app.rendering.haptic.devices.device_names import POINTER
 from mimics_app.rendering.haptic.scene_block import safety_of
 
 __all__ = ["describe_session"]

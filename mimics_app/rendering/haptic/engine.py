@@ -226,7 +226,7 @@ class HapticEngine:
 
     def stability(self) -> StabilityReport:
         """What the stability monitor saw so far."""
-        return stability_of(self._work.state)
+        return stability_of(self._work.state, self._work.objects.margins)
 
     def replay_ticks(
         self, inputs: Records, scenes: Mapping[int, Records], rows: Mapping[int, Rows] | None = None
