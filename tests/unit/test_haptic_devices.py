@@ -18,7 +18,6 @@ from mimics_app.rendering.haptic.scene_block import (
     apply_joint_pd,
     apply_world_pd,
     axis_offset,
-    default_scene,
     robot_from_world,
     scene_from_components,
 )
@@ -86,7 +85,7 @@ def test_scene_block_from_components():
 
 
 def test_defaults_are_the_thresholds_of_the_contract():
-    block = default_scene()[0]
+    block = scene_from_components()[0]
     assert (block["late_hold_ns"], block["late_damp_ns"], block["late_stop_ns"]) == (2e6, 10e6, 50e6)
     assert (block["missed_stop"], block["stale_warn_ns"], block["stale_stop_ns"]) == (20, 3e6, 20e6)
     assert block["virtual_mass"] == 3.0

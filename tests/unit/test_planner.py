@@ -24,7 +24,19 @@ from mimics_app.world.components.systems import HapticSettings, Tolerances
 from mimics_app.world.scene.file import build_world
 
 SCENE = root() / "scenes" / "wavy_tunnel.json"
-PART_KEYS = ["part", "group", "method", "cost_us", "error", "unit", "tolerance", "next_cheaper", "too_dear", "more_ms"]
+PART_KEYS = [
+    "part",
+    "group",
+    "method",
+    "cost_us",
+    "error",
+    "unit",
+    "tolerance",
+    "next_cheaper",
+    "too_dear",
+    "more_ms",
+    "note",
+]
 
 
 def row(method: str, cost_us: float, error: float, unit: str) -> Row:

@@ -62,6 +62,8 @@ def _say(answer: dict[str, Any], plan: Plan) -> None:
     for part in answer["parts"]:
         error = _error_of(part)
         print(f"runs      {part['part']}: {part['method']}, {_cost_of(part)}{error}")
+        if part["note"]:
+            print(f"          {part['note']}")
         if part["group"] in overruled:
             print(f"          the scene names it; the planner would take {overruled[part['group']]}")
         refused = part["next_cheaper"]

@@ -24,12 +24,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--headless", action="store_true", help="no window: virtual clock and simulated patient")
     parser.add_argument("--seconds", type=positive_time, help="end after this much simulated time [s]")
     parser.add_argument("--seed", type=random_seed, default=1, help="of trial order, patient and sensor noise")
-    parser.add_argument(
-        "--profile", choices=PROFILES, default="training", help="quality profile"
-    )
-    parser.add_argument(
-        "--device", default="", help="driven by, instead of the scene's robot (see mimics devices)"
-    )
+    parser.add_argument("--profile", choices=PROFILES, default="training", help="quality profile")
+    parser.add_argument("--device", default="", help="driven by, instead of the scene's robot (see mimics devices)")
     parser.add_argument("--recording", type=Path, metavar="RUN", help="run folder that --device replay plays")
     parser.add_argument(
         "--patient", choices=("healthy", "moderate", "severe"), default="", help="instead of the scene's"

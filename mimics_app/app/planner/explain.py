@@ -10,7 +10,7 @@ from typing import Any
 import msgspec
 
 from mimics_app.app.planner.plan import Choice, Dearer, Plan
-from mimics_app.app.planner.uses import USES, visual_of
+from mimics_app.app.planner.uses import USES, shadow_distance_of, visual_of
 from mimics_app.contracts.method_table import Row, Table
 from mimics_app.world.components.effects import Billboard, Particles, Projector
 from mimics_app.world.components.objects import HapticObject, HapticWalls
@@ -43,6 +43,7 @@ class Part:
         too_dear: What would be taken if a frame had the time, {"method", "error", "more_ms", "room_ms"}: what a frame
             would take longer than with the cheapest, and what there was for it; None where time does not decide.
         more_ms: What a frame takes longer than with the cheapest [ms]; None where no frame has to keep time.
+        note: How it is used, where the method's name does not say; "" for nothing.
     """
 
     part: str
@@ -55,6 +56,7 @@ class Part:
     next_cheaper: dict[str, Any] | None
     too_dear: dict[str, Any] | None = None
     more_ms: float | None = None
+    note: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +82,7 @@ def explain_plan(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None]
 
 def describe_plan(scene: Scene, plan: Plan) -> dict[str, Any]:
     """The object without measuring anything: what the header of a run keeps."""
-    parts = [*_tick_parts(scene, plan), *(_part(choice, plan) for choice in plan.choices)]
+    parts = [*_tick_parts(scene, plan), *(_part(scene, choice, plan) for choice in plan.choices)]
     return {
         "profile": plan.profile,
         "tolerances": dict(plan.tolerances),
@@ -91,7 +93,7 @@ def describe_plan(scene: Scene, plan: Plan) -> dict[str, Any]:
     }
 
 
-def _part(choice: Choice, plan: Plan) -> Part:
+def _part(scene: Scene, choice: Choice, plan: Plan) -> Part:
     taken, refused, dearer = choice.taken, choice.refused, choice.dearer
     timed = bool(plan.pixels and USES[choice.group].pixels)
     return Part(
@@ -105,7 +107,18 @@ def _part(choice: Choice, plan: Plan) -> Part:
         next_cheaper=None if refused is None else {"method": refused.method, "error": refused.error},
         too_dear=None if dearer is None else _too_dear(dearer),
         more_ms=choice.more_ms if timed else None,
+        note=_seen_to(scene) if choice.taken.method.startswith("cascades") else "",
     )
+
+
+def _seen_to(scene: Scene) -> str:
+    """How far cascades reach, and who says so."""
+    visual, distance = visual_of(scene), shadow_distance_of(scene)
+    reason = (
+        "bodies are spread over more than one map holds" if visual.shadow_distance == "auto" else "as the scene says"
+    )
+    maps = "1 map" if visual.cascades == 1 else f"{visual.cascades} maps"
+    return f"seen to {distance:.3g} m from the eye in {maps}: {reason}"
 
 
 def _too_dear(dearer: Dearer) -> dict[str, Any]:

@@ -7,16 +7,16 @@ from typing import Any
 from mimics_app.app.play.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.contracts.audio_port import AudioReport
-from mimics_app.contracts.haptic import SafetyState
 from mimics_app.rendering.haptic.histogram import LatenessReport
 
 __all__ = ["summarise"]
 
 
 def summarise(session: Session, frames: Frames, sound: AudioReport | None, wall_s: float) -> dict[str, Any]:
-    """Everything of the `mimics run --json` object that is known before the recording is sealed."""
+    """Everything of the `mimics run --json` object that is known before the recording is sealed; the loop has ended."""
     late = session.haptics.histogram()
-    state = SafetyState.OFF if frames.snapshot is None else SafetyState(frames.snapshot.state)
+    stability = session.haptics.stability()
+    frames.safety.see(session.haptics.events())
     return {
         "seed": session.settings.seed,
         "simulated_s": late.ticks / 1000.0,
@@ -26,9 +26,9 @@ def summarise(session: Session, frames: Frames, sound: AudioReport | None, wall_
         "scene_hash": session.scene.hash,
         "run_dir": str(session.folder),
         "task": session.tasks.result(),
-        "safety": {"state": state.name, "trips": late.trips},
+        "safety": frames.safety.summary(session.haptics.snapshot().state, late),
         **(_punctuality(late) if session.live else {}),  # on a virtual clock no tick can be late
-        "stability": session.haptics.stability().as_dict(),
+        "stability": stability.as_dict() | {"contacts": stability.contacts(session.side.shape_entities)},
         "losses": frames.losses.summary(),
         **({} if session.governor is None else {"governor": session.governor.summary()}),
         "recipe": late.recipe,

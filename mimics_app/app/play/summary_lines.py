@@ -25,7 +25,8 @@ def summary_lines(answer: Mapping[str, Any]) -> list[str]:
         answer: The object of `mimics run --json`.
     """
     lines = [("task", _trials(answer["task"])), *_practice(answer["task"]), ("path", _path(answer["task"]))]
-    lines += [("carried", _carried(answer["task"])), ("touch", _touch(answer)), ("run", answer["run_dir"])]
+    lines += [("carried", _carried(answer["task"])), ("touch", _touch(answer)), ("safety", _safety(answer["safety"]))]
+    lines += [("run", answer["run_dir"])]
     lines += [("picture", str(picture)) for picture in answer["pictures"]]
     lines += [("film", str(answer.get("video", ""))), ("report", answer["report"])]
     return [f"{name:9} {text}" for name, text in lines if text]
@@ -69,6 +70,14 @@ def _touch(answer: Mapping[str, Any]) -> str:
         return f"simulated {answer['simulated_s']:.1f} s; {state}"
     late = f"{answer['missed'] or 'no'} late control cycle{'' if answer['missed'] == 1 else 's'}"
     return f"{answer['simulated_s']:.1f} s at 1 kHz ({answer['recipe']}), {late}; {state}"
+
+
+def _safety(safety: Mapping[str, Any]) -> str:
+    """Stops and short holds apart, and what the last of them was; "" where there was none."""
+    if not safety["stops"] and not safety["holds"]:
+        return ""
+    line = f"{_count(safety['stops'], 'stop')}, {_count(safety['holds'], 'short hold')}"
+    return f"{line}; {safety['what']} ({safety['t_s']:.1f} s)" if "what" in safety else line
 
 
 def _count(number: int, what: str) -> str:

@@ -65,7 +65,7 @@ def load_library(world: World, scene: Scene) -> None:
     fog = None if sky.fog is None else Fog(sky.fog.kind, sky.fog.density, sky.fog.start, sky.fog.colour)
     over = sky.backdrop
     backdrop = None if over is None else Backdrop(over.kind, over.textures, over.height, over.tile)
-    world.environment = Sky(sky.zenith, sky.horizon, sky.ground, sky.ambient, fog, backdrop)
+    world.environment = Sky(sky.zenith, sky.horizon, sky.ground, sky.ambient, fog, backdrop, sky.scatter)
 
 
 def build_entity(world: World, scene: Scene, entity: SceneEntity) -> SceneNode:
