@@ -213,7 +213,9 @@ def _dispatch(arguments: list[str]) -> int:
         args = parse(arguments)
     except SystemExit as leave:  # --help and --version
         return int(leave.code or 0)
-    return int(args.run(args))
+    code = int(args.run(args))
+    sys.stdout.flush()  # while what goes wrong with it is still told, and a signal still unwinds
+    return code
 
 
 def _command_of(arguments: Sequence[str]) -> str | None:
