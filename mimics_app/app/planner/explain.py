@@ -11,7 +11,7 @@ import msgspec
 
 from mimics_app.app.planner.plan import Choice, Dearer, Plan
 from mimics_app.app.planner.uses import USES, shadow_distance_of, visual_of
-from mimics_app.lab.table import Row, Table
+from mimics_app.contracts.method_table import Row, Table
 from mimics_app.world.components.effects import Billboard, Particles, Projector
 from mimics_app.world.components.objects import HapticObject, HapticWalls
 from mimics_app.world.components.pictures import Inset, Mirror, Screen
@@ -130,7 +130,7 @@ def _tick_parts(scene: Scene, plan: Plan) -> list[Part]:
     """The whole haptic tick, where the table has it and somebody plays the scene."""
     if scene.scenario == _NOBODY:
         return []
-    method = plan.methods.get("tunnel projection", _NO_TUNNEL) if scene.components(Tunnel) else _NO_TUNNEL
+    method = plan.methods.get("tunnel projection", _NO_TUNNEL) if scene.has(Tunnel) else _NO_TUNNEL
     row = _row(plan.table, TICK_GROUP, method)
     if row is None:
         return []
@@ -139,7 +139,7 @@ def _tick_parts(scene: Scene, plan: Plan) -> list[Part]:
 
 
 def _has_objects(scene: Scene) -> bool:
-    return bool(scene.components(HapticObject) or scene.components(HapticWalls))
+    return scene.has(HapticObject) or scene.has(HapticWalls)
 
 
 def _row(table: Table, group: str, method: str) -> Row | None:
@@ -160,13 +160,13 @@ def _left_out(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None]) -
         (Inset, "pictures over the display", "no entity has an inset", None),
         (Tunnel, "tunnel force, per tick", "no entity has a tunnel", _tunnel_us(table)),
     ]
-    left = [LeftOut(part, why, saved) for kind, part, why, saved in absent if not scene.components(kind)]
+    left = [LeftOut(part, why, saved) for kind, part, why, saved in absent if not scene.has(kind)]
     if not any(light.casts_shadow for _, light, _ in scene.components(LightComponent)):
         left.append(LeftOut("shadow pass, per frame", "no light casts a shadow", shadow_us()))
     left += _filters_left_out(scene, plan)
     if not _has_objects(scene):
         left += [LeftOut(part, _NO_OBJECT, _cheapest(table, group)) for group, part in OF_OBJECTS.items()]
-    left.append(LeftOut("body signals, estimation, learning", "no recorder of body signals is in the scene", None))
+    left.append(LeftOut("body signals, their processing and estimation, learned adaptation", _NOT_BUILT, None))
     return left
 
 
@@ -176,7 +176,7 @@ def _filters_left_out(scene: Scene, plan: Plan) -> list[LeftOut]:
     left = [
         LeftOut(
             f"{part}, per frame",
-            f"systems.visual.{group.replace(' ', '_')} does not ask for it",
+            f"systems.visual.{group.replace(' ', '_')} does not request it",
             _extra_us(plan, group),
         )
         for part, group, used in (
@@ -200,6 +200,8 @@ _NOBODY = "none"
 """Scenario of a scene that is only looked at."""
 
 _NO_OBJECT = "no entity has a haptic_object or haptic_walls"
+
+_NOT_BUILT = "not built yet: nothing in a scene can ask for it"
 
 OF_OBJECTS: Mapping[str, str] = {
     "integrator": "rigid bodies, per body and tick",

@@ -69,7 +69,7 @@ def shadow_distance_of(scene: Scene) -> float:
 
 
 def _has(kind: type[msgspec.Struct]) -> Callable[[Scene], bool]:
-    return lambda scene: bool(scene.components(kind))
+    return lambda scene: scene.has(kind)
 
 
 def _named_projection(scene: Scene) -> str:
