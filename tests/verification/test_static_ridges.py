@@ -71,7 +71,7 @@ def on_mesh(mesh=PRISM, degrees=90.0, place=(0.0, -0.02, 0.0), attitude=RIDGE_UP
 
 
 def add(play, kind, height, surface=FIRM, **fields):
-    """A body whose lowest edge or line, along z, is `height` above y = 0. Returns its row and the height of its middle."""
+    """A body whose lowest edge or line, along z, is `height` above y = 0. Returns (row, height of its middle)."""
     if kind is ShapeKind.BOX:
         size, attitude, reach = (0.05, 0.05, 0.16), ON_EDGE, HALF * 0.05
         k = play.add_body(MASS, box_inertia(MASS, size), **fields)

@@ -65,7 +65,8 @@ def _ridges(points: Array, corners: NDArray[Any], neighbours: NDArray[Any]) -> A
     outward = normals[triangle] + normals[neighbours[triangle, side]]
     size = np.linalg.norm(outward, axis=1)
     outward /= np.where(size > 0.0, size, 1.0)[:, None]
-    found, spoken_for = [], set()
+    found: list[Array] = []
+    spoken_for: set[int] = set()
     for k, head, tail in _straight_runs(points, heads.tolist(), tails.tolist(), outward):
         own = [float(tip not in spoken_for) for tip in (head, tail)]
         spoken_for.update((head, tail))
