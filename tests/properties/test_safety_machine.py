@@ -22,7 +22,7 @@ from mimics_app.rendering.haptic.kernels.tick import tick
 from mimics_app.rendering.haptic.kernels.vectors import norm
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, no_objects
 from mimics_app.rendering.haptic.objects import new_object_work
-from mimics_app.rendering.haptic.scene_block import default_scene
+from mimics_app.rendering.haptic.scene_block import scene_from_components
 from tests.support.haptic_bench import wavy
 
 LAWS = (
@@ -123,6 +123,7 @@ def _walk(seed, ticks, spoilt, scenes, rows_of_objects, objects, states, data, c
         if age == 0:  # switched on anew; the second state is as it was made
             states[0] = states[1]
             scene.sequence = 0
+            scene.late_latches = 1 if _chance(noise, 0.8) else 0
             q[:] = 0.0
             dq[:] = 0.0
         before = state.safety
@@ -217,7 +218,7 @@ def _walk(seed, ticks, spoilt, scenes, rows_of_objects, objects, states, data, c
 
 def _run(seed: int, ticks: int, spoilt: int = -1) -> tuple[dict[str, int], np.ndarray]:
     """(times each law was broken, what was met: see `_walk`)."""
-    scene = default_scene()
+    scene = scene_from_components()
     wavy().fill(scene[0]["tunnel"])
     scene[0]["tunnel"]["stiffness"], scene[0]["tunnel"]["damping"] = 2000.0, 25.0
     scene[0]["ramp_force"] = 60.0

@@ -13,7 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mimics_app.contracts.haptic import EventKind, SafetyState
-from mimics_app.tasks.state_machine import Conditions, State, next_state
+from mimics_app.contracts.trial_state import TrialState
+from mimics_app.tasks.state_machine import Conditions, next_state
 from mimics_app.tasks.task import TaskSpec
 from tests.support.task_play import START, Player, make_manager
 
@@ -29,15 +30,15 @@ SPEC = msgspec.convert(
 )
 
 NEXT = {
-    State.APPROACH: {State.READY, State.ABORTED},
-    State.READY: {State.TRAVEL, State.ABORTED},
-    State.TRAVEL: {State.FINISHED, State.TIMEOUT},
-    State.FINISHED: {State.REST, State.DONE},
-    State.TIMEOUT: {State.REST, State.DONE},
-    State.ABORTED: {State.APPROACH, State.REST, State.DONE},
-    State.STOPPED: {State.APPROACH, State.REST, State.DONE},
-    State.REST: {State.APPROACH},
-    State.DONE: set(),
+    TrialState.APPROACH: {TrialState.READY, TrialState.ABORTED},
+    TrialState.READY: {TrialState.TRAVEL, TrialState.ABORTED},
+    TrialState.TRAVEL: {TrialState.FINISHED, TrialState.TIMEOUT},
+    TrialState.FINISHED: {TrialState.REST, TrialState.DONE},
+    TrialState.TIMEOUT: {TrialState.REST, TrialState.DONE},
+    TrialState.ABORTED: {TrialState.APPROACH, TrialState.REST, TrialState.DONE},
+    TrialState.STOPPED: {TrialState.APPROACH, TrialState.REST, TrialState.DONE},
+    TrialState.REST: {TrialState.APPROACH},
+    TrialState.DONE: set(),
 }
 
 
@@ -50,17 +51,17 @@ ALL_SEEN = [
 """Everything a state can see: at once, after result and rest but before any limit, and when all time is over."""
 
 
-@pytest.mark.parametrize("state", State)
+@pytest.mark.parametrize("state", TrialState)
 def test_the_drawn_transitions_exist_and_no_others(state):
     for latched in (False, True):
         found = {next_state(state, seen) for seen in ALL_SEEN if seen.latched is latched} - {state}
-        if latched and state is not State.DONE:
-            assert found == {State.STOPPED} - {state}
+        if latched and state is not TrialState.DONE:
+            assert found == {TrialState.STOPPED} - {state}
         else:
             assert found == NEXT[state]
 
 
-@pytest.mark.parametrize("state", set(State) - {State.DONE})
+@pytest.mark.parametrize("state", [state for state in TrialState if state is not TrialState.DONE])
 def test_every_state_ends_when_its_time_is_over(state):
     late = [seen for seen in ALL_SEEN if seen.elapsed_s == 1e6 and not seen.latched]
     assert len(late) == 2 ** (len(CAUSES) - 1)
@@ -103,7 +104,7 @@ def check_reached(players, share):
     states = Counter(state for player in players for state in set(player.states))
     rows = [row for player in players for row in player.manager.rows]
     outcomes = Counter(row["outcome"] for row in rows)
-    assert all(states[state.value] >= share * len(players) for state in State), states
+    assert all(states[state.value] >= share * len(players) for state in TrialState), states
     assert all(outcomes[kind] >= share * len(players) for kind in ("finished", "timeout", "aborted")), outcomes
     assert sum(row["contacts"] > 0 for row in rows) >= share * len(players)
 
@@ -132,11 +133,15 @@ def check_session(player):
         assert 0.0 <= row["time_s"] == round(row["time_s"], 9)
         assert 0.0 <= row["contact_time_s"] <= row["time_s"] + 1e-12
         assert row["begin_ns"] <= row["end_ns"]
-        assert 0.0 <= row["score"] <= 100.0
-        assert 0.0 <= row["path_error_rms_m"] <= row["path_error_max_m"] * (1 + 1e-12)
+        assert row["score"] is None if row["outcome"] == "aborted" else 0.0 <= row["score"] <= 100.0
+        if row["path_error_rms_m"] is not None:  # None where nobody was let go
+            assert 0.0 <= row["path_error_rms_m"] <= row["path_error_max_m"] * (1 + 1e-12)
     for orders in player.orders:
-        assert orders.hud["time"] >= 0.0
-    assert all(math.isfinite(value) for value in player.manager.result().values())
+        assert orders.view.elapsed_s >= 0.0
+    result = player.manager.result()
+    practice = result.pop("practice", {"completed": 0, "trials": 0})
+    assert 0 <= practice["completed"] <= practice["trials"] and 0 <= result["completed"] <= result["trials"]
+    assert all(math.isfinite(value) for value in result.values())
 
 
 @settings(deadline=None, max_examples=40)

@@ -6,13 +6,10 @@ from typing import Annotated
 
 from msgspec import Meta
 
+from mimics_app.tasks.bounds import NotNegative, Positive, Vec3
 from mimics_app.world.components.registry import Component
 
 __all__ = ["BoxSpec", "CarrySpec", "GripSpec"]
-
-Vec3 = tuple[float, float, float]
-Positive = Annotated[float, Meta(gt=0.0)]
-NotNegative = Annotated[float, Meta(ge=0.0)]
 
 
 class BoxSpec(Component, frozen=True):
