@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import EventKind
 from mimics_app.recording.attempts import Attempt
-from mimics_app.recording.report_tables import table
+from mimics_app.recording.report_tables import Table
+from mimics_app.recording.report_values import Seconds
 from mimics_app.recording.run import Run
 
-__all__ = ["smallest_margin", "stability_lines", "stability_text"]
+__all__ = ["smallest_margin", "stability_lines", "stability_tables"]
 
 _MOST_SHOWN = 10.0
 _MOST_LOSSES = 20
@@ -56,11 +57,11 @@ def stability_lines(attempt: Attempt) -> dict[str, dict[str, tuple[str, Values]]
     }
 
 
-def stability_text(run: Run) -> str:
-    """The worst of the run as a table, and when the margin was lost; "" where nothing was recorded."""
+def stability_tables(run: Run) -> dict[str, Table]:
+    """The worst of the run, and when the margin was lost, by heading; {} where nothing was recorded."""
     samples = run.haptic
     if len(samples) == 0:
-        return ""
+        return {}
     touching = samples[_touching(samples)]
     lost = run.events[run.events["kind"] == EventKind.MARGIN]
     capped = run.events[run.events["kind"] == EventKind.CAP]
@@ -75,23 +76,23 @@ def stability_text(run: Run) -> str:
     ]
     if len(touching):
         limit, margin = float(touching["stiffness_limit"].min()), 100.0 * float(touching["margin"].min())
-        energy = 1e3 * min(0.0, float(touching["energy"].min()))
+        given = 1e3 * max(0.0, -float(touching["energy"].min()))
         rows = [
             ("smallest margin while touching [%]", margin),
             ("smallest stable stiffness then [N/m]", limit),
-            ("most that one contact gave away [mJ]", -energy),
+            ("most that one contact gave away [mJ]", given),
             ("least share of the authored stiffness [%]", 100.0 * float(touching["stiffness_share"].min())),
             *rows,
         ]
-    text = "<h3>Stability</h3>" + table(["", "value"], rows)
+    tables = {"Stability": Table(["", "value"], rows)}
     if contacts := _contacts(run):
-        text += table(["touched", "smallest margin along its normal [%]"], contacts)
+        tables["Smallest margins"] = Table(["touched", "along its normal [%]"], contacts)
     if len(lost):
-        listed = [(int(event["tick"]), 100.0 * float(event["force"])) for event in lost[:_MOST_LOSSES]]
-        text += table(["margin lost at tick", "margin [%]"], listed)
+        tables["Margin lost"] = Table(["at [s]", "margin [%]"], _percentages(run, lost))
     if len(capped):
-        text += table(
-            ["softened from tick", "to [%]"],
-            [(int(e["tick"]), 100.0 * float(e["force"])) for e in capped[:_MOST_LOSSES]],
-        )
-    return text
+        tables["Softened by the cap"] = Table(["from [s]", "to [%]"], _percentages(run, capped))
+    return tables
+
+
+def _percentages(run: Run, events: NDArray[Any]) -> list[tuple[float, float]]:
+    return [(Seconds(run.seconds(event["tick"])), 100.0 * float(event["force"])) for event in events[:_MOST_LOSSES]]

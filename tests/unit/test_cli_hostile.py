@@ -73,11 +73,11 @@ def test_stdout_on_a_full_disk_is_one_line(option: str) -> None:
 
 def test_file_trouble_names_the_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "session.json").write_text("{}")
-    (tmp_path / "haptic.arrows").mkdir()
-    assert cli.main(["replay", str(tmp_path)]) == 3
+    (tmp_path / "report.html").mkdir()
+    assert cli.main(["report", str(tmp_path)]) == 3
     line = capsys.readouterr().err
-    assert "haptic.arrows: Is a directory" in line and "Traceback" not in line
-    assert cli.main(["replay", str(tmp_path), "--json"]) == 3
+    assert "report.html" in line and "Is a directory" in line and "Traceback" not in line
+    assert cli.main(["report", str(tmp_path), "--json"]) == 3
     assert json.loads(capsys.readouterr().out)["errors"][0]["what"] == "Is a directory"
 
 
@@ -94,6 +94,25 @@ def test_signal_unwinds_the_stack(number: int, code: int) -> None:
     child.send_signal(number)
     rest, _ = child.communicate(timeout=30)
     assert (rest, child.returncode) == ("closed\n", code)
+
+
+IN_A_CALLBACK = (
+    "import ctypes\n"
+    "@ctypes.CFUNCTYPE(None)\n"
+    "def called_by_c(): os.kill(os.getpid(), {signal})\n"
+    "class Left:\n"
+    "    def __del__(self): os.kill(os.getpid(), {signal})\n"
+    "def run(args):\n"
+    "    try: {deed}; time.sleep(30)\n"
+    "    finally: print('closed', flush=True)"
+)
+
+
+@pytest.mark.parametrize("deed", ["called_by_c()", "Left()"])
+def test_sigterm_in_a_callback_of_a_compiler_is_one_line(deed: str) -> None:
+    """What a callback of C code or a destructor raises is printed and lost: kernels are compiled with many of both."""
+    done = shell("$RUN", IN_A_CALLBACK.format(signal=int(signal.SIGTERM), deed=deed))
+    assert (done.returncode, done.stdout, done.stderr) == (143, "closed\n", "mimics: ended by SIGTERM\n")
 
 
 def test_nohup_is_respected() -> None:

@@ -10,7 +10,9 @@ import pytest
 
 from mimics_app.contracts.haptic import Controller, EventKind, SafetyState, TripCause
 from mimics_app.contracts.messages import TaskAction
+from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.tasks.task import TaskSpec
+from mimics_app.tasks.task_manager import TaskManager
 from tests.support.task_play import FRAME_NS, START, Player, make_manager
 
 STOPPED = {"state": int(SafetyState.SAFE_STOP), "cause": int(TripCause.STALE_DEVICE)}
@@ -124,15 +126,7 @@ def test_start_never_reached_is_aborted_tried_again_and_given_up():
     rows = player.manager.rows
     assert [(row["trial"], row["attempt"]) for row in rows] == [(0, 1), (0, 2), (0, 3), (1, 1), (1, 2), (1, 3)]
     assert {(row["outcome"], row["cause"]) for row in rows} == {("aborted", "start not reached")}
-    assert player.manager.result() == {
-        "completed": 0,
-        "trials": 2,
-        "score": 0.0,
-        "time_s": 0.0,
-        "path_error_m": 0.0,
-        "contacts": 0,
-        "placed": 0,
-    }
+    assert player.manager.result() == {"completed": 0, "trials": 2}  # nobody was let go: nothing was measured
 
 
 def test_soft_start_never_over_is_aborted():
@@ -218,7 +212,7 @@ def test_stop_in_mid_trial_aborts_it_and_the_reset_restarts_it(state):
     player.step(**STOPPED)
     assert player.manager.state == "stopped"
     assert player.scene["controller"] == Controller.OFF
-    assert "stale device" in player.orders[-1].hud["message"]
+    assert "stale device" in player.orders[-1].board.message
     for _ in range(600):  # ten seconds: it waits for the operator, not for the clock
         player.step(**STOPPED)
     assert player.manager.state == "stopped"
@@ -301,7 +295,9 @@ def test_practice_is_left_out_of_the_result():
     player.until("done")
     slow = player.manager.rows[1]["time_s"]
     assert player.manager.result()["time_s"] == slow > 1.5 * player.manager.rows[0]["time_s"]
-    assert player.manager.result()["completed"] == player.manager.result()["trials"] == 2
+    result = player.manager.result()
+    assert (result["completed"], result["trials"]) == (1, 1)
+    assert result["practice"] == {"completed": 1, "trials": 1}
 
 
 def test_trial_cut_off_does_not_dilute_those_that_ended():
@@ -319,15 +315,36 @@ def test_trial_cut_off_does_not_dilute_those_that_ended():
 
 
 def test_result_has_the_keys_of_the_contract():
-    assert list(make_manager(task()).result()) == [
-        "completed",
-        "trials",
-        "score",
-        "time_s",
-        "path_error_m",
-        "contacts",
-        "placed",
-    ]
+    player = Player(make_manager(task()))
+    assert list(player.manager.result()) == ["completed", "trials"]
+    player.until("done")
+    totals = ["completed", "trials", "score", "time_s", "path_error_m", "contacts", "path_m"]
+    assert list(player.manager.result()) == totals
+
+
+def test_a_task_without_a_way_has_no_progress_no_path_error_and_no_score():
+    spec = task(goals=[{"kind": "duration", "seconds": 1.0}])
+    player = Player(TaskManager(spec, TaskContext(START), 1))
+    player.until("travel")
+    assert not player.orders[-1].view.on_a_way
+    for _ in range(31):
+        player.step()
+    assert player.orders[-1].view.progress == pytest.approx(0.5, abs=0.05)  # of the time its goal asks for
+    player.until("done")
+    (row,) = player.manager.rows
+    assert {row[name] for name in ("path_error_rms_m", "path_error_max_m", "progress", "score")} == {None}
+    assert list(player.manager.result()) == ["completed", "trials", "time_s", "contacts", "path_m"]
+    board = player.orders[-1].board
+    assert board.message == "Finished" and not {"score", "progress"} & set(board.cards)
+
+
+def test_a_trial_that_was_stopped_has_ended_and_is_not_completed():
+    player = Player(make_manager(two_trials()))
+    player.until("travel")
+    player.step(**STOPPED)
+    player.manager.end_session(player.now_ns)
+    assert player.manager.result() == {"completed": 0, "trials": 1}
+    assert player.manager.rows[0]["score"] is None  # an aborted attempt earns nothing that could be compared
 
 
 def test_the_same_frames_give_the_same_rows():
@@ -377,14 +394,14 @@ def test_progress_is_crossed_once_per_trial_even_when_it_swings():
     player = triggered()
     player.until("travel")
     swing = (0.4, 0.5, 0.4, 0.6, 0.4, 0.7)
-    messages = [player.step(progress=progress, frame_ns=100_000_001).hud["message"] for progress in swing]
+    messages = [player.step(progress=progress, frame_ns=100_000_001).board.message for progress in swing]
     assert [message == "half way" for message in messages] == [False, True, False, False, False, False]
 
 
 def test_progress_is_crossed_even_in_the_frame_that_ends_the_travel():
     player = triggered()
     player.until("travel")
-    assert player.step(progress=1.0).hud["message"] == "half way"
+    assert player.step(progress=1.0).board.message == "half way"
     assert player.manager.state == "finished"
 
 
@@ -438,7 +455,7 @@ def test_action_beyond_the_limits_is_clipped_and_told():
 def test_hud_names_and_own_messages_with_foreign_braces():
     player = Player(make_manager(task(messages={"ready": "Trial {trial} of {trials} {x.__class__}"})))
     player.until("ready")
-    hud = player.step().hud
-    assert hud["message"] == "Trial 1 of 1 {x.__class__}"
-    assert set(hud) >= {"progress", "time", "contacts", "force", "score", "state", "trial", "message"}
-    json.dumps(dict(hud), allow_nan=False)
+    orders = player.step()
+    assert orders.board.message == "Trial 1 of 1 {x.__class__}"
+    assert set(orders.board.cards) >= {"progress", "time", "contacts", "force", "score", "state", "trial"}
+    assert (orders.view.state, orders.view.trial, orders.view.trials) == ("ready", 1, 1)

@@ -25,27 +25,32 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Do what is asked; 0, or 6 when parts of the recording are missing or changed."""
+    """Do what is asked; 0, or 6 when parts of the recording are missing, damaged or changed."""
     from mimics_app.recording.run import Run
+    from mimics_app.recording.verdict import judge
 
+    mended: dict[str, Any] = {}
     if args.action == "recover":
         from mimics_app.recording.recover import recover
 
-        recover(args.folder)
-    opened = Run.open(args.folder)
-    answer = _describe(opened)
-    wrong = list(opened.problems())
+        recovery = recover(args.folder)
+        opened, verdict = Run.open(args.folder), recovery.verdict
+        mended = {"mended": list(recovery.mended)}
+    else:
+        opened = Run.open(args.folder)
+        verdict = judge(opened)
+    answer = {**_describe(opened), **mended}
     if args.action == "verify":
-        wrong += opened.disagreements()
-    answer["problems"] = wrong
+        answer["verified"] = opened.manifest is not None and verdict.whole
+    answer["problems"] = list(verdict.problems)
     if args.json:
         from mimics_app.app.terminal.output import write_object
 
         write_object("record", {"action": args.action, **answer})
     else:
-        sys.stdout.write("".join(f"{name:14} {text}\n" for name, text in _lines(answer)))
-    bad = opened.disagreements() if args.action == "recover" else wrong
-    return PartialDataError.exit_code if bad else 0
+        lines = _verdict(opened, answer["problems"]) if args.action == "verify" else _lines(answer)
+        sys.stdout.write("".join(f"{name:14} {text}\n" for name, text in lines))
+    return 0 if verdict.whole else PartialDataError.exit_code
 
 
 def _describe(opened: Run) -> dict[str, Any]:
@@ -63,6 +68,20 @@ def _describe(opened: Run) -> dict[str, Any]:
     }
 
 
+def _verdict(opened: Run, wrong: list[str]) -> list[tuple[str, str]]:
+    """What `verify` found: that everything is as it was sealed, or each thing that is not."""
+    if opened.manifest is None:
+        fix = f"mimics record recover {opened.folder} seals what is good"
+        return [("not verified", f"{opened.folder}: nothing seals it; {fix}"), *(("problem", one) for one in wrong)]
+    if wrong:
+        return [("damaged", f"{opened.folder}: {len(wrong)} findings"), *(("problem", one) for one in wrong)]
+    files = len(opened.manifest.files)
+    sealed = f"{files} files and the state hash are as they were sealed"
+    return [("verified", f"{opened.folder}: {sealed}, {len(opened.haptic)} ticks without a gap")]
+
+
 def _lines(answer: dict[str, Any]) -> list[tuple[str, str]]:
     plain = [(name, str(item)) for name, item in answer.items() if not isinstance(item, list)]
+    if "mended" in answer:
+        plain.append(("mended", ", ".join(answer["mended"]) or "nothing: there is nothing to recover"))
     return plain + [("problem", problem) for problem in answer["problems"]]

@@ -8,6 +8,7 @@ from mimics_app.app.picture.picture import Picture, picture_quality
 from mimics_app.app.play.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.contracts.clock import FRAMES_PER_SECOND
+from mimics_app.contracts.trial_state import TrialState
 
 __all__ = ["Album"]
 
@@ -15,10 +16,10 @@ _NS = 1_000_000_000
 
 
 class Album:
-    """Keeps pictures of chosen moments: the first trial's start, its middle, its wall contacts, its end.
+    """Keeps pictures of chosen moments, spread evenly from the first trial on. A film has every frame.
 
-    Nobody knows beforehand how long a trial takes, so moments are shares of the tunnel, spread over the way. A film has
-    every frame.
+    Nobody knows beforehand how long a way takes, so its moments are shares of the progress. Where a task has no way
+    they are shares of the time: of the run where its length was asked for, else of the trial.
     """
 
     def __init__(self, session: Session) -> None:
@@ -40,13 +41,15 @@ class Album:
         return self._files
 
     def _is_due(self, frames: Frames) -> bool:
-        hud = frames.orders.hud
+        view, run_s = frames.orders.view, self._session.settings.seconds
         share = (len(self._files) + 0.5) / self._wanted
-        return hud.get("state") == "travel" and float(str(hud.get("progress", 0.0))) >= share
+        if run_s is not None and not view.on_a_way:
+            return frames.number >= share * run_s * FRAMES_PER_SECOND
+        return view.state is TrialState.TRAVEL and view.progress >= share
 
     def _draw(self, frames: Frames, *, keep: bool) -> None:
         picture = self._session.picture or self._open()
-        picture.draw(frames.figures)
+        picture.draw(frames.board)
         if picture.film is not None:
             picture.film.take(frames.number * _NS // FRAMES_PER_SECOND)
         if keep:

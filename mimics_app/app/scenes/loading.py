@@ -8,21 +8,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 import mimics_app.tasks.scene_section  # noqa: F401  registers the task block
+from mimics_app.app.scenes.finding import find_scene
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.resources import root
 from mimics_app.rendering.haptic import force_fields, scene_effects  # noqa: F401  their checks
 from mimics_app.rendering.haptic.kernels.kinematics import inverse
 from mimics_app.rendering.haptic.scene_block import axis_offset, robot_from_world
 from mimics_app.rendering.haptic.scene_objects import check_objects
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
 from mimics_app.tasks.actions import haptic_field
+from mimics_app.tasks.kinds.carry import carry_of
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.world.components.robot import Robot, Tunnel
 from mimics_app.world.scene.file import load_scene
 from mimics_app.world.scene.placing import pose_of
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["find_scene", "load_checked_scene"]
+__all__ = ["load_checked_scene"]
 
 _REACH_CHECKS = 100
 
@@ -37,6 +38,7 @@ def load_checked_scene(path: Path) -> Scene:
     issues = _check_widest_tunnel(scene) + _check_reach(scene) + _check_carry_reach(scene) + check_objects(scene)
     if issues:
         raise SceneError(issues)
+    scene.read.clear()  # what is checked is not yet made use of
     return scene
 
 
@@ -75,9 +77,10 @@ def _check_reach(scene: Scene) -> list[Issue]:
 def _check_carry_reach(scene: Scene) -> list[Issue]:
     """The robot must reach the mark, and whatever lies below where the thing falls from."""
     task = scene.section(TaskSpec)
-    if task is None or task.carry is None or not scene.components(Robot):
+    carry = None if task is None else carry_of(task)
+    if carry is None or not scene.components(Robot):
         return []
-    robot, carry = scene.one(Robot)[1], task.carry
+    robot = scene.one(Robot)[1]
     mark = pose_of(scene, carry.to)[0]
     if not _reaches(robot, mark):
         what = f'the robot does not reach "{carry.to}" at {_place(mark)}'
@@ -100,21 +103,3 @@ def _reaches(robot: Robot, point_world: NDArray[np.float64]) -> bool:
 def _place(point: NDArray[np.float64]) -> str:
     x, y, z = point
     return f"({x:.3f}, {y:.3f}, {z:.3f})"
-
-
-def find_scene(path: Path) -> Path:
-    """The scene file itself, or the installation's one of that name (scenes/wavy_tunnel.json, wavy_tunnel).
-
-    Raises:
-        SceneError: neither is there.
-    """
-    if path.is_file():
-        return path
-    shipped = root() / "scenes" / f"{path.stem}.json"
-    if shipped.is_file() and path.parent.name in ("", "scenes"):
-        return shipped
-    raise SceneError(Issue(str(path), "", "there is no such scene", f"shipped: {', '.join(_shipped())}"))
-
-
-def _shipped() -> list[str]:
-    return sorted(f"scenes/{file.name}" for file in (root() / "scenes").glob("*.json"))

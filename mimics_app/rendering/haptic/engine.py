@@ -218,7 +218,8 @@ class HapticEngine:
             missed=int(control[ControlWord.MISSED]),
             held=int(control[ControlWord.HELD]),
             stale=int(control[ControlWord.STALE]),
-            trips=int(control[ControlWord.TRIPS]),
+            stops=int(control[ControlWord.STOPS]),
+            holds=int(control[ControlWord.HOLDS]),
             ticks=self.ticks,
             recipe=self.granted.recipe,
         )

@@ -44,16 +44,17 @@ class StabilityReport:
             least[name] = min(margin, least.get(name, margin))
         return least
 
-    def as_dict(self) -> dict[str, float | None]:
-        """The figures of all contacts, under the keys of `mimics run --json`."""
-        return {
-            "margin_min": self.margin,
-            "stiffness_limit_n_per_m": self.stiffness_limit,
-            "energy_j": self.energy,
-            "stiffness_share_min": self.stiffness_share,
-            "passivity_ticks": self.passivity_ticks,
-            "tank_min_j": self.tank,
-        }
+    def as_dict(self) -> dict[str, float]:
+        """Under the keys of `mimics run --json`; what tells of contacts is left out where there was none."""
+        of_contacts = {}
+        if self.margin is not None:
+            of_contacts = {
+                "margin_min": self.margin,
+                "stiffness_limit_n_per_m": self.stiffness_limit,
+                "energy_j": self.energy,
+                "stiffness_share_min": self.stiffness_share,
+            }
+        return {**of_contacts, "passivity_ticks": self.passivity_ticks, "tank_min_j": self.tank}
 
 
 def stability_of(state: NDArray[Any], margins: NDArray[np.float64]) -> StabilityReport:

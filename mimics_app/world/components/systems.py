@@ -60,8 +60,12 @@ class VisualSettings(Component, frozen=True):
         ),
     ] = "auto"
     shadow_distance: Annotated[
-        float, Meta(ge=0, description="How far from the eye shadows are seen [m], in `cascades`; 0: one map of it all")
-    ] = 0.0
+        Annotated[float, Meta(ge=0)] | Literal["auto"],
+        Meta(
+            description="How far from the eye shadows are seen [m], in `cascades`; 0: one map of it all; "
+            "auto: one map where bodies are within 8 m, else as far as they are spread, 100 m at most"
+        ),
+    ] = "auto"
     cascades: Annotated[int, Meta(ge=1, le=4, description="Maps of the sun, one in another")] = 3
     fog_density: Annotated[float, Meta(ge=0, description="Haze of the horizon's colour with distance [1/m]")] = 0.12
 

@@ -1,0 +1,31 @@
+"""Where a scene file is: the file itself, or the installation's one of that name. It imports no stage.
+
+A command asks here before it imports compiled code and graphics: a name that leads nowhere is refused at once.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.resources import root
+
+__all__ = ["find_scene"]
+
+
+def find_scene(path: Path) -> Path:
+    """The scene file itself, or the installation's one of that name (scenes/wavy_tunnel.json, wavy_tunnel).
+
+    Raises:
+        SceneError: neither is there.
+    """
+    if path.is_file():
+        return path
+    shipped = root() / "scenes" / f"{path.stem}.json"
+    if shipped.is_file() and path.parent.name in ("", "scenes"):
+        return shipped
+    raise SceneError(Issue(str(path), "", "there is no such scene", f"shipped: {', '.join(_shipped())}"))
+
+
+def _shipped() -> list[str]:
+    return sorted(f"scenes/{file.name}" for file in (root() / "scenes").glob("*.json"))

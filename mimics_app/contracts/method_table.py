@@ -1,0 +1,130 @@
+"""The table of every method's cost and error: shipped with the product, and saved on a machine that measured itself.
+
+{"machine": {...}, "reference_us": {GROUP: us}, "groups": {GROUP: [{"method", "cost_us", "ratio", "error", "unit"}]}}
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from mimics_app.contracts import resources
+
+__all__ = ["Row", "Table", "saved_file", "shipped_file"]
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One method's figures.
+
+    Attributes:
+        method: Name of the method.
+        cost_us: Cost [us per call] on the table's machine.
+        ratio: Cost as a multiple of the group's reference loop in the same run.
+        error: In `unit`; infinite where the method fails at what it was measured on.
+        unit: Unit of the error.
+    """
+
+    method: str
+    cost_us: float
+    ratio: float
+    error: float
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Figures of all groups on one machine.
+
+    Attributes:
+        groups: Rows by group, in the order of the registry.
+        machine: `Machine.as_dict()` of where they were measured.
+        reference_us: Cost of each group's reference loop there [us per call].
+    """
+
+    groups: dict[str, list[Row]]
+    machine: dict[str, Any]
+    reference_us: dict[str, float]
+
+    @classmethod
+    def load_saved(cls) -> Table | None:
+        """The table this machine saved, None where it saved none or one that cannot be read."""
+        file = saved_file()
+        if file is None or not file.is_file():
+            return None
+        try:
+            return cls.load(file)
+        except (OSError, ValueError, KeyError, TypeError):  # a table is remade by measuring again
+            return None
+
+    @classmethod
+    def load_shipped(cls) -> Table:
+        """The table that comes with the product.
+
+        Raises:
+            OSError: The installation is not complete.
+        """
+        return cls.load(shipped_file())
+
+    @classmethod
+    def load(cls, file: Path) -> Table:
+        """Read a table.
+
+        Raises:
+            OSError: It cannot be read.
+            ValueError, KeyError, TypeError: It is no table.
+        """
+        data = json.loads(file.read_text(encoding="utf-8"))
+        groups = {group: [_row(row) for row in rows] for group, rows in data["groups"].items()}
+        return cls(groups, data["machine"], data["reference_us"])
+
+    def save(self, file: Path | None = None) -> Path | None:
+        """Write the table whole or not at all: to a file, or to this machine's place; None where nothing can be kept.
+
+        Raises:
+            OSError: The folder cannot be written.
+        """
+        file = file or saved_file()
+        if file is None:
+            return None
+        file.parent.mkdir(parents=True, exist_ok=True)
+        partial = file.with_suffix(".partial")
+        partial.write_text(json.dumps(self.as_dict(), indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        partial.replace(file)
+        return file
+
+    def with_groups(self, newer: Table) -> Table:
+        """This table with the groups of a newer one put in place of its own.
+
+        The machine is the newer one's; where its groups are not all, the rest were measured before.
+        """
+        return Table({**self.groups, **newer.groups}, newer.machine, {**self.reference_us, **newer.reference_us})
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values; an infinite error is null, as JSON has no infinity."""
+        groups = {
+            group: [{**asdict(row), "error": row.error if math.isfinite(row.error) else None} for row in rows]
+            for group, rows in self.groups.items()
+        }
+        return {"machine": self.machine, "reference_us": self.reference_us, "groups": groups}
+
+
+def saved_file() -> Path | None:
+    """Where this machine keeps its own table; None where nothing is writable."""
+    from mimics_app.contracts.kernel_cache import cache_folder
+    from mimics_app.contracts.machine import describe_machine
+
+    return None if cache_folder is None else cache_folder.parent / f"methods-{describe_machine().key}.json"
+
+
+def shipped_file() -> Path:
+    """Where the product keeps the table it was shipped with."""
+    return resources.root() / "assets" / "methods.json"
+
+
+def _row(data: dict[str, Any]) -> Row:
+    error = math.inf if data["error"] is None else float(data["error"])
+    return Row(str(data["method"]), float(data["cost_us"]), float(data["ratio"]), error, str(data["unit"]))

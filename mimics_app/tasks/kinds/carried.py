@@ -1,0 +1,207 @@
+"""One thing carried to a mark: what happens to it frame by frame, and where it falls from next."""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+
+from mimics_app.tasks.bounds import Vec3
+from mimics_app.tasks.kinds.carry_spec import BoxSpec, CarrySpec
+from mimics_app.tasks.observation import Observation
+
+__all__ = ["Carried", "CarriedFrame", "Stage"]
+
+_LOST_S = 2.0
+_NEAR = 0.02
+"""A hand this near to the middle of the thing may close on it [m]."""
+_SHARE_OF_REACH = 0.3
+"""Of the way that is done when the thing is in the hand."""
+_FIRST_SPAWN = 2
+"""Bodies begin with spawn 1: where the scene has them."""
+
+
+class Stage(StrEnum):
+    """What the person is to do next."""
+
+    REACH = "reach"
+    CLOSE = "close"
+    CARRY = "carry"
+    OPEN = "open"
+
+
+@dataclass(frozen=True, slots=True)
+class CarriedFrame:
+    """What a frame means for the thing carried.
+
+    Attributes:
+        placed: It lies at its mark, let go.
+        drops: How often it was lost on the way, in this attempt.
+        bruises: How often it was pressed too hard, in this attempt.
+        bruised: That happened since the last frame.
+        gripped: It came into the hand since the last frame.
+        dropped: It was lost since the last frame.
+        held: It is in the hand.
+        grasp_error: Of the grasp force from what is right, while it is held [N].
+        progress: Share of the way, 0-1.
+        distance: Level distance from the straight way [m], while it is held.
+        stage: What the person is to do next.
+    """
+
+    placed: bool = False
+    drops: int = 0
+    bruises: int = 0
+    bruised: bool = False
+    gripped: bool = False
+    dropped: bool = False
+    held: bool = False
+    grasp_error: float = 0.0
+    progress: float = 0.0
+    distance: float = 0.0
+    stage: Stage = Stage.REACH
+
+
+class Carried:
+    """Follows the thing through the attempts of a session.
+
+    Args:
+        spec: What is carried where.
+        target: Where the mark is [m].
+        seed: Of the session; decides the places it falls from.
+
+    Attributes:
+        within: Largest level distance from the mark that counts as placed now [m].
+        usual_within: As the scene has it.
+    """
+
+    def __init__(self, spec: CarrySpec, target: Vec3, seed: int) -> None:
+        self.within = self.usual_within = spec.within
+        self._spec = spec
+        self._target = target
+        self._source = random.Random(seed * 1_000_003 + 11)
+        self._spawn = _FIRST_SPAWN - 1
+        self._orders: dict[str, object] = {}
+        self._lost_since_ns: int | None = None
+        self._restart()
+
+    def _restart(self) -> None:
+        self._drops = 0
+        self._bruises = 0
+        self._crushed = False
+        self._held = False
+        self._picked_at: Vec3 | None = None
+        self._reach = 0.0
+
+    @property
+    def orders(self) -> Mapping[str, object]:
+        """Haptic fields that put the thing where it was last dropped from the sky; empty before."""
+        return self._orders
+
+    def begin_attempt(self) -> None:
+        """Let it fall anew."""
+        self._restart()
+        self._fall()
+
+    def see(self, seen: Observation) -> CarriedFrame | None:
+        """What a frame means for it; None while the loop has not placed it."""
+        place = seen.bodies.get(self._spec.body)
+        if place is None:
+            return None
+        held = seen.held == self._spec.body
+        gripped, let_go = held and not self._held, self._held and not held
+        self._held = held
+        at_mark = self._is_at_mark(place)
+        dropped = let_go and not at_mark
+        self._drops += int(dropped)
+        crushed = seen.crushed == self._spec.body
+        bruised, self._crushed = crushed and not self._crushed, crushed
+        self._bruises += int(bruised)
+        if gripped:
+            self._picked_at = place
+        self._watch_lost(place, held=held, now_ns=seen.now_ns)
+        return CarriedFrame(
+            placed=at_mark and not held,
+            drops=self._drops,
+            bruises=self._bruises,
+            bruised=bruised,
+            gripped=gripped,
+            dropped=dropped,
+            held=held,
+            grasp_error=self._grasp_error(seen.grasp) if held else 0.0,
+            progress=self._progress(seen.ball_world, place, held=held, at_mark=at_mark),
+            distance=self._off_line(place) if held else 0.0,
+            stage=self._stage(seen.ball_world, place, held=held, at_mark=at_mark),
+        )
+
+    def _is_at_mark(self, place: Vec3) -> bool:
+        above = place[1] - self._target[1]
+        return 0.0 <= above <= self._spec.height and _level(place, self._target) <= self.within
+
+    def _stage(self, hand: Vec3, place: Vec3, *, held: bool, at_mark: bool) -> Stage:
+        if at_mark:  # what lies there is not to be taken again: the hand stays open until the attempt ends
+            return Stage.OPEN
+        if held:
+            return Stage.CARRY
+        return Stage.CLOSE if math.dist(hand, place) <= _NEAR else Stage.REACH
+
+    def _progress(self, hand: Vec3, place: Vec3, *, held: bool, at_mark: bool) -> float:
+        if at_mark:
+            return 1.0
+        if not held:
+            gap = math.dist(hand, place)
+            self._reach = max(self._reach, gap)
+            return _SHARE_OF_REACH * (1.0 - gap / self._reach) if self._reach > 0.0 else 0.0
+        whole = _level(self._picked_at or place, self._target)
+        share = 1.0 - _level(place, self._target) / whole if whole > 0.0 else 1.0
+        return _SHARE_OF_REACH + (1.0 - _SHARE_OF_REACH) * min(max(share, 0.0), 0.99)
+
+    def _off_line(self, place: Vec3) -> float:
+        """Level distance from the straight way between where it was picked up and the mark [m]."""
+        if self._picked_at is None:
+            return 0.0
+        (x0, _, z0), (x1, _, z1) = self._picked_at, self._target
+        length = math.hypot(x1 - x0, z1 - z0)
+        if length == 0.0:
+            return _level(place, self._target)
+        along = ((place[0] - x0) * (x1 - x0) + (place[2] - z0) * (z1 - z0)) / length
+        along = min(max(along, 0.0), length)
+        return math.hypot(place[0] - x0 - along * (x1 - x0) / length, place[2] - z0 - along * (z1 - z0) / length)
+
+    def _grasp_error(self, grasp: float) -> float:
+        grip = self._spec.grip
+        return max(grip.least - grasp, grasp - grip.most, 0.0)
+
+    def _watch_lost(self, place: Vec3, *, held: bool, now_ns: int) -> None:
+        box = self._spec.lost_outside
+        if box is None or held or _inside(box, place):
+            self._lost_since_ns = None
+            return
+        if self._lost_since_ns is None:
+            self._lost_since_ns = now_ns
+        elif (now_ns - self._lost_since_ns) / 1e9 >= _LOST_S:
+            self._lost_since_ns = None
+            self._fall()
+
+    def _fall(self) -> None:
+        box = self._spec.falls_from
+        name = f"bodies.{self._spec.body}"
+        self._spawn += 1
+        self._orders = {f"{name}.spawn": self._spawn}
+        if box is not None:
+            place = tuple(
+                low + self._source.random() * (high - low) for low, high in zip(box.low, box.high, strict=True)
+            )
+            turn = math.pi * self._source.random()
+            self._orders[f"{name}.position"] = place
+            self._orders[f"{name}.orientation"] = (0.0, math.sin(turn), 0.0, math.cos(turn))
+
+
+def _level(a: Vec3, b: Vec3) -> float:
+    """Distance seen from above [m]."""
+    return math.hypot(a[0] - b[0], a[2] - b[2])
+
+
+def _inside(box: BoxSpec, place: Vec3) -> bool:
+    return all(low <= x <= high for low, x, high in zip(box.low, place, box.high, strict=True))
