@@ -43,11 +43,8 @@ class TrialCounts:
 
 
 def count_trials(rows: Iterable[Mapping[str, object]]) -> TrialCounts:
-    """Count the trials that rows of trials.csv, in order, tell of; the last attempt at a trial decides.
-
-    A cell of a damaged file may hold any value: a trial whose number is a list is a trial.
-    """
-    last = {repr(row.get("trial")): row for row in rows}
+    """Count the trials that rows of trials.csv, in order, tell of; the last attempt at a trial decides."""
+    last = {str(row.get("trial")): row for row in rows}  # a damaged table may hold any value
     ended = [row for row in last.values() if row.get("cause") != SESSION_ENDED]
     practice = [row for row in ended if row.get("practice")]
     counted = [row for row in ended if not row.get("practice")]

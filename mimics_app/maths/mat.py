@@ -6,8 +6,6 @@ return new arrays, for code outside the loop.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,8 +21,6 @@ __all__ = [
     "compose_trs",
     "look_at",
     "multiply_affine",
-    "perspective",
-    "perspective_from_tangents",
     "rigid_inverse",
     "transform_direction",
     "transform_point",
@@ -138,50 +134,6 @@ def look_at(eye: object, target: object, up: object = (0.0, 1.0, 0.0)) -> Mat4:
     pose = np.eye(4)
     pose[:3, 0], pose[:3, 1], pose[:3, 2], pose[:3, 3] = right, np.cross(back, right), back, position
     return pose
-
-
-def perspective_from_tangents(left: float, right: float, bottom: float, top: float, near: float, far: float) -> Mat4:
-    """Clip-from-view matrix of an eye whose view is bounded by four tangents, which need not be symmetric.
-
-    Args:
-        left: x / -z of the left border, usually < 0.
-        right: x / -z of the right border, > left.
-        bottom: y / -z of the lower border, usually < 0.
-        top: y / -z of the upper border, > bottom.
-        near: Nearest distance [m], > 0, at clip z = -w.
-        far: Farthest distance [m], > near, at clip z = +w; infinity is allowed.
-
-    Raises:
-        ValueError: a border or distance is not beyond the other.
-    """
-    if not (left < right and bottom < top and 0.0 < near < far):
-        raise ValueError(f"no view between tangents {left:g}..{right:g} and {bottom:g}..{top:g} at {near:g}..{far:g} m")
-    ratio = 0.0 if math.isinf(far) else near / far
-    out = np.zeros((4, 4))
-    out[0, 0] = 2.0 / (right - left)
-    out[0, 2] = (right + left) / (right - left)
-    out[1, 1] = 2.0 / (top - bottom)
-    out[1, 2] = (top + bottom) / (top - bottom)
-    out[2, 2] = -(1.0 + ratio) / (1.0 - ratio)
-    out[2, 3] = -2.0 * near / (1.0 - ratio)
-    out[3, 2] = -1.0
-    return out
-
-
-def perspective(vertical_fov: float, aspect: float, near: float, far: float) -> Mat4:
-    """Symmetric clip-from-view matrix.
-
-    Args:
-        vertical_fov: Full angle, bottom to top [rad], in (0, pi).
-        aspect: Width / height, > 0.
-        near: [m], > 0.
-        far: [m], > near.
-
-    Raises:
-        ValueError: the view is empty.
-    """
-    top = math.tan(0.5 * vertical_fov)
-    return perspective_from_tangents(-top * aspect, top * aspect, -top, top, near, far)
 
 
 def _floats(values: object, size: int) -> NDArray[np.float64]:

@@ -6,6 +6,8 @@ import errno
 import os
 from pathlib import Path
 
+from mimics_app.recording.run_folder import PRIVATE_FILE
+
 __all__ = ["AppendFile"]
 
 _sync = getattr(os, "fdatasync", os.fsync)  # macOS has no fdatasync
@@ -21,7 +23,7 @@ class AppendFile:
     def __init__(self, path: Path, *, resume_at: int | None = None) -> None:
         """Make the file, which must not exist; or open it and cut it to `resume_at` bytes."""
         flags = os.O_WRONLY | (os.O_CREAT | os.O_EXCL if resume_at is None else os.O_CREAT)
-        self._descriptor = os.open(path, flags, 0o644)
+        self._descriptor = os.open(path, flags, PRIVATE_FILE)
         self.length = resume_at or 0
         if resume_at is not None:
             os.ftruncate(self._descriptor, resume_at)

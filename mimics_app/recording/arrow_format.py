@@ -13,7 +13,7 @@ import json
 import struct
 import zlib
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import SCENE
 from mimics_app.contracts.object_rows import ROW_DTYPES, Rows, unpack_rows
-from mimics_app.recording.columns import ROW, column_names, column_units, rows_of, samples_of
+from mimics_app.recording.columns import rows_of, samples_of
+from mimics_app.recording.layout import SampleLayout, current_layout, samples_schema
 
 __all__ = [
     "BLOCK_ROWS",
@@ -35,7 +36,6 @@ __all__ = [
     "encode_samples",
     "parameters_dtype",
     "parameters_schema",
-    "samples_schema",
     "schema_bytes",
 ]
 
@@ -48,8 +48,8 @@ INDEX_ROW = np.dtype([("seq", "<i8"), ("offset", "<i8"), ("length", "<i8")])
 END_OF_STREAM = b"\xff\xff\xff\xff\x00\x00\x00\x00"
 """What closes an Arrow stream."""
 
-_VALUES = ROW - 1  # t has a column of its own
 _NUMBERS = struct.Struct("<qq")
+_BROKEN = (pa.ArrowException, StopIteration, OSError, EOFError)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,25 +63,6 @@ class Block:
     first: int
     records: NDArray[Any]
     rows: Rows | None = None
-
-
-@cache
-def samples_schema() -> Any:
-    """Schema of haptic.arrows: `t` [s] and `sample`, a list of the other columns of a tick, `column_names()[1:]`."""
-    metadata = {
-        "format": "mimics haptic stream",
-        "version": "1",
-        "columns": json.dumps(column_names()[1:]),
-        "units": json.dumps(column_units()[1:]),
-        "column": "sample",
-        "t": "s",
-    }
-    item = pa.field("item", pa.float64(), nullable=False)
-    fields = [
-        pa.field("t", pa.float64(), nullable=False, metadata={"unit": "s"}),
-        pa.field("sample", pa.list_(item, _VALUES), nullable=False),
-    ]
-    return pa.schema(fields, metadata=metadata)
 
 
 @cache
@@ -120,21 +101,26 @@ def encode_samples(samples: NDArray[Any], seq: int, first: int) -> bytes:
     return _encode(pa.RecordBatch.from_arrays(columns, schema=schema), seq, first, crc)
 
 
-def decode_samples(data: bytes | memoryview) -> Block:
+def decode_samples(data: bytes | memoryview, layout: SampleLayout | None = None) -> Block:
     """Read one block of haptic.arrows back.
+
+    Args:
+        data: The block.
+        layout: Of the stream it stands in; None: as this version writes it.
 
     Raises:
         ValueError: It is no such block, or its CRC32 says that it was damaged.
     """
-    batch, seq, first, crc = _decode(data, samples_schema())
+    layout = layout or current_layout()
+    batch, seq, first, crc = _decode(data, layout.schema)
     t = batch.column(0).to_numpy(zero_copy_only=True)
-    values = batch.column(1).flatten().to_numpy(zero_copy_only=True).reshape(len(t), _VALUES)
+    values = batch.column(1).flatten().to_numpy(zero_copy_only=True).reshape(len(t), layout.width - 1)
     if _crc(seq, first, t, np.ascontiguousarray(values)) != crc:
         raise ValueError("the checksum does not agree")
-    rows = np.empty((len(t), ROW))
-    rows[:, 0] = t
-    rows[:, 1:] = values
-    return Block(seq, first, samples_of(rows))
+    samples = samples_of(layout.rows(t, values))
+    if not (np.isfinite(samples["t"]).all() and np.isfinite(samples["tick"]).all()):
+        raise ValueError("it has rows without a tick")
+    return Block(seq, first, samples)
 
 
 def encode_parameters(block: bytes, seq: int) -> bytes:
@@ -156,25 +142,44 @@ def decode_parameters(data: bytes | memoryview, schema: Any | None = None) -> Bl
     """
     schema = schema or parameters_schema()
     batch, seq, first, crc = _decode(data, schema)
-    content = batch.column(1)[0].as_py()
-    if _crc(seq, first, np.frombuffer(content, np.uint8)) != crc:
-        raise ValueError("the checksum does not agree")
-    dtype = parameters_dtype(schema)
-    record = np.frombuffer(content, dtype, 1)
-    if "objects" not in (dtype.names or ()):
-        return Block(seq, first, record)
-    return Block(seq, first, record, unpack_rows(content[dtype.itemsize :], record[0]["objects"], _row_dtypes(schema)))
+    try:
+        content = batch.column(1)[0].as_py()
+        if _crc(seq, first, np.frombuffer(content, np.uint8)) != crc:
+            raise ValueError("the checksum does not agree")
+        dtype = parameters_dtype(schema)
+        record = np.frombuffer(content, dtype, 1)
+        if "objects" not in (dtype.names or ()):
+            return Block(seq, first, record)
+        rows = unpack_rows(content[dtype.itemsize :], record[0]["objects"], _row_dtypes(schema.metadata[b"rows"]))
+    except (KeyError, IndexError, TypeError, AttributeError, OverflowError, RecursionError, struct.error) as error:
+        raise ValueError(f"no parameter block: {error!r}") from error
+    return Block(seq, first, record, rows)
 
 
 def parameters_dtype(schema: Any) -> np.dtype[Any]:
-    """Dtype of the SCENE records in a stream, which may be of an older version of the application."""
-    description = json.loads(schema.metadata[b"dtype"])
-    return np.lib.format.descr_to_dtype(_tuples(description))
+    """Dtype of the SCENE records in a stream, which may be of an older version of the application.
+
+    Raises:
+        ValueError: The schema describes none.
+    """
+    try:
+        dtype = _dtype_of(schema.metadata[b"dtype"])
+    except (KeyError, TypeError, SyntaxError, RecursionError, OverflowError) as error:
+        raise ValueError(f"no description of parameter blocks: {error!r}") from error
+    if dtype.hasobject or "sequence" not in (dtype.names or ()):
+        raise ValueError("no description of parameter blocks: no sequence, or objects of Python")
+    return dtype
 
 
-def _row_dtypes(schema: Any) -> dict[str, np.dtype[Any]]:
-    descriptions = json.loads(schema.metadata[b"rows"])
-    return {name: np.lib.format.descr_to_dtype(_tuples(each)) for name, each in descriptions.items()}
+@lru_cache(maxsize=8)
+def _dtype_of(description: bytes) -> np.dtype[Any]:
+    """Dtype of its description in JSON; every block of a stream has the same."""
+    return np.lib.format.descr_to_dtype(_tuples(json.loads(description)))
+
+
+@lru_cache(maxsize=8)
+def _row_dtypes(descriptions: bytes) -> dict[str, np.dtype[Any]]:
+    return {name: np.lib.format.descr_to_dtype(_tuples(each)) for name, each in json.loads(descriptions).items()}
 
 
 def _tuples(description: Any) -> Any:
@@ -204,6 +209,8 @@ def _decode(data: bytes | memoryview, schema: Any) -> tuple[Any, int, int, int]:
         message = pa.ipc.open_stream(schema_bytes(schema) + bytes(data)).read_next_batch_with_custom_metadata()
         metadata = message.custom_metadata
         message.batch.validate(full=True)
-        return message.batch, int(metadata[b"seq"]), int(metadata[b"first"]), int(metadata[b"crc"], 16)
-    except (pa.ArrowException, StopIteration, OSError, KeyError, TypeError, ValueError, EOFError) as error:
+        seq, first = int(metadata[b"seq"]), int(metadata[b"first"])
+        _NUMBERS.pack(seq, first)  # they are 64 bits long
+        return message.batch, seq, first, int(metadata[b"crc"], 16)
+    except (*_BROKEN, KeyError, TypeError, ValueError, struct.error) as error:
         raise ValueError(f"no whole block: {error}") from error

@@ -8,15 +8,17 @@ boundaries the format keeps.
 from __future__ import annotations
 
 import mmap
+import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from mimics_app.contracts.regular_file import open_regular, read_regular
 from mimics_app.recording.arrow_format import END_OF_STREAM, INDEX_ROW, Block, schema_bytes
 
 __all__ = ["Damage", "Found", "last_block", "read_index", "read_schema", "scan_stream"]
@@ -46,10 +48,11 @@ class Damage:
 
 
 def read_index(path: Path) -> NDArray[Any]:
-    """Rows of a sidecar that can be true: ascending and without overlap, shape [n]; empty where there is no file."""
-    if not path.exists():
+    """Rows of a sidecar that can be true: ascending, without overlap, shape [n]; empty where there is no such file."""
+    try:
+        data = read_regular(path)
+    except OSError:
         return np.empty(0, INDEX_ROW)
-    data = path.read_bytes()
     rows = np.frombuffer(data, INDEX_ROW, len(data) // INDEX_ROW.itemsize)
     kept: list[int] = []
     end = 0
@@ -63,16 +66,16 @@ def read_index(path: Path) -> NDArray[Any]:
 def read_schema(path: Path) -> Any | None:
     """Schema a stream begins with, or None where its start is damaged."""
     try:
-        with path.open("rb") as stream:
+        with open_regular(path) as stream:
             return pa.ipc.open_stream(stream).schema
-    except (pa.ArrowException, OSError, EOFError):
+    except (pa.ArrowException, OSError, EOFError, ValueError):
         return None
 
 
 def scan_stream(
     path: Path, decode: Callable[[memoryview], Block], schema: Any, index: NDArray[Any] | None = None
 ) -> Iterator[Found | Damage]:
-    """Yield every good block in the order of the file, and what lies between them.
+    """Yield every good block in the order of the file, and what lies between them; nothing where there is no such file.
 
     Args:
         path: An Arrow stream, whole or not.
@@ -80,12 +83,22 @@ def scan_stream(
         schema: The schema it was written with.
         index: Rows of the sidecar, where there is one.
     """
-    if not path.exists() or path.stat().st_size == 0:
+    try:
+        file = open_regular(path)
+    except OSError:
         return
-    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
+    with file:
+        if file.seek(0, os.SEEK_END) > 0:
+            yield from _scan(file, decode, len(schema_bytes(schema)), index)
+
+
+def _scan(
+    file: BinaryIO, decode: Callable[[memoryview], Block], start: int, index: NDArray[Any] | None
+) -> Iterator[Found | Damage]:
+    with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
         view = memoryview(data)
         try:
-            for span in _spans(data, len(schema_bytes(schema)), index):
+            for span in _spans(data, _schema_length(data) or start, index):
                 yield from _read_span(view, span, decode)
         finally:
             view.release()
@@ -102,17 +115,28 @@ def last_block(
         schema: The schema it was written with.
         index: Rows of the sidecar, where there is one.
     """
-    if not path.exists() or path.stat().st_size == 0:
+    try:
+        file = open_regular(path)
+    except OSError:
         return None
-    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
-        view = memoryview(data)
-        try:
-            for span in reversed(list(_spans(data, len(schema_bytes(schema)), index))):
-                for piece in _read_span(view, span, decode):
-                    if isinstance(piece, Found):
-                        return piece
-        finally:
-            view.release()
+    with file:
+        if file.seek(0, os.SEEK_END) == 0:
+            return None
+        with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
+            return _last_found(data, decode, len(schema_bytes(schema)), index)
+
+
+def _last_found(
+    data: mmap.mmap, decode: Callable[[memoryview], Block], start: int, index: NDArray[Any] | None
+) -> Found | None:
+    view = memoryview(data)
+    try:
+        for span in reversed(list(_spans(data, _schema_length(data) or start, index))):
+            for piece in _read_span(view, span, decode):
+                if isinstance(piece, Found):
+                    return piece
+    finally:
+        view.release()
     return None
 
 
@@ -127,6 +151,15 @@ def _read_span(view: memoryview, span: Span, decode: Callable[[memoryview], Bloc
         yield Damage(start, end - start, str(error))
     finally:
         part.release()
+
+
+def _schema_length(data: mmap.mmap) -> int:
+    """Bytes of the message that describes the columns, 0 where the stream begins with no such message."""
+    length = _message_length(data, 0, len(data))
+    try:
+        return length if length and pa.ipc.read_message(pa.py_buffer(data[:length])).type == "schema" else 0
+    except (pa.ArrowException, OSError, EOFError):
+        return 0
 
 
 def _spans(data: mmap.mmap, start: int, index: NDArray[Any] | None) -> Iterator[Span]:

@@ -10,11 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import Controller
+from mimics_app.recording.columns import whole
+from mimics_app.recording.report_values import number
 from mimics_app.recording.run import Run
 
 __all__ = ["Attempt", "TunnelShape", "find_attempts", "tunnel_shape"]
 
 _STEPS_PER_PIECE = 24
+_TUNNEL = {"pieces", "centre", "radius", "radius_scale"}
 
 Values = NDArray[np.float64]
 
@@ -50,16 +53,17 @@ class Attempt:
         """What it was, in words."""
         if not self.row:
             return f"Attempt {self.number} (not finished)" if self.number else "Whole run"
-        words = [f"Trial {int(self.row.get('trial', self.number)) + 1}"]
-        if int(self.row.get("attempt", 1)) > 1:
-            words.append(f"attempt {self.row['attempt']}")
+        trial, attempt, score = (number(self.row.get(name)) for name in ("trial", "attempt", "score"))
+        words = [f"Trial {(self.number if trial is None else trial) + 1:.0f}"]
+        if attempt is not None and attempt > 1:
+            words.append(f"attempt {attempt:.0f}")
         if self.row.get("label"):
             words.append(str(self.row["label"]))
         if self.row.get("practice"):
             words.append("practice")
         words.append(str(self.row.get("outcome", "")))
-        if isinstance(self.row.get("score"), (int, float)):
-            words.append(f"score {self.row['score']:.1f}")
+        if score is not None:
+            words.append(f"score {score:.1f}")
         return " · ".join(word for word in words if word)
 
 
@@ -69,17 +73,17 @@ def find_attempts(run: Run) -> list[Attempt]:
     if len(samples) == 0:
         return []
     blocks = run.parameters
-    sequences = samples["sequence"].astype(np.int64)
+    sequences = whole(samples["sequence"])
     numbers = _per_row(sequences, blocks, "trial", 0)
     controllers = _per_row(sequences, blocks, "controller", Controller.ADMITTANCE)
     begun = [int(n) for n in np.unique(numbers) if n > 0] or [0]
     attempts = []
-    for i, number in enumerate(begun):
-        mine = numbers == number
+    for i, count in enumerate(begun):
+        mine = numbers == count
         free = np.isin(controllers[mine], (Controller.ADMITTANCE, Controller.IMPEDANCE))
         tunnel = next((tunnel_shape(blocks[s]) for s in _in_order(sequences[mine]) if s in blocks), None)
         row = run.trials[i] if i < len(run.trials) else {}
-        attempts.append(Attempt(number, samples[mine], free, tunnel, row))
+        attempts.append(Attempt(count, samples[mine], free, tunnel, row))
     return attempts
 
 
@@ -88,8 +92,13 @@ def _per_row(
 ) -> NDArray[np.int64]:
     """Value of a SCENE field at each row; rows whose block is lost get `otherwise`."""
     known, which = np.unique(sequences, return_inverse=True)
-    values = [int(blocks[int(s)][field][0]) if int(s) in blocks else otherwise for s in known]
+    values = [_field(blocks.get(int(s)), field, otherwise) for s in known]
     return np.array(values, np.int64)[which]
+
+
+def _field(block: NDArray[Any] | None, name: str, otherwise: int) -> int:
+    """A whole number of a parameter block; an older version's may lack it."""
+    return otherwise if block is None or name not in (block.dtype.names or ()) else int(block[name][0])
 
 
 def _in_order(sequences: NDArray[np.int64]) -> list[int]:
@@ -99,9 +108,14 @@ def _in_order(sequences: NDArray[np.int64]) -> list[int]:
 
 
 def tunnel_shape(block: NDArray[Any]) -> TunnelShape | None:
-    """Sample the tunnel of a SCENE record [shape 1]: a0 + a1 u + a2 u^2 + a3 u^3 per piece, u in [0, 1]."""
+    """Sample the tunnel of a SCENE record [shape 1]: a0 + a1 u + a2 u^2 + a3 u^3 per piece, u in [0, 1].
+
+    None where it has none, or a version recorded it that described tunnels otherwise.
+    """
+    if "tunnel" not in (block.dtype.names or ()) or not _TUNNEL <= {*(block.dtype["tunnel"].names or ())}:
+        return None
     tunnel = block["tunnel"][0]
-    pieces = int(tunnel["pieces"])
+    pieces = min(int(tunnel["pieces"]), len(tunnel["centre"]))
     if pieces < 1:
         return None
     u = np.linspace(0.0, 1.0, _STEPS_PER_PIECE, endpoint=False)

@@ -19,6 +19,7 @@ __all__ = [
     "field_columns",
     "rows_of",
     "samples_of",
+    "whole",
 ]
 
 _NAMES = SAMPLE.names or ()
@@ -115,3 +116,9 @@ def rows_of(samples: NDArray[Any]) -> NDArray[np.float64]:
 def samples_of(rows: NDArray[np.float64]) -> NDArray[Any]:
     """View of float64 rows [n, ROW] as SAMPLE records [n], without a copy."""
     return np.ascontiguousarray(rows, np.float64).reshape(-1, ROW).view(SAMPLE).reshape(-1)
+
+
+def whole(values: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Whole numbers of a column, -1 where it holds none a 64-bit number can be: an older version lacks some."""
+    known = np.isfinite(values) & (np.abs(values) < 2.0**62)
+    return np.where(known, values, -1.0).astype(np.int64)

@@ -11,18 +11,28 @@ Both stand first in it, so that lines of a kind are found without reading the ot
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import EVENT, EventKind
+from mimics_app.contracts.regular_file import read_regular
+from mimics_app.recording.json_text import parse_object
 
-__all__ = ["encode_event", "encode_line", "events_of", "find_lines", "read_lines", "to_json", "whole_length"]
+__all__ = [
+    "encode_event",
+    "encode_line",
+    "events_of",
+    "find_lines",
+    "missing_events",
+    "read_lines",
+    "split_lines",
+    "to_json",
+]
 
 _SCALARS = ("t_ns", "tick", "body_a", "body_b", "material_a", "material_b", "speed", "force", "value")
 _VECTORS = ("position_world", "normal_world")
@@ -75,50 +85,129 @@ def encode_event(event: NDArray[Any], n: int) -> bytes:
 
 
 def events_of(lines: list[dict[str, Any]]) -> NDArray[Any]:
-    """The EVENT records [n] among lines that were read, in their order."""
-    loop = [line for line in lines if line.get("source") == "loop"]
+    """The EVENT records [n] among lines that `read_lines` found good, in their order."""
+    loop = [line for line in lines if line["source"] == "loop"]
     events = np.zeros(len(loop), EVENT)
-    for event, line in zip(events, loop, strict=True):
-        name = str(line["kind"])
-        event["kind"] = int(name[5:]) if name.startswith("kind_") else EventKind[name.upper()]
-        for field in (*_SCALARS, *_VECTORS):
-            value = line[field]
-            event[field] = value if isinstance(value, int) else np.array(value, np.float64)  # None becomes NaN
+    with np.errstate(over="ignore"):  # numbers beyond float32 become infinite
+        for event, line in zip(events, loop, strict=True):
+            event["kind"] = _kind_of(line["kind"])
+            for field in (*_SCALARS, *_VECTORS):
+                value = line[field]
+                event[field] = value if isinstance(value, int) else np.array(value, np.float64)  # None becomes NaN
     return events
 
 
+def _kind_of(name: str) -> int:
+    """Number of a kind of event.
+
+    Raises:
+        ValueError: There is none of this name.
+    """
+    if name.startswith("kind_"):
+        return int(name[5:])
+    if name.upper() not in EventKind.__members__:
+        raise ValueError(f"there is no event {name!r}")
+    return EventKind[name.upper()]
+
+
+def missing_events(lines: list[dict[str, Any]]) -> int:
+    """How many events of the loop are missing before its last one: they are numbered."""
+    numbers = [line["n"] for line in lines if line["source"] == "loop"]
+    return max(0, max(numbers) + 1 - len(numbers)) if numbers else 0
+
+
+_Int16 = Annotated[int, msgspec.Meta(ge=-(2**15), lt=2**15)]
+_Int64 = Annotated[int, msgspec.Meta(ge=-(2**63), le=2**63 - 1)]
+_Count = Annotated[int, msgspec.Meta(ge=0, le=2**62)]
+_Vector = tuple[float | None, float | None, float | None]
+
+
+class _Loop(msgspec.Struct):
+    """A line of the loop. The other kinds below hold what readers count with; lines of more kinds are free."""
+
+    kind: str
+    n: _Count
+    t_ns: _Int64
+    tick: _Int64
+    body_a: _Int16
+    body_b: _Int16
+    material_a: _Int16
+    material_b: _Int16
+    speed: float | None
+    force: float | None
+    value: float | None
+    position_world: _Vector
+    normal_world: _Vector
+
+
+class _Gap(msgspec.Struct):
+    reason: str
+    after_row: _Count
+    rows: _Count = 0
+
+
+class _Frame(msgspec.Struct):
+    tick: _Int64 | None = None
+    frame: _Int64 | None = None
+
+
+class _Sound(msgspec.Struct):
+    tick: _Int64 | None = None
+    sample: _Int64 | None = None
+    latency_ms: float | None = None
+
+
+_SHAPES: dict[tuple[str, str], type[msgspec.Struct]] = {
+    ("recorder", "gap"): _Gap,
+    ("app", "frame"): _Frame,
+    ("app", "sound"): _Sound,
+}
+
+
 def read_lines(path: Path) -> tuple[list[dict[str, Any]], int]:
-    """Every line that is a JSON object, and how many are not; a torn last line counts as one of those."""
-    lines: list[dict[str, Any]] = []
+    """Every good line, and how many are not; a torn last line counts as one of those.
+
+    Raises:
+        OSError: There is no such file, or it cannot be read.
+    """
+    good, bad = split_lines(read_regular(path))
+    return [line for _, line in good], bad
+
+
+def split_lines(content: bytes) -> tuple[list[tuple[bytes, dict[str, Any]]], int]:
+    """Text, without its end, and object of every good line, and how many are not."""
+    good: list[tuple[bytes, dict[str, Any]]] = []
     bad = 0
-    for text in _raw_lines(path):
+    for text in content.split(b"\n"):
+        if not text.strip():
+            continue
         try:
-            line = json.loads(text)
+            good.append((text, _parse_line(text)))
         except ValueError:
             bad += 1
-            continue
-        if isinstance(line, dict) and "source" in line and "kind" in line:
-            lines.append(line)
-        else:
-            bad += 1
-    return lines, bad
+    return good, bad
 
 
-def whole_length(path: Path) -> int:
-    """Bytes up to and with the last end of line."""
-    return path.read_bytes().rfind(b"\n") + 1
+def _parse_line(text: bytes) -> dict[str, Any]:
+    """One line.
+
+    Raises:
+        ValueError: It is no object with a source and a kind, or not what a line of this kind holds.
+    """
+    line = parse_object(text)
+    source, kind = line.get("source"), line.get("kind")
+    if not isinstance(source, str) or not isinstance(kind, str):
+        raise ValueError("no source and kind")
+    if source == "loop":
+        msgspec.convert(line, _Loop)
+        if abs(_kind_of(kind)) >= 2**31:
+            raise ValueError("no kind of event")
+    elif shape := _SHAPES.get((source, kind)):
+        msgspec.convert(line, shape)
+    return line
 
 
 def find_lines(data: bytes, source: str, kind: str = "") -> list[bytes]:
     """Whole lines of one source, and of one kind where one is given, of the bytes of an events.jsonl."""
     head = f'{{"source":"{source}",' + (f'"kind":"{kind}",' if kind else "")
     return [line for line in data.split(b"\n")[:-1] if line.startswith(head.encode())]
-
-
-def _raw_lines(path: Path) -> Iterator[bytes]:
-    if not path.exists():
-        return
-    with path.open("rb") as file:
-        for text in file:
-            if text.strip():
-                yield text

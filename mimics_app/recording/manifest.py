@@ -9,11 +9,21 @@ from typing import Any, Literal
 
 import msgspec
 
+from mimics_app.contracts.regular_file import open_regular, read_regular
+from mimics_app.recording.json_text import parse_object
 from mimics_app.recording.run_folder import FILES, write_atomically
 
-__all__ = ["Manifest", "hash_files", "read_manifest", "write_manifest"]
+__all__ = ["Manifest", "Seal", "hash_files", "read_manifest", "write_manifest"]
 
 _SEALED = ("haptic", "index", "parameters", "statics", "events", "trials", "session")
+
+
+@dataclass(frozen=True, slots=True)
+class Seal:
+    """SHA-256 of a file, 64 hexadecimal digits, and its length in bytes."""
+
+    sha256: str
+    bytes: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +41,8 @@ class Manifest:
         problem: The last trouble with the disk, "" for none.
         summary: What the app said at the end: the object of `mimics run --json`, and more.
         clock: Wall and monotonic time at the end.
-        files: Name -> {"sha256", "bytes"}.
+        files: The seal of each file by its name.
+        lost: What `mimics record recover` found missing or damaged, one sentence each.
         version: Of this format.
     """
 
@@ -47,20 +58,22 @@ class Manifest:
     problem: str = ""
     summary: dict[str, Any] = field(default_factory=dict)
     clock: dict[str, Any] = field(default_factory=dict)
-    files: dict[str, dict[str, Any]] = field(default_factory=dict)
+    files: dict[str, Seal] = field(default_factory=dict)
+    lost: list[str] = field(default_factory=list)
     version: int = 1
 
 
-def hash_files(folder: Path) -> dict[str, dict[str, Any]]:
-    """Name -> {"sha256", "bytes"} of every file a manifest seals and that is there."""
-    sealed: dict[str, dict[str, Any]] = {}
+def hash_files(folder: Path) -> dict[str, Seal]:
+    """The seal of every file a manifest seals and that is there, by its name."""
+    sealed: dict[str, Seal] = {}
     trips = sorted(path.relative_to(folder).as_posix() for path in folder.glob("trips/*.arrows"))
     for name in (*(FILES[key] for key in _SEALED), *trips):
-        path = folder / name
-        if path.exists():
-            with path.open("rb") as file:
+        try:
+            with open_regular(folder / name) as file:
                 digest = hashlib.file_digest(file, "sha256")
-            sealed[name] = {"sha256": digest.hexdigest(), "bytes": path.stat().st_size}
+                sealed[name] = Seal(digest.hexdigest(), file.tell())
+        except OSError:
+            continue
     return sealed
 
 
@@ -69,9 +82,13 @@ def write_manifest(folder: Path, manifest: Manifest) -> None:
     write_atomically(folder / FILES["manifest"], msgspec.json.format(msgspec.json.encode(manifest), indent=1))
 
 
-def read_manifest(folder: Path) -> Manifest | None:
-    """The manifest of a run, or None where the run was never closed or the file is damaged."""
+def read_manifest(folder: Path) -> tuple[Manifest | None, str]:
+    """The manifest of a run, and why there is none: "" where the run was never closed."""
     try:
-        return msgspec.json.decode((folder / FILES["manifest"]).read_bytes(), type=Manifest)
-    except (OSError, msgspec.DecodeError):
-        return None
+        return msgspec.convert(parse_object(read_regular(folder / FILES["manifest"])), Manifest), ""
+    except FileNotFoundError:
+        return None, ""
+    except OSError as error:
+        return None, error.strerror or str(error)
+    except (ValueError, RecursionError) as error:
+        return None, str(error)

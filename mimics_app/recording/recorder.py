@@ -271,7 +271,7 @@ class Recorder:
             self._look_for_passes(replace=False)  # sealing a long run is one long pass
             self._outbox.flush()
             self._clock.sleep_until_ns(self._clock.now_ns() + 1_000_000)
-        manifest = None if self.alive else read_manifest(self.folder)
+        manifest = None if self.alive else read_manifest(self.folder)[0]
         self.kill()
         if manifest is None:
             raise PartialDataError(f"{self.folder} was not closed", f"try: mimics record recover {self.folder}")

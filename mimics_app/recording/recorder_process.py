@@ -30,6 +30,7 @@ from mimics_app.recording.channel import CLOSE, LINE, PARAMETERS, TRIAL, Inbox
 from mimics_app.recording.event_log import encode_line
 from mimics_app.recording.manifest import Manifest, hash_files, write_manifest
 from mimics_app.recording.recorder_status import PROBLEMS, Problem, RecorderStatus, StatusWord
+from mimics_app.recording.run_folder import write_atomically
 from mimics_app.recording.state_hash import StateHash
 from mimics_app.recording.streams import EventStream, ParameterStream, SampleStream, hash_of_files
 from mimics_app.recording.trial_table import TrialTable
@@ -123,7 +124,7 @@ class _Session:
     def _keep_reserve(self) -> None:
         path = self._folder / RESERVE
         try:
-            path.write_bytes(b"\0" * _RESERVE_BYTES)
+            write_atomically(path, b"\0" * _RESERVE_BYTES)
         except OSError:
             path.unlink(missing_ok=True)
 

@@ -1,16 +1,20 @@
-"""Close a run that nobody closed: cut what is torn, seal what is good, say what is missing."""
+"""Mend a run: cut what is torn, take out what is damaged, seal what is good, say what is missing. It never fails.
+
+What cannot be mended, because the disk is full or the folder may not be written, is named beside what is lost.
+"""
 
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.contracts.environment import clock_pair
-from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.regular_file import open_regular, read_regular
 from mimics_app.recording.append_file import AppendFile
 from mimics_app.recording.arrow_format import (
     END_OF_STREAM,
@@ -18,113 +22,203 @@ from mimics_app.recording.arrow_format import (
     decode_parameters,
     decode_samples,
     parameters_schema,
-    samples_schema,
     schema_bytes,
 )
 from mimics_app.recording.arrow_scan import Damage, Found, read_index, read_schema, scan_stream
-from mimics_app.recording.event_log import whole_length
+from mimics_app.recording.event_log import split_lines
+from mimics_app.recording.layout import SampleLayout, layout_of
 from mimics_app.recording.manifest import Manifest, hash_files, write_manifest
 from mimics_app.recording.recorder_process import RESERVE
-from mimics_app.recording.run import Run, find_gaps
+from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import FILES, write_atomically
-from mimics_app.recording.state_hash import StateHash
+from mimics_app.recording.trial_table import read_table, table_text
 from mimics_app.recording.trip_log import complete_trips
+from mimics_app.recording.verdict import Verdict, judge
 
-__all__ = ["recover"]
+__all__ = ["Recovery", "recover"]
 
 
-def recover(folder: Path) -> Manifest:
+@dataclass(frozen=True, slots=True)
+class Recovery:
+    """What `recover` did.
+
+    Attributes:
+        mended: Names of the files that were written anew; () where there was nothing to mend.
+        verdict: On the run as it is now: what is lost, damaged or could not be written.
+    """
+
+    mended: tuple[str, ...]
+    verdict: Verdict
+
+
+def recover(folder: Path) -> Recovery:
     """Make every file of a run readable to its last good part, and write a manifest marked "recovered".
 
-    Damaged blocks in the middle are taken out of haptic.arrows, so that any Arrow reader gets through; the bytes as
-    they were found stay beside it as haptic.arrows.damaged. A run that was closed is left as it is.
+    Damaged blocks and lines are taken out, so that any reader gets through; the bytes as they were found stay beside
+    the file under its name with `.damaged`. A run that was closed and has nothing to mend is left as it is.
 
     Raises:
-        UsageError: It is no run folder, or it was closed and has nothing to recover.
+        UsageError: It is no run folder.
     """
-    run = Run.open(folder)
-    if run.manifest is not None and not run.damages:
-        raise UsageError(f"{folder} was closed ({run.status}) and is whole", "there is nothing to recover")
-    mended = _mend_haptic(folder)
-    _mend_parameters(folder)
-    _cut_lines(folder)
-    (folder / RESERVE).unlink(missing_ok=True)
+    before = Run.open(folder)
+    mended: list[str] = []
+    unwritten: list[str] = []
+    if before.needs_mending:
+        losses = [*before.losses(), *before.disagreements(), *_lost_manifest(before)]
+        for key, mend in _MENDERS.items():
+            _attempt(FILES[key], mend, folder, mended, unwritten)
+        _attempt(
+            FILES["manifest"], lambda where: _seal(where, before, [*losses, *unwritten]), folder, mended, unwritten
+        )
+    verdict = judge(Run.open(folder))
+    verdict = replace(verdict, problems=tuple(dict.fromkeys([*verdict.problems, *unwritten])))
+    return Recovery(tuple(mended), verdict)
+
+
+def _attempt(name: str, mend: Callable[[Path], bool], folder: Path, mended: list[str], unwritten: list[str]) -> None:
+    """Mend one file and note whether it was written, or why it could not be."""
+    try:
+        if mend(folder):
+            mended.append(name)
+    except OSError as error:
+        unwritten.append(f"{name} cannot be mended: {error.strerror or error}")
+
+
+def _lost_manifest(run: Run) -> list[str]:
+    damaged = run.manifest is None and os.path.lexists(run.folder / FILES["manifest"])
+    return ["what the application said at the end of the run cannot be read"] if damaged else []
+
+
+def _seal(folder: Path, before: Run, losses: list[str]) -> bool:
+    """Write the manifest of what there is now; what the one before said about the end of the run is kept."""
     run = Run(folder)
     complete_trips(run)
-    mended.state.add_events(run.events)
-    for row in run.trials:
-        mended.state.add_trial(row)
-    gaps = find_gaps(np.concatenate(mended.ticks), np.concatenate(mended.numbers), run.known_gaps())
-    manifest = Manifest(
+    (folder / RESERVE).unlink(missing_ok=True)
+    known = before.manifest or Manifest("recovered", "", 0, 0, 0, 0)
+    at_end = max(before.lost_at_end, before.end_of_ticks - run.end_of_ticks)
+    manifest = replace(
+        known,
         status="recovered",
-        state_hash=mended.state.hexdigest(),
-        rows=mended.state.rows,
+        state_hash=run.state_hash(),
+        rows=len(run.haptic),
         events=len(run.events),
         trials=len(run.trials),
         parameters=len(run.parameters),
-        gaps=[{"after_tick": gap.after_tick, "rows": gap.ticks, "reason": gap.why} for gap in gaps]
-        + [{"reason": f"{d.length} damaged bytes at {d.offset}: {d.why}", "rows": 0} for d in mended.damages],
+        dropped={**known.dropped, "samples": run.end_of_ticks - len(run.haptic) + at_end},
+        gaps=[{"after_tick": gap.after_tick, "rows": gap.ticks, "reason": gap.why} for gap in run.gaps],
+        lost=list(dict.fromkeys(losses)),
         clock=clock_pair(),
         files=hash_files(folder),
     )
+    path = folder / FILES["manifest"]
+    if before.manifest is None and os.path.lexists(path):
+        _put_aside(path)
     write_manifest(folder, manifest)
-    return manifest
+    return True
 
 
-@dataclass
-class _Mended:
-    """What went through while haptic.arrows was written anew."""
+def _put_aside(path: Path) -> None:
+    """Keep what was found under a name of its own, whatever it is; nothing is written over."""
+    place = path.with_name(path.name + ".damaged")
+    number = 1
+    while os.path.lexists(place):
+        number += 1
+        place = path.with_name(f"{path.name}.damaged{number}")
+    path.rename(place)
 
-    state: StateHash = field(default_factory=StateHash)
-    ticks: list[NDArray[np.float64]] = field(default_factory=lambda: [np.empty(0)])
-    numbers: list[NDArray[np.int64]] = field(default_factory=lambda: [np.empty(0, np.int64)])
-    damages: list[Damage] = field(default_factory=list)
-    index: list[tuple[int, int, int]] = field(default_factory=list)
+
+def _replace(path: Path, content: bytes, *, keep: bool) -> None:
+    """Write a file anew; with `keep` what was there stays beside it, and so does what is no regular file."""
+    if os.path.lexists(path) and (keep or not path.is_file()):
+        _put_aside(path)
+    write_atomically(path, content)
 
 
-def _mend_haptic(folder: Path) -> _Mended:
+def _mend_haptic(folder: Path) -> bool:
     """Write haptic.arrows and its sidecar anew in one pass; an hour of it never is in memory at once."""
     path = folder / FILES["haptic"]
+    layout, _ = layout_of(read_schema(path))
     scratch = path.with_suffix(".part")
     scratch.unlink(missing_ok=True)
-    mended, file = _Mended(), AppendFile(scratch)
-    file.append(schema_bytes(samples_schema()))
-    source = os.open(path, os.O_RDONLY | os.O_CREAT, 0o644)
-    for piece in scan_stream(path, decode_samples, samples_schema(), read_index(folder / FILES["index"])):
-        if isinstance(piece, Damage):
-            mended.damages.append(piece)
-            continue
-        block = piece.block
-        mended.index.append((block.seq, file.length, piece.length))
-        mended.state.add_samples(block.records)
-        mended.ticks.append(block.records["tick"].copy())
-        mended.numbers.append(block.first + np.arange(len(block.records)))
-        file.append(os.pread(source, piece.length, piece.offset))
-    os.close(source)
-    file.append(END_OF_STREAM)
-    file.close()
-    if mended.damages:
-        path.replace(path.with_name(path.name + ".damaged"))
+    file = AppendFile(scratch)
+    try:
+        index, damages = _copy_blocks(path, file, layout)
+        file.append(END_OF_STREAM)
+    finally:
+        file.close()
+    if os.path.lexists(path) and (damages or not path.is_file()):
+        _put_aside(path)
     scratch.replace(path)
-    write_atomically(folder / FILES["index"], np.array(mended.index, INDEX_ROW).tobytes())
-    return mended
+    _replace(folder / FILES["index"], np.array(index, INDEX_ROW).tobytes(), keep=False)
+    return True
 
 
-def _mend_parameters(folder: Path) -> None:
+def _copy_blocks(path: Path, file: AppendFile, layout: SampleLayout) -> tuple[list[tuple[int, int, int]], list[Damage]]:
+    """Append every good block to `file`; rows of the sidecar, and what was left out."""
+    file.append(schema_bytes(layout.schema))
+    index: list[tuple[int, int, int]] = []
+    damages: list[Damage] = []
+    try:
+        source = open_regular(path)
+    except OSError:
+        return index, damages
+    with source:
+        places = read_index(path.with_name(FILES["index"]))
+        for piece in scan_stream(path, lambda data: decode_samples(data, layout), layout.schema, places):
+            if isinstance(piece, Damage):
+                damages.append(piece)
+                continue
+            index.append((piece.block.seq, file.length, piece.length))
+            source.seek(piece.offset)
+            file.append(source.read(piece.length))
+    return index, damages
+
+
+def _mend_parameters(folder: Path) -> bool:
     path = folder / FILES["parameters"]
-    if not path.exists():
-        return
     schema = read_schema(path) or parameters_schema()
-    data = path.read_bytes()
-    good = [
-        data[piece.offset : piece.offset + piece.length]
-        for piece in scan_stream(path, lambda part: decode_parameters(part, schema), schema)
-        if isinstance(piece, Found)
-    ]
-    write_atomically(path, b"".join([schema_bytes(schema), *good, END_OF_STREAM]))
+    data = _read_if_any(path)
+    pieces = list(scan_stream(path, lambda part: decode_parameters(part, schema), schema))
+    good = [data[piece.offset : piece.offset + piece.length] for piece in pieces if isinstance(piece, Found)]
+    damaged = any(isinstance(piece, Damage) for piece in pieces)
+    _replace(path, b"".join([schema_bytes(schema), *good, END_OF_STREAM]), keep=damaged)
+    return True
 
 
-def _cut_lines(folder: Path) -> None:
+def _mend_events(folder: Path) -> bool:
     path = folder / FILES["events"]
-    if path.exists() and whole_length(path) != path.stat().st_size:
-        AppendFile(path, resume_at=whole_length(path)).close()
+    content = _read_if_any(path)
+    good, bad = split_lines(content)
+    text = b"".join(line + b"\n" for line, _ in good)
+    if text == content and path.is_file():
+        return False
+    _replace(path, text, keep=bad > 0)
+    return True
+
+
+def _mend_trials(folder: Path) -> bool:
+    path = folder / FILES["trials"]
+    rows: list[dict[str, Any]] = []
+    bad = 0
+    if path.is_file():
+        rows, bad = read_table(path)
+        if not bad:
+            return False
+    _replace(path, table_text(rows), keep=bad > 0)
+    return True
+
+
+def _read_if_any(path: Path) -> bytes:
+    try:
+        return read_regular(path)
+    except OSError:
+        return b""
+
+
+_MENDERS: dict[str, Callable[[Path], bool]] = {
+    "haptic": _mend_haptic,
+    "parameters": _mend_parameters,
+    "events": _mend_events,
+    "trials": _mend_trials,
+}
+"""Of the files that can be mended; session.json and haptic_statics.npz are one piece each."""

@@ -13,13 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import PartialDataError
-from mimics_app.contracts.haptic import SCENE
+from mimics_app.contracts.haptic import EVENT, SCENE
 from mimics_app.contracts.object_rows import Rows
 from mimics_app.recording.columns import OUTPUT_FIELDS, column_names, field_columns, rows_of
 from mimics_app.recording.run import Run
 from mimics_app.recording.statics import Statics, read_statics
 
-__all__ = ["Difference", "ReplayData", "compare", "gather"]
+__all__ = ["Difference", "ReplayData", "compare", "compare_events", "gather"]
+
+
+_WIDTHS = {name: int(np.prod(EVENT[name].shape)) for name in EVENT.names or () if name != "t_ns"}
+_EVENT_COLUMNS = [name for name, width in _WIDTHS.items() for _ in range(width)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +49,7 @@ class Difference:
 
     Attributes:
         tick: Where.
-        column: Which, e.g. "f_user_world[1]".
+        column: Which, e.g. "f_user_world[1]" or "event 3, force".
         recorded, replayed: The two values.
         count: How many values differ in the whole run.
     """
@@ -74,7 +78,9 @@ def gather(run: Run) -> ReplayData:
     """
     samples = run.haptic
     if len(samples) == 0:
-        raise PartialDataError(f"{run.folder} holds no tick")
+        raise PartialDataError(f"{run.folder} holds no tick", "; ".join(run.losses()))
+    if not run.layout.current:
+        raise PartialDataError(f"{run.folder} was recorded with other columns", "replay it with the version it names")
     if run.gaps:
         gap = run.gaps[0]
         raise PartialDataError(
@@ -119,3 +125,37 @@ def compare(recorded: NDArray[Any], replayed: NDArray[Any]) -> Difference | None
         replayed=float(other[row, column]),
         count=int(differs.sum()),
     )
+
+
+def compare_events(recorded: NDArray[Any], replayed: NDArray[Any], end: int) -> Difference | None:
+    """First event of the loop that is missing, too many, or not the same, or None.
+
+    Their monotonic time is left out, it tells when a live loop ran. Numbers that are not finite are all the same: JSON
+    has one word for them.
+
+    Args:
+        recorded: EVENT records, shape [n].
+        replayed: EVENT records, shape [m].
+        end: Events of this tick and later ones are not compared: a run that was cut off may have lost some of them.
+    """
+    one, other = (events[events["tick"] < end] for events in (recorded, replayed))
+    length = min(len(one), len(other))
+    a, b = _numbers(one[:length]), _numbers(other[:length])
+    differs = (a != b) & ~(np.isnan(a) & np.isnan(b))
+    if differs.any():
+        row, column = np.unravel_index(int(differs.argmax()), differs.shape)
+        name = f"event {row}, {_EVENT_COLUMNS[column]}"
+        count = int(differs.any(axis=1).sum())
+        return Difference(int(one["tick"][row]), name, float(a[row, column]), float(b[row, column]), count)
+    if len(one) != len(other):
+        tick = int((one if len(one) > length else other)["tick"][length])
+        return Difference(tick, "number of events", len(one), len(other), abs(len(one) - len(other)))
+    return None
+
+
+def _numbers(events: NDArray[Any]) -> NDArray[np.float64]:
+    """What is compared of EVENT records, shape [n, columns]; what is not finite is not a number."""
+    columns = [events[name].astype(np.float64).reshape(len(events), _WIDTHS[name]) for name in _WIDTHS]
+    numbers = np.concatenate(columns, axis=1)
+    numbers[~np.isfinite(numbers)] = np.nan
+    return numbers

@@ -41,6 +41,7 @@ from mimics_app.recording.report_trips import MOST_DRAWN, Trip, trips_of
 from mimics_app.recording.report_values import NONE, mapping, one, scaled, shown, thousands
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import FILES, write_atomically
+from mimics_app.recording.verdict import judge
 
 __all__ = ["Page", "Punctuality", "page_of", "punctuality", "write_report"]
 
@@ -180,7 +181,6 @@ def write_report(folder: Path) -> Path:
 
     Raises:
         UsageError: It is no run folder.
-        PartialDataError: It was written by a version with other columns.
         OSError: The folder cannot be written.
     """
     page = render_page(page_of(Run.open(folder)))
@@ -190,11 +190,7 @@ def write_report(folder: Path) -> Path:
 
 
 def page_of(run: Run) -> Page:
-    """Everything the report of a run shows.
-
-    Raises:
-        OSError: The log of a trip that was missing cannot be written.
-    """
+    """Everything the report of a run shows."""
     attempts = find_attempts(run)
     carry = carry_facts(run)
     heading, colours = _heading(carry, attempts)
@@ -204,7 +200,7 @@ def page_of(run: Run) -> Page:
         status=_BADGES.get(run.status, f"recording {run.status}"),
         tone={"clean": "good", "open": "bad"}.get(run.status, "warn"),
         line=_head_line(run),
-        problems=_problems(run),
+        problems=list(judge(run).problems),
         cards={name: text for name, text in _cards(run, attempts).items() if text != NONE},
         counted=bool(mapping(run.summary.get("task"))),
         trials=trials_of(run),
@@ -295,13 +291,6 @@ def _largest(vectors: NDArray[np.float64]) -> float:
     return float(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)).max()) if len(vectors) else 0.0
 
 
-def _problems(run: Run) -> list[str]:
-    found = run.problems()
-    if run.manifest and run.manifest.problem:
-        found.append(run.manifest.problem)
-    return found
-
-
 def _heading(carry: Mapping[str, Any] | None, attempts: list[Attempt]) -> tuple[str, str]:
     """What the movement was, and what its colours mean."""
     if not attempts:
@@ -368,6 +357,6 @@ def _record(run: Run) -> Record:
     made: dict[str, Any] = {key: run.session[key] for key in ("machine", "versions") if key in run.session}
     if run.manifest is None:
         return Record(key_table(made) if made else None, None, "")
-    rows = [(name, sealed.get("bytes"), sealed.get("sha256")) for name, sealed in run.manifest.files.items()]
+    rows = [(name, sealed.bytes, sealed.sha256) for name, sealed in run.manifest.files.items()]
     files = Table(["file", "bytes", "SHA-256"], rows, "keys")
     return Record(key_table(made) if made else None, files, run.manifest.state_hash)

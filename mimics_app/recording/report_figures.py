@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import EventKind, SafetyState
 from mimics_app.recording.attempts import Attempt, TunnelShape
+from mimics_app.recording.columns import whole
 from mimics_app.recording.plot import Axis, Plot, envelope
 from mimics_app.recording.report_carry import carry_lines
 from mimics_app.recording.report_stability import stability_lines
@@ -207,7 +208,7 @@ def draw_lateness(samples: NDArray[Any], marks: dict[str, float]) -> Plot | None
 
 def draw_states(samples: NDArray[Any]) -> Plot:
     """States of the safety machine over the whole run."""
-    t, state = samples["t"], samples["state"].astype(np.int64)
+    t, state = samples["t"], whole(samples["state"])
     x = Axis.of("time [s]", t, margin=0.0)
     plot = Plot(x, Axis("", 0.0, 1.0), "Safety states over time", height=110.0)
     for value in sorted(set(state.tolist())):

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.haptic import EventKind
 from mimics_app.recording.attempts import Attempt
 from mimics_app.recording.report_tables import Table
+from mimics_app.recording.report_values import Seconds
 from mimics_app.recording.run import Run
 
 __all__ = ["smallest_margin", "stability_lines", "stability_tables"]
@@ -94,4 +95,4 @@ def stability_tables(run: Run) -> dict[str, Table]:
 
 
 def _percentages(run: Run, events: NDArray[Any]) -> list[tuple[float, float]]:
-    return [(run.seconds(event["tick"]), 100.0 * float(event["force"])) for event in events[:_MOST_LOSSES]]
+    return [(Seconds(run.seconds(event["tick"])), 100.0 * float(event["force"])) for event in events[:_MOST_LOSSES]]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import EventKind, SafetyState
 from mimics_app.contracts.trips import TripReader
-from mimics_app.recording.report_values import counted, mapping, number, scaled
+from mimics_app.recording.report_values import Seconds, counted, mapping, number, scaled
 from mimics_app.recording.run import Run
 
 __all__ = [
@@ -183,7 +183,7 @@ def contact_rows(run: Run) -> list[dict[str, Any]]:
         sound = sounds.get(tick, {})
         rows.append(
             {
-                "at [s]": run.seconds(tick),
+                "at [s]": Seconds(run.seconds(tick)),
                 "tick": tick,
                 "approach [mm/s]": 1000.0 * float(event["speed"]),
                 "peak force [N]": force,
@@ -256,21 +256,21 @@ def _median_and_most(rows: Sequence[Mapping[str, Any]], name: str) -> str:
 def trip_table(run: Run) -> Table | None:
     """Stops and short holds with cause and advice; None for none."""
     trips = TripReader().take(run.events)
-    rows = [(run.seconds(t.tick), "stop" if t.latched else "short hold", t.what, t.advice) for t in trips]
+    rows = [(Seconds(run.seconds(t.tick)), "stop" if t.latched else "short hold", t.what, t.advice) for t in trips]
     return Table(["at [s]", "what", "cause", "what to do"], rows) if rows else None
 
 
 def loss_table(run: Run) -> Table | None:
     """What of the scene was not simulated any more; None for nothing."""
     lost = [e for e in run.events if e["kind"] in (EventKind.LEFT_OUT, EventKind.QUARANTINE)]
-    rows = [(run.seconds(e["tick"]), _loss(e)) for e in lost]
+    rows = [(Seconds(run.seconds(e["tick"])), _loss(e)) for e in lost]
     return Table(["from [s]", "not simulated"], rows) if rows else None
 
 
 def state_table(run: Run) -> Table | None:
     """Every change of state; None for none."""
     states = run.events[run.events["kind"] == EventKind.STATE]
-    rows = [(run.seconds(e["tick"]), _word(e["force"])) for e in states]
+    rows = [(Seconds(run.seconds(e["tick"])), _word(e["force"])) for e in states]
     return Table(["at [s]", "state from then on"], rows) if rows else None
 
 

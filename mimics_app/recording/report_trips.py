@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.recording.plot import Axis, Plot
+from mimics_app.recording.report_values import Seconds
 from mimics_app.recording.run import Run
 from mimics_app.recording.trip_log import FOLDER, complete_trips, read_trip
 
@@ -23,24 +24,20 @@ MOST_DRAWN = 8
 class Trip:
     """The second before a trip: when it was [s], the name of its file, drawings ([] where no row was left)."""
 
-    at_s: float
+    at_s: Seconds
     file: str
     plots: list[Plot]
 
 
 def trips_of(run: Run) -> list[Trip]:
-    """The trips of a run, the first of them with drawings.
-
-    Raises:
-        OSError: A log that was missing cannot be written.
-    """
+    """The first trips of a run, with drawings."""
     return [_trip(run, tick, path) for tick, path in complete_trips(run)[:MOST_DRAWN]]
 
 
 def _trip(run: Run, tick: int, path: Path) -> Trip:
     samples = read_trip(path)
     plots = [_forces(samples), _speeds(samples)] if len(samples) > 1 else []
-    return Trip(run.seconds(tick), f"{FOLDER}/{path.name}", plots)
+    return Trip(Seconds(run.seconds(tick)), f"{FOLDER}/{path.name}", plots)
 
 
 def _before(samples: NDArray[Any]) -> NDArray[np.float64]:

@@ -6,12 +6,16 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-__all__ = ["NONE", "counted", "mapping", "number", "one", "scaled", "shown", "thousands"]
+__all__ = ["NONE", "Seconds", "counted", "mapping", "number", "one", "scaled", "shown", "thousands"]
 
 NONE = "–"
 """What stands for a value that there is not."""
 
 _DEEPEST = 12
+
+
+class Seconds(float):
+    """A moment of a session [s]; shown to the millisecond."""
 
 
 def mapping(item: Any) -> Mapping[str, Any]:
@@ -48,6 +52,8 @@ def shown(item: Any, depth: int = 0) -> str:
         return NONE
     if isinstance(item, bool):
         return "yes" if item else "no"
+    if isinstance(item, Seconds):
+        return f"{item:.3f}"
     if isinstance(item, float):
         return f"{item:.4g}"
     if depth > _DEEPEST:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping
+import os
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -12,27 +12,31 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.errors import PartialDataError, UsageError
+from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.haptic import SAMPLE
 from mimics_app.contracts.object_rows import Rows
+from mimics_app.contracts.regular_file import open_regular
 from mimics_app.recording.arrow_format import (
     Block,
     decode_parameters,
     decode_samples,
     parameters_schema,
-    samples_schema,
 )
 from mimics_app.recording.arrow_scan import Damage, Found, read_index, read_schema, scan_stream
-from mimics_app.recording.event_log import events_of, read_lines
-from mimics_app.recording.manifest import Manifest, hash_files, read_manifest
+from mimics_app.recording.event_log import events_of, missing_events, read_lines
+from mimics_app.recording.layout import layout_of
+from mimics_app.recording.manifest import hash_files, read_manifest
 from mimics_app.recording.run_folder import FILES
+from mimics_app.recording.session_header import read_session
 from mimics_app.recording.state_hash import StateHash
-from mimics_app.recording.trial_table import read_trials
+from mimics_app.recording.trial_table import read_table
 
 __all__ = ["Gap", "Run", "find_gaps"]
 
 _UNKNOWN = "rows are missing"
 _NOMINAL_PERIOD_S = 1e-3
+_MARKS = ("session", "haptic", "events", "trials", "manifest")
+"""Files of which at least one is in a run folder."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,31 +59,26 @@ class Run:
 
     Attributes:
         folder: Where it is.
-        session: Content of session.json, {} where it is damaged.
-        manifest: How the run ended, None where it was never closed.
+        session: Content of session.json without what is damaged.
+        manifest: How the run ended, None where it was never closed or that file is damaged.
+        layout: Which columns haptic.arrows was recorded with.
     """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.session = _read_session(folder / FILES["session"])
-        self.manifest: Manifest | None = read_manifest(folder)
+        self.session, self._session_problems = read_session(folder)
+        self.manifest, self._manifest_problem = read_manifest(folder)
+        self.layout, self._layout_problem = layout_of(read_schema(folder / FILES["haptic"]))
 
     @classmethod
     def open(cls, folder: Path) -> Run:
-        """Open a run folder, also one that was never closed.
+        """Open a run folder, also one that was never closed, is damaged, or is of another version.
 
         Raises:
             UsageError: It is no run folder.
-            PartialDataError: It was written by a version with other columns.
         """
-        if not (folder / FILES["session"]).exists() and not (folder / FILES["haptic"]).exists():
+        if not any(os.path.lexists(folder / FILES[key]) for key in _MARKS):
             raise UsageError(f"{folder} is no run folder", "give a folder that holds session.json and haptic.arrows")
-        schema = read_schema(folder / FILES["haptic"])
-        if schema is not None and not schema.equals(samples_schema(), check_metadata=True):
-            raise PartialDataError(
-                f"{folder / FILES['haptic']} has other columns than this version records",
-                "read it with the version named in its session.json, or with pyarrow.ipc.open_stream",
-            )
         return cls(folder)
 
     @property
@@ -102,7 +101,8 @@ class Run:
         path = self.folder / FILES["haptic"]
         blocks: list[Block] = []
         damages: list[Damage] = []
-        for piece in scan_stream(path, decode_samples, samples_schema(), read_index(self.folder / FILES["index"])):
+        layout, index = self.layout, read_index(self.folder / FILES["index"])
+        for piece in scan_stream(path, lambda data: decode_samples(data, layout), layout.schema, index):
             if isinstance(piece, Found):
                 blocks.append(piece.block)
             else:
@@ -131,8 +131,8 @@ class Run:
         return {int(line["after_row"]): str(line["reason"]) for line in self.lines_of("recorder", "gap")}
 
     @cached_property
-    def _lines(self) -> tuple[list[dict[str, Any]], int]:
-        return read_lines(self.folder / FILES["events"])
+    def _lines(self) -> tuple[list[dict[str, Any]], int, str]:
+        return _read_or_say(self.folder / FILES["events"], read_lines)
 
     @property
     def lines(self) -> list[dict[str, Any]]:
@@ -148,18 +148,36 @@ class Run:
         """The loop's EVENT records, shape [n], in order."""
         return events_of(self.lines)
 
-    @cached_property
-    def trials(self) -> list[dict[str, Any]]:
-        """Rows of trials.csv, one per finished trial."""
-        return read_trials(self.folder / FILES["trials"])
+    @property
+    def last_event_tick(self) -> int:
+        """Tick of the last event of the loop, 0 where there is none."""
+        return int(self.events["tick"].max()) if len(self.events) else 0
 
     @cached_property
-    def _parameter_blocks(self) -> dict[int, Block]:
+    def _trials(self) -> tuple[list[dict[str, Any]], int, str]:
+        return _read_or_say(self.folder / FILES["trials"], read_table)
+
+    @property
+    def trials(self) -> list[dict[str, Any]]:
+        """Rows of trials.csv, one per finished trial."""
+        return self._trials[0]
+
+    @cached_property
+    def _parameter_scan(self) -> tuple[dict[int, Block], list[Damage]]:
         path = self.folder / FILES["parameters"]
         schema = read_schema(path) or parameters_schema()
-        found = scan_stream(path, lambda data: decode_parameters(data, schema), schema)
-        blocks = [piece.block for piece in found if isinstance(piece, Found)]
-        return {int(block.records["sequence"][0]): block for block in blocks}
+        blocks: dict[int, Block] = {}
+        damages: list[Damage] = []
+        for piece in scan_stream(path, lambda data: decode_parameters(data, schema), schema):
+            if isinstance(piece, Found):
+                blocks[int(piece.block.records["sequence"][0])] = piece.block
+            else:
+                damages.append(piece)
+        return blocks, damages
+
+    @property
+    def _parameter_blocks(self) -> dict[int, Block]:
+        return self._parameter_scan[0]
 
     @cached_property
     def parameters(self) -> dict[int, NDArray[Any]]:
@@ -185,25 +203,84 @@ class Run:
         return state.hexdigest()
 
     @property
+    def end_of_ticks(self) -> int:
+        """Number after the last tick there is a row of."""
+        ticks = self.haptic["tick"]
+        return int(ticks.max()) + 1 if len(ticks) else 0
+
+    @property
     def lost_at_end(self) -> int:
-        """Ticks the recorder counted as lost and no gap shows: after the last row there is."""
-        lost = self.manifest.dropped.get("samples", 0) if self.manifest else 0
-        return max(0, lost - sum(gap.ticks for gap in self.gaps))
+        """Ticks that are missing after the last row there is, as far as the recorder or the manifest know of them."""
+        there = self.end_of_ticks
+        if self.manifest:
+            return max(0, self.manifest.rows + self.manifest.dropped.get("samples", 0) - there)
+        return sum(line.get("rows", 0) for line in self.lines_of("recorder", "gap") if line["after_row"] >= there)
+
+    @property
+    def needs_mending(self) -> bool:
+        """Whether `mimics record recover` has something to do: nobody closed it, or parts of it cannot be read."""
+        return self.manifest is None or bool(
+            self.damages
+            or self._parameter_scan[1]
+            or self._lines[1]
+            or self._trials[1]
+            or any(_trouble_of(self.folder / FILES[key]) for key in ("haptic", "parameters", "events", "trials"))
+        )
 
     def problems(self) -> list[str]:
         """Everything that is not as it should be, one sentence each; [] for a whole run."""
-        found: list[str] = []
         if self.manifest is None:
-            found.append("the run was never closed")
-        elif self.manifest.status != "clean":
-            found.append(f"the run is {self.manifest.status}")
-        found += [f"{FILES['haptic']}: {d.length} bytes at {d.offset} are no good block: {d.why}" for d in self.damages]
+            reason = self._manifest_problem
+            ended = [f"{FILES['manifest']} cannot be read: {reason}" if reason else "the run was never closed"]
+        else:
+            ended = [] if self.manifest.status == "clean" else [f"the run is {self.manifest.status}"]
+        return list(dict.fromkeys([*ended, *self.losses()]))
+
+    def losses(self) -> list[str]:
+        """What is missing or damaged, one sentence each, also what `mimics record recover` found before."""
+        found = [*self.manifest.lost] if self.manifest else []
+        found += self._session_problems
+        found += self._haptic_losses()
+        found += self._parameter_losses()
+        found += self._event_losses()
+        found += _table_losses(FILES["trials"], "rows", *self._trials[1:])
+        if self.manifest and self.manifest.trials > len(self.trials):
+            found.append(f"{FILES['trials']}: {self.manifest.trials - len(self.trials)} trials are missing")
+        return list(dict.fromkeys(found))
+
+    def _haptic_losses(self) -> list[str]:
+        name = FILES["haptic"]
+        found = _trouble_of(self.folder / name)
+        if self._layout_problem and not found:
+            found.append(f"{name}: {self._layout_problem}; it is read as this version writes it")
+        if self.layout.absent and len(self.haptic):
+            found.append(f"{name}: recorded without {', '.join(self.layout.absent)}")
+        found += [f"{name}: {d.length} bytes at {d.offset} are no good block: {d.why}" for d in self.damages]
         found += [f"{gap.ticks} ticks are missing after tick {gap.after_tick}: {gap.why}" for gap in self.gaps]
         if self.lost_at_end:
             why = f": {self.manifest.problem}" if self.manifest and self.manifest.problem else ""
             found.append(f"the last {self.lost_at_end} ticks are missing{why}")
-        if self._lines[1]:
-            found.append(f"{FILES['events']}: {self._lines[1]} lines cannot be read")
+        return found
+
+    def _parameter_losses(self) -> list[str]:
+        name = FILES["parameters"]
+        blocks, damages = self._parameter_scan
+        found = _trouble_of(self.folder / name)
+        found += [f"{name}: {d.length} bytes at {d.offset} are no good block: {d.why}" for d in damages]
+        if self.manifest and self.manifest.parameters > len(blocks):
+            found.append(f"{name}: {self.manifest.parameters - len(blocks)} parameter blocks are missing")
+        return found
+
+    def _event_losses(self) -> list[str]:
+        name = FILES["events"]
+        found = _table_losses(name, "lines", *self._lines[1:])
+        missing = missing_events(self.lines)
+        if self.manifest:
+            missing = max(missing, self.manifest.events - len(self.events))
+            dropped = self.manifest.dropped
+            found += [f"{dropped[what]} {what} were dropped" for what in ("events", "lines") if dropped.get(what)]
+        if missing:
+            found.append(f"{name}: {missing} events of the loop are missing")
         return found
 
     def disagreements(self) -> list[str]:
@@ -216,7 +293,7 @@ class Run:
             for name, sealed in self.manifest.files.items()
             if now.get(name) != sealed
         ]
-        if self.state_hash() != self.manifest.state_hash:
+        if self.layout.current and self.state_hash() != self.manifest.state_hash:
             found.append("the state hash of the files is not that of the manifest")
         return found
 
@@ -238,9 +315,24 @@ def find_gaps(ticks: NDArray[np.float64], numbers: NDArray[Any], known: Mapping[
     return gaps
 
 
-def _read_session(path: Path) -> dict[str, Any]:
+def _read_or_say(
+    path: Path, read: Callable[[Path], tuple[list[dict[str, Any]], int]]
+) -> tuple[list[dict[str, Any]], int, str]:
+    """What `read` finds, how much of it is bad, and why it cannot be read at all: "" where it can."""
     try:
-        content = json.loads(path.read_bytes())
-    except (OSError, ValueError):
-        return {}
-    return content if isinstance(content, dict) else {}
+        return *read(path), ""
+    except OSError as error:
+        return [], 0, error.strerror or str(error)
+
+
+def _table_losses(name: str, parts: str, bad: int, why: str) -> list[str]:
+    found = [f"{name} cannot be read: {why}"] if why else []
+    return found + ([f"{name}: {bad} {parts} cannot be read"] if bad else [])
+
+
+def _trouble_of(path: Path) -> list[str]:
+    try:
+        open_regular(path).close()
+    except OSError as error:
+        return [f"{path.name} cannot be read: {error.strerror or error}"]
+    return []

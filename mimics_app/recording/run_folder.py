@@ -5,15 +5,28 @@ from __future__ import annotations
 import os
 import secrets
 import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from mimics_app.contracts.clock import wall_time
 from mimics_app.contracts.errors import UsageError
 
-__all__ = ["BYTES_PER_SECOND", "FILES", "create_run_folder", "write_atomically"]
+__all__ = [
+    "BYTES_PER_SECOND",
+    "FILES",
+    "PRIVATE_FILE",
+    "PRIVATE_FOLDER",
+    "create_run_folder",
+    "private_files",
+    "write_atomically",
+]
 
 BYTES_PER_SECOND = 630_000
 """What one second of a session takes on disk: 1000 rows of 76 float64, block headers, and the lines of the frames."""
+
+PRIVATE_FOLDER, PRIVATE_FILE = 0o700, 0o600
+"""Modes of what a run makes: a recording can hold health data, so nobody but its user may open it."""
 
 _LEAST_FREE = 16 * 1024 * 1024
 _TRIES = 8
@@ -60,18 +73,33 @@ def _new_folder(parent: Path) -> Path:
     for _ in range(_TRIES):
         folder = parent / f"{wall_time():%Y%m%dT%H%M%SZ}_{secrets.token_hex(4)}"
         try:
-            folder.mkdir()  # fails when it exists: the O_EXCL of folders
+            folder.mkdir(mode=PRIVATE_FOLDER)  # fails when it exists: the O_EXCL of folders
         except FileExistsError:
             continue
         return folder
     raise UsageError(f"{parent}: no free name for a run folder", "use --runs DIR")
 
 
+@contextmanager
+def private_files() -> Iterator[None]:
+    """Inside, all that this process and those it starts write is private: pictures, sound and films of a run, too."""
+    before = os.umask(0o777 & ~PRIVATE_FOLDER)
+    try:
+        yield
+    finally:
+        os.umask(before)
+
+
 def write_atomically(path: Path, content: bytes) -> None:
-    """Replace a file in one step: readers see the old or the new content, never half of it, also after a crash."""
+    """Replace a file in one step: readers see the old or the new content, never half of it, also after a crash.
+
+    Only its user may open it. A link is replaced, not followed.
+    """
     scratch = path.with_name(path.name + ".part")
     try:
-        with scratch.open("wb") as file:
+        scratch.unlink(missing_ok=True)
+        descriptor = os.open(scratch, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), PRIVATE_FILE)
+        with os.fdopen(descriptor, "wb") as file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import io
+import struct
 import zipfile
+import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,11 +15,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import PartialDataError
+from mimics_app.contracts.regular_file import read_regular
 from mimics_app.recording.run_folder import FILES, write_atomically
 
 __all__ = ["Statics", "read_statics", "write_statics"]
 
 _FIELDS = "force_fields"
+_WITHOUT = "the run cannot be replayed without it"
+_BROKEN = (
+    ValueError,
+    KeyError,
+    TypeError,  # an array where an archive should be
+    AttributeError,
+    EOFError,
+    RuntimeError,  # an encrypted archive, a compression nobody knows
+    MemoryError,  # a header that asks for more than there is
+    struct.error,
+    zipfile.BadZipFile,
+    zlib.error,
+    OSError,
+)
+"""What numpy and zipfile raise on damaged archives."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,12 +72,16 @@ def read_statics(folder: Path) -> Statics | None:
         PartialDataError: The file is damaged.
     """
     path = folder / FILES["statics"]
-    if not path.exists():
-        return None
     try:
-        with np.load(path, allow_pickle=False) as stored:
+        data = io.BytesIO(read_regular(path))
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        raise PartialDataError(f"{path} cannot be read: {error.strerror}", _WITHOUT) from error
+    try:
+        with np.load(data, allow_pickle=False) as stored:
             arrays = {name: stored[name] for name in stored.files}
         fields = [str(name) for name in arrays.pop(_FIELDS)]
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-        raise PartialDataError(f"{path} cannot be read: {error}", "the run cannot be replayed without it") from error
+    except _BROKEN as error:
+        raise PartialDataError(f"{path} cannot be read: {error!r}", _WITHOUT) from error
     return Statics(arrays, fields)

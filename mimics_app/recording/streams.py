@@ -25,11 +25,11 @@ from mimics_app.recording.arrow_format import (
     encode_parameters,
     encode_samples,
     parameters_schema,
-    samples_schema,
     schema_bytes,
 )
 from mimics_app.recording.arrow_scan import Found, last_block, read_index, scan_stream
 from mimics_app.recording.event_log import encode_event, events_of, find_lines, read_lines
+from mimics_app.recording.layout import samples_schema
 from mimics_app.recording.run_folder import FILES
 from mimics_app.recording.state_hash import StateHash
 

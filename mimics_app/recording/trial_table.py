@@ -9,14 +9,15 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from mimics_app.contracts.regular_file import read_regular
 from mimics_app.recording.append_file import AppendFile
 from mimics_app.recording.run_folder import write_atomically
 
-__all__ = ["TrialTable", "read_trials"]
+__all__ = ["TrialTable", "read_table", "read_trials", "table_text"]
 
 
 class TrialTable:
@@ -31,7 +32,7 @@ class TrialTable:
         self.rows: list[dict[str, Any]] = read_trials(path) if resume else []
         self._columns = _columns(self.rows)
         if resume:
-            write_atomically(path, self._text())
+            write_atomically(path, table_text(self.rows))
         self._file = AppendFile(path, resume_at=path.stat().st_size if resume else None)
 
     def append(self, row: Mapping[str, object]) -> None:
@@ -49,7 +50,7 @@ class TrialTable:
         before, self._columns = self._columns, columns
         self.rows.append(dict(row))
         try:
-            write_atomically(self._path, self._text())
+            write_atomically(self._path, table_text(self.rows))
         except OSError:
             self._columns = before
             self.rows.pop()
@@ -61,30 +62,60 @@ class TrialTable:
         """Let the file go."""
         self._file.close()
 
-    def _text(self) -> bytes:
-        lines = [_line(self._columns)] if self._columns else []
-        lines += [_line([_cell(row.get(name)) for name in self._columns]) for row in self.rows]
-        return b"".join(lines)
+
+def table_text(rows: Sequence[Mapping[str, object]]) -> bytes:
+    """A trials.csv of these rows."""
+    columns = _columns(rows)
+    lines = [_line(columns)] if columns else []
+    return b"".join([*lines, *(_line([_cell(row.get(name)) for name in columns]) for row in rows)])
 
 
 def read_trials(path: Path) -> list[dict[str, Any]]:
-    """Rows of a trials.csv as plain values; empty cells are left out, and so is a row that was cut off."""
-    if not path.exists():
-        return []
-    content = path.read_bytes()
-    whole = content[: content.rfind(b"\n") + 1].decode("utf-8", "replace").replace("\0", "")
-    table = list(csv.reader(io.StringIO(whole)))
+    """Rows of a trials.csv as plain values, without empty cells; [] where there is no such file.
+
+    Raises:
+        OSError: It cannot be read.
+    """
+    return read_table(path)[0] if path.exists() else []
+
+
+def read_table(path: Path) -> tuple[list[dict[str, Any]], int]:
+    """The good rows of a trials.csv, and how many are not: cut off, too long, or with other columns.
+
+    Raises:
+        OSError: There is no such file, or it cannot be read.
+    """
+    content = read_regular(path)
+    end = content.rfind(b"\n") + 1
+    whole = content[:end].decode("utf-8", "replace").replace("\0", "")
+    table, bad = _csv_rows(whole)
+    bad += bool(content[end:].strip())
     if not table:
-        return []
+        return [], bad
     names = table[0]
-    return [
+    rows = [
         {name: _value(cell) for name, cell in zip(names, row, strict=True) if cell != ""}
         for row in table[1:]
         if len(row) == len(names)
     ]
+    return rows, bad + len(table) - 1 - len(rows)
 
 
-def _columns(rows: list[dict[str, Any]] | list[Mapping[str, object]]) -> list[str]:
+def _csv_rows(text: str) -> tuple[list[list[str]], int]:
+    """Rows of a table, and how many no reader of such tables takes."""
+    reader = csv.reader(io.StringIO(text, newline=""))
+    rows: list[list[str]] = []
+    bad = 0
+    while True:
+        try:
+            rows.append(next(reader))
+        except StopIteration:
+            return rows, bad
+        except csv.Error:
+            bad += 1
+
+
+def _columns(rows: Sequence[Mapping[str, object]]) -> list[str]:
     return list(dict.fromkeys(name for row in rows for name in row))
 
 
@@ -104,6 +135,8 @@ def _cell(value: object) -> str:
 
 def _value(cell: str) -> Any:
     try:
-        return json.loads(cell)
-    except ValueError:
+        value = json.loads(cell)
+        json.dumps(value, ensure_ascii=False).encode()
+    except (ValueError, RecursionError):  # no JSON, no text UTF-8 can hold, or too deep
         return cell
+    return value

@@ -7,6 +7,7 @@ so that it outlives a crash of everything; a trip that was missed then is cut fr
 from __future__ import annotations
 
 from collections import deque
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -19,12 +20,12 @@ from mimics_app.recording.arrow_format import (
     END_OF_STREAM,
     decode_samples,
     encode_samples,
-    samples_schema,
     schema_bytes,
 )
-from mimics_app.recording.arrow_scan import Found, scan_stream
+from mimics_app.recording.arrow_scan import Found, read_schema, scan_stream
+from mimics_app.recording.layout import layout_of, samples_schema
 from mimics_app.recording.run import Run
-from mimics_app.recording.run_folder import write_atomically
+from mimics_app.recording.run_folder import PRIVATE_FOLDER, write_atomically
 
 __all__ = ["FOLDER", "MOST_TRIPS", "ROWS_BEFORE", "TripLog", "complete_trips", "read_trip", "trip_file"]
 
@@ -50,7 +51,7 @@ def trip_file(folder: Path, number: int) -> Path:
 
 def _write_trip(folder: Path, number: int, samples: Records) -> None:
     path = trip_file(folder, number)
-    path.parent.mkdir(exist_ok=True)
+    path.parent.mkdir(mode=PRIVATE_FOLDER, exist_ok=True)
     blocks = [encode_samples(samples, 0, int(samples["tick"][0]))] if len(samples) else []
     write_atomically(path, b"".join([schema_bytes(samples_schema()), *blocks, END_OF_STREAM]))
 
@@ -120,17 +121,21 @@ class TripLog:
 def complete_trips(run: Run) -> list[tuple[int, Path]]:
     """Write the trips of a run that have no log yet, from its rows; tick and file of each that has one then.
 
-    Raises:
-        OSError: The folder cannot be written.
+    Where the folder cannot be written, the trip has none.
     """
-    found = list(enumerate(trip_ticks(run.events)[:MOST_TRIPS]))
-    for number, tick in found:
-        if not trip_file(run.folder, number).exists():
-            _write_trip(run.folder, number, _rows_of_trip(run.haptic, tick))
-    return [(tick, trip_file(run.folder, number)) for number, tick in found]
+    found = []
+    for number, tick in enumerate(trip_ticks(run.events)[:MOST_TRIPS]):
+        path = trip_file(run.folder, number)
+        with suppress(OSError):
+            if not path.exists():
+                _write_trip(run.folder, number, _rows_of_trip(run.haptic, tick))
+            found.append((tick, path))
+    return found
 
 
 def read_trip(path: Path) -> Records:
     """SAMPLE records of a trip's log, shape [n]; [0] where it is damaged."""
-    pieces = [p.block.records for p in scan_stream(path, decode_samples, samples_schema()) if isinstance(p, Found)]
+    layout = layout_of(read_schema(path))[0]
+    found = scan_stream(path, lambda data: decode_samples(data, layout), layout.schema)
+    pieces = [piece.block.records for piece in found if isinstance(piece, Found)]
     return np.concatenate(pieces) if pieces else np.empty(0, SAMPLE)

@@ -60,6 +60,7 @@ class Tally:
         self._begin_ns = self._last_ns = first.now_ns
         self._contacts = 0
         self._contact_ns = 0
+        self._parted_ns = first.now_ns
         self._touching_since_ns = first.now_ns if first.touching else None
         self._squared_distance_s = 0.0
         self._force_s = 0.0
@@ -149,10 +150,11 @@ class Tally:
             self._close_contact(contact.t_ns)
             return
         self._contacts += 1
-        if self._touching_since_ns is None:
-            self._touching_since_ns = contact.t_ns
+        if self._touching_since_ns is None:  # one whose event comes a frame late counts from where the last ended
+            self._touching_since_ns = max(contact.t_ns, self._parted_ns)
 
     def _close_contact(self, t_ns: int) -> None:
         if self._touching_since_ns is not None:
-            self._contact_ns += max(0, t_ns - self._touching_since_ns)
+            self._parted_ns = max(t_ns, self._touching_since_ns)
+            self._contact_ns += self._parted_ns - self._touching_since_ns
             self._touching_since_ns = None

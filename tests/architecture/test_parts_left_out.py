@@ -15,7 +15,7 @@ from tests.architecture.sources import ROOT
 SCENE = ROOT / "scenes" / "wavy_tunnel.json"
 
 SOUND = ("openal", "mimics_app.rendering.audio")
-PICTURE = ("moderngl", "glfw")
+PICTURE = ("moderngl", "glfw", "pyrr")
 BODIES = (
     "mimics_app.rendering.haptic.kernels.friction",
     "mimics_app.rendering.haptic.kernels.rotation",
@@ -78,7 +78,7 @@ def test_a_scene_without_sound_bodies_or_skins_imports_none_of_that(silent):
     assert not [name for name in silent["modules"] if "skin" in name and name.startswith("mimics_app")]
 
 
-def test_a_session_that_draws_nothing_imports_no_opengl(silent):
+def test_a_session_that_draws_nothing_imports_nothing_of_the_picture(silent):
     assert loaded(silent, PICTURE) == set()
 
 

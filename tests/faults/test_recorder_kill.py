@@ -165,8 +165,10 @@ def _check_after_kill_of_all(app: App) -> None:
     assert run.haptic["tick"][-1] >= app.words[TICK] - MOST_LOST_TICKS
     assert len(run.trials) >= app.words[TRIALS] - 1, "a trial in the pipe dies with both ends, one on disk does not"
     _assert_arrow_opens(app.folder)
-    manifest = recover(app.folder)
+    recover(app.folder)
     again = Run.open(app.folder)
+    manifest = again.manifest
+    assert manifest is not None
     assert again.status == "recovered" and not again.damages
     assert manifest.rows == len(again.haptic) == len(run.haptic)
     assert pa.ipc.open_stream(app.folder / "haptic.arrows").read_all().num_rows == manifest.rows

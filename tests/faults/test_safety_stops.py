@@ -8,7 +8,7 @@ import pytest
 from mimics_app.contracts.haptic import MAX_PIECES, Button, Controller, DeviceStatus, EventKind, SafetyState, TripCause
 from mimics_app.contracts.session_memory import ControlWord
 from mimics_app.rendering.haptic.kernels.kinematics import inverse
-from mimics_app.rendering.haptic.loop import late_class, replay_recorded
+from mimics_app.rendering.haptic.loop import late_class
 from tests.support.haptic_bench import Bench, glide, script, scripted
 
 PRESS_FROM = 300
@@ -324,32 +324,9 @@ def test_parameters_that_turn_out_bad_in_the_loop_stop_it():
 
 
 def test_without_parameters_the_loop_stays_off():
-    out = np.zeros(50, scripted(script(5)).advance(5).dtype)
-    from mimics_app.contracts.haptic import SCENE
-    from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_LENGTH
-    from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
-    from mimics_app.rendering.haptic.kernels.state import new_state
-    from mimics_app.rendering.haptic.no_objects import NO_FIELDS, no_objects
-    from mimics_app.rendering.haptic.objects import new_object_work
-
-    which = np.zeros(50, np.int64)
-    data, command = np.zeros(DATA_LENGTH), np.zeros(COMMAND_LENGTH)
-    room = ObjectCapacities()
-    nothing = new_rows(room, 1), new_object_work(room)
-    replay_recorded(
-        np.zeros(1, SCENE),
-        nothing[0],
-        which,
-        out.copy(),
-        new_state(),
-        nothing[1],
-        no_objects,
-        NO_FIELDS,
-        data,
-        command,
-        1e-3,
-        out,
-    )
+    bench = scripted(script(5))
+    unknown = np.zeros(50, bench.advance(5).dtype)  # sequence 0: nothing was published yet
+    out = bench.engine.replay_ticks(unknown, {})
     assert np.all(out["state"] == SafetyState.OFF) and np.all(out["command"] == 0.0)
 
 

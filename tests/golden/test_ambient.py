@@ -9,12 +9,13 @@ import pytest
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import DeviceError, UsageError
-from mimics_app.rendering.visual.displays.desktop import compose_look_at, desktop_views
+from mimics_app.rendering.visual.displays.desktop import desktop_views
 from mimics_app.rendering.visual.quality_steps import quality_steps
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.environment import Sky
 from mimics_app.world.materials.material import Material
 from mimics_app.world.meshes.primitives import box, plane, sphere

@@ -130,7 +130,7 @@ def test_what_moved_between_two_frames_is_drawn_where_it_is():
 def test_plain_shading_is_the_closed_form():
     """Picture times (sky + sun times the cosine), in display values; a back side gets the sky alone."""
     world = World()
-    world.environment = Sky((1.0, 1.0, 1.0), (1.0, 1.0, 1.0), (1.0, 1.0, 1.0), 0.4)
+    world.environment = Sky((1.0, 1.0, 1.0), (1.0, 1.0, 1.0), (1.0, 1.0, 1.0), 0.4, scatter=0.0)
     sun = world.root.create_child()
     sun.look_at((0.0, 0.0, -1.0))
     sun.create_light("directional", intensity=0.4)

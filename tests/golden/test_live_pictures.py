@@ -10,12 +10,13 @@ import pytest
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.rendering.visual.displays.desktop import compose_look_at, desktop_views
+from mimics_app.rendering.visual.displays.desktop import desktop_views
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
-from mimics_app.rendering.visual.view import View, compose_clip_from_view, tilt_near_plane
+from mimics_app.rendering.visual.view import View, tilt_near_plane
+from mimics_app.rendering.visual.view_matrices import compose_clip_from_view, compose_look_at
 from mimics_app.world.live_pictures import InsetView, ScreenSurface, show_mirror, show_screen
 from mimics_app.world.meshes.primitives import box, plane, sphere
 from mimics_app.world.world import World

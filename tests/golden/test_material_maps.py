@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.rendering.visual.displays.desktop import compose_look_at
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.environment import Sky
 from mimics_app.world.materials.material import IDENTITY, Material, TextureData
 from mimics_app.world.meshes.primitives import plane
@@ -109,7 +109,7 @@ def test_each_map_lies_where_its_own_transform_says():
 def floor(material: Material, sky: float = 0.6, towards: tuple[float, float, float] = (0.0, 1.0, 0.0)) -> World:
     """A floor under an even sky and a sun of 0.4."""
     world = World()
-    world.environment = Sky((sky,) * 3, (sky,) * 3, (sky,) * 3, 1.0)
+    world.environment = Sky((sky,) * 3, (sky,) * 3, (sky,) * 3, 1.0, scatter=0.0)
     world.set_material(material)
     world.meshes["floor"] = plane(2.0, 2.0)
     world.root.create_child("floor").create_entity("floor", "m")

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.rendering.visual.displays.desktop import compose_look_at
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.environment import Sky
 from mimics_app.world.materials.material import Material
 from mimics_app.world.meshes.mesh import MeshData

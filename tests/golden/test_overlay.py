@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.clock import VirtualClock
-from mimics_app.rendering.visual.displays.desktop import compose_look_at, compute_tangents
+from mimics_app.rendering.visual.displays.desktop import compute_tangents
 from mimics_app.rendering.visual.figures.hud import HUD_ROW, Hud
 from mimics_app.rendering.visual.overlay.frame_graph import draw_frame_graph
 from mimics_app.rendering.visual.overlay.line_set import LineSet, box_lines, circle_lines
@@ -22,6 +22,7 @@ from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.environment import Sky
 from mimics_app.world.materials.material import Material
 from mimics_app.world.meshes.primitives import box, plane

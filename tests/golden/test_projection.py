@@ -7,11 +7,12 @@ import pytest
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import UsageError
-from mimics_app.rendering.visual.displays.desktop import compose_look_at, compute_tangents, desktop_views
+from mimics_app.rendering.visual.displays.desktop import compute_tangents, desktop_views
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.view import View, compute_frustum_planes
+from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.environment import Sky
 from mimics_app.world.materials.material import Material
 from mimics_app.world.meshes.primitives import ring, sphere
@@ -174,3 +175,20 @@ def test_an_empty_frustum_is_refused(tangents):
 def test_a_frame_without_views_is_refused():
     with create_surface("egl", (16, 16)) as surface, pytest.raises(UsageError):
         Renderer(surface, World()).draw([])
+
+
+def test_a_camera_without_a_far_plane_draws_what_one_far_away_does():
+    """glTF lets a camera leave `zfar` out."""
+    world = World()
+    world.set_material(Material("m", "unlit", (0.8, 0.1, 0.4, 1.0)))
+    world.meshes["ball"] = sphere(0.5, 32)
+    for distance in (2.0, 40.0, 900.0):
+        place = (0.02 * distance, 0.1 * distance - 0.3, -distance)
+        world.root.create_child(f"ball{distance}", place, scale=(0.1 * distance,) * 3).create_entity("ball", "m")
+    world.update()
+    pictures = [
+        draw_offscreen(world, [View(np.eye(4), (-0.4, 0.4, -0.3, 0.3), (0, 0, *SIZE), 0.1, far)], SIZE, PLAIN)
+        for far in (1e6, np.inf)
+    ]
+    assert len(np.unique(pictures[0].reshape(-1, pictures[0].shape[-1]), axis=0)) > 3, "there is something to see"
+    assert np.array_equal(*pictures)

@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mimics_app.rendering.visual.displays.desktop import compose_look_at, compute_tangents
+from mimics_app.rendering.visual.displays.desktop import compute_tangents
 from mimics_app.rendering.visual.effects.projectors import clip_from_projector
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.components.effects import Projector
 from mimics_app.world.environment import Sky
 from mimics_app.world.materials.material import Material, TextureData

@@ -142,8 +142,8 @@ def test_a_shader_broken_while_it_is_drawn_keeps_the_picture_and_names_the_line(
 
 
 def view_from_above():
-    from mimics_app.rendering.visual.displays.desktop import compose_look_at
     from mimics_app.rendering.visual.view import View
+    from mimics_app.rendering.visual.view_matrices import compose_look_at
 
     pose = compose_look_at((0.0, 2.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, -1.0))
     return View(pose, (-0.4, 0.4, -0.2, 0.2), (0, 0, 64, 36))

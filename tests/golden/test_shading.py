@@ -7,10 +7,11 @@ import pytest
 from numpy.typing import NDArray
 
 from mimics_app.contracts.resources import root
-from mimics_app.rendering.visual.displays.desktop import compose_look_at, compute_tangents
+from mimics_app.rendering.visual.displays.desktop import compute_tangents
 from mimics_app.rendering.visual.lighting import gather_lighting
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.environment import Sky
 from mimics_app.world.materials.material import Material, TextureData
 from mimics_app.world.meshes.primitives import plane, sphere

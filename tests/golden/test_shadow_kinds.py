@@ -10,7 +10,6 @@ import pytest
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import DeviceError, UsageError
-from mimics_app.rendering.visual.displays.desktop import compose_look_at
 from mimics_app.rendering.visual.drawing.draw_list import Casters
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
@@ -20,6 +19,7 @@ from mimics_app.rendering.visual.shadows.shadow_volumes import VolumeSource, ext
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.environment import Sky
 from mimics_app.world.materials.material import Material
 from mimics_app.world.meshes.primitives import box, plane, sphere

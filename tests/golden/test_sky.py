@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.rendering.visual.displays.desktop import compose_look_at
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.environment import Backdrop, Fog, Sky
 from mimics_app.world.materials.material import Material, TextureData
 from mimics_app.world.meshes.primitives import plane

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mimics_app.rendering.visual.displays.desktop import compose_look_at, compute_tangents
+from mimics_app.rendering.visual.displays.desktop import compute_tangents
 from mimics_app.rendering.visual.kernels.particles import SPRITE
 from mimics_app.rendering.visual.kernels.sprites import SPRITE_VERTEX, write_sprites
 from mimics_app.rendering.visual.renderer import Renderer
@@ -17,6 +17,7 @@ from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.components.effects import Billboard, Particles, Projector
 from mimics_app.world.environment import Fog, Sky
 from mimics_app.world.materials.material import Material, TextureData

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.rendering.visual import renderer as renderer_module
-from mimics_app.rendering.visual.displays.desktop import compose_look_at
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.capabilities import Capabilities, read_capabilities
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.environment import Sky
 from mimics_app.world.materials.material import Material
 from mimics_app.world.materials.technique import PassSpec, TechniqueSpec

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mimics_app.rendering.visual.displays.desktop import compose_look_at
 from mimics_app.rendering.visual.materials.techniques import choose_technique
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
@@ -17,6 +16,7 @@ from mimics_app.rendering.visual.surfaces.capabilities import Capabilities, read
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.environment import Sky
 from mimics_app.world.materials.material import Material, TextureData
 from mimics_app.world.materials.technique import Needs, PassSpec, TechniqueSpec

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.rendering.visual.displays.desktop import compose_look_at, compute_tangents, desktop_views
+from mimics_app.rendering.visual.displays.desktop import compute_tangents, desktop_views
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.environment import Sky
 from mimics_app.world.materials.material import Material, TextureData
 from mimics_app.world.meshes.primitives import plane

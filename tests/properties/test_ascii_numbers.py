@@ -62,13 +62,24 @@ def test_no_number_is_told_as_none(text: str):
     assert _read(text) == (0.0, 0)
 
 
-@CASES
-@given(st.text("0123456789+-.eE;,[] ", max_size=30))
-def test_any_text_ends_and_what_is_read_is_what_float_reads(text: str):
-    value, end = _read(text)
-    assert 0 <= end <= len(text) and not np.isnan(value)
-    if end:
-        assert value == pytest.approx(float(text[:end]), rel=4e-15, abs=1e-320)
+_LIKE_A_NUMBER = st.from_regex(r"[+-]?[0-9]{0,17}\.?[0-9]{0,6}([eE][+-]?[0-9]{0,2})?[;,\] ]?", fullmatch=True)
+
+
+def test_any_text_ends_and_what_is_read_is_what_float_reads():
+    seen = []
+
+    @CASES
+    @given(st.one_of(_LIKE_A_NUMBER, st.text("0123456789+-.eE;,[] ", max_size=30)))
+    def check(text: str):
+        value, end = _read(text)
+        assert 0 <= end <= len(text) and not np.isnan(value)
+        if end:
+            assert value == pytest.approx(float(text[:end]), rel=4e-15, abs=1e-320)
+        seen.append(text[:end].lower())
+
+    check()
+    fractions, powers = sum("." in read for read in seen), sum("e" in read for read in seen)
+    assert min(fractions, powers, seen.count("")) >= 20, (fractions, powers, seen.count(""))
 
 
 def test_whole_numbers():

@@ -44,7 +44,10 @@ def _size(f):
 
 @kernel
 def _violations(seed, cases, counts):
-    """counts: NaN out, too much, rose too fast, turned, not zero when refused, refused, passed, power too much."""
+    """counts: NaN out, too much, rose too fast, turned, not zero when refused, refused, passed, power too much.
+
+    Then what was reached: held by the force limit, by the rise, by the power, by the ramp.
+    """
     noise = np.zeros(1)
     seed_noise(noise, 0, seed)
     f = np.zeros(3)
@@ -85,24 +88,35 @@ def _violations(seed, cases, counts):
                 and abs(f[i] - wanted[i] / largest * max(abs(f[0]), abs(f[1]), abs(f[2]))) > ROUNDING * size
             ):
                 counts[3] += 1
+        if size > 0.0:
+            counts[8] += 1 if size >= limit * (1.0 - ROUNDING) else 0
+            counts[9] += 1 if rise > 0.0 and size < limit and abs(size - last - rise) <= ROUNDING * size else 0
+            along = abs(f[0] * v[0] + f[1] * v[1] + f[2] * v[2])
+            counts[10] += 1 if abs(along - power) <= 10.0 * ROUNDING * power else 0
+            counts[11] += 1 if ramp < 1.0 and abs(size - ramp * norm(wanted)) <= ROUNDING * size else 0
         if ramp >= 1.0 and largest < 1e100 and abs(size - norm(wanted)) <= ROUNDING * size and size > 0.0:
             counts[6] += 1
         if size > 1e150:
             f[:] = 0.0
 
 
-def test_a_million_forces():
-    counts = np.zeros(8, np.int64)
-    _violations(20240, 1_000_000, counts)
+def _check(seed: int, cases: int) -> None:
+    counts = np.zeros(12, np.int64)
+    _violations(seed, cases, counts)
     assert counts[:5].tolist() == [0] * 5 and counts[7] == 0
-    assert counts[5] > 100_000 and counts[6] > 5_000  # both kinds were really met
+    reached = dict(zip(("refused", "passed"), counts[5:7].tolist(), strict=True))
+    reached |= dict(zip(("force", "rise", "power", "ramp"), counts[8:].tolist(), strict=True))
+    floors = {"refused": 0.1, "passed": 0.005, "force": 0.03, "rise": 0.1, "power": 0.05, "ramp": 0.01}
+    assert all(reached[name] >= share * cases for name, share in floors.items()), reached
+
+
+def test_a_million_forces():
+    _check(20240, 1_000_000)
 
 
 @pytest.mark.slow
 def test_a_hundred_million_forces():
-    counts = np.zeros(8, np.int64)
-    _violations(7, 100_000_000, counts)
-    assert counts[:5].tolist() == [0] * 5 and counts[7] == 0
+    _check(7, 100_000_000)
 
 
 @pytest.mark.parametrize("limit", [math.nan, math.inf, -1.0])
@@ -129,27 +143,36 @@ def test_overflowing_force_is_scaled_not_refused():
 
 @kernel
 def _brake_violations(seed, cases):
-    """Joints started inside their limits and driven by random wishes through an ideal servo: how often they get out."""
+    """Joints started inside their limits and driven by random wishes through an ideal servo.
+
+    Returns (how often they get out, how often a wish was slowed, how often it was not).
+    """
     noise = np.zeros(1)
     seed_noise(noise, 0, seed)
     low = np.array([-0.18, -0.5, -0.2])
     high = np.array([0.18, 0.5, 0.2])
     q = np.zeros(3)
     dq = np.zeros(3)
-    out = 0
+    wish = np.zeros(3)
+    out, slowed, kept = 0, 0, 0
     for _ in range(cases):
         for i in range(3):
-            dq[i] = (uniform(noise, 0) - 0.5) * 40.0
+            wish[i] = (uniform(noise, 0) - 0.5) * 40.0
+            dq[i] = wish[i]
         brake_at_limits(q, low, high, dq)
         for i in range(3):
+            slowed += 1 if dq[i] != wish[i] else 0
+            kept += 1 if dq[i] == wish[i] else 0
             q[i] += 1e-3 * dq[i]
             if not low[i] - 1e-15 <= q[i] <= high[i] + 1e-15:
                 out += 1
-    return out
+    return out, slowed, kept
 
 
 def test_no_wish_leads_a_joint_over_its_limit():
-    assert _brake_violations(5, 1_000_000) == 0
+    out, slowed, kept = _brake_violations(5, 1_000_000)
+    assert out == 0
+    assert slowed >= 100_000 and kept >= 100_000
 
 
 def test_a_joint_beyond_its_limit_may_come_back():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -84,10 +85,26 @@ def test_replay_is_equal_bit_for_bit_and_one_flipped_bit_is_seen(answer, tmp_pat
     for file in Path(answer["run_dir"]).iterdir():
         if file.is_file():
             (spoilt / file.name).write_bytes(file.read_bytes())
+    lines = (spoilt / "events.jsonl").read_text().splitlines(keepends=True)
+    contact = next(i for i, line in enumerate(lines) if '"contact_begin"' in line)
+    forged = re.sub(r'"force":([0-9.e-]+)', lambda force: f'"force":{2 * float(force[1])}', lines[contact])
+    (spoilt / "events.jsonl").write_text("".join([*lines[:contact], forged, *lines[contact + 1 :]]))
+    done = mimics("replay", spoilt)
+    assert done.returncode == 6 and "event" in done.stderr and "force" in done.stderr
+    (spoilt / "events.jsonl").write_text("".join(lines))
     content = bytearray((spoilt / "haptic.arrows").read_bytes())
     content[len(content) // 2] ^= 1
     (spoilt / "haptic.arrows").write_bytes(content)
     assert mimics("replay", spoilt).returncode == 6
+
+
+def test_every_file_of_a_run_is_its_users_alone(answer):
+    """Also what is written by others than the recorder: pictures and sound."""
+    folder = Path(answer["run_dir"])
+    assert folder.stat().st_mode & 0o777 == 0o700
+    modes = {path.name: path.stat().st_mode & 0o777 for path in folder.rglob("*")}
+    assert {"sound.wav", "pictures", "haptic.arrows", "report.html"} <= set(modes)
+    assert all(mode == (0o700 if name == "pictures" else 0o600) for name, mode in modes.items()), modes
 
 
 def test_same_seed_same_hash_another_seed_another(answer, tmp_path):

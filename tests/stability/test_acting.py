@@ -11,10 +11,11 @@ from hypothesis import strategies as st
 
 from mimics_app.contracts.haptic import EventKind, SafetyState, TripCause
 from mimics_app.lab.stability.s05b_energy_taken_back import UNLIMITED, given_by_taps
+from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale, middle_velocity
 from mimics_app.rendering.haptic.kernels.stability import contact_share, spring_share
 from mimics_app.rendering.haptic.kernels.tank import payable_share, settle_account
 from mimics_app.world.components.robot import Robot
-from tests.support.haptic_bench import PUSH, Bench, glide, pushed_bench, script, scripted
+from tests.support.haptic_bench import PUSH, Bench, glide, patient_bench, pushed_bench, script, scripted
 
 T = 1e-3
 OWN, WALL = 8.0, 20.0  # damping [N s/m] of the virtual mass and of the wall
@@ -237,3 +238,93 @@ def test_silence_is_told_once_when_it_begins():
     bench.advance(600)
     events = bench.engine.events()
     assert [int(e["tick"]) for e in events if e["kind"] == EventKind.STALE] == [303]
+
+
+# no contact pulls
+
+
+def _against(rows: np.ndarray) -> np.ndarray:
+    """Force felt along the contact's own [N], where drag, assistance and virtual damping are off: it is all there is."""
+    wanted = rows["f_virt_world"]
+    size = np.linalg.norm(wanted, axis=1)
+    return np.sum(rows["f_user_world"] * wanted, axis=1)[size > 0.0] / size[size > 0.0]
+
+
+@pytest.mark.parametrize("times", [1.1, *UNSTABLE])
+def test_the_controller_weakens_the_wall_and_never_lets_it_pull(times: float):
+    """Of a wall that swings up it may take all in a tick, and gives back none as a pull; nor does a debt arise."""
+    rows, _ = _pushed(times, cap=0, passivity=1)
+    assert (rows["passivity"] > 0.0).sum() > 20
+    assert _against(rows).min() > -1e-12
+    assert rows["credit"].min() > -1e-12
+
+
+def test_a_person_in_the_tunnel_is_never_pulled_to_its_wall():
+    bench = patient_bench("severe", seed=3)
+    bench.advance(2200)
+    bench.publish(controller=3, trial=1, tunnel__drag=0.0, tunnel__drag_growth=0.0)
+    bench.tell(active=1, trial=1)
+    rows = np.concatenate([bench.advance(4000) for _ in range(4)])
+    inside = rows[rows["penetration"] > 0.0]
+    assert len(inside) > 200 and (inside["passivity"] > 0.0).any()
+    assert _against(inside).min() > -1e-12
+
+
+@settings(deadline=None)
+@given(
+    credit=st.floats(0.0, 1.0), force=st.floats(0.0, 100.0), push=st.floats(-50.0, 50.0), v=st.floats(-1.0, 1.0),
+    mass=st.floats(0.2, 20.0), dt=st.sampled_from([2.5e-4, 5e-4, 1e-3, 4e-3]),
+)  # fmt: skip
+def test_no_tick_of_the_virtual_mass_overdraws_its_credit(
+    credit: float, force: float, push: float, v: float, mass: float, dt: float
+):
+    """Exact work of the weakened force over the tick it accelerates the mass in, of any force, hand and mass."""
+    f, hand, speed, middle = (np.array([value, 0.0, 0.0]) for value in (force, push, v, 0.0))
+    middle_velocity(speed, f, hand, mass, dt, middle)
+    factor = contact_scale(credit, f, middle, dt, math.inf)
+    assert 0.0 <= factor <= 1.0
+    work = factor * force * (v + 0.5 * dt * (factor * force + push) / mass) * dt
+    assert work <= credit + 1e-12
+
+
+# at other periods than 1 ms
+
+
+def test_the_wall_is_capped_for_the_period_the_loop_has():
+    """At 2 kHz the force is half as old: the wall may be stiffer by (1 ms / 2 + delay) / (0.5 ms / 2 + delay)."""
+    stiffness = 3.0 * _limit(OWN + WALL, 1e-3)
+    rows = script(100)
+    bench = scripted(rows, rate=2000)
+    bench.publish(tunnel__stiffness=stiffness, tunnel__damping=WALL, virtual_damping=OWN, device_delay=1e-3)
+    share = bench.advance(100)["stiffness_share"]
+    assert share == pytest.approx((OWN + WALL) / (0.25e-3 + 1e-3) / 1.2 / stiffness, rel=1e-12)
+
+
+def test_the_wall_is_capped_for_the_period_that_was_measured():
+    """A loop that stalled: 4 ms instead of 1 lower the stiffness that is rendered, not the margin alone."""
+    stiffness = 3.0 * _limit(OWN + WALL, 1e-3)
+    bench = _pressed(stiffness, 1e-3)
+    rows = bench.advance(1080)
+    stalled = rows.copy()
+    stalled["period_s"][1000:] = 4e-3
+    out = bench.engine.replay_ticks(stalled, bench.blocks)
+    share = (OWN + WALL) / (2e-3 + 1e-3) / 1.2 / stiffness
+    assert out["stiffness_share"][999] == rows["stiffness_share"][999]
+    assert out["stiffness_share"][1001:] == pytest.approx(share, rel=1e-12)
+    felt = np.linalg.norm(out["f_user_world"][1050]) / np.linalg.norm(rows["f_user_world"][1050])
+    assert felt == pytest.approx(share / rows["stiffness_share"][1050], rel=1e-9)
+
+
+@pytest.mark.parametrize("rate", [500, 1000, 2000, 4000])
+def test_the_force_rises_by_its_limit_in_a_second_at_any_rate(rate: int):
+    """A hand put into the wall: 200 N/s, so 0.2 N a tick at 1 kHz and 0.1 N at 2 kHz."""
+    rows = script(2 * rate)
+    rows[:, 2] = 0.0105  # in the wall from the first tick on
+    bench = scripted(rows, rate=rate)
+    bench.publish(tunnel__stiffness=2e4, tunnel__damping=0.0, cap=0, ramp_time=0.0, ramp_force=1e3)
+    bench.publish(force_rate_limit=200.0, force_limit=60.0)
+    rows = bench.advance(2 * rate)
+    force = np.linalg.norm(rows["f_user_world"], axis=1)
+    rising = np.diff(force)[np.diff(force) > 0.0]
+    assert len(rising) > 5
+    assert rising[:-1] == pytest.approx(200.0 / rate, rel=1e-9), "the last step may be shorter"

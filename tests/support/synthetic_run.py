@@ -81,7 +81,7 @@ def samples_of_session(seconds: float, seed: int = 3, live: bool = True) -> np.n
     samples["energy"] = 0.5e-3 * np.cumsum(samples["penetration"] > 0) / 1000
     if live:
         samples["lateness_ns"] = chance.lognormal(np.log(14e3), 0.5, count)
-        samples["lateness_ns"][chance.integers(1000, count, 7)] = chance.uniform(0.3e6, 3e6, 7)
+        samples["lateness_ns"][chance.integers(min(1000, count // 2), count, 7)] = chance.uniform(0.3e6, 3e6, 7)
         samples["duration_ns"] = chance.normal(5e3, 300, count)
     return samples
 

@@ -73,11 +73,11 @@ def test_stdout_on_a_full_disk_is_one_line(option: str) -> None:
 
 def test_file_trouble_names_the_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "session.json").write_text("{}")
-    (tmp_path / "haptic.arrows").mkdir()
-    assert cli.main(["replay", str(tmp_path)]) == 3
+    (tmp_path / "report.html").mkdir()
+    assert cli.main(["report", str(tmp_path)]) == 3
     line = capsys.readouterr().err
-    assert "haptic.arrows: Is a directory" in line and "Traceback" not in line
-    assert cli.main(["replay", str(tmp_path), "--json"]) == 3
+    assert "report.html" in line and "Is a directory" in line and "Traceback" not in line
+    assert cli.main(["report", str(tmp_path), "--json"]) == 3
     assert json.loads(capsys.readouterr().out)["errors"][0]["what"] == "Is a directory"
 
 

@@ -58,6 +58,18 @@ def test_an_emulator_serves_until_it_is_told_to_quit_and_takes_orders(stdin, cap
     assert 'no order "nonsense"' in capsys.readouterr().err
 
 
+def test_the_line_of_an_emulated_robot_is_its_users_alone():
+    """Whatever the umask: the folder of the link, and the terminal it leads to."""
+    before = os.umask(0)
+    try:
+        with open_emulator("serial", EmulatorSettings()) as emulator:
+            link = Path(emulator.address)
+            assert link.parent.stat().st_mode & 0o777 == 0o700
+            assert link.resolve().stat().st_mode & 0o777 == 0o600
+    finally:
+        os.umask(before)
+
+
 def test_an_emulated_hapticmaster_is_found_at_its_address(stdin):
     with open_emulator("hapticmaster", EmulatorSettings(delay_ms=2)) as emulator:
         thread = threading.Thread(target=serve, args=(emulator, None))

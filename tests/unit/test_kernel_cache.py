@@ -14,15 +14,6 @@ from mimics_app.contracts import kernel_cache
 from mimics_app.contracts.resources import root
 
 ROOT = Path(__file__).parents[2]
-NUMBERED = [
-    "mimics_app/contracts/haptic.py",
-    "mimics_app/contracts/atomics.py",
-    "mimics_app/contracts/borrowed.py",
-    "mimics_app/contracts/haptic_objects.py",
-    "mimics_app/contracts/loop_ports.py",
-    "mimics_app/rendering/haptic/kernels/contact_law.py",
-]
-"""Files whose constants the loop compiles in: states, buttons, status words, fences."""
 
 
 @pytest.fixture(scope="module")
@@ -55,19 +46,52 @@ for name in {names!r}:
     print(source_key(base / name))
 """
 
+_EDIT_EACH = """
+import re, sys
+from mimics_app.contracts import kernel_cache as cache
+from mimics_app.rendering.haptic import loop
+from pathlib import Path
 
-@pytest.mark.parametrize("edited", NUMBERED)
-def test_an_edit_of_any_source_the_loop_compiles_in_changes_its_key(copied: Path, edited: str) -> None:
-    code = _KEY.format(names=["mimics_app/rendering/haptic/loop.py"])
-    before = _run(code, copied)
-    file = copied / edited
-    text = file.read_bytes()
-    try:
-        file.write_bytes(text + b"\n_PLANTED = 1\n")
-        assert _run(code, copied) != before
-    finally:
-        file.write_bytes(text)
-    assert _run(code, copied) == before
+def key():
+    for known in (cache._read, cache._imports, cache._digest, cache.source_key):
+        known.cache_clear()
+    return cache.source_key(root)
+
+root = Path(loop.__file__).resolve()
+base = Path(cache.__file__).resolve().parents[2]
+loaded = {Path(m.__file__).resolve() for m in list(sys.modules.values()) if getattr(m, "__file__", None)}
+reached = cache.sources_reached(root)
+print("reached", len(reached))
+for file in sorted(loaded - set(reached)):
+    if file.is_relative_to(base / "mimics_app") and file.name != "__init__.py":
+        print("not in the key", file)
+before = key()
+for file in reached:
+    text = file.read_text()
+    number = re.search(r"^_?[A-Z][A-Z_0-9]*(?:: \\w+)? = [^\\n]*?\\b(\\d+)", text, re.MULTILINE)
+    edited = text + "_PLANTED = 1" if number is None else text[: number.start(1)] + "7" + text[number.start(1) :]
+    file.write_text(edited)
+    print("constant" if number else "line", "seen" if key() != before else "UNSEEN", file)
+    file.write_text(text)
+print("back", key() == before)
+"""
+
+
+def test_an_edit_of_a_constant_in_any_source_the_loop_reaches_changes_its_key(copied: Path) -> None:
+    """The files are those that the loop's imports reach, and no module that its import loads is missing among them."""
+    lines = _run(_EDIT_EACH, copied).splitlines()
+    assert not [line for line in lines if "not in the key" in line or "UNSEEN" in line]
+    seen = [line for line in lines if "seen" in line]
+    assert lines[0] == f"reached {len(seen)}" and len(seen) > 60
+    assert sum(line.startswith("constant") for line in seen) > 30
+    for known in (
+        "contracts/haptic.py",
+        "contracts/atomics.py",
+        "contracts/haptic_objects.py",
+        "contracts/borrowed.py",
+    ):
+        assert any(line.endswith(known) for line in seen), known
+    assert lines[-1] == "back True"
 
 
 def test_an_edit_leaves_alone_what_does_not_import_it(copied: Path) -> None:

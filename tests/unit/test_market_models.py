@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mimics_app.builders.catalogue import find_builder
+from mimics_app.builders.market.fruit import APPLE_RADIUS
 from mimics_app.contracts.resources import root
-from mimics_app.world.builders.market.build import build
-from mimics_app.world.builders.market.fruit import APPLE_RADIUS
 from mimics_app.world.gltf.file import GltfDocument, load_gltf
 
 FOLDER = root() / "assets" / "models" / "market"
@@ -17,7 +17,7 @@ FOLDER = root() / "assets" / "models" / "market"
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory) -> dict[str, Path]:
-    return {file.name: file for file in build(tmp_path_factory.mktemp("market"), 1)}
+    return {file.name: file for file in find_builder("market").write(tmp_path_factory.mktemp("market"), 1)}
 
 
 def positions(document: GltfDocument) -> np.ndarray:
@@ -33,7 +33,7 @@ def test_shipped_files_are_those_of_the_builder(built):
 
 
 def test_another_seed_grows_another_garden(built, tmp_path):
-    other = {file.name: file for file in build(tmp_path, 2)}
+    other = {file.name: file for file in find_builder("market").write(tmp_path, 2)}
     assert other["meadow.glb"].read_bytes() != built["meadow.glb"].read_bytes()
     assert other["apple.glb"].read_bytes() == built["apple.glb"].read_bytes()
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import PartialDataError
-from mimics_app.contracts.haptic import SAMPLE
+from mimics_app.contracts.haptic import EVENT, SAMPLE
 from mimics_app.recording.arrow_format import decode_samples, encode_samples
 from mimics_app.recording.columns import INPUT_FIELDS, OUTPUT_FIELDS
-from mimics_app.recording.replay import ReplayData, compare, gather
+from mimics_app.recording.replay import ReplayData, compare, compare_events, gather
 from mimics_app.recording.run import Run
 from mimics_app.recording.state_hash import StateHash
 from mimics_app.recording.streams import ParameterStream, SampleStream
@@ -100,6 +100,51 @@ def test_comparison_is_of_bits_and_of_outputs_only() -> None:
         compare(one, other[:4])
 
 
+@pytest.mark.parametrize("row", [0, 999, 1000, 1001, 49_999])
+def test_a_difference_is_found_in_every_row(row: int) -> None:
+    """Also far behind the first second, and in the last row."""
+    one = np.zeros(50_000, SAMPLE)
+    one["tick"] = np.arange(50_000)
+    other = one.copy()
+    other["f_user_world"][row, 1] = np.nextafter(0.0, 1.0)
+    difference = compare(one, other)
+    assert difference is not None
+    assert (difference.tick, difference.column, difference.count) == (row, "f_user_world[1]", 1)
+
+
+def _events(count: int) -> np.ndarray:
+    events = np.zeros(count, EVENT)
+    events["tick"], events["kind"] = np.arange(count) * 3, 1 + np.arange(count) % 4
+    events["force"], events["normal_world"] = np.linspace(0, 1, count), [0.0, 1.0, 0.0]
+    return events
+
+
+@pytest.mark.parametrize("field", [name for name in EVENT.names or () if name != "t_ns"])
+@pytest.mark.parametrize("row", [0, 1999])
+def test_an_event_that_differs_is_found(field: str, row: int) -> None:
+    one, other = _events(2000), _events(2000)
+    other["t_ns"] = 5
+    one["value"], other["value"] = np.nan, np.inf
+    assert compare_events(one, other, 10_000) is None
+    cell = other[field].reshape(2000, -1)
+    cell[row, 0] = 1 if field == "value" else cell[row, 0] + 1
+    one["value"][row] = 0
+    other["value"][row] = 1 if field == "value" else 0
+    difference = compare_events(one, other, 10_000)
+    assert difference is not None and difference.column == f"event {row}, {field}"
+    assert (difference.tick, difference.count) == (one["tick"][row], 1)
+
+
+def test_an_event_more_or_less_is_found_up_to_the_end(tmp_path: Path) -> None:
+    events = _events(20)
+    for one, other in ((events, events[:-1]), (events[:-1], events)):
+        difference = compare_events(one, other, 100)
+        assert difference is not None and difference.tick == 57
+        assert (difference.recorded, difference.replayed) == (len(one), len(other))
+        assert compare_events(one, other, 57) is None, "the end of a run that was cut off"
+    assert compare_events(events[:0], events[:0], 100) is None
+
+
 def test_missing_parameter_block_and_empty_run_cannot_be_replayed(tmp_path: Path) -> None:
     with pytest.raises(PartialDataError, match="parameter block 2 is missing"):
         gather(Run.open(_write_run(tmp_path, drop_block=True)))
@@ -113,7 +158,8 @@ def test_checksum_is_crc32_of_the_rows() -> None:
     """Written down for readers that are not ours: CRC32 over seq and first (int64, little endian), t, then sample."""
     import pyarrow as pa
 
-    from mimics_app.recording.arrow_format import samples_schema, schema_bytes
+    from mimics_app.recording.arrow_format import schema_bytes
+    from mimics_app.recording.layout import samples_schema
 
     samples = np.zeros(3, SAMPLE)
     samples["t"], samples["ramp"] = [1, 2, 3], [4, 5, 6]

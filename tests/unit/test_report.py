@@ -19,6 +19,7 @@ from mimics_app.recording.attempts import find_attempts, tunnel_shape
 from mimics_app.recording.plot import Axis, Plot, envelope, log_ticks, nice_ticks
 from mimics_app.recording.report import punctuality, write_report
 from mimics_app.recording.report_tables import contact_rows, trials_of
+from mimics_app.recording.report_values import Seconds, shown
 from mimics_app.recording.run import Run
 from mimics_app.recording.trial_table import TrialTable
 from tests.support.synthetic_run import RADIUS, bisector, samples_of_session, scene_block, write_synthetic_run
@@ -186,10 +187,10 @@ def test_no_text_of_a_recording_is_markup(tmp_path: Path) -> None:
 def test_the_figure_that_was_markup(tmp_path: Path) -> None:
     write_synthetic_run(tmp_path, 2.0)
     manifest = json.loads((tmp_path / "manifest.json").read_text())
-    manifest["summary"]["task"] = {"completed": _SCRIPT, "trials": _SCRIPT}
+    manifest["summary"]["task"] = {"completed": _SCRIPT, "trials": _SCRIPT, "contacts": _SCRIPT}
     (tmp_path / "manifest.json").write_text(json.dumps(manifest))
     page = write_report(tmp_path).read_text()
-    assert "<script" not in page and "&lt;script&gt;alert(1)&lt;/script&gt; of" in page
+    assert "<script" not in page and "<b>&lt;script&gt;alert(1)&lt;/script&gt;</b>" in page
 
 
 def test_everything_is_escaped_by_the_template_engine() -> None:
@@ -228,6 +229,11 @@ def test_trials_come_first_with_units_and_within_the_page(tmp_path: Path) -> Non
     assert page.index("<h2>Trials") < page.index("<h2>Movement")
 
 
+def test_moments_of_a_long_run_are_told_to_the_millisecond() -> None:
+    assert shown(Seconds(1583.1234)) == "1583.123" and shown(1583.1234) == "1583"
+    assert (shown(None), shown(float("nan")), shown(True), shown([1, {"a": 2.5}])) == ("–", "–", "yes", "1, a 2.5")
+
+
 def test_interrupted_run_is_reported_and_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     write_synthetic_run(tmp_path, 6.0, closed=False)
     path = tmp_path / "haptic.arrows"
@@ -250,10 +256,11 @@ def test_run_without_anything_is_still_reported(tmp_path: Path) -> None:
 def test_record_command_mends_and_verifies(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     write_synthetic_run(tmp_path, 4.0, closed=False)
     assert main(["record", "info", str(tmp_path)]) == 6
-    assert main(["record", "recover", str(tmp_path), "--json"]) == 0
+    assert main(["record", "recover", str(tmp_path), "--json"]) == 6, "all there is was saved, and it was cut off"
     lines = capsys.readouterr().out.splitlines()
     answer = json.loads(lines[-1])
     assert answer["status"] == "recovered" and answer["ticks"] == 4000
+    assert answer["problems"] == ["the run is recovered"] and "manifest.json" in answer["mended"]
     with (tmp_path / "trials.csv").open("a") as file:
         file.write("x")
     assert main(["record", "verify", str(tmp_path)]) == 6

@@ -7,12 +7,14 @@ import json
 import os
 import random
 import subprocess
+import zlib
 from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
 import pytest
 
+from mimics_app.contracts import ring
 from mimics_app.contracts.errors import PartialDataError, UsageError
 from mimics_app.contracts.haptic import EVENT, SAMPLE, SCENE, EventKind
 from mimics_app.contracts.session_memory import SessionMemory
@@ -23,10 +25,15 @@ from mimics_app.recording.channel import LINE, TRIAL, Inbox, Outbox
 from mimics_app.recording.columns import ROW, column_names, column_units, rows_of
 from mimics_app.recording.event_log import encode_event, events_of, read_lines, to_json
 from mimics_app.recording.recorder import Recorder
+from mimics_app.recording.recorder_process import _Session
+from mimics_app.recording.recorder_status import RecorderStatus
 from mimics_app.recording.recover import recover
+from mimics_app.recording.replay import gather
+from mimics_app.recording.report import write_report
 from mimics_app.recording.run import Run
-from mimics_app.recording.run_folder import create_run_folder
+from mimics_app.recording.run_folder import FILES, create_run_folder, private_files
 from mimics_app.recording.state_hash import StateHash
+from mimics_app.recording.statics import Statics, write_statics
 from mimics_app.recording.streams import EventStream, ParameterStream, SampleStream, hash_of_files
 from mimics_app.recording.trial_table import TrialTable, read_trials
 from tests.support.recorder_app import fake_samples, push_ticks, scene_block
@@ -143,8 +150,9 @@ def test_zeroed_page_costs_at_most_two_blocks(tmp_path: Path, seed: int, with_in
     assert run.damages
     ticks = run.haptic["tick"].astype(int)
     assert run.haptic.tobytes() == fake_samples(0, 1000)[ticks].tobytes()
-    manifest = recover(tmp_path)
-    assert manifest.rows == len(run.haptic)
+    recover(tmp_path)
+    manifest = Run.open(tmp_path).manifest
+    assert manifest is not None and manifest.rows == len(run.haptic)
     assert (tmp_path / "haptic.arrows.damaged").exists()
     assert pa.ipc.open_stream(path).read_all().num_rows == len(run.haptic)
     assert Run.open(tmp_path).disagreements() == []
@@ -174,12 +182,48 @@ def test_stream_that_was_resumed_is_one_stream(tmp_path: Path) -> None:
     assert not Run.open(tmp_path).damages
 
 
-def test_other_columns_are_refused_by_name(tmp_path: Path) -> None:
+def _stream_of(folder: Path, names: list[str], units: list[str], rows: np.ndarray) -> None:
+    """A haptic.arrows of another version: these columns, rows [n, len(names)]."""
+    metadata = {"columns": json.dumps(names), "units": json.dumps(units), "version": "0"}
+    item = pa.field("item", pa.float64(), nullable=False)
+    kind = pa.list_(item, len(names))
+    fields = [pa.field("t", pa.float64(), nullable=False), pa.field("sample", kind, nullable=False)]
+    schema = pa.schema(fields, metadata=metadata)
+    t = np.arange(len(rows)) / 1000
+    crc = zlib.crc32(rows.tobytes(), zlib.crc32(t.tobytes(), zlib.crc32(np.array([0, 0], "<i8").tobytes())))
+    values = pa.FixedSizeListArray.from_arrays(pa.array(rows.ravel()), type=kind)
+    batch = pa.RecordBatch.from_arrays([pa.array(t), values], schema=schema)
+    with pa.ipc.new_stream(folder / "haptic.arrows", schema) as writer:
+        writer.write_batch(batch, custom_metadata={"seq": "0", "first": "0", "crc": f"{crc:08x}"})
+    (folder / "session.json").write_text("{}")
+
+
+def test_other_columns_are_read_as_far_as_they_are_known(tmp_path: Path) -> None:
+    """Unknown columns are ignored, missing ones absent, and one in another unit is not taken for ours."""
+    rows = np.arange(12.0).reshape(3, 4)
+    rows[:, 0] = np.arange(3)
+    names = ["tick", "state", "of_another_version", "margin"]
+    _stream_of(tmp_path, names, ["1", "1", "K", "%"], rows)
+    run = Run.open(tmp_path)
+    assert np.array_equal(run.haptic["tick"], [0, 1, 2]) and np.array_equal(run.haptic["state"], rows[:, 1])
+    assert np.array_equal(run.haptic["t"], [0.0, 0.001, 0.002])
+    assert np.isnan(run.haptic["margin"]).all() and np.isnan(run.haptic["f_user_world"]).all()
+    absent = set(run.layout.absent)
+    assert {"margin", "q[0]"} <= absent and not {"t", "tick", "state"} & absent
+    assert any("recorded without" in problem for problem in run.problems())
+    write_report(tmp_path)
+    with pytest.raises(PartialDataError, match="other columns"):
+        gather(run)
+    recover(tmp_path)
+    again = Run.open(tmp_path)
+    assert again.haptic.tobytes() == run.haptic.tobytes() and again.layout.absent == run.layout.absent
+
+
+def test_stream_without_our_columns_is_named(tmp_path: Path) -> None:
     schema = pa.schema([pa.field("t", pa.float64())])
     with pa.ipc.new_stream(tmp_path / "haptic.arrows", schema) as writer:
         writer.write_batch(pa.record_batch([pa.array([1.0])], schema=schema))
-    with pytest.raises(PartialDataError, match="other columns"):
-        Run.open(tmp_path)
+    assert any("what its columns are cannot be read" in problem for problem in Run.open(tmp_path).problems())
     with pytest.raises(UsageError, match="no run folder"):
         Run.open(tmp_path.parent / "nothing")
 
@@ -267,6 +311,90 @@ def test_trial_rows_read_back_as_they_were(tmp_path: Path) -> None:
     with (tmp_path / "trials.csv").open("ab") as file:
         file.write(b"3,0.5")
     assert read_trials(tmp_path / "trials.csv") == rows
+
+
+# onto the medium, and for whose eyes
+
+
+@pytest.fixture
+def synced(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Names of the files that were brought onto the medium, in order: the one place where it is asked for."""
+    names: list[str] = []
+    monkeypatch.setattr(append_file, "_sync", lambda fd: names.append(Path(os.readlink(f"/proc/self/fd/{fd}")).name))
+    return names
+
+
+def test_append_file_syncs_what_was_appended_once(tmp_path: Path, synced: list[str]) -> None:
+    file = AppendFile(tmp_path / "a")
+    file.sync()
+    assert synced == []
+    file.append(b"1")
+    file.sync()
+    file.sync()
+    assert synced == ["a"]
+    file.append(b"2")
+    file.close()
+    assert synced == ["a", "a"]
+
+
+def test_trial_is_on_the_medium_before_the_next_begins(tmp_path: Path, synced: list[str]) -> None:
+    table = TrialTable(tmp_path / "trials.csv")
+    table.append({"trial": 0})  # a new column: written anew and synced by write_atomically
+    synced.clear()
+    table.append({"trial": 1})
+    assert synced == ["trials.csv"]
+
+
+def test_recorder_syncs_its_streams_every_second(tmp_path: Path, synced: list[str]) -> None:
+    memory, outbox = SessionMemory(), Outbox()
+    session = _Session(memory, Inbox(outbox.reader), RecorderStatus(), tmp_path, 0)
+    second = 1_000_000_000
+    session.step(second)
+    for pushed, now in enumerate((second + second // 2, 2 * second + 1, 2 * second + second // 2, 3 * second + 2)):
+        synced.clear()
+        push_ticks(memory, 100 * pushed, 100)
+        outbox.send(LINE, b'{"source":"app","kind":"note"}')
+        session.step(now)
+        assert set(synced) == ({"haptic.arrows", "haptic.arrows.idx", "events.jsonl"} if pushed % 2 else set())
+    synced.clear()
+    push_ticks(memory, 400, 50)
+    session.step(3 * second + 3)
+    assert synced == []
+    session.finish()
+    assert {"haptic.arrows", "haptic.arrows.idx", "parameters.arrows"} <= set(synced)
+
+
+def test_every_file_of_a_run_is_its_users_alone(tmp_path: Path) -> None:
+    """Whatever the umask: what the recorder, the report and a recovery write."""
+    before = os.umask(0)
+    try:
+        folder = create_run_folder(tmp_path / "runs")
+        memory = SessionMemory()
+        recorder = Recorder(memory, folder, {"seed": 1})
+        recorder.start()
+        push_ticks(memory, 0, 1200)
+        trip = np.zeros(1, EVENT)
+        trip["kind"], trip["tick"] = EventKind.TRIP, 1100
+        ring.push(memory.recorder_event_words, memory.recorder_events, trip)
+        recorder.trial({"trial": 0})
+        while_it_runs = {path.name: path.stat().st_mode & 0o777 for path in folder.iterdir()}
+        recorder.close({})
+        write_statics(folder, Statics({"paths": np.arange(3.0)}, ()))
+        write_report(folder)
+        (folder / "manifest.json").unlink()
+        with (folder / "events.jsonl").open("ab") as file:
+            file.write(b"torn")
+        recover(folder)
+        with private_files():
+            (folder / "a picture.png").touch()
+            (folder / "pictures").mkdir()
+    finally:
+        os.umask(before)
+    assert ".reserve" in while_it_runs and set(while_it_runs.values()) == {0o600}
+    assert folder.stat().st_mode & 0o777 == 0o700
+    modes = {path: path.stat().st_mode & 0o777 for path in folder.rglob("*")}
+    assert {path.name for path in modes} >= {*FILES.values(), "trips", "trip_000.arrows", "events.jsonl.damaged"}
+    assert all(mode == (0o700 if path.is_dir() else 0o600) for path, mode in modes.items()), modes
 
 
 # the channel
@@ -403,8 +531,8 @@ def test_two_recordings_of_the_same_have_the_same_hash(tmp_path: Path) -> None:
         assert session["array"] == [0, 1, 2] and session["bad"] is None and "numpy" in session["versions"]
         assert not (folder / ".reserve").exists()
     assert hashes[0] == hashes[1]
-    with pytest.raises(UsageError, match="nothing to recover"):
-        recover(tmp_path / "a")
+    recovery = recover(tmp_path / "a")
+    assert recovery.mended == () and recovery.verdict.whole and recovery.verdict.status == "clean"
     with (tmp_path / "a" / "trials.csv").open("a") as file:
         file.write("1,2,\n")
     assert len(Run.open(tmp_path / "a").disagreements()) == 2

@@ -164,6 +164,39 @@ def test_box_on_a_slope_holds_within_the_cone_and_slides_by_it():
             assert gained / 0.5 == pytest.approx(9.81 * (math.sin(angle) - 0.4 * math.cos(angle)), rel=0.01)
 
 
+@pytest.mark.parametrize("on_body", [False, True])
+def test_box_between_both_cones_stays_where_it_rests_and_slides_on_once_it_slides(on_body):
+    """Gravity leans over to 0.45: what rests hangs on mu_s = 0.5; pushed off it runs ever faster, by g (0.45 - mu_d).
+
+    On the static scene, and on another body, which is held.
+    """
+    moved = []
+    for pushed in (False, True):
+        play = new_play()
+        slab = {"position": (0.0, -0.1, 0.0)}
+        if on_body:
+            play.add_box((8.0, 0.2, 1.0), 50.0, surface={**SOLID, **ROUGH}, flags=0, **slab)
+        else:
+            play.add_shape(ShapeKind.BOX, (8.0, 0.2, 1.0), **slab, **SOLID, **ROUGH)
+        k = play.add_box((0.04, 0.02, 0.04), surface={**SOLID, **ROUGH}, position=(0.0, 0.0099, 0.0), gravity=GRAVITY)
+        body = play.rows.bodies[k]
+        for lean in np.linspace(0.0, 0.45, 46):  # a step of load would swing beyond the cone
+            body["gravity"] = (lean * 9.81, -9.81, 0.0)
+            play.run(10)
+        play.run(1500)
+        if pushed:
+            body["gravity"] = (3.0 * 9.81, -9.81, 0.0)
+            play.run(20)
+            body["gravity"] = (0.45 * 9.81, -9.81, 0.0)
+            play.run(100)
+        speed = play.motions[k]["velocity"][0]
+        play.run(500)
+        moved.append((speed, (play.motions[k]["velocity"][0] - speed) / 0.5))
+    assert abs(moved[0][0]) < 1e-6 and abs(moved[0][1]) < 1e-6
+    assert moved[1][0] > 0.2
+    assert moved[1][1] == pytest.approx(9.81 * (0.45 - 0.4), rel=0.02)
+
+
 @pytest.mark.parametrize("kind, factor", [(ShapeKind.SPHERE, 5.0 / 7.0), (ShapeKind.CYLINDER, 2.0 / 3.0)])
 def test_round_bodies_roll_down_a_slope(kind, factor):
     """Down a box by g sin / (1 + I/(m r^2)): 5/7 of a ball, 2/3 of a cylinder, which meets the face by its line."""

@@ -157,6 +157,18 @@ def test_karnopp_holds_the_load_slides_at_the_cone_and_breaks_away():
     assert force.tolist() == [0.0, 0.0]
 
 
+def test_karnopp_between_both_cones_holds_what_rests_and_not_what_slides():
+    """13.5 N lie between the 12 N of sliding and the 15 N of rest."""
+    state, force = fresh(), np.zeros(1)
+    load = np.array([0.45 * NORMAL])
+    karnopp(np.zeros(1), load, NORMAL, MU, 0.5, THRESHOLD, state, force)
+    assert force[0] == -load[0] and state["sticking"] == 1
+    karnopp(np.array([2.0 * THRESHOLD]), load, NORMAL, MU, 0.5, THRESHOLD, state, force)
+    assert force[0] == pytest.approx(-CONE) and state["sticking"] == 0
+    karnopp(np.zeros(1), np.array([0.55 * NORMAL]), NORMAL, MU, 0.5, THRESHOLD, state, force)
+    assert force[0] == pytest.approx(-CONE) and state["sticking"] == 0, "broken away it slides"
+
+
 def slide(law, speed, dt, ticks=4000, mu_static=0.6, s0=1e5):
     """Force [N] after sliding at one speed under LuGre."""
     state, force = fresh(), np.zeros(1)

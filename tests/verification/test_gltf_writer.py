@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mimics_app.builders.kit.png_writer import write_indexed_png
 from mimics_app.world.gltf.file import load_gltf
 from mimics_app.world.gltf.writer import GltfWriter, MeshPart
-from mimics_app.world.png_writer import write_indexed_png
 
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0]], np.float32)
 

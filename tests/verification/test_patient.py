@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.haptic import Controller, SafetyState
+from mimics_app.contracts.loop_ports import DATA_LENGTH, INBOX_ACTIVE, INBOX_LENGTH, INBOX_TRIAL
 from mimics_app.rendering.haptic.devices.patients import PRESETS, impairment_of, lay_way, write_arm
+from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.kernels import arm
 from mimics_app.rendering.haptic.kernels.noise import gauss, seed_noise, uniform
-from mimics_app.world.components.robot import Patient
+from mimics_app.world.components.robot import Patient, Robot
 from tests.support.haptic_bench import patient_bench
 
 SEEDS = (1, 2, 3)
@@ -58,6 +60,52 @@ def test_presets_are_in_order(runs, measure: str):
 def test_seeds_differ_and_repeat(runs):
     assert len({row["error"] for row in runs["healthy"]}) == len(SEEDS)
     assert _travel("healthy", 2) == runs["healthy"][1]
+
+
+def _pull(seed: int, preset: str = "moderate", device: str = "simulated_hapticmaster") -> np.ndarray:
+    """Force of the hand on the handle [N], robot frame, for 4 s of a device without noise that stands still."""
+    way = np.array([[0.0, 0.0, 0.0], [0.15, 0.1, 0.0]])
+    robot = Robot(device=device, sensor_noise=0.0, sensor_quantum=0.0)
+    plugin = build_device(robot, Patient(preset=preset), way, seed)
+    person = plugin.memory[-arm.ARM_LENGTH :]
+    inbox, data, pulls = np.zeros(INBOX_LENGTH), np.zeros(DATA_LENGTH), np.zeros((4000, 3))
+    inbox[INBOX_ACTIVE] = inbox[INBOX_TRIAL] = 1.0
+    for tick in range(len(pulls)):
+        plugin.read(plugin.memory, inbox, data, tick)
+        pulls[tick] = person[arm.GRIP_FORCE : arm.GRIP_FORCE + 3]
+    return pulls
+
+
+@pytest.mark.parametrize("device", ["simulated_hapticmaster", "simulated_impedance"])
+def test_the_seed_is_the_persons_and_not_only_the_sensors(device):
+    """Without any noise of the robot: another seed is another person's run, the same one repeats it bit for bit."""
+    one, again, other = _pull(1, device=device), _pull(1, device=device), _pull(2, device=device)
+    assert one.tobytes() == again.tobytes()
+    assert np.abs(one - other).max() > 0.5
+
+
+def _shaken(preset: str, hz: float) -> complex:
+    """Impedance of a relaxed hand [N s/m]: its force at the handle over the handle's velocity, at one pitch."""
+    memory, ticks, dt = np.zeros(arm.ARM_LENGTH), 8000, 1e-4
+    write_arm(memory, impairment_of(Patient(preset=preset)), np.zeros((0, 3)), intent=False)
+    handle, turns = np.zeros(6), np.exp(2j * np.pi * hz * dt * np.arange(ticks))
+    forces = np.zeros(ticks)
+    for t, turn in enumerate(turns):
+        handle[0], handle[3] = 1e-3 * turn.imag, 1e-3 * 2.0 * np.pi * hz * turn.real
+        arm.step_arm(memory, handle, False, 0.0, np.zeros(3), 0.0, dt)
+        forces[t] = memory[arm.GRIP_FORCE]
+    late = slice(ticks // 2, None)  # whole turns, after what the start stirred up
+    return complex(-2.0 * np.mean(forces[late] * turns[late].conj()) / (1e-3 * 2.0 * np.pi * hz))
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+def test_a_hand_weighs_what_an_arm_weighs(preset):
+    """Shaken at 5 Hz through its grip: Z = 1 / (1/Z_grip + 1/(i w m + b_relaxed)); the schema says 0.5 to 2.5 kg."""
+    w = 2.0 * np.pi * 5.0
+    through_grip = 50.0 + 4000.0 / (1j * w)
+    shaken = 1.0 / (1.0 / _shaken(preset, 5.0) - 1.0 / through_grip)
+    assert shaken.imag / w == pytest.approx(PRESETS[preset].arm_mass, rel=0.02)
+    assert 0.5 <= shaken.imag / w <= 2.5
 
 
 def test_minimum_jerk_profile():

@@ -9,6 +9,9 @@ from mimics_app.app.terminal.arguments import real_number, whole_number
 
 __all__ = ["add_arguments", "run"]
 
+_SIDES = 6
+"""From how many sides a model that was built is drawn."""
+
 _seed = whole_number("whole number", range(2**63))
 _share = real_number("share between 0 and 1", lambda share: 0.0 < share < 1.0)
 _pixels = real_number("number of pixels between 0 and 1000", lambda pixels: 0.0 < pixels < 1000.0)
@@ -25,6 +28,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=_seed, default=1, help="the same seed makes the same bytes on any machine")
     parser.add_argument("--out", type=Path, default=Path("."), metavar="DIR", help="folder of the files")
     parser.add_argument(
+        "--picture", type=Path, metavar="PNG", help="of build: draw the models built, each from six sides"
+    )
+    parser.add_argument(
         "--shares", type=_share, nargs="+", metavar="SHARE", help="of levels: of the triangles, falling (0.5 0.2 0.06)"
     )
     parser.add_argument("--pixels", type=_pixels, default=1.0, help="of levels: largest error seen [px]")
@@ -36,8 +42,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _list(args: argparse.Namespace) -> int:
-    from mimics_app.app.installation.asset_builders import find_builders
     from mimics_app.app.terminal import output
+    from mimics_app.builders.catalogue import find_builders
 
     builders = find_builders()
     if args.json:
@@ -54,7 +60,7 @@ def _levels(args: argparse.Namespace) -> int:
 
     from mimics_app.app.terminal import output
     from mimics_app.contracts.errors import UsageError
-    from mimics_app.world.gltf.level_writer import SHARES, write_levels
+    from mimics_app.world.simplify.level_writer import SHARES, write_levels
 
     file = Path(args.name)
     if not args.name:
@@ -76,13 +82,15 @@ def _levels(args: argparse.Namespace) -> int:
 
 
 def _build(args: argparse.Namespace) -> int:
-    from mimics_app.app.installation.asset_builders import find_builder
     from mimics_app.app.terminal import output
+    from mimics_app.builders.catalogue import find_builder
     from mimics_app.contracts.errors import UsageError
 
     if not args.name:
         raise UsageError("build what?", "mimics assets list names what can be built")
-    files = find_builder(args.name).build(args.out, args.seed)
+    files = find_builder(args.name).write(args.out, args.seed)
+    if args.picture is not None:
+        _draw(args.name, files, args.picture)
     if args.json:
         rows = [{"file": file, "bytes": file.stat().st_size, "sha256": _digest(file)} for file in files]
         output.write_object("assets", {"name": args.name, "seed": args.seed, "files": rows})
@@ -90,6 +98,17 @@ def _build(args: argparse.Namespace) -> int:
     for file in files:
         print(f"{file}: {file.stat().st_size} bytes, sha256 {_digest(file)}")
     return 0
+
+
+def _draw(name: str, files: list[Path], picture: Path) -> None:
+    from mimics_app.app.viewer.sheet import draw_models
+    from mimics_app.app.viewer.shown import MODEL_SUFFIXES
+    from mimics_app.contracts.errors import UsageError
+
+    models = [file for file in files if file.suffix in MODEL_SUFFIXES]
+    if not models:
+        raise UsageError(f"nothing of {name} is a model", "its files themselves are to be looked at or listened to")
+    draw_models(models, picture, sides=_SIDES)
 
 
 def _digest(file: Path) -> str:

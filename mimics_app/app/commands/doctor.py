@@ -22,6 +22,7 @@ _PACKAGES = (
     "llvmlite",
     "moderngl",
     "glfw",
+    "jinja2",
     "pyrr",
     "trimesh",
     "PyOpenAL",

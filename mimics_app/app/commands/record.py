@@ -25,29 +25,32 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Do what is asked; 0, or 6 when parts of the recording are missing or changed."""
+    """Do what is asked; 0, or 6 when parts of the recording are missing, damaged or changed."""
     from mimics_app.recording.run import Run
+    from mimics_app.recording.verdict import judge
 
+    mended: dict[str, Any] = {}
     if args.action == "recover":
         from mimics_app.recording.recover import recover
 
-        recover(args.folder)
-    opened = Run.open(args.folder)
-    answer = _describe(opened)
-    wrong = list(opened.problems())
+        recovery = recover(args.folder)
+        opened, verdict = Run.open(args.folder), recovery.verdict
+        mended = {"mended": list(recovery.mended)}
+    else:
+        opened = Run.open(args.folder)
+        verdict = judge(opened)
+    answer = {**_describe(opened), **mended}
     if args.action == "verify":
-        wrong += opened.disagreements()
-        answer["verified"] = opened.manifest is not None and not wrong
-    answer["problems"] = wrong
+        answer["verified"] = opened.manifest is not None and verdict.whole
+    answer["problems"] = list(verdict.problems)
     if args.json:
         from mimics_app.app.terminal.output import write_object
 
         write_object("record", {"action": args.action, **answer})
     else:
-        lines = _verdict(opened, wrong) if args.action == "verify" else _lines(answer)
+        lines = _verdict(opened, answer["problems"]) if args.action == "verify" else _lines(answer)
         sys.stdout.write("".join(f"{name:14} {text}\n" for name, text in lines))
-    bad = opened.disagreements() if args.action == "recover" else wrong
-    return PartialDataError.exit_code if bad else 0
+    return 0 if verdict.whole else PartialDataError.exit_code
 
 
 def _describe(opened: Run) -> dict[str, Any]:
@@ -79,4 +82,6 @@ def _verdict(opened: Run, wrong: list[str]) -> list[tuple[str, str]]:
 
 def _lines(answer: dict[str, Any]) -> list[tuple[str, str]]:
     plain = [(name, str(item)) for name, item in answer.items() if not isinstance(item, list)]
+    if "mended" in answer:
+        plain.append(("mended", ", ".join(answer["mended"]) or "nothing: there is nothing to recover"))
     return plain + [("problem", problem) for problem in answer["problems"]]

@@ -26,8 +26,8 @@ def run(args: argparse.Namespace) -> int:
     recorded = Run.open(args.run_folder)
     say_if_cold()
     from mimics_app.contracts.errors import PartialDataError
-    from mimics_app.recording.replay import compare, gather
-    from mimics_app.rendering.haptic.replay import replay_ticks
+    from mimics_app.recording.replay import compare, compare_events, gather
+    from mimics_app.rendering.haptic.replay import replay_run
 
     data = gather(recorded)
     statics = None
@@ -35,15 +35,17 @@ def run(args: argparse.Namespace) -> int:
         from mimics_app.rendering.haptic.object_statics import ObjectStatics
 
         statics = ObjectStatics.from_arrays(data.statics.arrays, data.statics.fields)
-    difference = compare(data.samples, replay_ticks(data.samples, data.blocks, data.rows, statics))
+    replayed = replay_run(data.samples, data.blocks, data.rows, statics)
+    end = recorded.end_of_ticks if recorded.status == "clean" else recorded.last_event_tick
+    difference = compare(data.samples, replayed.samples) or compare_events(recorded.events, replayed.events, end)
     if difference is not None:
         raise PartialDataError(
             f"{args.run_folder} replays differently: {difference}",
             "its inputs were changed, or another version or machine recorded it",
         )
-    ticks = len(data.samples)
+    ticks, events = len(data.samples), len(recorded.events)
     if args.json:
-        output.write_object("replay", {"run_dir": args.run_folder, "ticks": ticks, "equal": True})
+        output.write_object("replay", {"run_dir": args.run_folder, "ticks": ticks, "events": events, "equal": True})
     else:
-        print(f"{ticks} ticks replayed, every output equal bit for bit")
+        print(f"{ticks} ticks replayed, every output and {events} events equal bit for bit")
     return 0

@@ -1,3 +1,3 @@
-"""What is installed here and what the machine can do: plug-ins, builders of assets, system packages, drivers."""
+"""What is installed here and what the machine can do: plug-ins, system packages, drivers."""
 
 __all__: list[str] = []

@@ -26,6 +26,7 @@ from mimics_app.contracts.errors import DeviceError, PartialDataError, SafetySto
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.recording.manifest import Manifest
 from mimics_app.recording.report import write_report
+from mimics_app.recording.run_folder import private_files
 
 __all__ = ["play"]
 
@@ -44,7 +45,7 @@ def play(settings: RunSettings, *, as_json: bool) -> int:
     """
     started = MonotonicClock().now_ns()
     windowed = not settings.headless and has_display()
-    with build_session(settings, live=windowed) as session, _told_where(session):
+    with private_files(), build_session(settings, live=windowed) as session, _told_where(session):
         frames = Frames(session)
         if not (windowed or settings.headless):
             sys.stderr.write(f"mimics: no display: {_WHO_PLAYS[session.live]}\n")

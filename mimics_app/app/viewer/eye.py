@@ -7,10 +7,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.maths.mat import look_at
 from mimics_app.rendering.visual.displays.desktop import compute_tangents
 from mimics_app.rendering.visual.surfaces.surface import Size
 from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.camera import Camera
 from mimics_app.world.extent import Extent
 
@@ -65,7 +65,7 @@ class ViewerEye:
     @property
     def pose(self) -> F8:
         """world_from_eye, float64 [4, 4]."""
-        return look_at(self.position, self.target)
+        return compose_look_at(self.position, self.target)
 
     def view(self, size: Size) -> View:
         """What it sees on a surface of a size [px]."""

@@ -24,7 +24,7 @@ from mimics_app.rendering.visual.view import View
 from mimics_app.world.environment import Sky
 from mimics_app.world.world import World
 
-__all__ = ["Sheet", "Tile", "draw_sheet", "models_in"]
+__all__ = ["Sheet", "Tile", "draw_models", "draw_sheet", "models_in"]
 
 U1 = NDArray[np.uint8]
 
@@ -35,7 +35,7 @@ _GAP = 6
 _GROUND = (22, 24, 28)
 _WALL = (0.035, 0.035, 0.042)
 """Sky behind a reason, linear RGB."""
-_MOST_MODELS = 1000
+_MOST_TILES = 1000
 _SCALE = 1.8
 """Of the letters on a tile."""
 _RAISED, _BACK = 0.11, -1.9
@@ -88,22 +88,33 @@ def draw_sheet(folder: Path, output: Path, *, backend: str = "auto") -> Sheet:
         UsageError: there are more than a sheet can hold.
         DeviceError: the context cannot be had.
     """
+    return draw_models(models_in(folder), output, backend=backend)
+
+
+def draw_models(models: Sequence[Path], output: Path, *, sides: int = 1, backend: str = "auto") -> Sheet:
+    """Draw models onto one PNG; with several sides each is a row, and turned about its height from tile to tile.
+
+    Raises:
+        UsageError: there are more than a sheet can hold.
+        DeviceError: the context cannot be had.
+    """
     from PIL import Image
 
-    models = models_in(folder)
-    if len(models) > _MOST_MODELS:
-        raise UsageError(f"{len(models)} models do not go on a sheet of {_MOST_MODELS}", "give a folder below it")
+    if len(models) * sides > _MOST_TILES:
+        raise UsageError(f"{len(models)} models do not go on a sheet of {_MOST_TILES}", "give a folder below it")
     output.parent.mkdir(parents=True, exist_ok=True)
     surface = open_offscreen(backend, TILE)
     press = _Press(surface)
     tiles, pictures = [], []
     for file in models:
-        tiles.append(press.print(file))
-        pictures.append(read_pixels(surface)[..., :3])
+        for side in range(sides):
+            tile = press.print(file, 2.0 * math.pi * side / sides)
+            pictures.append(read_pixels(surface)[..., :3])
+        tiles.append(tile)
     sheet = Sheet(output, tiles, surface.backend, surface.driver)
     press.release()
     surface.close()
-    Image.fromarray(_laid_out(pictures)).save(output, optimize=True)
+    Image.fromarray(_laid_out(pictures, sides)).save(output, optimize=True)
     return sheet
 
 
@@ -117,8 +128,8 @@ class _Press:
         wall.environment = Sky(_WALL, _WALL, _WALL, 0.0)
         self._wall = Renderer(surface, wall, RenderSettings(msaa=0, shadow_size=0, fog_density=0.0))
 
-    def print(self, file: Path) -> Tile:
-        """Draw a model, or why it cannot be drawn."""
+    def print(self, file: Path, turn: float = 0.0) -> Tile:
+        """Draw a model, turned about its height [rad], or why it cannot be drawn."""
         try:
             shown = open_shown(file)
         except SceneError as error:
@@ -128,6 +139,7 @@ class _Press:
             self._print_reason(file.name, "nothing to see", [Issue("", "", "no mesh in its scene")])
             return Tile(file, [], empty=True)
         stage = self._put_on(shown)
+        stage.eye.yaw += turn
         stage.eye.pan(0.0, _RAISED * TILE[1], TILE[1])
         stage.eye.zoom(_BACK)
         hud = stage.renderer.hud
@@ -159,10 +171,12 @@ class _Press:
         self._wall.draw_finished([View(np.eye(4), compute_tangents(1.0, TILE), (0, 0, *TILE))])
 
 
-def _laid_out(pictures: Sequence[U1]) -> U1:
-    """Tiles in rows, about half as wide again as high."""
+def _laid_out(pictures: Sequence[U1], sides: int) -> U1:
+    """Tiles in rows: of one model each where there are several sides, else about half as wide again as high."""
     width, height = TILE
-    columns = min(len(pictures), max(1, round(math.sqrt(1.5 * len(pictures) * height / width))))
+    columns = (
+        min(len(pictures), max(1, round(math.sqrt(1.5 * len(pictures) * height / width)))) if sides == 1 else sides
+    )
     rows = -(-len(pictures) // columns)
     sheet = np.empty((rows * (height + _GAP) + _GAP, columns * (width + _GAP) + _GAP, 3), np.uint8)
     sheet[:] = _GROUND

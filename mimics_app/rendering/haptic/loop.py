@@ -47,10 +47,9 @@ from mimics_app.rendering.haptic.kernels.safety import (
     is_stopped,
 )
 from mimics_app.rendering.haptic.kernels.stability import follow_period
-from mimics_app.rendering.haptic.kernels.state import STATE
 from mimics_app.rendering.haptic.kernels.tick import tick
 from mimics_app.rendering.haptic.kernels.vectors import rotate_back
-from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROW_STACK, SIMULATE, ObjectWork
+from mimics_app.rendering.haptic.objects import ROW_STACK, SIMULATE
 
 __all__ = ["advance_ticks", "late_class", "replay_recorded", "run_live"]
 
@@ -253,54 +252,49 @@ def run_live(
 
 @typed_kernel(
     types.int64(
+        CHANNELS,
+        WORK,
         from_dtype(SCENE)[::1],
         ROW_STACK,
         types.int64[::1],
         from_dtype(SAMPLE)[::1],
-        from_dtype(STATE)[::1],
-        OBJECT_WORK,
         _SIMULATE,
         FIELDS,
-        types.float64[::1],
-        types.float64[::1],
-        types.float64,
+        types.int64,
         from_dtype(SAMPLE)[::1],
     )
 )
 def replay_recorded(
+    channels: Channels,
+    work: Work,
     scenes: NDArray[Any],
     stack: Rows,
     which: NDArray[np.int64],
     inputs: NDArray[Any],
-    states: NDArray[Any],
-    objects: ObjectWork,
     simulate: Simulate,
     fields: Fields,
-    data: Vec,
-    command: Vec,
-    dt: float,
+    period_ns: int,
     outputs: NDArray[Any],
 ) -> int:
-    """Run the tick over recorded inputs.
+    """Run the tick over recorded inputs and tell its events.
 
     Args:
+        channels: Arrays of a session of its own; the events go to their rings.
+        work: Arrays of the loop, advanced.
         scenes: SCENE blocks, shape [m].
         stack: Tables of objects beside each of them, shape [m, capacity].
         which: Index of each tick's block, shape [n].
         inputs: SAMPLE rows, shape [n]; only the inputs of each are used.
-        states: STATE record to advance, shape [1].
-        objects: Working arrays of the objects, advanced.
         simulate: The objects' part of the tick.
         fields: Force fields of the objects.
-        data: Scratch, shape [DATA_LENGTH].
-        command: Scratch, shape [COMMAND_LENGTH].
-        dt: Tick [s].
+        period_ns: Tick [ns].
         outputs: SAMPLE rows out, shape [n]; timing fields are zero.
 
     Returns:
         Ticks done.
     """
-    stack, objects = borrowed(stack), borrowed(objects)
+    channels, work, stack = borrowed(channels), borrowed(work), borrowed(stack)
+    state, data = work.state[0], work.data
     for k in range(inputs.shape[0]):
         row = inputs[k]
         for i in range(3):
@@ -318,19 +312,20 @@ def replay_recorded(
         tick(
             scene,
             rows,
-            objects,
+            work.objects,
             simulate,
             fields,
-            states[0],
+            state,
             data,
             status,
             stop_word,
             held,
             row.period_s,
-            dt,
-            command,
+            period_ns * 1e-9,
+            work.command,
             out,
         )
+        announce_events(channels, work, rows, scene.objects, state.tick * period_ns)
         out.lateness_ns = 0.0
         out.duration_ns = 0.0
     return inputs.shape[0]

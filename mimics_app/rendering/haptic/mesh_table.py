@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mimics_app.rendering.haptic.kernels.objects.records import MESH
 
-__all__ = ["MESH_TABLE", "MeshTable", "build_mesh_table"]
+__all__ = ["MESH_TABLE", "MeshTable", "box_tree", "build_mesh_table", "curve_order", "sharp_sides"]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int32]
@@ -76,12 +76,12 @@ def build_mesh_table(
     carried = hulls or {}
     for number, (row, (vertices, triangles)) in enumerate(zip(rows, meshes, strict=True)):
         points, corners = _clean(np.asarray(vertices, float), np.asarray(triangles, np.int64))
-        corners = corners[_curve_order(points[corners].mean(axis=1))]
+        corners = corners[curve_order(points[corners].mean(axis=1))]
         neighbours = _neighbours(corners)
         if not (neighbours < 0).any() and _volume(points, corners) < 0.0:
             corners = corners[:, ::-1].copy()
             neighbours = _neighbours(corners)
-        boxes = _tree(points[corners])
+        boxes = box_tree(points[corners])
         row["first_triangle"], row["triangles"], row["first_node"] = triangle, len(corners), node
         row["leaves"], row["closed"] = (len(boxes) + 1) // 2, not (neighbours < 0).any()
         row["first_hull"], row["hull_corners"] = hull, len(carried.get(number, ()))
@@ -151,17 +151,34 @@ def _neighbours(corners: NDArray[np.int64]) -> NDArray[np.int64]:
     return found.reshape(-1, 3)
 
 
-def _sharp_edges(points: Array, corners: NDArray[np.int64], neighbours: NDArray[np.int64]) -> Array:
-    """Both ends of the edges at which a mesh turns outward by more than 20 degrees, shape [edges, 6]."""
+def sharp_sides(
+    points: Array, corners: NDArray[np.integer], neighbours: NDArray[np.integer]
+) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
+    """The edges at which a mesh turns outward by more than 20 degrees, each once.
+
+    Args:
+        points: Shape [vertices, 3] [m].
+        corners: Rows of `points`, shape [triangles, 3].
+        neighbours: Triangle across the edge from each corner to the next, -1: none, shape [triangles, 3].
+
+    Returns:
+        (triangle of each edge, corner of it at which the edge begins, unit normals of all triangles).
+    """
     a, b, c = (points[corners[:, i]] for i in range(3))
     normals = np.cross(b - a, c - a)
     normals /= np.linalg.norm(normals, axis=1)[:, None]
     triangle, side = np.nonzero(neighbours > np.arange(len(corners))[:, None])  # each edge once
     other = neighbours[triangle, side]
-    ends = points[corners[triangle, side]], points[corners[triangle, (side + 1) % 3]]
     turned = np.einsum("ij,ij->i", normals[triangle], normals[other]) < _SHARP
-    falls = np.einsum("ij,ij->i", normals[triangle], points[corners[other]].mean(axis=1) - ends[0]) < 0.0
-    return np.hstack(ends)[turned & falls]
+    begin = points[corners[triangle, side]]
+    falls = np.einsum("ij,ij->i", normals[triangle], points[corners[other]].mean(axis=1) - begin) < 0.0
+    return triangle[turned & falls], side[turned & falls], normals
+
+
+def _sharp_edges(points: Array, corners: NDArray[np.int64], neighbours: NDArray[np.int64]) -> Array:
+    """Both ends of the sharp edges of a mesh, shape [edges, 6]."""
+    triangle, side, _ = sharp_sides(points, corners, neighbours)
+    return np.hstack([points[corners[triangle, side]], points[corners[triangle, (side + 1) % 3]]])
 
 
 def _volume(points: Array, corners: NDArray[np.int64]) -> float:
@@ -170,7 +187,7 @@ def _volume(points: Array, corners: NDArray[np.int64]) -> float:
     return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum()) / 6.0
 
 
-def _curve_order(points: Array) -> NDArray[np.int64]:
+def curve_order(points: Array) -> NDArray[np.int64]:
     """Order of points along a Morton curve: neighbours in it are near one another."""
     low = points.min(axis=0)
     cells = (points - low) / max(float(np.ptp(points, axis=0).max()), 1e-300) * ((1 << _CURVE_BITS) - 1)
@@ -182,7 +199,7 @@ def _curve_order(points: Array) -> NDArray[np.int64]:
     return np.argsort(keys, kind="stable")
 
 
-def _tree(triangles: Array) -> Array:
+def box_tree(triangles: Array) -> Array:
     """Boxes of the heap over triangles [n, 3, 3]: shape [2 leaves - 1, 6], leaves a power of two and at most n."""
     count = len(triangles)
     leaves = 1

@@ -39,6 +39,7 @@ from mimics_app.rendering.haptic.kernels.objects.records import (
 from mimics_app.rendering.haptic.kernels.objects.totals import TOTALS
 from mimics_app.rendering.haptic.kernels.objects.touches import TOUCH
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
+from mimics_app.rendering.haptic.ridge_table import RidgeTable, build_ridge_table
 
 __all__ = ["OBJECT_WORK", "ROWS", "ROW_STACK", "SIMULATE", "ObjectWork", "load_simulation", "new_object_work"]
 
@@ -89,6 +90,7 @@ class ObjectWork(NamedTuple):
         scratch: SCRATCH, shape [1].
         still: MOTION of the static scene, shape [1]: zeros, but for forces nobody reads.
         meshes: Triangles by SHAPE.mesh; built before the loop starts.
+        ridges: Their sharp edges, likewise.
     """
 
     motions: Records
@@ -130,6 +132,7 @@ class ObjectWork(NamedTuple):
     scratch: Records
     still: Records
     meshes: MeshTable
+    ridges: RidgeTable
 
 
 def load_simulation() -> Callable[..., Any]:
@@ -143,6 +146,7 @@ def new_object_work(capacities: ObjectCapacities, meshes: MeshTable | None = Non
     """Fresh working arrays; `meshes` are those that SHAPE.mesh refers to, None: none."""
     shapes, bodies = capacities.shapes, capacities.bodies
     motions = np.zeros(bodies, MOTION)
+    triangles = build_mesh_table() if meshes is None else meshes
     return ObjectWork(
         motions=motions,
         point_positions=np.zeros((MAX_POINTS, 3)),
@@ -182,7 +186,8 @@ def new_object_work(capacities: ObjectCapacities, meshes: MeshTable | None = Non
         sweep=np.zeros(1, SWEEP),
         scratch=np.zeros(1, SCRATCH),
         still=np.zeros(1, MOTION),
-        meshes=build_mesh_table() if meshes is None else meshes,
+        meshes=triangles,
+        ridges=build_ridge_table(triangles),
     )
 
 

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import SAMPLE, SCENE
-from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_LENGTH
+from mimics_app.contracts import ring
+from mimics_app.contracts.haptic import EVENT, SAMPLE, SCENE
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, count_rows, new_rows, slot_of
-from mimics_app.rendering.haptic.kernels.state import new_state
+from mimics_app.contracts.session_memory import Capacities, SessionMemory
+from mimics_app.rendering.haptic.channels import channels_of, new_work
 from mimics_app.rendering.haptic.loop import replay_recorded
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, no_objects
 from mimics_app.rendering.haptic.objects import load_simulation, new_object_work
@@ -19,9 +21,21 @@ from mimics_app.rendering.haptic.objects import load_simulation, new_object_work
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.object_statics import ObjectStatics
 
-__all__ = ["replay_ticks"]
+__all__ = ["Replayed", "replay_run", "replay_ticks"]
 
 Records = NDArray[Any]
+
+_TICKS_AT_ONCE = 500
+_EVENTS = 1 << 16
+"""Room for the events of so many ticks: a power of two, and more than any scene tells."""
+
+
+@dataclass(frozen=True, slots=True)
+class Replayed:
+    """What a replay computed: SAMPLE rows, shape [n], with timing fields 0, and EVENT records, shape [m], in order."""
+
+    samples: Records
+    events: Records
 
 
 def replay_ticks(
@@ -32,6 +46,18 @@ def replay_ticks(
     *,
     period_ns: int = 1_000_000,
 ) -> Records:
+    """The samples of `replay_run`."""
+    return replay_run(inputs, scenes, rows, statics, period_ns=period_ns).samples
+
+
+def replay_run(
+    inputs: Records,
+    scenes: Mapping[int, Records],
+    rows: Mapping[int, Rows] | None = None,
+    statics: ObjectStatics | None = None,
+    *,
+    period_ns: int = 1_000_000,
+) -> Replayed:
     """Simulate recorded inputs again; equal bit for bit except for the timing fields.
 
     Args:
@@ -40,9 +66,6 @@ def replay_ticks(
         rows: The tables of objects beside them, by the same numbers; none where there are no objects.
         statics: What the objects were given once; None where they were given nothing.
         period_ns: Length of a tick [ns].
-
-    Returns:
-        SAMPLE rows, shape [n]; `lateness_ns` and `duration_ns` are 0.
 
     Raises:
         KeyError: An input names a sequence that is not in `scenes` (0, before the first block, is known), or objects
@@ -59,22 +82,29 @@ def replay_ticks(
         if any(count_rows(blocks[i]["objects"]).values()):
             slot_of(stack, i, (rows or {})[number], blocks[i]["objects"])
     which = np.searchsorted(np.array(numbers, np.int64), inputs["sequence"].astype(np.int64)).astype(np.int64)
-    outputs = np.zeros(inputs.shape[0], SAMPLE)
-    replay_recorded(
-        blocks,
-        stack,
-        which,
-        np.ascontiguousarray(inputs),
-        new_state(),
-        new_object_work(capacities) if statics is None else statics.work(capacities),
-        load_simulation() if rows else no_objects,
-        NO_FIELDS if statics is None else statics.functions(),
-        np.zeros(DATA_LENGTH),
-        np.zeros(COMMAND_LENGTH),
-        period_ns * 1e-9,
-        outputs,
-    )
-    return outputs
+    memory = SessionMemory(Capacities(capacities, samples=1, events=_EVENTS, lateness_bins=1))
+    channels = channels_of(memory)
+    work = new_work(new_object_work(capacities) if statics is None else statics.work(capacities))
+    simulate = load_simulation() if rows else no_objects
+    fields = NO_FIELDS if statics is None else statics.functions()
+    inputs, outputs = np.ascontiguousarray(inputs), np.zeros(inputs.shape[0], SAMPLE)
+    events: list[Records] = []
+    for start in range(0, len(inputs), _TICKS_AT_ONCE):
+        part = slice(start, start + _TICKS_AT_ONCE)
+        replay_recorded(
+            channels, work, blocks, stack, which[part], inputs[part], simulate, fields, period_ns, outputs[part]
+        )
+        events.append(_taken(memory))
+    return Replayed(outputs, np.concatenate([np.zeros(0, EVENT), *events]))
+
+
+def _taken(memory: SessionMemory) -> Records:
+    """The events that wait for the recorder, taken out of their ring."""
+    words = memory.recorder_event_words
+    block = np.zeros(_EVENTS, EVENT)
+    count = ring.peek(words, memory.recorder_events, block)
+    ring.release(words, count)
+    return block[:count]
 
 
 def _room_for(blocks: Records, paths: int) -> ObjectCapacities:

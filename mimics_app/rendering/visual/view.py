@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import UsageError
+from mimics_app.rendering.visual.view_matrices import Tangents, compose_clip_from_view
 
-__all__ = ["Rect", "Tangents", "View", "compose_clip_from_view", "compute_frustum_planes", "tilt_near_plane"]
+__all__ = ["Rect", "View", "compute_frustum_planes", "tilt_near_plane"]
 
 F8 = NDArray[np.float64]
-Tangents = tuple[float, float, float, float]
 Rect = tuple[int, int, int, int]
 
 
@@ -25,7 +25,7 @@ class View:
         tangents: Of the frustum's edges: left, right, bottom, top (left < right, bottom < top, of any sign).
         rectangle: Where on the surface: x, y of the lower left corner, width, height [px].
         near: Distance of the near plane [m], > 0.
-        far: Distance of the far plane [m], > near.
+        far: Distance of the far plane [m], > near; may be infinite.
         screen: Which physical screen the picture belongs to; views of one screen share their heads-up display.
         clip_plane: World plane before which alone things are seen, unit normal and offset, float64 [4]; None: the near
             plane. The eye is behind it.
@@ -98,29 +98,6 @@ class View:
         return self.eye_world, self.world_from_eye[:3, :3] @ np.array([x, y, -1.0])
 
 
-def compose_clip_from_view(tangents: Tangents, near: float, far: float) -> F8:
-    """Off-axis perspective from the view frame (camera along -z) to GL clip space (Kooima 2008).
-
-    Args:
-        tangents: Left, right, bottom, top.
-        near: [m], > 0.
-        far: [m], > near.
-
-    Returns:
-        Matrix for column vectors, float64 [4, 4]; depth -1 at `near`, 1 at `far`.
-    """
-    left, right, bottom, top = tangents
-    width, height, depth = right - left, top - bottom, far - near
-    return np.array(
-        [
-            [2.0 / width, 0.0, (right + left) / width, 0.0],
-            [0.0, 2.0 / height, (top + bottom) / height, 0.0],
-            [0.0, 0.0, -(far + near) / depth, -2.0 * far * near / depth],
-            [0.0, 0.0, -1.0, 0.0],
-        ]
-    )
-
-
 def tilt_near_plane(clip_from_eye: F8, plane: F8) -> F8:
     """A projection with another near plane, which cuts off nothing else of what is before it (Lengyel 2005).
 
@@ -148,8 +125,11 @@ def compute_frustum_planes(clip_from_world: F8) -> F8:
         clip_from_world: Projection, float64 [4, 4].
 
     Returns:
-        Unit normal and offset per plane, float64 [6, 4]; a point p is inside where normal . p + offset >= 0.
+        Unit normal and offset per plane, float64 [6, 4]; a point p is inside where normal . p + offset >= 0. Of a far
+        plane at infinity the normal is 0.
     """
     last = clip_from_world[3]
     planes = np.stack([last + sign * row for row in clip_from_world[:3] for sign in (1.0, -1.0)])
-    return np.asarray(planes / np.linalg.norm(planes[:, :3], axis=1, keepdims=True))
+    lengths = np.linalg.norm(planes[:, :3], axis=1, keepdims=True)
+    # A far plane at infinity has no direction: everything is inside.
+    return np.where(lengths > 0.0, planes / np.where(lengths > 0.0, lengths, 1.0), [0.0, 0.0, 0.0, 1.0])

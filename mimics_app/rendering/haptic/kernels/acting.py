@@ -245,7 +245,7 @@ def _follow_credit(scene: Any, state: Any, totals: Any, dt: float) -> None:
 
 @kernel
 def _take_back(scene: Any, state: Any, dt: float) -> float:
-    """Passivity controller: the factor 0-1 on the contacts' force; it never makes them pull."""
+    """Passivity controller: the factor >= 0 on the contacts' force; it never makes them pull."""
     acting = state.acting
     acting.passivity = 0.0
     felt = state.safety == _ACTIVE or state.safety == _DEGRADED
@@ -260,7 +260,7 @@ def _take_back(scene: Any, state: Any, dt: float) -> float:
         middle_velocity(acting.v, state.work_a, state.f_meas_world, scene.virtual_mass, dt, v)
     credit = acting.credit - _under_way(scene, state, dt)
     factor = contact_scale(credit, state.f_contact, v, dt, most)
-    acting.passivity = (1.0 - factor) * norm(state.f_contact)
+    acting.passivity = abs(1.0 - factor) * norm(state.f_contact)
     acting.passivity_ticks += 1 if acting.passivity > 0.0 else 0
     return factor
 

@@ -63,7 +63,9 @@ def middle_velocity(v: Vec, force: Vec, hand: Vec, mass: float, dt: float, out: 
 
 @kernel
 def contact_scale(credit: float, force: Vec, v: Vec, dt: float, most: float) -> float:
-    """Factor 0-1 on the contact's force, which adds a damper alpha along it; 1 while the credit lasts.
+    """Factor >= 0 on the contact's force, which adds a damper alpha along it; 1 while the credit lasts.
+
+    Above 1 only on the way in with a debt: the damper then takes more than the contact does.
 
     Args:
         credit: Energy the contact may still give [J]; below 0 it owes.

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun
-from mimics_app.rendering.visual.view import compose_clip_from_view, compute_frustum_planes
+from mimics_app.rendering.visual.view import compute_frustum_planes
+from mimics_app.rendering.visual.view_matrices import compose_clip_from_view
 from mimics_app.world.components.effects import Projector
 from mimics_app.world.materials.material import TextureData
 from mimics_app.world.materials.sprite_pictures import sprite_picture

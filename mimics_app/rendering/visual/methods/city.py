@@ -16,10 +16,10 @@ import numpy as np
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import reference_us
 from mimics_app.contracts.resources import root
-from mimics_app.maths.mat import look_at
 from mimics_app.rendering.visual.methods.probe import differing_pixels, frame_us, show_picture
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.environment import Sky
 from mimics_app.world.gltf.model_world import load_model_world
 from mimics_app.world.world import World
@@ -55,7 +55,7 @@ def _city() -> World:
 
 def _view(number: int) -> View:
     eye, target = (np.array(point) for point in _PLACES[number % len(_PLACES)])
-    return View(look_at(eye, target), (-_SIDE, _SIDE, -_UP, _UP), (0, 0, *_SIZE), 0.15, 3000.0)
+    return View(compose_look_at(eye, target), (-_SIDE, _SIDE, -_UP, _UP), (0, 0, *_SIZE), 0.15, 3000.0)
 
 
 def city_us(settings: RenderSettings) -> float:

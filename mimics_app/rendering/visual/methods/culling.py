@@ -15,11 +15,12 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import reference_us, shortest_us
-from mimics_app.maths.mat import compose, look_at
+from mimics_app.maths.mat import compose
 from mimics_app.rendering.visual.drawing.culling import Culler, FlatCuller, TreeCuller
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.methods.box_items import box_items
 from mimics_app.rendering.visual.view import View, compute_frustum_planes
+from mimics_app.rendering.visual.view_matrices import compose_look_at
 
 __all__ = ["GROUP", "CullingProbe", "make_probe"]
 
@@ -84,7 +85,7 @@ def make_probe(nodes: int) -> CullingProbe:
     world = np.tile(np.eye(4), (1 + groups + nodes, 1, 1))
     for i, angle in enumerate(0.7 * k):
         world[1 + groups + i] = compose(places[i], (0.0, math.sin(angle), 0.0, math.cos(angle)))
-    view = View(look_at((0.0, 1.7, 0.0), (1.0, 1.7, 0.3)), (-1.0, 1.0, -0.6, 0.6), (0, 0, 64, 36), 0.1, 200.0)
+    view = View(compose_look_at((0.0, 1.7, 0.0), (1.0, 1.7, 0.3)), (-1.0, 1.0, -0.6, 0.6), (0, 0, 64, 36), 0.1, 200.0)
     radii = np.full(nodes, _HALF * math.sqrt(3.0))
     items = box_items(np.arange(1 + groups, 1 + groups + nodes, dtype=np.int32), np.full((nodes, 3), _HALF))
     return CullingProbe(items, parents, world, places, radii, compute_frustum_planes(view.clip_from_world))

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import reference_us
-from mimics_app.rendering.visual.displays.desktop import compose_look_at
 from mimics_app.rendering.visual.methods.probe import frame_us, show_picture
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.environment import Sky
 from mimics_app.world.materials.material import Material
 from mimics_app.world.meshes.primitives import box, cylinder, plane, sphere

@@ -15,10 +15,10 @@ import numpy as np
 
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import reference_us
-from mimics_app.maths.mat import look_at
 from mimics_app.rendering.visual.methods.probe import Move, differing_pixels, frame_us, show_picture
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.meshes.primitives import box, icosphere
 from mimics_app.world.world import World
 
@@ -50,7 +50,7 @@ def _square(count: int, step: float) -> np.ndarray[tuple[int, ...], np.dtype[np.
 def _view_over(width: float) -> View:
     """From a height at which a square of that width [m] about fills the picture."""
     eye = np.array([0.0, 0.6 * width, 0.8 * width])
-    pose = look_at(eye, np.zeros(3))
+    pose = compose_look_at(eye, np.zeros(3))
     return View(pose, (-0.9, 0.9, -0.5, 0.5), (0, 0, *_SIZE), 0.01 * width, 10.0 * width)
 
 

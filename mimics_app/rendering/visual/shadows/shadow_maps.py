@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mimics_app.rendering.visual.drawing.draw_list import Casters
 from mimics_app.rendering.visual.lighting import ShadowFrustum
-from mimics_app.rendering.visual.view import compose_clip_from_view
+from mimics_app.rendering.visual.view_matrices import compose_clip_from_view
 from mimics_app.world.light import Light
 
 __all__ = [

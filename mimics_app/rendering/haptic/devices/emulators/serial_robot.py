@@ -166,6 +166,7 @@ class SerialRobotEmulator:
         import tty
 
         self._master, self._slave = os.openpty()
+        os.fchmod(self._slave, 0o600)  # its group may write to it otherwise
         tty.setraw(self._slave)
         os.set_blocking(self._master, False)
         self._link.unlink(missing_ok=True)

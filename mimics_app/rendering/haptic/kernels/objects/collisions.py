@@ -14,6 +14,7 @@ from mimics_app.rendering.haptic.kernels.objects.collisions_boxes import separat
 from mimics_app.rendering.haptic.kernels.objects.collisions_carried_mesh import touch_carried_mesh
 from mimics_app.rendering.haptic.kernels.objects.collisions_hulls import separate_hulls
 from mimics_app.rendering.haptic.kernels.objects.collisions_mesh import touch_mesh
+from mimics_app.rendering.haptic.kernels.objects.collisions_ridges import touch_ridged_mesh
 from mimics_app.rendering.haptic.kernels.objects.collisions_round import touch_by_capsule, touch_by_sphere
 from mimics_app.rendering.haptic.kernels.objects.collisions_walls import touch_wall
 from mimics_app.rendering.haptic.kernels.objects.loads import load_bodies
@@ -109,11 +110,13 @@ def _rouse(pair: Any, bodies: Any, motions: Any, dynamics: Any, doze: int) -> No
 
 
 @kernel
-def _touch_mesh(pair: Any, a: Any, b: Any, table: Any, room: Any) -> int:
+def _touch_mesh(pair: Any, a: Any, b: Any, table: Any, ridges: Any, room: Any) -> int:
     """`_touch` of a mesh: it alone needs the tables of triangles."""
     last = (pair.normal[0], pair.normal[1], pair.normal[2])
     if a.kind == _MESH or b.body != STATIC:
         count, n = touch_carried_mesh(a, b, last if pair.touching else ANYWHERE, table, room)
+    elif ridges.rows[b.mesh].ridges > 0 and a.kind != _SPHERE:  # a ball is exact by its middle
+        count, n = touch_ridged_mesh(a, b, last if pair.touching else ANYWHERE, table, ridges, room)
     else:
         count, n = touch_mesh(a, b, last, table.rows, table.vertices, table.corners, table.boxes, room)
     pair.normal[0], pair.normal[1], pair.normal[2] = n
@@ -136,7 +139,7 @@ def _collide_pair(pair: Any, rows: Any, work: Any, doze: int, dt: float) -> None
     found = 0
     if b.kind == _WALL or near(a, b):
         if a.kind == _MESH or b.kind == _MESH:
-            found = _touch_mesh(pair, a, b, work.meshes, room)
+            found = _touch_mesh(pair, a, b, work.meshes, work.ridges, room)
         else:
             found = _touch(pair, a, b, room)
     if found == 0:

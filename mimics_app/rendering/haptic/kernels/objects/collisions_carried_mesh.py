@@ -34,7 +34,7 @@ from mimics_app.rendering.haptic.kernels.objects.triples import (
     unit,
 )
 
-__all__ = ["CORNER_SHARE", "touch_carried_mesh"]
+__all__ = ["CORNER_SHARE", "depth_of", "edge_in", "keep_point", "touch_carried_mesh"]
 
 _WALL = int(ShapeKind.WALL)
 _SPHERE = int(ShapeKind.SPHERE)
@@ -51,7 +51,7 @@ _ASIDE = 1e-3
 
 
 @kernel
-def _keep(p: Three, depth: float, n: Three, share: float, room: Any, count: int) -> int:
+def keep_point(p: Three, depth: float, n: Three, share: float, room: Any, count: int) -> int:
     """Add a point with its normal; in a full table in the place of the shallowest. Returns how many there are."""
     points, normals = room.points, room.normals
     at = count
@@ -87,7 +87,7 @@ def _is_within(p: Three, solid: Any) -> bool:
 
 
 @kernel
-def _depth_of(p: Three, other: Any, toward: Three, reach: float, table: Any, room: Any) -> tuple[float, Three]:
+def depth_of(p: Three, other: Any, toward: Three, reach: float, table: Any, room: Any) -> tuple[float, Three]:
     """Depth of a point in a shape by the faces that look along `toward`, 0 or less outside; normal out of them."""
     if other.kind == _WALL:
         n = axis(other, 2)
@@ -120,9 +120,9 @@ def _corners_in(carried: Any, other: Any, toward: Three, side: float, table: Any
     mesh, place, reach = table.rows[carried.mesh], middle(carried), _thinnest(carried)
     for i in range(mesh.first_hull, mesh.first_hull + mesh.hull_corners):
         p = along(place, 1.0, out_of(carried, (table.hulls[i, 0], table.hulls[i, 1], table.hulls[i, 2])))
-        depth, n = _depth_of(p, other, toward, reach, table, room)
+        depth, n = depth_of(p, other, toward, reach, table, room)
         if depth > 0.0:
-            count = _keep(along(p, 0.5 * depth, n), depth, times(side, n), CORNER_SHARE, room, count)
+            count = keep_point(along(p, 0.5 * depth, n), depth, times(side, n), CORNER_SHARE, room, count)
     return count
 
 
@@ -145,7 +145,7 @@ def _weight(n: Three, way: Three, from_corner: float) -> float:
 
 
 @kernel
-def _edge_in(
+def edge_in(
     p: Three,
     q: Three,
     other: Any,
@@ -166,7 +166,7 @@ def _edge_in(
     if n0 != ANYWHERE and n1 != ANYWHERE:
         depth, n, at = way_between(other, p, q, chord, toward, table, room)
         if depth > 0.0:
-            count = _keep(along(at, 0.5 * depth, n), depth, times(side, n), share, room, count)
+            count = keep_point(along(at, 0.5 * depth, n), depth, times(side, n), share, room, count)
     if toward == ANYWHERE:
         return count
     for k in range(2):
@@ -174,9 +174,9 @@ def _edge_in(
         weight = _weight(face, way, outside)
         if weight > 0.0:
             at = along(p, t, way)
-            depth, n = _depth_of(at, other, toward, reach, table, room)
+            depth, n = depth_of(at, other, toward, reach, table, room)
             if depth > 0.0:
-                count = _keep(along(at, 0.5 * depth, n), weight * depth, times(side, n), share, room, count)
+                count = keep_point(along(at, 0.5 * depth, n), weight * depth, times(side, n), share, room, count)
     return count
 
 
@@ -192,7 +192,7 @@ def _edges_in(carried: Any, other: Any, toward: Three, side: float, table: Any, 
         p = along(place, 1.0, out_of(carried, (edges[i, 0], edges[i, 1], edges[i, 2])))
         q = along(place, 1.0, out_of(carried, (edges[i, 3], edges[i, 4], edges[i, 5])))
         if may_pass(p, q, other):
-            count = _edge_in(p, q, other, toward, side, share, reach, table, room, count)
+            count = edge_in(p, q, other, toward, side, share, reach, table, room, count)
     return count
 
 

@@ -1,8 +1,9 @@
 """A body against a triangle mesh of the static scene: its ends and corners, each at its closest triangle.
 
 A sphere is tested by its middle, a capsule by those of its ends, a box by its corners, a cylinder by points of its
-rims. What of the mesh pokes into a face between them is not seen: a mesh must be coarse beside the bodies that rest on
-it. All points of a contact push along one normal, the mean of theirs by depth.
+rims. What of the mesh pokes into a face between them is seen where it has ridges (`collisions_ridges`): a mesh without
+any must be coarse beside the bodies that rest on it. All points of a contact push along one normal, the mean of theirs
+by depth.
 """
 
 from __future__ import annotations

@@ -21,6 +21,7 @@ __all__ = [
     "closest_on_triangle",
     "closest_triangle",
     "first_crossing",
+    "next_node",
     "triangle_normal",
 ]
 
@@ -126,7 +127,7 @@ def _closest_off_corners(
 
 
 @kernel
-def _next_node(node: int) -> int:
+def next_node(node: int) -> int:
     """The node after one whose subtree is done, in depth-first order; 0 after the last."""
     while node > 0 and node % 2 == 0:
         node = (node - 1) // 2
@@ -193,7 +194,7 @@ def first_crossing(mesh: Any, vertices: Array, corners: Indices, boxes: Array, a
                 share = _crossing(vertices, corners, t, a, b, n)
                 if share < earliest:
                     found, earliest = t, share
-        node = _next_node(node)
+        node = next_node(node)
         if node == 0:
             return found
 
@@ -236,7 +237,7 @@ def closest_triangle(
                     if square < best * (1.0 - _EDGE) or turned > facing:
                         found, facing = t, turned
                     best = min(best, square)
-        node = _next_node(node)
+        node = next_node(node)
         if node == 0:
             return found
 

@@ -15,6 +15,7 @@ __all__ = [
     "MOST_POINTS",
     "MOST_WALLS",
     "PAIR",
+    "RIDGES",
     "SCRATCH",
     "SOLID",
     "SWEEP",
@@ -213,6 +214,17 @@ MESH = np.dtype(
     align=True,
 )
 """Where one mesh lies in the tables."""
+
+RIDGES = np.dtype(
+    [
+        ("first_ridge", "i8"),
+        ("ridges", "i8"),
+        ("first_node", "i8"),
+        ("leaves", "i8"),
+    ],
+    align=True,
+)
+"""Where the ridges of one mesh lie in theirs."""
 
 
 def new_grip() -> NDArray[np.void]:

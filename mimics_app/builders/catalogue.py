@@ -1,0 +1,67 @@
+"""The builders of this room: every package here that has a module `build` with a function `compose`."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from mimics_app.contracts.errors import UsageError, nearest
+
+__all__ = ["AssetBuilder", "find_builder", "find_builders"]
+
+_ROOM = Path(__file__).parent
+
+
+@dataclass(frozen=True)
+class AssetBuilder:
+    """One builder.
+
+    Attributes:
+        name: Of its package.
+        file: Its module `build`.
+        what: First line of that module's docstring.
+    """
+
+    name: str
+    file: Path
+    what: str
+
+    def compose(self, seed: int) -> Mapping[str, bytes]:
+        """Import the builder and have it make its files: their bytes by name, the same for the same seed."""
+        make: Callable[[int], Mapping[str, bytes]] = importlib.import_module(f"{__package__}.{self.name}.build").compose
+        return make(seed)
+
+    def write(self, folder: Path, seed: int) -> list[Path]:
+        """The same, written into a folder, which is made when missing; returns the files in the order of the names."""
+        files = []
+        for name, content in sorted(self.compose(seed).items()):
+            file = folder / name
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_bytes(content)
+            files.append(file)
+        return files
+
+
+def find_builders() -> list[AssetBuilder]:
+    """All builders, by name; nothing is imported."""
+    return [
+        AssetBuilder(
+            file.parent.name, file, (ast.get_docstring(ast.parse(file.read_text("utf-8"))) or "").split("\n")[0]
+        )
+        for file in sorted(_ROOM.glob("*/build.py"))
+    ]
+
+
+def find_builder(name: str) -> AssetBuilder:
+    """The builder of that name.
+
+    Raises:
+        UsageError: there is none.
+    """
+    builders = {builder.name: builder for builder in find_builders()}
+    if name not in builders:
+        raise UsageError(f'nothing builds "{name}"', nearest(name, builders))
+    return builders[name]

@@ -1,0 +1,267 @@
+"""A town of 0.64 km^2: streets of houses, trees, furniture, a square with a church, a skyline, as one GLB file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from mimics_app.builders.city import fittings, furniture, landmark, layout, streets, surfaces, tree
+from mimics_app.builders.city.house import House, build_house
+from mimics_app.builders.city.house_kinds import draw_kinds
+from mimics_app.builders.city.layout import Placed
+from mimics_app.builders.kit.chance import Chance
+from mimics_app.builders.kit.sketch import Sketch
+from mimics_app.world.gltf.writer import GltfWriter, WrittenPart
+
+__all__ = ["TRIANGLES", "compose", "compose_city"]
+
+TRIANGLES = 363_173
+"""What the city of D2.1, 3.3.1 has; cars are parked until it is reached."""
+
+Colour = tuple[float, float, float, float]
+
+_WALLS: dict[str, tuple[Colour, ...]] = {
+    "brick": (
+        (0.74, 0.44, 0.36, 1.0),
+        (0.84, 0.62, 0.46, 1.0),
+        (0.58, 0.38, 0.35, 1.0),
+        (0.90, 0.80, 0.66, 1.0),
+        (0.66, 0.38, 0.33, 1.0),
+        (0.76, 0.54, 0.42, 1.0),
+    ),
+    "plaster": (
+        (0.83, 0.76, 0.61, 1.0),
+        (0.76, 0.56, 0.34, 1.0),
+        (0.79, 0.78, 0.74, 1.0),
+        (0.57, 0.63, 0.55, 1.0),
+        (0.72, 0.49, 0.40, 1.0),
+        (0.55, 0.61, 0.66, 1.0),
+    ),
+    "stone": ((0.82, 0.78, 0.68, 1.0), (0.72, 0.70, 0.66, 1.0), (0.80, 0.70, 0.56, 1.0), (0.66, 0.64, 0.60, 1.0)),
+}
+"""What dyes the walls, linear RGBA: colours that go together; a kind of house wears four in a row."""
+
+_ROOFS: tuple[Colour, ...] = (
+    (0.74, 0.66, 0.62, 1.0),
+    (0.60, 0.54, 0.54, 1.0),
+    (0.84, 0.76, 0.68, 1.0),
+    (0.54, 0.52, 0.52, 1.0),
+)
+_PAINTS: dict[str, Colour] = {
+    "silver": (0.52, 0.54, 0.56, 1.0),
+    "black": (0.025, 0.026, 0.03, 1.0),
+    "white": (0.80, 0.80, 0.78, 1.0),
+    "red": (0.42, 0.03, 0.03, 1.0),
+    "blue": (0.04, 0.10, 0.28, 1.0),
+    "green": (0.05, 0.16, 0.10, 1.0),
+}
+_COLOURS = 4
+_HOUSE_COVERAGE = (0.012, 0.0)
+_TREE_COVERAGE = (0.010, 0.0)
+"""Share of the picture's area down to which the fine and the coarse form are meant."""
+
+
+def compose(seed: int) -> dict[str, bytes]:
+    """The city of a seed: city.glb."""
+    return {"city.glb": compose_city(seed).to_bytes()}
+
+
+def compose_city(seed: int) -> GltfWriter:
+    """The whole city, not yet written."""
+    city = _City(seed)
+    city.add_ground()
+    city.add_houses()
+    city.add_trees()
+    city.add_yards()
+    city.add_furniture()
+    city.add_cars()
+    return city.writer
+
+
+class _City:
+    """The file in the making, and the triangles in it so far."""
+
+    def __init__(self, seed: int) -> None:
+        self.writer = GltfWriter("mimics_app assets build city")
+        self._seed = seed
+        self._triangles = 0
+        self._materials = _add_materials(self.writer, seed)
+        self._meshes: dict[str, tuple[int, int]] = {}
+        self._parts: dict[tuple[str, str], WrittenPart] = {}
+
+    def _mesh(self, name: str, sketch: Sketch, dyes: dict[str, str] | None = None, shared: str = "") -> None:
+        """Make a sketch a mesh; with `shared` its arrays are those of the mesh made first under that name."""
+        parts = []
+        for material, part in sketch.parts().items():
+            key = (shared or name, material)
+            if key not in self._parts:
+                self._parts[key] = self.writer.add_part(part)
+            parts.append((self._parts[key], self._materials[(dyes or {}).get(material, material)]))
+        self._meshes[name] = (self.writer.add_mesh(name, parts), sketch.triangle_count)
+
+    def _group(self, name: str) -> int:
+        return self.writer.add_node(name)
+
+    def _place(self, parent: int, name: str, placed: Placed, extras: dict[str, Any] | None = None) -> int:
+        mesh, triangles = self._meshes[placed.model]
+        self._triangles += triangles
+        turned, scaled = placed.turn != (0.0, 1.0), placed.scale != (1.0, 1.0, 1.0)
+        return self.writer.add_node(
+            name,
+            parent=parent,
+            mesh=mesh,
+            translation=placed.place,
+            rotation=(0.0, round(placed.turn[0], 6), 0.0, round(placed.turn[1], 6)) if turned else (),
+            scale=placed.scale if scaled else (),
+            extras=extras,
+        )
+
+    def add_ground(self) -> None:
+        """Roads, blocks, land, hills and skyline."""
+        group = self._group("ground")
+        sketches: dict[str, Callable[[], Sketch]] = {
+            "roads": streets.build_roads,
+            "land": landmark.build_land,
+            "hills": lambda: landmark.build_hills(self._seed),
+            "skyline": lambda: landmark.build_skyline(self._seed),
+        }
+        for name, make in sketches.items():
+            self._mesh(name, make())
+            self._place(group, name, Placed(name, (0.0, 0.0, 0.0)))
+        blocks = streets.city_blocks()
+        for number, block in enumerate(blocks):
+            self._mesh(f"block{number}", streets.build_block(block, square=block == layout.square_block(blocks)))
+            self._place(group, f"block{number}", Placed(f"block{number}", (0.0, 0.0, 0.0)))
+
+    def add_houses(self) -> None:
+        """All rows, each kind in four colours that share their arrays."""
+        kinds = draw_kinds(Chance(self._seed, "kinds"))
+        houses = {kind.name: build_house(kind) for kind in kinds}
+        for number, house in enumerate(houses.values()):
+            for colour in range(_COLOURS):
+                self._add_colour(house, colour, number)
+        group = self._group("houses")
+        for number, placed in enumerate(layout.lay_houses(kinds, _COLOURS, Chance(self._seed, "rows"))):
+            size, centre = houses[placed.model.split("/")[0]].solid
+            extras = {"mimics": {"occluder": {"size": list(size), "centre": list(centre)}}}
+            node = self._place(group, f"house{number}", placed, extras)
+            self.writer.add_detail_levels(node, [self._meshes[f"{placed.model}/coarse"][0]], _HOUSE_COVERAGE)
+
+    def _add_colour(self, house: House, colour: int, first: int) -> None:
+        """One colour of a kind; kinds begin at different places of their wall's colours."""
+        kind = house.kind
+        dye = (colour + first) % len(_WALLS[kind.wall])
+        roof = "slate" if kind.slate else f"tiles{colour}"
+        dyes = {"wall": f"{kind.wall}{dye}", "bay": f"{kind.wall}_bay{dye}", "roof": roof}
+        self._mesh(f"{kind.name}/{colour}", house.fine, dyes, shared=kind.name)
+        self._mesh(f"{kind.name}/{colour}/coarse", house.coarse, dyes, shared=f"{kind.name}/coarse")
+
+    def add_trees(self) -> None:
+        """Both sidewalks of every street, and the square."""
+        for kind in tree.TREES:
+            self._mesh(kind.name, tree.build_tree(kind, self._seed))
+            self._mesh(f"{kind.name}/coarse", tree.build_coarse_tree(kind, self._seed))
+        self._mesh("church", landmark.build_church())
+        self._mesh("bench", furniture.build_bench())
+        self._mesh("planter", furniture.build_planter())
+        names = [kind.name for kind in tree.TREES]
+        chance = Chance(self._seed, "trees")
+        group = self._group("trees")
+        for number, placed in enumerate(layout.lay_street_trees(names, chance)):
+            self._add_tree(group, f"tree{number}", placed)
+        square = self._group("square")
+        for number, placed in enumerate(layout.lay_square(names, chance)):
+            if placed.model in names:
+                self._add_tree(square, f"square_tree{number}", placed)
+            else:
+                self._place(square, f"{placed.model}_{number}", placed)
+
+    def _add_tree(self, group: int, name: str, placed: Placed) -> None:
+        node = self._place(group, name, placed)
+        self.writer.add_detail_levels(node, [self._meshes[f"{placed.model}/coarse"][0]], _TREE_COVERAGE)
+
+    def add_yards(self) -> None:
+        """Behind the houses: workshops, and trees of the coarse form, which nobody comes near."""
+        self._mesh("workshop", landmark.build_workshop())
+        group = self._group("yards")
+        names = [kind.name for kind in tree.TREES]
+        for number, placed in enumerate(layout.lay_yards(names, Chance(self._seed, "yards"))):
+            self._place(group, f"yard{number}", placed)
+
+    def add_furniture(self) -> None:
+        """Lamps, benches, bins, signs, bollards, tubs."""
+        for name, make in (
+            ("lamp", furniture.build_lamp),
+            ("bin", furniture.build_bin),
+            ("bollard", furniture.build_bollard),
+            ("sign", furniture.build_sign),
+        ):
+            self._mesh(name, make())
+        group = self._group("furniture")
+        for number, placed in enumerate(layout.lay_furniture(Chance(self._seed, "street"))):
+            self._place(group, f"{placed.model}{number}", placed)
+
+    def add_cars(self) -> None:
+        """As many as bring the city to its number of triangles."""
+        names = []
+        for kind in furniture.CARS:
+            sketch = furniture.build_car(kind)
+            for paint in _PAINTS:
+                names.append(f"{kind}/{paint}")
+                self._mesh(names[-1], sketch, {"paint": f"paint_{paint}"}, shared=kind)
+        group = self._group("cars")
+        for number, placed in enumerate(layout.lay_cars(names, Chance(self._seed, "cars"))):
+            if self._triangles + self._meshes[placed.model][1] > TRIANGLES:
+                break
+            self._place(group, f"car{number}", placed)
+
+
+def _add_materials(writer: GltfWriter, seed: int) -> dict[str, int]:
+    """Every material by the name sketches call it."""
+    painted: Sequence[tuple[str, bytes, bool]] = (
+        ("brick", surfaces.paint_brick(seed), True),
+        ("plaster", surfaces.paint_plaster(seed), True),
+        ("stone", surfaces.paint_stone(seed), True),
+        ("tiles", surfaces.paint_tiles(seed), True),
+        ("slate", surfaces.paint_slate(seed), True),
+        ("brick_bay", surfaces.paint_bay(seed, "brick"), True),
+        ("plaster_bay", surfaces.paint_bay(seed, "plaster"), True),
+        ("road", surfaces.paint_road(seed), True),
+        ("zebra", surfaces.paint_zebra(seed), False),
+        ("asphalt", surfaces.paint_asphalt(seed), True),
+        ("paving", surfaces.paint_paving(seed), True),
+        ("grass", surfaces.paint_grass(seed), True),
+        ("gardens", surfaces.paint_gardens(seed), True),
+        ("bark", surfaces.paint_bark(seed), True),
+        ("leaves", fittings.paint_leaves(seed), False),
+        ("railing", fittings.paint_railing(seed), True),
+        ("window", fittings.paint_windows(seed), False),
+        ("detail", fittings.paint_details(seed), False),
+    )
+    textures = {name: writer.add_picture(name, png, repeat=repeat) for name, png, repeat in painted}
+    made: dict[str, int] = {}
+    for name in ("slate", "road", "zebra", "asphalt", "bark"):
+        made[name] = writer.add_material(name, texture=textures[name])
+    made["stone"] = writer.add_material("stone", texture=textures["stone"], colour=(0.84, 0.81, 0.75, 1.0))
+    made["paving"] = writer.add_material("paving", texture=textures["paving"], colour=(0.74, 0.72, 0.70, 1.0))
+    for name in ("grass", "gardens"):
+        made[name] = writer.add_material(name, texture=textures[name], colour=(0.86, 0.82, 0.80, 1.0))
+    made["yard"] = writer.add_material("yard", texture=textures["brick_bay"], colour=(0.72, 0.52, 0.44, 1.0))
+    made["detail"] = writer.add_material("detail", texture=textures["detail"], roughness=0.7)
+    made["window"] = writer.add_material("window", texture=textures["window"], roughness=0.12)
+    made["leaves"] = writer.add_material("leaves", texture=textures["leaves"], mask=0.4)
+    made["railing"] = writer.add_material("railing", texture=textures["railing"], roughness=0.6, mask=0.5)
+    made["hills"] = writer.add_material("hills", texture=textures["grass"], colour=(0.62, 0.80, 0.66, 1.0))
+    made["skyline"] = writer.add_material("skyline", texture=textures["plaster_bay"], colour=(0.70, 0.70, 0.72, 1.0))
+    for wall, colours in _WALLS.items():
+        for number, colour in enumerate(colours):
+            bay = "brick_bay" if wall == "brick" else "plaster_bay"
+            made[f"{wall}{number}"] = writer.add_material(f"{wall}{number}", colour=colour, texture=textures[wall])
+            made[f"{wall}_bay{number}"] = writer.add_material(
+                f"{wall}_bay{number}", colour=colour, texture=textures[bay]
+            )
+    for number, colour in enumerate(_ROOFS):
+        made[f"tiles{number}"] = writer.add_material(f"tiles{number}", colour=colour, texture=textures["tiles"])
+    for name, colour in _PAINTS.items():
+        made[f"paint_{name}"] = writer.add_material(f"paint_{name}", colour=colour, roughness=0.28)
+    return made

@@ -1,0 +1,164 @@
+"""What stands in a street: lamps, benches, bins, signs, bollards, tree grates; and parked cars."""
+
+from __future__ import annotations
+
+from mimics_app.builders.city.fittings import plain
+from mimics_app.builders.kit.sketch import Point, Sketch, Uv
+from mimics_app.builders.kit.solids import Axes, Skin, add_column, add_prism, circle
+
+__all__ = [
+    "CARS",
+    "build_bench",
+    "build_bin",
+    "build_bollard",
+    "build_car",
+    "build_lamp",
+    "build_planter",
+    "build_sign",
+]
+
+_UP = Axes(a=(0.0, 0.0, 1.0), b=(1.0, 0.0, 0.0), c=(0.0, 1.0, 0.0))
+"""For outlines on the ground that are drawn upwards: a is z, b is x."""
+
+
+def _block(sketch: Sketch, low: Point, high: Point, skin: Skin) -> None:
+    outline = [(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])]
+    under = Skin(skin.material, skin.tile, skin.cell, 0.55 * skin.shade)
+    add_prism(sketch, Axes(), outline, low[2], high[2], (skin, skin), (under, skin, skin, skin))
+
+
+def build_lamp() -> Sketch:
+    """A post with an arm over the street, +z."""
+    sketch = Sketch()
+    iron = plain("green", 0.6)
+    add_column(sketch, (0.0, 0.0, 0.0), (0.0, 5.2, 0.0), (0.09, 0.045), 6, iron, open_foot=True)
+    _block(sketch, (-0.03, 5.1, 0.0), (0.03, 5.16, 0.9), iron)
+    add_prism(
+        sketch, _UP, [(a + 0.9, b) for a, b in circle(6, 0.2)], 4.98, 5.14, (plain("lamp"), iron), (plain("yellow"),)
+    )
+    return sketch
+
+
+def build_bench() -> Sketch:
+    """A wooden bench that looks along +z."""
+    sketch = Sketch()
+    wood, iron = plain("wood"), plain("iron")
+    for z in (-0.12, 0.16):
+        _block(sketch, (-0.9, 0.42, z), (0.9, 0.46, z + 0.25), wood)
+    _block(sketch, (-0.9, 0.6, -0.22), (0.9, 0.86, -0.18), wood)
+    for x in (-0.75, 0.7):
+        _block(sketch, (x, 0.0, -0.1), (x + 0.05, 0.42, 0.36), iron)
+        _block(sketch, (x, 0.42, -0.26), (x + 0.05, 0.9, -0.22), iron)
+    return sketch
+
+
+def build_bin() -> Sketch:
+    """A litter bin."""
+    sketch = Sketch()
+    add_column(sketch, (0.0, 0.0, 0.0), (0.0, 0.85, 0.0), (0.22, 0.27), 8, plain("green", 0.8), open_foot=True)
+    add_prism(sketch, _UP, circle(8, 0.29), 0.85, 0.93, (plain("iron"), plain("iron")), (plain("iron"),))
+    return sketch
+
+
+def build_bollard() -> Sketch:
+    """A low iron post at a corner."""
+    sketch = Sketch()
+    add_column(sketch, (0.0, 0.0, 0.0), (0.0, 0.85, 0.0), (0.07, 0.06), 5, plain("iron"), open_foot=True)
+    return sketch
+
+
+def build_sign() -> Sketch:
+    """A round traffic sign that looks along +z."""
+    sketch = Sketch()
+    add_column(sketch, (0.0, 0.0, -0.05), (0.0, 2.7, -0.05), (0.035, 0.035), 4, plain("grey"), open_foot=True)
+    round_plate = [(a, b + 2.4) for a, b in circle(10, 0.32)]
+    add_prism(sketch, Axes(), round_plate, -0.02, 0.0, (plain("grey"), plain("red")), (plain("grey"),))
+    inner = [(a, b + 2.4) for a, b in circle(10, 0.23)]
+    add_prism(sketch, Axes(), inner, -0.005, 0.012, (plain("white"), plain("white")), (plain("white"),))
+    return sketch
+
+
+def build_planter() -> Sketch:
+    """A stone tub with a shrub."""
+    sketch = Sketch()
+    add_column(sketch, (0.0, 0.0, 0.0), (0.0, 0.5, 0.0), (0.42, 0.52), 8, plain("stone", 0.85), open_foot=True)
+    leaf = Skin("leaves", cell=(0.3, 0.3, 0.7, 0.7), shade=0.8)
+    add_column(sketch, (0.0, 0.45, 0.0), (0.0, 0.95, 0.0), (0.46, 0.3), 7, leaf, open_foot=True)
+    return sketch
+
+
+CARS: dict[str, dict[str, list[Uv]]] = {
+    "saloon": {
+        "body": [
+            (-2.1, 0.32),
+            (2.05, 0.32),
+            (2.2, 0.55),
+            (2.12, 0.74),
+            (1.05, 0.92),
+            (-1.5, 0.96),
+            (-2.12, 0.9),
+            (-2.2, 0.6),
+        ],
+        "cabin": [(-1.75, 0.92), (1.2, 0.88), (0.35, 1.42), (-1.05, 1.42)],
+    },
+    "hatch": {
+        "body": [
+            (-1.85, 0.32),
+            (1.8, 0.32),
+            (1.95, 0.55),
+            (1.88, 0.76),
+            (1.05, 0.94),
+            (-1.75, 1.0),
+            (-1.92, 0.8),
+            (-1.92, 0.5),
+        ],
+        "cabin": [(-1.85, 0.95), (1.15, 0.9), (0.35, 1.48), (-1.45, 1.48)],
+    },
+    "van": {
+        "body": [(-2.4, 0.36), (2.3, 0.36), (2.45, 0.6), (2.4, 0.95), (2.1, 1.12), (-2.4, 1.15), (-2.45, 0.6)],
+        "cabin": [(-2.4, 1.1), (2.1, 1.1), (1.45, 1.95), (-2.3, 1.95)],
+    },
+}
+"""Side views, (along, up) [m], counter-clockwise, the front at +x."""
+
+
+def build_car(kind: str) -> Sketch:
+    """A car that looks along +x, wheels on y = 0."""
+    sketch = Sketch()
+    outlines = CARS[kind]
+    paint, glass, rubber = Skin("paint"), plain("glass", 0.55), plain("tyre")
+    wide = 0.95 if kind == "van" else 0.86
+    add_prism(
+        sketch, Axes(), outlines["body"], -wide, wide, (paint, paint), (rubber, *[paint] * (len(outlines["body"]) - 1))
+    )
+    _add_cabin(sketch, outlines["cabin"], wide, glass, paint)
+    front, rear = (1.32, -1.3) if kind != "van" else (1.5, -1.45)
+    for x in (front, rear):
+        for z in (-wide + 0.11, wide - 0.11):
+            tyre = [(a + x, b + 0.31) for a, b in circle(9, 0.31)]
+            rim = plain("grey", 0.9)
+            add_prism(sketch, Axes(), tyre, z - 0.13, z + 0.13, (rim, rim), (rubber,))
+    nose, tail = max(x for x, _ in outlines["body"]), min(x for x, _ in outlines["body"])
+    for z in (-wide + 0.3, wide - 0.3):
+        _block(sketch, (nose - 0.25, 0.58, z - 0.2), (nose - 0.04, 0.7, z + 0.2), plain("lamp"))
+        _block(sketch, (tail + 0.02, 0.66, z - 0.16), (tail + 0.2, 0.82, z + 0.16), plain("red"))
+    return sketch
+
+
+def _add_cabin(sketch: Sketch, outline: list[Uv], wide: float, glass: Skin, paint: Skin) -> None:
+    """Windows that lean inwards under a painted roof, with painted pillars at the sides."""
+    low, high = wide - 0.05, wide - 0.2
+    (x0, y0), (x1, y1), (x2, y2), (x3, y3) = outline
+    left = [(x0, y0, low), (x1, y1, low), (x2, y2, high), (x3, y3, high)]
+    right = [(x, y, -z) for x, y, z in left]
+    for side, reverse in ((left, False), (right, True)):
+        corners = side[::-1] if reverse else side
+        sketch.fan(glass.material, corners, glass.lay([(x, y) for x, y, _ in corners]), glass.shade)
+    shells = (
+        ([left[1], right[1], right[2], left[2]], glass),
+        ([left[2], right[2], right[3], left[3]], paint),
+        ([left[3], right[3], right[0], left[0]], glass),
+        ([left[0], right[0], right[1], left[1]], glass),
+    )
+    for corners, skin in shells:
+        sketch.fan(skin.material, corners, skin.lay([(z, x + y) for x, y, z in corners]), skin.shade)

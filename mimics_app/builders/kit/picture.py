@@ -1,0 +1,89 @@
+"""Pictures painted with few colours: every pixel is a place on one of up to sixteen ramps from dark to light."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.builders.kit.chance import hash_noise
+from mimics_app.builders.kit.png_writer import write_indexed_png
+
+__all__ = ["Canvas", "Ramp", "Rgb"]
+
+Rgb = tuple[int, int, int]
+Ramp = tuple[Rgb, Rgb]
+F8 = NDArray[np.float64]
+
+
+class Canvas:
+    """A picture in the making.
+
+    Args:
+        width: [pixels].
+        height: [pixels].
+        ramps: sRGB colours, darkest and lightest of each ramp, 16 at most.
+
+    Attributes:
+        ramp: Which ramp each pixel is on, uint8 [height, width].
+        tone: Where on it, 0 dark to 1 light, float64 [height, width].
+        clear: True where nothing is drawn, bool [height, width].
+    """
+
+    def __init__(self, width: int, height: int, ramps: Sequence[Ramp]) -> None:
+        self._ramps = ramps
+        self._levels = 256 // (len(ramps) + 1) if len(ramps) > 1 else 255
+        self.ramp = np.zeros((height, width), np.uint8)
+        self.tone: F8 = np.full((height, width), 0.5)
+        self.clear = np.zeros((height, width), np.bool_)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height [pixels]."""
+        height, width = self.ramp.shape
+        return width, height
+
+    def rectangle(
+        self, left: int, top: int, right: int, bottom: int, ramp: int, tone: float | tuple[float, float] = 0.5
+    ) -> None:
+        """Fill pixels [left, right) x [top, bottom); two tones make a run from above to below."""
+        rows = slice(max(top, 0), max(bottom, 0))
+        columns = slice(max(left, 0), max(right, 0))
+        self.ramp[rows, columns] = ramp
+        if isinstance(tone, tuple):
+            steps = np.arange(rows.start, rows.stop) - top
+            self.tone[rows, columns] = (tone[0] + (tone[1] - tone[0]) * (steps + 0.5) / (bottom - top))[:, None]
+        else:
+            self.tone[rows, columns] = tone
+        self.clear[rows, columns] = False
+
+    def shade(self, factor: F8 | float, where: NDArray[np.bool_] | None = None) -> None:
+        """Multiply tones."""
+        self.tone = self.tone * factor if where is None else np.where(where, self.tone * factor, self.tone)
+
+    def grain(self, strength: float, seed: int) -> None:
+        """Add noise without relation between pixels."""
+        width, height = self.size
+        x, y = np.meshgrid(np.arange(width), np.arange(height))
+        self.tone = self.tone + strength * (hash_noise(x, y, seed) - 0.5)
+
+    def to_png(self) -> bytes:
+        """The picture as a PNG with a palette."""
+        levels = self._levels
+        width, height = self.size
+        x, y = np.meshgrid(np.arange(width), np.arange(height))
+        dither = hash_noise(x, y, 1)
+        level = np.clip(np.floor(self.tone * (levels - 1) + dither), 0, levels - 1).astype(np.int64)
+        index = self.ramp.astype(np.int64) * levels + level
+        palette = np.zeros((len(self._ramps) * levels + 1, 4), np.uint8)
+        palette[:, 3] = 255
+        for number, (dark, light) in enumerate(self._ramps):
+            for step in range(levels):
+                colour = [low + (high - low) * step // (levels - 1) for low, high in zip(dark, light, strict=True)]
+                palette[number * levels + step, :3] = colour
+        if not self.clear.any():
+            return write_indexed_png(index.astype(np.uint8), palette[:-1, :3])
+        palette[-1, :3], palette[-1, 3] = palette[levels // 2, :3], 0  # the edge fades into its own colour
+        index[self.clear] = len(palette) - 1
+        return write_indexed_png(index.astype(np.uint8), palette)

@@ -1,0 +1,36 @@
+"""The models of the pick and place scene, a toy market in metres: apple, stall, trees, meadow, hand, things about."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from mimics_app.builders.market.clay import Clay, pack_model
+from mimics_app.builders.market.fruit import apple
+from mimics_app.builders.market.garden import build_meadow, build_tree
+from mimics_app.builders.market.hand import fingers, palm, thumb
+from mimics_app.builders.market.stall import awning, goods, stall_wood
+from mimics_app.builders.market.things import barrel, bed, crate, fence, jug
+
+__all__ = ["compose"]
+
+
+def compose(seed: int) -> dict[str, bytes]:
+    """Every model as a GLB file.
+
+    Args:
+        seed: Of everything that grows.
+    """
+    models: Mapping[str, Mapping[str, tuple[Clay, float]]] = {
+        "apple": {"apple": (apple(), 0.30)},
+        "stall": {"wood": (stall_wood(), 0.8), "cloth": (awning(), 1.0), "goods": (goods(), 0.4)},
+        "tree": {"tree": (build_tree(2 * seed - 2), 1.0)},
+        "tree_round": {"tree": (build_tree(2 * seed - 1), 1.0)},
+        "meadow": {"meadow": (build_meadow(seed), 1.0)},
+        "hand": {"palm": (palm(), 0.6), "fingers": (fingers(), 0.6), "thumb": (thumb(), 0.6)},
+        "crate": {"crate": (crate(0.075, 0.09, 0.085), 0.85)},
+        "barrel": {"barrel": (barrel(), 0.8)},
+        "bed": {"bed": (bed(), 0.9)},
+        "fence": {"fence": (fence(), 0.8)},
+        "jug": {"jug": (jug(), 0.25)},
+    }
+    return {f"{name}.glb": pack_model(name, parts) for name, parts in models.items()}

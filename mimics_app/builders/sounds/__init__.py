@@ -1,0 +1,3 @@
+"""The built-in sounds as files."""
+
+__all__: list[str] = []

@@ -1,0 +1,18 @@
+"""The built-in sounds as wave files to listen to; the application itself makes them when it starts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from mimics_app.rendering.audio.bank import write_sounds
+from mimics_app.rendering.audio.settings import AudioSettings
+
+__all__ = ["compose"]
+
+
+def compose(seed: int) -> dict[str, bytes]:
+    """Every recipe, and every speed step of a contact; recipes bring their own seeds."""
+    del seed
+    with TemporaryDirectory() as folder:
+        return {file.name: file.read_bytes() for file in write_sounds(Path(folder), AudioSettings().sounds)}

@@ -1,0 +1,3 @@
+"""Pictures of billboards and decals."""
+
+__all__: list[str] = []

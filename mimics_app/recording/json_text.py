@@ -1,0 +1,39 @@
+"""JSON of a recording as plain objects: what a damaged or hostile text holds ends in one kind of error."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+
+__all__ = ["DEEPEST", "parse_object"]
+
+DEEPEST = 64
+"""Levels of objects and lists inside each other; the recorder writes fewer than ten."""
+
+_decoder = msgspec.json.Decoder(dict[str, Any])
+
+
+def parse_object(text: bytes) -> dict[str, Any]:
+    """The JSON object a text holds.
+
+    Raises:
+        ValueError: It is none: no JSON, not UTF-8, another value, nested too deep, a number no float64 can hold.
+    """
+    try:
+        content = _decoder.decode(text)
+    except RecursionError:
+        raise ValueError(f"more than {DEEPEST} levels of objects and lists") from None
+    if text.count(b"[") + text.count(b"{") > DEEPEST:
+        _check_depth(content)
+    return content
+
+
+def _check_depth(content: Any) -> None:
+    waiting = [(content, 1)]
+    while waiting:
+        item, depth = waiting.pop()
+        if depth > DEEPEST:
+            raise ValueError(f"more than {DEEPEST} levels of objects and lists")
+        parts = item.values() if isinstance(item, dict) else item
+        waiting += [(part, depth + 1) for part in parts if isinstance(part, (dict, list))]

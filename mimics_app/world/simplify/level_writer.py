@@ -1,0 +1,211 @@
+"""Levels of detail written into a glTF file: coarser forms of its meshes that share the vertices of the fine ones."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import mimetypes
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.world.gltf.accessors import GltfAccessors
+from mimics_app.world.gltf.buffers import GltfBuffers, data_uri
+from mimics_app.world.gltf.source import MAX_TOTAL_BYTES, GltfSource, open_gltf
+from mimics_app.world.gltf.writer import pack_glb
+from mimics_app.world.levels import MAX_LEVELS
+from mimics_app.world.scene.source import read_bytes
+from mimics_app.world.simplify.decimation import decimate
+
+__all__ = ["SHARES", "MeshLevels", "write_levels"]
+
+SHARES = (0.5, 0.2, 0.06)
+"""Of a mesh's triangles, level after level, unless others are asked for."""
+
+_PICTURE = (1920, 1080)
+_TRIANGLES = 4
+_LEAST_GAIN = 0.8
+"""A level with more than this share of the triangles before is not worth having."""
+
+_ELEMENT_BUFFER, _U4 = 34963, 5125
+
+
+@dataclass(frozen=True)
+class MeshLevels:
+    """The levels of one mesh, the mesh itself first.
+
+    Attributes:
+        name: Of the mesh.
+        triangles: Of each level.
+        errors: Farthest a corner of the mesh lies from each level's surface [m].
+        coverages: Least share of a picture's area at which each level is shown, the last one's 0.
+    """
+
+    name: str
+    triangles: tuple[int, ...]
+    errors: tuple[float, ...]
+    coverages: tuple[float, ...]
+
+
+def write_levels(file: Path, out: Path, shares: Sequence[float] = SHARES, pixels: float = 1.0) -> list[MeshLevels]:
+    """Read a .glb or .gltf file and write it as .glb with levels of detail (MSFT_lod, MSFT_screencoverage).
+
+    A level is shown from where its error covers less than `pixels` of a picture of 1920 x 1080. Meshes that get no
+    smaller, nodes that have levels already, and everything that is no triangle stay as they are.
+
+    Args:
+        file: What is read; buffers and pictures it names are put into what is written.
+        out: What is written.
+        shares: Of a mesh's triangles, each level's, falling; at most seven.
+        pixels: Largest error seen [px].
+
+    Returns:
+        One line for each mesh that has levels now.
+
+    Raises:
+        SceneError: the file cannot be read, or is wrong.
+        ValueError: the shares do not fall from below 1 to above 0.
+    """
+    steps = itertools.pairwise([1.0, *shares, 0.0])
+    if not 1 <= len(shares) < MAX_LEVELS or any(after >= before for before, after in steps):
+        raise ValueError(f"{list(shares)} are not 1 to {MAX_LEVELS - 1} falling shares between 1 and 0")
+    source = open_gltf(file, file.resolve().parent, str(file))
+    levels = _LevelWriter(source, shares, pixels).add_levels()
+    out.parent.mkdir(parents=True, exist_ok=True)
+    out.write_bytes(pack_glb(source.json, source.binary or b""))
+    return levels
+
+
+class _LevelWriter:
+    """Adds to a file's JSON, and to its one buffer."""
+
+    def __init__(self, source: GltfSource, shares: Sequence[float], pixels: float) -> None:
+        self._source, self._shares, self._pixels = source, shares, pixels
+        self._blob = _gather(source)
+        self._accessors = GltfAccessors(source, GltfBuffers(source))
+        self._made: dict[int, tuple[list[int], MeshLevels] | None] = {}
+
+    def add_levels(self) -> list[MeshLevels]:
+        """Give every node of the file that has a mesh its levels."""
+        source, nodes = self._source, list(self._source.table("nodes"))
+        levels = [source.object(node.get("extensions", {}), "MSFT_lod", "/nodes") for node in nodes]
+        coarser = {id_ for level in levels for id_ in level.get("ids", ())}
+        for number, node in enumerate(nodes):
+            if "mesh" not in node or levels[number] or number in coarser:
+                continue
+            mesh = source.index(node["mesh"], len(source.table("meshes")), "meshes", f"/nodes/{number}/mesh")
+            if mesh not in self._made:
+                self._made[mesh] = self._coarsen(mesh)
+            made = self._made[mesh]
+            if made is not None:
+                self._attach(node, *made)
+        _hold(source, self._blob)
+        return [made[1] for made in self._made.values() if made is not None]
+
+    def _attach(self, node: dict[str, Any], meshes: list[int], levels: MeshLevels) -> None:
+        nodes, kept = self._source.json["nodes"], ("translation", "rotation", "scale", "matrix", "skin", "weights")
+        ids = []
+        for mesh in meshes:
+            ids.append(len(nodes))
+            nodes.append({"mesh": mesh} | {key: node[key] for key in kept if key in node})
+        node.setdefault("extensions", {})["MSFT_lod"] = {"ids": ids}
+        node.setdefault("extras", {})["MSFT_screencoverage"] = list(levels.coverages)
+        used = self._source.json.setdefault("extensionsUsed", [])
+        if "MSFT_lod" not in used:
+            used.append("MSFT_lod")
+
+    def _coarsen(self, mesh: int) -> tuple[list[int], MeshLevels] | None:
+        """(numbers of the coarser meshes, what they are); None where none is smaller."""
+        source = self._source
+        fine = source.table("meshes")[mesh]
+        parts = [self._arrays(part, f"/meshes/{mesh}/primitives/{k}") for k, part in enumerate(fine["primitives"])]
+        count = sum(len(indices) // 3 for _, indices in filter(None, parts))
+        triangles, errors, meshes = [count], [0.0], []
+        for share in self._shares:
+            coarse = [part and decimate(*part, round(share * len(part[1]) / 3)) for part in parts]
+            left = sum(each.triangle_count for each in coarse if each)
+            if not left or left > _LEAST_GAIN * triangles[-1]:
+                continue
+            triangles.append(left)
+            errors.append(max(errors[-1], *(each.error for each in coarse if each)))
+            made = dict(fine, primitives=[])
+            for primitive, each in zip(fine["primitives"], coarse, strict=True):
+                indices = {"indices": self._write(each.indices)} if each else {}
+                made["primitives"].append(dict(primitive, **indices))
+            meshes.append(len(source.json["meshes"]))
+            source.json["meshes"].append(made)
+        if not meshes:
+            return None
+        every = np.concatenate([positions for positions, _ in filter(None, parts)])
+        radius = float(np.linalg.norm(every - 0.5 * (every.min(axis=0) + every.max(axis=0)), axis=1).max())
+        name = str(fine.get("name", f"mesh {mesh}"))
+        return meshes, MeshLevels(name, tuple(triangles), tuple(errors), self._coverages(radius, errors))
+
+    def _arrays(self, primitive: dict[str, Any], place: str) -> tuple[NDArray[np.float32], NDArray[np.uint32]] | None:
+        """Positions and indices of triangles; None for lines, points and what has no indices of its own."""
+        attributes = self._source.object(primitive, "attributes", place)
+        packed = bool(self._source.object(primitive, "extensions", place))
+        plain = primitive.get("mode", _TRIANGLES) == _TRIANGLES and "indices" in primitive and "POSITION" in attributes
+        if packed or not plain:
+            return None
+        positions = self._accessors.floats(attributes["POSITION"], f"{place}/attributes/POSITION", "VEC3")
+        indices = self._accessors.integers(primitive["indices"], f"{place}/indices")
+        if len(indices) % 3 or int(indices.max()) >= len(positions):
+            self._source.fail(f"{place}/indices", f"are not whole triangles of the {len(positions)} vertices")
+        return positions, indices
+
+    def _write(self, indices: NDArray[np.uint32]) -> int:
+        data = indices.astype("<u4").tobytes()
+        views, accessors = self._source.json["bufferViews"], self._source.json["accessors"]
+        views.append({"buffer": 0, "byteOffset": len(self._blob), "byteLength": len(data), "target": _ELEMENT_BUFFER})
+        self._blob += data
+        accessors.append({"bufferView": len(views) - 1, "componentType": _U4, "count": len(indices), "type": "SCALAR"})
+        return len(accessors) - 1
+
+    def _coverages(self, radius: float, errors: Sequence[float]) -> tuple[float, ...]:
+        """A sphere of radius r covers c of the picture where its own radius is sqrt(c w h / pi) pixels."""
+        area = math.pi * self._pixels**2 / (_PICTURE[0] * _PICTURE[1])
+        least = [min(1.0, area * (radius / error) ** 2) if error > 0.0 else 1.0 for error in errors[1:]]
+        falling = [value * (1.0 - 1e-6) ** k for k, value in enumerate(least)]
+        return (*falling, 0.0)
+
+
+def _gather(source: GltfSource) -> bytearray:
+    """All buffers and pictures of a file in one; the file's views follow."""
+    buffers, blob, starts = GltfBuffers(source), bytearray(), []
+    for number in range(len(source.table("buffers"))):
+        starts.append(len(blob))
+        blob += buffers.whole(number, f"/buffers/{number}")
+        blob += bytes(-len(blob) % 4)
+    for view in source.table("bufferViews"):
+        view["byteOffset"] = view.get("byteOffset", 0) + starts[view["buffer"]]
+        view["buffer"] = 0
+    for number, image in enumerate(source.table("images")):
+        if "uri" not in image:
+            continue
+        data, kind = _picture(source, image["uri"], f"/images/{number}/uri")
+        del image["uri"]
+        views = source.json.setdefault("bufferViews", [])
+        views.append({"buffer": 0, "byteOffset": len(blob), "byteLength": len(data)})
+        image |= {"bufferView": len(views) - 1, "mimeType": kind}
+        blob += data + bytes(-len(data) % 4)
+    _hold(source, blob)
+    return blob
+
+
+def _hold(source: GltfSource, blob: bytearray) -> None:
+    """Make it the file's one buffer."""
+    source.json["buffers"] = [{"byteLength": len(blob)}]
+    source.binary = bytes(blob)
+
+
+def _picture(source: GltfSource, uri: str, place: str) -> tuple[bytes, str]:
+    """Bytes and media type of a picture."""
+    if uri[:5].lower() == "data:":
+        return data_uri(source, uri, place), uri[5:].partition(";")[0]
+    path = source.external(uri, place)
+    return read_bytes(path, str(path), MAX_TOTAL_BYTES), mimetypes.guess_type(path.name)[0] or "image/png"

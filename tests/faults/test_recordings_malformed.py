@@ -1,0 +1,248 @@
+"""Damaged and hostile run folders: verify, recover and the report never fail, and say the same of each."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mimics_app.app.cli import main
+from mimics_app.contracts.errors import PartialDataError
+from mimics_app.recording.recover import Recovery, recover
+from mimics_app.recording.replay import gather
+from mimics_app.recording.report import page_of, write_report
+from mimics_app.recording.run import Run
+from mimics_app.recording.statics import Statics, read_statics, write_statics
+from mimics_app.recording.verdict import Verdict, judge
+from tests.support.recording_mutations import FILES, SEALED, copy_run, mutate
+from tests.support.synthetic_run import write_synthetic_run
+
+QUICK, FULL = 2000, 60_000
+"""Mutations in `make test` and in `make test-long`."""
+RECOVERED, WITHOUT_MANIFEST, REPORTED = 7, 5, 98
+"""Every so manieth of them is recovered, too, was never closed, is reported and recovered twice."""
+PATIENCE_S = 20
+"""For one mutation: a reader that waits for a FIFO to be written waits for ever."""
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("whole")
+    write_statics(folder, Statics({"paths": np.arange(12.0)}, ("spring",)))
+    write_synthetic_run(folder, 0.5)
+    write_report(folder)  # writes the log of the trip, too
+    (folder / "report.html").unlink()
+    (folder / "manifest.json").unlink()
+    recover(folder)
+    manifest = json.loads((folder / "manifest.json").read_text())
+    summary = {"recipe": "fifo", "task": {"completed": 1, "trials": 2, "score": 66.2, "path_error_m": 0.0081},
+               "governor": {"moves": 2, "frame_ms": {"p50": 4.0}, "shares": {"full": 0.9}}}  # fmt: skip
+    (folder / "manifest.json").write_text(json.dumps({**manifest, "status": "clean", "lost": [], "summary": summary}))
+    assert judge(Run.open(folder)).whole
+    return folder
+
+
+@contextmanager
+def _patience() -> Iterator[None]:
+    """A reader that hangs fails, and so does one whose numpy complains to stderr."""
+
+    def give_up(*_: object) -> None:
+        raise TimeoutError("a reader hangs")
+
+    before = signal.signal(signal.SIGALRM, give_up)
+    signal.alarm(PATIENCE_S)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            yield
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def _fingerprint(folder: Path) -> dict[str, object]:
+    files = {name: folder / name for name in SEALED}
+    return {
+        name: path.read_bytes() if path.is_file() and not path.is_symlink() else None for name, path in files.items()
+    }
+
+
+def _check(whole: Path, folder: Path, seed: int) -> bool:
+    """All that must hold of one mutation; whether it was noticed."""
+    copy_run(whole, folder)
+    if seed % WITHOUT_MANIFEST == 0:
+        (folder / "manifest.json").unlink()
+    done = mutate(folder, seed)
+    changed = _fingerprint(folder) != _fingerprint(whole)
+    try:
+        with _patience():
+            verdict = _judged(folder, report=seed % REPORTED == 0)
+            if seed % RECOVERED == 0:
+                _recovered(folder, again=seed % REPORTED == 0)
+    except Exception as error:
+        raise AssertionError(done) from error
+    assert verdict.problems or not changed, f"{done}: nobody noticed"
+    return not verdict.whole
+
+
+def _judged(folder: Path, *, report: bool) -> Verdict:
+    verdict = judge(Run.open(folder))
+    if report:
+        assert tuple(page_of(Run.open(folder)).problems) == verdict.problems
+        write_report(folder)
+    return verdict
+
+
+def _recovered(folder: Path, *, again: bool) -> None:
+    losses = Run.open(folder).losses()
+    verdict = recover(folder).verdict
+    assert set(losses) <= set(verdict.problems), "recover forgot a loss"
+    assert judge(Run.open(folder)) == verdict, "verify and recover say the same"
+    if again:
+        assert recover(folder) == Recovery((), verdict), "nothing is left to mend"
+
+
+@pytest.mark.parametrize("part", range(4))
+def test_mutated_recordings(whole: Path, tmp_path: Path, part: int) -> None:
+    seeds = range(part * QUICK // 4, (part + 1) * QUICK // 4)
+    noticed = sum(_check(whole, tmp_path / "run", seed) for seed in seeds)
+    assert noticed > 0.7 * len(seeds), "most mutations are damage: the walk reaches what it tests"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("part", range(20))
+def test_many_mutated_recordings(whole: Path, tmp_path: Path, part: int) -> None:
+    for seed in range(QUICK + part * FULL // 20, QUICK + (part + 1) * FULL // 20):
+        _check(whole, tmp_path / "run", seed)
+
+
+# what was found by hand
+
+
+@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("command", ["info", "verify", "recover", "report"])
+def test_no_command_waits_for_a_fifo(
+    whole: Path, tmp_path: Path, name: str, command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = copy_run(whole, tmp_path / "run")
+    (folder / name).unlink()
+    os.mkfifo(folder / name)
+    with _patience():
+        code = main(["report", str(folder)] if command == "report" else ["record", command, str(folder)])
+    told = capsys.readouterr()
+    assert "Traceback" not in told.err and "internal error" not in told.err + told.out
+    if name in SEALED and not name.endswith(".idx"):
+        assert code == 6 and name in told.out + told.err
+    assert code in (0, 6)
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_replay_waits_for_no_fifo(whole: Path, tmp_path: Path, name: str) -> None:
+    folder = copy_run(whole, tmp_path / "run")
+    (folder / name).unlink()
+    os.mkfifo(folder / name)
+    needed = name in ("haptic.arrows", "parameters.arrows", "haptic_statics.npz")
+    with _patience(), pytest.raises(PartialDataError) if needed else nullcontext():
+        gather(Run.open(folder))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        (b'"force"', b'"forcf"', "1 lines cannot be read"),
+        (b'"kind":"state"', b'"kind":"stane"', "1 lines cannot be read"),
+        (b'"tick":0', b'"tick":"x"', "1 lines cannot be read"),
+    ],
+)
+def test_one_damaged_event_costs_its_line(whole: Path, tmp_path: Path, old: bytes, new: bytes, said: str) -> None:
+    folder = copy_run(whole, tmp_path / "run")
+    path = folder / "events.jsonl"
+    path.write_bytes(path.read_bytes().replace(old, new, 1))
+    run = Run.open(folder)
+    assert any(said in problem for problem in run.problems())
+    assert len(run.lines) == len(Run.open(whole).lines) - 1
+    recovery = recover(folder)
+    assert any(said in problem for problem in recovery.verdict.problems)
+    assert (folder / "events.jsonl.damaged").exists()
+
+
+def test_byte_that_is_not_utf8_in_the_manifest(whole: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = copy_run(whole, tmp_path / "run")
+    path = folder / "manifest.json"
+    path.write_bytes(path.read_bytes().replace(b"fifo", b"fi\xfeo"))
+    assert main(["record", "recover", str(folder)]) == 6
+    assert "what the application said at the end of the run cannot be read" in capsys.readouterr().out
+    assert len(Run.open(folder).haptic) == 500
+
+
+def test_recover_says_what_a_full_disk_took(whole: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A run that was closed and lost its last rows to the disk has nothing to mend, and is not whole."""
+    folder = copy_run(whole, tmp_path / "run")
+    manifest = json.loads((folder / "manifest.json").read_text())
+    manifest["dropped"], manifest["problem"] = {"samples": 2483}, "the disk is full"
+    (folder / "manifest.json").write_text(json.dumps(manifest))
+    codes, told = [], []
+    for arguments in (["record", "verify"], ["record", "recover"], ["report"]):
+        codes.append(main([*arguments, str(folder)]))
+        output = capsys.readouterr()
+        told.append(output.out + output.err)
+    assert codes == [6, 6, 6]
+    assert all("the last 2483 ticks are missing: the disk is full" in text for text in told)
+    assert not (folder / "haptic.arrows.damaged").exists()
+
+
+def test_rows_cut_off_a_closed_run_are_counted_and_stay_counted(whole: Path, tmp_path: Path) -> None:
+    """A cut between two blocks leaves no damaged byte: the manifest knows how many rows there were."""
+    folder = copy_run(whole, tmp_path / "run")
+    _seq, offset, _length = np.fromfile(folder / "haptic.arrows.idx", np.int64).reshape(-1, 3)[7].tolist()
+    os.truncate(folder / "haptic.arrows", offset)
+    with (folder / "trials.csv").open("a") as file:
+        file.write("torn")
+    assert "the last 150 ticks are missing" in judge(Run.open(folder)).problems
+    assert "the last 150 ticks are missing" in recover(folder).verdict.problems
+
+
+def test_nothing_outside_the_folder_is_written(whole: Path, tmp_path: Path) -> None:
+    """A run folder from elsewhere whose files are links: they are replaced, never followed for writing."""
+    folder = copy_run(whole, tmp_path / "run")
+    target = tmp_path / "precious.txt"
+    for name in ("events.jsonl", "trials.csv", "haptic.arrows", "parameters.arrows"):
+        target.write_bytes(b"precious\nand not ended by a line")
+        (folder / name).unlink()
+        (folder / name).symlink_to(target)
+        recover(folder)
+        assert target.read_bytes() == b"precious\nand not ended by a line", name
+
+
+def test_folder_that_cannot_be_written_is_judged_all_the_same(whole: Path, tmp_path: Path, monkeypatch) -> None:
+    folder = copy_run(whole, tmp_path / "run")
+    os.truncate(folder / "haptic.arrows", 120_000)
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    for module in ("recover", "manifest"):
+        monkeypatch.setattr(f"mimics_app.recording.{module}.write_atomically", full)
+    monkeypatch.setattr("mimics_app.recording.append_file.os.write", full)
+    recovery = recover(folder)
+    assert "haptic.arrows cannot be mended: No space left on device" in recovery.verdict.problems
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_damaged_statics_end_in_one_error(whole: Path, tmp_path: Path, seed: int) -> None:
+    content = bytearray((whole / "haptic_statics.npz").read_bytes())
+    chance = np.random.default_rng(seed)
+    for place in chance.integers(0, len(content), 3):
+        content[place] ^= 1 << int(chance.integers(8))
+    (tmp_path / "haptic_statics.npz").write_bytes(content)
+    try:
+        read_statics(tmp_path)
+    except PartialDataError as error:
+        assert "cannot be" in str(error)

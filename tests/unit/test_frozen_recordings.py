@@ -1,0 +1,56 @@
+"""Recordings of earlier versions, kept as they were written, are read for ever.
+
+Each folder of tests/data/run_* is 0.3 s of pick and place on the virtual clock; what session.json says of the
+machine and its folders was taken out. They are never made anew: a version that changes the format adds one of its own.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mimics_app.recording.recover import recover
+from mimics_app.recording.report import page_of, write_report
+from mimics_app.recording.run import Run
+from mimics_app.recording.verdict import judge
+
+FROZEN = sorted((Path(__file__).parents[1] / "data").glob("run_*"))
+COLUMNS = {"tick", "state", "hip_world[0]", "hip_world[1]", "hip_world[2]", "f_user_world[0]", "f_meas[0]", "q[0]"}
+"""Of every version there ever was."""
+
+
+def test_there_is_one_and_all_are_small() -> None:
+    assert FROZEN
+    for folder in FROZEN:
+        assert sum(path.stat().st_size for path in folder.rglob("*")) < 300_000, folder
+
+
+@pytest.mark.parametrize("folder", FROZEN, ids=lambda folder: folder.name)
+def test_frozen_recording_is_whole(folder: Path) -> None:
+    run = Run.open(folder)
+    assert [problem for problem in judge(run).problems if "recorded without" not in problem] == []
+    assert run.status == "clean" and not COLUMNS & set(run.layout.absent)
+    assert np.array_equal(run.haptic["tick"], np.arange(300)) and run.haptic["t"][-1] == pytest.approx(0.299)
+    assert len(run.events) == run.manifest.events > 0 and len(run.trials) == 1
+    states = [int(event["force"]) for event in run.events if event["kind"] == 3]
+    assert [int(state) for state in np.unique(run.haptic["state"])] == sorted({*states} - {0})
+    assert len(run.parameters) == run.manifest.parameters > 0
+    assert all(int(block["sequence"][0]) == number for number, block in run.parameters.items())
+    assert run.session["scene"]["document"]["entities"]
+
+
+@pytest.mark.parametrize("folder", FROZEN, ids=lambda folder: folder.name)
+def test_frozen_recording_is_reported_and_recovered(folder: Path, tmp_path: Path) -> None:
+    copy = Path(shutil.copytree(folder, tmp_path / "run"))
+    assert page_of(Run.open(copy)).title == "Report of pick and place"
+    assert "<h2>Carrying</h2>" in write_report(copy).read_text()
+    before = Run.open(copy).haptic.tobytes()
+    (copy / "manifest.json").unlink()
+    assert recover(copy).verdict.status == "recovered"
+    again = Run.open(copy)
+    assert again.haptic.tobytes() == before and again.losses() == Run.open(folder).losses()
+    assert json.loads((copy / "session.json").read_text()) == json.loads((folder / "session.json").read_text())
