@@ -52,7 +52,10 @@ def spoil_json(document: Any, seed: int) -> Any:
     rng = random.Random(seed)
     spoiled = [copy.deepcopy(document)]
     for _ in range(rng.randint(1, 3)):
-        holder, key = rng.choice(list(_places(spoiled)))
+        places = list(_places(spoiled))
+        if not places:
+            break
+        holder, key = rng.choice(places)
         rng.choice(_JSON_FAULTS)(rng, holder, key)
     return spoiled[0] if spoiled else None
 
