@@ -41,6 +41,7 @@ _MOST_TEXT = 1000
 _MOST_NAMES = 1000
 """Names that are compared for the nearest one; comparing one takes some microseconds."""
 
+
 @dataclass(frozen=True, slots=True)
 class Issue:
     """One fault of one file. Values of the file that are long are shortened in `what` and `fix`.

@@ -204,7 +204,7 @@ def test_fifth_different_force_field_is_refused(tmp_path):
         ([at(0, 0, 0, BALL, rotation=[0, 0, 0, 0])], "0/transform/rotation", "length 0"),
         ([{**BALL, "parent": "gone"}], "0/parent", 'no entity "gone"'),
         ([{**BALL, "parent": "b"}, {"id": "b", "parent": "ball_a"}], "0/parent", "hangs on itself"),
-        ([at(1e300, 0, 0, BALL)], "0/transform/translation", "1 km"),
+        ([at(1e5, 0, 0, BALL)], "0/transform/translation", "1 km"),
     ],
 )
 def test_object_that_stands_nowhere_is_told_in_one_line(tmp_path, entities, place, says):
