@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 
 __all__ = [
+    "MOST_SOUGHT",
     "MOST_TOLD",
     "DeviceError",
     "Issue",
@@ -31,6 +32,9 @@ __all__ = [
 
 MOST_TOLD = 100
 """Most issues of one call that are told one by one; of the rest their number is told."""
+
+MOST_SOUGHT = 1000
+"""Faults of one file after which no more of them are looked for."""
 
 _LONG_VALUE = re.compile(r"""(?P<mark>["'])(?P<quoted>(?:(?!(?P=mark)).){81,})(?P=mark)|[^\s/"']{81,}""", re.DOTALL)
 """A value of a file, in quotes or without, that is longer than a line should be; a path stays whole."""
@@ -146,11 +150,17 @@ class PartialDataError(MimicsError):
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
-    """Return the known name closest in spelling as a hint ("did you mean ..."), or the list of all known ones."""
-    names = sorted(known)
-    alike = names if len(names) <= _MOST_NAMES else [each for each in names if each[:1] == name[:1]][:_MOST_NAMES]
-    close = get_close_matches(name, alike, n=1, cutoff=0.6)
-    return f'did you mean "{close[0]}"' if close else "known: " + ", ".join(names[:_MOST_NAMES])
+    """Return the known name closest in spelling as a hint ("did you mean ..."), or the list of all known ones.
+
+    Of more than a thousand only some with the same first letter are compared, and none are listed.
+    """
+    names = list(known)
+    few = len(names) <= _MOST_NAMES
+    names = sorted(names) if few else [each for each in names[: 10 * _MOST_NAMES] if each[:1] == name[:1]][:_MOST_NAMES]
+    close = get_close_matches(name, names, n=1, cutoff=0.6)
+    if close:
+        return f'did you mean "{close[0]}"'
+    return "known: " + ", ".join(names) if few else ""
 
 
 def short_text(text: str) -> str:

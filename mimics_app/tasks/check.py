@@ -69,7 +69,8 @@ _TABLES = {"shapes": SHAPE, "bodies": BODY, "effects": EFFECT}
 
 def object_of_target(name: str) -> str | None:
     """Entity of a haptic target such as "bodies.apple.mass"; None for another name, or where that is no number."""
-    table, *middle, field = name.split(".")
+    table, *middle = name.split(".")
+    field = middle.pop() if middle else ""
     dtype = _TABLES.get(table)
     if dtype is None or not middle or field not in (dtype.names or ()) or dtype[field].shape:
         return None

@@ -93,7 +93,7 @@ def object_written() -> bool:
 
 
 def errors_of(issues: Sequence[Issue]) -> dict[str, Any]:
-    """Issues as keys of a JSON object: `errors`, the first of them, and `more_errors`, the number of the rest, if any."""
+    """Issues as keys of a JSON object: `errors`, the first of them, and `more_errors`, how many follow, if any."""
     first, more = told(issues)
     rows = [{"file": i.file, "pointer": i.pointer, "what": i.what, "fix": i.fix} for i in first]
     return {"errors": rows, **({"more_errors": more} if more else {})}

@@ -11,7 +11,7 @@ from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.world.components.bounds import Extent, Factor, FarCoordinate, Frequency, Length, Light, Seconds, Vector
-from mimics_app.world.components.registry import Component, component, register_check
+from mimics_app.world.components.registry import Component, component, register_check, register_limit
 
 if TYPE_CHECKING:
     from mimics_app.world.scene.scene import Scene
@@ -171,6 +171,8 @@ def _check_projector(projector: Projector, pointer: str, scene: Scene) -> list[I
     return issues
 
 
+register_limit("particles", 1000)
+register_limit("projector", 1000)
 register_check("billboard", _check_billboard)
 register_check("particles", _check_particles)
 register_check("projector", _check_projector)

@@ -30,7 +30,7 @@ from mimics_app.world.components.objects import (
     HapticWalls,
     InteractionPoints,
 )
-from mimics_app.world.components.registry import register_check
+from mimics_app.world.components.registry import register_check, register_limit
 from mimics_app.world.components.robot import Tunnel
 from mimics_app.world.components.signals import SignalFault, parse_source, parse_target
 from mimics_app.world.scene.placing import pose_of, stands_somewhere
@@ -82,7 +82,7 @@ def _check_object(thing: HapticObject, pointer: str, scene: Scene) -> list[Issue
 
 def _check_place(pointer: str, scene: Scene) -> list[Issue]:
     """Faults of the place of an entity that has one; that it has none is told with its transform or parent."""
-    name = _owner(pointer, scene)
+    name = scene.owner(pointer).id
     if not stands_somewhere(scene, name):
         return []
     try:
@@ -97,7 +97,7 @@ def _check_place(pointer: str, scene: Scene) -> list[Issue]:
 def _check_body(thing: HapticObject, pointer: str, scene: Scene) -> list[Issue]:
     """Faults of the object as a whole: shapes and a mass it can be made of."""
     try:
-        shapes = shapes_of(scene, _owner(pointer, scene), thing)
+        shapes = shapes_of(scene, scene.owner(pointer).id, thing)
         mass_properties_of(scene, thing, shapes)
     except ObjectFault as fault:
         return [scene.issue(f"{pointer}{fault.place}", fault.what, fault.fix)]
@@ -244,11 +244,10 @@ def _check_connections(connections: Connections, pointer: str, scene: Scene) -> 
     return issues
 
 
-def _owner(pointer: str, scene: Scene) -> str:
-    """Id of the entity a component's pointer is of."""
-    return next(entity.id for entity in scene.entities if pointer.startswith(f"{entity.pointer}/"))
-
-
+for _name in ("haptic_object", "haptic_effect", "force_field", "haptic_path"):
+    register_limit(_name, 1000)
+for _name in ("haptic_walls", "connections", "interaction_points"):
+    register_limit(_name, 100)
 register_check("haptic_object", _check_object)
 register_check("haptic_walls", _check_walls)
 register_check("haptic_effect", _check_effect)

@@ -49,7 +49,7 @@ Number = Annotated[float, Meta(ge=-_MOST, le=_MOST)]
 Vector = tuple[Number, Number, Number]
 Row = tuple[float, float, float]
 Rows = tuple[Row, Row, Row]
-"""Without bounds: msgspec 0.22 cannot free a bounded number beside a tuple in a union. `object_checks` looks at them."""
+"""Without bounds: msgspec 0.22 cannot free a bounded number beside a tuple. `object_checks` looks at them."""
 
 Integrator = Literal["semi_implicit", "explicit", "exact_drag", "implicit_midpoint"]
 

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 import msgspec
 
-from mimics_app.contracts.errors import nearest
+from mimics_app.contracts.errors import MOST_SOUGHT, nearest
 from mimics_app.world.scene.json_text import escape
 
 __all__ = ["FAILED", "Report", "is_comment", "read_struct"]
@@ -53,7 +53,7 @@ def read_struct(wanted: Any, value: Any, report: Report, pointer: str = "") -> A
     Args:
         wanted: A Struct or any type msgspec knows.
         value: As `json` gives it.
-        report: Called once for each fault.
+        report: Called once for each fault; after `MOST_SOUGHT` of them no more are looked for.
         pointer: Put before the pointers that are reported.
 
     Returns:
@@ -80,8 +80,11 @@ class _Reader:
 
     def __init__(self, report: Report) -> None:
         self._report = report
+        self._reported = 0
 
     def read(self, wanted: Any, value: Any, pointer: str, error: str = "") -> Any:
+        if self._reported >= MOST_SOUGHT:
+            return FAILED
         if not error:
             try:
                 return msgspec.convert(value, wanted)
@@ -126,11 +129,11 @@ class _Reader:
         given = {key: item for key, item in value.items() if not is_comment(key) and key != tag}
         failed = False
         for key in [key for key in given if key not in fields]:
-            self._report(f"{pointer}/{escape(key)}", f'unknown key "{key}"', nearest(key, fields))
+            self._say(f"{pointer}/{escape(key)}", f'unknown key "{key}"', nearest(key, fields))
             failed = True
         for name, field in fields.items():
             if name not in given and field.required:
-                self._report(pointer, f'the key "{name}" is missing', "")
+                self._say(pointer, f'the key "{name}" is missing')
                 failed = True
         read = {}
         for name, field in fields.items():
@@ -155,6 +158,7 @@ class _Reader:
         return self._say(pointer, plain + got)
 
     def _say(self, pointer: str, what: str, fix: str = "") -> Any:
+        self._reported += 1
         self._report(pointer, what, fix)
         return FAILED
 

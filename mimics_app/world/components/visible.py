@@ -12,7 +12,7 @@ from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.world.components.bounds import Extent, Factor, FarPoint, Figure, Length, Light, PositiveForce
-from mimics_app.world.components.registry import Component, component, register_check
+from mimics_app.world.components.registry import Component, component, register_check, register_limit
 from mimics_app.world.components.shapes import RingShape, Shape
 
 if TYPE_CHECKING:
@@ -244,6 +244,8 @@ def _check_tunnel_view(view: TunnelView, pointer: str, scene: Scene) -> list[Iss
     return issues
 
 
+for _name in ("light", "camera", "sound", "sound_emitter", "hud", "tunnel_view", "environment"):
+    register_limit(_name, 1000)
 register_check("mesh", _check_mesh)
 register_check("light", _check_light)
 register_check("camera", _check_camera)

@@ -41,8 +41,11 @@ _REFERENCES = (
 )
 """Where indices stand, * for every item or member, and the list they point into; those of a node its reader checks."""
 
-_NAMED = ("accessors", "animations", "bufferViews", "buffers", "cameras", "images", "materials", "meshes", "nodes")
-_NAMED += ("samplers", "scenes", "skins", "textures")
+_NAMED = (
+    *("accessors", "animations", "bufferViews", "buffers", "cameras", "images", "materials", "meshes"),
+    *("nodes", "samplers", "scenes", "skins", "textures"),
+)
+"""Lists whose items may have names."""
 
 
 def check_references(source: GltfSource) -> None:

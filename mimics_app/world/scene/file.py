@@ -10,7 +10,8 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.errors import MOST_SOUGHT, Issue, SceneError
+from mimics_app.contracts.regular_file import read_regular
 from mimics_app.world.components import (
     effects,
     hand,
@@ -52,7 +53,9 @@ def load_scene(path: Path, root: Path | None = None) -> Scene:
     issues: list[Issue] = []
     folder = find_root(path) if root is None else root
     sources = read_sources(path, folder, issues)
+    _stop_after_many(issues, path)
     scene = SceneLoader(sources, folder, issues).load()
+    _stop_after_many(issues, path)
     unusable = [issue for issue in issues if NOT_FINITE in issue.what or issue.what == TORN]
     above = _with_all_above(unusable)
     issues += [issue for issue in check_meaning(scene) if (issue.file, issue.pointer) not in above]
@@ -70,6 +73,12 @@ def build_world(scene: Scene) -> World:
     from mimics_app.world.scene.build import build  # compiled code: not needed to check a scene
 
     return build(scene)
+
+
+def _stop_after_many(issues: list[Issue], path: Path) -> None:
+    """Refuse a scene with very many faults as it is: what else is wrong with it would take long to find."""
+    if len(issues) >= MOST_SOUGHT:
+        raise SceneError([*dict.fromkeys(issues), Issue(str(path), "", "has more faults, which were not looked for")])
 
 
 def _with_all_above(unusable: list[Issue]) -> set[tuple[str, str]]:
@@ -95,7 +104,7 @@ def _hash(scene: Scene) -> str:
     for name in sorted(scene.assets):
         digest.update(f"{name}:{scene.assets[name].digest}".encode())
     for path in scene.named_files:
-        digest.update(hashlib.sha256(path.read_bytes()).digest())
+        digest.update(hashlib.sha256(read_regular(path)).digest())
     return digest.hexdigest()
 
 

@@ -68,7 +68,11 @@ def read_bytes(path: Path, file: str, limit: int = _MAX_BYTES) -> bytes:
     try:
         data = read_regular(path, limit + 1)
     except (OSError, ValueError) as error:  # ValueError: a name with a zero in it
-        what = "no such file" if isinstance(error, FileNotFoundError) else f"cannot be read: {getattr(error, 'strerror', error)}"
+        what = (
+            "no such file"
+            if isinstance(error, FileNotFoundError)
+            else f"cannot be read: {getattr(error, 'strerror', error)}"
+        )
         raise SceneError(Issue(file, "", what)) from None
     if len(data) > limit:
         raise SceneError(Issue(file, "", f"is larger than {limit // 1024**2} MiB"))

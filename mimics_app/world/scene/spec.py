@@ -76,7 +76,8 @@ class PrefabSpec(Component, frozen=True):
     transform: Annotated[TransformSpec | None, Meta(description="Default of the instances")] = None
     components: Annotated[Components, Meta(description="By type, one of each")] = msgspec.field(default_factory=dict)
     children: Annotated[
-        list[EntitySpec], Meta(max_length=MAX_ENTITIES, description="Entities below; the id of an instance is put before theirs")
+        list[EntitySpec],
+        Meta(max_length=MAX_ENTITIES, description="Entities below; the id of an instance is put before theirs"),
     ] = msgspec.field(default_factory=list)
 
 
@@ -166,8 +167,8 @@ class SceneSpec(Component, frozen=True):
         msgspec.field(default_factory=dict)
     )
     prefabs: Annotated[dict[str, PrefabSpec], Meta(description="By id")] = msgspec.field(default_factory=dict)
-    entities: Annotated[list[EntitySpec], Meta(max_length=MAX_ENTITIES, description="Everything in the scene")] = msgspec.field(
-        default_factory=list
+    entities: Annotated[list[EntitySpec], Meta(max_length=MAX_ENTITIES, description="Everything in the scene")] = (
+        msgspec.field(default_factory=list)
     )
     systems: Annotated[dict[str, dict[str, Any]], Meta(description="Settings of the stages, by name")] = msgspec.field(
         default_factory=dict
