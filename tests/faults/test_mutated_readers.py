@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from mimics_app.app.commands.check import examine
 from mimics_app.app.sweep.experiments import NAMES, find_experiment
@@ -20,6 +22,8 @@ from mimics_app.contracts.resources import root
 from mimics_app.lab.sweep.points import count_points
 from mimics_app.lab.sweep.spec import load_sweep, span_of
 from mimics_app.learning.action_sequence import load_action_sequence
+from mimics_app.rendering.haptic.tunnel_source import read_path
+from mimics_app.tasks.trial_file import load_blocks
 from mimics_app.world.gltf.file import load_gltf
 from mimics_app.world.gltf.model_world import read_model
 from mimics_app.world.world import World
@@ -30,7 +34,8 @@ SCENES = ("parts/touch_table", "examples/lanterns", "examples/wired", "examples/
 SCENES += ("examples/springs_and_magnets", "examples/surfaces", "examples/force_field", "examples/guided_path")
 SCENES += ("examples/billboards_and_particles", "examples/decals", "examples/free_objects", "wavy_tunnel")
 
-ACTIONS = [{"trial": 0, "values": {"radius": 1.2}}, {"t": 12.5, "values": {"stiffness": 800, "assistance": 0.5}}]
+ACTIONS = [{"trial": i, "x-why": ["any"], "values": {"radius": 1.2}} for i in range(4)]
+ACTIONS += [{"t": 12.5, "x-why": {"a": "any"}, "values": {"stiffness": 800, "radius": 0.5}} for _ in range(4)]
 SPACE = ActionSpace([Parameter("radius", 1.0, 0.5, 2.0), Parameter("stiffness", 500.0, 0.0, 1000.0, unit="N/m")])
 
 SWEEP = {
@@ -55,7 +60,9 @@ def model() -> tuple[dict[str, Any], bytes]:
     normal = maker.array(np.tile(np.array([0, 0, 1], np.float32), (4, 1)))
     uv = maker.array(np.array([[0, 0], [255, 0], [0, 255], [255, 255]], np.uint8), normalized=True)
     shade = maker.array(np.full((4, 4), 200, np.uint8), normalized=True)
-    picture = maker.view((root() / "assets" / "sprites" / "arrow.png").read_bytes())
+    drawn = io.BytesIO()
+    Image.new("RGB", (2, 2), "red").save(drawn, "PNG")
+    picture = maker.view(drawn.getvalue())
     zeros = {"componentType": 5126, "count": 4, "type": "VEC3", "sparse": {"count": 2}}
     zeros["sparse"] |= {"indices": {"bufferView": 1, "componentType": 5123}, "values": {"bufferView": 0}}
     maker.accessors.append(zeros)
@@ -159,12 +166,37 @@ def sweeps(folder: Path) -> Callable[[int], object]:
     return read
 
 
+def paths(folder: Path) -> Callable[[int], object]:
+    points = [[0.1 * i, 0.0, 0.05 * (i % 3)] for i in range(8)]
+    lines = "x,y,z\n" + "".join(f"{x},{y},{z}\n" for x, y, z in points)
+
+    def read(seed: int) -> None:
+        path = folder / ("path.csv" if seed % 2 else "path.json")
+        path.write_bytes(spoil_bytes(lines.encode(), seed) if seed % 2 else as_text(spoil_json(points, seed)))
+        read_path(path)
+
+    return read
+
+
+def trials(folder: Path) -> Callable[[int], object]:
+    blocks = [{"name": "A", "trials": [{"label": "easy", "values": {"radius": 1.2}, "rest_s": 2.0}], "repetitions": 2}]
+    path = folder / "trials.json"
+
+    def read(seed: int) -> None:
+        path.write_bytes(as_text(spoil_json(blocks, seed)) if seed % 3 else spoil_bytes(as_text(blocks), seed))
+        load_blocks(path)
+
+    return read
+
+
 READERS = {
-    "glTF, JSON": (gltf_json, 3000, 350_000),
-    "glTF, bytes": (gltf_bytes, 2500, 250_000),
-    "scenes": (scenes, 1500, 100_000),
+    "glTF, JSON": (gltf_json, 2000, 250_000),
+    "glTF, bytes": (gltf_bytes, 2000, 250_000),
+    "scenes": (scenes, 1000, 50_000),
     "actions": (actions, 1500, 150_000),
-    "sweeps": (sweeps, 1500, 150_000),
+    "sweeps": (sweeps, 1500, 100_000),
+    "paths": (paths, 1000, 100_000),
+    "trials": (trials, 1000, 100_000),
 }
 """What reads, how often in `make test`, and how often in `make test-long`: 10^4 and 10^6 in all."""
 
@@ -190,5 +222,5 @@ def test_a_million_spoiled_files_are_read_or_refused(tmp_path, name):
 def check(read, seeds):
     found = survey(read, seeds)
     assert not found.findings, found
-    assert found.read > 0.02 * len(seeds), found  # else the faults hide each other
+    assert found.read > 0.01 * len(seeds), found  # else the faults hide each other
     assert found.refused > 0.2 * len(seeds), found
