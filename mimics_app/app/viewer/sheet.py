@@ -91,7 +91,7 @@ def draw_sheet(folder: Path, output: Path, *, backend: str = "auto") -> Sheet:
         backend: "auto", "egl", "osmesa" or "window".
 
     Raises:
-        SceneError: no model is there; one that is wrong, or in which there is nothing to see, is a tile with the reason.
+        SceneError: no model is there; one that is wrong or shows nothing is a tile with the reason.
         UsageError: there are more than a sheet can hold.
         DeviceError: the context cannot be had.
     """

@@ -149,7 +149,7 @@ class MeshSolid(_Placed, frozen=True, kw_only=True, tag="mesh", tag_field="shape
         Literal["mesh", "hull", "box", "sphere"],
         Meta(description="The triangles themselves, their convex hull, or the box or sphere round them"),
     ] = "mesh"
-    scale: Annotated[Length, Meta(description="Factor on all its lengths")] = 1.0
+    scale: Annotated[float, Meta(ge=1e-6, le=1e6, description="Factor on all its lengths")] = 1.0
 
 
 Solid = CubeSolid | SphereSolid | CylinderSolid | CapsuleSolid | MeshSolid

@@ -98,6 +98,9 @@ def _check_body(thing: HapticObject, pointer: str, scene: Scene) -> list[Issue]:
     """Faults of the object as a whole: shapes and a mass it can be made of."""
     try:
         shapes = shapes_of(scene, scene.owner(pointer).id, thing)
+        smallest = min(map(_thinnest, shapes))
+        if smallest < _THINNEST:
+            return [scene.issue(pointer, _too_thin(smallest))]
         mass_properties_of(scene, thing, shapes)
     except ObjectFault as fault:
         return [scene.issue(f"{pointer}{fault.place}", fault.what, fault.fix)]
@@ -110,11 +113,15 @@ def _check_shape(shape: Solid, pointer: str, scene: Scene) -> list[Issue]:
         issues += scene.check_model_reference(f"{pointer}/source", shape.source)
     smallest = _thinnest(shape)
     if smallest < _THINNEST:
-        issues.append(scene.issue(pointer, f"it is {smallest:g} m thin: a hand is through it within a tick"))
+        issues.append(scene.issue(pointer, _too_thin(smallest)))
     if isinstance(shape, CubeSolid | CylinderSolid) and shape.rounding >= 0.5 * smallest:
         what = f"{shape.rounding:g} m leaves nothing of an edge of {smallest:g} m"
         issues.append(scene.issue(f"{pointer}/rounding", what, f"stay below {0.5 * smallest:g} m"))
     return issues
+
+
+def _too_thin(smallest: float) -> str:
+    return f"it is {smallest:g} m thin: a hand is through it within a tick"
 
 
 def _thinnest(shape: Solid) -> float:
