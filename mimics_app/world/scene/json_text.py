@@ -73,7 +73,7 @@ def parse_json(text: bytes, file: str) -> tuple[Any, list[Issue]]:
         raise SceneError(Issue(file, "", f"is nested deeper than {MAX_DEPTH} levels")) from None
     except ValueError as error:  # a whole number of thousands of digits
         raise SceneError(Issue(file, "", f"is not JSON: {error}")) from None
-    return document, _faults(document, file) if suspicious.found else []
+    return _freed_of_faults(document, file) if suspicious.found else (document, [])
 
 
 def escape(name: str) -> str:
@@ -120,9 +120,11 @@ def _is_torn(text: str) -> bool:
     return False
 
 
-def _faults(document: Any, file: str) -> list[Issue]:
+def _freed_of_faults(document: Any, file: str) -> tuple[Any, list[Issue]]:
+    """The document with values in it that can be held, and the faults of those that could not."""
     issues: list[Issue] = []
-    waiting: list[tuple[Any, Any, str, int]] = [([document], 0, "", 0)]
+    whole = [document]
+    waiting: list[tuple[Any, Any, str, int]] = [(whole, 0, "", 0)]
     while waiting:
         holder, key, pointer, depth = waiting.pop()
         value = holder[key]
@@ -139,7 +141,7 @@ def _faults(document: Any, file: str) -> list[Issue]:
         elif isinstance(value, int | float) and not abs(value) <= sys.float_info.max:
             issues.append(Issue(file, pointer, f"{value} {NOT_FINITE}", "write a number"))
             holder[key] = value if isinstance(value, float) else math.inf if value > 0 else -math.inf
-    return issues
+    return whole[0], issues
 
 
 def _key_faults(value: dict[str, Any], file: str, pointer: str) -> list[Issue]:
