@@ -8,6 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.board import Board
+from mimics_app.contracts.trial_state import TaskView
+
 __all__ = [
     "Aim",
     "FeatureFrame",
@@ -169,7 +172,8 @@ class TaskOrders:
         visual: New values of named scene parameters, e.g. {"tunnel.radius_scale": 1.2}.
         audio: New values of mixer parameters, e.g. {"gain": 0.5}.
         sounds: Sounds to start.
-        hud: Lines and gauges of the heads-up display by name (names and units: tasks.hud).
+        view: How the task stands.
+        board: What a person reads over the picture.
         person_may_act: True while the pointer or the simulated person is let through to the robot (INBOX.active).
         finished: True when the last trial is over.
     """
@@ -178,6 +182,7 @@ class TaskOrders:
     visual: Mapping[str, object] = field(default_factory=dict)
     audio: Mapping[str, object] = field(default_factory=dict)
     sounds: tuple[SoundEvent, ...] = ()
-    hud: Mapping[str, object] = field(default_factory=dict)
+    view: TaskView = field(default_factory=TaskView)
+    board: Board = field(default_factory=Board)
     person_may_act: bool = False
     finished: bool = False

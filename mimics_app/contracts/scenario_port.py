@@ -39,6 +39,7 @@ class TaskContext:
         home: How it gets there; None: by joint PD.
         bodies: Names of the haptic bodies in the order of their rows.
         places: Where the entities are that a task may name [m].
+        offers: What the scene has for kinds of task, e.g. "tunnel".
         feel: Controller under which the person leads: ADMITTANCE, or IMPEDANCE on a force driven device.
     """
 
@@ -46,6 +47,7 @@ class TaskContext:
     home: Home | None = None
     bodies: tuple[str, ...] = ()
     places: Mapping[str, Vec3] = field(default_factory=dict)
+    offers: frozenset[str] = frozenset()
     feel: Controller = Controller.ADMITTANCE
 
 

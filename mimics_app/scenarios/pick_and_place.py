@@ -16,7 +16,8 @@ from mimics_app.rendering.haptic.scene_objects import SceneObjects, objects_of_s
 from mimics_app.scenarios.body_nodes import BodyNodes
 from mimics_app.scenarios.picking import Picker, Sight
 from mimics_app.scenarios.robot_scene import robot_block, start_at, triple
-from mimics_app.tasks.carry_spec import CarrySpec
+from mimics_app.tasks.kinds.carry import carry_of
+from mimics_app.tasks.kinds.carry_spec import CarrySpec
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.world.components.hand import GraspingHand
 from mimics_app.world.components.robot import Robot
@@ -172,9 +173,10 @@ class PickAndPlace(Scenario):
 
 def _carry_of(scene: Scene) -> CarrySpec:
     task = scene.section(TaskSpec)
-    if task is None or task.carry is None:
+    carry = None if task is None else carry_of(task)
+    if carry is None:
         raise SceneError(scene.issue("/task", "nothing is carried in this task", 'say what and where under "carry"'))
-    return task.carry
+    return carry
 
 
 def _half_height(objects: SceneObjects, row: int) -> float:

@@ -68,7 +68,7 @@ class WavyTunnel(Scenario):
 
     @property
     def task_context(self) -> TaskContext:
-        return TaskContext(*start_at(self._scene, self._curve.point(0.0)))
+        return TaskContext(*start_at(self._scene, self._curve.point(0.0)), offers=frozenset({"tunnel"}))
 
     @property
     def via_points_world(self) -> NDArray[np.float64]:

@@ -9,11 +9,11 @@ from typing import Any
 import msgspec
 
 from mimics_app.contracts.action_space import ActionSpace, Parameter
+from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.task import MapSpec, ParameterSpec, TaskSpec
 
 __all__ = [
     "TARGET_GROUPS",
-    "TASK_TARGETS",
     "ActionSpace",
     "Settings",
     "build_action_space",
@@ -21,13 +21,11 @@ __all__ = [
     "haptic_field",
     "map_value",
     "settings_for",
+    "task_targets",
 ]
 
 TARGET_GROUPS = ("haptic", "visual", "audio", "task")
 """First words of `MapSpec.to`."""
-
-TASK_TARGETS = ("time_limit_s", "rest_s", "within")
-"""What a parameter may change of the task itself."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +36,11 @@ class Settings:
     visual: Mapping[str, object] = field(default_factory=dict)
     audio: Mapping[str, object] = field(default_factory=dict)
     task: Mapping[str, object] = field(default_factory=dict)
+
+
+def task_targets() -> tuple[str, ...]:
+    """What a parameter may change of the task itself."""
+    return ("time_limit_s", "rest_s", *(name for kind in task_kinds() for name in kind.targets))
 
 
 def build_action_space(spec: TaskSpec) -> ActionSpace:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
+from mimics_app.tasks.kinds.kind import KindPlay
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.score import session_result, trial_points
 from mimics_app.tasks.tally import Measures, Tally
@@ -16,8 +17,8 @@ __all__ = ["ABORTED", "FINISHED", "SESSION_ENDED", "TIMEOUT", "Attempts", "Row"]
 
 Row = dict[str, Any]
 """One attempt: trial, attempt, block, label, repetition, practice, outcome, cause, begin_ns, end_ns, the fields of
-`Measures`, score, and `parameter.NAME` for each adaptable parameter as it stood at the end. The same keys in every row;
-smoothness is None where nothing moved."""
+`Measures`, what the task's kinds measure, score, and `parameter.NAME` for each adaptable parameter as it stood at the
+end. The same keys in every row; a measure is None where it does not apply or cannot be judged."""
 
 FINISHED, TIMEOUT, ABORTED = "finished", "timeout", "aborted"
 SESSION_ENDED = "session ended"
@@ -34,6 +35,14 @@ class Attempts:
         tally: Of the travel, once the person was let go.
         rows: Of the attempts so far.
         score: Points of the newest row.
+
+    Args:
+        plan: The trials.
+        score: Weights.
+        most_attempts: At one trial.
+        on_row: Called with each row.
+        plays: The kinds of the task.
+        counts: What they call trials that reached their goal.
     """
 
     def __init__(
@@ -42,8 +51,8 @@ class Attempts:
         score: ScoreSpec,
         most_attempts: int,
         on_row: Callable[[Row], None],
-        *,
-        carries: bool = False,
+        plays: Sequence[KindPlay] = (),
+        counts: Sequence[str] = (),
     ) -> None:
         self.plan = tuple(plan)
         self.number = -1
@@ -55,7 +64,8 @@ class Attempts:
         self._score_spec = score
         self._most = most_attempts
         self._on_row = on_row
-        self._carries = carries
+        self._plays = tuple(plays)
+        self._counts = tuple(counts)
         self._begin_ns = 0
         self._open = False
 
@@ -101,7 +111,9 @@ class Attempts:
 
     def let_go(self, seen: Observation) -> None:
         """The travel begins with this frame."""
-        self.tally = Tally(seen)
+        self.tally = Tally(seen, self._plays)
+        for play in self._plays:
+            play.let_go(seen)
 
     def end(self, outcome: str, cause: str, parameters: Mapping[str, float], now_ns: int) -> None:
         """Write the row of the attempt under way; nothing when there is none."""
@@ -125,12 +137,10 @@ class Attempts:
             cut_off.append(self._row(ABORTED, SESSION_ENDED, {}, now_ns))
         counted = [row for row in ended if not row["practice"]]
         trials = self.number + self.trial_over
-        return session_result(
-            counted or ended or cut_off, trials=trials, completed=self.finished, carries=self._carries
-        )
+        return session_result(counted or ended or cut_off, trials=trials, completed=self.finished, counts=self._counts)
 
     def _row(self, outcome: str, cause: str, parameters: Mapping[str, float], now_ns: int) -> Row:
-        measures = self.tally.measures() if self.tally else Measures()
+        measures = self.tally.row() if self.tally else self._blank()
         return {
             "trial": self.number,
             "attempt": self.attempt,
@@ -142,7 +152,11 @@ class Attempts:
             "cause": cause,
             "begin_ns": self.tally.begin_ns if self.tally else self._begin_ns,
             "end_ns": now_ns,
-            **asdict(measures),
+            **measures,
             "score": trial_points(self._score_spec, measures, finished=outcome == FINISHED),
             **{f"parameter.{name}": value for name, value in parameters.items()},
         }
+
+    def _blank(self) -> dict[str, Any]:
+        """Measures of an attempt in which nobody was let go: the same columns."""
+        return asdict(Measures()) | {column: 0 for play in self._plays for column in play.measures}

@@ -11,13 +11,14 @@ import numpy as np
 from mimics_app.contracts.errors import Issue, nearest
 from mimics_app.contracts.haptic import SCENE
 from mimics_app.contracts.haptic_objects import BODY, EFFECT, SHAPE
-from mimics_app.tasks.actions import TARGET_GROUPS, TASK_TARGETS, haptic_field
+from mimics_app.tasks.actions import TARGET_GROUPS, haptic_field, task_targets
+from mimics_app.tasks.kinds.kind import Fault
+from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.task import (
     ActionDeed,
     BlockSpec,
     MapSpec,
     ParameterSpec,
-    PlacedGoal,
     ScorePartSpec,
     ScoreSpec,
     TaskSpec,
@@ -47,14 +48,15 @@ def check_task(spec: TaskSpec, pointer: str = "/task", file: str = "") -> list[I
     for name in ScoreSpec.__struct_fields__:
         faults += _check_score_part(getattr(spec.score, name), f"{pointer}/score/{name}")
     faults += _check_weights(spec, f"{pointer}/score")
-    faults += _check_carry(spec, pointer)
+    for kind in task_kinds():
+        faults += kind.check(spec, pointer)
     issues = [Issue(file, place, what, fix) for place, what, fix in faults]
     return issues + ([] if isinstance(spec.trials, str) else check_blocks(spec, spec.trials, f"{pointer}/trials", file))
 
 
 def check_blocks(spec: TaskSpec, blocks: list[BlockSpec], pointer: str, file: str) -> list[Issue]:
     """Every fault of a trial list, inline or from its own file, against the task's parameters."""
-    faults: list[_Fault] = []
+    faults: list[Fault] = []
     for b, block in enumerate(blocks):
         for t, trial in enumerate(block.trials):
             faults += _check_values(trial.values, spec.parameters, f"{pointer}/{b}/trials/{t}/values")
@@ -87,11 +89,7 @@ def haptic_targets() -> set[str]:
     return plain | {f"tunnel.{name}" for name in tunnel.names or () if tunnel[name] == np.float64}
 
 
-_Fault = tuple[str, str, str]
-"""(pointer, what, fix)"""
-
-
-def _check_finite(value: object, pointer: str) -> Iterator[_Fault]:
+def _check_finite(value: object, pointer: str) -> Iterator[Fault]:
     if isinstance(value, float) and not math.isfinite(value):
         yield pointer, f"{value} is no finite number", "write a number"
     elif isinstance(value, Mapping):
@@ -102,7 +100,7 @@ def _check_finite(value: object, pointer: str) -> Iterator[_Fault]:
             yield from _check_finite(item, f"{pointer}/{i}")
 
 
-def _check_parameter(parameter: ParameterSpec, pointer: str) -> Iterator[_Fault]:
+def _check_parameter(parameter: ParameterSpec, pointer: str) -> Iterator[Fault]:
     if parameter.max < parameter.min:
         yield f"{pointer}/max", f"{parameter.max:g} is below min, {parameter.min:g}", "exchange the two"
     elif parameter.default is None and not any(haptic_field(target) for target in parameter.maps):
@@ -113,7 +111,7 @@ def _check_parameter(parameter: ParameterSpec, pointer: str) -> Iterator[_Fault]
         yield from _check_map(target, parameter, f"{pointer}/maps/{i}")
 
 
-def _check_map(target: MapSpec, parameter: ParameterSpec, pointer: str) -> Iterator[_Fault]:
+def _check_map(target: MapSpec, parameter: ParameterSpec, pointer: str) -> Iterator[Fault]:
     group, _, name = target.to.partition(".")
     if group not in TARGET_GROUPS:
         yield f"{pointer}/to", f'"{target.to}" begins with no known group', nearest(group, TARGET_GROUPS)
@@ -121,15 +119,15 @@ def _check_map(target: MapSpec, parameter: ParameterSpec, pointer: str) -> Itera
         yield f"{pointer}/to", f'"{target.to}" names nothing', f'write "{group}.NAME"'
     elif group == "haptic" and name not in haptic_targets() and object_of_target(name) is None:
         yield f"{pointer}/to", f'"{name}" is no number of the haptic scene', nearest(name, haptic_targets())
-    elif group == "task" and name not in TASK_TARGETS:
-        yield f"{pointer}/to", f'"{name}" is nothing a task can change', nearest(name, TASK_TARGETS)
+    elif group == "task" and name not in task_targets():
+        yield f"{pointer}/to", f'"{name}" is nothing a task can change', nearest(name, task_targets())
     words = [entry for entry in target.table or () if isinstance(entry, str)]
     if words and group in ("haptic", "task"):
         yield f"{pointer}/table", f'"{words[0]}" is a word where a number is needed', "write numbers"
     yield from _check_table(target, parameter, pointer)
 
 
-def _check_table(target: MapSpec, parameter: ParameterSpec, pointer: str) -> Iterator[_Fault]:
+def _check_table(target: MapSpec, parameter: ParameterSpec, pointer: str) -> Iterator[Fault]:
     if target.table is None:
         return
     steps = (parameter.max - parameter.min) / parameter.step if parameter.step > 0.0 else math.nan
@@ -140,7 +138,7 @@ def _check_table(target: MapSpec, parameter: ParameterSpec, pointer: str) -> Ite
         yield f"{pointer}/table", what, "write one entry per step"
 
 
-def _check_values(values: Mapping[str, float], known: Mapping[str, ParameterSpec], pointer: str) -> Iterator[_Fault]:
+def _check_values(values: Mapping[str, float], known: Mapping[str, ParameterSpec], pointer: str) -> Iterator[Fault]:
     for name, value in values.items():
         place = f"{pointer}/{escape(name)}"
         if name not in known:
@@ -150,29 +148,14 @@ def _check_values(values: Mapping[str, float], known: Mapping[str, ParameterSpec
             yield place, _outside(value, known[name]), "choose a value inside the limits"
 
 
-def _check_score_part(part: ScorePartSpec, pointer: str) -> Iterator[_Fault]:
+def _check_score_part(part: ScorePartSpec, pointer: str) -> Iterator[Fault]:
     if part.best == part.worst:
         yield f"{pointer}/worst", "is the same as best, so nothing lies between", "set them apart"
 
 
-def _check_weights(spec: TaskSpec, pointer: str) -> Iterator[_Fault]:
+def _check_weights(spec: TaskSpec, pointer: str) -> Iterator[Fault]:
     if not sum(getattr(spec.score, name).weight for name in ScoreSpec.__struct_fields__) > 0.0:
         yield pointer, "all weights are zero", "give at least one measure a weight"
-
-
-def _check_carry(spec: TaskSpec, pointer: str) -> Iterator[_Fault]:
-    carry = spec.carry
-    if carry is None:
-        for i, goal in enumerate(spec.goals):
-            if isinstance(goal, PlacedGoal):
-                yield f"{pointer}/goals/{i}", "nothing is carried in this task", 'say what and where under "carry"'
-        return
-    for name in ("falls_from", "lost_outside"):
-        box = getattr(carry, name)
-        if box is not None and any(low > high for low, high in zip(box.low, box.high, strict=True)):
-            yield f"{pointer}/carry/{name}", "low lies beyond high", "exchange the two"
-    if carry.grip.least >= carry.grip.most:
-        yield f"{pointer}/carry/grip/least", f"{carry.grip.least:g} is not below most, {carry.grip.most:g}", "lower it"
 
 
 def _outside(value: float, parameter: ParameterSpec) -> str:

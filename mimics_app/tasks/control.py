@@ -6,12 +6,12 @@ from collections.abc import Mapping
 
 from mimics_app.contracts.haptic import Controller
 from mimics_app.contracts.scenario_port import Home
-from mimics_app.tasks.state_machine import State
+from mimics_app.contracts.trial_state import TrialState
 
 __all__ = ["RobotControl"]
 
 Vec3 = tuple[float, float, float]
-_FREE = (State.READY, State.TRAVEL)
+_FREE = (TrialState.READY, TrialState.TRAVEL)
 
 
 class RobotControl:
@@ -27,17 +27,17 @@ class RobotControl:
         self._target = home.target
         self._holding = False
 
-    def enter(self, state: State, q: Vec3) -> None:
+    def enter(self, state: TrialState, q: Vec3) -> None:
         """A state begins with the joints at q [m, rad, m]."""
         held_before = self._holding
-        self._holding = state not in (State.APPROACH, State.STOPPED, *_FREE)
-        if state is State.STOPPED:
+        self._holding = state not in (TrialState.APPROACH, TrialState.STOPPED, *_FREE)
+        if state is TrialState.STOPPED:
             self._controller = Controller.OFF
         elif state in _FREE:
             self._controller = self._feel
         else:
             self._controller = Controller.JOINT_PD
-        if state is State.APPROACH:
+        if state is TrialState.APPROACH:
             self._controller, self._target = self._home.controller, self._home.target
         elif self._holding and not held_before:
             self._target = q

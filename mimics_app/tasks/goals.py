@@ -4,18 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
+from mimics_app.tasks.kinds.kind import KindPlay
 from mimics_app.tasks.observation import Observation
-from mimics_app.tasks.task import DurationGoal, GoalSpec, PlacedGoal, PointGoal
+from mimics_app.tasks.task import DurationGoal, PointGoal
 
-__all__ = ["Goals", "holds"]
+__all__ = ["Goals"]
 
 
 class Goals:
-    """The goals of a task, and since when each holds."""
+    """The goals of a task, and since when each holds.
 
-    def __init__(self, specs: Sequence[GoalSpec]) -> None:
+    Args:
+        specs: The goals.
+        plays: For each of them the kind of task it is of; None for the task's own.
+    """
+
+    def __init__(self, specs: Sequence[Any], plays: Sequence[KindPlay | None]) -> None:
         self._specs = tuple(specs)
+        self._plays = tuple(plays)
         self._since_ns: list[int | None] = [None] * len(self._specs)
 
     def restart(self) -> None:
@@ -27,8 +35,8 @@ class Goals:
         done = [self._is_met(i, goal, seen, travelled_s) for i, goal in enumerate(self._specs)]
         return all(done)
 
-    def _is_met(self, i: int, goal: GoalSpec, seen: Observation, travelled_s: float) -> bool:
-        if not holds(goal, seen, travelled_s):
+    def _is_met(self, i: int, goal: Any, seen: Observation, travelled_s: float) -> bool:
+        if not self._holds(i, goal, seen, travelled_s):
             self._since_ns[i] = None
             return False
         since = self._since_ns[i]
@@ -36,13 +44,11 @@ class Goals:
             since = self._since_ns[i] = seen.now_ns
         return isinstance(goal, DurationGoal) or (seen.now_ns - since) / 1e9 >= goal.hold_s
 
-
-def holds(goal: GoalSpec, seen: Observation, travelled_s: float) -> bool:
-    """Whether a goal's condition holds in this frame, its hold time aside; exactly at the limit it does."""
-    if isinstance(goal, DurationGoal):
-        return travelled_s >= goal.seconds
-    if isinstance(goal, PointGoal):
-        return math.dist(seen.ball_world, goal.position_world) <= goal.within
-    if isinstance(goal, PlacedGoal):
-        return seen.placed
-    return seen.progress >= goal.at_least
+    def _holds(self, i: int, goal: Any, seen: Observation, travelled_s: float) -> bool:
+        """Whether a goal's condition holds in this frame, its hold time aside; exactly at the limit it does."""
+        if isinstance(goal, DurationGoal):
+            return travelled_s >= goal.seconds
+        if isinstance(goal, PointGoal):
+            return math.dist(seen.ball_world, goal.position_world) <= goal.within
+        play = self._plays[i]
+        return play is not None and play.holds(goal, seen)

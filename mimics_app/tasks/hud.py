@@ -1,51 +1,42 @@
-"""What the task shows the person: a message and a few figures by name."""
+"""The line the task shows the person: of its state, or of a trigger."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
 from mimics_app.contracts.haptic import TripCause
-from mimics_app.tasks.carry import Stage
-from mimics_app.tasks.state_machine import State
+from mimics_app.contracts.trial_state import TrialState
 from mimics_app.tasks.task import StateName
 
-__all__ = ["BUILT_IN", "STAGES", "Board", "cause_words", "state_message"]
+__all__ = ["BUILT_IN", "Announcement", "cause_words", "state_message"]
 
-BUILT_IN: Mapping[State, str] = {
-    State.APPROACH: "The robot moves to the start",
-    State.READY: "Get ready",
-    State.TRAVEL: "Go!",
-    State.FINISHED: "Well done: {score} points",
-    State.TIMEOUT: "Time is over: {score} points",
-    State.ABORTED: "The start was not reached",
-    State.STOPPED: "Stopped: {cause}. When it is safe, the operator resets it: R",
-    State.REST: "Rest: {seconds} s",
-    State.DONE: "Finished: {score} points",
+BUILT_IN: Mapping[TrialState, str] = {
+    TrialState.APPROACH: "The robot moves to the start",
+    TrialState.READY: "Get ready",
+    TrialState.TRAVEL: "Go!",
+    TrialState.FINISHED: "Well done: {score} points",
+    TrialState.TIMEOUT: "Time is over: {score} points",
+    TrialState.ABORTED: "The start was not reached",
+    TrialState.STOPPED: "Stopped: {cause}. When it is safe, the operator resets it: R",
+    TrialState.REST: "Rest: {seconds} s",
+    TrialState.DONE: "Finished: {score} points",
 }
 """Text of each state unless the scene has its own; {score}, {seconds}, {cause}, {trial}, {trials} are filled in."""
-
-STAGES: Mapping[str, str] = {
-    Stage.REACH: "Go to the {body}",
-    Stage.CLOSE: "Close your hand",
-    Stage.CARRY: "Carry it to the mark",
-    Stage.OPEN: "Open your hand",
-}
-"""What the person is to do next, while something is carried."""
 
 _GO_S = 1.5
 """How long the travel's message stays [s]; then the person has the picture to themselves."""
 
 
 def state_message(
-    state: State, texts: Mapping[StateName, str], elapsed_s: float, fields: Mapping[str, str], stage: str = ""
+    state: TrialState, texts: Mapping[StateName, str], elapsed_s: float, fields: Mapping[str, str], prompt: str = ""
 ) -> str:
-    """The line of a state, `elapsed_s` [s] after it began, or of the stage in it.
+    """The line of a state, `elapsed_s` [s] after it began, or what is to be done next in it.
 
     Only the named fields are filled in; other braces stay.
     """
     text = texts.get(state.value, BUILT_IN[state])
-    if state is State.TRAVEL and elapsed_s >= _GO_S:
-        text = STAGES.get(stage, "")
+    if state is TrialState.TRAVEL and elapsed_s >= _GO_S:
+        text = prompt
     for name, value in fields.items():
         text = text.replace("{" + name + "}", value)
     return text
@@ -58,7 +49,7 @@ def cause_words(cause: int) -> str:
     return TripCause(cause).name.lower().replace("_", " ")
 
 
-class Board:
+class Announcement:
     """A message of a trigger covers the state's own line until its time is over."""
 
     def __init__(self) -> None:

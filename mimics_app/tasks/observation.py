@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import EventKind, SafetyState
 from mimics_app.contracts.messages import HapticSnapshot
+from mimics_app.tasks.bounds import Vec3
 
 __all__ = ["Contact", "Observation", "observe"]
 
-Vec3 = tuple[float, float, float]
 _LATCHED = (SafetyState.SAFE_STOP, SafetyState.E_STOP)
 _MOVABLE = (SafetyState.READY, SafetyState.ACTIVE, SafetyState.DEGRADED)
 
@@ -39,6 +39,7 @@ class Observation:
     """One frame.
 
     Attributes:
+        snapshot: All that the loop publishes.
         now_ns: Of the frame.
         latched: The loop is in SAFE_STOP or E_STOP.
         movable: The robot follows its controller.
@@ -48,24 +49,17 @@ class Observation:
         ball_world: Its centre [m].
         speed: Of the ball [m/s].
         force: Felt by the user [N].
-        progress: Share of the tunnel's arc length.
-        distance: Of the ball's centre from the bisector [m].
+        progress: Share of the trial's way that is done, 0-1, as the kind of task means it.
+        distance: From the way that the task gives [m]; None where it gives none.
         touching: The ball is in the wall now.
         contacts: Since the last frame, oldest first.
         grasp: Grasp force [N].
         bodies: Middle of each haptic body by name [m].
         held: Name of the body in the hand; "" for none.
-        placed: What is carried lies at its mark, let go.
-        drops: How often it was lost on the way, in this attempt.
         crushed: Name of the body in the hand once it was pressed too hard; "" for none.
-        bruises: How often that happened to what is carried, in this attempt.
-        gripped: It came into the hand since the last frame.
-        dropped: It was lost since the last frame.
-        bruised: It was pressed too hard since the last frame.
-        grasp_error: Of the grasp force from what is right, while it is held [N].
-        stage: What the person is to do next (tasks.carry.Stage); "" where nothing is carried.
     """
 
+    snapshot: HapticSnapshot
     now_ns: int
     latched: bool
     movable: bool
@@ -76,21 +70,13 @@ class Observation:
     speed: float
     force: float
     progress: float
-    distance: float
+    distance: float | None
     touching: bool
     contacts: tuple[Contact, ...]
     grasp: float = 0.0
     bodies: Mapping[str, Vec3] = field(default_factory=dict)
     held: str = ""
-    placed: bool = False
-    drops: int = 0
     crushed: str = ""
-    bruises: int = 0
-    gripped: bool = False
-    dropped: bool = False
-    bruised: bool = False
-    grasp_error: float = 0.0
-    stage: str = ""
 
 
 def observe(snapshot: HapticSnapshot, events: NDArray[Any], now_ns: int, bodies: Sequence[str] = ()) -> Observation:
@@ -108,6 +94,7 @@ def observe(snapshot: HapticSnapshot, events: NDArray[Any], now_ns: int, bodies:
         if event["kind"] in (EventKind.CONTACT_BEGIN, EventKind.CONTACT_END)
     )
     return Observation(
+        snapshot=snapshot,
         now_ns=now_ns,
         latched=snapshot.state in _LATCHED,
         movable=snapshot.state in _MOVABLE,
@@ -117,8 +104,8 @@ def observe(snapshot: HapticSnapshot, events: NDArray[Any], now_ns: int, bodies:
         ball_world=_vector(snapshot.hip_world),
         speed=float(np.linalg.norm(snapshot.v_world)),
         force=float(np.linalg.norm(snapshot.f_user_world)),
-        progress=snapshot.progress,
-        distance=snapshot.distance,
+        progress=0.0,
+        distance=None,
         touching=snapshot.penetration > 0.0,
         contacts=contacts,
         grasp=snapshot.grasp,

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 from mimics_app.contracts.errors import Issue, SceneError, nearest
 from mimics_app.tasks.check import check_task, object_of_target
-from mimics_app.tasks.task import DurationGoal, ProgressGoal, SoundDeed, TaskSpec
+from mimics_app.tasks.kinds.registry import task_kinds
+from mimics_app.tasks.task import DurationGoal, SoundDeed, TaskSpec
 from mimics_app.tasks.trial_file import resolve_trials
 from mimics_app.world.components.registry import register_section
-from mimics_app.world.components.robot import Robot, Tunnel
+from mimics_app.world.components.robot import Tunnel
 from mimics_app.world.components.visible import Sound
 from mimics_app.world.scene.json_text import escape
 
@@ -30,26 +31,8 @@ def task_of(scene: Scene) -> TaskSpec:
 def check_section(spec: TaskSpec, scene: Scene) -> list[Issue]:
     """Faults of a scene's task: its own, those of its trial file, and sounds the scene does not have."""
     issues = [scene.issue(issue.pointer, issue.what, issue.fix) for issue in check_task(spec)]
-    faults = _check_goals(spec, scene) + _check_sounds(spec, scene) + _check_names(spec, scene)
-    return issues + faults + _check_trial_file(spec, scene)
-
-
-def _check_goals(spec: TaskSpec, scene: Scene) -> list[Issue]:
-    """A share of a tunnel's length is no goal for a robot that has no tunnel."""
-    if not scene.components(Robot) or scene.components(Tunnel) or _writes_tunnel(scene):
-        return []
-    written = "goals" in scene.task
-    what = "the goal is a share of a tunnel's length, and the scene has no tunnel"
-    return [
-        scene.issue(f"/task/goals/{i}" if written else "/task", what, "goals: duration, point")
-        for i, goal in enumerate(spec.goals)
-        if isinstance(goal, ProgressGoal)
-    ]
-
-
-def _writes_tunnel(scene: Scene) -> bool:
-    """True where a tunnel is written down, right or wrong: what is wrong with it is told at its own place."""
-    return any("tunnel" in entity.get("components", {}) for entity in scene.document.get("entities", ()))
+    kinds = [issue for kind in task_kinds() for issue in kind.check_scene(spec, scene)]
+    return [*issues, *kinds, *_check_sounds(spec, scene), *_check_names(spec, scene), *_check_trial_file(spec, scene)]
 
 
 def _check_sounds(spec: TaskSpec, scene: Scene) -> list[Issue]:
@@ -68,10 +51,8 @@ def _check_sounds(spec: TaskSpec, scene: Scene) -> list[Issue]:
 
 
 def _check_names(spec: TaskSpec, scene: Scene) -> list[Issue]:
-    """Entities that the task names must be there."""
+    """Objects whose parameters the task changes must be there."""
     named: dict[str, str] = {}
-    if spec.carry is not None:
-        named |= {"/task/carry/body": spec.carry.body, "/task/carry/to": spec.carry.to}
     for name, parameter in spec.parameters.items():
         for i, target in enumerate(parameter.maps):
             who = object_of_target(target.to.removeprefix("haptic."))

@@ -5,34 +5,41 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from mimics_app.tasks.tally import Measures
-from mimics_app.tasks.task import ScorePartSpec, ScoreSpec
+from mimics_app.tasks.kinds.kind import Measure, ScorePartSpec
+from mimics_app.tasks.task import MEASURES, ScoreSpec
 
 __all__ = ["part_marks", "session_result", "trial_points"]
 
 
-def trial_points(spec: ScoreSpec, measures: Measures, *, finished: bool) -> float:
+def trial_points(spec: ScoreSpec, row: Mapping[str, object], *, finished: bool) -> float:
     """Points of one trial.
 
         100 * sum(weight_i * marks_i) / sum(weight_i), marks_i falling linearly from 1 at `best` to 0 at `worst`
 
-    A trial that did not reach its goal earns that times the share of the way it came, so that a short unfinished
-    travel cannot beat a finished one. Smoothness that cannot be judged (nothing moved) counts as 0 marks.
+    A measure that the task does not take (a path error where no way is given) counts in neither sum. Smoothness that
+    cannot be judged (nothing moved) counts as 0 marks. A trial that did not reach its goal earns the points times the
+    share of the way it came, so that a short unfinished travel cannot beat a finished one.
+
+    Args:
+        spec: The weights.
+        row: Measures by column of the trial table (`Tally.row`).
+        finished: Whether the goal was reached.
     """
-    values = {
-        "time": measures.time_s,
-        "path_error": measures.path_error_rms_m,
-        "contacts": float(measures.contacts),
-        "smoothness": -math.inf if measures.smoothness is None else measures.smoothness,
-        "path": measures.path_m,
-        "drops": float(measures.drops),
-        "bruises": float(measures.bruises),
-        "grasp_error": measures.grasp_error_n,
-    }
-    parts: dict[str, ScorePartSpec] = {name: getattr(spec, name) for name in values}
-    total = sum(part.weight for part in parts.values())
-    marks = sum(part.weight * part_marks(part, values[name]) for name, part in parts.items()) / total
-    return 100.0 * marks * (1.0 if finished else min(max(measures.progress, 0.0), 1.0))
+    taken = [measure for measure in MEASURES if _is_taken(measure, row)]
+    total = sum(spec.part(measure.part).weight for measure in taken)
+    if total <= 0.0:
+        return 0.0
+    marks = sum(spec.part(m.part).weight * part_marks(spec.part(m.part), _value(m, row)) for m in taken) / total
+    return 100.0 * marks * (1.0 if finished else min(max(_number(row, "progress"), 0.0), 1.0))
+
+
+def _is_taken(measure: Measure, row: Mapping[str, object]) -> bool:
+    return measure.part == "smoothness" or row.get(measure.column) is not None
+
+
+def _value(measure: Measure, row: Mapping[str, object]) -> float:
+    """The measure; -inf for a smoothness that cannot be judged."""
+    return -math.inf if row.get(measure.column) is None else _number(row, measure.column)
 
 
 def part_marks(part: ScorePartSpec, value: float) -> float:
@@ -43,7 +50,7 @@ def part_marks(part: ScorePartSpec, value: float) -> float:
 
 
 def session_result(
-    rows: Sequence[Mapping[str, object]], *, trials: int, completed: int, carries: bool = False
+    rows: Sequence[Mapping[str, object]], *, trials: int, completed: int, counts: Sequence[str] = ()
 ) -> dict[str, float]:
     """Totals under the keys of `mimics run --json`.
 
@@ -51,33 +58,28 @@ def session_result(
         rows: Trial rows that count.
         trials: Trials that are over.
         completed: Those that reached their goal.
-        carries: Something is carried in this task: every trial completed placed it.
+        counts: What the kinds of the task call those ("placed").
 
     Returns:
-        completed, trials; score, time_s [s] and path_error_m (rms) [m] as means over the rows; contacts as their sum;
-        placed: how often what is carried was set down at its mark. Where something is carried also drops and bruises
-        (sums), path_m [m] and grasp_error_n [N] (means).
+        completed, trials, score; then the total of each measure (a mean or a sum over the rows, see `Measure`), and
+        `completed` once more under the names of `counts`. What no row has is left out.
     """
-    carried = {
-        "drops": int(sum(_number(row, "drops") for row in rows)),
-        "bruises": int(sum(_number(row, "bruises") for row in rows)),
-        "path_m": _mean(rows, "path_m"),
-        "grasp_error_n": _mean(rows, "grasp_error_n"),
-    }
-    return {
-        "completed": completed,
-        "trials": trials,
-        "score": _mean(rows, "score"),
-        "time_s": _mean(rows, "time_s"),
-        "path_error_m": _mean(rows, "path_error_rms_m"),
-        "contacts": int(sum(_number(row, "contacts") for row in rows)),
-        "placed": completed if carries else 0,
-        **(carried if carries else {}),
-    }
+    totals: dict[str, float] = {"completed": completed, "trials": trials}
+    if rows:
+        totals["score"] = _mean(rows, "score")
+    for measure in MEASURES:
+        taken = [row for row in rows if row.get(measure.column) is not None]
+        if measure.total and taken:
+            totals[measure.total] = _sum(taken, measure.column) if measure.sums else _mean(taken, measure.column)
+    return totals | dict.fromkeys(counts, completed)
+
+
+def _sum(rows: Sequence[Mapping[str, object]], name: str) -> int:
+    return int(sum(_number(row, name) for row in rows))
 
 
 def _mean(rows: Sequence[Mapping[str, object]], name: str) -> float:
-    return sum(_number(row, name) for row in rows) / len(rows) if rows else 0.0
+    return sum(_number(row, name) for row in rows) / len(rows)
 
 
 def _number(row: Mapping[str, object], name: str) -> float:

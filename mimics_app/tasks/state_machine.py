@@ -9,23 +9,10 @@ any state but done --SAFE_STOP, E_STOP--> stopped --operator's reset--> as after
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import StrEnum
 
-__all__ = ["Conditions", "State", "next_state"]
+from mimics_app.contracts.trial_state import TrialState
 
-
-class State(StrEnum):
-    """Where a trial stands."""
-
-    APPROACH = "approach"  # PD drives the robot to the start
-    READY = "ready"  # start cue; the force is let in softly
-    TRAVEL = "travel"  # the person acts; the clock runs
-    FINISHED = "finished"  # goal met; the result is shown
-    TIMEOUT = "timeout"  # time over; the result is shown
-    ABORTED = "aborted"  # start not reached, or soft start not over, in time
-    STOPPED = "stopped"  # safety stop; waits for the operator
-    REST = "rest"  # pause before the next trial
-    DONE = "done"  # the last trial is over
+__all__ = ["Conditions", "next_state"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,68 +48,68 @@ class Conditions:
     trials_left: bool = True
 
 
-def next_state(state: State, seen: Conditions) -> State:
+def next_state(state: TrialState, seen: Conditions) -> TrialState:
     """The state of the next frame; the same one when nothing happened. A goal met at the limit counts as met."""
-    if state is State.DONE:
+    if state is TrialState.DONE:
         return state
     if seen.latched:
-        return State.STOPPED
+        return TrialState.STOPPED
     return _FLOW[state](seen)
 
 
-def _leave_approach(seen: Conditions) -> State:
+def _leave_approach(seen: Conditions) -> TrialState:
     if seen.arrived:
-        return State.READY
-    return State.ABORTED if seen.elapsed_s >= seen.start_limit_s else State.APPROACH
+        return TrialState.READY
+    return TrialState.ABORTED if seen.elapsed_s >= seen.start_limit_s else TrialState.APPROACH
 
 
-def _leave_ready(seen: Conditions) -> State:
+def _leave_ready(seen: Conditions) -> TrialState:
     if seen.go:
-        return State.TRAVEL
-    return State.ABORTED if seen.elapsed_s >= seen.start_limit_s else State.READY
+        return TrialState.TRAVEL
+    return TrialState.ABORTED if seen.elapsed_s >= seen.start_limit_s else TrialState.READY
 
 
-def _leave_travel(seen: Conditions) -> State:
+def _leave_travel(seen: Conditions) -> TrialState:
     if seen.goal:
-        return State.FINISHED
-    return State.TIMEOUT if seen.elapsed_s >= seen.time_limit_s else State.TRAVEL
+        return TrialState.FINISHED
+    return TrialState.TIMEOUT if seen.elapsed_s >= seen.time_limit_s else TrialState.TRAVEL
 
 
-def _leave_finished(seen: Conditions) -> State:
-    return State.FINISHED if seen.elapsed_s < seen.result_s else _follow_trial(seen)
+def _leave_finished(seen: Conditions) -> TrialState:
+    return TrialState.FINISHED if seen.elapsed_s < seen.result_s else _follow_trial(seen)
 
 
-def _leave_timeout(seen: Conditions) -> State:
-    return State.TIMEOUT if seen.elapsed_s < seen.result_s else _follow_trial(seen)
+def _leave_timeout(seen: Conditions) -> TrialState:
+    return TrialState.TIMEOUT if seen.elapsed_s < seen.result_s else _follow_trial(seen)
 
 
-def _leave_aborted(seen: Conditions) -> State:
-    return State.ABORTED if seen.elapsed_s < seen.result_s else _follow_attempt(seen)
+def _leave_aborted(seen: Conditions) -> TrialState:
+    return TrialState.ABORTED if seen.elapsed_s < seen.result_s else _follow_attempt(seen)
 
 
-def _leave_stopped(seen: Conditions) -> State:
+def _leave_stopped(seen: Conditions) -> TrialState:
     return _follow_trial(seen) if seen.trial_over else _follow_attempt(seen)
 
 
-def _leave_rest(seen: Conditions) -> State:
-    return State.REST if seen.elapsed_s < seen.rest_s else State.APPROACH
+def _leave_rest(seen: Conditions) -> TrialState:
+    return TrialState.REST if seen.elapsed_s < seen.rest_s else TrialState.APPROACH
 
 
-def _follow_trial(seen: Conditions) -> State:
-    return State.REST if seen.trials_left else State.DONE
+def _follow_trial(seen: Conditions) -> TrialState:
+    return TrialState.REST if seen.trials_left else TrialState.DONE
 
 
-def _follow_attempt(seen: Conditions) -> State:
-    return State.APPROACH if seen.attempts_left else _follow_trial(seen)
+def _follow_attempt(seen: Conditions) -> TrialState:
+    return TrialState.APPROACH if seen.attempts_left else _follow_trial(seen)
 
 
 _FLOW = {
-    State.APPROACH: _leave_approach,
-    State.READY: _leave_ready,
-    State.TRAVEL: _leave_travel,
-    State.FINISHED: _leave_finished,
-    State.TIMEOUT: _leave_timeout,
-    State.ABORTED: _leave_aborted,
-    State.STOPPED: _leave_stopped,
-    State.REST: _leave_rest,
+    TrialState.APPROACH: _leave_approach,
+    TrialState.READY: _leave_ready,
+    TrialState.TRAVEL: _leave_travel,
+    TrialState.FINISHED: _leave_finished,
+    TrialState.TIMEOUT: _leave_timeout,
+    TrialState.ABORTED: _leave_aborted,
+    TrialState.STOPPED: _leave_stopped,
+    TrialState.REST: _leave_rest,
 }

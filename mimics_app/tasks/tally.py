@@ -1,12 +1,15 @@
-"""What is measured while the person travels: time, path error, contacts, force, smoothness."""
+"""What is measured while the person travels: time, path error, contacts, force, smoothness, and what its kinds add."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 
+from mimics_app.tasks.kinds.kind import KindPlay
 from mimics_app.tasks.observation import Contact, Observation
 from mimics_app.tasks.smoothness import RESAMPLE_HZ, resample_speed, sparc
 
@@ -19,8 +22,8 @@ class Measures:
 
     Attributes:
         time_s: Duration [s].
-        path_error_rms_m: Root of the time mean of the squared distance from the bisector [m].
-        path_error_max_m: Largest distance [m].
+        path_error_rms_m: Root of the time mean of the squared distance from the task's way [m]; None: it has none.
+        path_error_max_m: Largest distance [m]; None likewise.
         contacts: Contacts begun.
         contact_time_s: Time in contact [s].
         smoothness: SPARC [-], negative; None where nothing moved.
@@ -28,14 +31,11 @@ class Measures:
         force_peak_n: Largest force felt [N].
         progress: Farthest share of the way to the goal.
         path_m: Length of the hand's way [m].
-        drops: How often what is carried was lost.
-        bruises: How often it was pressed too hard.
-        grasp_error_n: Root of the mean square of the grasp error over the time it was held [N].
     """
 
     time_s: float = 0.0
-    path_error_rms_m: float = 0.0
-    path_error_max_m: float = 0.0
+    path_error_rms_m: float | None = None
+    path_error_max_m: float | None = None
     contacts: int = 0
     contact_time_s: float = 0.0
     smoothness: float | None = None
@@ -43,18 +43,20 @@ class Measures:
     force_peak_n: float = 0.0
     progress: float = 0.0
     path_m: float = 0.0
-    drops: int = 0
-    bruises: int = 0
-    grasp_error_n: float = 0.0
 
 
 class Tally:
     """Gathers one travel, frame by frame. Contacts come at the loop's 1 kHz, the rest at the frames' rate.
 
     Means are integrals by the trapezoidal rule, so that uneven frames do not weigh more than they last.
+
+    Args:
+        first: The frame in which the person was let go.
+        plays: The kinds of the task, which measure beside it.
     """
 
-    def __init__(self, first: Observation) -> None:
+    def __init__(self, first: Observation, plays: Sequence[KindPlay] = ()) -> None:
+        self._plays = tuple(plays)
         self._begin_ns = self._last_ns = first.now_ns
         self._contacts = 0
         self._contact_ns = 0
@@ -66,9 +68,6 @@ class Tally:
         self._largest_force = first.force
         self._farthest = first.progress
         self._path = 0.0
-        self._squared_grasp_error_s = 0.0
-        self._held_s = 0.0
-        self._drops, self._bruises = first.drops, first.bruises
         self._times_s = [0.0]
         self._speeds = [first.speed]
 
@@ -96,19 +95,30 @@ class Tally:
         if seen.now_ns <= self._last_ns:
             return
         seconds = (seen.now_ns - self._last_ns) / 1e9
-        self._squared_distance_s += 0.5 * seconds * (seen.distance**2 + self._last.distance**2)
+        self._add_distance(seen, seconds)
         self._force_s += 0.5 * seconds * (seen.force + self._last.force)
-        self._largest_distance = max(self._largest_distance, seen.distance)
         self._largest_force = max(self._largest_force, seen.force)
         self._farthest = max(self._farthest, seen.progress)
         self._path += math.dist(seen.ball_world, self._last.ball_world)
-        self._drops, self._bruises = seen.drops, seen.bruises
-        if seen.held:
-            self._held_s += seconds
-            self._squared_grasp_error_s += seconds * seen.grasp_error**2
+        for play in self._plays:
+            play.travel(seen, seconds)
         self._times_s.append((seen.now_ns - self._begin_ns) / 1e9)
         self._speeds.append(seen.speed)
         self._last, self._last_ns = seen, seen.now_ns
+
+    def _add_distance(self, seen: Observation, seconds: float) -> None:
+        if seen.distance is None:
+            return
+        before = self._last.distance or 0.0
+        self._squared_distance_s += 0.5 * seconds * (seen.distance**2 + before**2)
+        self._largest_distance = max(self._largest_distance or 0.0, seen.distance)
+
+    def row(self) -> dict[str, Any]:
+        """The measures of the task's own and of its kinds, by column of the trial table."""
+        columns = asdict(self.measures())
+        for play in self._plays:
+            columns |= play.measures
+        return columns
 
     def measures(self) -> Measures:
         """The travel so far; a contact that lasts counts up to the last frame."""
@@ -116,7 +126,7 @@ class Tally:
         seconds = self.time_s
         return Measures(
             time_s=seconds,
-            path_error_rms_m=math.sqrt(self._squared_distance_s / seconds) if seconds > 0.0 else self._last.distance,
+            path_error_rms_m=self._path_error(seconds),
             path_error_max_m=self._largest_distance,
             contacts=self._contacts,
             contact_time_s=(self._contact_ns + open_ns) / 1e9,
@@ -125,10 +135,12 @@ class Tally:
             force_peak_n=self._largest_force,
             progress=self._farthest,
             path_m=self._path,
-            drops=self._drops,
-            bruises=self._bruises,
-            grasp_error_n=math.sqrt(self._squared_grasp_error_s / self._held_s) if self._held_s > 0.0 else 0.0,
         )
+
+    def _path_error(self, seconds: float) -> float | None:
+        if self._largest_distance is None:
+            return None
+        return math.sqrt(self._squared_distance_s / seconds) if seconds > 0.0 else self._last.distance
 
     def _take_contact(self, contact: Contact) -> None:
         if contact.t_ns < self._begin_ns:

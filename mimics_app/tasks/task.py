@@ -1,27 +1,25 @@
-"""The `task` block of a scene file: one Struct per JSON object, units in the docstrings (they become the schema)."""
+"""The `task` block of a scene file: one Struct per JSON object, units in the docstrings (they become the schema).
+
+Goals, conditions, score parts and sections of the kinds of task (`tasks.kinds`) are joined in here on import.
+"""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
-from msgspec import Meta, field
+from msgspec import Meta, defstruct, field
 
-from mimics_app.tasks.carry_spec import CarrySpec
-from mimics_app.world.components.bounds import (
-    Factor,
-    Figure,
-    Force,
-    Length,
-    Point,
-    PositiveSeconds,
-    Seconds,
-)
+from mimics_app.tasks.bounds import Share, Steps, Table, Tolerance, Values
+from mimics_app.tasks.kinds.kind import Measure, ScorePartSpec
+from mimics_app.tasks.kinds.registry import task_kinds
+from mimics_app.tasks.kinds.tunnel import ProgressGoal
+from mimics_app.world.components.bounds import Factor, Figure, Force, Length, Point, PositiveSeconds, Seconds
 from mimics_app.world.components.registry import Component
 
 __all__ = [
+    "MEASURES",
     "ActionDeed",
     "BlockSpec",
-    "CarryCondition",
     "ContactCondition",
     "Deed",
     "DurationGoal",
@@ -33,10 +31,8 @@ __all__ = [
     "MessageDeed",
     "Order",
     "ParameterSpec",
-    "PlacedGoal",
     "PointGoal",
     "ProgressCondition",
-    "ProgressGoal",
     "ScorePartSpec",
     "ScoreSpec",
     "SoundDeed",
@@ -46,16 +42,8 @@ __all__ = [
     "TrialSpec",
     "TriggerCondition",
     "TriggerSpec",
-    "Vec3",
 ]
 
-Steps = Annotated[float, Meta(ge=0.0, le=1e12)]
-"""A difference of a parameter, in a unit that the file chooses."""
-Tolerance = Annotated[float, Meta(gt=0.0, le=100.0)]
-Values = Annotated[dict[str, Figure], Meta(max_length=1000)]
-Table = Annotated[list[Figure | str], Meta(max_length=10_000)]
-Share = Annotated[float, Meta(ge=0.0, le=1.0)]
-Vec3 = Point
 Order = Literal["listed", "shuffled", "latin"]
 StateName = Literal["approach", "ready", "travel", "finished", "timeout", "aborted", "stopped", "rest", "done"]
 
@@ -99,13 +87,6 @@ class ParameterSpec(Component, frozen=True):
     unit: Annotated[str, Meta(description="Unit of the value; '-' for none.")] = "-"
 
 
-class ProgressGoal(Component, frozen=True, tag="progress", tag_field="kind"):
-    """Reach a share of the tunnel's length."""
-
-    at_least: Annotated[Share, Meta(description="Share of the arc length, 0-1; exactly this counts.")] = 0.98
-    hold_s: Annotated[Seconds, Meta(description="How long to stay there [s].")] = 0.0
-
-
 class PointGoal(Component, frozen=True, tag="point", tag_field="kind"):
     """Bring the ball to a point."""
 
@@ -122,13 +103,11 @@ class DurationGoal(Component, frozen=True, tag="duration", tag_field="kind"):
     seconds: Annotated[Seconds, Meta(description="Since the person was let go [s].")]
 
 
-class PlacedGoal(Component, frozen=True, tag="placed", tag_field="kind"):
-    """Set down what `carry` names at its mark, and let it go."""
-
-    hold_s: Annotated[Seconds, Meta(description="How long it must lie there [s].")] = 0.5
-
-
-GoalSpec = ProgressGoal | PointGoal | DurationGoal | PlacedGoal
+if TYPE_CHECKING:
+    GoalSpec = Component
+else:
+    GoalSpec = Union[(PointGoal, DurationGoal, *(goal for kind in task_kinds() for goal in kind.goals))]
+    """Any goal of the task's own or of a kind."""
 
 
 class EnterCondition(Component, frozen=True, tag="enter", tag_field="kind"):
@@ -144,9 +123,9 @@ class ExitCondition(Component, frozen=True, tag="exit", tag_field="kind"):
 
 
 class ProgressCondition(Component, frozen=True, tag="progress", tag_field="kind"):
-    """The ball comes this far, once per trial."""
+    """The trial is this far on, once per trial."""
 
-    at_least: Annotated[Share, Meta(description="Share of the tunnel's arc length, 0-1.")]
+    at_least: Annotated[Share, Meta(description="Share of the way, 0-1: of a tunnel, its arc length.")]
 
 
 class ContactCondition(Component, frozen=True, tag="contact", tag_field="kind"):
@@ -155,22 +134,19 @@ class ContactCondition(Component, frozen=True, tag="contact", tag_field="kind"):
     min_force: Annotated[Force, Meta(description="Weaker contacts do not count [N].")] = 0.0
 
 
-class CarryCondition(Component, frozen=True, tag="carry", tag_field="kind"):
-    """Something happens to what is carried."""
-
-    what: Annotated[
-        Literal["gripped", "dropped", "bruised"],
-        Meta(description="It came into the hand, was lost on the way, or was pressed too hard."),
-    ]
-
-
 class KeyCondition(Component, frozen=True, tag="key", tag_field="kind"):
     """A key or button goes down."""
 
     key: Annotated[str, Meta(description="Its name e.g. 'm', 'mouse_left' or 'pad_y'.")]
 
 
-TriggerCondition = EnterCondition | ExitCondition | ProgressCondition | ContactCondition | CarryCondition | KeyCondition
+_OWN_CONDITIONS = (EnterCondition, ExitCondition, ProgressCondition, ContactCondition, KeyCondition)
+
+if TYPE_CHECKING:
+    TriggerCondition = Component
+else:
+    TriggerCondition = Union[(*_OWN_CONDITIONS, *(c for kind in task_kinds() for c in kind.conditions))]
+    """Any condition of the task's own or of a kind."""
 
 
 class SoundDeed(Component, frozen=True, tag="sound", tag_field="kind"):
@@ -259,45 +235,71 @@ class StartSpec(Component, frozen=True):
     ] = 5
 
 
-class ScorePartSpec(Component, frozen=True):
-    """How one measure counts: full marks at `best`, none at `worst`, linear between."""
+_OWN_MEASURES = (
+    Measure("time_s", "time", "Duration of the travel [s].", ScorePartSpec(weight=0.3, best=8.0, worst=40.0), "time_s"),
+    Measure(
+        "path_error_rms_m",
+        "path_error",
+        "Root mean square distance from the way the task gives [m]; a task that gives none is not judged by it.",
+        ScorePartSpec(weight=0.3, best=0.002, worst=0.020),
+        total="path_error_m",
+    ),
+    Measure(
+        "contacts",
+        "contacts",
+        "Number of contacts.",
+        ScorePartSpec(weight=0.25, best=0.0, worst=20.0),
+        total="contacts",
+        sums=True,
+    ),
+    Measure(
+        "smoothness",
+        "smoothness",
+        "Spectral arc length of the speed (SPARC), negative; -1.4 is one minimum-jerk reach.",
+        ScorePartSpec(weight=0.15, best=-1.6, worst=-12.0),
+    ),
+    Measure(
+        "path_m",
+        "path",
+        "Length of the path of the hand [m].",
+        ScorePartSpec(weight=0.0, best=0.5, worst=3.0),
+        total="path_m",
+    ),
+)
 
-    weight: Annotated[Factor, Meta(description="Share of the score, relative to the other weights.")]
-    best: Annotated[Figure, Meta(description="Value that earns full marks, in the measure's unit.")]
-    worst: Annotated[Figure, Meta(description="Value that earns none.")]
+MEASURES = (*_OWN_MEASURES, *(measure for kind in task_kinds() for measure in kind.measures))
+"""What may count in a score, of the task's own and of its kinds, in the order of the trial table."""
 
 
-class ScoreSpec(Component, frozen=True):
+class _ScoreBase(Component, frozen=True):
     """Weights of the score 0-100; see tasks.score for the formula."""
 
-    time: Annotated[ScorePartSpec, Meta(description="Duration of the travel [s].")] = ScorePartSpec(
-        weight=0.3, best=8.0, worst=40.0
-    )
-    path_error: Annotated[ScorePartSpec, Meta(description="Root mean square distance from the bisector [m].")] = (
-        ScorePartSpec(weight=0.3, best=0.002, worst=0.020)
-    )
-    contacts: Annotated[ScorePartSpec, Meta(description="Number of wall contacts.")] = ScorePartSpec(
-        weight=0.25, best=0.0, worst=20.0
-    )
-    smoothness: Annotated[
-        ScorePartSpec,
-        Meta(description="Spectral arc length of the speed (SPARC), negative; -1.4 is one minimum-jerk reach."),
-    ] = ScorePartSpec(weight=0.15, best=-1.6, worst=-12.0)
-    path: Annotated[ScorePartSpec, Meta(description="Length of the hand's way [m].")] = ScorePartSpec(
-        weight=0.0, best=0.5, worst=3.0
-    )
-    drops: Annotated[ScorePartSpec, Meta(description="How often what is carried was lost.")] = ScorePartSpec(
-        weight=0.0, best=0.0, worst=4.0
-    )
-    bruises: Annotated[ScorePartSpec, Meta(description="How often what is carried was pressed too hard.")] = (
-        ScorePartSpec(weight=0.0, best=0.0, worst=3.0)
-    )
-    grasp_error: Annotated[
-        ScorePartSpec, Meta(description="Root mean square distance of the grasp force from what is right [N].")
-    ] = ScorePartSpec(weight=0.0, best=0.0, worst=8.0)
+    def part(self, name: str) -> ScorePartSpec:
+        """How the measure of that part counts."""
+        part: ScorePartSpec = getattr(self, name)
+        return part
 
 
-class TaskSpec(Component, frozen=True):
+def _score_fields() -> list[tuple[str, Any, ScorePartSpec]]:
+    return [(m.part, Annotated[ScorePartSpec, Meta(description=m.what)], m.default) for m in MEASURES]
+
+
+if TYPE_CHECKING:
+    ScoreSpec = _ScoreBase
+else:
+    ScoreSpec = defstruct(
+        "ScoreSpec",
+        _score_fields(),
+        bases=(_ScoreBase,),
+        namespace={"__doc__": _ScoreBase.__doc__},
+        module=__name__,
+        frozen=True,
+        kw_only=True,
+        forbid_unknown_fields=True,
+    )
+
+
+class _TaskBase(Component, frozen=True):
     """What the person is to do, how often, and how it is scored."""
 
     title: Annotated[str, Meta(description="Shown to the person.")] = ""
@@ -308,7 +310,6 @@ class TaskSpec(Component, frozen=True):
         Annotated[list[GoalSpec], Meta(min_length=1, max_length=100)],
         Meta(description="All must be met at once to finish a trial."),
     ] = field(default_factory=lambda: [ProgressGoal()])
-    carry: Annotated[CarrySpec | None, Meta(description="What is carried where; absent: nothing is.")] = None
     triggers: Annotated[
         list[TriggerSpec], Meta(max_length=1000, description="Sounds, messages and adaptations at given moments.")
     ] = field(default_factory=list)
@@ -324,3 +325,31 @@ class TaskSpec(Component, frozen=True):
     messages: Annotated[
         dict[StateName, str], Meta(description="Text shown in a state, instead of the built-in one; '' shows nothing.")
     ] = field(default_factory=dict)
+
+    def section(self, kind: str) -> Component | None:
+        """The section of a kind of task by its name, or None where the task has none."""
+        section: Component | None = getattr(self, kind, None)
+        return section
+
+
+def _section_fields() -> list[tuple[str, Any, None]]:
+    return [(kind.name, _optional(kind.section), None) for kind in task_kinds() if kind.section is not None]
+
+
+def _optional(section: Any) -> Any:
+    return Annotated[section | None, Meta(description=f"{section.__doc__} Absent: none.")]
+
+
+if TYPE_CHECKING:
+    TaskSpec = _TaskBase
+else:
+    TaskSpec = defstruct(
+        "TaskSpec",
+        _section_fields(),
+        bases=(_TaskBase,),
+        namespace={"__doc__": _TaskBase.__doc__},
+        module=__name__,
+        frozen=True,
+        kw_only=True,
+        forbid_unknown_fields=True,
+    )

@@ -11,19 +11,23 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from mimics_app.contracts.board import Board, Card
 from mimics_app.contracts.messages import HapticSnapshot, SoundEvent, TaskAction, TaskOrders, VRInput
 from mimics_app.contracts.scenario_port import Home, TaskContext
+from mimics_app.contracts.trial_state import TaskView, TrialState
 from mimics_app.tasks.actions import ActionSpace, Settings, build_action_space, settings_for
 from mimics_app.tasks.adaptation import Adaptation
 from mimics_app.tasks.arrival import Arrival
 from mimics_app.tasks.attempts import ABORTED, FINISHED, SESSION_ENDED, TIMEOUT, Attempts, Row
-from mimics_app.tasks.carry import Carry
+from mimics_app.tasks.cards import count_card, force_card, progress_card, state_card, time_card
 from mimics_app.tasks.control import RobotControl
 from mimics_app.tasks.goals import Goals
-from mimics_app.tasks.hud import Board, cause_words, state_message
+from mimics_app.tasks.hud import Announcement, cause_words, state_message
+from mimics_app.tasks.kinds.kind import KindPlay, TaskKind
+from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.observation import Observation, observe
 from mimics_app.tasks.orders import Changes
-from mimics_app.tasks.state_machine import Conditions, State, next_state
+from mimics_app.tasks.state_machine import Conditions, next_state
 from mimics_app.tasks.task import ActionDeed, Deed, MessageDeed, SoundDeed, TaskSpec
 from mimics_app.tasks.trials import Trial, plan_trials, trial_blocks
 from mimics_app.tasks.triggers import Moment, Triggers
@@ -59,18 +63,21 @@ class TaskManager:
         self._space = build_action_space(spec)
         self._adaptation = Adaptation(self._space)
         plan = plan_trials(trial_blocks(spec), seed)
-        carries = spec.carry is not None
-        self._attempts = Attempts(plan, spec.score, spec.start.attempts, on_trial, carries=carries)
+        kinds = [kind for kind in task_kinds() if kind.takes(spec, context.offers)]
+        self._plays = {kind.name: kind.open(spec, context, seed) for kind in kinds}
+        self._captions = kinds[-1] if kinds else TaskKind()
+        counts = [kind.completes for kind in kinds if kind.completes]
+        plays = tuple(self._plays.values())
+        self._attempts = Attempts(plan, spec.score, spec.start.attempts, on_trial, plays, counts)
         self._bodies = context.bodies
-        self._carry = Carry(spec.carry, context.places[spec.carry.to], seed) if spec.carry is not None else None
         self._arrival = Arrival(spec.start, context.start_joints)
         self._control = RobotControl(context.home or Home(context.start_joints), context.feel)
-        self._goals = Goals(spec.goals)
-        self._triggers = Triggers(spec.triggers)
-        self._board = Board()
+        self._goals = Goals(spec.goals, [self._play_of(goal) for goal in spec.goals])
+        self._triggers = Triggers(spec.triggers, [self._play_of(trigger.when) for trigger in spec.triggers])
+        self._announcement = Announcement()
         self._haptic, self._visual, self._audio = Changes(), Changes(), Changes()
         self._settings = Settings()
-        self._state = State.APPROACH
+        self._state = TrialState.APPROACH
         self._entered_ns: int | None = None
         self._last_ns = 0
         self._cause = 0
@@ -86,7 +93,7 @@ class TaskManager:
         return dict(self._adaptation.values)
 
     @property
-    def state(self) -> State:
+    def state(self) -> TrialState:
         """Where the current trial stands."""
         return self._state
 
@@ -103,7 +110,7 @@ class TaskManager:
     @property
     def done(self) -> bool:
         """True when the last trial is over."""
-        return self._state is State.DONE
+        return self._state is TrialState.DONE
 
     def step(
         self,
@@ -115,9 +122,8 @@ class TaskManager:
     ) -> TaskOrders:
         """One frame: `events` are the EVENT records since the last one, shape [n]; `now_ns` never falls."""
         seen = observe(snapshot, events, now_ns, self._bodies)
-        if self._carry is not None:
-            self._carry.within = self._setting(None, "within", self._carry.usual_within)
-            seen = self._carry.see(seen)
+        for play in self._plays.values():
+            seen = play.see(seen, self._settings.task)
         if action is not None:
             self._take(action, now_ns)
         left, entered = self._advance(seen)
@@ -128,18 +134,18 @@ class TaskManager:
     def end_session(self, now_ns: int) -> None:
         """Somebody ends the session before the task is done: write the row of an attempt under way."""
         self._attempts.end(ABORTED, SESSION_ENDED, self._adaptation.values, now_ns)
-        self._state = State.DONE
+        self._state = TrialState.DONE
 
     def result(self) -> dict[str, float]:
         """Totals under the keys of `mimics run --json`, see `Attempts.result`."""
         return self._attempts.result(self._last_ns)
 
-    def _advance(self, seen: Observation) -> tuple[State | None, State | None]:
+    def _advance(self, seen: Observation) -> tuple[TrialState | None, TrialState | None]:
         """Let time pass and go to the state that follows; the states (left, entered) in this frame."""
         if self._entered_ns is None:
             self._last_ns = seen.now_ns
-            self._enter(State.APPROACH, seen)
-            return None, State.APPROACH
+            self._enter(TrialState.APPROACH, seen)
+            return None, TrialState.APPROACH
         self._adaptation.step(max(0, seen.now_ns - self._last_ns) / 1e9)
         self._settings = settings_for(self._spec, self._adaptation.values)
         self._last_ns = seen.now_ns
@@ -154,13 +160,13 @@ class TaskManager:
         """Watch the robot in the present state and say what matters for the next one."""
         elapsed = self._elapsed_s(seen.now_ns)
         goal = False
-        if self._state is State.TRAVEL and self._attempts.tally is not None:
+        if self._state is TrialState.TRAVEL and self._attempts.tally is not None:
             self._attempts.tally.add(seen)
             goal = self._goals.met(seen, elapsed)
         return Conditions(
             elapsed_s=elapsed,
             latched=seen.latched,
-            arrived=self._state is State.APPROACH and self._arrival.reached(seen),
+            arrived=self._state is TrialState.APPROACH and self._arrival.reached(seen),
             go=seen.soft_start_over and elapsed >= self._spec.start.ready_s,
             goal=goal,
             start_limit_s=self._spec.start.limit_s,
@@ -172,26 +178,26 @@ class TaskManager:
             trials_left=self._attempts.trials_left,
         )
 
-    def _leave(self, state: State, following: State, seen: Observation) -> None:
+    def _leave(self, state: TrialState, following: TrialState, seen: Observation) -> None:
         """Write the attempt's row where the next state ends it."""
         values = self._adaptation.values
-        if following is State.STOPPED:
+        if following is TrialState.STOPPED:
             self._cause = seen.cause
             self._attempts.end(ABORTED, cause_words(seen.cause), values, seen.now_ns)
-        elif following is State.ABORTED:
-            cause = "start not reached" if state is State.APPROACH else "soft start not over"
+        elif following is TrialState.ABORTED:
+            cause = "start not reached" if state is TrialState.APPROACH else "soft start not over"
             self._attempts.end(ABORTED, cause, values, seen.now_ns)
-        elif following is State.FINISHED:
+        elif following is TrialState.FINISHED:
             self._attempts.end(FINISHED, "", values, seen.now_ns)
-        elif following is State.TIMEOUT:
+        elif following is TrialState.TIMEOUT:
             self._attempts.end(TIMEOUT, "", values, seen.now_ns)
 
-    def _enter(self, state: State, seen: Observation) -> None:
+    def _enter(self, state: TrialState, seen: Observation) -> None:
         self._state, self._entered_ns = state, seen.now_ns
         self._control.enter(state, seen.q)
-        if state is State.APPROACH:
+        if state is TrialState.APPROACH:
             self._begin_attempt(seen.now_ns)
-        elif state is State.TRAVEL:
+        elif state is TrialState.TRAVEL:
             self._goals.restart()
             self._attempts.let_go(seen)
         trial = {"trial": self._attempts.number, "attempt": self._attempts.attempt}
@@ -204,8 +210,8 @@ class TaskManager:
         self._settings = settings_for(self._spec, self._adaptation.values)
         self._arrival.restart()
         self._triggers.restart()
-        if self._carry is not None:
-            self._carry.begin_attempt()
+        for play in self._plays.values():
+            play.begin_attempt()
 
     def _take(self, action: TaskAction, now_ns: int) -> None:
         self._adaptation.take(action)
@@ -219,7 +225,7 @@ class TaskManager:
     def _do(self, deed: Deed, seen: Observation) -> list[SoundEvent]:
         """Carry out a trigger's deed; the sounds it starts."""
         if isinstance(deed, MessageDeed):
-            self._board.show(deed.text, seen.now_ns + round(deed.seconds * 1e9))
+            self._announcement.show(deed.text, seen.now_ns + round(deed.seconds * 1e9))
         elif isinstance(deed, ActionDeed):
             self._take(TaskAction(deed.values), seen.now_ns)
         elif isinstance(deed, SoundDeed):
@@ -229,61 +235,60 @@ class TaskManager:
 
     def _orders(self, seen: Observation, sounds: tuple[SoundEvent, ...]) -> TaskOrders:
         haptic = {**self._settings.haptic, **self._control.wanted(), "trial": self._attempts.begun}
-        if self._carry is not None:
-            haptic |= self._carry.orders
+        for play in self._plays.values():
+            haptic |= play.orders
+        view = self._view(seen)
         return TaskOrders(
             haptic=self._haptic.since_last(haptic),
             visual=self._visual.since_last(self._settings.visual),
             audio=self._audio.since_last(self._settings.audio),
             sounds=sounds,
-            hud=self._hud(seen),
-            person_may_act=self._state is State.TRAVEL,
+            view=view,
+            board=self._lay_out(seen, view),
+            person_may_act=self._state is TrialState.TRAVEL,
             finished=self.done,
         )
 
-    def _hud(self, seen: Observation) -> Mapping[str, object]:
-        """Figures by name: progress 0-1, time and time_limit [s], contacts, force [N], score 0-100; else text.
-
-        Where something is carried also grasp, grasp_least and grasp_most [N], placed and drops.
-        """
+    def _view(self, seen: Observation) -> TaskView:
         attempts = self._attempts
-        score = self.result()["score"] if self.done else attempts.score
-        number, count = str(attempts.number + 1), str(len(attempts.plan))
+        progress = min(max(seen.progress, 0.0), 1.0)
         elapsed = self._elapsed_s(seen.now_ns)
+        return TaskView(self._state, progress, attempts.number + 1, len(attempts.plan), elapsed)
+
+    def _lay_out(self, seen: Observation, view: TaskView) -> Board:
+        attempts = self._attempts
+        score = self.result().get("score", 0.0) if self.done else attempts.score
         fields = {
             "score": f"{score:.0f}",
             "cause": cause_words(self._cause),
-            "seconds": str(max(0, math.ceil(self._rest_s() - elapsed))),
-            "trial": number,
-            "trials": count,
-            "body": self._spec.carry.body if self._spec.carry else "",
+            "seconds": str(max(0, math.ceil(self._rest_s() - view.elapsed_s))),
+            "trial": str(view.trial),
+            "trials": str(view.trials),
         }
-        line = state_message(self._state, self._spec.messages, elapsed, fields, seen.stage)
-        return {
-            **self._carry_figures(seen),
-            "title": self._spec.title,
-            "message": self._board.line(seen.now_ns, line),
-            "state": self._state.value,
-            "trial": f"{number} / {count}",
-            "progress": min(max(seen.progress, 0.0), 1.0),
-            "time": attempts.tally.time_s if attempts.tally else 0.0,
-            "time_limit": self._time_limit_s(),
-            "contacts": attempts.tally.contacts if attempts.tally else 0,
-            "force": seen.force,
-            "score": score,
+        prompt = ""
+        for play in self._plays.values():
+            fields |= play.words
+            prompt = play.prompt or prompt
+        line = state_message(self._state, self._spec.messages, view.elapsed_s, fields, prompt)
+        cards = {
+            "trial": Card("Trial", f"{view.trial} / {view.trials}"),
+            "state": state_card(view.state),
+            "progress": progress_card(view.progress, self._captions.label),
+            "time": time_card(attempts.tally.time_s if attempts.tally else 0.0),
+            "contacts": count_card(self._captions.contacts, attempts.tally.contacts if attempts.tally else 0),
+            "force": force_card(seen.force),
+            "score": count_card("Score", score, width=130.0),
         }
+        for play in self._plays.values():
+            cards |= play.cards(seen, attempts.finished)
+        return Board(cards, self._announcement.line(seen.now_ns, line), alarm=self._state is TrialState.STOPPED)
 
-    def _carry_figures(self, seen: Observation) -> Mapping[str, object]:
-        if self._spec.carry is None:
-            return {}
-        grip = self._spec.carry.grip
-        return {
-            "grasp": seen.grasp,
-            "grasp_least": grip.least,
-            "grasp_most": grip.most,
-            "placed": self._attempts.finished,
-            "drops": seen.drops,
-        }
+    def _play_of(self, part: object) -> KindPlay | None:
+        """The kind of task that a goal or a condition is of; None for the task's own."""
+        for kind in task_kinds():
+            if isinstance(part, (*kind.goals, *kind.conditions)):
+                return self._plays.get(kind.name)
+        return None
 
     def _elapsed_s(self, now_ns: int) -> float:
         return 0.0 if self._entered_ns is None else max(0, now_ns - self._entered_ns) / 1e9

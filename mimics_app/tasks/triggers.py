@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
+from mimics_app.contracts.trial_state import TrialState
+from mimics_app.tasks.kinds.kind import KindPlay
 from mimics_app.tasks.observation import Observation
-from mimics_app.tasks.state_machine import State
 from mimics_app.tasks.task import (
-    CarryCondition,
     ContactCondition,
     Deed,
     EnterCondition,
     ExitCondition,
     KeyCondition,
     ProgressCondition,
-    TriggerCondition,
     TriggerSpec,
 )
 
@@ -27,25 +27,31 @@ class Moment:
     """One frame as triggers see it.
 
     Attributes:
-        state: State of the trial after this frame.
+        state: TrialState of the trial after this frame.
         entered: The state that began in this frame, or None.
         left: The state that ended in this frame, or None.
         pressed: Keys and buttons that went down.
         seen: The robot.
     """
 
-    state: State
-    entered: State | None
-    left: State | None
+    state: TrialState
+    entered: TrialState | None
+    left: TrialState | None
     pressed: tuple[str, ...]
     seen: Observation
 
 
 class Triggers:
-    """The triggers of a task, and which of them have gone off in this trial."""
+    """The triggers of a task, and which of them have gone off in this trial.
 
-    def __init__(self, specs: Sequence[TriggerSpec]) -> None:
+    Args:
+        specs: The triggers.
+        plays: For each of them the kind of task its condition is of; None for the task's own.
+    """
+
+    def __init__(self, specs: Sequence[TriggerSpec], plays: Sequence[KindPlay | None]) -> None:
         self._specs = tuple(specs)
+        self._plays = tuple(plays)
         self._passed: set[int] = set()
 
     def restart(self) -> None:
@@ -56,20 +62,21 @@ class Triggers:
         """Deeds of this frame, in the order of the scene file. Call once per frame."""
         return [deed for i, spec in enumerate(self._specs) if self._goes_off(i, spec.when, moment) for deed in spec.do]
 
-    def _goes_off(self, i: int, when: TriggerCondition, moment: Moment) -> bool:
+    def _goes_off(self, i: int, when: Any, moment: Moment) -> bool:
         if isinstance(when, EnterCondition):
             return moment.entered == when.state
         if isinstance(when, ExitCondition):
             return moment.left == when.state
         if isinstance(when, KeyCondition):
             return when.key in moment.pressed
-        if State.TRAVEL not in (moment.state, moment.left):
+        if TrialState.TRAVEL not in (moment.state, moment.left):
             return False
         if isinstance(when, ContactCondition):
             return any(contact.begins and contact.force >= when.min_force for contact in moment.seen.contacts)
-        if isinstance(when, CarryCondition):
-            return bool(getattr(moment.seen, when.what))
-        return self._crosses(i, when, moment)
+        if isinstance(when, ProgressCondition):
+            return self._crosses(i, when, moment)
+        play = self._plays[i]
+        return play is not None and play.happens(when, moment.seen)
 
     def _crosses(self, i: int, when: ProgressCondition, moment: Moment) -> bool:
         if i in self._passed or moment.seen.progress < when.at_least:

@@ -9,8 +9,8 @@ import pytest
 
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.resources import root
+from mimics_app.contracts.trial_state import TrialState
 from mimics_app.rendering.haptic.replay import replay_ticks
-from mimics_app.tasks.state_machine import State
 from tests.support.object_scenes import thing, written
 from tests.support.scene_play import ScenePlay
 
@@ -117,7 +117,7 @@ def test_recorded_ticks_of_paths_fields_and_meshes_simulate_again_bit_for_bit():
 def test_scene_without_a_task_goes_on_for_a_minute(tmp_path):
     file = written(tmp_path, thing("robot", robot={}), thing("patient", patient={}))
     play = ScenePlay(file).run(6.0)
-    assert play.tasks.state in (State.READY, State.TRAVEL)
+    assert play.tasks.state in (TrialState.READY, TrialState.TRAVEL)
 
 
 def test_field_that_breaks_is_put_away_and_the_run_goes_on(tmp_path):

@@ -52,7 +52,7 @@ def test_answer_has_the_keys_scripts_rely_on(answer):
     assert list(answer)[:2] == ["schema", "command"]
     wanted = {"seed", "simulated_s", "wall_s", "ticks", "frames", "state_hash", "scene_hash", "run_dir", "report"}
     assert wanted | {"task", "safety", "lateness_us", "missed", "recipe", "audio", "unread"} <= set(answer)
-    assert {"completed", "trials", "score", "time_s", "path_error_m", "contacts", "placed"} <= set(answer["task"])
+    assert {"completed", "trials", "score", "time_s", "path_error_m", "contacts"} <= set(answer["task"])
     assert set(answer["safety"]) == {"state", "trips"}
     assert {"p50", "p99", "p99_9", "max"} == set(answer["lateness_us"])
     assert {"device", "sink"} <= set(answer["audio"])

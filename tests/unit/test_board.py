@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from mimics_app.app.picture.board import draw_board
+from mimics_app.app.picture.stability_card import stability_card
+from mimics_app.contracts.board import Board
 from mimics_app.rendering.visual.figures.hud import Hud
 
 GREEN, ORANGE, RED = (0.36, 0.78, 0.47), (0.96, 0.62, 0.16), (0.90, 0.22, 0.20)
@@ -13,7 +17,8 @@ GREEN, ORANGE, RED = (0.36, 0.78, 0.47), (0.96, 0.62, 0.16), (0.90, 0.22, 0.20)
 
 def _colours(margin: float, energy: float = 0.0) -> set[tuple[float, ...]]:
     hud = Hud()
-    draw_board(hud, {"margin": margin, "energy": energy}, ["margin"], 30.0)
+    snapshot = SimpleNamespace(margin=margin, energy=energy, stiffness_share=1.0)
+    draw_board(hud, Board({"margin": stability_card(snapshot)}), ["margin"], 30.0)
     return {tuple(np.round(row["tint"][:3], 2).tolist()) for row in hud.rows()}
 
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from mimics_app.tasks.carry import Carry, Stage
-from mimics_app.tasks.carry_spec import BoxSpec, CarrySpec, GripSpec
+from mimics_app.tasks.kinds.carried import Carried, Stage
+from mimics_app.tasks.kinds.carry_spec import BoxSpec, CarrySpec, GripSpec
 from mimics_app.tasks.observation import Observation, observe
 from tests.support.task_play import make_events, make_snapshot
 
@@ -28,8 +28,8 @@ def frame(place=(-0.05, 0.03, 0.0), held=False, t=0.0, grasp=0.0, hand=(0.0, 0.3
     return replace(seen, bodies={"apple": place}, held="apple" if held else "", ball_world=hand)
 
 
-def started(seed: int = 1) -> Carry:
-    carry = Carry(SPEC, MARK, seed)
+def started(seed: int = 1) -> Carried:
+    carry = Carried(SPEC, MARK, seed)
     carry.begin_attempt()
     return carry
 
@@ -75,7 +75,7 @@ def test_a_smaller_mark_is_stricter():
 def test_it_falls_from_random_places_of_the_box_that_repeat_with_the_seed():
     places = []
     for seed in (1, 1, 2):
-        carry = Carry(SPEC, MARK, seed)
+        carry = Carried(SPEC, MARK, seed)
         drawn = []
         for _ in range(50):
             carry.begin_attempt()
@@ -89,7 +89,7 @@ def test_it_falls_from_random_places_of_the_box_that_repeat_with_the_seed():
 
 
 def test_every_fall_is_a_new_spawn_beyond_the_scenes_own():
-    carry = Carry(SPEC, MARK, 1)
+    carry = Carried(SPEC, MARK, 1)
     assert carry.orders == {}
     spawns = []
     for _ in range(3):

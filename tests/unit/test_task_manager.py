@@ -124,15 +124,7 @@ def test_start_never_reached_is_aborted_tried_again_and_given_up():
     rows = player.manager.rows
     assert [(row["trial"], row["attempt"]) for row in rows] == [(0, 1), (0, 2), (0, 3), (1, 1), (1, 2), (1, 3)]
     assert {(row["outcome"], row["cause"]) for row in rows} == {("aborted", "start not reached")}
-    assert player.manager.result() == {
-        "completed": 0,
-        "trials": 2,
-        "score": 0.0,
-        "time_s": 0.0,
-        "path_error_m": 0.0,
-        "contacts": 0,
-        "placed": 0,
-    }
+    assert player.manager.result() == {"completed": 0, "trials": 2}  # nobody was let go: nothing was measured
 
 
 def test_soft_start_never_over_is_aborted():
@@ -218,7 +210,7 @@ def test_stop_in_mid_trial_aborts_it_and_the_reset_restarts_it(state):
     player.step(**STOPPED)
     assert player.manager.state == "stopped"
     assert player.scene["controller"] == Controller.OFF
-    assert "stale device" in player.orders[-1].hud["message"]
+    assert "stale device" in player.orders[-1].board.message
     for _ in range(600):  # ten seconds: it waits for the operator, not for the clock
         player.step(**STOPPED)
     assert player.manager.state == "stopped"
@@ -319,15 +311,11 @@ def test_trial_cut_off_does_not_dilute_those_that_ended():
 
 
 def test_result_has_the_keys_of_the_contract():
-    assert list(make_manager(task()).result()) == [
-        "completed",
-        "trials",
-        "score",
-        "time_s",
-        "path_error_m",
-        "contacts",
-        "placed",
-    ]
+    player = Player(make_manager(task()))
+    assert list(player.manager.result()) == ["completed", "trials"]
+    player.until("done")
+    totals = ["completed", "trials", "score", "time_s", "path_error_m", "contacts", "path_m"]
+    assert list(player.manager.result()) == totals
 
 
 def test_the_same_frames_give_the_same_rows():
@@ -377,14 +365,14 @@ def test_progress_is_crossed_once_per_trial_even_when_it_swings():
     player = triggered()
     player.until("travel")
     swing = (0.4, 0.5, 0.4, 0.6, 0.4, 0.7)
-    messages = [player.step(progress=progress, frame_ns=100_000_001).hud["message"] for progress in swing]
+    messages = [player.step(progress=progress, frame_ns=100_000_001).board.message for progress in swing]
     assert [message == "half way" for message in messages] == [False, True, False, False, False, False]
 
 
 def test_progress_is_crossed_even_in_the_frame_that_ends_the_travel():
     player = triggered()
     player.until("travel")
-    assert player.step(progress=1.0).hud["message"] == "half way"
+    assert player.step(progress=1.0).board.message == "half way"
     assert player.manager.state == "finished"
 
 
@@ -438,7 +426,7 @@ def test_action_beyond_the_limits_is_clipped_and_told():
 def test_hud_names_and_own_messages_with_foreign_braces():
     player = Player(make_manager(task(messages={"ready": "Trial {trial} of {trials} {x.__class__}"})))
     player.until("ready")
-    hud = player.step().hud
-    assert hud["message"] == "Trial 1 of 1 {x.__class__}"
-    assert set(hud) >= {"progress", "time", "contacts", "force", "score", "state", "trial", "message"}
-    json.dumps(dict(hud), allow_nan=False)
+    orders = player.step()
+    assert orders.board.message == "Trial 1 of 1 {x.__class__}"
+    assert set(orders.board.cards) >= {"progress", "time", "contacts", "force", "score", "state", "trial"}
+    assert (orders.view.state, orders.view.trial, orders.view.trials) == ("ready", 1, 1)

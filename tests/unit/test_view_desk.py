@@ -97,5 +97,5 @@ def test_a_broken_shader_is_told_over_the_picture_and_on_stderr(tmp_path, capsys
     reload = SceneReload(make_session(tmp_path, Picture(issues)))
     reload.look()
     wanted = "lit.frag#line 7: `what' undeclared"
-    assert reload.message == ({"message": wanted} if issues else {})
+    assert reload.message == (wanted if issues else "")
     assert capsys.readouterr().err == (f"mimics: {wanted}\n" if issues else "")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -18,8 +19,8 @@ from tests.support.task_play import make_events, make_snapshot
 MS = 1_000_000
 
 
-def frame(t_ns, *events, **changes):
-    return observe(make_snapshot(t_ns, **changes), make_events(*events), t_ns)
+def frame(t_ns, *events, distance=None, **changes):
+    return replace(observe(make_snapshot(t_ns, **changes), make_events(*events), t_ns), distance=distance)
 
 
 def travel(times_s, **columns):
@@ -172,12 +173,24 @@ def test_points_weigh_the_marks():
     )
     measures = Measures(time_s=2.0, path_error_rms_m=0.005, contacts=50, smoothness=-2.0, progress=0.4)
     points = 100.0 * (3.0 * 0.8 + 0.5 + 0.5) / 5.0
-    assert trial_points(spec, measures, finished=True) == pytest.approx(points)
-    assert trial_points(spec, measures, finished=False) == pytest.approx(0.4 * points)
+    assert trial_points(spec, asdict(measures), finished=True) == pytest.approx(points)
+    assert trial_points(spec, asdict(measures), finished=False) == pytest.approx(0.4 * points)
 
 
 def test_best_and_worst_travel_have_100_and_0_points():
-    best = Measures(time_s=1.0, smoothness=-1.4, progress=1.0)
+    best = Measures(time_s=1.0, path_error_rms_m=0.0, smoothness=-1.4, progress=1.0)
     worst = Measures(time_s=99.0, path_error_rms_m=1.0, contacts=99, smoothness=-99.0, progress=1.0)
-    assert trial_points(ScoreSpec(), best, finished=True) == pytest.approx(100.0)
-    assert trial_points(ScoreSpec(), worst, finished=True) == 0.0
+    assert trial_points(ScoreSpec(), asdict(best), finished=True) == pytest.approx(100.0)
+    assert trial_points(ScoreSpec(), asdict(worst), finished=True) == 0.0
+
+
+def test_a_measure_that_the_task_does_not_take_counts_in_neither_sum():
+    judged = ScoreSpec(
+        time=ScorePartSpec(weight=1.0, best=0.0, worst=10.0),
+        path_error=ScorePartSpec(weight=9.0, best=0.0, worst=0.01),
+        contacts=ScorePartSpec(weight=0.0, best=0.0, worst=1.0),
+        smoothness=ScorePartSpec(weight=0.0, best=-1.0, worst=-3.0),
+    )
+    assert trial_points(judged, asdict(Measures(time_s=5.0)), finished=True) == pytest.approx(50.0)
+    no_way = travel([0.0, 1.0])
+    assert no_way.path_error_rms_m is None and no_way.path_error_max_m is None

@@ -20,6 +20,7 @@ from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.session.build import build_session, start_loop
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.touch.rehearsal import Rehearsal
+from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.lab.python_loop import PythonLoop
 from mimics_app.rendering.haptic.devices.registry import SIMULATED
@@ -55,7 +56,7 @@ def _measure_product(scene: Path, seconds: float, recipe: str) -> Row:
 
             def draw() -> None:
                 frames.step()
-                picture.draw(frames.orders.hud)
+                picture.draw(frames.board)
 
             count = _load(draw, picture, seconds)
             late = session.haptics.histogram()
@@ -72,7 +73,7 @@ def _measure_python_thread(scene_file: Path, seconds: float) -> Row:
     picture = _open_picture(scene, rehearsal.world)
     rehearsal.world.update()
     with PythonLoop(lambda: rehearsal.advance(1)) as loop:
-        count = _load(lambda: picture.draw({}), picture, seconds)
+        count = _load(lambda: picture.draw(Board()), picture, seconds)
     picture.close()
     counted = np.array(loop.late_us[_UNCOUNTED:] or [0.0])
     percentiles = tuple(float(np.percentile(counted, share)) for share in (50, 99, 99.9, 100))

@@ -6,11 +6,12 @@ from collections.abc import Mapping
 
 from mimics_app.contracts.haptic import EventKind
 from mimics_app.contracts.messages import TaskOrders
+from mimics_app.contracts.trial_state import TrialState
 from mimics_app.world.components.effects import Trigger
 
 __all__ = ["TOUCHES", "CueWatch"]
 
-_CUES: Mapping[str, Trigger] = {"travel": "start", "finished": "goal"}
+_CUES: Mapping[TrialState, Trigger] = {TrialState.TRAVEL: "start", TrialState.FINISHED: "goal"}
 """State of a trial whose beginning is a trigger."""
 
 TOUCHES: Mapping[int, Trigger] = {
@@ -25,10 +26,10 @@ class CueWatch:
     """Sees a trial change its state."""
 
     def __init__(self) -> None:
-        self._state = ""
+        self._state: TrialState | None = None
 
     def look(self, orders: TaskOrders) -> Trigger | None:
         """What begins in this frame, or None; call once per frame."""
-        state = str(orders.hud.get("state", ""))
-        begins, self._state = state != self._state, state
+        state = orders.view.state
+        begins, self._state = state is not self._state, state
         return _CUES.get(state) if begins else None

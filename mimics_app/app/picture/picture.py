@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +14,7 @@ from mimics_app.app.picture.video import Film
 from mimics_app.app.planner.plan import plan_scene
 from mimics_app.app.planner.uses import visual_of
 from mimics_app.app.settings import Profile
+from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import SceneError, nearest
 from mimics_app.contracts.input_port import Ray
@@ -124,14 +124,14 @@ class Picture:
         """The eyes of the desktop: one."""
         return desktop_views(self._camera, self.surface.size)
 
-    def draw(self, figures: Mapping[str, object]) -> FrameStats:
-        """Draw one frame with the task's figures over it."""
-        self.lay_out(figures)
+    def draw(self, board: Board) -> FrameStats:
+        """Draw one frame with a board over it."""
+        self.lay_out(board)
         stats = self.renderer.draw(self.views)
         self.tell_issues()
         return stats
 
-    def show_frame(self, figures: Mapping[str, object], clock: Clock) -> int:
+    def show_frame(self, board: Board, clock: Clock) -> int:
         """Draw one frame, bring it to the glass, and tell when its work was done [ns].
 
         A driver that draws on the processor has done it all when the frame is on the glass. Any other is waited for
@@ -142,7 +142,7 @@ class Picture:
         Raises:
             DeviceError: it was lost, and there is no other.
         """
-        return draw_or_recover(self.surface, lambda: self._show(figures, clock), self.recover)
+        return draw_or_recover(self.surface, lambda: self._show(board, clock), self.recover)
 
     def start_film(self, wanted: Path, *, live: bool) -> Film:
         """Make a film of what is shown from now on; see `Film`."""
@@ -150,7 +150,7 @@ class Picture:
         return self.film
 
     def recover(self) -> None:
-        """Make context and renderer anew after a loss; world, quality and figures stay.
+        """Make context and renderer anew after a loss; world, quality and board stay.
 
         Raises:
             DeviceError: there is no other context.
@@ -161,14 +161,14 @@ class Picture:
         self.renderer.renew()
         self._software = draws_in_software(self.surface)
 
-    def _show(self, figures: Mapping[str, object], clock: Clock) -> int:
+    def _show(self, board: Board, clock: Clock) -> int:
         if self._software:
-            self.draw(figures)
+            self.draw(board)
             self.surface.swap()
             done_ns = clock.now_ns()
             self._take_to_film(done_ns)
             return done_ns
-        self.lay_out(figures)
+        self.lay_out(board)
         self.renderer.draw_finished(self.views)
         done_ns = clock.now_ns()
         self.surface.swap()
@@ -185,15 +185,15 @@ class Picture:
         for issue in self.renderer.take_issues():
             sys.stderr.write(f"mimics: {issue}\n")
 
-    def lay_out(self, figures: Mapping[str, object]) -> None:
-        """Put the task's figures over the picture."""
+    def lay_out(self, board: Board) -> None:
+        """Put a board over the picture."""
         hud = self.renderer.hud
         width, height = self.surface.size
         hud.width = CANVAS_HEIGHT * width / height
         if self._board is None:
             hud.clear()
         else:
-            draw_board(hud, figures, self._board.show, self._board.force_full)
+            draw_board(hud, board, self._board.show, self._board.force_full)
 
     def ray(self, right: float, up: float) -> Ray | None:
         """The ray through a place of the window, each coordinate in [-1, 1]."""

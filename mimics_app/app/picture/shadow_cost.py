@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.world.components.visible import LightComponent
@@ -61,7 +62,7 @@ def _shortest_frame_us(picture: Picture) -> float:
     clock, shortest = MonotonicClock(), float("inf")
     for _ in range(_FRAMES):
         started = clock.now_ns()
-        picture.draw({})
+        picture.draw(Board())
         picture.surface.ctx.finish()
         shortest = min(shortest, (clock.now_ns() - started) * 1e-3)
     return shortest

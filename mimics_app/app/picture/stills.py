@@ -9,15 +9,18 @@ import numpy as np
 
 from mimics_app.app.picture.drawn import Drawn
 from mimics_app.app.picture.picture import Picture, picture_quality
+from mimics_app.app.picture.stability_card import stability_card
 from mimics_app.app.picture.video import draw_film
 from mimics_app.app.scenes.catalogue import is_playable
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.touch.rehearsal import Rehearsal
+from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import FRAMES_PER_SECOND, TICKS_PER_SECOND
 from mimics_app.contracts.messages import TaskOrders
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen, render_frames
 from mimics_app.rendering.visual.view import View
+from mimics_app.tasks.cards import count_card, force_card, progress_card, time_card
 from mimics_app.world.scene.file import build_world
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
@@ -83,8 +86,8 @@ class _Moments(Protocol):
     @property
     def world(self) -> World: ...
 
-    def to(self, number: int) -> dict[str, object]:
-        """Bring the world to frame `number` and return its figures."""
+    def to(self, number: int) -> Board:
+        """Bring the world to frame `number` and return its board."""
 
 
 def _moments(scene: Scene, seed: int, frames: int, seconds: float) -> _Moments:
@@ -104,10 +107,10 @@ class _Standing:
         world.effects.seed = seed
         world.effects.trigger("start")
 
-    def to(self, number: int) -> dict[str, object]:
+    def to(self, number: int) -> Board:
         """Let the time of frame `number` come."""
         self.world.effects.time = self._seconds_per_frame * (number + 1)
-        return {}
+        return Board()
 
 
 class _Play:
@@ -123,8 +126,8 @@ class _Play:
     def world(self) -> World:
         return self._rehearsal.world
 
-    def to(self, number: int) -> dict[str, object]:
-        """Play up to frame `number` and return its figures."""
+    def to(self, number: int) -> Board:
+        """Play up to frame `number` and return its board."""
         wanted = round(self._ticks_per_frame * (number + 1))
         while self._done < wanted:
             ticks = min(_MOST_TICKS, wanted - self._done)
@@ -134,11 +137,11 @@ class _Play:
         self._rehearsal.scenario.apply(TaskOrders(), snapshot)
         self.world.update()
         self.world.effects.time = self._done / TICKS_PER_SECOND
-        return {
-            "progress": snapshot.progress,
-            "contacts": snapshot.contacts,
-            "time": self._done / TICKS_PER_SECOND,
-            "force": float(np.linalg.norm(snapshot.f_user_world)),
-            "margin": snapshot.margin,
-            "energy": snapshot.energy,
+        cards = {
+            "progress": progress_card(snapshot.progress),
+            "contacts": count_card("Wall contacts", snapshot.contacts),
+            "time": time_card(self._done / TICKS_PER_SECOND),
+            "force": force_card(float(np.linalg.norm(snapshot.f_user_world))),
+            "margin": stability_card(snapshot),
         }
+        return Board(cards)

@@ -8,6 +8,7 @@ from mimics_app.app.picture.picture import Picture, picture_quality
 from mimics_app.app.play.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.contracts.clock import FRAMES_PER_SECOND
+from mimics_app.contracts.trial_state import TrialState
 
 __all__ = ["Album"]
 
@@ -40,13 +41,13 @@ class Album:
         return self._files
 
     def _is_due(self, frames: Frames) -> bool:
-        hud = frames.orders.hud
+        view = frames.orders.view
         share = (len(self._files) + 0.5) / self._wanted
-        return hud.get("state") == "travel" and float(str(hud.get("progress", 0.0))) >= share
+        return view.state is TrialState.TRAVEL and view.progress >= share
 
     def _draw(self, frames: Frames, *, keep: bool) -> None:
         picture = self._session.picture or self._open()
-        picture.draw(frames.figures)
+        picture.draw(frames.board)
         if picture.film is not None:
             picture.film.take(frames.number * _NS // FRAMES_PER_SECOND)
         if keep:

@@ -8,16 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.app.cues.effect_cues import EffectCues
+from mimics_app.app.picture.stability_card import stability_card
 from mimics_app.app.session.session import Session
 from mimics_app.app.touch.loss_watch import LossWatch
 from mimics_app.app.touch.person_inbox import PersonInbox
+from mimics_app.contracts.board import Board
 from mimics_app.contracts.haptic import EVENT
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders, VRInput
 
 __all__ = ["Frames"]
-
-_DRIVEN = ("approach", "finished", "timeout", "aborted", "rest", "done")
-"""States of a trial in which the robot leads and the cursor rests on the ball."""
 
 
 class Frames:
@@ -42,13 +41,11 @@ class Frames:
         self.events: NDArray[Any] = np.zeros(0, EVENT)
 
     @property
-    def figures(self) -> dict[str, object]:
-        """What may stand over the picture: the task's figures, and the stability margin with the contact's energy."""
-        figures = dict(self.orders.hud)
-        if self.snapshot is not None:
-            figures["margin"], figures["energy"] = self.snapshot.margin, self.snapshot.energy
-            figures["stiffness_share"] = self.snapshot.stiffness_share
-        return figures
+    def board(self) -> Board:
+        """What may lie over the picture: the task's board, and the stability of what is touched."""
+        if self.snapshot is None:
+            return self.orders.board
+        return self.orders.board.with_cards({"margin": stability_card(self.snapshot)})
 
     def step(self) -> None:
         """Do one frame at the session's present time."""
@@ -89,7 +86,7 @@ class Frames:
         if "r" in vr.pressed:
             haptic["resets"] = int(session.desk.block["resets"][0]) + 1
         session.desk.change(haptic)
-        if orders.hud.get("state") in _DRIVEN:
+        if orders.view.robot_leads:
             x, y, z = snapshot.hip_world
             session.inputs.hold_at((float(x), float(y), float(z)))
         trial = int(session.desk.block["trial"][0])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
 from mimics_app.app.picture.governor import FrameGovernor
 from mimics_app.app.planner.tolerances import tolerances_of
@@ -60,7 +60,7 @@ def run_live(session: Session, frames: Frames, after_frame: Progress) -> None:
         if picture is not None and governor is not None:
             desk.step(frames)
             try:
-                done_ns = picture.show_frame({**frames.figures, **_message(session, reload, trouble)}, session.clock)
+                done_ns = picture.show_frame(frames.board.saying(_message(session, reload, trouble)), session.clock)
             except DeviceError as error:
                 desk.give_up(error)
                 return
@@ -99,10 +99,9 @@ def run_unseen(session: Session, frames: Frames, after_frame: Progress) -> None:
         session.clock.sleep_until_ns(due)
 
 
-def _message(session: Session, reload: SceneReload, trouble: str) -> Mapping[str, object]:
+def _message(session: Session, reload: SceneReload, trouble: str) -> str:
     """What the person should read over the picture: trouble of device or recorder before news of a reload."""
-    problem = trouble or session.recorder.problem
-    return {"message": problem} if problem else reload.message
+    return trouble or session.recorder.problem or reload.message
 
 
 def _limit_ns(session: Session) -> int:

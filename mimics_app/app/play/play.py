@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
@@ -130,12 +130,8 @@ def _play_unseen(session: Session, frames: Frames) -> list[Path]:
 def _say(answer: dict[str, Any]) -> None:
     task, safety = answer["task"], answer["safety"]
     done = "completed" if task["completed"] else "not completed"
-    trials = _count(task["trials"], "trial")
-    print(f"task      {done}: {trials}, score {task['score']:.0f}, {task['time_s']:.1f} s under way")
-    print(f"path      error {1e3 * task['path_error_m']:.1f} mm, {_count(task['contacts'], 'contact')}")
-    if "drops" in task:
-        lost = f"{_count(task['drops'], 'drop')}, {_count(task['bruises'], 'bruise')}"
-        print(f"carried   {task['placed']} placed, {lost}, grasp off by {task['grasp_error_n']:.1f} N")
+    words = [f"{done}: {_count(task['trials'], 'trial')}", *_task_words(task)]
+    print(f"task      {', '.join(words)}")
     print(f"touch     {answer['ticks']} ticks ({answer['recipe']}), {answer['missed']} missed, {safety['state']}")
     print(f"run       {answer['run_dir']}")
     for picture in answer["pictures"]:
@@ -143,6 +139,25 @@ def _say(answer: dict[str, Any]) -> None:
     if "video" in answer:
         print(f"film      {answer['video']}")
     print(f"report    {answer['report']}")
+
+
+_TASK_WORDS = {
+    "score": "score {:.0f}",
+    "time_s": "{:.1f} s under way",
+    "path_error_m": "path error {:.4f} m",
+    "contacts": "{} contacts",
+    "placed": "{} placed",
+    "drops": "{} drops",
+    "bruises": "{} bruises",
+    "grasp_error_n": "grasp off by {:.1f} N",
+}
+"""How the totals of a task are said; those of other kinds by their names."""
+
+
+def _task_words(task: Mapping[str, Any]) -> list[str]:
+    """The totals that there are, in words."""
+    said = ("completed", "trials", "path_m")
+    return [_TASK_WORDS.get(name, name + " {:g}").format(value) for name, value in task.items() if name not in said]
 
 
 def _count(number: int, what: str) -> str:

@@ -31,10 +31,11 @@ class ProgressLine:
         """Redraw the bar now and then."""
         if not self._shown or frames.number % _EVERY:
             return
-        hud = frames.orders.hud
-        progress = float(str(hud.get("progress", 0.0)))
+        view = frames.orders.view
         seconds = self._session.clock.now_ns() * 1e-9
-        self._stream.write(f"\rtrial {hud.get('trial')} {draw_bar(progress)}  {seconds:6.1f} s simulated ")
+        self._stream.write(
+            f"\rtrial {view.trial} / {view.trials} {draw_bar(view.progress)}  {seconds:6.1f} s simulated "
+        )
         self._stream.flush()
 
     def end(self) -> None:

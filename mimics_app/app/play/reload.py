@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
 
 from mimics_app.app.picture.picture import Picture
 from mimics_app.app.planner.plan import settle
@@ -27,7 +26,7 @@ class SceneReload:
     """Watches the files of the running scene.
 
     Attributes:
-        message: What the person should read over the picture now, as figures of the heads-up display.
+        message: What the person should read over the picture now, "" for nothing.
     """
 
     def __init__(self, session: Session) -> None:
@@ -35,13 +34,13 @@ class SceneReload:
         self._watcher = SceneWatcher(session.scene.files)
         self._next_ns = 0
         self._shown_until_ns = 0
-        self.message: Mapping[str, object] = {}
+        self.message = ""
 
     def look(self) -> None:
         """Take a changed scene, a few times a second."""
         now_ns = self._session.clock.now_ns()
         if now_ns > self._shown_until_ns:
-            self.message = {}
+            self.message = ""
         if now_ns < self._next_ns:
             return
         self._next_ns = now_ns + _LOOK_NS
@@ -82,4 +81,4 @@ class SceneReload:
         session.recorder.journal("reload", {"taken": True, "hash": scene.hash})
 
     def _say(self, now_ns: int, text: str) -> None:
-        self.message, self._shown_until_ns = {"message": text}, now_ns + _SHOW_NS
+        self.message, self._shown_until_ns = text, now_ns + _SHOW_NS

@@ -17,6 +17,7 @@ from mimics_app.rendering.haptic.scene_block import axis_offset, robot_from_worl
 from mimics_app.rendering.haptic.scene_objects import check_objects
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
 from mimics_app.tasks.actions import haptic_field
+from mimics_app.tasks.kinds.carry import carry_of
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.world.components.robot import Robot, Tunnel
 from mimics_app.world.scene.file import load_scene
@@ -76,9 +77,10 @@ def _check_reach(scene: Scene) -> list[Issue]:
 def _check_carry_reach(scene: Scene) -> list[Issue]:
     """The robot must reach the mark, and whatever lies below where the thing falls from."""
     task = scene.section(TaskSpec)
-    if task is None or task.carry is None or not scene.components(Robot):
+    carry = None if task is None else carry_of(task)
+    if carry is None or not scene.components(Robot):
         return []
-    robot, carry = scene.one(Robot)[1], task.carry
+    robot = scene.one(Robot)[1]
     mark = pose_of(scene, carry.to)[0]
     if not _reaches(robot, mark):
         what = f'the robot does not reach "{carry.to}" at {_place(mark)}'

@@ -26,7 +26,7 @@ from mimics_app.contracts.messages import TaskAction
 from mimics_app.lab.sweep.quantity import Columns, Quantity, SweepExperiment
 from mimics_app.tasks.actions import build_action_space, fill_defaults
 from mimics_app.tasks.scene_section import task_of
-from mimics_app.tasks.task import BlockSpec, TaskSpec
+from mimics_app.tasks.task import MEASURES, BlockSpec, TaskSpec
 from mimics_app.tasks.trial_file import resolve_trials
 from mimics_app.world.components.robot import Patient, Robot
 from mimics_app.world.scene.file import build_world
@@ -106,14 +106,8 @@ def _run(values: Columns, folder: Path) -> Columns:
 
 
 def _results(row: Mapping[str, Any]) -> dict[str, Any]:
-    return {
-        "outcome": str(row.get("outcome", "unfinished")),
-        "time_s": row.get("time_s"),
-        "path_error_m": row.get("path_error_rms_m"),
-        "contacts": row.get("contacts"),
-        "smoothness": row.get("smoothness"),
-        "score": row.get("score"),
-    }
+    measured = {measure.total or measure.column: row.get(measure.column) for measure in MEASURES}
+    return {"outcome": str(row.get("outcome", "unfinished")), "score": row.get("score"), **measured}
 
 
 def _check(values: Columns, file: Path) -> tuple[list[Issue], str]:
@@ -160,11 +154,8 @@ EXPERIMENT = SweepExperiment(
     },
     results={
         "outcome": "text",
-        "time_s": "float",
-        "path_error_m": "float",
-        "contacts": "int",
-        "smoothness": "float",
         "score": "float",
+        **{measure.total or measure.column: "int" if measure.sums else "float" for measure in MEASURES},
     },
     chunk=1,
     run=_run,

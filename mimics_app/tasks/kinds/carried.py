@@ -1,19 +1,18 @@
-"""One thing carried to a mark: what of it a trial counts, and where it falls from next."""
+"""One thing carried to a mark: what happens to it frame by frame, and where it falls from next."""
 
 from __future__ import annotations
 
 import math
 import random
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass
 from enum import StrEnum
 
-from mimics_app.tasks.carry_spec import BoxSpec, CarrySpec
+from mimics_app.tasks.bounds import Vec3
+from mimics_app.tasks.kinds.carry_spec import BoxSpec, CarrySpec
 from mimics_app.tasks.observation import Observation
 
-__all__ = ["Carry", "Stage"]
-
-Vec3 = tuple[float, float, float]
+__all__ = ["Carried", "CarriedFrame", "Stage"]
 
 _LOST_S = 2.0
 _NEAR = 0.02
@@ -33,7 +32,38 @@ class Stage(StrEnum):
     OPEN = "open"
 
 
-class Carry:
+@dataclass(frozen=True, slots=True)
+class CarriedFrame:
+    """What a frame means for the thing carried.
+
+    Attributes:
+        placed: It lies at its mark, let go.
+        drops: How often it was lost on the way, in this attempt.
+        bruises: How often it was pressed too hard, in this attempt.
+        bruised: That happened since the last frame.
+        gripped: It came into the hand since the last frame.
+        dropped: It was lost since the last frame.
+        held: It is in the hand.
+        grasp_error: Of the grasp force from what is right, while it is held [N].
+        progress: Share of the way, 0-1.
+        distance: Level distance from the straight way [m], while it is held.
+        stage: What the person is to do next.
+    """
+
+    placed: bool = False
+    drops: int = 0
+    bruises: int = 0
+    bruised: bool = False
+    gripped: bool = False
+    dropped: bool = False
+    held: bool = False
+    grasp_error: float = 0.0
+    progress: float = 0.0
+    distance: float = 0.0
+    stage: Stage = Stage.REACH
+
+
+class Carried:
     """Follows the thing through the attempts of a session.
 
     Args:
@@ -74,11 +104,11 @@ class Carry:
         self._restart()
         self._fall()
 
-    def see(self, seen: Observation) -> Observation:
-        """The same frame with what it means for the carrying."""
+    def see(self, seen: Observation) -> CarriedFrame | None:
+        """What a frame means for it; None while the loop has not placed it."""
         place = seen.bodies.get(self._spec.body)
         if place is None:
-            return seen
+            return None
         held = seen.held == self._spec.body
         gripped, let_go = held and not self._held, self._held and not held
         self._held = held
@@ -91,14 +121,14 @@ class Carry:
         if gripped:
             self._picked_at = place
         self._watch_lost(place, held=held, now_ns=seen.now_ns)
-        return replace(
-            seen,
+        return CarriedFrame(
             placed=at_mark and not held,
             drops=self._drops,
             bruises=self._bruises,
             bruised=bruised,
             gripped=gripped,
             dropped=dropped,
+            held=held,
             grasp_error=self._grasp_error(seen.grasp) if held else 0.0,
             progress=self._progress(seen.ball_world, place, held=held, at_mark=at_mark),
             distance=self._off_line(place) if held else 0.0,

@@ -1,0 +1,26 @@
+"""Types of numbers that the structs of a task share beside those of every component, with their limits."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from msgspec import Meta
+
+from mimics_app.world.components.bounds import Figure, Point
+
+__all__ = ["Share", "Steps", "Table", "Tolerance", "Values", "Vec3"]
+
+Share = Annotated[float, Meta(ge=0.0, le=1.0)]
+
+Steps = Annotated[float, Meta(ge=0.0, le=1e12)]
+"""A difference of a parameter, in a unit that the file chooses."""
+
+Tolerance = Annotated[float, Meta(gt=0.0, le=100.0)]
+"""Of a joint [m, rad]."""
+
+Values = Annotated[dict[str, Figure], Meta(max_length=1000)]
+"""Values of parameters by name."""
+
+Table = Annotated[list[Figure | str], Meta(max_length=10_000)]
+
+Vec3 = Point

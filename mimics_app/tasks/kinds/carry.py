@@ -1,0 +1,194 @@
+"""Carrying (D2.1 3.2.3): pick something up, bring it past what is in the way, set it down at a mark."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+
+from msgspec import Meta
+
+from mimics_app.contracts.board import Card
+from mimics_app.contracts.errors import Issue, nearest
+from mimics_app.contracts.scenario_port import TaskContext
+from mimics_app.tasks.cards import count_card, grasp_card
+from mimics_app.tasks.kinds.carried import Carried, CarriedFrame, Stage
+from mimics_app.tasks.kinds.carry_spec import CarrySpec
+from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, ScorePartSpec, TaskKind, Values
+from mimics_app.tasks.observation import Observation
+from mimics_app.world.components.bounds import Seconds
+from mimics_app.world.components.registry import Component
+
+if TYPE_CHECKING:
+    from mimics_app.tasks.task import TaskSpec
+    from mimics_app.world.scene.scene import Scene
+
+__all__ = ["KIND", "PROMPTS", "CarryCondition", "CarryTask", "PlacedGoal", "carry_of"]
+
+PROMPTS: Mapping[Stage, str] = {
+    Stage.REACH: "Go to the {body}",
+    Stage.CLOSE: "Close your hand",
+    Stage.CARRY: "Carry it to the mark",
+    Stage.OPEN: "Open your hand",
+}
+"""What the person is to do next."""
+
+
+class PlacedGoal(Component, frozen=True, tag="placed", tag_field="kind"):
+    """Set down what `carry` names at its mark, and let it go."""
+
+    hold_s: Annotated[Seconds, Meta(description="How long it must lie there [s].")] = 0.5
+
+
+class CarryCondition(Component, frozen=True, tag="carry", tag_field="kind"):
+    """Something happens to what is carried."""
+
+    what: Annotated[
+        Literal["gripped", "dropped", "bruised"],
+        Meta(description="It came into the hand, was lost on the way, or was pressed too hard."),
+    ]
+
+
+def carry_of(spec: TaskSpec) -> CarrySpec | None:
+    """The task's `carry` section, or None."""
+    section = spec.section("carry")
+    return section if isinstance(section, CarrySpec) else None
+
+
+class _CarryPlay(KindPlay):
+    """Counts drops and bruises, and how well the grasp force fits, while the thing is carried."""
+
+    def __init__(self, spec: CarrySpec, carried: Carried) -> None:
+        self._spec = spec
+        self._carried = carried
+        self._now = CarriedFrame()
+        self._shows_stage = False
+        self._squared_error_s = 0.0
+        self._held_s = 0.0
+
+    @property
+    def orders(self) -> Mapping[str, object]:
+        return self._carried.orders
+
+    @property
+    def words(self) -> Mapping[str, str]:
+        return {"body": self._spec.body}
+
+    @property
+    def prompt(self) -> str:
+        return PROMPTS[self._now.stage] if self._shows_stage else ""
+
+    @property
+    def measures(self) -> Values:
+        error = math.sqrt(self._squared_error_s / self._held_s) if self._held_s > 0.0 else 0.0
+        return {"drops": self._now.drops, "bruises": self._now.bruises, "grasp_error_n": error}
+
+    def begin_attempt(self) -> None:
+        self._carried.begin_attempt()
+        self._now = CarriedFrame()
+        self._squared_error_s = self._held_s = 0.0
+
+    def see(self, seen: Observation, settings: Mapping[str, object]) -> Observation:
+        within = settings.get("within", self._spec.within)
+        self._carried.within = float(within) if isinstance(within, int | float) else self._spec.within
+        now = self._carried.see(seen)
+        self._shows_stage = now is not None
+        if now is None:
+            return seen
+        self._now = now
+        return replace(seen, progress=now.progress, distance=now.distance)
+
+    def travel(self, seen: Observation, seconds: float) -> None:
+        if self._now.held:
+            self._held_s += seconds
+            self._squared_error_s += seconds * self._now.grasp_error**2
+
+    def holds(self, goal: Any, seen: Observation) -> bool:
+        return self._now.placed
+
+    def happens(self, condition: Any, seen: Observation) -> bool:
+        return bool(getattr(self._now, condition.what))
+
+    def cards(self, seen: Observation, finished: int) -> Mapping[str, Card]:
+        return {
+            "grasp": grasp_card(seen.grasp, self._spec.grip),
+            "placed": count_card("Placed", finished, width=130.0),
+            "drops": count_card("Drops", self._now.drops, width=120.0),
+        }
+
+
+class CarryTask(TaskKind):
+    """The built-in kind of tasks with a `carry` section."""
+
+    name = "carry"
+    section = CarrySpec
+    goals: ClassVar[tuple[type[Component], ...]] = (PlacedGoal,)
+    conditions: ClassVar[tuple[type[Component], ...]] = (CarryCondition,)
+    measures: ClassVar[tuple[Measure, ...]] = (
+        Measure(
+            "drops",
+            "drops",
+            "How often what is carried was lost.",
+            ScorePartSpec(weight=0.0, best=0.0, worst=4.0),
+            total="drops",
+            sums=True,
+        ),
+        Measure(
+            "bruises",
+            "bruises",
+            "How often what is carried was pressed too hard.",
+            ScorePartSpec(weight=0.0, best=0.0, worst=3.0),
+            total="bruises",
+            sums=True,
+        ),
+        Measure(
+            "grasp_error_n",
+            "grasp_error",
+            "Root mean square distance of the grasp force from what is right [N].",
+            ScorePartSpec(weight=0.0, best=0.0, worst=8.0),
+            total="grasp_error_n",
+        ),
+    )
+    targets: ClassVar[tuple[str, ...]] = ("within",)
+    completes = "placed"
+
+    def takes(self, spec: TaskSpec, offers: frozenset[str]) -> bool:
+        return carry_of(spec) is not None
+
+    def check(self, spec: TaskSpec, pointer: str) -> Iterator[Fault]:
+        carry = carry_of(spec)
+        if carry is None:
+            for i, goal in enumerate(spec.goals):
+                if isinstance(goal, PlacedGoal):
+                    yield f"{pointer}/goals/{i}", "nothing is carried in this task", 'say what and where under "carry"'
+            return
+        for name in ("falls_from", "lost_outside"):
+            box = getattr(carry, name)
+            if box is not None and any(low > high for low, high in zip(box.low, box.high, strict=True)):
+                yield f"{pointer}/carry/{name}", "low lies beyond high", "exchange the two"
+        if carry.grip.least >= carry.grip.most:
+            what = f"{carry.grip.least:g} is not below most, {carry.grip.most:g}"
+            yield f"{pointer}/carry/grip/least", what, "lower it"
+
+    def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
+        """Entities that the section names must be there."""
+        carry = carry_of(spec)
+        if carry is None:
+            return []
+        known = {entity.id for entity in scene.entities}
+        named = {"/task/carry/body": carry.body, "/task/carry/to": carry.to}
+        return [
+            scene.issue(place, f'no entity is called "{who}"', nearest(who, known))
+            for place, who in named.items()
+            if who not in known
+        ]
+
+    def open(self, spec: TaskSpec, context: TaskContext, seed: int) -> KindPlay:
+        carry = carry_of(spec)
+        if carry is None:
+            raise TypeError("the task has no carry section")
+        return _CarryPlay(carry, Carried(carry, context.places[carry.to], seed))
+
+
+KIND = CarryTask()

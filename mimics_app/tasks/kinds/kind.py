@@ -1,0 +1,169 @@
+"""What a kind of task is: what it adds to the task block of a scene file, and how it plays.
+
+The manager, the score, the board and the trial table know kinds by these two classes only. A kind is offered as an
+entry point of the group `mimics_app.task_kinds` (name: the kind's, object: an instance of `TaskKind`). Everything here
+has a default, so a kind writes down what it has and nothing else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+from msgspec import Meta
+
+from mimics_app.contracts.board import Card
+from mimics_app.contracts.errors import Issue
+from mimics_app.contracts.scenario_port import TaskContext
+from mimics_app.tasks.observation import Observation
+from mimics_app.world.components.bounds import Factor, Figure
+from mimics_app.world.components.registry import Component
+
+if TYPE_CHECKING:
+    from mimics_app.tasks.task import TaskSpec
+    from mimics_app.world.scene.scene import Scene
+
+__all__ = ["Fault", "KindPlay", "Measure", "ScorePartSpec", "TaskKind", "Values"]
+
+Fault = tuple[str, str, str]
+"""(JSON pointer, what is wrong, what to do)"""
+
+Values = Mapping[str, float | None]
+"""Measures of one travel by the name of their column; None where one cannot be judged."""
+
+
+class ScorePartSpec(Component, frozen=True):
+    """How one measure counts: full marks at `best`, none at `worst`, linear between."""
+
+    weight: Annotated[Factor, Meta(description="Share of the score, relative to the other weights.")]
+    best: Annotated[Figure, Meta(description="Value that earns full marks, in the measure's unit.")]
+    worst: Annotated[Figure, Meta(description="Value that earns none.")]
+
+
+@dataclass(frozen=True, slots=True)
+class Measure:
+    """One number of a travel that counts in the score.
+
+    Attributes:
+        column: Its name in the trial table, with the unit, e.g. "grasp_error_n".
+        part: Its name in the scene's `task.score`.
+        what: In words, with the unit, for the schema and the report.
+        default: How it counts where the scene does not say.
+        total: Its name among the session's totals, "" where it has none there.
+        sums: Whether the total is a sum over the trials; a mean otherwise.
+    """
+
+    column: str
+    part: str
+    what: str
+    default: ScorePartSpec
+    total: str = ""
+    sums: bool = False
+
+
+class KindPlay:
+    """One kind of task through the attempts of a session."""
+
+    @property
+    def orders(self) -> Mapping[str, object]:
+        """Haptic fields by dotted name as this kind wants them now; unchanged values cost nothing."""
+        return {}
+
+    @property
+    def words(self) -> Mapping[str, str]:
+        """What stands for {NAME} in messages."""
+        return {}
+
+    @property
+    def prompt(self) -> str:
+        """What the person is to do next, "" for nothing to say; may hold {NAME} of `words`."""
+        return ""
+
+    @property
+    def measures(self) -> Values:
+        """The travel so far: a value for each column of `TaskKind.measures`."""
+        return {}
+
+    def begin_attempt(self) -> None:
+        """The robot moves to the start of an attempt."""
+
+    def let_go(self, seen: Observation) -> None:
+        """The travel begins with this frame."""
+
+    def see(self, seen: Observation, settings: Mapping[str, object]) -> Observation:
+        """Take a frame; the same one with `progress` and `distance` as this kind means them.
+
+        Args:
+            seen: What came from the loop.
+            settings: Numbers of the task that parameters have changed, by name (see `TaskKind.targets`).
+        """
+        return seen
+
+    def travel(self, seen: Observation, seconds: float) -> None:
+        """A frame of the travel that lasted so long [s]; called after `see`."""
+
+    def holds(self, goal: Any, seen: Observation) -> bool:
+        """Whether a goal of this kind is met in this frame, its hold time aside."""
+        raise TypeError(f"{type(self).__name__} has no goals")
+
+    def happens(self, condition: Any, seen: Observation) -> bool:
+        """Whether the condition of a trigger of this kind begins in this frame."""
+        raise TypeError(f"{type(self).__name__} has no conditions")
+
+    def cards(self, seen: Observation, finished: int) -> Mapping[str, Card]:
+        """Cards for the board by name; `finished` trials have reached their goal."""
+        return {}
+
+
+class TaskKind:
+    """What a kind adds to the task block of a scene file, and how it is begun.
+
+    Attributes:
+        name: As an entry point, and of its `section` in the task block.
+        section: Settings of its own under `task.NAME`, or None.
+        goals: Structs with tag field "kind" that may stand under `task.goals`.
+        conditions: Likewise under `task.triggers[].when`.
+        measures: What it measures beside what every task does.
+        targets: Numbers of the task that a parameter may change, as `task.NAME`.
+        completes: Name among the totals for the count of trials that reached their goal, "" for none.
+        label: Caption of the progress card.
+        contacts: Caption of the card that counts contacts.
+    """
+
+    name: ClassVar[str]
+    section: ClassVar[type[Component] | None] = None
+    goals: ClassVar[tuple[type[Component], ...]] = ()
+    conditions: ClassVar[tuple[type[Component], ...]] = ()
+    measures: ClassVar[tuple[Measure, ...]] = ()
+    targets: ClassVar[tuple[str, ...]] = ()
+    completes: ClassVar[str] = ""
+    label: ClassVar[str] = "Progress"
+    contacts: ClassVar[str] = "Contacts"
+
+    def takes(self, spec: TaskSpec, offers: frozenset[str]) -> bool:
+        """Whether a task is (also) of this kind: by default where it has this kind's section or one of its goals.
+
+        Args:
+            spec: The task.
+            offers: What the scene has for tasks, e.g. "tunnel".
+        """
+        return spec.section(self.name) is not None or any(isinstance(goal, self.goals) for goal in spec.goals)
+
+    def check(self, spec: TaskSpec, pointer: str) -> Iterator[Fault]:
+        """What types cannot say about a task of this kind; `pointer` is the task's. Called for every task."""
+        return iter(())
+
+    def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
+        """Faults of a task against its scene. Called for every task."""
+        return []
+
+    def open(self, spec: TaskSpec, context: TaskContext, seed: int) -> KindPlay:
+        """Begin a session.
+
+        Args:
+            spec: A task that this kind takes.
+            context: What it must know of the scene.
+            seed: Of the session; everything drawn comes from it.
+        """
+        raise NotImplementedError

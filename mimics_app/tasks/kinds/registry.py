@@ -1,0 +1,42 @@
+"""Every kind of task there is: the built-in ones, and those of installed packages."""
+
+from __future__ import annotations
+
+import sys
+from functools import cache
+from importlib.metadata import entry_points
+
+from mimics_app.tasks.kinds import carry, tunnel
+from mimics_app.tasks.kinds.kind import TaskKind
+
+__all__ = ["ENTRY_POINT_GROUP", "kind_named", "task_kinds"]
+
+ENTRY_POINT_GROUP = "mimics_app.task_kinds"
+
+_BUILT_IN: tuple[TaskKind, ...] = (tunnel.KIND, carry.KIND)
+
+
+@cache
+def task_kinds() -> tuple[TaskKind, ...]:
+    """All kinds, the built-in ones first, then plug-ins by name.
+
+    A plug-in that cannot be imported, or that is named like another kind, is left out and said on stderr once; scenes
+    that need it then fail with its name.
+    """
+    kinds = {kind.name: kind for kind in _BUILT_IN}
+    for point in sorted(entry_points(group=ENTRY_POINT_GROUP)):
+        try:
+            kind = point.load()
+        except Exception as error:  # noqa: BLE001  whatever a stranger's module raises
+            sys.stderr.write(f'mimics: the task kind "{point.name}" cannot be imported: {error}\n')
+            continue
+        if point.name in kinds:
+            sys.stderr.write(f'mimics: there is a task kind "{point.name}" already; {point.value} is left out\n')
+            continue
+        kinds[point.name] = kind
+    return tuple(kinds.values())
+
+
+def kind_named(name: str) -> TaskKind | None:
+    """The kind of that name, or None."""
+    return next((kind for kind in task_kinds() if kind.name == name), None)

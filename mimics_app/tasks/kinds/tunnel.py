@@ -1,0 +1,75 @@
+"""Travelling a tunnel (D2.1 3.2.2): progress is a share of its arc length, error the distance from its bisector."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+from msgspec import Meta
+
+from mimics_app.contracts.errors import Issue
+from mimics_app.contracts.scenario_port import TaskContext
+from mimics_app.tasks.bounds import Share
+from mimics_app.tasks.kinds.kind import KindPlay, TaskKind
+from mimics_app.tasks.observation import Observation
+from mimics_app.world.components.bounds import Seconds
+from mimics_app.world.components.registry import Component
+from mimics_app.world.components.robot import Robot, Tunnel
+
+if TYPE_CHECKING:
+    from mimics_app.tasks.task import TaskSpec
+    from mimics_app.world.scene.scene import Scene
+
+__all__ = ["KIND", "ProgressGoal", "TunnelTask"]
+
+
+class ProgressGoal(Component, frozen=True, tag="progress", tag_field="kind"):
+    """Reach a share of the tunnel's length."""
+
+    at_least: Annotated[Share, Meta(description="Share of the arc length, 0-1; exactly this counts.")] = 0.98
+    hold_s: Annotated[Seconds, Meta(description="How long to stay there [s].")] = 0.0
+
+
+class _TunnelPlay(KindPlay):
+    def see(self, seen: Observation, settings: Mapping[str, object]) -> Observation:
+        snapshot = seen.snapshot
+        return replace(seen, progress=snapshot.progress, distance=snapshot.distance)
+
+    def holds(self, goal: Any, seen: Observation) -> bool:
+        return bool(seen.progress >= goal.at_least)
+
+
+class TunnelTask(TaskKind):
+    """The built-in kind of scenes with a tunnel."""
+
+    name = "tunnel"
+    goals: ClassVar[tuple[type[Component], ...]] = (ProgressGoal,)
+    label = "Tunnel"
+    contacts = "Wall contacts"
+
+    def takes(self, spec: TaskSpec, offers: frozenset[str]) -> bool:
+        return "tunnel" in offers or super().takes(spec, offers)
+
+    def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
+        """A share of a tunnel's length is no goal for a robot that has no tunnel."""
+        if not scene.components(Robot) or scene.components(Tunnel) or _writes_tunnel(scene):
+            return []
+        written = "goals" in scene.task
+        what = "the goal is a share of a tunnel's length, and the scene has no tunnel"
+        places = (f"/task/goals/{i}" if written else "/task" for i in self._own_goals(spec))
+        return [scene.issue(place, what, "goals: duration, point") for place in places]
+
+    def _own_goals(self, spec: TaskSpec) -> Iterator[int]:
+        return (i for i, goal in enumerate(spec.goals) if isinstance(goal, ProgressGoal))
+
+    def open(self, spec: TaskSpec, context: TaskContext, seed: int) -> KindPlay:
+        return _TunnelPlay()
+
+
+def _writes_tunnel(scene: Scene) -> bool:
+    """True where a tunnel is written down, right or wrong: what is wrong with it is said at its own place."""
+    return any("tunnel" in entity.get("components", {}) for entity in scene.document.get("entities", ()))
+
+
+KIND = TunnelTask()
