@@ -88,6 +88,10 @@ def haptic_targets() -> set[str]:
     return plain | {f"tunnel.{name}" for name in tunnel.names or () if tunnel[name] == np.float64}
 
 
+_Fault = tuple[str, str, str]
+"""(pointer, what, fix)"""
+
+
 def _check_parameter(parameter: ParameterSpec, pointer: str) -> Iterator[Fault]:
     if parameter.max < parameter.min:
         yield f"{pointer}/max", f"{parameter.max:g} is below min, {parameter.min:g}", "exchange the two"
