@@ -46,15 +46,25 @@ apt() { # fd 9 is the lock: a daemon that a package starts must not inherit it
 }
 
 apt_updated=no
-apt_install() {
+apt_install() { # nothing that is there is taken away: a desktop's own sound server may stand in the way of another
     say "installing by apt: $* (log: .setup.log)"
-    apt install -y --no-install-recommends "$@" && return 0
+    apt install -y --no-install-recommends --no-remove "$@" && return 0
     if [ $apt_updated = no ]; then
         apt_updated=yes
         apt update || :
-        apt install -y --no-install-recommends "$@" && return 0
+        apt install -y --no-install-recommends --no-remove "$@" && return 0
     fi
     return 1
+}
+
+# What is used where it can be had is asked for once in the life of a .venv.
+apt_install_once() {
+    asked=$venv/.$1-asked
+    [ ! -e "$asked" ] && [ -w "$venv" ] && may_install || return 0
+    wanted=$("$vpython" $needs "$1")
+    # shellcheck disable=SC2086
+    [ -z "$wanted" ] || apt_install $wanted || say "not to be had here: $wanted (not needed)"
+    touch "$asked"
 }
 
 line_to_type() {
@@ -70,19 +80,15 @@ line_to_type() {
 
 # Every package that is needed, for the moment when there is no Python to ask which of them are missing.
 all_packages() {
-    tr '\n' ' ' <$needs | sed 's/SystemNeed(/\n/g' | grep -v 'kind="optional"' | sed -n 's/^ *"\([a-z0-9.-]*\)", *".*/\1/p' |
+    tr '\n' ' ' <$needs | sed 's/SystemNeed(/\n/g' | grep -v 'optional"' | sed -n 's/^ *"\([a-z0-9.-]*\)", *".*/\1/p' |
         tr '\n' ' '
 }
 
 system_packages() {
     [ "$(uname)" = Linux ] && [ -z "${MIMICS_SKIP_SYSTEM:-}" ] || return 0
     missing=$("$vpython" $needs "$@")
-    if [ ! -e "$venv/.optional-asked" ] && [ -w "$venv" ] && may_install; then
-        optional=$("$vpython" $needs optional)
-        # shellcheck disable=SC2086
-        [ -z "$optional" ] || apt_install $optional || say "this distribution does not have: $optional (not needed)"
-        touch "$venv/.optional-asked"
-    fi
+    apt_install_once optional
+    case " $* " in *" test "*) apt_install_once test-optional ;; esac
     [ -n "$missing" ] || return 0
     # shellcheck disable=SC2086
     if may_install && apt_install $missing; then missing=$("$vpython" $needs "$@"); fi
@@ -223,8 +229,8 @@ prepare() { # the kinds of system packages this word needs: run, test
     system_packages "$@"
 }
 
-# A file of tests stays in one process: its fixtures are made once.
-pytest_on_two() { "$vpython" -m pytest --numprocesses=2 --dist=loadfile "$@"; }
+# A file of tests stays in one process: its fixtures are made once. What was skipped is listed with its reason.
+pytest_on_two() { "$vpython" -m pytest --numprocesses=2 --dist=loadfile -rfEs "$@"; }
 
 # --- words -------------------------------------------------------------------------------------------------------
 

@@ -65,4 +65,4 @@ def build(request):
     memory[SPRING] = request.robot.settings.get("spring", 50.0)
     if not 0.0 <= memory[SPRING] < 1e4:
         raise DeviceError("the spring of mass_on_rails is out of range", "give 0 to 10000 N/m")
-    return DevicePlugin("mass_on_rails", read, write, memory, delay=LAG)
+    return DevicePlugin("mass_on_rails", read, write, memory, delay=LAG, simulated=True)

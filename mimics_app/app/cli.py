@@ -11,14 +11,16 @@ import importlib
 import os
 import signal
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager, suppress
+from difflib import get_close_matches
+from itertools import takewhile
 from typing import Any, NoReturn
 
 from mimics_app import __version__
 from mimics_app.contracts.errors import Issue, MimicsError, SceneError, UsageError, nearest
 
-__all__ = ["COMMANDS", "build_parser", "main"]
+__all__ = ["COMMANDS", "main", "parse"]
 
 COMMANDS: dict[str, str] = {
     "run": "run a scene: in a window, or headless with the simulated patient",
@@ -40,6 +42,7 @@ COMMANDS: dict[str, str] = {
 }
 """Each is a module of `app.commands` with `add_arguments(parser)` and `run(args)`; with none given `launch` runs."""
 
+_PROGRAM = "mimics"
 _LAUNCHER = "launch"
 _EXIT_INTERNAL = 1
 _EXIT_BROKEN_PIPE = 128 + 13
@@ -47,10 +50,26 @@ _STDERR = 2
 
 
 class _Parser(argparse.ArgumentParser):
-    """A parser that raises instead of printing two lines and leaving."""
+    """A parser that raises instead of printing two lines and leaving, and takes no abbreviated option."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings, allow_abbrev=False)
 
     def error(self, message: str) -> NoReturn:
         raise UsageError(message, f"see {self.prog} --help")
+
+    def parse(self, words: Sequence[str]) -> argparse.Namespace:
+        """Read the words of a command, options before, between or after its other words."""
+        known = self._option_string_actions
+        for word in takewhile(lambda word: word != "--", words):
+            option = word.partition("=")[0]
+            if option.startswith("--") and " " not in option and option not in known:
+                close = get_close_matches(option, known, n=1)
+                hint = f'did you mean "{close[0]}"' if close else f"see {self.prog} --help"
+                raise UsageError(f'there is no option "{option}"', hint)
+        if "--" in words:  # which the first of the two passes of parse_intermixed_args would drop
+            return self.parse_args(words)
+        return self.parse_intermixed_args(words)
 
 
 class _Help(argparse.ArgumentDefaultsHelpFormatter):
@@ -60,36 +79,46 @@ class _Help(argparse.ArgumentDefaultsHelpFormatter):
         return action.help if action.default in (None, False, "") else super()._get_help_string(action)
 
 
-def build_parser(command: str | None = None) -> argparse.ArgumentParser:
-    """The parser of the whole command line, with the arguments of one command filled in.
+def parse(arguments: Sequence[str]) -> argparse.Namespace:
+    """Read a command line that is not empty; imports the module of its command alone.
 
-    Args:
-        command: The command whose module may be imported; None imports no command at all.
+    Raises:
+        UsageError: It cannot be read, or there is no such command.
+        SystemExit: --help or --version was answered.
     """
+    command = _command_of(arguments)
+    if command is None:
+        return _parser_of_all().parse_args(arguments)
+    return _parser_of(command).parse(arguments[1:])
+
+
+def _parser_of_all() -> _Parser:
+    """The parser of the words before a command; it imports none."""
     parser = _Parser(
-        prog="mimics",
+        prog=_PROGRAM,
         description="One scene rendered as touch (1 kHz), picture and sound. Without a command: the launcher.",
         epilog="mimics COMMAND --help describes one command.",
     )
     parser.add_argument("--version", action="version", version=f"mimics {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", dest="command", required=True)
     for name, description in COMMANDS.items():
-        one = commands.add_parser(
-            name,
-            help=description,
-            description=f"{description[0].upper()}{description[1:]}.",
-            formatter_class=_Help,
-        )
-        if name == command:
-            _fill(one, name)
+        commands.add_parser(name, help=description)
     return parser
 
 
-def _fill(parser: argparse.ArgumentParser, name: str) -> None:
-    module = _command_module(name)
+def _parser_of(command: str) -> _Parser:
+    """The parser of what follows one command."""
+    described = COMMANDS[command]
+    parser = _Parser(
+        prog=f"{_PROGRAM} {command}",
+        description=f"{described[0].upper()}{described[1:]}.",
+        formatter_class=_Help,
+    )
+    module = _command_module(command)
     module.add_arguments(parser)
     parser.add_argument("--json", action="store_true", help="write one JSON object to stdout, all else to stderr")
-    parser.set_defaults(run=module.run)
+    parser.set_defaults(command=command, run=module.run)
+    return parser
 
 
 def _command_module(name: str) -> Any:
@@ -144,6 +173,11 @@ def _guarded(arguments: list[str], as_json: bool) -> int:
     except KeyboardInterrupt:
         sys.stderr.write("mimics: interrupted\n")
         return 128 + signal.SIGINT
+    except SystemExit:
+        if _Terminated.came:
+            with suppress(OSError):  # the terminal may be what was closed
+                sys.stderr.write(f"mimics: ended by {signal.Signals(_Terminated.came).name}\n")
+        raise
     except BrokenPipeError:  # the reader (head, less) has seen enough
         _silence_stdout()
         return _EXIT_BROKEN_PIPE
@@ -175,15 +209,14 @@ def _silence_stdout() -> None:
 def _dispatch(arguments: list[str]) -> int:
     if not arguments:
         return int(_command_module(_LAUNCHER).run(argparse.Namespace(command=_LAUNCHER, json=False)))
-    command = _command_of(arguments)
     try:
-        args = build_parser(command).parse_args(arguments)
+        args = parse(arguments)
     except SystemExit as leave:  # --help and --version
         return int(leave.code or 0)
     return int(args.run(args))
 
 
-def _command_of(arguments: list[str]) -> str | None:
+def _command_of(arguments: Sequence[str]) -> str | None:
     """The command asked for, None where an option such as --help stands in its place."""
     word = arguments[0]
     if word.startswith("-"):
@@ -208,22 +241,27 @@ def _say(arguments: list[str], issues: Sequence[Issue], as_json: bool) -> None:
 
 
 class _Terminated:
-    """The signal that came, or 0: an exception raised inside a compiler's callback can be swallowed on its way up."""
+    """The signal that came, or 0: what was left behind when its exception unwound the stack is no error."""
 
     came = 0
+
+
+_AGAIN_S = 0.01
+"""A signal whose exception could not be raised where it came is raised again after this time [s]."""
 
 
 @contextmanager
 def _terminated_by_exception() -> Iterator[None]:
     """Let SIGTERM, and SIGHUP of a closed terminal, unwind the stack like Ctrl-C, so that recordings are closed.
 
-    The exit code is 143 or 129. What nohup told to be ignored is ignored.
+    The exit code is 143 or 129. What nohup told to be ignored is ignored. An exception cannot leave a callback of a
+    compiler or a destructor: the interpreter would print it and go on; there it is dropped and raised again.
     """
     _Terminated.came = 0
 
     def leave(number: int, _frame: object) -> None:
-        _Terminated.came = number
-        raise SystemExit(128 + number)
+        _Terminated.came = _Terminated.came or number
+        raise SystemExit(128 + _Terminated.came)
 
     numbers = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
     before = {number: signal.getsignal(number) for number in numbers}
@@ -235,10 +273,34 @@ def _terminated_by_exception() -> Iterator[None]:
         yield
         return
     try:
-        yield
+        with _raised_again(leave):
+            yield
     finally:
         for number, handler in ours.items():
             signal.signal(number, handler)
+
+
+@contextmanager
+def _raised_again(leave: Callable[[int, object], None]) -> Iterator[None]:
+    """Raise the exception of a signal once more where it was dropped (`sys.unraisablehook`)."""
+    if not hasattr(signal, "setitimer"):
+        yield
+        return
+
+    def drop(dropped: sys.UnraisableHookArgs) -> None:
+        if not (_Terminated.came and issubclass(dropped.exc_type, SystemExit)):
+            usual(dropped)
+        else:
+            signal.setitimer(signal.ITIMER_REAL, _AGAIN_S)
+
+    usual, alarm = sys.unraisablehook, signal.signal(signal.SIGALRM, leave)
+    sys.unraisablehook = drop
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        sys.unraisablehook = usual
+        signal.signal(signal.SIGALRM, alarm)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.messages import SoundEvent
 
-__all__ = ["AudioOutput", "AudioReport", "AudioStatus", "Mixer", "SoundRow"]
+__all__ = ["AudioOutput", "AudioReport", "AudioStatus", "Mixer", "SoundRow", "percentiles_ms"]
 
 Vec3 = tuple[float, float, float]
 
@@ -134,10 +134,7 @@ class AudioReport:
 
     def latency_ms(self) -> Mapping[str, float | None]:
         """p50, p95 and max of contact to sample [ms]; None where no contact sounded."""
-        values = sorted(row.latency_ms for row in self.rows if row.cause == "contact")
-        if not values:
-            return {"p50": None, "p95": None, "max": None}
-        return {"p50": _rank(values, 0.50), "p95": _rank(values, 0.95), "max": values[-1]}
+        return percentiles_ms(sorted(row.latency_ms for row in self.rows if row.cause == "contact"))
 
     def table(self) -> list[dict[str, Any]]:
         """The rows as dictionaries, their latency included, ready for JSON or a table."""
@@ -166,6 +163,13 @@ class AudioReport:
             "clipped": self.clipped,
             "crashed": self.crashed,
         }
+
+
+def percentiles_ms(ordered: Sequence[float]) -> Mapping[str, float | None]:
+    """p50, p95 and max of latencies in ascending order [ms]; None of none."""
+    if not ordered:
+        return {"p50": None, "p95": None, "max": None}
+    return {"p50": _rank(ordered, 0.50), "p95": _rank(ordered, 0.95), "max": ordered[-1]}
 
 
 def _rank(ordered: Sequence[float], share: float) -> float:

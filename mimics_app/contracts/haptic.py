@@ -13,6 +13,7 @@ z up). Forces named `user` act on the user. SI units throughout.
 from __future__ import annotations
 
 from enum import IntEnum, IntFlag
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +21,10 @@ from mimics_app.contracts.haptic_objects import OBJECT_COUNTS
 
 __all__ = [
     "EVENT",
+    "FEEL",
     "INBOX",
+    "LIMITS",
+    "LIMIT_NAMES",
     "MAX_PIECES",
     "POSE",
     "SAMPLE",
@@ -149,6 +153,54 @@ TUNNEL = np.dtype(
 )
 """The tunnel of D2.1 4.2.10 as the tick reads it."""
 
+LIMITS: list[tuple[Any, ...]] = [
+    ("force_limit", "f8"),  # [N] of the virtual force on the user
+    ("force_rate_limit", "f8"),  # [N/s] upwards; falling is free
+    ("power_limit", "f8"),  # [W] of the virtual force on the user, given or taken
+    ("energy_limit", "f8"),  # [J] one contact may give to the user before SAFE_STOP
+    ("velocity_limit", "f8"),  # [m/s] measured: beyond it SAFE_STOP
+    ("position_jump", "f8"),  # [m] a position may move more than velocity_limit allows before SAFE_STOP
+    ("max_acceleration", "f8"),  # [m/s^2] of the virtual mass
+    ("max_velocity", "f8"),  # [m/s] of the command
+    ("drive_force", "f8"),  # [N] most that drive_stiffness and drive_damping do
+    ("joint_min", "f8", (3,)),  # q1 [m], q2 [rad], q3 [m]
+    ("joint_max", "f8", (3,)),
+    ("workspace_margin", "f8"),  # [m, rad] beyond the joint limits before SAFE_STOP
+    ("ramp_time", "f8"),  # [s] soft start 0 -> 1
+    ("ramp_force", "f8"),  # [N] the force must be below this to start the ramp
+    ("cap", "i8"),  # 1: contacts are no stiffer than they are stable; 0: only told
+    ("cap_margin", "f8"),  # [-] stability margin that a capped contact keeps
+    ("device_delay", "f8"),  # from command to motion [s]; as the device plug-in states it
+    ("device_damping", "f8"),  # [N s/m] of a force driven device itself
+    ("arm_damping", "f8"),  # of the person's arm [N s/m], counted on in the stability limit
+    ("passivity", "i8"),  # 1: energy that a contact makes is taken back; 0: only counted
+    ("passivity_damping", "f8"),  # [N s/m] most that taking it back may add
+    ("tank_size", "f8"),  # [J] energy that active forces can draw on
+    ("tank_refill", "f8"),  # [W] that always flows into the tank
+    ("tank_return", "f8"),  # [-] share of what the virtual damping takes that flows into the tank
+    ("late_hold_ns", "i8"),  # a tick later than this is counted and its output held
+    ("late_damp_ns", "i8"),  # later: DEGRADED, force ramped down with damping
+    ("late_stop_ns", "i8"),  # later: SAFE_STOP
+    ("missed_stop", "i8"),  # missed ticks in a row that latch SAFE_STOP
+    ("late_latches", "i8"),  # 1: late_stop_ns and missed_stop latch SAFE_STOP; 0, a simulated device: DEGRADED
+    ("stale_warn_ns", "i8"),  # device data older than this is counted
+    ("stale_stop_ns", "i8"),  # older: SAFE_STOP
+]
+"""Fields of SCENE that keep the user safe, and what the device is counted on for. They are written once, at the start
+of a session: no task, action, policy or plug-in can name one."""
+
+LIMIT_NAMES: frozenset[str] = frozenset(field[0] for field in LIMITS)
+"""Their names."""
+
+FEEL = [
+    ("virtual_mass", "f8"),  # [kg]
+    ("virtual_damping", "f8"),  # [N s/m] of the virtual mass; IMPEDANCE: rendered viscosity
+    ("ball_radius_min", "f8"),  # [m] at full grasp
+    ("ball_radius_max", "f8"),  # [m] at no grasp
+    ("grasp_force_full", "f8"),  # [N] that makes the ball smallest
+]
+"""Fields of SCENE that a task may change while it runs, beside those of its tunnel and of its objects."""
+
 SCENE = np.dtype(
     [
         ("sequence", "i8"),  # counts parameter blocks; the sample of each tick says which one it used
@@ -159,47 +211,14 @@ SCENE = np.dtype(
         ("target", "f8", (3,)),  # PD reference: joints for JOINT_PD, robot frame [m] for WORLD_PD
         ("kp", "f8", (3,)),  # [1/s] per joint
         ("kd", "f8", (3,)),  # [-] per joint
-        ("virtual_mass", "f8"),  # [kg]
-        ("virtual_damping", "f8"),  # [N s/m] of the virtual mass; IMPEDANCE: rendered viscosity
         ("force_driven", "i8"),  # 1: the device is told forces (COMMAND_FORCE), 0: velocities (COMMAND_DQ)
-        ("device_damping", "f8"),  # [N s/m] of a force driven device itself
         ("drive_stiffness", "f8"),  # [N/m] of the spring that draws a force driven device to a target
         ("drive_damping", "f8"),  # [N s/m] of the damper beside it
-        ("drive_force", "f8"),  # [N] most that both do
-        ("max_acceleration", "f8"),  # [m/s^2] of the virtual mass
-        ("max_velocity", "f8"),  # [m/s] of the command
-        ("device_delay", "f8"),  # from command to motion [s]; as the device plug-in states it
-        ("arm_damping", "f8"),  # of the person's arm [N s/m], counted on in the stability limit
         ("axis_offset", "f8"),  # d1 [m] of (1)
-        ("joint_min", "f8", (3,)),  # q1 [m], q2 [rad], q3 [m]
-        ("joint_max", "f8", (3,)),
         ("R_world_from_robot", "f8", (3, 3)),
         ("origin_world", "f8", (3,)),  # WCS origin in the world [m]
-        ("ball_radius_min", "f8"),  # [m] at full grasp
-        ("ball_radius_max", "f8"),  # [m] at no grasp
-        ("grasp_force_full", "f8"),  # [N] that makes the ball smallest
-        ("force_limit", "f8"),  # [N] of the virtual force on the user
-        ("force_rate_limit", "f8"),  # [N/s] upwards; falling is free
-        ("velocity_limit", "f8"),  # [m/s] measured: beyond it SAFE_STOP
-        ("workspace_margin", "f8"),  # [m, rad] beyond the joint limits before SAFE_STOP
-        ("ramp_time", "f8"),  # [s] soft start 0 -> 1
-        ("ramp_force", "f8"),  # [N] the force must be below this to start the ramp
-        ("power_limit", "f8"),  # [W] of the virtual force on the user, given or taken
-        ("position_jump", "f8"),  # [m] a position may move more than velocity_limit allows before SAFE_STOP
-        ("energy_limit", "f8"),  # [J] one contact may give to the user before SAFE_STOP
-        ("cap", "i8"),  # 1: contacts are no stiffer than they are stable; 0: only told
-        ("cap_margin", "f8"),  # [-] stability margin that a capped contact keeps
-        ("passivity", "i8"),  # 1: energy that a contact makes is taken back; 0: only counted
-        ("passivity_damping", "f8"),  # [N s/m] most that taking it back may add
-        ("tank_size", "f8"),  # [J] energy that active forces can draw on
-        ("tank_refill", "f8"),  # [W] that always flows into the tank
-        ("tank_return", "f8"),  # [-] share of what the virtual damping takes that flows into the tank
-        ("late_hold_ns", "i8"),  # a tick later than this is counted and its output held
-        ("late_damp_ns", "i8"),  # later: DEGRADED, force ramped down with damping
-        ("late_stop_ns", "i8"),  # later: SAFE_STOP
-        ("missed_stop", "i8"),  # missed ticks in a row that latch SAFE_STOP
-        ("stale_warn_ns", "i8"),  # device data older than this is counted
-        ("stale_stop_ns", "i8"),  # older: SAFE_STOP
+        *FEEL,
+        *LIMITS,
         ("tunnel", TUNNEL),
         ("objects", OBJECT_COUNTS),  # rows in use of the tables beside this record
     ],

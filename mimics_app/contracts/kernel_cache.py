@@ -11,6 +11,7 @@ from __future__ import annotations
 import atexit
 import hashlib
 import os
+import pickle
 import re
 import shutil
 import stat
@@ -29,7 +30,8 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLoca
 __all__ = ["cache_folder", "enable_cache", "private_folder", "source_key", "sources_reached"]
 
 _OPEN_TO_OTHERS = 0o077
-_ROOT = Path(__file__).resolve().parents[2]
+_HERE = Path(__file__).resolve()
+_ROOT = _HERE.parents[2]
 _IMPORT = re.compile(
     rb"^[ \t]*(?:from[ \t]+(\.*[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n]*)|import[ \t]+([^\n]*))", re.MULTILINE
 )
@@ -205,6 +207,8 @@ def source_key(source: Path) -> str:
     """16 hex digits that change with any byte of any source that `source` can reach."""
     total = hashlib.sha256()
     for file in sources_reached(source):
+        if file == _HERE:  # where code is kept changes nothing in it
+            continue
         total.update(f"{file.parent.name}/{file.name}".encode())
         total.update(_digest(file))
     return total.hexdigest()[:16]
@@ -243,6 +247,16 @@ class _CacheFiles(CompileResultCacheImpl):
 
 class _KernelCache(FunctionCache):
     _impl_class = _CacheFiles
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Machine code kept earlier, or None: then it is compiled again.
+
+        So it is where the file is damaged, or was made in a module that this process does not have under that name.
+        """
+        try:
+            return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+        except (ImportError, AttributeError, EOFError, pickle.UnpicklingError):
+            return None
 
 
 def enable_cache(dispatcher: Any) -> None:

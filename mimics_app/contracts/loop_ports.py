@@ -138,6 +138,8 @@ class DevicePlugin:
         delay: From a command to the motion it makes [s], for the stability limit: transport and servo lag.
         follows: What in a command moves it: joint velocities (admittance), a force (impedance), or nothing.
         real_time: True for a device with a time of its own: it cannot be run faster than the clock on the wall.
+        simulated: True for a device that is computed, or a mouse or gamepad over one: no drive goes on by itself when a
+            tick comes late, so a late tick never latches a stop.
         trouble: What is wrong with the device in words for a person, "" when nothing is; main thread only.
     """
 
@@ -149,4 +151,5 @@ class DevicePlugin:
     delay: float = 0.0
     follows: Literal["velocity", "force", "nothing"] = "velocity"
     real_time: bool = False
+    simulated: bool = False
     trouble: Callable[[], str] = _no_trouble

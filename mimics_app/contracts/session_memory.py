@@ -30,7 +30,8 @@ class ControlWord(IntEnum):
     MISSED = 24  # loop: ticks that ended more than one period after their release, after the first second
     HELD = 32  # loop: ticks later than late_hold_ns
     STALE = 40  # loop: ticks with device data older than stale_warn_ns
-    TRIPS = 48  # loop: trips since the start
+    STOPS = 48  # loop: stops latched since the start
+    HOLDS = 72  # loop: times the force was ramped down for late ticks (DEGRADED) since the start
     CLOSED = 56  # main: 1 tells the children that nothing more will come
     START_NS = 64  # loop: monotonic time of tick 0's release [ns]
 
@@ -40,8 +41,8 @@ class Capacities:
     """Sizes fixed when the session is built."""
 
     objects: ObjectCapacities = field(default_factory=ObjectCapacities)
-    samples: int = 8192  # > 5 s at 1 kHz; a power of two
-    events: int = 1024  # a power of two
+    samples: int = 16384  # 16 s at 1 kHz, twice what a recorder on a busy machine takes to be replaced; a power of two
+    events: int = 2048  # for as long; a power of two
     lateness_bins: int = 2048
 
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 from statistics import median
 
+from mimics_app.contracts.machine import describe_machine
 from mimics_app.lab.figure import Figure, no_boundary
 from mimics_app.lab.front import pareto_front
-from mimics_app.lab.machine import describe_machine
 from mimics_app.lab.measure import Measured, MeasuredGroup
 from mimics_app.lab.scale import Scale, format_number, scale_for
 from mimics_app.lab.svg import SERIES, Label, Panel, document, legend

@@ -39,7 +39,7 @@ class Experiment:
     """One way of failing, swept over its parameters.
 
     Attributes:
-        name: "S1" to "S15".
+        name: "S1" to "S16".
         title: What fails, in a few words.
         claim: One sentence that can be wrong.
         x_label, y_label: Of the map, with units.

@@ -1,15 +1,21 @@
 """`mimics bench haptic`: what touching shapes, meshes and bodies costs, beside a reference loop and the peers.
 
 Every row is one workload: cull, narrow, force and friction of one tick for shapes and meshes; the whole of collisions
-and motion for bodies. `ratio` is told against a loop of 1000 sphere tests timed in the same run, `tick_p99_us` is the
-99th percentile of the whole tick's work in the live loop with that scene, simulated robot and person included.
+and motion for bodies. `us` is the cost in the compiled loop, as the product runs it; `ratio` is told against a loop of
+1000 sphere tests timed in the same run, `tick_p99_us` is the 99th percentile of the whole tick's work in the live loop
+with that scene, simulated robot and person included.
+
+Where a peer is measured beside bodies, in the same run, `us_from_python` is the same work of ours called tick by tick
+from Python as the peer is: the same slide of the hand, as many rounds, the shortest of them. What is not measured is
+left out.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,10 +28,11 @@ from mimics_app.contracts.kernel import kernel, typed_kernel
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.contracts.probe import shortest_us
 from mimics_app.contracts.session_memory import Capacities, SessionMemory
-from mimics_app.lab.haptic_peers import PEERS, chai3d_us
+from mimics_app.lab.haptic_harness import HarnessRow, run_harnesses
+from mimics_app.lab.haptic_peers import PEERS, ROUNDS, best_us, measure_peer
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.engine import HapticEngine
-from mimics_app.rendering.haptic.kernels.objects.hand import HAND_LENGTH
+from mimics_app.rendering.haptic.kernels.objects.hand import HAND_FORCE_MEASURED, HAND_LENGTH
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 from mimics_app.rendering.haptic.methods.body_worlds import heap_of_boxes
 from mimics_app.rendering.haptic.methods.touch_probe import DT, RADIUS, STIFFNESS, touch_scene
@@ -35,7 +42,7 @@ from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.rendering.haptic.simulate import simulate_objects
 from mimics_app.world.components.robot import Patient, Robot
 
-__all__ = ["BODY_WORKLOADS", "Scene", "measure_haptic", "reference_us"]
+__all__ = ["BODY_WORKLOADS", "SLIDE", "Scene", "measure_haptic", "reference_us"]
 
 Array = NDArray[np.float64]
 Step = Callable[[str], None]
@@ -53,8 +60,6 @@ _MIXED, _MOVING = 100, 10
 _HEAPS = (10, 100)
 _HEAP_TICKS = 4000
 _SPHERES = 1000
-_TICKS = 1000
-_RUNS = 20
 _LIVE_S = 2.5
 _MASS = 0.2
 _GAP = 0.02
@@ -62,12 +67,15 @@ _DAMPING = 5.0
 _PRESSED = 4e-3
 """How deep the hand is in its body at first [m]; the floor gives way by 2 mm under the weight."""
 
-_SETTLE = 200
+_PHASE = 2.0 * np.pi * np.arange(1000) / 1000
+SLIDE = 4e-3 * np.sin(_PHASE)
+"""Where the hand is along x at each tick, over and over [m]: 4 mm to either side once a second, shape [1000]."""
+
+_SLIDE_VELOCITY = 4e-3 * 2.0 * np.pi * np.cos(_PHASE)
+"""[m/s], shape [1000]."""
+
 _WAY = np.array([[0.0, 0.0, 0.0], [0.05, 0.0, 0.0]])
 """Of the simulated person [m]."""
-
-_LONGEST = 0.02
-"""Time one run of a body workload may take [s]: short, so that some of its runs are not interrupted."""
 
 
 @kernel
@@ -85,7 +93,7 @@ def _test_spheres(centres: Array, p: Array, calls: int) -> float:
 def reference_us() -> float:
     """Cost of 1000 sphere tests [us]."""
     centres, p = np.random.default_rng(1).uniform(-0.5, 0.5, (_SPHERES, 3)), np.zeros(3)
-    return shortest_us(lambda: _test_spheres(centres, p, 1000), 1000, _RUNS)
+    return shortest_us(lambda: _test_spheres(centres, p, 1000), 1000, ROUNDS)
 
 
 @dataclass(frozen=True)
@@ -97,8 +105,13 @@ class _Row:
     us: float
     ratio: float
     tick_p99_us: float
-    peer: str | None
-    peer_us: float | None
+    us_from_python: float | None = None
+    peer: str | None = None
+    peer_us: float | None = None
+
+    def figures(self) -> dict[str, Any]:
+        """What was measured."""
+        return {name: value for name, value in asdict(self).items() if value is not None}
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,12 +137,49 @@ class Scene:
         return new_object_work(self.capacities, self.meshes)
 
 
-@typed_kernel(types.void(types.FunctionType(SIMULATE), *SIMULATE.args, types.int64))
+@typed_kernel(types.void(types.FunctionType(SIMULATE), *SIMULATE.args, types.float64[:, ::1], types.int64, types.int64))
 def _simulate_often(
-    simulate: Any, rows: Any, work: Any, counts: Any, hand: Array, fields: Any, dt: float, force: Array, ticks: int
+    simulate: Any,
+    rows: Any,
+    work: Any,
+    counts: Any,
+    hand: Array,
+    fields: Any,
+    dt: float,
+    force: Array,
+    way: Array,
+    first: int,
+    ticks: int,
 ) -> None:
-    for _ in range(ticks):
+    for tick in range(first, first + ticks):
+        for i in range(way.shape[1]):
+            hand[i] = way[tick % way.shape[0], i]
         simulate(rows, work, counts, hand, fields, dt, force)
+
+
+class _Hand:
+    """A scene with a hand that slides along x, tick after tick."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._way = np.zeros((len(SLIDE), HAND_FORCE_MEASURED))
+        self._way[:, :3] = scene.hand
+        self._way[:, 0] += SLIDE
+        self._way[:, 3] = _SLIDE_VELOCITY
+        self._hand = np.zeros(HAND_LENGTH)
+        self._args = (scene.rows, scene.fresh_work(), scene.counts[0], self._hand, NO_FIELDS, DT, np.zeros(3))
+        self._ticks = 0
+
+    def run(self, ticks: int) -> None:
+        """Do so many ticks in one compiled call, as the loop does."""
+        _simulate_often(simulate_objects, *self._args, self._way, self._ticks, ticks)
+        self._ticks += ticks
+
+    def run_from_python(self, ticks: int) -> None:
+        """Do them call by call, as a peer's are done."""
+        for _ in range(ticks):
+            self._hand[:HAND_FORCE_MEASURED] = self._way[self._ticks % len(self._way)]
+            simulate_objects(*self._args)
+            self._ticks += 1
 
 
 def bodies_on_a_floor(kind: ShapeKind, count: int, fixed: int = 0) -> Scene:
@@ -183,7 +233,9 @@ def boxes_in_a_heap(count: int) -> Scene:
     return Scene(world.rows, world.counts, ObjectCapacities(shapes=count + 5, bodies=count), np.full(3, 1.0))
 
 
-BODY_WORKLOADS: dict[str, Callable[[int], Scene]] = {
+Build = Callable[[int], Scene]
+
+BODY_WORKLOADS: dict[str, Build] = {
     "bodies sphere": partial(bodies_on_a_floor, ShapeKind.SPHERE),
     "bodies box": partial(bodies_on_a_floor, ShapeKind.BOX),
     "bodies cylinder": partial(bodies_on_a_floor, ShapeKind.CYLINDER),
@@ -191,18 +243,10 @@ BODY_WORKLOADS: dict[str, Callable[[int], Scene]] = {
 """Workloads of moving bodies: what makes the scene of n of them."""
 
 
-def _body_us(scene: Scene) -> float:
-    """Cost of one step of all of it [us] once it lies at rest."""
-    work = scene.fresh_work()
-    hand, force = np.zeros(HAND_LENGTH), np.zeros(3)
-    hand[:3] = scene.hand
-    run = partial(_simulate_often, simulate_objects, scene.rows, work, scene.counts[0], hand, NO_FIELDS, DT, force)
-    run(_SETTLE)
-    clock = MonotonicClock()
-    started = clock.now_ns()
-    run(10)
-    ticks = int(np.clip(_LONGEST * 1e10 / max(1, clock.now_ns() - started), 10, _TICKS))
-    return shortest_us(lambda: run(ticks), ticks, _RUNS)
+def _harness_us(scene: Scene, row: HarnessRow) -> float:
+    """Ours called from Python [us], in as many rounds of as many ticks as a harness took."""
+    hand = _Hand(scene)
+    return shortest_us(lambda: hand.run_from_python(row.steps), row.steps, row.rounds)
 
 
 def _tick_p99_us(scene: Scene) -> float:
@@ -237,14 +281,12 @@ def _shape_row(work: str, n: int, kind: ShapeKind, count: int, triangles: int, r
     rows.shapes[:] = scene.rows.shapes
     rows.points[:] = scene.rows.points
     whole = _tick_p99_us(Scene(rows, scene.counts, capacities, scene.way[-1], scene.work.meshes))
-    peer = chai3d_us(work, n)
-    return _Row(work, n, us, us / reference, whole, "CHAI3D 3.3.0 (quoted)" if peer else None, peer)
+    return _Row(work, n, us, us / reference, whole)
 
 
 def _body_row(name: str, count: int, scene: Scene, reference: float) -> _Row:
-    us = _body_us(scene)
-    whole = _tick_p99_us(scene)
-    return _Row(name, count, us, us / reference, whole, None, None)
+    us = best_us(_Hand(scene).run)
+    return _Row(name, count, us, us / reference, _tick_p99_us(scene))
 
 
 def _mixed_row(step: Step, reference: float) -> Iterator[_Row]:
@@ -261,19 +303,49 @@ def _heap_rows(step: Step, reference: float) -> Iterator[_Row]:
         yield _body_row("bodies heap", count, boxes_in_a_heap(count), reference)
 
 
-def _body_rows(step: Step, reference: float) -> Iterator[_Row]:
+def _body_rows(step: Step, reference: float, harness: Sequence[HarnessRow]) -> Iterator[_Row]:
+    """Bodies on a floor, a row for every peer that was measured beside them, or one without."""
     for name, build in BODY_WORKLOADS.items():
+        kind = name.removeprefix("bodies ")
         for count in _BODIES:
             step(f"{name} x {count}")
             row = _body_row(name, count, build(count), reference)
-            for peer, measure in PEERS.items():
-                told, peer_us = measure(name, count)
-                if peer_us is not None:
-                    yield replace(row, peer=f"{peer} ({told})", peer_us=peer_us)
+            beside = [*_imported(kind, count, build), *_by_harness(kind, count, build, harness)]
+            yield from [replace(row, us_from_python=own, peer=peer, peer_us=us) for peer, us, own in beside] or [row]
 
 
-def measure_haptic(step: Step = lambda _: None) -> dict[str, Any]:
-    """The object of `mimics bench haptic`; `step` is told what is measured next."""
+def _imported(kind: str, count: int, build: Build) -> Iterator[tuple[str, float, float]]:
+    """(peer, its cost [us], ours from Python [us]) of every peer that can be imported."""
+    for peer in PEERS.values():
+        measured = measure_peer(peer, kind, count, SLIDE)
+        if measured is not None:
+            yield *measured, best_us(_Hand(build(count)).run_from_python)
+
+
+def _by_harness(
+    kind: str, count: int, build: Build, harness: Sequence[HarnessRow]
+) -> Iterator[tuple[str, float, float]]:
+    for row in harness:
+        if (row.kind, row.count) == (kind, count):
+            yield row.engine, row.us, _harness_us(build(count), row)
+
+
+def measure_haptic(step: Step = lambda _: None, peers: Path | None = None) -> dict[str, Any]:
+    """The object of `mimics bench haptic`.
+
+    Args:
+        step: Told what is measured next.
+        peers: Folder with harnesses of further peers, see `haptic_harness`; None: there are none.
+
+    Raises:
+        UsageError: there is no harness in the folder.
+    """
+    harness = run_harnesses(peers, step) if peers is not None else []
     reference = reference_us()
-    rows = [asdict(row) for part in (_shape_rows, _body_rows, _mixed_row, _heap_rows) for row in part(step, reference)]
-    return {"reference_ns": reference * 1e3, "rows": rows}
+    parts = (
+        _shape_rows(step, reference),
+        _body_rows(step, reference, harness),
+        _mixed_row(step, reference),
+        _heap_rows(step, reference),
+    )
+    return {"reference_ns": reference * 1e3, "rows": [row.figures() for part in parts for row in part]}

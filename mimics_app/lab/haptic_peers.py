@@ -1,56 +1,77 @@
-"""Peers of the haptic objects: MuJoCo and Bullet measured where they are installed, else what was measured once.
+"""Peers of the haptic bodies, timed by the same rules as ours: MuJoCo and Bullet where Python can import them.
 
-The quoted figures are microseconds per tick on a 2-core virtual machine (AMD EPYC) that this product was measured on
-too: CHAI3D 3.3.0 with -O3 -march=native and no device, tool sliding in contact; MuJoCo 4.0.0 (implicitfast) and
-pybullet 3.2.7, one step of 1 ms called from Python. Neither peer is needed by the product.
+The scene is that of `bodies_on_a_floor`: free bodies of 0.2 kg and 4 cm at rest on a plane, and a probe that slides
+along the first as our hand does. How deep it presses belongs to an engine's contact law: here a sphere of 1 cm, 0.4 mm.
+A peer that cannot be imported is not measured. Others are measured by a harness of their own, see `haptic_harness`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import ExitStack
+from importlib.metadata import version
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.contracts.probe import shortest_us
 
-__all__ = ["PEERS", "chai3d_us"]
+__all__ = ["PEERS", "ROUNDS", "best_us", "measure_peer"]
 
-_CHAI3D: dict[tuple[str, int], float] = {
-    ("sphere", 1): 0.12,
-    ("sphere", 10): 0.27,
-    ("sphere", 100): 1.81,
-    ("sphere", 1000): 18.1,
-    ("box", 1): 0.12,
-    ("box", 10): 0.24,
-    ("box", 100): 1.61,
-    ("box", 1000): 16.1,
-    ("cylinder", 1): 0.14,
-    ("cylinder", 10): 0.42,
-    ("cylinder", 100): 3.37,
-    ("cylinder", 1000): 34.0,
-    ("mesh", 10_000): 11.7,
-}
-_MUJOCO: dict[str, tuple[float | None, ...]] = {
-    "sphere": (4.1, 12.5, 87.0, 1555.0),
-    "box": (5.2, 29.0, 270.0, 2709.0),
-    "cylinder": (4.9, 25.2, 222.0, None),
-}
-_BULLET: dict[str, tuple[float | None, ...]] = {
-    "sphere": (8.5, 33.8, 304.0, 4666.0),
-    "box": (17.9, 116.0, 1014.0, 6905.0),
-    "cylinder": (12.1, 68.0, 640.0, None),
-}
-_COUNTS = (1, 10, 100, 1000)
+Array = NDArray[np.float64]
+Step = Callable[[], object]
+Build = Callable[[str, int, Array, ExitStack], tuple[str, Step]]
+
+ROUNDS = 20
+"""Rounds of each measurement, ours and the peers': the shortest counts."""
+
+_SETTLE = 200
+"""Ticks before the first round, in which things come to rest."""
+
+_TRIED = 10
+_MOST_TICKS = 1000
+_LONGEST_NS = 20_000_000
+"""What one round may take [ns]: short, so that some are not interrupted."""
+
 _HALF = 0.02
 _MASS = 0.2
 _PITCH = 0.06
-_REPEATS = 3
+_PROBE_RADIUS = 0.01
+_PROBE_HEIGHT = 0.0495
 
 
-def chai3d_us(work: str, n: int) -> float | None:
-    """CHAI3D's cost of the workload [us], quoted; None where it was not measured."""
-    return _CHAI3D.get((work, n))
+def best_us(run: Callable[[int], object]) -> float:
+    """Cost of a tick [us] in the shortest of `ROUNDS` rounds, once things are at rest; `run` does so many ticks."""
+    run(_SETTLE)
+    clock = MonotonicClock()
+    started = clock.now_ns()
+    run(_TRIED)
+    ticks = int(np.clip(_LONGEST_NS * _TRIED / max(1, clock.now_ns() - started), _TRIED, _MOST_TICKS))
+    return shortest_us(lambda: run(ticks), ticks, ROUNDS)
+
+
+def measure_peer(build: Build, kind: str, count: int, slide: Array) -> tuple[str, float] | None:
+    """(name and version, cost of a step [us]) of a peer called from Python; None where it is not installed.
+
+    Args:
+        build: One of `PEERS`.
+        kind: "sphere", "box" or "cylinder".
+        count: Bodies.
+        slide: Where the probe is along x at each tick, from its middle [m], over and over, shape [n].
+    """
+    with ExitStack() as stack:
+        try:
+            name, step = build(kind, count, slide, stack)
+        except ImportError:
+            return None
+
+        def run(ticks: int) -> None:
+            for _ in range(ticks):
+                step()
+
+        return name, best_us(run)
 
 
 def _places(count: int) -> list[tuple[float, float]]:
@@ -58,20 +79,7 @@ def _places(count: int) -> list[tuple[float, float]]:
     return [((i % side) * _PITCH, (i // side) * _PITCH) for i in range(count)]
 
 
-def _time_us(step: Callable[[], object], count: int) -> float:
-    steps = 2000 if count <= 10 else 300 if count <= 100 else 30
-    clock, shortest = MonotonicClock(), 1 << 62
-    for _ in range(min(steps, 200)):
-        step()
-    for _ in range(_REPEATS):
-        started = clock.now_ns()
-        for _ in range(steps):
-            step()
-        shortest = min(shortest, clock.now_ns() - started)
-    return shortest * 1e-3 / steps
-
-
-def _mujoco_us(kind: str, count: int) -> float:
+def _mujoco(kind: str, count: int, slide: Array, _: ExitStack) -> tuple[str, Step]:
     import mujoco
 
     size = {"sphere": f"{_HALF}", "box": f"{_HALF} {_HALF} {_HALF}", "cylinder": f"{_HALF} {_HALF}"}[kind]
@@ -81,68 +89,47 @@ def _mujoco_us(kind: str, count: int) -> float:
     )
     model = mujoco.MjModel.from_xml_string(
         '<mujoco><option timestep="0.001" integrator="implicitfast" gravity="0 0 -9.81"/><size memory="512M"/>'
-        '<worldbody><geom type="plane" size="50 50 1"/><body mocap="true" pos="0 0 0.0495">'
-        f'<geom type="sphere" size="0.01"/></body>{bodies}</worldbody></mujoco>'
+        f'<worldbody><geom type="plane" size="50 50 1"/><body mocap="true" pos="0 0 {_PROBE_HEIGHT}">'
+        f'<geom type="sphere" size="{_PROBE_RADIUS}"/></body>{bodies}</worldbody></mujoco>'
     )
-    data = mujoco.MjData(model)
+    data, ticks = mujoco.MjData(model), [0]
 
     def step() -> None:
-        data.mocap_pos[0] = (0.004 * np.sin(2.0 * np.pi * data.time), 0.0, 0.0495)
+        data.mocap_pos[0] = (slide[ticks[0] % len(slide)], 0.0, _PROBE_HEIGHT)
         mujoco.mj_step(model, data)
+        ticks[0] += 1
 
-    return _time_us(step, count)
+    return f"MuJoCo {mujoco.__version__}", step
 
 
-def _bullet_us(kind: str, count: int) -> float:
+def _bullet(kind: str, count: int, slide: Array, stack: ExitStack) -> tuple[str, Step]:
     import pybullet as bullet
 
     bullet.connect(bullet.DIRECT)
-    try:
-        bullet.setGravity(0, 0, -9.81)
-        bullet.setTimeStep(1e-3)
-        bullet.createMultiBody(0, bullet.createCollisionShape(bullet.GEOM_PLANE))
-        ball = bullet.createCollisionShape(bullet.GEOM_SPHERE, radius=0.01)
-        probe = bullet.createMultiBody(0, ball, basePosition=[0, 0, 0.0495])
-        arguments: dict[str, Any] = {
-            "sphere": {"shapeType": bullet.GEOM_SPHERE, "radius": _HALF},
-            "box": {"shapeType": bullet.GEOM_BOX, "halfExtents": [_HALF] * 3},
-            "cylinder": {"shapeType": bullet.GEOM_CYLINDER, "radius": _HALF, "height": 2 * _HALF},
-        }[kind]
-        shape = bullet.createCollisionShape(**arguments)
-        for x, y in _places(count):
-            bullet.createMultiBody(_MASS, shape, basePosition=[x, y, _HALF - 1e-4])
-        ticks = [0]
+    stack.callback(bullet.disconnect)
+    bullet.setGravity(0, 0, -9.81)
+    bullet.setTimeStep(1e-3)
+    bullet.createMultiBody(0, bullet.createCollisionShape(bullet.GEOM_PLANE))
+    ball = bullet.createCollisionShape(bullet.GEOM_SPHERE, radius=_PROBE_RADIUS)
+    probe = bullet.createMultiBody(0, ball, basePosition=[0, 0, _PROBE_HEIGHT])
+    arguments: dict[str, Any] = {
+        "sphere": {"shapeType": bullet.GEOM_SPHERE, "radius": _HALF},
+        "box": {"shapeType": bullet.GEOM_BOX, "halfExtents": [_HALF] * 3},
+        "cylinder": {"shapeType": bullet.GEOM_CYLINDER, "radius": _HALF, "height": 2 * _HALF},
+    }[kind]
+    shape = bullet.createCollisionShape(**arguments)
+    for x, y in _places(count):
+        bullet.createMultiBody(_MASS, shape, basePosition=[x, y, _HALF - 1e-4])
+    ticks = [0]
 
-        def step() -> None:
-            ticks[0] += 1
-            place = (0.004 * np.sin(2e-3 * np.pi * ticks[0]), 0.0, 0.0495)
-            bullet.resetBasePositionAndOrientation(probe, place, (0, 0, 0, 1))
-            bullet.stepSimulation()
+    def step() -> None:
+        place = (slide[ticks[0] % len(slide)], 0.0, _PROBE_HEIGHT)
+        bullet.resetBasePositionAndOrientation(probe, place, (0, 0, 0, 1))
+        bullet.stepSimulation()
+        ticks[0] += 1
 
-        return _time_us(step, count)
-    finally:
-        bullet.disconnect()
+    return f"Bullet (pybullet {version('pybullet')})", step
 
 
-def _measured_or_quoted(
-    measure: Callable[[str, int], float], quoted: dict[str, tuple[float | None, ...]], work: str, count: int
-) -> tuple[str, float | None]:
-    kind = work.removeprefix("bodies ")
-    if kind not in quoted or count not in _COUNTS:
-        return "", None
-    try:
-        return "measured", measure(kind, count)
-    except ImportError:
-        return "quoted", quoted[kind][_COUNTS.index(count)]
-
-
-def _mujoco(work: str, count: int) -> tuple[str, float | None]:
-    return _measured_or_quoted(_mujoco_us, _MUJOCO, work, count)
-
-
-def _bullet(work: str, count: int) -> tuple[str, float | None]:
-    return _measured_or_quoted(_bullet_us, _BULLET, work, count)
-
-
-PEERS: dict[str, Callable[[str, int], tuple[str, float | None]]] = {"MuJoCo": _mujoco, "Bullet": _bullet}
-"""Peer -> (how its figure was got, cost [us]) of a workload of bodies; None where there is none."""
+PEERS: dict[str, Build] = {"MuJoCo": _mujoco, "Bullet": _bullet}
+"""Peers that can be imported: what makes (name and version, one step) of a scene; ImportError where one is missing."""

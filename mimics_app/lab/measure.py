@@ -8,9 +8,9 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from mimics_app.contracts.errors import MimicsError
+from mimics_app.contracts.machine import describe_machine
+from mimics_app.contracts.method_table import Row, Table
 from mimics_app.contracts.methods import Group, Method, Registry
-from mimics_app.lab.machine import describe_machine
-from mimics_app.lab.table import Row, Table
 
 __all__ = ["Growth", "Measured", "MeasuredGroup", "as_dict", "count_probes", "fit_exponent", "measure", "to_table"]
 

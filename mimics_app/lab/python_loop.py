@@ -18,13 +18,15 @@ class PythonLoop:
 
     Attributes:
         thread: Where it runs.
-        late_us: How late it woke for each tick [us].
-        ended_late: Whether each tick ended after the next one's deadline.
+        ticks: Ticks done.
+        late_us: How late it woke for each tick that was due [us]; one it never came to counts as late as at the end.
+        ended_late: Whether each of them ended after the next one's deadline, or never.
     """
 
     def __init__(self, tick: Callable[[], object]) -> None:
         self._tick = tick
         self._over = threading.Event()
+        self.ticks = 0
         self.late_us: list[float] = []
         self.ended_late: list[bool] = []
         self.thread = threading.Thread(target=self._run, name="python thread")
@@ -44,5 +46,14 @@ class PythonLoop:
             clock.sleep_until_ns(due)
             self.late_us.append((clock.now_ns() - due) * 1e-3)
             self._tick()
+            self.ticks += 1
             self.ended_late.append(clock.now_ns() - due > TICK_NS)
+            due += TICK_NS
+        self._count_undone(due, clock.now_ns())
+
+    def _count_undone(self, due: int, now: int) -> None:
+        """Ticks a loop has no time for are not better than late ones."""
+        while now - due > TICK_NS:
+            self.late_us.append((now - due) * 1e-3)
+            self.ended_late.append(True)
             due += TICK_NS

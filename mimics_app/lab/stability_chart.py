@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from mimics_app.contracts.machine import describe_machine
 from mimics_app.lab.experiment import Experiment, Outcome, Points
 from mimics_app.lab.figure import Figure
-from mimics_app.lab.machine import describe_machine
 from mimics_app.lab.scale import format_number, scale_for
 from mimics_app.lab.svg import SERIES, Panel, document, legend, text_width
 

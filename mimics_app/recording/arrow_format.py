@@ -67,7 +67,7 @@ class Block:
 
 @cache
 def samples_schema() -> Any:
-    """Schema of haptic.arrows: `t` [s] and `sample`, a list of the other 50 columns of a tick."""
+    """Schema of haptic.arrows: `t` [s] and `sample`, a list of the other columns of a tick, `column_names()[1:]`."""
     metadata = {
         "format": "mimics haptic stream",
         "version": "1",

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from mimics_app.recording.arrow_format import END_OF_STREAM, INDEX_ROW, Block, schema_bytes
 
-__all__ = ["Damage", "Found", "read_index", "read_schema", "scan_stream"]
+__all__ = ["Damage", "Found", "last_block", "read_index", "read_schema", "scan_stream"]
 
 _CONTINUATION = END_OF_STREAM[:4]
 _ALIGNMENT = 8
@@ -89,6 +89,31 @@ def scan_stream(
                 yield from _read_span(view, span, decode)
         finally:
             view.release()
+
+
+def last_block(
+    path: Path, decode: Callable[[memoryview], Block], schema: Any, index: NDArray[Any] | None = None
+) -> Found | None:
+    """The last good block of a stream, None where it has none. No block before it is read.
+
+    Args:
+        path: An Arrow stream, whole or not.
+        decode: `decode_samples` or `decode_parameters`.
+        schema: The schema it was written with.
+        index: Rows of the sidecar, where there is one.
+    """
+    if not path.exists() or path.stat().st_size == 0:
+        return None
+    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
+        view = memoryview(data)
+        try:
+            for span in reversed(list(_spans(data, len(schema_bytes(schema)), index))):
+                for piece in _read_span(view, span, decode):
+                    if isinstance(piece, Found):
+                        return piece
+        finally:
+            view.release()
+    return None
 
 
 def _read_span(view: memoryview, span: Span, decode: Callable[[memoryview], Block]) -> Iterator[Found | Damage]:

@@ -5,6 +5,8 @@ Every line has `source` and `kind`:
     loop      EVENT records of the 1 kHz loop, `n` counting from 0, kinds as in contracts.haptic.EventKind
     app       what the main thread journals; the kinds that the report reads are listed in `recorder.Recorder.journal`
     recorder  start, gap, clock (pairs of wall and monotonic time), problem, restart, end
+
+Both stand first in it, so that lines of a kind are found without reading the others.
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import EVENT, EventKind
 
-__all__ = ["encode_event", "encode_line", "events_of", "read_lines", "to_json", "whole_length"]
+__all__ = ["encode_event", "encode_line", "events_of", "find_lines", "read_lines", "to_json", "whole_length"]
 
 _SCALARS = ("t_ns", "tick", "body_a", "body_b", "material_a", "material_b", "speed", "force", "value")
 _VECTORS = ("position_world", "normal_world")
@@ -105,6 +107,12 @@ def read_lines(path: Path) -> tuple[list[dict[str, Any]], int]:
 def whole_length(path: Path) -> int:
     """Bytes up to and with the last end of line."""
     return path.read_bytes().rfind(b"\n") + 1
+
+
+def find_lines(data: bytes, source: str, kind: str = "") -> list[bytes]:
+    """Whole lines of one source, and of one kind where one is given, of the bytes of an events.jsonl."""
+    head = f'{{"source":"{source}",' + (f'"kind":"{kind}",' if kind else "")
+    return [line for line in data.split(b"\n")[:-1] if line.startswith(head.encode())]
 
 
 def _raw_lines(path: Path) -> Iterator[bytes]:

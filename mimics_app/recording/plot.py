@@ -1,12 +1,16 @@
-"""Plots as inline SVG: axes, lines, bands, bars and legends, coloured by the style sheet of the page they stand in."""
+"""Plots as inline SVG: axes, lines, bands, bars and legends, coloured by the style sheet of the page they stand in.
+
+A plot is markup to a template (`__html__`): every element is made by `_element`, which escapes text and attributes.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from html import escape
 
 import numpy as np
+from markupsafe import Markup
 from numpy.typing import NDArray
 
 __all__ = ["Axis", "Plot", "envelope", "log_ticks", "nice_ticks"]
@@ -96,7 +100,7 @@ def envelope(x: Values, y: Values, buckets: int = 900) -> tuple[Values, Values]:
 
 @dataclass
 class Plot:
-    """One drawing. Things are drawn in the order they are added; `svg()` gives the text.
+    """One drawing. Things are drawn in the order they are added; a template writes it as markup.
 
     Attributes:
         x, y: The axes.
@@ -109,7 +113,7 @@ class Plot:
     title: str
     width: float = _WIDTH
     height: float = 220.0
-    _parts: list[str] = field(default_factory=list)
+    _parts: list[Markup] = field(default_factory=list)
     _legend: list[tuple[str, str]] = field(default_factory=list)
 
     @classmethod
@@ -134,7 +138,7 @@ class Plot:
         """A line through points; `kind` is its class in the style sheet, `name` its entry in the legend."""
         path = self._path(np.asarray(x, np.float64), np.asarray(y, np.float64))
         if path:
-            self._parts.append(f'<path class="line {kind}" d="{path}">{_hover(name)}</path>')
+            self._parts.append(_element("path", _hover(name), class_=f"line {kind}", d=path))
         self._name("line", kind, name)
 
     def _path(self, x: Values, y: Values) -> str:
@@ -161,10 +165,7 @@ class Plot:
         height = self._inner[1]
         for a, b in zip(left.tolist(), right.tolist(), strict=True):
             width = max(b - a, 0.7)
-            self._parts.append(
-                f'<rect class="fill {kind}" x="{a:.1f}" y="{_TOP:g}" width="{width:.1f}" height="{height:g}">'
-                f"{_hover(name)}</rect>"
-            )
+            self._parts.append(_rect(f"fill {kind}", (a, _TOP, width, height), _hover(name)))
         self._name("fill", kind, name)
 
     def bars(self, edges: Values, heights: Values, kind: str, name: str = "") -> None:
@@ -174,11 +175,8 @@ class Plot:
         base = _TOP + self._inner[1]
         for i in np.flatnonzero(np.asarray(heights) > self.y.low):
             what = f"{edges[i]:.3g} to {edges[i + 1]:.3g}: {heights[i]:.6g}"
-            self._parts.append(
-                f'<rect class="fill {kind}" x="{left[i]:.1f}" y="{top[i]:.1f}" '
-                f'width="{max(right[i] - left[i] - 0.5, 0.7):.1f}" height="{max(base - top[i], 0.0):.1f}">'
-                f"{_hover(what)}</rect>"
-            )
+            corner = (left[i], top[i], max(right[i] - left[i] - 0.5, 0.7), max(base - top[i], 0.0))
+            self._parts.append(_rect(f"fill {kind}", corner, _hover(what)))
         self._name("fill", kind, name)
 
     def points(self, x: Values, y: Values, kind: str, name: str = "", hovers: list[str] | None = None) -> None:
@@ -186,76 +184,95 @@ class Plot:
         px, py = self._pixels(np.asarray(x, np.float64), np.asarray(y, np.float64))
         for i, (a, b) in enumerate(zip(px.tolist(), py.tolist(), strict=True)):
             hover = _hover(hovers[i] if hovers else name)
-            self._parts.append(f'<circle class="point {kind}" cx="{a:.1f}" cy="{b:.1f}" r="4">{hover}</circle>')
+            self._parts.append(_element("circle", hover, class_=f"point {kind}", cx=_px(a), cy=_px(b), r=4))
         self._name("point", kind, name)
 
     def word(self, x: float, y: float, text: str, anchor: str = "middle") -> None:
         """A word in the drawing; `anchor` is "start", "middle" or "end"."""
         px, py = (float(p[0]) for p in self._pixels(np.array([x]), np.array([y])))
-        self._parts.append(f'<text class="name" text-anchor="{anchor}" x="{px:.1f}" y="{py:.1f}">{escape(text)}</text>')
+        self._parts.append(_element("text", text, class_="name", text_anchor=anchor, x=_px(px), y=_px(py)))
 
     def mark_x(self, value: float, text: str, row: int = 0) -> None:
         """A vertical line with a word beside it; rows are one line of text apart."""
         px = float(self._pixels(np.array([value]), np.array([self.y.high]))[0][0])
         bottom = _TOP + self._inner[1]
-        self._parts.append(
-            f'<path class="line mark" d="M{px:.1f} {_TOP:g}V{bottom:g}"/>'
-            f'<text x="{px + 4:.1f}" y="{_TOP + 12 + 14 * row:g}">{escape(text)}</text>'
-        )
+        self._parts.append(_element("path", class_="line mark", d=f"M{px:.1f} {_TOP:g}V{bottom:g}"))
+        self._parts.append(_element("text", text, x=_px(px + 4), y=f"{_TOP + 12 + 14 * row:g}"))
 
     def _name(self, shape: str, kind: str, name: str) -> None:
         if name and (shape + " " + kind, name) not in self._legend:
             self._legend.append((shape + " " + kind, name))
 
-    def svg(self) -> str:
-        """The drawing and its legend as one HTML figure."""
-        size = f'viewBox="0 0 {self.width:g} {self.height:g}"'
-        drawing = f'<svg {size} role="img" aria-label="{escape(self.title, quote=True)}">'
-        drawing += self._grid() + "".join(self._parts) + self._frame() + "</svg>"
-        return f"<figure>{drawing}{self._legend_html()}</figure>"
+    def __html__(self) -> Markup:
+        """The drawing and its legend as one HTML figure: what a template writes for a plot."""
+        size = f"0 0 {self.width:g} {self.height:g}"
+        inside = _joined([*self._grid(), *self._parts, *self._frame()])
+        drawing = _element("svg", inside, viewBox=size, role="img", aria_label=self.title)
+        return _element("figure", _joined([drawing, self._legend_html()]))
 
-    def _grid(self) -> str:
+    def _grid(self) -> list[Markup]:
         width, height = self._inner
-        text: list[str] = []
+        parts: list[Markup] = []
         for value in self.x.ticks():
             px = _LEFT + float(self.x.share(np.array([value]))[0]) * width
-            text.append(
-                f'<path class="grid" d="M{px:.1f} {_TOP:g}v{height:g}"/>'
-                f'<text class="tick" text-anchor="middle" x="{px:.1f}" y="{_TOP + height + 16:g}">'
-                f"{_number(value)}</text>"
-            )
+            place = {"text_anchor": "middle", "x": _px(px), "y": f"{_TOP + height + 16:g}"}
+            parts.append(_element("path", class_="grid", d=f"M{px:.1f} {_TOP:g}v{height:g}"))
+            parts.append(_element("text", _number(value), class_="tick", **place))
         for value in self.y.ticks() if self.y.label else []:
             py = _TOP + (1.0 - float(self.y.share(np.array([value]))[0])) * height
-            text.append(
-                f'<path class="grid" d="M{_LEFT:g} {py:.1f}h{width:g}"/>'
-                f'<text class="tick" text-anchor="end" x="{_LEFT - 6:g}" y="{py + 4:.1f}">{_number(value)}</text>'
-            )
-        return "".join(text)
+            place = {"text_anchor": "end", "x": f"{_LEFT - 6:g}", "y": _px(py + 4)}
+            parts.append(_element("path", class_="grid", d=f"M{_LEFT:g} {py:.1f}h{width:g}"))
+            parts.append(_element("text", _number(value), class_="tick", **place))
+        return parts
 
-    def _frame(self) -> str:
+    def _frame(self) -> list[Markup]:
         width, height = self._inner
         centre, middle = _LEFT + width / 2, _TOP + height / 2
-        return (
-            f'<rect class="frame" x="{_LEFT:g}" y="{_TOP:g}" width="{width:g}" height="{height:g}"/>'
-            f'<text text-anchor="middle" x="{centre:g}" y="{self.height - 6:g}">{escape(self.x.label)}</text>'
-            f'<text text-anchor="middle" transform="translate(14 {middle:g}) rotate(-90)">{escape(self.y.label)}</text>'
-        )
+        upwards = f"translate(14 {middle:g}) rotate(-90)"
+        return [
+            _rect("frame", (_LEFT, _TOP, width, height)),
+            _element("text", self.x.label, text_anchor="middle", x=f"{centre:g}", y=f"{self.height - 6:g}"),
+            _element("text", self.y.label, text_anchor="middle", transform=upwards),
+        ]
 
-    def _legend_html(self) -> str:
+    def _legend_html(self) -> Markup:
         if not self._legend:
-            return ""
-        entries = "".join(f"<span>{_swatch(kind)}{escape(name)}</span>" for kind, name in self._legend)
-        return f'<figcaption class="legend">{entries}</figcaption>'
+            return Markup()
+        entries = [_element("span", _joined([_swatch(kind), name])) for kind, name in self._legend]
+        return _element("figcaption", _joined(entries), class_="legend")
 
 
-def _swatch(kind: str) -> str:
+def _element(tag: str, content: str = "", **attributes: object) -> Markup:
+    """One element: the one place where text and values of attributes are escaped (what is `Markup` already is not).
+
+    `class_` is `class`, other low lines are hyphens, as in `text_anchor`.
+    """
+    named = [Markup(' {}="{}"').format(name.rstrip("_").replace("_", "-"), v) for name, v in attributes.items()]
+    return Markup("<{0}{1}>{2}</{0}>").format(tag, _joined(named), content)
+
+
+def _joined(parts: Sequence[str]) -> Markup:
+    return Markup().join(parts)
+
+
+def _px(value: float) -> str:
+    return f"{value:.1f}"
+
+
+def _rect(kind: str, corner: tuple[float, float, float, float], content: str = "") -> Markup:
+    """A rectangle by its left, top, width and height [px]."""
+    x, y, width, height = map(_px, corner)
+    return _element("rect", content, class_=kind, x=x, y=y, width=width, height=height)
+
+
+def _swatch(kind: str) -> Markup:
     shape = kind.split()[0]
     inside = {
-        "line": f'<path class="{kind}" d="M1 6h24"/>',
-        "fill": f'<rect class="{kind}" x="1" y="1" width="24" height="10"/>',
-        "point": f'<circle class="{kind}" cx="13" cy="6" r="4"/>',
+        "line": _element("path", class_=kind, d="M1 6h24"),
+        "fill": _rect(kind, (1.0, 1.0, 24.0, 10.0)),
+        "point": _element("circle", class_=kind, cx=13, cy=6, r=4),
     }[shape]
-    return f'<svg class="swatch" viewBox="0 0 26 12" aria-hidden="true">{inside}</svg>'
+    return _element("svg", inside, class_="swatch", viewBox="0 0 26 12", aria_hidden="true")
 
 
 def _widened(axis: Axis, span: float) -> Axis:
@@ -263,8 +280,8 @@ def _widened(axis: Axis, span: float) -> Axis:
     return Axis(axis.label, middle - span / 2, middle + span / 2)
 
 
-def _hover(text: str) -> str:
-    return f"<title>{escape(text)}</title>" if text else ""
+def _hover(text: str) -> Markup:
+    return _element("title", text) if text else Markup()
 
 
 def _number(value: float) -> str:

@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts import ring
-from mimics_app.contracts.clock import Clock, MonotonicClock
+from mimics_app.contracts.clock import TICKS_PER_SECOND, Clock, MonotonicClock
+from mimics_app.contracts.environment import clock_pair, describe_environment
 from mimics_app.contracts.errors import PartialDataError
 from mimics_app.contracts.object_rows import Rows, pack_rows
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.recording.channel import CLOSE, LINE, PARAMETERS, TRIAL, Outbox
-from mimics_app.recording.environment import clock_pair, describe_environment
 from mimics_app.recording.event_log import encode_line, to_json
 from mimics_app.recording.manifest import Manifest, read_manifest
 from mimics_app.recording.recorder_status import PROBLEMS, Problem, RecorderStatus, StatusWord
@@ -40,7 +40,7 @@ _EVENT_ROOM = 256
 _BACKLOG = 8 << 20
 _WAKE_NS = 2_000_000_000
 _HUNG_NS = 7_000_000_000
-"""The ring holds 8 s; a recorder without a pass for so long is woken, then replaced."""
+"""A recorder without a pass for so long is woken, then replaced; the ring holds 16 s, and a new one comes up in few."""
 _LONGEST_STEP_NS = 100_000_000
 
 
@@ -132,6 +132,21 @@ class Recorder:
         if self._restarts > _MOST_RESTARTS:
             return PROBLEMS[Problem.NOT_RUNNING]
         return PROBLEMS[Problem(self._status[StatusWord.PROBLEM])]
+
+    @property
+    def ready(self) -> bool:
+        """Whether the process that records now has its files open."""
+        return bool(self._status[StatusWord.READY])
+
+    @property
+    def restarts(self) -> int:
+        """How often the process died and was replaced."""
+        return self._restarts
+
+    @property
+    def holds_s(self) -> float:
+        """How long the ring keeps what no process takes [s]."""
+        return len(self._memory.samples) / TICKS_PER_SECOND
 
     @property
     def dropped(self) -> int:

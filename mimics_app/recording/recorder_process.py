@@ -22,16 +22,16 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts import ring
 from mimics_app.contracts.clock import MonotonicClock, wall_time
+from mimics_app.contracts.environment import clock_pair
 from mimics_app.contracts.haptic import EVENT, SAMPLE
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.recording.arrow_format import BLOCK_ROWS
 from mimics_app.recording.channel import CLOSE, LINE, PARAMETERS, TRIAL, Inbox
-from mimics_app.recording.environment import clock_pair
 from mimics_app.recording.event_log import encode_line
 from mimics_app.recording.manifest import Manifest, hash_files, write_manifest
 from mimics_app.recording.recorder_status import PROBLEMS, Problem, RecorderStatus, StatusWord
 from mimics_app.recording.state_hash import StateHash
-from mimics_app.recording.streams import EventStream, ParameterStream, SampleStream
+from mimics_app.recording.streams import EventStream, ParameterStream, SampleStream, hash_of_files
 from mimics_app.recording.trial_table import TrialTable
 from mimics_app.recording.trip_log import TripLog
 
@@ -102,8 +102,6 @@ class _Session:
         self._events = EventStream(folder, self._hash, resume=resume)
         self._trips = TripLog(folder, self._events.earlier_trips)
         self._trials = TrialTable(folder / "trials.csv", resume=resume)
-        for row in self._trials.rows:
-            self._hash.add_trial(row)
         self._tally = _Tally(gaps=self._events.earlier_gaps)
         self._tally.lost_rows = sum(gap["rows"] for gap in self._tally.gaps if gap["reason"] == _DISK)
         self._tally.ring_dropped = sum(gap["rows"] for gap in self._tally.gaps if gap["reason"] == _RING)
@@ -334,7 +332,7 @@ class _Session:
         self._offset_s = offset
 
     def _publish(self) -> None:
-        self._status[StatusWord.ROWS] = self._hash.rows
+        self._status[StatusWord.ROWS] = self._samples.next_row
         self._status[StatusWord.EVENTS] = self._events.next_event
         self._status[StatusWord.PASSES] += 1
 
@@ -361,10 +359,11 @@ class _Session:
 
     def _seal(self, status: Literal["clean", "interrupted"]) -> None:
         said = self._close_message or {}
+        state = hash_of_files(self._folder, self._trials.rows) if self._restarts else self._hash
         manifest = Manifest(
             status=status,
-            state_hash=self._hash.hexdigest(),
-            rows=self._hash.rows,
+            state_hash=state.hexdigest(),
+            rows=state.rows,
             events=self._events.next_event,
             trials=len(self._trials.rows),
             parameters=self._parameters.count,

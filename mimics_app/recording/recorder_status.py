@@ -18,7 +18,7 @@ class StatusWord(IntEnum):
     """Indices of the words; the recorder writes them."""
 
     READY = 0  # 1: the files are open
-    ROWS = 1  # samples on disk
+    ROWS = 1  # samples taken from the ring
     EVENTS = 2  # loop events on disk
     TRIALS = 3  # finished trials on disk
     LINES = 4  # messages taken from the app

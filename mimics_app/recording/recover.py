@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.environment import clock_pair
 from mimics_app.contracts.errors import UsageError
 from mimics_app.recording.append_file import AppendFile
 from mimics_app.recording.arrow_format import (
@@ -21,7 +22,6 @@ from mimics_app.recording.arrow_format import (
     schema_bytes,
 )
 from mimics_app.recording.arrow_scan import Damage, Found, read_index, read_schema, scan_stream
-from mimics_app.recording.environment import clock_pair
 from mimics_app.recording.event_log import whole_length
 from mimics_app.recording.manifest import Manifest, hash_files, write_manifest
 from mimics_app.recording.recorder_process import RESERVE

@@ -1,46 +1,57 @@
-"""The report of a run: one HTML file that needs nothing but itself, also of a run that was cut off."""
+"""The report of a run: one HTML file that needs nothing but itself, also of a run that was cut off.
+
+Here is what it shows, as plain values, tables and plots; `templates/report.html.j2` makes the page of it.
+"""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from html import escape
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import EventKind
+from mimics_app.contracts.trial_counts import count_trials
+from mimics_app.contracts.trips import TripReader
 from mimics_app.recording.attempts import Attempt, find_attempts
+from mimics_app.recording.plot import Plot
 from mimics_app.recording.report_carry import carry_cards, carry_facts, draw_carry
 from mimics_app.recording.report_figures import draw_lateness, draw_path, draw_states, draw_traces
-from mimics_app.recording.report_governor import governor_text
-from mimics_app.recording.report_stability import smallest_margin, stability_text
-from mimics_app.recording.report_style import STYLE
+from mimics_app.recording.report_governor import governor_tables
+from mimics_app.recording.report_page import render_page
+from mimics_app.recording.report_stability import smallest_margin, stability_tables
 from mimics_app.recording.report_tables import (
-    contact_rows,
-    contact_table,
-    event_table,
+    Contacts,
+    Table,
+    Trials,
+    contacts_of,
     key_table,
+    lines_table,
+    loss_table,
     plan_tables,
-    score_table,
-    table,
-    value,
+    state_table,
+    trials_of,
+    trip_table,
 )
-from mimics_app.recording.report_trips import trips_text
+from mimics_app.recording.report_trips import MOST_DRAWN, Trip, trips_of
+from mimics_app.recording.report_values import NONE, mapping, one, scaled, shown, thousands
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import FILES, write_atomically
 
-__all__ = ["Punctuality", "punctuality", "write_report"]
+__all__ = ["Page", "Punctuality", "page_of", "punctuality", "write_report"]
 
 _OPEN_ATTEMPTS = 3
 _WARM_UP_TICKS = 1000
 _OWN_KEYS = ("format", "version", "versions", "machine", "clock", "plan")
 _TUNNEL_COLOURS = "The path of the robot's top is blue, the bisector of the tunnel red, its walls green."
+_TRIPS = "{}. A stop is latched until a person resets it; a short hold, after a late tick, ends by itself."
+_BADGES = {"clean": "recording complete", "open": "recording not closed"}
 _CARRY_COLOURS = "The path of the empty hand is blue, that of the hand with the thing in it orange, the mark green."
-_COUNTED = "Score, time, path and contacts tell of ended trials; practice counts only where it is all."
+_HAND_COLOURS = "The path of the robot's top is blue."
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +87,94 @@ def punctuality(samples: NDArray[Any]) -> Punctuality | None:
     return Punctuality(p50, p99, p99_9, float(lateness.max()) * 1e-3, missed, len(late))
 
 
+@dataclass(frozen=True, slots=True)
+class Movement:
+    """One attempt: its title, the path in the frontal plane, traces over time, and whether it is shown at once."""
+
+    title: str
+    path: Plot
+    traces: list[Plot]
+    open: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Safety:
+    """States over time, trips, what was not simulated, the second before each trip, stability."""
+
+    words: str
+    states: Plot
+    trips: Table | None
+    losses: Table | None
+    changes: Table | None
+    drawn: list[Trip]
+    more_drawn: bool
+    stability: dict[str, Table]
+
+
+@dataclass(frozen=True, slots=True)
+class RealTime:
+    """How punctual the ticks were; both None on a virtual clock, where no tick can be late."""
+
+    plot: Plot | None
+    table: Table | None
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """Tables by heading, the dump of everything that was set, and the scene as text ("" for none)."""
+
+    tables: dict[str, Table]
+    everything: Table | None
+    scene: str
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """What the run was made with, its files with their seals, and its state hash ("" for none)."""
+
+    made: Table | None
+    files: Table | None
+    state_hash: str
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """Everything a report shows.
+
+    Attributes:
+        title, status, tone: Head; `tone` is the class of the status in the style sheet.
+        line: When, how long, who and with what, in words.
+        problems: What is not as it should be, one sentence each.
+        cards: Figures of the run by name.
+        counted: Whether the note on what these figures count belongs there.
+        trials: None where none ended.
+        heading, colours: Of the movement.
+        movement: Of each attempt.
+        contacts: None where nothing was touched.
+        safety, real_time: None where no tick was recorded.
+        picture: Tables of the frame governor by heading.
+        settings, record: What the run was made with and what it left.
+    """
+
+    title: str
+    status: str
+    tone: str
+    line: list[str]
+    problems: list[str]
+    cards: dict[str, str]
+    counted: bool
+    trials: Trials | None
+    heading: str
+    colours: str
+    movement: list[Movement]
+    contacts: Contacts | None
+    safety: Safety | None
+    real_time: RealTime | None
+    picture: dict[str, Table]
+    settings: Settings
+    record: Record
+
+
 def write_report(folder: Path) -> Path:
     """Write report.html into a run folder and return where it is.
 
@@ -84,157 +183,161 @@ def write_report(folder: Path) -> Path:
         PartialDataError: It was written by a version with other columns.
         OSError: The folder cannot be written.
     """
-    run = Run.open(folder)
-    page = _page(run)
+    page = render_page(page_of(Run.open(folder)))
     path = folder / FILES["report"]
     write_atomically(path, page.encode())
     return path
 
 
-def _page(run: Run) -> str:
+def page_of(run: Run) -> Page:
+    """Everything the report of a run shows.
+
+    Raises:
+        OSError: The log of a trip that was missing cannot be written.
+    """
     attempts = find_attempts(run)
-    title = f"Report of {_scene_name(run)}"
-    body = "".join(
-        [
-            _head(run, title),
-            _cards(run, attempts),
-            _problems(run),
-            _movement(run, attempts),
-            _section("Scores", score_table(run.trials) if run.trials else _soft("No trial was finished.")),
-            _section("Contacts: touch, picture and sound", contact_table(contact_rows(run))),
-            _safety(run),
-            _real_time(run),
-            _section("Picture", governor_text(run)),
-            _settings(run),
-            _record(run),
-        ]
-    )
-    return (
-        f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
-        f'<meta name="viewport" content="width=device-width, initial-scale=1"><style>{STYLE}</style></head>'
-        f"<body><main>{body}</main></body></html>\n"
+    carry = carry_facts(run)
+    heading, colours = _heading(carry, attempts)
+    recorded = len(run.haptic) > 0
+    return Page(
+        title=f"Report of {_scene_name(run)}",
+        status=_BADGES.get(run.status, f"recording {run.status}"),
+        tone={"clean": "good", "open": "bad"}.get(run.status, "warn"),
+        line=_head_line(run),
+        problems=_problems(run),
+        cards={name: text for name, text in _cards(run, attempts).items() if text != NONE},
+        counted=bool(mapping(run.summary.get("task"))),
+        trials=trials_of(run),
+        heading=heading,
+        colours=colours,
+        movement=[_movement(run, attempt, carry, opened=i < _OPEN_ATTEMPTS) for i, attempt in enumerate(attempts)],
+        contacts=contacts_of(run),
+        safety=_safety(run) if recorded else None,
+        real_time=_real_time(run) if recorded else None,
+        picture=governor_tables(run),
+        settings=_settings(run),
+        record=_record(run),
     )
 
 
 def _scene_name(run: Run) -> str:
     scene = run.session.get("scene", "a run")
-    return str(scene.get("name", "a run") if isinstance(scene, Mapping) else scene).replace("_", " ")
+    return shown(scene.get("name", "a run") if isinstance(scene, Mapping) else scene).replace("_", " ")
 
 
-def _section(title: str, content: str) -> str:
-    return f"<section><h2>{escape(title)}</h2>{content}</section>" if content else ""
+def _head_line(run: Run) -> list[str]:
+    seconds = float(run.haptic["t"][-1]) if len(run.haptic) else 0.0
+    words = [_local_time(mapping(run.session.get("clock")).get("utc")), f"{seconds:.1f} s"]
+    words.append(f"seed {shown(run.session.get('seed'))}")
+    known = {**mapping(run.session.get("settings")), **run.session}
+    words += [shown(known[key]) for key in ("participant", "patient", "device", "profile") if known.get(key)]
+    return [word for word in words if word]
 
 
-def _soft(text: str) -> str:
-    return f'<p class="soft">{escape(text)}</p>'
+def _local_time(utc: Any) -> str:
+    """A moment in the time zone of this computer, with its name; "" for none."""
+    try:
+        return datetime.fromisoformat(str(utc)).astimezone().strftime("%Y-%m-%d %H:%M %Z")
+    except (ValueError, OverflowError):
+        return ""
 
 
-def _head(run: Run, title: str) -> str:
-    tone = {"clean": "good", "open": "bad"}.get(run.status, "warn")
-    started = str(run.session.get("clock", {}).get("utc", ""))[:19].replace("T", " ")
-    words = [f"{started} UTC" if started else "", f"{_seconds(run):.1f} s", f"seed {run.session.get('seed', '–')}"]
-    known = {**_mapping(run.session.get("settings")), **run.session}
-    words += [str(known[key]) for key in ("patient", "device", "profile") if known.get(key)]
-    line = " · ".join(escape(word) for word in words if word)
-    return f'<h1>{escape(title)}<span class="badge {tone}">{run.status}</span></h1><p class="soft">{line}</p>'
-
-
-def _mapping(item: Any) -> Mapping[str, Any]:
-    return item if isinstance(item, Mapping) else {}
-
-
-def _seconds(run: Run) -> float:
-    return float(run.haptic["t"][-1]) if len(run.haptic) else 0.0
-
-
-def _cards(run: Run, attempts: list[Attempt]) -> str:
-    summary = run.manifest.summary if run.manifest else {}
-    task = _mapping(summary.get("task"))
-    free = [attempt.samples[attempt.free] for attempt in attempts]
-    felt = [_largest(rows["f_user_world"]) for rows in free]
-    real_time = punctuality(run.haptic)
-    carried = carry_facts(run) is not None
-    finished = sum(row.get("outcome") == "finished" for row in run.trials)
-    cards = {
-        "trials finished": f"{task.get('completed', finished)} of {task.get('trials', len(run.trials))}",
-        "score": _one(task.get("score")),
-        "time": _one(task.get("time_s"), "s"),
+def _cards(run: Run, attempts: list[Attempt]) -> dict[str, str]:
+    task = mapping(run.summary.get("task"))
+    felt = [_largest(attempt.samples[attempt.free]["f_user_world"]) for attempt in attempts]
+    carried, tunnel = carry_facts(run) is not None, _has_tunnel(attempts)
+    return {
+        **_trial_cards(run),
+        "score": one(task.get("score")),
+        "time": one(task.get("time_s"), "s"),
         **({name: _card(*figure) for name, figure in carry_cards(task).items()} if carried else {}),
-        "off the straight way" if carried else "path error": _one(_scaled(task.get("path_error_m"), 1000.0), "mm"),
-        "contacts" if carried else "wall contacts": value(task.get("contacts")),
-        "largest force felt": _one(max(felt, default=None), "N"),
-        "smallest stability margin": _one(_scaled(smallest_margin(run.haptic), 100.0), "%"),
-        "ticks missed": f"{real_time.missed} of {real_time.ticks:,}".replace(",", "\u2009")
-        if real_time
-        else "virtual clock",
-        "trips": value(int((run.events["kind"] == EventKind.TRIP).sum())),
+        "off the straight way" if carried else "path error": one(scaled(task.get("path_error_m"), 1000.0), "mm"),
+        "wall contacts" if tunnel and not carried else "contacts": shown(task.get("contacts")),
+        "largest force felt": one(max(felt, default=0.0) or None, "N"),
+        "smallest stability margin": one(scaled(smallest_margin(run.haptic), 100.0), "%"),
+        **_missed_card(run),
+        **{name: shown(number) for name, number in _stops_and_holds(run).items()},
     }
-    items = "".join(f"<div><b>{text}</b><span>{name}</span></div>" for name, text in cards.items() if text != "–")
-    note = _soft(_COUNTED) if task else ""
-    return f'<div class="cards">{items}</div>{note}'
 
 
-def _card(number: Any, unit: str) -> str:
-    return _one(number, unit) if unit else value(number)
+def _missed_card(run: Run) -> dict[str, str]:
+    real_time = punctuality(run.haptic)
+    if real_time is None:
+        return {}
+    return {f"ticks missed of {thousands(real_time.ticks)}": thousands(real_time.missed)}
+
+
+def _trial_cards(run: Run) -> dict[str, str]:
+    """How many trials were finished, those alone of which some ended."""
+    counts = count_trials(run.trials)
+    ended = {
+        "trials finished": (counts.completed, counts.trials),
+        "practice finished": (counts.practice_completed, counts.practice_trials),
+    }
+    return {name: f"{completed} of {trials}" for name, (completed, trials) in ended.items() if trials}
+
+
+def _has_tunnel(attempts: list[Attempt]) -> bool:
+    return any(attempt.tunnel is not None for attempt in attempts)
+
+
+def _stops_and_holds(run: Run) -> dict[str, int]:
+    """How often a stop was latched, and how often the force was held for late ticks and came back by itself."""
+    latched = [trip.latched for trip in TripReader().take(run.events)]
+    return {"safety stops": sum(latched), "short holds": len(latched) - sum(latched)}
+
+
+def _card(figure: Any, unit: str) -> str:
+    return one(figure, unit) if unit else shown(figure)
 
 
 def _largest(vectors: NDArray[np.float64]) -> float:
     return float(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)).max()) if len(vectors) else 0.0
 
 
-def _scaled(number: Any, factor: float) -> float | None:
-    return factor * number if isinstance(number, (int, float)) else None
-
-
-def _one(number: Any, unit: str = "") -> str:
-    return f"{number:.1f} {unit}".strip() if isinstance(number, (int, float)) else "–"
-
-
-def _problems(run: Run) -> str:
+def _problems(run: Run) -> list[str]:
     found = run.problems()
     if run.manifest and run.manifest.problem:
         found.append(run.manifest.problem)
-    if not found:
-        return ""
-    items = "".join(f"<li>{escape(sentence)}</li>" for sentence in found)
-    return f'<div class="note"><b>This recording is not whole.</b><ul>{items}</ul></div>'
+    return found
 
 
-def _movement(run: Run, attempts: list[Attempt]) -> str:
+def _heading(carry: Mapping[str, Any] | None, attempts: list[Attempt]) -> tuple[str, str]:
+    """What the movement was, and what its colours mean."""
     if not attempts:
-        return _section("Movement", _soft("No tick was recorded."))
-    carry = carry_facts(run)
-    text = _soft(
-        "Frontal plane seen by the person: lateral to the right, vertical up. "
-        + (_CARRY_COLOURS if carry is not None else _TUNNEL_COLOURS)
+        return "Movement", ""
+    if carry is not None:
+        return "Carrying", _CARRY_COLOURS
+    if _has_tunnel(attempts):
+        return "Movement through the tunnel", _TUNNEL_COLOURS
+    return "Movement of the hand", _HAND_COLOURS
+
+
+def _movement(run: Run, attempt: Attempt, carry: Mapping[str, Any] | None, *, opened: bool) -> Movement:
+    path = draw_path(attempt, run.events) if carry is None else draw_carry(attempt, carry)
+    return Movement(attempt.title, path, draw_traces(attempt, carry), opened)
+
+
+def _safety(run: Run) -> Safety:
+    counts = _stops_and_holds(run)
+    return Safety(
+        words=_TRIPS.format(", ".join(f"{name}: {number}" for name, number in counts.items())),
+        states=draw_states(run.haptic),
+        trips=trip_table(run),
+        losses=loss_table(run),
+        changes=state_table(run),
+        drawn=trips_of(run),
+        more_drawn=sum(counts.values()) > MOST_DRAWN,
+        stability=stability_tables(run),
     )
-    for i, attempt in enumerate(attempts):
-        traces = "".join(draw_traces(attempt, carry))
-        path = draw_path(attempt, run.events) if carry is None else draw_carry(attempt, carry)
-        content = f"{path}<h3>Force and velocity</h3>{traces}"
-        opened = " open" if i < _OPEN_ATTEMPTS else ""
-        text += f"<details{opened}><summary>{escape(attempt.title)}</summary>{content}</details>"
-    return _section("Movement through the tunnel" if carry is None else "Carrying", text)
 
 
-def _safety(run: Run) -> str:
-    if len(run.haptic) == 0:
-        return ""
-    trips = int((run.events["kind"] == EventKind.TRIP).sum())
-    words = f"{trips} trip{'' if trips == 1 else 's'}." if trips else "No trip."
-    text = f"{_soft(words)}{draw_states(run.haptic)}{event_table(run.events)}{trips_text(run)}{stability_text(run)}"
-    return _section("Safety", text)
-
-
-def _real_time(run: Run) -> str:
-    if len(run.haptic) == 0:
-        return ""
+def _real_time(run: Run) -> RealTime:
     result = punctuality(run.haptic)
     if result is None:
-        return _section("Real time", _soft("The run went on a virtual clock: no tick can be late."))
-    summary = run.manifest.summary if run.manifest else {}
+        return RealTime(None, None)
     scheduler = run.lines_of("app", "scheduler")
-    recipe = summary.get("recipe") or (scheduler[-1].get("recipe") if scheduler else None)
+    recipe = run.summary.get("recipe") or (scheduler[-1].get("recipe") if scheduler else None)
     rows = [
         ("scheduling recipe", recipe),
         *((f"lateness {name} [µs]", number) for name, number in result.marks().items()),
@@ -242,46 +345,29 @@ def _real_time(run: Run) -> str:
         ("share of all ticks", result.missed / result.ticks),
         ("ticks after the first second", result.ticks),
     ]
-    text = draw_lateness(run.haptic[_WARM_UP_TICKS:], result.marks()) + table(["", "value"], rows)
-    return _section("Real time", text)
+    return RealTime(draw_lateness(run.haptic[_WARM_UP_TICKS:], result.marks()), Table(["", "value"], rows))
 
 
-def _settings(run: Run) -> str:
+def _settings(run: Run) -> Settings:
     own = {key: item for key, item in run.session.items() if key not in _OWN_KEYS}
-    document = _mapping(own.get("scene")).get("document")
+    scene = mapping(own.get("scene"))
+    document = scene.get("document")
     if document is not None:
-        own["scene"] = {key: item for key, item in own["scene"].items() if key != "document"}
-    text = key_table(own) if own else ""
-    if document is not None:
-        listing = escape(json.dumps(document, indent=1, ensure_ascii=False))
-        text += f"<details><summary>The whole scene</summary><pre>{listing}</pre></details>"
-    plan = run.session.get("plan")
-    if isinstance(plan, Mapping) and (methods := plan_tables(plan)):
-        text += f"<h3>Methods</h3>{methods}"
+        own["scene"] = {key: item for key, item in scene.items() if key != "document"}
+    tables = plan_tables(run.session.get("plan"))
     for title, kind in (("Sound", "audio"), ("Picture as it was opened", "quality")):
         for line in run.lines_of("app", kind)[-1:]:
-            told = {key: item for key, item in line.items() if key not in ("source", "kind")}
-            text += f"<h3>{title}</h3>{key_table(told)}"
-    actions = run.lines_of("app", "action")
-    if actions:
-        text += f"<h3>Adaptations</h3>{_lines_table(actions)}"
-    return _section("Settings", text)
+            tables[title] = key_table({key: item for key, item in line.items() if key not in ("source", "kind")})
+    if actions := run.lines_of("app", "action"):
+        tables["Adaptations"] = lines_table(actions)
+    text = "" if document is None else json.dumps(document, indent=1, ensure_ascii=False)
+    return Settings(tables, key_table(own) if own else None, text)
 
 
-def _lines_table(lines: list[dict[str, Any]]) -> str:
-    names = [n for n in dict.fromkeys(n for line in lines for n in line) if n not in ("source", "kind")]
-    return table(names, [[line.get(name) for name in names] for line in lines])
-
-
-def _record(run: Run) -> str:
+def _record(run: Run) -> Record:
     made: dict[str, Any] = {key: run.session[key] for key in ("machine", "versions") if key in run.session}
-    text = key_table(made) if made else ""
-    if run.manifest:
-        rows = [(name, sealed["bytes"], sealed["sha256"]) for name, sealed in run.manifest.files.items()]
-        text += "<h3>Files</h3>" + table(["file", "bytes", "SHA-256"], rows, "keys")
-        text += f"<p>State hash <code>{escape(run.manifest.state_hash)}</code></p>"
-    text += _soft(
-        "Research software: an independent hardware stop and limits in the device are required; "
-        "the software stop is no safety function."
-    )
-    return _section("Environment and record", text)
+    if run.manifest is None:
+        return Record(key_table(made) if made else None, None, "")
+    rows = [(name, sealed.get("bytes"), sealed.get("sha256")) for name, sealed in run.manifest.files.items()]
+    files = Table(["file", "bytes", "SHA-256"], rows, "keys")
+    return Record(key_table(made) if made else None, files, run.manifest.state_hash)

@@ -35,7 +35,7 @@ def carry_cards(task: Mapping[str, Any]) -> dict[str, tuple[Any, str]]:
     }
 
 
-def draw_carry(attempt: Attempt, facts: Mapping[str, Any]) -> str:
+def draw_carry(attempt: Attempt, facts: Mapping[str, Any]) -> Plot:
     """Path of the hand in the frontal plane, empty and carrying, with the mark, and where things were taken and lost.
 
     The frontal plane is that of the world's x (lateral) and y (vertical), axes equal.
@@ -58,7 +58,7 @@ def draw_carry(attempt: Attempt, facts: Mapping[str, Any]) -> str:
         words = ["taken" if held[i] else "let go" for i in changes]
         hovers = [f"{word} at {attempt.samples['t'][i]:.1f} s" for word, i in zip(words, changes, strict=True)]
         plot.points(path[changes, 0], path[changes, 1], "contact", "taken, let go", hovers)
-    return plot.svg()
+    return plot
 
 
 def is_held(attempt: Attempt, facts: Mapping[str, Any]) -> NDArray[np.bool_]:

@@ -23,7 +23,7 @@ _MISS_US = 1000.0
 _AROUND_ROWS = 1000
 
 
-def draw_path(attempt: Attempt, events: NDArray[Any]) -> str:
+def draw_path(attempt: Attempt, events: NDArray[Any]) -> Plot:
     """Figure 48 of D2.1: path of the robot blue, bisector red, walls green, in the frontal plane, equal axes.
 
     The frontal plane is that of the world's x (lateral) and y (vertical).
@@ -43,7 +43,7 @@ def draw_path(attempt: Attempt, events: NDArray[Any]) -> str:
     moved = np.where(attempt.free[:, None], path, np.nan)
     plot.line(moved[:, 0], moved[:, 1], "robot", "path of the robot")
     _mark_contacts(plot, attempt, events)
-    return plot.svg()
+    return plot
 
 
 def _name_ends(plot: Plot, bisector: Values) -> None:
@@ -71,7 +71,8 @@ def _mark_contacts(plot: Plot, attempt: Attempt, events: NDArray[Any]) -> None:
     if len(mine):
         where = 1000.0 * mine["position_world"].astype(np.float64)
         hovers = [f"tick {e['tick']}, {e['force']:.1f} N" for e in mine]
-        plot.points(where[:, 0], where[:, 1], "contact", "wall contact begins", hovers)
+        what = "contact begins" if attempt.tunnel is None else "wall contact begins"
+        plot.points(where[:, 0], where[:, 1], "contact", what, hovers)
 
 
 def _contacts_of(attempt: Attempt, events: NDArray[Any]) -> NDArray[Any]:
@@ -80,12 +81,12 @@ def _contacts_of(attempt: Attempt, events: NDArray[Any]) -> NDArray[Any]:
     return events[within & (events["kind"] == EventKind.CONTACT_BEGIN)]
 
 
-def draw_traces(attempt: Attempt, carry: Mapping[str, Any] | None = None) -> list[str]:
+def draw_traces(attempt: Attempt, carry: Mapping[str, Any] | None = None) -> list[Plot]:
     """Force, velocity, distance and stability over time; peaks are kept however long the attempt is.
 
     Args:
         attempt: Whose.
-        carry: What the scenario told of the carrying (`report_carry.carry_facts`); None: a tunnel was travelled.
+        carry: What the scenario told of the carrying (`report_carry.carry_facts`); None: nothing was carried.
     """
     samples = attempt.samples
     if len(samples) < 2:
@@ -94,7 +95,11 @@ def draw_traces(attempt: Attempt, carry: Mapping[str, Any] | None = None) -> lis
         "measured": ("force of the person on the handle", _norm(samples["f_meas"])),
         "felt": ("virtual force on the person", _norm(samples["f_user_world"])),
     }
-    own = _tunnel_traces(attempt) if carry is None else _carry_traces(attempt, carry)
+    own: list[Plot] = []
+    if carry is not None:
+        own = _carry_traces(attempt, carry)
+    elif attempt.tunnel is not None:
+        own = _tunnel_traces(attempt)
     return [
         _trace_plot(attempt, "force [N]", force),
         *own,
@@ -103,11 +108,11 @@ def draw_traces(attempt: Attempt, carry: Mapping[str, Any] | None = None) -> lis
     ]
 
 
-def _carry_traces(attempt: Attempt, carry: Mapping[str, Any]) -> list[str]:
+def _carry_traces(attempt: Attempt, carry: Mapping[str, Any]) -> list[Plot]:
     return [_trace_plot(attempt, label, lines, only_free=True) for label, lines in carry_lines(attempt, carry).items()]
 
 
-def _tunnel_traces(attempt: Attempt) -> list[str]:
+def _tunnel_traces(attempt: Attempt) -> list[Plot]:
     samples = attempt.samples
     return [
         _trace_plot(
@@ -135,7 +140,7 @@ def _tunnel_traces(attempt: Attempt) -> list[str]:
     ]
 
 
-def _trace_plot(attempt: Attempt, label: str, lines: dict[str, tuple[str, Values]], *, only_free: bool = False) -> str:
+def _trace_plot(attempt: Attempt, label: str, lines: dict[str, tuple[str, Values]], *, only_free: bool = False) -> Plot:
     """Traces around the time the person moved; `only_free` leaves out what means nothing while the robot drives."""
     near = _near_free(attempt)
     t, free = attempt.samples["t"][near], attempt.free[near]
@@ -153,7 +158,7 @@ def _trace_plot(attempt: Attempt, label: str, lines: dict[str, tuple[str, Values
     plot.spans(*_stretches(t, touch), "touch", "ball in the wall" if attempt.tunnel is not None else "touching")
     for kind, name, when, values in drawn:
         plot.line(when, values, kind, name)
-    return plot.svg()
+    return plot
 
 
 def _near_free(attempt: Attempt) -> slice:
@@ -180,12 +185,12 @@ def _stretches(t: Values, inside: NDArray[np.bool_]) -> tuple[Values, Values]:
     return t[[run.start for run in runs]], t[[run.stop - 1 for run in runs]]
 
 
-def draw_lateness(samples: NDArray[Any], marks: dict[str, float]) -> str:
-    """Histogram of how late ticks began, on a logarithmic axis, with percentiles [us]; "" on a virtual clock."""
+def draw_lateness(samples: NDArray[Any], marks: dict[str, float]) -> Plot | None:
+    """Histogram of how late ticks began, on a logarithmic axis, with percentiles [us]; None on a virtual clock."""
     lateness = samples["lateness_ns"] * 1e-3
     lateness = lateness[np.isfinite(lateness)]
     if not (lateness > 0.0).any():
-        return ""
+        return None
     low = _LEAST_LATENESS_US
     high = 10.0 ** np.ceil(np.log10(max(float(lateness.max()), 1.2 * _MISS_US)))
     edges = np.logspace(np.log10(low), np.log10(high), 10 * round(np.log10(high / low)) + 1)
@@ -197,10 +202,10 @@ def draw_lateness(samples: NDArray[Any], marks: dict[str, float]) -> str:
     for row, (name, value) in enumerate(marks.items()):
         plot.mark_x(float(np.clip(value, low, high)), f"{name} {value:.0f} µs", row)
     plot.mark_x(_MISS_US, "1 ms", len(marks))
-    return plot.svg()
+    return plot
 
 
-def draw_states(samples: NDArray[Any]) -> str:
+def draw_states(samples: NDArray[Any]) -> Plot:
     """States of the safety machine over the whole run."""
     t, state = samples["t"], samples["state"].astype(np.int64)
     x = Axis.of("time [s]", t, margin=0.0)
@@ -208,7 +213,7 @@ def draw_states(samples: NDArray[Any]) -> str:
     for value in sorted(set(state.tolist())):
         name = _state_name(value)
         plot.spans(*_stretches_joined(t, state == value), f"state-{name.lower()}", name)
-    return plot.svg()
+    return plot
 
 
 def _stretches_joined(t: Values, inside: NDArray[np.bool_]) -> tuple[Values, Values]:

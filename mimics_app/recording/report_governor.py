@@ -2,36 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
-from mimics_app.recording.report_tables import table
+from mimics_app.recording.report_tables import Table
+from mimics_app.recording.report_values import mapping, scaled
 from mimics_app.recording.run import Run
 
-__all__ = ["governor_text"]
+__all__ = ["governor_tables"]
 
 _MOST_MOVES = 100
 
 
-def governor_text(run: Run) -> str:
-    """Frame times, shares of frames by quality, and each move of the frame governor; "" where there was none."""
-    summary = run.manifest.summary.get("governor") if run.manifest else None
+def governor_tables(run: Run) -> dict[str, Table]:
+    """Frame times, shares of frames by quality, each move of the frame governor, by heading ("" for none)."""
+    summary = mapping(run.summary.get("governor"))
     moves = run.lines_of("app", "governor")
-    text = ""
-    if isinstance(summary, Mapping):
-        times = summary.get("frame_ms", {})
-        text += table(
-            ["", "value"],
-            [
-                ("budget of a frame [ms]", summary.get("budget_ms")),
-                ("median frame [ms]", times.get("p50")),
-                ("95 % of frames within [ms]", times.get("p95")),
-                ("times quality changed", summary.get("moves")),
-            ],
-        )
-        shares = summary.get("shares", {})
-        text += table(["quality", "share of frames [%]"], [(name, 100.0 * share) for name, share in shares.items()])
+    tables: dict[str, Table] = {}
+    if summary:
+        times = mapping(summary.get("frame_ms"))
+        rows = [
+            ("budget of a frame [ms]", summary.get("budget_ms")),
+            ("median frame [ms]", times.get("p50")),
+            ("95 % of frames within [ms]", times.get("p95")),
+            ("times quality changed", summary.get("moves")),
+        ]
+        tables[""] = Table(["", "value"], rows)
+        shares = [(name, scaled(share, 100.0)) for name, share in mapping(summary.get("shares")).items()]
+        tables["Qualities"] = Table(["quality", "share of frames [%]"], shares)
     if moves:
-        names = ("step", "level", "way", "frame_ms")
-        listed = [[line.get(name) for name in names] for line in moves[:_MOST_MOVES]]
-        text += "<h3>Changes of quality</h3>" + table(["step", "to", "way", "frame before [ms]"], listed)
-    return text
+        listed = [[line.get(name) for name in ("step", "level", "way", "frame_ms")] for line in moves[:_MOST_MOVES]]
+        tables["Changes of quality"] = Table(["step", "to", "way", "frame before [ms]"], listed)
+    return tables

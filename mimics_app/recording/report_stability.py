@@ -1,7 +1,8 @@
-"""What a report says about stability: the margin of the wall touched, and the energy of each contact."""
+"""What a report says about stability: the margins of what was touched, and the energy of each contact."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -9,10 +10,10 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import EventKind
 from mimics_app.recording.attempts import Attempt
-from mimics_app.recording.report_tables import table
+from mimics_app.recording.report_tables import Table
 from mimics_app.recording.run import Run
 
-__all__ = ["smallest_margin", "stability_lines", "stability_text"]
+__all__ = ["smallest_margin", "stability_lines", "stability_tables"]
 
 _MOST_SHOWN = 10.0
 _MOST_LOSSES = 20
@@ -21,14 +22,25 @@ Values = NDArray[np.float64]
 
 
 def _touching(samples: NDArray[Any]) -> NDArray[np.bool_]:
-    """Ticks in which the person felt the wall."""
-    return np.asarray((samples["penetration"] > 0.0) & samples["f_user_world"].any(axis=1))
+    """Ticks in which the person felt the wall of the tunnel or a shape."""
+    pressed = (samples["penetration"] > 0.0) | (samples["touching"] > 0.0)
+    return np.asarray(pressed & samples["f_user_world"].any(axis=1))
 
 
 def smallest_margin(samples: NDArray[Any]) -> float | None:
-    """Smallest stability margin of a wall that was touched [-], or None where none was."""
+    """Smallest stability margin of what was touched [-], or None where nothing was."""
     margins = samples["margin"][_touching(samples)]
     return float(margins.min()) if len(margins) else None
+
+
+def _contacts(run: Run) -> list[tuple[str, float]]:
+    """Least margin of each thing touched [%], the least first."""
+    stability = run.manifest.summary.get("stability") if run.manifest else None
+    contacts = stability.get("contacts") if isinstance(stability, Mapping) else None
+    if not isinstance(contacts, Mapping):
+        return []
+    known = [(str(name), 100.0 * margin) for name, margin in contacts.items() if isinstance(margin, float)]
+    return sorted(known, key=lambda item: item[1])
 
 
 def stability_lines(attempt: Attempt) -> dict[str, dict[str, tuple[str, Values]]]:
@@ -44,11 +56,11 @@ def stability_lines(attempt: Attempt) -> dict[str, dict[str, tuple[str, Values]]
     }
 
 
-def stability_text(run: Run) -> str:
-    """The worst of the run as a table, and when the margin was lost; "" where nothing was recorded."""
+def stability_tables(run: Run) -> dict[str, Table]:
+    """The worst of the run, and when the margin was lost, by heading; {} where nothing was recorded."""
     samples = run.haptic
     if len(samples) == 0:
-        return ""
+        return {}
     touching = samples[_touching(samples)]
     lost = run.events[run.events["kind"] == EventKind.MARGIN]
     capped = run.events[run.events["kind"] == EventKind.CAP]
@@ -63,21 +75,23 @@ def stability_text(run: Run) -> str:
     ]
     if len(touching):
         limit, margin = float(touching["stiffness_limit"].min()), 100.0 * float(touching["margin"].min())
-        energy = 1e3 * min(0.0, float(touching["energy"].min()))
+        given = 1e3 * max(0.0, -float(touching["energy"].min()))
         rows = [
             ("smallest margin while touching [%]", margin),
             ("smallest stable stiffness then [N/m]", limit),
-            ("most that one contact gave away [mJ]", -energy),
+            ("most that one contact gave away [mJ]", given),
             ("least share of the authored stiffness [%]", 100.0 * float(touching["stiffness_share"].min())),
             *rows,
         ]
-    text = "<h3>Stability</h3>" + table(["", "value"], rows)
+    tables = {"Stability": Table(["", "value"], rows)}
+    if contacts := _contacts(run):
+        tables["Smallest margins"] = Table(["touched", "along its normal [%]"], contacts)
     if len(lost):
-        listed = [(int(event["tick"]), 100.0 * float(event["force"])) for event in lost[:_MOST_LOSSES]]
-        text += table(["margin lost at tick", "margin [%]"], listed)
+        tables["Margin lost"] = Table(["at [s]", "margin [%]"], _percentages(run, lost))
     if len(capped):
-        text += table(
-            ["softened from tick", "to [%]"],
-            [(int(e["tick"]), 100.0 * float(e["force"])) for e in capped[:_MOST_LOSSES]],
-        )
-    return text
+        tables["Softened by the cap"] = Table(["from [s]", "to [%]"], _percentages(run, capped))
+    return tables
+
+
+def _percentages(run: Run, events: NDArray[Any]) -> list[tuple[float, float]]:
+    return [(run.seconds(event["tick"]), 100.0 * float(event["force"])) for event in events[:_MOST_LOSSES]]

@@ -1,105 +1,143 @@
-"""The tables of a report: scores, contacts with their picture and sound, trips, settings, methods, environment."""
+"""The tables of a report: trials, contacts with their picture and sound, trips, settings, methods."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from html import escape
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import EventKind, SafetyState, TripCause
+from mimics_app.contracts.haptic import EventKind, SafetyState
+from mimics_app.contracts.trips import TripReader
+from mimics_app.recording.report_values import counted, mapping, number, scaled
 from mimics_app.recording.run import Run
 
-__all__ = ["contact_rows", "contact_table", "event_table", "key_table", "plan_tables", "score_table", "table", "value"]
+__all__ = [
+    "Contacts",
+    "Table",
+    "Trials",
+    "contact_rows",
+    "contacts_of",
+    "key_table",
+    "lines_table",
+    "loss_table",
+    "plan_tables",
+    "state_table",
+    "trials_of",
+    "trip_table",
+]
 
 _MOST_ROWS = 300
 _SHORT = 20
+_MOST_COLUMNS = 12  # of trials, about what 1100 px hold
 _LONG_LIST = 12
+_DEEPEST = 12
 _HIDDEN = ("begin_ns", "end_ns")  # session clock, for programs
 _PARAMETER = "parameter."
 _METRES = "_m"
+_TITLES = {"smoothness": "smoothness (spectral arc length) [–]"}
+_TAKEN = (("frame after [ms]", "in the picture"), ("sound after [ms]", "heard"))
+_ENDINGS = (("_m_s", "m/s"), ("_s", "s"), (_METRES, "mm"), ("_n", "N"))
 
 
-def value(item: Any) -> str:
-    """A value as a person writes it, escaped for HTML."""
-    if item is None or (isinstance(item, float) and not np.isfinite(item)):
-        return "–"
-    if isinstance(item, bool):
-        return "yes" if item else "no"
-    if isinstance(item, int):
-        return f"{item}"
-    if isinstance(item, float):
-        return f"{item:.4g}"
-    if isinstance(item, Mapping):
-        return ", ".join(f"{escape(str(key))} {value(part)}" for key, part in item.items())
-    if isinstance(item, (list, tuple)):
-        return ", ".join(value(part) for part in item)
-    return escape(str(item))
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Names of columns, rows of plain values, and the class in the style sheet ("keys": names and values)."""
 
+    names: Sequence[str]
+    rows: Sequence[Sequence[Any]]
+    kind: str = ""
 
-def table(names: Sequence[str], rows: Iterable[Sequence[Any]], kind: str = "") -> str:
-    """An HTML table; columns of numbers are aligned to the right. `kind` is its class in the style sheet."""
-    rows = list(rows)
-    kind_of_table = f' class="{kind}"' if kind else ""
-    numeric = [all(_is_number(row[i]) for row in rows) for i in range(len(names))]
-    kinds = [' class="number"' if n else "" for n in numeric]
-    head = "".join(f"<th{kind}>{escape(name)}</th>" for kind, name in zip(kinds, names, strict=True))
-    body = "".join(
-        "<tr>" + "".join(f"<td{kind}>{value(cell)}</td>" for kind, cell in zip(kinds, row, strict=True)) + "</tr>"
-        for row in rows
-    )
-    return (
-        f'<div class="scroll"><table{kind_of_table}><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
-    )
+    @property
+    def numeric(self) -> list[bool]:
+        """Which columns hold numbers only; they are aligned to the right."""
+        return [all(_is_number(row[i]) for row in self.rows) for i in range(len(self.names))]
+
+    @property
+    def first(self) -> Table:
+        """As many of its rows as a page lists."""
+        return Table(self.names, self.rows[:_MOST_ROWS], self.kind)
 
 
 def _is_number(cell: Any) -> bool:
     return cell is None or (isinstance(cell, (int, float)) and not isinstance(cell, bool))
 
 
-def key_table(content: Mapping[str, Any]) -> str:
+def key_table(content: Mapping[str, Any]) -> Table:
     """Names and values below each other; nested mappings are shown as "outer.inner"."""
-    return table(["setting", "value"], _flat(content), "keys")
+    return Table(["setting", "value"], _flat(content), "keys")
 
 
-def _flat(content: Mapping[str, Any], before: str = "") -> list[tuple[str, Any]]:
+def _flat(content: Mapping[str, Any], before: str = "", depth: int = 0) -> list[tuple[str, Any]]:
     rows: list[tuple[str, Any]] = []
     for key, item in content.items():
-        if isinstance(item, Mapping):
-            rows += _flat(item, f"{before}{key}.")
+        nested = isinstance(item, list) and any(isinstance(part, (Mapping, list)) for part in item)
+        if depth < _DEEPEST and isinstance(item, Mapping):
+            rows += _flat(item, f"{before}{key}.", depth + 1)
         elif isinstance(item, list) and len(item) > _LONG_LIST:
             rows.append((before + key, f"{len(item)} values"))
-        elif isinstance(item, list) and any(isinstance(part, (Mapping, list)) for part in item):
-            rows += _flat({str(i): part for i, part in enumerate(item)}, f"{before}{key}.")
+        elif depth < _DEEPEST and nested:
+            rows += _flat({str(i): part for i, part in enumerate(item)}, f"{before}{key}.", depth + 1)
         else:
             rows.append((before + key, item))
     return rows
 
 
-def score_table(trials: Sequence[Mapping[str, Any]]) -> str:
-    """What trials.csv says to a person, one row per attempt."""
-    trials = [{**row, "trial": row["trial"] + 1} if isinstance(row.get("trial"), int) else row for row in trials]
+def lines_table(lines: Sequence[Mapping[str, Any]]) -> Table:
+    """Lines of events.jsonl below each other, a column for each name."""
+    names = [n for n in dict.fromkeys(n for line in lines for n in line) if n not in ("source", "kind")]
+    return Table(names, _cells(lines, names))
+
+
+@dataclass(frozen=True, slots=True)
+class Trials:
+    """What trials.csv says to a person, one row per attempt.
+
+    Attributes:
+        measured: What was measured, in tables no wider than the page, the most important one first.
+        given: What was set; None for nothing.
+    """
+
+    measured: list[Table]
+    given: Table | None
+
+
+def trials_of(run: Run) -> Trials | None:
+    """The trials of a run, lengths in mm, with units; None where none ended."""
+    if not run.trials:
+        return None
+    trials = [{**row, "trial": row["trial"] + 1} if isinstance(row.get("trial"), int) else row for row in run.trials]
     names = [n for n in dict.fromkeys(name for row in trials for name in row) if _says_something(n, trials)]
     if "outcome" in names and "score" in names:  # what people look for first
         names.remove("score")
         names.insert(names.index("outcome") + 1, "score")
     given = [name for name in names if name.startswith(_PARAMETER)]
     measured = [name for name in names if name not in given]
-    text = table([_column(name) for name in measured], _cells([_in_mm(row) for row in trials], measured))
-    if given:
-        text += "<h3>Parameters of the trials</h3>"
-        text += table([_column(name) for name in ("trial", *given)], _cells(trials, ["trial", *given]))
-    return text
+    rows = [_in_mm(row) for row in trials]
+    units = _parameter_units(run)
+    titles = {name: _column(name) for name in measured} | {name: _parameter_column(name, units) for name in given}
+    first = [name for name in measured if name == "trial"]
+    rest = [name for name in measured if name != "trial"]
+    parts = [rest[i : i + _MOST_COLUMNS] for i in range(0, len(rest), _MOST_COLUMNS)] or [[]]
+    return Trials(
+        [_columns_of(rows, [*first, *part], titles) for part in parts],
+        _columns_of(trials, ["trial", *given], titles) if given else None,
+    )
+
+
+def _columns_of(rows: Sequence[Mapping[str, Any]], names: Sequence[str], titles: Mapping[str, str]) -> Table:
+    return Table([titles.get(name, name) for name in names], _cells(rows, names))
 
 
 def _in_mm(row: Mapping[str, Any]) -> dict[str, Any]:
     """The row with its lengths in mm."""
-    return {
-        name: 1000.0 * item if name.endswith(_METRES) and isinstance(item, (int, float)) else item
-        for name, item in row.items()
-    }
+    return {name: scaled(item, 1000.0) if _is_length(name, item) else item for name, item in row.items()}
+
+
+def _is_length(name: str, item: Any) -> bool:
+    return name.endswith(_METRES) and number(item) is not None
 
 
 def _says_something(name: str, trials: Sequence[Mapping[str, Any]]) -> bool:
@@ -109,13 +147,25 @@ def _says_something(name: str, trials: Sequence[Mapping[str, Any]]) -> bool:
 
 
 def _column(name: str) -> str:
-    """The name of a column for people: time_s becomes time [s]; lengths are told in mm."""
-    if name.startswith(_PARAMETER):
-        return name.removeprefix(_PARAMETER).replace("_", " ")
-    for ending, unit in (("_m_s", "m/s"), ("_s", "s"), (_METRES, "mm"), ("_n", "N")):
+    """The name of a column for people: time_s becomes time [s]; lengths are given in mm."""
+    if name in _TITLES:
+        return _TITLES[name]
+    for ending, unit in _ENDINGS:
         if name.endswith(ending):
             return f"{name[: -len(ending)].replace('_', ' ')} [{unit}]"
     return name.replace("_", " ")
+
+
+def _parameter_units(run: Run) -> dict[str, str]:
+    """Unit of each parameter of the task, as the recorded scene states it."""
+    task = mapping(mapping(mapping(run.session.get("scene")).get("document")).get("task"))
+    return {name: str(mapping(item).get("unit", "-")) for name, item in mapping(task.get("parameters")).items()}
+
+
+def _parameter_column(column: str, units: Mapping[str, str]) -> str:
+    name = column.removeprefix(_PARAMETER)
+    unit = units.get(name, "").replace("-", "–")
+    return name.replace("_", " ") + (f" [{unit}]" if unit else "")
 
 
 def contact_rows(run: Run) -> list[dict[str, Any]]:
@@ -133,6 +183,7 @@ def contact_rows(run: Run) -> list[dict[str, Any]]:
         sound = sounds.get(tick, {})
         rows.append(
             {
+                "at [s]": run.seconds(tick),
                 "tick": tick,
                 "approach [mm/s]": 1000.0 * float(event["speed"]),
                 "peak force [N]": force,
@@ -165,64 +216,98 @@ def _peaks(samples: NDArray[Any], begins: NDArray[Any]) -> list[tuple[float | No
     return found
 
 
-def contact_table(rows: Sequence[Mapping[str, Any]]) -> str:
-    """The contacts, and what picture and sound took in the middle and at most."""
+@dataclass(frozen=True, slots=True)
+class Contacts:
+    """The contacts of a run: in words, listed, and whether the list is so long that it is folded or cut.
+
+    Attributes:
+        words: How many, and what picture and sound took in the middle and at most.
+        table: Each of them, the first of them where they are very many.
+        folded: Whether the list is long.
+        most: How many are listed, 0 for all.
+    """
+
+    words: str
+    table: Table
+    folded: bool
+    most: int
+
+
+def contacts_of(run: Run) -> Contacts | None:
+    """The contacts of a run; None where nothing was touched."""
+    rows = contact_rows(run)
     if not rows:
-        return '<p class="soft">Nothing was touched.</p>'
-    text = ""
-    for name, what in (("frame after [ms]", "in the picture"), ("sound after [ms]", "heard")):
-        taken = np.array([row[name] for row in rows if row[name] is not None], np.float64)
-        if len(taken):
-            text += f" {what} after {np.median(taken):.1f} ms in the median, {taken.max():.1f} ms at most;"
-    count = f"{len(rows)} contact{'' if len(rows) == 1 else 's'}"
-    summary = f"<p>{count}{':' + text.rstrip(';') if text else ''}.</p>"
-    listed = table(list(rows[0]), [list(row.values()) for row in rows[:_MOST_ROWS]])
-    if len(rows) > _MOST_ROWS:
-        listed += f'<p class="soft">The first {_MOST_ROWS} are listed.</p>'
-    if len(rows) > _SHORT:
-        listed = f"<details><summary>Every contact</summary>{listed}</details>"
-    return summary + listed
+        return None
+    taken = [f" {what} after {words}" for name, what in _TAKEN if (words := _median_and_most(rows, name))]
+    names = [name for name in rows[0] if name != "tick"]
+    return Contacts(
+        words=counted(len(rows), "contact") + (":" + ";".join(taken) if taken else "") + ".",
+        table=Table(names, _cells(rows[:_MOST_ROWS], names)),
+        folded=len(rows) > _SHORT,
+        most=_MOST_ROWS if len(rows) > _MOST_ROWS else 0,
+    )
 
 
-def event_table(events: NDArray[Any]) -> str:
-    """Trips with their causes, what of the scene was not simulated any more, and below them every change of state."""
-    text = ""
-    trips = [(int(e["tick"]), _word(TripCause, e["force"])) for e in events[events["kind"] == EventKind.TRIP]]
-    if trips:
-        text += table(["trip at tick", "cause"], trips)
-    losses = [(int(e["tick"]), _loss(e)) for e in events if e["kind"] in (EventKind.LEFT_OUT, EventKind.QUARANTINE)]
-    if losses:
-        text += table(["from tick", "not simulated"], losses[:_MOST_ROWS])
-    states = [(int(e["tick"]), _word(SafetyState, e["force"])) for e in events[events["kind"] == EventKind.STATE]]
-    if states:
-        listed = table(["tick", "state from then on"], states[:_MOST_ROWS])
-        text += f"<details><summary>Every change of state ({len(states)})</summary>{listed}</details>"
-    return text
+def _median_and_most(rows: Sequence[Mapping[str, Any]], name: str) -> str:
+    taken = [value for row in rows if (value := number(row[name])) is not None]
+    return f"{np.median(taken):.1f} ms in the median, {max(taken):.1f} ms at most" if taken else ""
+
+
+def trip_table(run: Run) -> Table | None:
+    """Stops and short holds with cause and advice; None for none."""
+    trips = TripReader().take(run.events)
+    rows = [(run.seconds(t.tick), "stop" if t.latched else "short hold", t.what, t.advice) for t in trips]
+    return Table(["at [s]", "what", "cause", "what to do"], rows) if rows else None
+
+
+def loss_table(run: Run) -> Table | None:
+    """What of the scene was not simulated any more; None for nothing."""
+    lost = [e for e in run.events if e["kind"] in (EventKind.LEFT_OUT, EventKind.QUARANTINE)]
+    rows = [(run.seconds(e["tick"]), _loss(e)) for e in lost]
+    return Table(["from [s]", "not simulated"], rows) if rows else None
+
+
+def state_table(run: Run) -> Table | None:
+    """Every change of state; None for none."""
+    states = run.events[run.events["kind"] == EventKind.STATE]
+    rows = [(run.seconds(e["tick"]), _word(e["force"])) for e in states]
+    return Table(["at [s]", "state from then on"], rows) if rows else None
 
 
 def _loss(event: Any) -> str:
-    number = int(event["force"])
+    amount = _whole(event["force"])
     if event["kind"] == EventKind.LEFT_OUT:
-        return f"{number} pair{'' if number == 1 else 's'} of shapes near each other, for want of room"
-    return f"the force field of effect {number + 1}: it gave a number that is not finite"
+        return f"{counted(amount, 'pair')} of shapes near each other, for want of room"
+    return f"the force field of effect {amount + 1}: it gave a number that is not finite"
 
 
-def _word(kinds: type[SafetyState] | type[TripCause], number: float) -> str:
+def _word(code: Any) -> str:
     try:
-        return kinds(int(number)).name.replace("_", " ").lower()
+        return SafetyState(_whole(code)).name.replace("_", " ").lower()
     except ValueError:
-        return str(int(number))
+        return str(_whole(code))
 
 
-def plan_tables(plan: Mapping[str, Any]) -> str:
-    """What `mimics explain` says: the methods chosen with cost and error, and what was left out."""
+def _whole(code: Any) -> int:
+    """A number of an event as a whole one; -1 where it is none."""
+    return int(code) if np.isfinite(code) else -1
+
+
+def plan_tables(plan: Any) -> dict[str, Table]:
+    """What `mimics explain` says, by its heading: the methods chosen with cost and error, and what was left out."""
     names = ["part", "group", "method", "cost_us", "error", "unit", "tolerance"]
-    parts = plan.get("parts", [])
-    text = table(["part", "group", "method", "cost [µs]", "error", "unit", "tolerance"], _cells(parts, names))
-    if left_out := plan.get("left_out", []):
-        text += "<h3>Left out</h3>"
-        text += table(["part", "why", "saves [µs]"], _cells(left_out, ["part", "why", "saved_us"]))
-    return text if parts or left_out else ""
+    parts, left_out = (_objects(mapping(plan).get(name)) for name in ("parts", "left_out"))
+    tables: dict[str, Table] = {}
+    if parts or left_out:
+        titles = ["part", "group", "method", "cost [µs]", "error", "unit", "tolerance"]
+        tables["Methods"] = Table(titles, _cells(parts, names))
+    if left_out:
+        tables["Left out"] = Table(["part", "why", "saves [µs]"], _cells(left_out, ["part", "why", "saved_us"]))
+    return tables
+
+
+def _objects(items: Any) -> list[Mapping[str, Any]]:
+    return [item for item in items if isinstance(item, Mapping)] if isinstance(items, list) else []
 
 
 def _cells(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> list[list[Any]]:

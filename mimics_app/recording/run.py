@@ -32,6 +32,7 @@ from mimics_app.recording.trial_table import read_trials
 __all__ = ["Gap", "Run", "find_gaps"]
 
 _UNKNOWN = "rows are missing"
+_NOMINAL_PERIOD_S = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +86,16 @@ class Run:
     def status(self) -> str:
         """How the run ended, as its manifest says, or "open": it was never closed, or is still being recorded."""
         return self.manifest.status if self.manifest else "open"
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """What the app said at the end, {} where the run was never closed."""
+        return self.manifest.summary if self.manifest else {}
+
+    def seconds(self, tick: float) -> float:
+        """Session time of a tick [s]; every tick is as long as those that were recorded."""
+        period = float(self.haptic["t"][-1] / self.haptic["tick"][-1]) if len(self.haptic) > 1 else _NOMINAL_PERIOD_S
+        return float(tick) * period
 
     @cached_property
     def _scan(self) -> tuple[list[Block], list[Damage]]:

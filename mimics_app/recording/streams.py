@@ -1,14 +1,20 @@
-"""The growing files of a run as the recorder writes them, each able to go on where a killed recorder stopped."""
+"""The growing files of a run as the recorder writes them, each able to go on where a killed recorder stopped.
+
+Going on reads the end of a file and no more, so that it takes as long after an hour as after a second: the ring waits.
+The hash of what stood there before is taken from the files when the run is sealed, see `hash_of_files`.
+"""
 
 from __future__ import annotations
 
+import json
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import SCENE, EventKind
+from mimics_app.contracts.haptic import SCENE
 from mimics_app.contracts.object_rows import unpack_rows
 from mimics_app.recording.append_file import AppendFile
 from mimics_app.recording.arrow_format import (
@@ -22,12 +28,12 @@ from mimics_app.recording.arrow_format import (
     samples_schema,
     schema_bytes,
 )
-from mimics_app.recording.arrow_scan import Found, read_index, scan_stream
-from mimics_app.recording.event_log import encode_event, events_of, read_lines, whole_length
+from mimics_app.recording.arrow_scan import Found, last_block, read_index, scan_stream
+from mimics_app.recording.event_log import encode_event, events_of, find_lines, read_lines
 from mimics_app.recording.run_folder import FILES
 from mimics_app.recording.state_hash import StateHash
 
-__all__ = ["EventStream", "ParameterStream", "SampleStream"]
+__all__ = ["EventStream", "ParameterStream", "SampleStream", "hash_of_files"]
 
 
 class SampleStream:
@@ -53,17 +59,15 @@ class SampleStream:
             self._index.append(np.array(index, INDEX_ROW).tobytes())
 
     def _read_back(self, folder: Path) -> tuple[list[tuple[int, int, int]], int]:
-        path = folder / FILES["haptic"]
-        index: list[tuple[int, int, int]] = []
-        end = 0
-        for piece in scan_stream(path, decode_samples, samples_schema(), read_index(folder / FILES["index"])):
-            if isinstance(piece, Found):
-                self._hash.add_samples(piece.block.records)
-                self._seq = piece.block.seq + 1
-                self.next_row = piece.block.first + len(piece.block.records)
-                end = piece.offset + piece.length
-                index.append((piece.block.seq, piece.offset, piece.length))
-        return index, end
+        """Rows of the sidecar up to the last good block, and where that ends."""
+        known = read_index(folder / FILES["index"])
+        last = last_block(folder / FILES["haptic"], decode_samples, samples_schema(), known)
+        if last is None:
+            return [], 0
+        self._seq = last.block.seq + 1
+        self.next_row = last.block.first + len(last.block.records)
+        index = [row for row in known.tolist() if row[1] < last.offset]
+        return [*index, (last.block.seq, last.offset, last.length)], last.offset + last.length
 
     def append(self, samples: NDArray[Any], first: int) -> None:
         """Write SAMPLE records [n], of which the first is number `first` since the session's start.
@@ -103,11 +107,9 @@ class ParameterStream:
         path = folder / FILES["parameters"]
         self.count = 0
         end = 0 if resume else None
-        if resume:
-            for piece in scan_stream(path, decode_parameters, parameters_schema()):
-                if isinstance(piece, Found):
-                    self.count = piece.block.seq + 1
-                    end = piece.offset + piece.length
+        if resume and (last := last_block(path, decode_parameters, parameters_schema())) is not None:
+            self.count = last.block.seq + 1
+            end = last.offset + last.length
         self._file = AppendFile(path, resume_at=end)
         if not end:
             self._file.append(schema_bytes(parameters_schema()))
@@ -152,13 +154,11 @@ class EventStream:
         self.earlier_trips = 0
         end = None
         if resume:
-            end = whole_length(path) if path.exists() else 0
-            lines = read_lines(path)[0]
-            self.earlier_gaps = [line for line in lines if line["source"] == "recorder" and line["kind"] == "gap"]
-            events = events_of(lines)
-            self._hash.add_events(events)
-            self.next_event = len(events)
-            self.earlier_trips = int((events["kind"] == EventKind.TRIP).sum())
+            data = path.read_bytes() if path.exists() else b""
+            end = data.rfind(b"\n") + 1
+            self.earlier_gaps = [json.loads(line) for line in find_lines(data, "recorder", "gap")]
+            self.next_event = len(find_lines(data, "loop"))
+            self.earlier_trips = len(find_lines(data, "loop", "trip"))
         self._file = AppendFile(path, resume_at=end)
 
     def append_events(self, events: NDArray[Any]) -> None:
@@ -188,3 +188,16 @@ class EventStream:
     def close(self) -> None:
         """Let the file go."""
         self._file.close()
+
+
+def hash_of_files(folder: Path, trials: Iterable[Mapping[str, object]]) -> StateHash:
+    """The hash of what stands in the files of a run, and of its trials' rows; block by block, for a run may be long."""
+    state = StateHash()
+    path = folder / FILES["haptic"]
+    for piece in scan_stream(path, decode_samples, samples_schema(), read_index(folder / FILES["index"])):
+        if isinstance(piece, Found):
+            state.add_samples(piece.block.records)
+    state.add_events(events_of(read_lines(folder / FILES["events"])[0]))
+    for row in trials:
+        state.add_trial(row)
+    return state

@@ -21,11 +21,13 @@ Vec3 = tuple[float, float, float]
 
 def robot_block(scene: Scene) -> NDArray[Any]:
     """A SCENE record of the scene's robot, controller, ball and limits, shape [1]."""
-    block = scene_from_components(scene.one(Robot)[1], scene.first(Admittance), scene.first(Ball), scene.first(Safety))
-    gains = scene.first(WorldPd) or scene.first(JointPd)
-    if gains is not None:
-        block[0]["kp"], block[0]["kd"] = gains.kp, gains.kd
-    return block
+    return scene_from_components(
+        scene.one(Robot)[1],
+        scene.first(Admittance),
+        scene.first(Ball),
+        scene.first(Safety),
+        scene.first(WorldPd) or scene.first(JointPd),
+    )
 
 
 def start_at(scene: Scene, point_world: NDArray[np.float64]) -> tuple[Vec3, Home | None]:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
+from mimics_app.contracts.trial_counts import FINISHED, SESSION_ENDED, count_trials
 from mimics_app.tasks.kinds.kind import KindPlay
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.score import session_result, trial_points
@@ -13,16 +14,15 @@ from mimics_app.tasks.tally import Measures, Tally
 from mimics_app.tasks.task import ScoreSpec
 from mimics_app.tasks.trials import Trial
 
-__all__ = ["ABORTED", "FINISHED", "SESSION_ENDED", "TIMEOUT", "Attempts", "Row"]
+__all__ = ["ABORTED", "TIMEOUT", "Attempts", "Row"]
 
 Row = dict[str, Any]
 """One attempt: trial, attempt, block, label, repetition, practice, outcome, cause, begin_ns, end_ns, the fields of
 `Measures`, what the task's kinds measure, score, and `parameter.NAME` for each adaptable parameter as it stood at the
-end. The same keys in every row; a measure is None where it does not apply or cannot be judged."""
+end. The same keys in every row; a measure is None where it does not apply or cannot be judged, the score where the
+attempt was aborted or the task has none."""
 
-FINISHED, TIMEOUT, ABORTED = "finished", "timeout", "aborted"
-SESSION_ENDED = "session ended"
-"""Cause of the row of an attempt that was under way when the session was closed."""
+TIMEOUT, ABORTED = "timeout", "aborted"
 
 
 class Attempts:
@@ -34,11 +34,11 @@ class Attempts:
         begun: Attempts over the whole session.
         tally: Of the travel, once the person was let go.
         rows: Of the attempts so far.
-        score: Points of the newest row.
+        score: Points of the newest trial that has some.
 
     Args:
         plan: The trials.
-        score: Weights.
+        score: Weights; None for a task in which nothing earns points.
         most_attempts: At one trial.
         on_row: Called with each row.
         plays: The kinds of the task.
@@ -48,7 +48,7 @@ class Attempts:
     def __init__(
         self,
         plan: Sequence[Trial],
-        score: ScoreSpec,
+        score: ScoreSpec | None,
         most_attempts: int,
         on_row: Callable[[Row], None],
         plays: Sequence[KindPlay] = (),
@@ -121,23 +121,25 @@ class Attempts:
             return
         row = self._row(outcome, cause, parameters, now_ns)
         self._open = False
-        self.score = row["score"]
+        if row["score"] is not None:
+            self.score = row["score"]
         self.rows.append(row)
         self._on_row(row)
 
-    def result(self, now_ns: int) -> dict[str, float]:
-        """Totals of the session, see `tasks.score.session_result`.
+    def result(self, now_ns: int) -> dict[str, Any]:
+        """Totals of the session: its `TrialCounts`, and the totals of `tasks.score.session_result`.
 
-        Travels that came to their goal or their time count; practice only where there is nothing else. Where none has
-        ended yet, the one under way, or cut off by the session's end, counts as it stands.
+        Those are over travels that came to their goal or their time; practice only where there is nothing else. Where
+        none has ended yet, the one under way, or cut off by the session's end, is measured as it stands.
         """
         ended = [row for row in self.rows if row["outcome"] != ABORTED]
         cut_off = [row for row in self.rows if row["cause"] == SESSION_ENDED and row["time_s"] > 0.0]
         if self._open and self.tally is not None:
             cut_off.append(self._row(ABORTED, SESSION_ENDED, {}, now_ns))
         counted = [row for row in ended if not row["practice"]]
-        trials = self.number + self.trial_over
-        return session_result(counted or ended or cut_off, trials=trials, completed=self.finished, counts=self._counts)
+        counts = count_trials(self.rows)
+        totals = session_result(counted or ended or cut_off)
+        return {**counts.as_dict(), **totals, **dict.fromkeys(self._counts, counts.completed)}
 
     def _row(self, outcome: str, cause: str, parameters: Mapping[str, float], now_ns: int) -> Row:
         measures = self.tally.row() if self.tally else self._blank()
@@ -153,10 +155,16 @@ class Attempts:
             "begin_ns": self.tally.begin_ns if self.tally else self._begin_ns,
             "end_ns": now_ns,
             **measures,
-            "score": trial_points(self._score_spec, measures, finished=outcome == FINISHED),
+            "score": self._points(measures, outcome),
             **{f"parameter.{name}": value for name, value in parameters.items()},
         }
 
+    def _points(self, measures: Mapping[str, object], outcome: str) -> float | None:
+        """The score of a row; None where it would compare with nothing."""
+        if self._score_spec is None or outcome == ABORTED:
+            return None
+        return trial_points(self._score_spec, measures, finished=outcome == FINISHED)
+
     def _blank(self) -> dict[str, Any]:
         """Measures of an attempt in which nobody was let go: the same columns."""
-        return asdict(Measures()) | {column: 0 for play in self._plays for column in play.measures}
+        return asdict(Measures()) | {column: None for play in self._plays for column in play.measures}

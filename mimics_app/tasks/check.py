@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from mimics_app.contracts.errors import Issue, nearest
-from mimics_app.contracts.haptic import SCENE
+from mimics_app.contracts.haptic import FEEL, LIMIT_NAMES, SCENE
 from mimics_app.contracts.haptic_objects import BODY, EFFECT, SHAPE
 from mimics_app.tasks.actions import TARGET_GROUPS, haptic_field, task_targets
 from mimics_app.tasks.kinds.kind import Fault
@@ -79,13 +79,12 @@ def object_of_target(name: str) -> str | None:
 
 
 def haptic_targets() -> set[str]:
-    """Names a parameter may change in the haptic scene: single floating point numbers, also of its tunnel.
+    """Names a parameter may change in the haptic scene: what its user feels, and single numbers of its tunnel.
 
-    Beside them numbers of its objects, see `object_of_target`.
+    Beside them numbers of its objects, see `object_of_target`. Never a limit of the loop.
     """
-    plain = {name for name in SCENE.names or () if SCENE[name] == np.float64}
     tunnel = SCENE["tunnel"]
-    return plain | {f"tunnel.{name}" for name in tunnel.names or () if tunnel[name] == np.float64}
+    return {name for name, _ in FEEL} | {f"tunnel.{name}" for name in tunnel.names or () if tunnel[name] == np.float64}
 
 
 _Fault = tuple[str, str, str]
@@ -109,8 +108,13 @@ def _check_map(target: MapSpec, parameter: ParameterSpec, pointer: str) -> Itera
         yield f"{pointer}/to", f'"{target.to}" begins with no known group', nearest(group, TARGET_GROUPS)
     elif not name:
         yield f"{pointer}/to", f'"{target.to}" names nothing', f'write "{group}.NAME"'
+    elif group == "haptic" and name in LIMIT_NAMES:
+        may = ", ".join(sorted(haptic_targets()))
+        what = f'"{name}" is a limit of the haptic loop; no task and no adaptation may change it'
+        yield f"{pointer}/to", what, f"set it once in the scene; a parameter may change {may}, and numbers of objects"
     elif group == "haptic" and name not in haptic_targets() and object_of_target(name) is None:
-        yield f"{pointer}/to", f'"{name}" is no number of the haptic scene', nearest(name, haptic_targets())
+        what = f'"{name}" is no number of the haptic scene that a task may change'
+        yield f"{pointer}/to", what, nearest(name, haptic_targets())
     elif group == "task" and name not in task_targets():
         yield f"{pointer}/to", f'"{name}" is nothing a task can change', nearest(name, task_targets())
     words = [entry for entry in target.table or () if isinstance(entry, str)]

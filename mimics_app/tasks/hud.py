@@ -23,6 +23,13 @@ BUILT_IN: Mapping[TrialState, str] = {
 }
 """Text of each state unless the scene has its own; {score}, {seconds}, {cause}, {trial}, {trials} are filled in."""
 
+_WITHOUT_SCORE: Mapping[TrialState, str] = {
+    TrialState.FINISHED: "Well done",
+    TrialState.TIMEOUT: "Time is over",
+    TrialState.DONE: "Finished",
+}
+"""The same where trials earn no points."""
+
 _GO_S = 1.5
 """How long the travel's message stays [s]; then the person has the picture to themselves."""
 
@@ -32,9 +39,10 @@ def state_message(
 ) -> str:
     """The line of a state, `elapsed_s` [s] after it began, or what is to be done next in it.
 
-    Only the named fields are filled in; other braces stay.
+    Only the named fields are filled in; other braces stay. Without a `score` the built-in lines promise no points.
     """
-    text = texts.get(state.value, BUILT_IN[state])
+    built_in = BUILT_IN if "score" in fields else {**BUILT_IN, **_WITHOUT_SCORE}
+    text = texts.get(state.value, built_in[state])
     if state is TrialState.TRAVEL and elapsed_s >= _GO_S:
         text = prompt
     for name, value in fields.items():

@@ -30,7 +30,8 @@ def trial_points(spec: ScoreSpec, row: Mapping[str, object], *, finished: bool) 
     if total <= 0.0:
         return 0.0
     marks = sum(spec.part(m.part).weight * part_marks(spec.part(m.part), _value(m, row)) for m in taken) / total
-    return 100.0 * marks * (1.0 if finished else min(max(_number(row, "progress"), 0.0), 1.0))
+    share = 0.0 if row.get("progress") is None else _number(row, "progress")
+    return 100.0 * marks * (1.0 if finished else min(max(share, 0.0), 1.0))
 
 
 def _is_taken(measure: Measure, row: Mapping[str, object]) -> bool:
@@ -49,29 +50,19 @@ def part_marks(part: ScorePartSpec, value: float) -> float:
     return min(max((part.worst - value) / (part.worst - part.best), 0.0), 1.0)
 
 
-def session_result(
-    rows: Sequence[Mapping[str, object]], *, trials: int, completed: int, counts: Sequence[str] = ()
-) -> dict[str, float]:
-    """Totals under the keys of `mimics run --json`.
-
-    Args:
-        rows: Trial rows that count.
-        trials: Trials that are over.
-        completed: Those that reached their goal.
-        counts: What the kinds of the task call those ("placed").
+def session_result(rows: Sequence[Mapping[str, object]]) -> dict[str, float]:
+    """Totals over the trial rows that count, under the keys of `mimics run --json`.
 
     Returns:
-        completed, trials, score; then the total of each measure (a mean or a sum over the rows, see `Measure`), and
-        `completed` once more under the names of `counts`. What no row has is left out.
+        The mean score, then the total of each measure (a mean or a sum over the rows, see `Measure`). What no row has
+        is left out.
     """
-    totals: dict[str, float] = {"completed": completed, "trials": trials}
-    if rows:
-        totals["score"] = _mean(rows, "score")
-    for measure in MEASURES:
-        taken = [row for row in rows if row.get(measure.column) is not None]
-        if measure.total and taken:
-            totals[measure.total] = _sum(taken, measure.column) if measure.sums else _mean(taken, measure.column)
-    return totals | dict.fromkeys(counts, completed)
+    totals: dict[str, float] = {}
+    for column, total, sums in [("score", "score", False), *((m.column, m.total, m.sums) for m in MEASURES)]:
+        taken = [row for row in rows if row.get(column) is not None]
+        if total and taken:
+            totals[total] = _sum(taken, column) if sums else _mean(taken, column)
+    return totals
 
 
 def _sum(rows: Sequence[Mapping[str, object]], name: str) -> int:

@@ -29,7 +29,7 @@ class Measures:
         smoothness: SPARC [-], negative; None where nothing moved.
         force_mean_n: Time mean of the force felt [N].
         force_peak_n: Largest force felt [N].
-        progress: Farthest share of the way to the goal.
+        progress: Farthest share of the way to the goal; None: the task has no way.
         path_m: Length of the hand's way [m].
     """
 
@@ -41,7 +41,7 @@ class Measures:
     smoothness: float | None = None
     force_mean_n: float = 0.0
     force_peak_n: float = 0.0
-    progress: float = 0.0
+    progress: float | None = None
     path_m: float = 0.0
 
 
@@ -133,7 +133,7 @@ class Tally:
             smoothness=sparc(resample_speed(np.array(self._times_s), np.array(self._speeds)), RESAMPLE_HZ),
             force_mean_n=self._force_s / seconds if seconds > 0.0 else self._last.force,
             force_peak_n=self._largest_force,
-            progress=self._farthest,
+            progress=self._farthest if self._plays else None,
             path_m=self._path,
         )
 

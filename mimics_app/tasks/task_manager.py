@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 from mimics_app.contracts.board import Board, Card
 from mimics_app.contracts.messages import HapticSnapshot, SoundEvent, TaskAction, TaskOrders, VRInput
 from mimics_app.contracts.scenario_port import Home, TaskContext
+from mimics_app.contracts.trial_counts import FINISHED, SESSION_ENDED
 from mimics_app.contracts.trial_state import TaskView, TrialState
 from mimics_app.tasks.actions import ActionSpace, Settings, build_action_space, settings_for
 from mimics_app.tasks.adaptation import Adaptation
 from mimics_app.tasks.arrival import Arrival
-from mimics_app.tasks.attempts import ABORTED, FINISHED, SESSION_ENDED, TIMEOUT, Attempts, Row
+from mimics_app.tasks.attempts import ABORTED, TIMEOUT, Attempts, Row
 from mimics_app.tasks.cards import count_card, force_card, progress_card, state_card, time_card
 from mimics_app.tasks.control import RobotControl
 from mimics_app.tasks.goals import Goals
@@ -28,7 +29,7 @@ from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.observation import Observation, observe
 from mimics_app.tasks.orders import Changes
 from mimics_app.tasks.state_machine import Conditions, next_state
-from mimics_app.tasks.task import ActionDeed, Deed, MessageDeed, SoundDeed, TaskSpec
+from mimics_app.tasks.task import ActionDeed, Deed, DurationGoal, MessageDeed, ScoreSpec, SoundDeed, TaskSpec
 from mimics_app.tasks.trials import Trial, plan_trials, trial_blocks
 from mimics_app.tasks.triggers import Moment, Triggers
 
@@ -68,7 +69,9 @@ class TaskManager:
         self._captions = kinds[-1] if kinds else TaskKind()
         counts = [kind.completes for kind in kinds if kind.completes]
         plays = tuple(self._plays.values())
-        self._attempts = Attempts(plan, spec.score, spec.start.attempts, on_trial, plays, counts)
+        self._has_score = bool(kinds) or spec.score != ScoreSpec()  # the built-in weights judge a way
+        score = spec.score if self._has_score else None
+        self._attempts = Attempts(plan, score, spec.start.attempts, on_trial, plays, counts)
         self._bodies = context.bodies
         self._arrival = Arrival(spec.start, context.start_joints)
         self._control = RobotControl(context.home or Home(context.start_joints), context.feel)
@@ -136,7 +139,7 @@ class TaskManager:
         self._attempts.end(ABORTED, SESSION_ENDED, self._adaptation.values, now_ns)
         self._state = TrialState.DONE
 
-    def result(self) -> dict[str, float]:
+    def result(self) -> dict[str, Any]:
         """Totals under the keys of `mimics run --json`, see `Attempts.result`."""
         return self._attempts.result(self._last_ns)
 
@@ -251,15 +254,17 @@ class TaskManager:
 
     def _view(self, seen: Observation) -> TaskView:
         attempts = self._attempts
-        progress = min(max(seen.progress, 0.0), 1.0)
-        elapsed = self._elapsed_s(seen.now_ns)
-        return TaskView(self._state, progress, attempts.number + 1, len(attempts.plan), elapsed)
+        elapsed, on_a_way = self._elapsed_s(seen.now_ns), bool(self._plays)
+        travels = self._state is TrialState.TRAVEL
+        done = seen.progress if on_a_way else elapsed / self._length_s() if travels else 0.0
+        progress = min(max(done, 0.0), 1.0)
+        return TaskView(self._state, progress, attempts.number + 1, len(attempts.plan), elapsed, on_a_way)
 
     def _lay_out(self, seen: Observation, view: TaskView) -> Board:
         attempts = self._attempts
         score = self.result().get("score", 0.0) if self.done else attempts.score
         fields = {
-            "score": f"{score:.0f}",
+            **({"score": f"{score:.0f}"} if self._has_score else {}),
             "cause": cause_words(self._cause),
             "seconds": str(max(0, math.ceil(self._rest_s() - view.elapsed_s))),
             "trial": str(view.trial),
@@ -273,11 +278,11 @@ class TaskManager:
         cards = {
             "trial": Card("Trial", f"{view.trial} / {view.trials}"),
             "state": state_card(view.state),
-            "progress": progress_card(view.progress, self._captions.label),
+            **({"progress": progress_card(view.progress, self._captions.label)} if self._plays else {}),
             "time": time_card(attempts.tally.time_s if attempts.tally else 0.0),
             "contacts": count_card(self._captions.contacts, attempts.tally.contacts if attempts.tally else 0),
             "force": force_card(seen.force),
-            "score": count_card("Score", score, width=130.0),
+            **({"score": count_card("Score", score, width=130.0)} if self._has_score else {}),
         }
         for play in self._plays.values():
             cards |= play.cards(seen, attempts.finished)
@@ -296,6 +301,11 @@ class TaskManager:
     def _time_limit_s(self) -> float:
         """The trial's own limit, else what a parameter says, else the task's [s]."""
         return self._setting(self._attempts.trial.time_limit_s, "time_limit_s", self._spec.time_limit_s)
+
+    def _length_s(self) -> float:
+        """How long a trial without a way takes: as long as its goals ask for, at most its limit [s]."""
+        asked = max((goal.seconds for goal in self._spec.goals if isinstance(goal, DurationGoal)), default=0.0)
+        return min(asked, self._time_limit_s()) if asked > 0.0 else self._time_limit_s()
 
     def _rest_s(self) -> float:
         return self._setting(self._attempts.trial.rest_s, "rest_s", self._spec.rest_s)

@@ -57,9 +57,10 @@ class Sky:
         zenith: Straight up.
         horizon: At the horizon.
         ground: Below it.
-        ambient: Factor on the sky's light on surfaces.
+        ambient: Factor on the light from all around on surfaces.
         fog: The haze; None: as the picture's settings say.
         backdrop: Pictures over the sky, or None.
+        scatter: Share of the sun's light that comes from all around, off haze and lit surroundings.
     """
 
     zenith: Colour = (0.18, 0.30, 0.52)
@@ -68,3 +69,4 @@ class Sky:
     ambient: float = 0.5
     fog: Fog | None = None
     backdrop: Backdrop | None = None
+    scatter: float = 0.1

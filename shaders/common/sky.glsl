@@ -8,9 +8,8 @@ vec3 sky_radiance(vec3 direction) {
     return mix(above, sky_ground.rgb, down * down * (3.0 - 2.0 * down));
 }
 
-// Mean radiance a surface of this normal receives from the whole sky, times its albedo is what it gives back: from
-// ground to zenith with its slope, and of that the horizon's the more the steeper it stands. A cubic of the height.
+// Mean radiance a surface of this normal receives from all around, times its albedo is what it gives back: a square of
+// the normal's height (Lighting.sky_light).
 vec3 sky_irradiance(vec3 normal) {
-    float square = normal.y * normal.y;
-    return sky_light[0].rgb + normal.y * (1.0 + square) * sky_light[1].rgb + square * sky_light[2].rgb;
+    return sky_light[0].rgb + normal.y * (sky_light[1].rgb + normal.y * sky_light[2].rgb);
 }

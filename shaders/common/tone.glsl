@@ -2,12 +2,15 @@
 
 const float TONE_START = 0.76;
 const float TONE_DESATURATION = 0.15;
+const float TONE_TOE = 0.04;
+const float TONE_TOE_HALF = 0.08;
 
-// Khronos PBR neutral tone mapper: colours below 0.76 keep their hue and, but for a small toe, their value.
+// Khronos PBR neutral tone mapper: colours below 0.76 keep their hue and, but for a small toe, their value. The toe takes
+// off what surfaces mirror of white surroundings, 0.04, but of what is dark no more than half: Khronos' own leaves of
+// 0.02 an eighth, which makes of any shade a black of the sky's hue.
 vec3 tone_map_neutral(vec3 colour) {
     float least = min(colour.r, min(colour.g, colour.b));
-    float offset = least < 0.08 ? least - 6.25 * least * least : 0.04;
-    colour -= offset;
+    colour -= TONE_TOE * least / (least + TONE_TOE_HALF);
     float peak = max(colour.r, max(colour.g, colour.b));
     float room = 1.0 - TONE_START;
     float compressed = 1.0 - room * room / (peak + room - TONE_START);
@@ -26,7 +29,8 @@ vec3 undo_tone_map_neutral(vec3 colour) {
     vec3 bright = hue * (peak / compressed);
     vec3 risen = compressed < TONE_START ? colour : bright;
     float least = min(risen.r, min(risen.g, risen.b));
-    return risen + (least < 0.04 ? sqrt(max(least, 0.0) / 6.25) - least : 0.04);
+    float half_sum = 0.5 * (least - TONE_TOE);     // least = x - TOE x / (x + HALF), solved for x
+    return risen + (half_sum + sqrt(half_sum * half_sum + TONE_TOE_HALF * least) - least);
 }
 
 vec3 encode_srgb(vec3 linear) {

@@ -19,7 +19,7 @@ layout(std140, binding = 0) uniform ViewBlock {
     vec4 sky_zenith;            // linear radiance; w: exposure
     vec4 sky_horizon;           // w: unused
     vec4 sky_ground;            // w: 1 for the neutral tone map, 0 for none
-    vec4 sky_light[3];          // on surfaces: level, by the height of their normal, by its square
+    vec4 sky_light[3];          // from all around on surfaces: level, by the height of their normal, by its square
     vec4 ambient;               // rgb: factor on the sky's light on surfaces; w: number of lights below
     vec4 shadow;                // tone of modulative ones or 0, half a texel over half of what a map may be asked, texel of the atlas [uv], its tiles along a side
     vec4 fog_colour;            // linear; w: unused

@@ -15,6 +15,7 @@ HEAVY = {
     "PIL",
     "glfw",
     "importlib.metadata",
+    "jinja2",
     "llvmlite",
     "moderngl",
     "msgspec",
@@ -62,3 +63,9 @@ def test_errors_and_resources_import_nothing_heavy() -> None:
 def test_the_table_of_commands_is_the_folder() -> None:
     files = {file.stem for file in (PACKAGE / "app" / "commands").glob("*.py")} - {"__init__"}
     assert files == {*COMMANDS, "launch"}
+
+
+def test_a_run_needs_no_template_engine_before_its_report() -> None:
+    """What plays a session, and the module of the report itself, are there before the page is made."""
+    code = "import mimics_app.app.play.play, mimics_app.recording.report"
+    assert not _modules_after(code) & {"jinja2"}

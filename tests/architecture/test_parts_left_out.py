@@ -21,7 +21,7 @@ BODIES = (
     "mimics_app.rendering.haptic.kernels.rotation",
     "mimics_app.rendering.haptic.kernels.contact",
 )
-LABORATORY = ("mimics_app.lab.catalogue", "mimics_app.lab.measure", "mimics_app.lab.stability")
+LABORATORY = ("mimics_app.lab",)
 
 SESSION = """
 import json, sys

@@ -180,8 +180,8 @@ def test_workspace_latches_beyond_the_margin(joint: int, value: float):
 
 def test_measured_speed_latches():
     rows = script(400)
-    rows[200:, 3] = 1.49
-    rows[300:, 3] = 1.51
+    rows[200:, 3] = 1.19
+    rows[300:, 3] = 1.21
     samples = scripted(rows, straight=None).advance(400)
     assert samples["state"][299] == SafetyState.ACTIVE
     assert samples["cause"][300] == TripCause.VELOCITY
@@ -240,6 +240,46 @@ def test_very_late_or_always_late_latches(held: int, cause: TripCause):
     out = _replayed(bench, inputs)
     assert np.all(out["state"][900:] == SafetyState.SAFE_STOP) and np.all(out["cause"][900:] == cause)
     assert np.all(_force(out)[900:] == 0.0)
+
+
+@pytest.mark.parametrize(("held", "cause"), [(3, TripCause.LATE_TICK), (4, TripCause.MISSED_IN_ROW)])
+def test_very_late_or_always_late_pauses_a_simulated_device_and_it_goes_on(held: int, cause: TripCause):
+    rows = script(2500)
+    glide(rows, 300, 2, 0.012)
+    glide(rows, 800, 2, 0.0)
+    bench = scripted(rows)
+    bench.publish(late_latches=0)
+    inputs = bench.advance(2500)
+    inputs["held"][750:760] = held
+    out = _replayed(bench, inputs)
+    states = out["state"].astype(int)
+    assert np.all(states[750:850] == SafetyState.DEGRADED) and np.all(out["cause"][750:850] == cause)
+    assert out["ramp"][801] == 0.0 and np.all(np.diff(_force(out)[749:799]) <= 1e-12)
+    back = 750 + int(np.argmax(states[750:] == SafetyState.ACTIVE))
+    assert back == 859 and out["cause"][back] == TripCause.NONE  # 100 quiet ticks after the last late one
+    assert out["ramp"][back + 499] == pytest.approx(1.0)
+
+
+def test_not_a_number_and_space_latch_a_simulated_device_too():
+    rows = _pressing()
+    rows[900:, 0] = np.nan
+    bench = scripted(rows)
+    bench.publish(late_latches=0)
+    assert np.all(bench.advance(LONG)["state"][900:] == SafetyState.SAFE_STOP)
+    bench = scripted(_pressing())
+    bench.publish(late_latches=0)
+    bench.advance(900)
+    bench.engine.stop_key()
+    assert np.all(bench.advance(50)["state"][1:] == SafetyState.E_STOP)
+
+
+def test_stops_and_holds_are_counted_apart():
+    bench = scripted(_pressing())
+    bench.advance(900)
+    bench.engine.stop_key()
+    bench.advance(10)
+    told = bench.engine.histogram()
+    assert (told.stops, told.holds) == (1, 0)
 
 
 def test_parameters_that_are_not_finite_are_refused_by_name():

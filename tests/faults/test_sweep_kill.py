@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import os
 import signal
@@ -10,9 +9,12 @@ import socket
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import distributed
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -126,36 +128,45 @@ def free_port() -> int:
         return port
 
 
-@pytest.mark.slow
-@pytest.mark.skipif(
-    importlib.util.find_spec("distributed") is None, reason='Dask is not installed: pip install "mimics_app[cluster]"'
-)
-def test_dask_worker_killed_half_way_the_file_is_the_same(tmp_path):
-    address = f"tcp://127.0.0.1:{free_port()}"
-    plain, out = tmp_path / "plain.parquet", tmp_path / "dask.parquet"
-    file = spec(tmp_path, 10_000, 50)
+@contextmanager
+def dask_cluster(folder: Path, workers: int) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
+    """Address of a scheduler that knows its workers, and their processes."""
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
     started: list[subprocess.Popen[bytes]] = []
 
     def start(*words: str) -> subprocess.Popen[bytes]:
-        process = subprocess.Popen([sys.executable, "-m", *words], cwd=tmp_path, env=environment)
-        started.append(process)
-        return process
+        started.append(subprocess.Popen([sys.executable, "-m", *words], cwd=folder, env=environment))
+        return started[-1]
 
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
+    port = free_port()
+    address = f"tcp://127.0.0.1:{port}"
+    options = ("--nthreads", "1", "--no-nanny", "--no-dashboard")
     try:
-        port = address.rsplit(":", 1)[1]
-        start("distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", port, "--no-dashboard")
-        options = ("--nthreads", "1", "--no-nanny", "--no-dashboard")
-        first, _ = (start("distributed.cli.dask_worker", address, *options) for _ in range(2))
-        time.sleep(5.0)
-        client = subprocess.Popen(command(file, out, "--scheduler", address), cwd=ROOT, stdout=subprocess.DEVNULL)
-        started.append(client)
-        wait_for_pieces(out, 40, client)
-        first.send_signal(signal.SIGKILL)
-        assert client.wait(PATIENCE_S) == 0
+        start("distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard")
+        own = [start("distributed.cli.dask_worker", address, *options) for _ in range(workers)]
+        with distributed.Client(address, timeout=PATIENCE_S) as client:
+            client.wait_for_workers(workers, timeout=PATIENCE_S)
+        yield address, own
     finally:
         for process in started:
             process.kill()
             process.wait()
+
+
+@pytest.mark.parametrize(
+    ("points", "chunk", "wanted"), [(3000, 25, 20), pytest.param(10_000, 50, 40, marks=pytest.mark.slow)]
+)
+def test_dask_worker_killed_half_way_the_file_is_the_same(tmp_path, points, chunk, wanted):
+    plain, out = tmp_path / "plain.parquet", tmp_path / "dask.parquet"
+    file = spec(tmp_path, points, chunk)
+    with dask_cluster(tmp_path, 2) as (address, workers):
+        client = subprocess.Popen(command(file, out, "--scheduler", address), cwd=ROOT, stdout=subprocess.DEVNULL)
+        try:
+            wait_for_pieces(out, wanted, client)
+            workers[0].send_signal(signal.SIGKILL)
+            assert client.wait(PATIENCE_S) == 0
+        finally:
+            client.kill()
+            client.wait()
     finish(file, plain, "--workers", 1)
     assert out.read_bytes() == plain.read_bytes()

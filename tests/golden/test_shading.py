@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from mimics_app.contracts.resources import root
 from mimics_app.rendering.visual.displays.desktop import compose_look_at, compute_tangents
+from mimics_app.rendering.visual.lighting import gather_lighting
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.environment import Sky
 from mimics_app.world.materials.material import Material, TextureData
 from mimics_app.world.meshes.primitives import plane, sphere
+from mimics_app.world.scene.file import build_world, load_scene
 from mimics_app.world.world import World
 from tests.golden.drawing import draw_offscreen
 
@@ -31,6 +34,12 @@ def encode(linear: F8) -> F8:
     clipped = np.clip(linear, 0.0, 1.0)
     curve = np.where(clipped <= 0.0031308, 12.92 * clipped, 1.055 * clipped ** (1.0 / 2.4) - 0.055)
     return 255.0 * curve
+
+
+def decode(code: F8) -> F8:
+    """The same backwards."""
+    value = np.asarray(code, np.float64) / 255.0
+    return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
 
 
 def make_ball(material: Material, sky: Sky = BLACK, towards_sun: tuple[float, float, float] | None = None) -> World:
@@ -117,14 +126,63 @@ def test_unlit_colours_are_srgb_encoded(value):
     assert np.abs(picture[60, 80, :3] - expected).max() <= 0.51
 
 
-def test_the_neutral_tone_map_keeps_colours_and_bends_lights():
-    """Below 0.76 the map takes off min(r, g, b) - 6.25 min^2, at most 0.04; white never clips."""
+def shown_flat(colour: tuple[float, float, float]) -> NDArray[np.uint8]:
+    """What an unlit ball of a colour looks like, in code values."""
     neutral = RenderSettings(msaa=0, shadow_size=0, fog_density=0.0)
-    grey = draw_offscreen(make_ball(Material("m", "unlit", (0.5, 0.5, 0.5, 1.0))), [front_view()], SIZE, neutral)
-    assert abs(int(grey[60, 80, 0]) - encode(np.array(0.5 - 0.04))) <= 0.51
-    bright = draw_offscreen(make_ball(Material("m", "unlit", (4.0, 4.0, 4.0, 1.0))), [front_view()], SIZE, neutral)
-    compressed = 1.0 - 0.24**2 / (4.0 - 0.04 + 0.24 - 0.76)
-    assert abs(int(bright[60, 80, 0]) - encode(np.array(compressed))) <= 0.51
+    return draw_offscreen(make_ball(Material("m", "unlit", (*colour, 1.0))), [front_view()], SIZE, neutral)[60, 80, :3]
+
+
+def test_the_neutral_tone_map_keeps_colours_and_bends_lights():
+    """Below 0.76 the map takes off 0.04 x / (x + 0.08) of the least channel x; white never clips."""
+    assert abs(int(shown_flat((0.5, 0.5, 0.5))[0]) - encode(np.array(0.5 - 0.04 * 0.5 / 0.58))) <= 0.51
+    light = 4.0 - 0.04 * 4.0 / 4.08
+    compressed = 1.0 - 0.24**2 / (light + 0.24 - 0.76)
+    assert abs(int(shown_flat((4.0, 4.0, 4.0))[0]) - encode(np.array(compressed))) <= 0.51
+
+
+@pytest.mark.parametrize("level", [0.005, 0.02, 0.06])
+def test_the_toe_leaves_the_hue_of_what_is_dark(level):
+    """Grey asphalt in shade: of a channel no more than half is taken off, and blue does not become twice as blue."""
+    colour = level * np.array([1.0, 1.3, 1.7])
+    shown = decode(shown_flat(tuple(colour)))
+    # Half a code value is 2 % of these lights at least, 8 % of the darkest.
+    assert (shown >= 0.5 * colour - decode(np.array(1.0))).all()
+    assert shown[2] / shown[0] < 2.0 * 1.7 / 1.0 * 1.08
+
+
+def test_light_from_all_around_is_the_mean_of_the_sky_that_is_drawn():
+    """Against the integral over the hemisphere before the surface, within 0.025 of what the colours differ by."""
+    zenith, horizon, ground = np.eye(3)
+    world = World()
+    world.environment = Sky(tuple(zenith), tuple(horizon), tuple(ground), 0.7)
+    a, b, c = gather_lighting(world).sky_light()
+    for height in np.linspace(-1.0, 1.0, 9):
+        wanted = 0.7 * mean_of_sky(height)
+        assert np.abs(a + b * height + c * height**2 - wanted).max() < 0.7 * 0.025
+        assert (a + b * height + c * height**2).sum() == pytest.approx(0.7, rel=1e-9)
+
+
+def mean_of_sky(height: float) -> F8:
+    """Shares of zenith, horizon and ground for a surface whose normal has this height; shaders/common/sky.glsl."""
+    count = 400
+    away, angle = np.meshgrid(np.sqrt((np.arange(count) + 0.5) / count), 2 * np.pi * (np.arange(count) + 0.5) / count)
+    # Points spread evenly over the disc under the hemisphere are directions weighed by their cosine (Nusselt).
+    up = height * np.sqrt(1.0 - away**2) + np.sqrt(1.0 - height**2) * away * np.cos(angle)
+    low = (1.0 - np.clip(up, 0.0, 1.0)) ** 3
+    down = np.clip(-4.0 * up, 0.0, 1.0)
+    below = down**2 * (3.0 - 2.0 * down)
+    return np.array([((1 - low) * (1 - below)).mean(), (low * (1 - below)).mean(), below.mean()])
+
+
+@pytest.mark.parametrize("file", ["city_walk", "pick_and_place", "examples/surfaces", "examples/tower", "wavy_tunnel"])
+def test_shadows_of_a_day_are_cool_and_a_fifth_of_the_light(file):
+    """On level ground, sun and sky over sky alone; real clear days have 4 to 8. Shade is bluer, but no navy."""
+    lighting = gather_lighting(build_world(load_scene(root() / "scenes" / f"{file}.json")))
+    shade = lighting.sky_light().sum(axis=0)
+    sun = lighting.sun_colour * lighting.sun_direction[1]
+    luminance = np.array([0.2126, 0.7152, 0.0722])
+    assert 4.0 <= (sun + shade) @ luminance / (shade @ luminance) <= 8.0
+    assert 1.0 < (shade[2] / shade[0]) / (sun[2] / sun[0]) < 3.0
 
 
 def test_a_uniform_sky_lights_a_matt_sphere_evenly():

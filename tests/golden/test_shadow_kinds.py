@@ -29,6 +29,8 @@ F8 = NDArray[np.float64]
 SIZE = (320, 180)
 KINDS = ("texture_additive", "texture_modulative", "stencil_additive", "stencil_modulative")
 PLAIN = RenderSettings(msaa=0, shadow_size=1024, tone_map="none", fog_density=0.0)
+AROUND = 0.5 * (0.2 + 0.1 * 0.6)
+"""Light from all around in `make_world`: half of the sky's and of a tenth of the sun's."""
 PLATE_HEIGHT = 0.3
 
 
@@ -89,14 +91,14 @@ def test_each_kind_has_its_edge_where_the_ray_meets_the_floor(kind, slope):
 
 
 def test_additive_kinds_agree_and_leave_the_sky_light():
-    """In the shadow the floor has the sky's share alone: 0.8 x 0.5 x 0.2, sRGB encoded."""
-    ambient = 255.0 * (1.055 * 0.08 ** (1.0 / 2.4) - 0.055)
+    """In the shadow the floor has the light from all around alone: a tenth of the sun's is in it."""
+    ambient = 255.0 * (1.055 * (0.8 * AROUND) ** (1.0 / 2.4) - 0.055)
     for kind in ("texture_additive", "stencil_additive"):
         row = draw(make_world(0.45), replace(PLAIN, shadows=kind))[90]
         # Between the shadow's left edge, -0.435, and the plate's, seen from above at -0.353: x = -0.40.
         assert row[80] == pytest.approx(ambient, abs=1.0), kind
-        # The plate faces the sun: 0.4 (0.5 x 0.2 + 0.6 cos), and nothing of its own shadow on it.
-        lit = 0.4 * (0.1 + 0.6 * np.cos(np.arctan(0.45)))
+        # The plate faces the sun: 0.4 (around + 0.6 cos), and nothing of its own shadow on it.
+        lit = 0.4 * (AROUND + 0.6 * np.cos(np.arctan(0.45)))
         assert row[120] == pytest.approx(255.0 * (1.055 * lit ** (1.0 / 2.4) - 0.055), abs=1.0), kind
 
 
@@ -126,7 +128,7 @@ def test_the_eye_inside_a_volume_sees_the_same_shadow(samples):
     pose = compose_look_at((-0.15, 0.1, 0.0), (-0.15, 0.0, 0.0), (0.0, 0.0, -1.0))
     view = View(pose, (-0.5, 0.5, -0.3, 0.3), (0, 0, *SIZE), near=0.01)
     picture = draw(world, replace(PLAIN, shadows="stencil_additive", msaa=samples), [view])
-    ambient = 255.0 * (1.055 * 0.08 ** (1.0 / 2.4) - 0.055)
+    ambient = 255.0 * (1.055 * (0.8 * AROUND) ** (1.0 / 2.4) - 0.055)
     assert np.abs(picture - ambient).max() <= 1.0
 
 

@@ -25,7 +25,7 @@ from mimics_app.rendering.haptic.kernels.tick import tick
 from mimics_app.rendering.haptic.kernels.vectors import norm
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, no_objects
 from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROWS, SIMULATE, load_simulation
-from mimics_app.rendering.haptic.scene_block import default_scene
+from mimics_app.rendering.haptic.scene_block import scene_from_components
 from tests.support.body_play import Play
 from tests.support.haptic_bench import wavy
 from tests.support.object_bench import FACING_UP
@@ -231,7 +231,7 @@ def _objects() -> Play:
 
 def _run(seed: int, ticks: int, among: bool = False) -> tuple[dict[str, int], dict[str, int], int]:
     """(times each law was broken, times each habit met a force, ticks in which something was touched)."""
-    scene = default_scene()
+    scene = scene_from_components()
     if not among:
         wavy().fill(scene[0]["tunnel"])
     scene[0]["ramp_force"], scene[0]["ramp_time"] = 1000.0, 0.02

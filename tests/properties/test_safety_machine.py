@@ -17,7 +17,7 @@ from mimics_app.rendering.haptic.kernels.tick import tick
 from mimics_app.rendering.haptic.kernels.vectors import norm
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, no_objects
 from mimics_app.rendering.haptic.objects import new_object_work
-from mimics_app.rendering.haptic.scene_block import default_scene
+from mimics_app.rendering.haptic.scene_block import scene_from_components
 from tests.support.haptic_bench import wavy
 
 LAWS = (
@@ -128,7 +128,7 @@ def _walk(seed, ticks, scenes, rows_of_objects, objects, states, data, command, 
 
 
 def _run(seed: int, ticks: int) -> tuple[dict[str, int], np.ndarray]:
-    scene = default_scene()
+    scene = scene_from_components()
     wavy().fill(scene[0]["tunnel"])
     scene[0]["tunnel"]["stiffness"], scene[0]["tunnel"]["damping"] = 2000.0, 25.0
     scene[0]["ramp_force"] = 30.0

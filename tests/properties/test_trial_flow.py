@@ -102,12 +102,15 @@ def test_any_robot_any_clock_no_negative_time_and_rows_in_order(history, seed):
         assert 0.0 <= row["time_s"] == round(row["time_s"], 9)
         assert 0.0 <= row["contact_time_s"] <= row["time_s"] + 1e-12
         assert row["begin_ns"] <= row["end_ns"]
-        assert 0.0 <= row["score"] <= 100.0
+        assert row["score"] is None if row["outcome"] == "aborted" else 0.0 <= row["score"] <= 100.0
         if row["path_error_rms_m"] is not None:  # None where nobody was let go
             assert 0.0 <= row["path_error_rms_m"] <= row["path_error_max_m"] * (1 + 1e-12)
     for orders in player.orders:
         assert orders.view.elapsed_s >= 0.0
-    assert all(math.isfinite(value) for value in player.manager.result().values())
+    result = player.manager.result()
+    practice = result.pop("practice", {"completed": 0, "trials": 0})
+    assert 0 <= practice["completed"] <= practice["trials"] and 0 <= result["completed"] <= result["trials"]
+    assert all(math.isfinite(value) for value in result.values())
 
 
 @settings(deadline=None, max_examples=40)

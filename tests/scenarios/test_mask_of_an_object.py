@@ -16,7 +16,7 @@ from mimics_app.contracts import ring
 from mimics_app.contracts.haptic import SAMPLE, Controller
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.contracts.resources import root
-from mimics_app.rendering.haptic.scene_block import default_scene
+from mimics_app.rendering.haptic.scene_block import scene_from_components
 from tests.support.haptic_bench import glide, ignore, read_script, script
 from tests.support.object_scenes import loaded, thing
 
@@ -54,7 +54,7 @@ def play(folder: Path, hand: np.ndarray, ticks: int, transform: dict[str, Any], 
     side = HapticSide(loaded(folder, thing("robot", robot={}), entity))
     memory = side.memory()
     engine = side.engine(memory, DevicePlugin("script", read_script, ignore, np.ascontiguousarray(hand).ravel()))
-    block = default_scene()
+    block = scene_from_components()
     block["controller"], block["passivity"], block["cap"] = Controller.ADMITTANCE, 0, 0
     side.desk(block).hand_to(engine.publish)
     engine.advance(ticks)

@@ -45,7 +45,7 @@ def test_apples_are_placed_through_the_line(name: str):
     with market_rig(name) as rig:
         result = play_on(rig, SECONDS, 1)
     assert result["placed"] >= 1
-    assert (result["trips"], result["bruises"]) == (0, 0)
+    assert (result["stops"], result["bruises"]) == (0, 0)
 
 
 class Keys:
@@ -152,5 +152,5 @@ def test_three_apples_in_a_minute_with_processes_of_their_own(name: str, tmp_pat
             robot.stdin.write("quit\n")
             robot.stdin.flush()
     answer = json.loads(done.stdout)
-    assert (done.returncode, answer["safety"]["trips"]) == (0, 0), done.stderr
+    assert (done.returncode, answer["safety"]["stops"]) == (0, 0), done.stderr
     assert answer["task"]["placed"] >= 3

@@ -203,17 +203,17 @@ def _jumping(way: float, *, silent: int = 0) -> np.ndarray:
 
 
 def test_a_position_that_jumps_stops_the_loop_although_the_told_velocity_stays():
-    """Reach: 1.5 m/s for the tick and 2 ms of lateness that nothing else notices, and 1 mm."""
-    assert _jumping(0.0054)["state"][-1] == SafetyState.ACTIVE
-    rows = _jumping(0.0056)
+    """Reach: 1.2 m/s for the tick and 2 ms of lateness that nothing else notices, and 1 mm."""
+    assert _jumping(0.0045)["state"][-1] == SafetyState.ACTIVE
+    rows = _jumping(0.0047)
     assert rows["state"][399] == SafetyState.ACTIVE
     assert rows["state"][400] == SafetyState.SAFE_STOP and rows["cause"][400] == TripCause.JUMP
     assert (rows["f_user_world"][400:] == 0.0).all()
 
 
 def test_after_a_silence_the_position_may_be_further_away():
-    assert _jumping(0.0125, silent=5)["state"][-1] == SafetyState.ACTIVE
-    assert _jumping(0.0131, silent=5)["cause"][-1] == TripCause.JUMP
+    assert _jumping(0.0101, silent=5)["state"][-1] == SafetyState.ACTIVE
+    assert _jumping(0.0107, silent=5)["cause"][-1] == TripCause.JUMP
 
 
 def test_one_contact_that_gives_too_much_stops_the_loop():

@@ -31,12 +31,13 @@ SIZE = (1280, 720)
 
 @dataclass
 class AppWindow:
-    """The running application: its mouse, its record as far as it is written, its screen."""
+    """The running application: its mouse, its record as far as it is written, its screen, its terminal once left."""
 
     process: subprocess.Popen[str]
     screen: str
     runs: Path
     scene: Path
+    terminal: str = ""
 
     def mouse(self, point_world: np.ndarray) -> None:
         self.tell("mousemove", *map(str, pixel_of(self.scene, point_world)))
@@ -72,7 +73,7 @@ class AppWindow:
     def leave(self) -> tuple[int, dict[str, Any]]:
         """(exit code, what --json told) after Escape."""
         self.tell("key", "Escape")
-        told, _ = self.process.communicate(timeout=40)
+        told, self.terminal = self.process.communicate(timeout=40)
         return self.process.returncode, json.loads(told)
 
 

@@ -19,7 +19,7 @@ from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.simulated_hapticmaster import robot_delay, write_robot, write_robot_memory
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.kernels.robot import ROBOT_LENGTH, sense, step_robot
-from mimics_app.rendering.haptic.scene_block import default_scene
+from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.rendering.haptic.tunnel import build_tunnel
 from mimics_app.world.components.robot import Patient, Robot
 
@@ -113,7 +113,7 @@ def bench_of(
 ) -> Bench:
     """An engine over a plug-in. `straight`: radius of a straight tunnel along the world's x, None: no tunnel."""
     memory = SessionMemory(Capacities(samples=samples, **kwargs.pop("capacities", {})))
-    bench = Bench(memory, HapticEngine(memory, plugin, **kwargs), default_scene())
+    bench = Bench(memory, HapticEngine(memory, plugin, **kwargs), scene_from_components())
     bench.scene[0]["device_delay"] = plugin.delay
     record = bench.scene[0]["tunnel"]
     if straight is not None:

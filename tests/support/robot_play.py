@@ -52,7 +52,7 @@ def play_on(rig: Rig, seconds: float, wanted: int) -> dict[str, Any]:
         while play.now_ns < seconds * 1e9 and play.tasks.result()["placed"] < wanted:
             play.step()
         play.tasks.end_session(play.now_ns)
-        trips = play.haptics.histogram().trips
+        stops = play.haptics.histogram().stops
     finally:
         play.haptics.stop()
-    return {**play.tasks.result(), "trips": trips}
+    return {**play.tasks.result(), "stops": stops}

@@ -12,11 +12,11 @@ from mimics_app.app.planner.plan import plan_scene
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.touch.rehearsal import rehearse
 from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.contracts.method_table import Table
 from mimics_app.contracts.resources import root
 from mimics_app.lab.catalogue import load_methods
 from mimics_app.lab.measure import measure, to_table
 from mimics_app.lab.methods_tick import reference_us
-from mimics_app.lab.table import Table
 
 pytestmark = pytest.mark.slow
 

@@ -2,22 +2,47 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import numpy as np
 import pytest
 
-from mimics_app.rendering.audio.live_latency import measure_live_latency, pulse_missing
+from mimics_app.rendering.audio.live_latency import (
+    handed_out_ns,
+    match_onsets,
+    measure_live_latency,
+    pulse_missing,
+)
 
 needs_pulse = pytest.mark.skipif(bool(pulse_missing()), reason=pulse_missing() or "PulseAudio is here")
 
+MS = 1_000_000
+ROUNDS = 3
+CHUNK = 48  # frames: one millisecond
+
+
+def measure_heard(seconds: float, period: int = 128) -> dict[str, Any]:
+    """A measurement in which every contact was heard.
+
+    What the machine held back for 100 ms is not played, on purpose, and counted; nothing else may be missing. Such a
+    round is measured again.
+    """
+    for seed in range(ROUNDS):
+        result = measure_live_latency(seconds, period, seed)
+        assert result["heard"] == result["played"] == result["events"] - result["stale"], result
+        if result["stale"] == 0:
+            return result
+    pytest.fail(f"this machine stood still for 100 ms in each of {ROUNDS} rounds: {result}")
+
 
 @needs_pulse
-def test_contacts_are_heard_on_a_live_sound_server():
-    """That every contact sounds, not when: a busy machine may be late."""
-    result = measure_live_latency(2.0)
-    assert result["sink"] == "device"
-    assert result["hrtf"]
-    assert result["events"] >= 14
-    assert result["heard"] >= result["events"] - 1
-    assert 0.0 < result["p50_ms"] < 200.0
+def test_every_contact_is_heard_on_a_live_sound_server():
+    """And the device's own buffers hold less than the bound; what a busy machine adds is measured by the slow test."""
+    result = measure_heard(5.0)
+    assert (result["sink"], result["hrtf"], result["rate"]) == ("device", True, 48_000)
+    assert result["events"] >= 10
+    assert 0.0 < result["buffers_ms"] <= 20.0
+    assert 0.0 < result["latency_ms"]["p50"] <= result["latency_ms"]["p95"] <= result["latency_ms"]["max"]
 
 
 @needs_pulse
@@ -25,8 +50,37 @@ def test_contacts_are_heard_on_a_live_sound_server():
 @pytest.mark.parametrize("period", [128, 256])
 def test_contact_to_sample_stays_below_20_ms(period):
     """The bound of D2.1 6.3; the best of three, as other work on the machine is not the mixer's."""
-    results = [measure_live_latency(15.0, period, seed) for seed in range(3)]
-    assert min(result["p95_ms"] for result in results) <= 20.0, results
-    assert all(result["played"] == result["events"] for result in results), results
-    # the listening end loses a stretch now and then on a busy machine
-    assert all(result["heard"] >= 0.95 * result["events"] for result in results), results
+    results = [measure_heard(15.0, period) for _ in range(3)]
+    assert min(result["latency_ms"]["p95"] for result in results) <= 20.0, results
+
+
+def recording(late_ms: dict[int, int], chunks: int = 1000) -> tuple[np.ndarray, np.ndarray]:
+    """Ends and arrivals [ns] of chunks of a millisecond, in order; some of them held up, and what follows with them."""
+    ends = CHUNK * np.arange(1, chunks + 1)
+    arrivals = ends * 1_000_000_000 // 48_000
+    for chunk, late in late_ms.items():
+        arrivals[chunk] += late * MS
+    return ends, np.maximum.accumulate(arrivals)
+
+
+def test_a_listener_that_is_held_up_dates_every_frame_all_the_same():
+    """Half a second behind, for half a second: the frames were handed out in time."""
+    frames = np.array([10 * CHUNK, 200 * CHUNK, 440 * CHUNK, 900 * CHUNK])
+    ends, arrivals = recording({100: 500})
+    assert (arrivals[[200, 440]] - ends[[200, 440]] * 1_000_000_000 // 48_000 > 150 * MS).all()
+    times = handed_out_ns(frames, ends, arrivals)
+    assert np.abs(times - frames * 1_000_000_000 // 48_000).max() <= 1
+
+
+def test_a_sound_that_is_really_late_is_late():
+    """The clock is not bent to fit: what stands later in the recording was handed out later."""
+    ends, arrivals = recording({100: 500})
+    on_time, late = handed_out_ns(np.array([300 * CHUNK, 340 * CHUNK]), ends, arrivals)
+    assert late - on_time == 40 * MS
+
+
+def test_contacts_are_matched_to_their_own_onsets_only():
+    pushed = [k * 210 * MS for k in range(4)]
+    assert match_onsets(pushed, [t + 7 * MS for t in pushed]) == [7.0] * 4
+    assert match_onsets(pushed, [pushed[0] + 99 * MS, pushed[2] + 5 * MS]) == [5.0, 99.0], "two were not heard"
+    assert match_onsets(pushed, []) == match_onsets([], [5]) == []

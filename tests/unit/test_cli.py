@@ -113,6 +113,42 @@ def test_wrong_argument_is_one_line(
     assert "--help" in said[0]
 
 
+@pytest.mark.parametrize(
+    ("arguments", "what", "hint"),
+    [
+        (["run", "--headles"], '"--headles"', 'did you mean "--headless"'),
+        (["run", "--second=3"], '"--second"', 'did you mean "--seconds"'),
+        (["lab", "--point", "12", "stability"], '"--point"', 'did you mean "--points"'),
+        (["record", "--qqq", "verify", "RUN"], '"--qqq"', "see mimics record --help"),
+    ],
+)
+def test_an_option_is_not_abbreviated_and_the_nearest_is_named(
+    arguments: list[str], what: str, hint: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(arguments) == 2
+    assert capsys.readouterr().err == f"mimics: there is no option {what}; {hint}\n"
+
+
+@pytest.mark.parametrize(
+    ("line", "given"),
+    [
+        ("lab stability --points 12 S3", {"action": "stability", "name": ["S3"], "points": 12}),
+        ("lab --points 12 stability S3 S4", {"action": "stability", "name": ["S3", "S4"], "points": 12}),
+        ("record --json verify RUN", {"action": "verify", "folder": Path("RUN"), "json": True}),
+        ("record verify --json RUN", {"action": "verify", "folder": Path("RUN"), "json": True}),
+        ("devices check --recording RUN replay", {"action": "check", "device": "replay", "recording": Path("RUN")}),
+        ("assets build --seed 3 apple", {"action": "build", "name": "apple", "seed": 3}),
+        ("bench render --frames 3 nodes", {"what": "render", "workload": "nodes", "frames": 3}),
+        ("run --headless scenes/a.json --seed 2", {"scene": Path("scenes/a.json"), "headless": True, "seed": 2}),
+        ("check -- --odd.json", {"files": [Path("--odd.json")]}),
+    ],
+)
+def test_options_may_stand_anywhere(line: str, given: dict[str, Any]) -> None:
+    args = vars(cli.parse(line.split()))
+    assert {name: args[name] for name in given} == given
+    assert args["command"] == line.split()[0]
+
+
 def test_help_and_version_are_0(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["--help"]) == 0
     listed = capsys.readouterr().out

@@ -96,6 +96,25 @@ def test_signal_unwinds_the_stack(number: int, code: int) -> None:
     assert (rest, child.returncode) == ("closed\n", code)
 
 
+IN_A_CALLBACK = (
+    "import ctypes\n"
+    "@ctypes.CFUNCTYPE(None)\n"
+    "def called_by_c(): os.kill(os.getpid(), {signal})\n"
+    "class Left:\n"
+    "    def __del__(self): os.kill(os.getpid(), {signal})\n"
+    "def run(args):\n"
+    "    try: {deed}; time.sleep(30)\n"
+    "    finally: print('closed', flush=True)"
+)
+
+
+@pytest.mark.parametrize("deed", ["called_by_c()", "Left()"])
+def test_sigterm_in_a_callback_of_a_compiler_is_one_line(deed: str) -> None:
+    """What a callback of C code or a destructor raises is printed and lost: kernels are compiled with many of both."""
+    done = shell("$RUN", IN_A_CALLBACK.format(signal=int(signal.SIGTERM), deed=deed))
+    assert (done.returncode, done.stdout, done.stderr) == (143, "closed\n", "mimics: ended by SIGTERM\n")
+
+
 def test_nohup_is_respected() -> None:
     script = "trap '' HUP; $RUN & sleep 2; kill -HUP $!; sleep 0.2; kill -TERM $!; wait $!"
     done = shell(script, WAIT)

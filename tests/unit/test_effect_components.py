@@ -8,6 +8,7 @@ import pytest
 from mimics_app.app.cues.effect_cues import EffectCues
 from mimics_app.contracts.haptic import EVENT, EventKind
 from mimics_app.contracts.messages import TaskOrders
+from mimics_app.contracts.trial_state import TaskView, TrialState
 from mimics_app.world.scene.file import build_world, load_scene
 from mimics_app.world.scene.reload import apply_scene
 from tests.support.scenes import faults, scene, thing, write
@@ -76,7 +77,7 @@ def test_starts_goals_and_touches_set_off_what_waits_for_them(tmp_path):
     told = []
     for frame, state in enumerate(states):
         seen = len(world.effects.bursts)
-        cues.step(TaskOrders(hud={"state": state}), touches if frame == 2 else NONE, frame * 100_000_000)
+        cues.step(TaskOrders(view=TaskView(TrialState(state))), touches if frame == 2 else NONE, frame * 100_000_000)
         told.append([names[burst.emitter] for burst in world.effects.bursts[seen:]])
     assert told == [[], ["start"], ["contact", "impact", "contact_end"], ["goal"], [], []]
     assert world.effects.time == pytest.approx(0.5)

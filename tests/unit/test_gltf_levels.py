@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from mimics_app.app.cli import main
+from mimics_app.app.viewer.shown import open_shown
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.resources import root
 from mimics_app.world.gltf.level_writer import write_levels
@@ -103,6 +104,13 @@ def test_the_command_writes_a_file_and_tells_its_levels(tmp_path, capsys):
     (mesh,) = answer["meshes"]
     assert len(mesh["triangles"]) == 4 and mesh["triangles"][3] < 0.07 * mesh["triangles"][0]
     assert (tmp_path / "apple_levels.glb").is_file()
+
+
+def test_the_viewer_counts_the_finest_level_alone(tmp_path):
+    file, _ = write_ball(tmp_path)
+    write_levels(file, tmp_path / "levels.glb")
+    assert load_model_world(tmp_path / "levels.glb").content.levels.column("count").tolist() == [4, 4]
+    assert open_shown(tmp_path / "levels.glb").size == open_shown(file).size
 
 
 @pytest.mark.parametrize("shares", [(), (1.2,), (0.2, 0.5), (0.5, 0.5), (0.0,), tuple(np.linspace(0.9, 0.1, 8))])

@@ -12,12 +12,12 @@ from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import SAMPLE
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic import scheduler
-from mimics_app.rendering.haptic.devices.registry import BUILT_IN, build_device, device_names, find_builder
+from mimics_app.rendering.haptic.devices.device_names import device_names
+from mimics_app.rendering.haptic.devices.registry import BUILT_IN, build_device, find_builder
 from mimics_app.rendering.haptic.scene_block import (
     apply_joint_pd,
     apply_world_pd,
     axis_offset,
-    default_scene,
     robot_from_world,
     scene_from_components,
 )
@@ -85,7 +85,7 @@ def test_scene_block_from_components():
 
 
 def test_defaults_are_the_thresholds_of_the_contract():
-    block = default_scene()[0]
+    block = scene_from_components()[0]
     assert (block["late_hold_ns"], block["late_damp_ns"], block["late_stop_ns"]) == (2e6, 10e6, 50e6)
     assert (block["missed_stop"], block["stale_warn_ns"], block["stale_stop_ns"]) == (20, 3e6, 20e6)
     assert block["virtual_mass"] == 3.0

@@ -119,6 +119,22 @@ def test_relative_and_parenthesised_imports_are_followed(tmp_path: Path) -> None
     assert _run(code, tmp_path, PYTHONPATH=f"{tmp_path}:{ROOT}") == "kernels.py twig.py leaf.py"
 
 
+def test_a_damaged_or_foreign_file_is_compiled_again(tmp_path: Path) -> None:
+    package = tmp_path / "plugged"
+    package.mkdir()
+    (package / "__init__.py").write_text("")
+    (package / "constants.py").write_text("ANSWER = 5\n")
+    (package / "kernels.py").write_text(_PROBE)
+    places = {"PYTHONPATH": f"{tmp_path}:{ROOT}", "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    elsewhere = "source = open('plugged/kernels.py').read(); names = {'__name__': 'nowhere_to_be_found'};"
+    elsewhere += "exec(compile(source, 'plugged/kernels.py', 'exec'), names); print(names['answer'](0))"
+    here = "from plugged.kernels import answer; print(answer(0))"
+    assert _run(elsewhere, tmp_path, **places) == _run(here, tmp_path, **places) == "5"
+    for kept in (tmp_path / "cache").rglob("*.nbc"):
+        kept.write_bytes(kept.read_bytes()[:100])
+    assert _run(here, tmp_path, **places) == "5"
+
+
 # --- the folder -----------------------------------------------------------------------------------------------------
 
 

@@ -198,6 +198,24 @@ def test_command_says_by_its_exit_code_whether_an_experiment_passed(monkeypatch,
     assert (tmp_path / "S99.svg").is_file() and (tmp_path / "index.html").is_file()
 
 
+def test_figures_go_to_the_working_folder_unless_the_shipped_ones_are_asked_for(monkeypatch, tmp_path, capsys):
+    """In a checkout a measurement made in passing must not change the figures that the product ships with."""
+    _planted_catalogue(monkeypatch, passed=True)
+    checkout, other = tmp_path / "checkout", tmp_path / "other"
+    (checkout / "docs" / "charts").mkdir(parents=True)
+    other.mkdir()
+    monkeypatch.setattr("mimics_app.contracts.resources.root", lambda: checkout)
+    monkeypatch.chdir(checkout)
+    assert main(["lab", "stability", "s99"]) == 0
+    assert (checkout / "charts" / "S99.svg").is_file() and not list((checkout / "docs" / "charts").iterdir())
+    assert main(["lab", "stability", "s99", "--shipped", "--out", str(other)]) == 2
+    assert main(["lab", "stability", "s99", "--shipped"]) == 0
+    assert (checkout / "docs" / "charts" / "S99.svg").is_file() and not list(other.iterdir())
+    monkeypatch.setattr("mimics_app.contracts.resources.root", lambda: other)
+    assert main(["lab", "stability", "s99", "--shipped"]) == 2
+    assert "in a checkout only" in capsys.readouterr().err
+
+
 def test_command_refuses_what_is_not_there(tmp_path, capsys):
     for words in (["stability", "S77"], ["chart", "no such group"], ["measure", "friction", "--all"]):
         assert main(["lab", *words, "--out", str(tmp_path)]) == 2
@@ -205,7 +223,7 @@ def test_command_refuses_what_is_not_there(tmp_path, capsys):
 
 
 def test_measure_prints_one_object_and_saves_where_it_is_asked_to(monkeypatch, tmp_path, capsys):
-    monkeypatch.setattr("mimics_app.lab.table.saved_file", lambda: tmp_path / "methods.json")
+    monkeypatch.setattr("mimics_app.contracts.method_table.saved_file", lambda: tmp_path / "methods.json")
     assert main(["lab", "measure", "admittance_form", "--save", "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
     group = answer["groups"]["admittance form"]

@@ -12,8 +12,8 @@ from mimics_app.app.picture.picture import live_quality, picture_quality
 from mimics_app.app.planner.explain import describe_plan, explain_plan
 from mimics_app.app.planner.plan import ROOM, plan_scene
 from mimics_app.app.planner.uses import USES
+from mimics_app.contracts.method_table import Row, Table
 from mimics_app.lab.catalogue import load_methods
-from mimics_app.lab.table import Row, Table
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.world.scene.file import load_scene
 from tests.support.scenes import scene, thing, write
@@ -155,6 +155,42 @@ def test_what_a_scene_states_is_obeyed(of, visual, group, method, pixels):
 def test_darkening_the_finished_picture_is_never_chosen_for_speed(of):
     cheap = [("map 512", 8, 1.5e-4), ("stencil modulative", 1, 1e-9)]
     assert methods(of(), table=planted(sun_shadows=cheap))["sun shadows"] == "map 512"
+
+
+def posts(*places: tuple[float, float, float], **mesh) -> list[dict]:
+    """Boxes at these places."""
+    shape = {"primitive": {"shape": "box", "size": [0.2, 1.0, 0.2]}, **mesh}
+    return [{**thing(f"post{i}", mesh=shape), "transform": {"translation": place}} for i, place in enumerate(places)]
+
+
+@pytest.mark.parametrize(
+    ("places", "mesh", "distance"),
+    [
+        ([(0.0, 0.0, 0.0), (3.0, 0.0, 4.0)], {}, 0.0),
+        ([(0.0, 0.0, 0.0), (12.0, 0.0, 16.0)], {}, 20.0),  # 10 m about their middle
+        ([(0.0, 0.0, 0.0), (900.0, 0.0, 0.0)], {}, 100.0),
+        ([(0.0, 0.0, 0.0), (900.0, 0.0, 0.0)], {"casts_shadow": False}, 0.0),
+        ([], {}, 0.0),
+    ],
+)
+def test_a_wide_scene_gets_cascades_by_itself(of, places, mesh, distance):
+    loaded = of(things=(EYE, SUN, *posts(*places, **mesh)))
+    quality = picture_quality(loaded, "training")
+    assert quality.shadow_distance == pytest.approx(distance)
+    plan = plan_scene(loaded, "training", planted())
+    assert plan.methods["sun shadows"].split()[0] == ("cascades" if distance else "map")
+    notes = [part["note"] for part in explain_plan(loaded, plan)["parts"] if part["group"] == "sun shadows"]
+    assert notes == [
+        f"seen to {distance:g} m from the eye in 3 maps: bodies are spread over more than one map holds"
+        if distance
+        else ""
+    ]
+
+
+def test_a_distance_that_is_stated_holds_however_wide_the_scene_is(of):
+    things = (EYE, SUN, *posts((0.0, 0.0, 0.0), (900.0, 0.0, 0.0)))
+    for distance in (0.0, 30.0):
+        assert picture_quality(of(things=things, shadow_distance=distance), "training").shadow_distance == distance
 
 
 def test_what_a_scene_does_not_use_is_not_chosen(of):

@@ -18,13 +18,25 @@ from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.settings import PROFILES
 from mimics_app.contracts.haptic import Projection
+from mimics_app.contracts.method_table import Row, Table
 from mimics_app.contracts.resources import root
-from mimics_app.lab.table import Row, Table
 from mimics_app.world.components.systems import HapticSettings, Tolerances
 from mimics_app.world.scene.file import build_world
 
 SCENE = root() / "scenes" / "wavy_tunnel.json"
-PART_KEYS = ["part", "group", "method", "cost_us", "error", "unit", "tolerance", "next_cheaper", "too_dear", "more_ms"]
+PART_KEYS = [
+    "part",
+    "group",
+    "method",
+    "cost_us",
+    "error",
+    "unit",
+    "tolerance",
+    "next_cheaper",
+    "too_dear",
+    "more_ms",
+    "note",
+]
 
 
 def row(method: str, cost_us: float, error: float, unit: str) -> Row:
@@ -53,6 +65,15 @@ def scene():
 def accepting(scene, **tolerances: float):
     scene.systems["tolerances"] = Tolerances(**tolerances)
     return scene
+
+
+def test_a_stage_that_nobody_built_is_not_blamed_on_the_scene(scene):
+    """There is no component by which a scene could have a recorder of body signals."""
+    left = {
+        one["part"]: one["why"] for one in explain_plan(scene, plan_scene(scene, "training", planted()))["left_out"]
+    }
+    (why,) = [why for part, why in left.items() if "body signals" in part]
+    assert why.startswith("not built yet") and "is in the scene" not in why
 
 
 def test_a_rival_at_half_the_cost_and_equal_error_is_taken_and_at_ten_times_the_error_dropped():

@@ -17,8 +17,10 @@ _ENTRY_POINTS = """
 good_robot = lab_of_somebody:build
 left_robot = lab_that_leaves
 lost_robot = lab_that_is_lost:build
-[mimics_app.exporters]
+[mimics_app.scenarios]
 half = lab_of_somebody:no_such_thing
+[mimics_app.components]
+no_component = lab_of_somebody:build
 """
 
 
@@ -57,10 +59,24 @@ def test_each_plug_in_is_reported_with_its_package(installed: None) -> None:
     assert "SystemExit: no licence" in reports["left_robot"].error
     assert "lab_that_is_lost" in reports["lost_robot"].error
     assert "no_such_thing" in reports["half"].error
+    assert "no subclass of" in reports["no_component"].error
 
 
 def test_one_group_is_asked_alone(installed: None) -> None:
     assert {report.group for report in list_plugins("mimics_app.devices")} == {"mimics_app.devices"}
+
+
+def test_every_group_that_is_announced_is_loaded() -> None:
+    """A plug-in of a group that nothing loads would be called ok by doctor and do nothing."""
+    from mimics_app.app.scenes import catalogue
+    from mimics_app.rendering.haptic import force_fields
+    from mimics_app.rendering.haptic.devices import device_names
+    from mimics_app.tasks.kinds import registry
+    from mimics_app.world.components import plugins
+
+    assert set(GROUPS) == {
+        place.ENTRY_POINT_GROUP for place in (catalogue, force_fields, device_names, registry, plugins)
+    }
 
 
 def test_no_plug_ins_is_no_error() -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from mimics_app.app.cli import COMMANDS, build_parser
+from mimics_app.app.cli import COMMANDS, parse
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", ROOT / "SECURITY.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -33,7 +33,7 @@ def test_snippet_can_be_typed(page: str, line: str) -> None:
         words = ["mimics", "run", "scenes/wavy_tunnel.json", *shlex.split(" ".join(given))]
     assert words[0] == "mimics"
     if len(words) > 1:
-        args = build_parser(words[1]).parse_args(words[1:])
+        args = parse(words[1:])
         assert args.command == words[1]
     for word in words:
         if word.startswith("scenes/"):
@@ -68,3 +68,20 @@ def test_licence_is_apache_and_names_the_holders() -> None:
     assert "Apache License" in text
     assert "Version 2.0" in text
     assert "Copyright mimics_app contributors" in text
+
+
+STAGES = ("dsp", "estimation", "learning", "inputs.physio", "inputs.tracking")
+EMPTY = {"__init__.py", "stage.py", "null.py", "action_sequence.py"}
+"""Files of a stage that passes nothing on; the last replays actions from a file, which the figure says."""
+
+
+def _not_built() -> set[str]:
+    folders = {name: ROOT / "mimics_app" / name.replace(".", "/") for name in STAGES}
+    return {name for name, folder in folders.items() if {file.name for file in folder.rglob("*.py")} <= EMPTY}
+
+
+def test_the_figure_says_which_stages_are_not_built() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    told = text[text.index("Dotted: not built yet.") : text.index("and there is no console")]
+    assert {name for name in STAGES if name in told} == _not_built()
+    assert not (ROOT / "mimics_app" / "console").exists()

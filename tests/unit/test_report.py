@@ -13,11 +13,14 @@ import pytest
 
 from mimics_app.app.cli import main
 from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.haptic import SafetyState, TripCause
+from mimics_app.recording import run as run_module
 from mimics_app.recording.attempts import find_attempts, tunnel_shape
 from mimics_app.recording.plot import Axis, Plot, envelope, log_ticks, nice_ticks
 from mimics_app.recording.report import punctuality, write_report
-from mimics_app.recording.report_tables import contact_rows
+from mimics_app.recording.report_tables import contact_rows, trials_of
 from mimics_app.recording.run import Run
+from mimics_app.recording.trial_table import TrialTable
 from tests.support.synthetic_run import RADIUS, bisector, samples_of_session, scene_block, write_synthetic_run
 
 
@@ -70,8 +73,10 @@ def test_page_holds_every_part(page: str) -> None:
         "path of the robot", "bisector of the tunnel", "walls of the tunnel", "lateral [mm]", "vertical [mm]",
         "force [N]", "tunnel force [N]", "velocity [m/s]", "from bisector [mm]", "stability margin [%]", "energy [mJ]",
         "smallest stability margin", "smallest stable stiffness then [N/m]",
-        "Scores", "path error rms [mm]", "Contacts: touch, picture and sound", "first frame", "sound after [ms]",
-        "Safety", "E_STOP", "stop key", "Real time", "p99.9", "fifo", "ticks that ended more than 1 ms late",
+        "<h2>Trials</h2>", "path error rms [mm]", "Contacts: touch, picture and sound", "first frame",
+        "sound after [ms]",
+        "Safety", "E_STOP", "safety stops: 1, short holds: 0", "the stop key was pressed", "reset it when it is safe",
+        "recording complete", "Real time", "p99.9", "fifo", "ticks that ended more than 1 ms late",
         "Settings", "settings.safety.force_limit", "scene.hash",
         "200 values",
         "The whole scene", "moderate", "tunnel projection", "Left out",
@@ -79,6 +84,21 @@ def test_page_holds_every_part(page: str) -> None:
     ):  # fmt: skip
         assert words in page, words
     assert "wavy &lt;1&gt;" in page and "wavy <1>" not in page, "a label is text, not markup"
+
+
+def test_stops_and_short_holds_are_counted_apart(tmp_path: Path) -> None:
+    folder = write_synthetic_run(tmp_path, 4.0)
+    line = (
+        '{"source":"loop","kind":"%s","n":%d,"t_ns":0,"tick":%d,"body_a":0,"body_b":-1,"material_a":0,'
+        '"material_b":0,"speed":0,"force":%d,"value":0,"position_world":[0,0,0],"normal_world":[0,0,0]}'
+    )
+    told = [("state", SafetyState.DEGRADED), ("trip", TripCause.LATE_TICK)]
+    told += [("state", SafetyState.SAFE_STOP), ("trip", TripCause.STALE_DEVICE)]
+    lines = [line % (kind, i, 1000 + i, number) for i, (kind, number) in enumerate(told)]
+    (folder / "events.jsonl").write_text("\n".join(lines) + "\n")
+    page = write_report(folder).read_text(encoding="utf-8")
+    assert "<b>1</b><span>safety stops</span>" in page and "<b>1</b><span>short holds</span>" in page
+    assert "this computer was too busy: a tick came too late" in page and "look at its line and its power" in page
 
 
 def test_figure_48_colours(page: str) -> None:
@@ -128,6 +148,86 @@ def test_lateness_comes_from_the_rows() -> None:
     assert punctuality(samples_of_session(2.0, live=False)) is None
 
 
+_SCRIPT = "<script>alert(1)</script>"
+
+
+def _poisoned(item: object) -> object:
+    """The same object with a script in every text and name, and instead of every number."""
+    if isinstance(item, dict):
+        return {f"{name}{_SCRIPT}" if _is_listed(name) else name: _poisoned(part) for name, part in item.items()}
+    return [_poisoned(part) for part in item] if isinstance(item, list) else _SCRIPT
+
+
+def _is_listed(name: str) -> bool:
+    """Whether a report lists what stands under this name as it comes."""
+    return name in ("force_limit", "cores", "numpy", "left_out")
+
+
+def test_no_text_of_a_recording_is_markup(tmp_path: Path) -> None:
+    """A run folder from elsewhere: a script in every value of the manifest's summary, session, events and trials."""
+    write_synthetic_run(tmp_path, 4.0)
+    manifest = json.loads((tmp_path / "manifest.json").read_text())
+    manifest["summary"] = _poisoned({**manifest["summary"], "governor": {"moves": 1, "shares": {"full": 1}}})
+    manifest["problem"] = _SCRIPT
+    (tmp_path / "manifest.json").write_text(json.dumps(manifest))
+    session = json.loads((tmp_path / "session.json").read_text())
+    (tmp_path / "session.json").write_text(json.dumps(_poisoned(session)))
+    with (tmp_path / "events.jsonl").open("a") as file:
+        for kind in ("audio", "quality", "action", "governor", "scheduler"):
+            file.write(json.dumps({"source": "app", "kind": kind, _SCRIPT: _SCRIPT, "step": _SCRIPT}) + "\n")
+        file.write(json.dumps({"source": "recorder", "kind": "gap", "after_row": 0, "reason": _SCRIPT}) + "\n")
+    trials = (tmp_path / "trials.csv").read_text()
+    (tmp_path / "trials.csv").write_text(trials.replace("finished", _SCRIPT).replace("81.25", _SCRIPT))
+    page = write_report(tmp_path).read_text()
+    assert "<script" not in page
+    assert page.count("&lt;script&gt;") > 20, "it is shown as text"
+
+
+def test_the_figure_that_was_markup(tmp_path: Path) -> None:
+    write_synthetic_run(tmp_path, 2.0)
+    manifest = json.loads((tmp_path / "manifest.json").read_text())
+    manifest["summary"]["task"] = {"completed": _SCRIPT, "trials": _SCRIPT}
+    (tmp_path / "manifest.json").write_text(json.dumps(manifest))
+    page = write_report(tmp_path).read_text()
+    assert "<script" not in page and "&lt;script&gt;alert(1)&lt;/script&gt; of" in page
+
+
+def test_everything_is_escaped_by_the_template_engine() -> None:
+    """No `safe`, no autoescape switched off, and no escaping by hand in the modules."""
+    folder = Path(run_module.__file__).parent
+    for template in (folder / "templates").glob("*.j2"):
+        assert not re.search(r"\|\s*safe\b|autoescape", template.read_text()), template
+    for module in folder.glob("*.py"):
+        assert "import escape" not in module.read_text(), module
+
+
+def test_trials_come_first_with_units_and_within_the_page(tmp_path: Path) -> None:
+    write_synthetic_run(tmp_path, 4.0)
+    session = json.loads((tmp_path / "session.json").read_text())
+    parameters = {"radius": {"min": 0, "max": 1}, "stiffness": {"unit": "N/m"}}
+    session["scene"]["document"]["task"] = {"parameters": parameters}
+    (tmp_path / "session.json").write_text(json.dumps(session))
+    names = [f"measure_{i}" for i in range(20)]
+    row = {
+        "trial": 0,
+        "outcome": "finished",
+        "smoothness": -1.5,
+        "parameter.radius": 1.2,
+        "parameter.stiffness": 2400.0,
+    }
+    table = TrialTable(tmp_path / "trials.csv", resume=True)
+    table.append({**row, **dict.fromkeys(names, 1)})
+    table.close()
+    trials = trials_of(Run.open(tmp_path))
+    assert trials is not None and trials.given is not None
+    assert trials.given.names == ["trial", "radius [–]", "stiffness [N/m]"]
+    assert "smoothness (spectral arc length) [–]" in trials.measured[0].names
+    assert all(len(table.names) <= 13 and table.names[0] == "trial" for table in trials.measured)
+    assert {name.replace("_", " ") for name in names} <= {n for t in trials.measured for n in t.names}, "none is lost"
+    page = write_report(tmp_path).read_text()
+    assert page.index("<h2>Trials") < page.index("<h2>Movement")
+
+
 def test_interrupted_run_is_reported_and_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     write_synthetic_run(tmp_path, 6.0, closed=False)
     path = tmp_path / "haptic.arrows"
@@ -158,6 +258,26 @@ def test_record_command_mends_and_verifies(tmp_path: Path, capsys: pytest.Captur
         file.write("x")
     assert main(["record", "verify", str(tmp_path)]) == 6
     assert "trials.csv was changed" in capsys.readouterr().out
+
+
+def test_verify_gives_a_verdict_and_does_not_describe(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """What `info` prints says nothing of whether the files are those that were sealed."""
+    for name in ("whole", "open"):
+        (tmp_path / name).mkdir()
+    write_synthetic_run(tmp_path / "whole", 2.0)
+    assert main(["record", "verify", str(tmp_path / "whole")]) == 0
+    (line,) = capsys.readouterr().out.splitlines()
+    assert line.split()[0] == "verified" and "files and the state hash are as they were sealed" in line
+    assert main(["record", "verify", "--json", str(tmp_path / "whole")]) == 0
+    assert json.loads(capsys.readouterr().out)["verified"] is True
+    with (tmp_path / "whole" / "trials.csv").open("a") as file:
+        file.write("x")
+    assert main(["record", "verify", str(tmp_path / "whole")]) == 6
+    said = capsys.readouterr().out.splitlines()
+    assert said[0].split()[0] == "damaged" and all(line.split()[0] == "problem" for line in said[1:])
+    write_synthetic_run(tmp_path / "open", 2.0, closed=False)
+    assert main(["record", "verify", str(tmp_path / "open")]) == 6
+    assert capsys.readouterr().out.startswith("not verified")
 
 
 # the plots

@@ -27,7 +27,7 @@ from mimics_app.recording.recover import recover
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import create_run_folder
 from mimics_app.recording.state_hash import StateHash
-from mimics_app.recording.streams import EventStream, ParameterStream, SampleStream
+from mimics_app.recording.streams import EventStream, ParameterStream, SampleStream, hash_of_files
 from mimics_app.recording.trial_table import TrialTable, read_trials
 from tests.support.recorder_app import fake_samples, push_ticks, scene_block
 
@@ -159,17 +159,16 @@ def test_garbage_sidecar_does_no_harm(tmp_path: Path) -> None:
 
 
 def test_stream_that_was_resumed_is_one_stream(tmp_path: Path) -> None:
-    """A torn block at the end goes, the rest is hashed again, and the blocks number on."""
+    """A torn block at the end goes, the rest is hashed when the run is sealed, and the blocks number on."""
     _write_run(tmp_path, 120)
     with (tmp_path / "haptic.arrows").open("ab") as file:
         file.write(encode_samples(fake_samples(120, 50), 3, 120)[:1000])
-    state, whole = StateHash(), StateHash()
-    samples = SampleStream(tmp_path, state, resume=True)
+    samples, whole = SampleStream(tmp_path, StateHash(), resume=True), StateHash()
     assert samples.next_row == 120
     samples.append(fake_samples(120, 30), 120)
     samples.close()
     whole.add_samples(fake_samples(0, 150))
-    assert state.hexdigest() == whole.hexdigest()
+    assert hash_of_files(tmp_path, []).hexdigest() == whole.hexdigest()
     table = pa.ipc.open_stream(tmp_path / "haptic.arrows").read_all()
     assert np.array_equal(table["t"].to_numpy(), fake_samples(0, 150)["t"])
     assert not Run.open(tmp_path).damages
@@ -356,16 +355,16 @@ def test_full_disk_stops_the_recording_and_nothing_else(tmp_path: Path) -> None:
         recorder = Recorder(memory, folder, {})
         recorder.start()
         recorder.parameters(scene_block())
-        for tick in range(0, 12_000, 1000):
+        for tick in range(0, 16_000, 1000):
             recorder.wait_for_room(1000)
             push_ticks(memory, tick, 1000)
         recorder.trial({"trial": 0, "score": 1.0})
-        recorder.wait_for_room(4096)
+        recorder.wait_for_room(8192)
         assert "disk is full" in recorder.problem
         manifest = recorder.close({"seed": 3})
         run = Run.open(folder)
-        assert 3000 < len(run.haptic) < 12_000
-        assert manifest.dropped["samples"] == 12_000 - len(run.haptic)
+        assert 3000 < len(run.haptic) < 16_000
+        assert manifest.dropped["samples"] == 16_000 - len(run.haptic)
         assert "disk is full" in manifest.problem
         assert run.trials == [{"trial": 0, "score": 1.0}]
         assert run.haptic.tobytes() == fake_samples(0, len(run.haptic)).tobytes()

@@ -139,3 +139,24 @@ def test_patient_is_repeatable_and_actions_change_the_travel():
     helped = travel(scene, "healthy", 3, {"assistance": 1.0}, profile="training", seconds=60.0)
     assert helped["parameter.assistance"] == 1.0 and helped["time_s"] < plain["time_s"]
     assert travel(scene, "healthy", 3, {}, profile="training", seconds=1.0) == {}
+
+
+def test_list_names_the_experiments_that_a_sweep_file_may_name(tmp_path, capsys):
+    """The description of the sweep file sends people to --list."""
+    assert main(["sweep", "--list", "--json"]) == 0
+    listed = {one["name"]: one for one in json.loads(capsys.readouterr().out)["experiments"]}
+    assert tuple(listed) == NAMES
+    assert listed["wall_stability"]["parameters"]["stiffness"] == {
+        "kind": "float",
+        "low": 0.0,
+        "high": 1e9,
+        "unit": "N/m",
+        "default": 1000.0,
+    }
+    assert "choices" in listed["patient"]["parameters"]["preset"]
+    assert main(["sweep", "--list"]) == 0
+    said = capsys.readouterr().out
+    assert all(f"{name}: " in said for name in NAMES)
+    assert "stiffness          float [N/m], from 0 to 1e+09, default 1000.0" in said
+    assert main(["sweep", "--list", str(tmp_path / "a.json")]) == 2
+    assert main(["sweep"]) == 2

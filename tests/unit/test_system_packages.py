@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -10,6 +11,9 @@ import pytest
 
 from mimics_app.app.installation import system_packages
 from mimics_app.app.installation.system_packages import NEEDS, SystemNeed, apt_line, missing
+
+ROOT = Path(__file__).resolve().parents[2]
+KINDS = ("run", "optional", "test", "test-optional")
 
 
 def test_library_that_loads_is_found_by_its_name() -> None:
@@ -45,7 +49,7 @@ def test_driver_without_a_loadable_name_is_looked_for_as_a_file(
 def test_kinds_are_kept_apart(monkeypatch: pytest.MonkeyPatch) -> None:
     """One unknown package name fails a whole apt line: what a distribution may have dropped stands alone."""
     monkeypatch.setattr(SystemNeed, "found", lambda need: "")
-    for kind in ("run", "optional", "test"):
+    for kind in KINDS:
         assert {need.kind for need in missing([kind])} == {kind}
     assert "libosmesa6" not in apt_line(missing(["run", "test"]))
 
@@ -58,7 +62,26 @@ def test_every_need_says_how_it_is_found_and_what_it_is_for() -> None:
     for need in NEEDS:
         assert need.libraries or need.files or need.program
         assert need.purpose
-        assert need.kind in {"run", "optional", "test"}
+        assert need.kind in KINDS
+
+
+def test_every_program_that_a_test_looks_for_is_installed_for_the_tests() -> None:
+    """A proof that is skipped wherever nobody happened to install its tool is none."""
+    listening = ("pulseaudio", "parec")
+    sources = [file.read_text(encoding="utf-8") for file in (ROOT / "tests").rglob("*.py")]
+    looked_for = {name for text in sources for name in re.findall(r'\bwhich\("([^"]+)"\)', text)}
+    brought = {need.program for need in NEEDS if need.kind.startswith("test")}
+    assert {*looked_for, *listening} - {"make"} <= brought, "make is how the tests are started"
+    assert len(looked_for) >= 3, "they are found"
+
+
+def test_every_package_that_a_test_imports_is_pinned() -> None:
+    """None is skipped for want of a Python package; the pins hold all of them."""
+    for file in (ROOT / "tests").rglob("test_*.py"):
+        if file != Path(__file__):
+            assert not re.search(r"importorskip\(|util\.find_spec\(", file.read_text(encoding="utf-8")), file
+    pins = (ROOT / "requirements.txt").read_text(encoding="utf-8")
+    assert all(re.search(rf"^{name}==", pins, re.MULTILINE) for name in ("mujoco-core", "distributed"))
 
 
 def test_script_runs_on_a_bare_interpreter() -> None:

@@ -10,7 +10,9 @@ import pytest
 
 from mimics_app.contracts.haptic import Controller, EventKind, SafetyState, TripCause
 from mimics_app.contracts.messages import TaskAction
+from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.tasks.task import TaskSpec
+from mimics_app.tasks.task_manager import TaskManager
 from tests.support.task_play import FRAME_NS, START, Player, make_manager
 
 STOPPED = {"state": int(SafetyState.SAFE_STOP), "cause": int(TripCause.STALE_DEVICE)}
@@ -293,7 +295,9 @@ def test_practice_is_left_out_of_the_result():
     player.until("done")
     slow = player.manager.rows[1]["time_s"]
     assert player.manager.result()["time_s"] == slow > 1.5 * player.manager.rows[0]["time_s"]
-    assert player.manager.result()["completed"] == player.manager.result()["trials"] == 2
+    result = player.manager.result()
+    assert (result["completed"], result["trials"]) == (1, 1)
+    assert result["practice"] == {"completed": 1, "trials": 1}
 
 
 def test_trial_cut_off_does_not_dilute_those_that_ended():
@@ -316,6 +320,31 @@ def test_result_has_the_keys_of_the_contract():
     player.until("done")
     totals = ["completed", "trials", "score", "time_s", "path_error_m", "contacts", "path_m"]
     assert list(player.manager.result()) == totals
+
+
+def test_a_task_without_a_way_has_no_progress_no_path_error_and_no_score():
+    spec = task(goals=[{"kind": "duration", "seconds": 1.0}])
+    player = Player(TaskManager(spec, TaskContext(START), 1))
+    player.until("travel")
+    assert not player.orders[-1].view.on_a_way
+    for _ in range(31):
+        player.step()
+    assert player.orders[-1].view.progress == pytest.approx(0.5, abs=0.05)  # of the time its goal asks for
+    player.until("done")
+    (row,) = player.manager.rows
+    assert {row[name] for name in ("path_error_rms_m", "path_error_max_m", "progress", "score")} == {None}
+    assert list(player.manager.result()) == ["completed", "trials", "time_s", "contacts", "path_m"]
+    board = player.orders[-1].board
+    assert board.message == "Finished" and not {"score", "progress"} & set(board.cards)
+
+
+def test_a_trial_that_was_stopped_has_ended_and_is_not_completed():
+    player = Player(make_manager(two_trials()))
+    player.until("travel")
+    player.step(**STOPPED)
+    player.manager.end_session(player.now_ns)
+    assert player.manager.result() == {"completed": 0, "trials": 1}
+    assert player.manager.rows[0]["score"] is None  # an aborted attempt earns nothing that could be compared
 
 
 def test_the_same_frames_give_the_same_rows():

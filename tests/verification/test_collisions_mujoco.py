@@ -2,20 +2,20 @@
 
 Negative `solref` makes MuJoCo's reference acceleration of a contact -(k r + b v) per unit of effective mass; with an
 impedance of nearly 1 the contact is a spring and damper of K = k m_eff, B = b m_eff that only pushes: the law of (17).
-m_eff is what the two bodies oppose to a push at the contact, 1/(n^T A n). Skipped where MuJoCo is not installed.
+m_eff is what the two bodies oppose to a push at the contact, 1/(n^T A n). MuJoCo is one of the pinned
+test tools.
 """
 
 from __future__ import annotations
 
 import math
 
+import mujoco
 import numpy as np
 import pytest
 
 from mimics_app.contracts.haptic_objects import ShapeKind
 from tests.support.body_play import box_inertia, new_play
-
-mujoco = pytest.importorskip("mujoco", reason="the second implementation is not installed: pip install mujoco")
 
 DT = 1e-4
 K, B = 4000.0, 8.0  # of the pair

@@ -31,7 +31,7 @@ esac
 _SYSTEM_PACKAGES = """
 import os, sys
 lacking = os.environ.get("LACKING", "").split() if not os.path.exists(os.environ["CALLS"] + ".apt") else []
-wanted = {"run": "lib", "test": "x", "optional": "opt"}
+wanted = {"run": "lib", "test": "x", "optional": "opt", "test-optional": "pulse"}
 print(" ".join(name for name in lacking for kind in sys.argv[1:] if name.startswith(wanted[kind])))
 """
 
@@ -184,6 +184,25 @@ def test_tests_ask_for_their_own_tools_too(bench: Bench) -> None:
     assert "sudo apt-get install -y libegl1 xvfb" in done.stderr
 
 
+@pytest.mark.parametrize("has_it", [True, False])
+def test_sound_server_of_the_tests_is_asked_for_once_and_by_them_only(bench: Bench, has_it: bool) -> None:
+    """Where a package manager would have to remove a desktop's own server for it, tests say that they are skipped."""
+    bench.stand_in("apt-get", f'#!/bin/sh\necho "apt-get $*" >>"$CALLS"\nexit {0 if has_it else 100}\n')
+    assert bench.word("run", LACKING="pulseaudio", FAKE_UID="0").returncode == 0
+    assert "pulseaudio" not in bench.called
+    python = bench.root / ".venv" / "bin" / "python"
+    python.unlink()  # what runs instead of the tests
+    python.write_text(f'#!/bin/sh\n[ "$1" = -m ] && echo "python $*" || exec {sys.executable} "$@"\n')
+    python.chmod(0o755)
+    first = bench.word("test", LACKING="pulseaudio", FAKE_UID="0")
+    assert first.returncode == 0, first.stderr
+    assert "--no-remove pulseaudio" in bench.called
+    assert ("not to be had here: pulseaudio" in first.stderr) != has_it
+    assert "-rfEs" in first.stdout.split(), "what is skipped is said with its reason"
+    bench.word("test", LACKING="pulseaudio", FAKE_UID="0")
+    assert "apt-get" not in bench.called
+
+
 def test_going_on_without_system_packages_is_possible(bench: Bench) -> None:
     assert bench.word("run", LACKING="libegl1", MIMICS_SKIP_SYSTEM="1").returncode == 0
 
@@ -198,7 +217,7 @@ def test_root_installs_required_and_optional_packages_apart(bench: Bench) -> Non
     done = bench.word("run", LACKING="libegl1 optmesa", FAKE_UID="0")
     assert done.returncode == 0, done.stderr
     installs = [line for line in bench.called.splitlines() if " install " in line and line.startswith("apt-get")]
-    assert any(line.endswith("--no-install-recommends libegl1") for line in installs)
+    assert any(line.endswith("--no-install-recommends --no-remove libegl1") for line in installs)
     assert all(not ("libegl1" in line and "optmesa" in line) for line in installs)
     bench.word("run", LACKING="optmesa", FAKE_UID="0")
     assert "apt-get" not in bench.called, "what the distribution does not have is asked for once"
@@ -207,7 +226,7 @@ def test_root_installs_required_and_optional_packages_apart(bench: Bench) -> Non
 def test_sudo_without_a_password_is_used(bench: Bench) -> None:
     bench.stand_in("sudo", '#!/bin/sh\n[ "$1" = -n ] || exit 1\nshift\nexec "$@"\n')
     assert bench.word("run", LACKING="libegl1").returncode == 0
-    assert "install -y --no-install-recommends libegl1" in bench.called
+    assert "install -y --no-install-recommends --no-remove libegl1" in bench.called
 
 
 def test_packages_that_apt_does_not_bring_end_in_the_line(bench: Bench) -> None:

@@ -63,6 +63,8 @@ def test_wheel_holds_every_data_file(wheel: Path) -> None:
         for file in (ROOT / folder).rglob("*")
         if file.is_file() and "__pycache__" not in file.parts
     }
+    templates = (ROOT / "mimics_app" / "recording" / "templates").iterdir()
+    wanted |= {file.relative_to(ROOT).as_posix() for file in templates}
     assert wanted
     assert wanted <= held
 

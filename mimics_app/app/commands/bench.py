@@ -27,7 +27,7 @@ _frame_rate = real_number("frame rate from 1 to 1000", lambda fps: 1.0 <= fps <=
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics bench`."""
     parser.add_argument(
-        "what", choices=("all", "realtime", "methods", "sound", "haptic", "render"), help="what to measure"
+        "what", choices=("all", "realtime", "methods", "audio", "haptic", "render"), help="what to measure"
     )
     _add_render_arguments(parser)
     parser.add_argument("--scene", type=Path, default=Path("scenes/wavy_tunnel.json"), help="scene of the load")
@@ -74,7 +74,7 @@ def run(args: argparse.Namespace) -> int:
     if args.what == "render":
         return _run_render(args)
 
-    parts = ("methods", "sound", "haptic", "realtime") if args.what == "all" else (args.what,)
+    parts = ("methods", "audio", "haptic", "realtime") if args.what == "all" else (args.what,)
     answer: dict[str, Any] = {}
     for part in parts:
         measured = _MEASURES[part](args)
@@ -138,7 +138,8 @@ def _measure_apart(kind: str, scene: Path, seconds: float) -> dict[str, Any]:
 
 def _median_round(rows: list[dict[str, Any]]) -> dict[str, Any]:
     """The round of median missed share: figures of one real run, not a mixture."""
-    return sorted(rows, key=lambda row: float(row["missed_share"]))[len(rows) // 2]
+    counted = [row for row in rows if "missed_share" in row] or rows
+    return sorted(counted, key=lambda row: float(row.get("missed_share", 0.0)))[len(counted) // 2]
 
 
 def _measure_methods(args: argparse.Namespace) -> dict[str, Any]:
@@ -150,7 +151,7 @@ def _measure_methods(args: argparse.Namespace) -> dict[str, Any]:
     return {"groups": {group: as_dict(measure(group, registry)) for group in GROUPS}}
 
 
-def _measure_sound(args: argparse.Namespace) -> dict[str, Any]:
+def _measure_audio(args: argparse.Namespace) -> dict[str, Any]:
     """Contact to sample through a private PulseAudio null sink; says what is missing where there is none."""
     from mimics_app.rendering.audio.live_latency import measure_live_latency, pulse_missing
 
@@ -159,18 +160,18 @@ def _measure_sound(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _measure_haptic(_: argparse.Namespace) -> dict[str, Any]:
-    """Shapes, meshes and bodies against a reference loop and the peers."""
+    """Shapes, meshes and bodies against a reference loop and the peers; PEERS names a folder with further ones."""
     from mimics_app.lab.haptic_bench import measure_haptic
 
     def tell(what: str) -> None:
         sys.stderr.write(f"{what}\n")
 
-    return measure_haptic(tell)
+    return measure_haptic(tell, Path(os.environ["PEERS"]) if os.environ.get("PEERS") else None)
 
 
 _MEASURES = {
     "realtime": _measure_realtime,
     "methods": _measure_methods,
-    "sound": _measure_sound,
+    "audio": _measure_audio,
     "haptic": _measure_haptic,
 }

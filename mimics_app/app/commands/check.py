@@ -56,6 +56,9 @@ def examine(file: Path) -> dict[str, Any]:
         model = load_gltf(file)
         holds = {"nodes": len(model.nodes), "meshes": len(model.meshes), "materials": len(model.materials)}
         return {"file": str(file), "ok": True, "kind": "model", "holds": holds, "notes": model.notes}
+    from mimics_app.app.scenes.finding import find_scene
+
+    find_scene(file)
     from mimics_app.app.scenes.catalogue import is_part, is_playable, open_scenario
     from mimics_app.app.scenes.loading import load_checked_scene
     from mimics_app.world.scene.file import build_world
@@ -75,7 +78,7 @@ def examine(file: Path) -> dict[str, Any]:
 
 def _check_devices(scene: Scene) -> None:
     """Raise the DeviceError of a robot whose device nobody has."""
-    from mimics_app.rendering.haptic.devices.registry import check_device_name
+    from mimics_app.rendering.haptic.devices.device_names import check_device_name
     from mimics_app.world.components.robot import Robot
 
     for _, robot, pointer in scene.components(Robot):
@@ -90,4 +93,4 @@ def _lines(finding: dict[str, Any]) -> list[str]:
     if not finding["ok"]:
         return []
     holds = ", ".join(f"{count} {what}" for what, count in finding["holds"].items())
-    return [f"{finding['file']}: right ({holds})\n", *(f"  {note}\n" for note in finding["notes"])]
+    return [f"{finding['file']}: ok ({holds})\n", *(f"  {note}\n" for note in finding["notes"])]

@@ -53,6 +53,9 @@ def run(args: argparse.Namespace) -> int:
 
 def _check(args: argparse.Namespace) -> int:
     """The conformance kit against one device."""
+    from mimics_app.rendering.haptic.devices.device_names import check_device_name
+
+    check_device_name(args.device)
     from mimics_app.app.devices.check import check_by_name
 
     findings = check_by_name(args.device, args.recording)

@@ -73,7 +73,7 @@ def examine(runs: Path) -> dict[str, Any]:
         "machine": _machine(),
         "system": [_system_row(need, place) for need, place in found],
         "missing": [need.package for need in lacking],
-        "apt": system_packages.apt_line(lacking) if lacking else None,
+        "apt": _apt_line(lacking),
         "gl": graphics,
         "al": probe("sound"),
         "scheduler": probe("scheduler"),
@@ -89,6 +89,12 @@ def examine(runs: Path) -> dict[str, Any]:
 
 def _is_linux() -> bool:
     return sys.platform.startswith("linux")
+
+
+def _apt_line(lacking: list[system_packages.SystemNeed]) -> str | None:
+    """The one line to type, without the tests' sound server: apt might remove a desktop's own for it."""
+    needs = [need for need in lacking if need.kind != "test-optional"]
+    return system_packages.apt_line(needs) if needs else None
 
 
 def _system_row(need: system_packages.SystemNeed, found: str) -> dict[str, str]:

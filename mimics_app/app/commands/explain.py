@@ -31,6 +31,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Plan the scene as a run of it would, and say what was taken and why."""
+    from mimics_app.app.scenes.finding import find_scene
+
+    find_scene(args.scene)
     from mimics_app.app.picture.shadow_cost import measure_shadow_us
     from mimics_app.app.planner.explain import explain_plan
     from mimics_app.app.planner.plan import plan_scene
@@ -59,6 +62,8 @@ def _say(answer: dict[str, Any], plan: Plan) -> None:
     for part in answer["parts"]:
         error = _error_of(part)
         print(f"runs      {part['part']}: {part['method']}, {_cost_of(part)}{error}")
+        if part["note"]:
+            print(f"          {part['note']}")
         if part["group"] in overruled:
             print(f"          the scene names it; the planner would take {overruled[part['group']]}")
         refused = part["next_cheaper"]
@@ -68,7 +73,7 @@ def _say(answer: dict[str, Any], plan: Plan) -> None:
             print(f"          better but too dear: {_too_dear(part['too_dear'], part['unit'])}")
     for left in answer["left_out"]:
         saved = "" if left["saved_us"] is None else f" ({_time_of(left['saved_us'])} saved)"
-        print(f"left out  {left['part']}: {left['why']}{saved}")
+        print(f"not used  {left['part']}: {left['why']}{saved}")
 
 
 def _cost_of(part: dict[str, Any]) -> str:

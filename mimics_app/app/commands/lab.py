@@ -17,6 +17,7 @@ __all__ = ["add_arguments", "run"]
 
 _EXIT_FAILED = 6
 _POINTS = 24
+_FOLDER = Path("charts")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -29,7 +30,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("name", nargs="*", help="groups of methods, or experiments such as S3; none: all of them")
     parser.add_argument("--all", action="store_true", help="all groups or experiments, as without a name")
     parser.add_argument("--save", action="store_true", help="measure: keep the figures for the planner of this machine")
-    parser.add_argument("--shipped", action="store_true", help="measure: keep them as the table the product ships with")
+    parser.add_argument(
+        "--shipped",
+        action="store_true",
+        help="renew what the product ships with, in a checkout: of measure its table, else docs/charts",
+    )
     parser.add_argument(
         "--rounds",
         type=whole_number("number of rounds", range(1, 101)),
@@ -43,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=_POINTS,
         help="stability: how fine the grid is",
     )
-    parser.add_argument("--out", type=Path, default=Path("docs/charts"), help="folder of the figures")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="folder of the figures; without it ./charts")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -52,11 +57,32 @@ def run(args: argparse.Namespace) -> int:
 
     if args.all and args.name:
         raise UsageError("both a name and --all", "leave one of them away")
+    if args.action != "measure":
+        args.out = _folder(args)
     if args.action == "stability":
         return _stability(args)
     groups = _groups(args.name)
     measured = _measure(groups, args.rounds)
     return _show_table(args, measured) if args.action == "measure" else _chart(args, measured)
+
+
+def _folder(args: argparse.Namespace) -> Path:
+    """Where figures go: a measurement made in passing renews none of those that the product ships with.
+
+    Raises:
+        UsageError: --shipped with --out, or without a checkout.
+    """
+    from mimics_app.contracts.errors import UsageError
+    from mimics_app.contracts.resources import root
+
+    if not args.shipped:
+        return args.out or _FOLDER
+    if args.out is not None:
+        raise UsageError("both --out and --shipped", "leave one of them away")
+    shipped = root() / "docs" / "charts"
+    if not shipped.is_dir():
+        raise UsageError("the shipped figures stand in a checkout only", "give a folder with --out DIR")
+    return shipped
 
 
 def _groups(words: list[str]) -> list[str]:
@@ -82,9 +108,9 @@ def _measure(groups: list[str], rounds: int) -> list[MeasuredGroup]:
 
 def _show_table(args: argparse.Namespace, measured: list[MeasuredGroup]) -> int:
     from mimics_app.app.terminal import output
-    from mimics_app.lab.machine import describe_machine
+    from mimics_app.contracts.machine import describe_machine
+    from mimics_app.contracts.method_table import Table, shipped_file
     from mimics_app.lab.measure import as_dict, to_table
-    from mimics_app.lab.table import Table, shipped_file
 
     saved = None
     if args.save or args.shipped:

@@ -28,8 +28,8 @@ def run(args: argparse.Namespace) -> int:
         DeviceError: there is no display.
     """
     from mimics_app.app.play.play import play
-    from mimics_app.app.session.build import has_display
     from mimics_app.app.settings import RunSettings
+    from mimics_app.app.terminal.display import has_display
 
     if not has_display():
         raise DeviceError("the launcher needs a display", "try: mimics run scenes/wavy_tunnel.json")
@@ -51,7 +51,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _options() -> dict[str, list[str]]:
     """Settings of the launcher: what is installed here."""
-    from mimics_app.rendering.haptic.devices.registry import device_names
+    from mimics_app.rendering.haptic.devices.device_names import device_names
 
     devices = [_WORDS.get(name, name) for name in ("pointer", *device_names()) if name != "replay"]
     return {

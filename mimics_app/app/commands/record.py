@@ -37,13 +37,15 @@ def run(args: argparse.Namespace) -> int:
     wrong = list(opened.problems())
     if args.action == "verify":
         wrong += opened.disagreements()
+        answer["verified"] = opened.manifest is not None and not wrong
     answer["problems"] = wrong
     if args.json:
         from mimics_app.app.terminal.output import write_object
 
         write_object("record", {"action": args.action, **answer})
     else:
-        sys.stdout.write("".join(f"{name:14} {text}\n" for name, text in _lines(answer)))
+        lines = _verdict(opened, wrong) if args.action == "verify" else _lines(answer)
+        sys.stdout.write("".join(f"{name:14} {text}\n" for name, text in lines))
     bad = opened.disagreements() if args.action == "recover" else wrong
     return PartialDataError.exit_code if bad else 0
 
@@ -61,6 +63,18 @@ def _describe(opened: Run) -> dict[str, Any]:
         "state_hash": opened.manifest.state_hash if opened.manifest else opened.state_hash(),
         "gaps": [asdict(gap) for gap in opened.gaps],
     }
+
+
+def _verdict(opened: Run, wrong: list[str]) -> list[tuple[str, str]]:
+    """What `verify` found: that everything is as it was sealed, or each thing that is not."""
+    if opened.manifest is None:
+        fix = f"mimics record recover {opened.folder} seals what is good"
+        return [("not verified", f"{opened.folder}: nothing seals it; {fix}"), *(("problem", one) for one in wrong)]
+    if wrong:
+        return [("damaged", f"{opened.folder}: {len(wrong)} findings"), *(("problem", one) for one in wrong)]
+    files = len(opened.manifest.files)
+    sealed = f"{files} files and the state hash are as they were sealed"
+    return [("verified", f"{opened.folder}: {sealed}, {len(opened.haptic)} ticks without a gap")]
 
 
 def _lines(answer: dict[str, Any]) -> list[tuple[str, str]]:

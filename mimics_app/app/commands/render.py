@@ -31,9 +31,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Draw and say what was drawn with which driver."""
+    from mimics_app.app.scenes.finding import find_scene
     from mimics_app.app.terminal import output
     from mimics_app.app.terminal.first_start import say_if_cold
 
+    find_scene(args.scene)
     say_if_cold()
     from mimics_app.app.picture.stills import draw_stills
     from mimics_app.app.settings import RunSettings

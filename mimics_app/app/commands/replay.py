@@ -21,14 +21,15 @@ def run(args: argparse.Namespace) -> int:
     """
     from mimics_app.app.terminal import output
     from mimics_app.app.terminal.first_start import say_if_cold
+    from mimics_app.recording.run import Run
 
+    recorded = Run.open(args.run_folder)
     say_if_cold()
     from mimics_app.contracts.errors import PartialDataError
     from mimics_app.recording.replay import compare, gather
-    from mimics_app.recording.run import Run
     from mimics_app.rendering.haptic.replay import replay_ticks
 
-    data = gather(Run.open(args.run_folder))
+    data = gather(recorded)
     statics = None
     if data.statics is not None:
         from mimics_app.rendering.haptic.object_statics import ObjectStatics

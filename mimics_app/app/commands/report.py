@@ -18,11 +18,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write RUN/report.html; 0, or 6 when parts of the recording are missing."""
-    from mimics_app.recording.report import write_report
     from mimics_app.recording.run import Run
 
-    report = write_report(args.folder)
     opened = Run.open(args.folder)
+    from mimics_app.recording.report import write_report
+
+    report = write_report(args.folder)
     problems = opened.problems()
     if args.json:
         from mimics_app.app.terminal.output import write_object

@@ -24,8 +24,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--headless", action="store_true", help="no window: virtual clock and simulated patient")
     parser.add_argument("--seconds", type=positive_time, help="end after this much simulated time [s]")
     parser.add_argument("--seed", type=random_seed, default=1, help="of trial order, patient and sensor noise")
-    parser.add_argument("--profile", choices=PROFILES, default="training", help="what may be given up for speed")
-    parser.add_argument("--device", default="", help="instead of the scene's robot (see mimics devices)")
+    parser.add_argument("--profile", choices=PROFILES, default="training", help="quality profile")
+    parser.add_argument("--device", default="", help="driven by, instead of the scene's robot (see mimics devices)")
     parser.add_argument("--recording", type=Path, metavar="RUN", help="run folder that --device replay plays")
     parser.add_argument(
         "--patient", choices=("healthy", "moderate", "severe"), default="", help="instead of the scene's"
@@ -51,8 +51,23 @@ def run(args: argparse.Namespace) -> int:
     """Run the scene and say what it came to."""
     from mimics_app.app.terminal.first_start import say_if_cold
 
+    _find_what_is_named(args)
     say_if_cold()
     from mimics_app.app.play.play import play
 
     settings = RunSettings(**{field.name: getattr(args, field.name) for field in fields(RunSettings)})
     return play(settings, as_json=args.json)
+
+
+def _find_what_is_named(args: argparse.Namespace) -> None:
+    """Refuse a scene, a device or a run that is not there before compiled code and graphics are imported."""
+    from mimics_app.app.scenes.finding import find_scene
+    from mimics_app.rendering.haptic.devices.device_names import check_device_name
+
+    find_scene(args.scene)
+    if args.device:
+        check_device_name(args.device)
+    if args.recording is not None:
+        from mimics_app.recording.run import Run
+
+        Run.open(args.recording)

@@ -20,7 +20,10 @@ __all__ = ["add_arguments", "run"]
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics sweep`."""
-    parser.add_argument("spec", type=Path, help="sweep file, such as docs/sweeps/wall_stability.json")
+    parser.add_argument(
+        "spec", type=Path, nargs="?", help="sweep file, such as docs/sweeps/wall_stability.json (not with --list)"
+    )
+    parser.add_argument("--list", action="store_true", help="tell the experiments, their parameters and results")
     parser.add_argument("--out", type=Path, help="Parquet file to write; without it runs/sweeps/NAME.parquet")
     parser.add_argument(
         "--workers",
@@ -31,6 +34,34 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
+    """Compute what is missing, and join all of it; or tell what can be swept."""
+    from mimics_app.contracts.errors import UsageError
+
+    if (args.spec is None) != args.list:
+        raise UsageError("give one sweep file, or --list", "see mimics sweep --help")
+    return _list(args) if args.list else _sweep(args)
+
+
+def _list(args: argparse.Namespace) -> int:
+    """The experiments with their parameters and results."""
+    from mimics_app.app.sweep.experiments import NAMES, find_experiment
+    from mimics_app.app.terminal import output
+
+    experiments = [experiment for name in NAMES if (experiment := find_experiment(name)) is not None]
+    if args.json:
+        output.write_object("sweep", {"experiments": [experiment.as_dict() for experiment in experiments]})
+        return 0
+    for experiment in experiments:
+        print(f"{experiment.name}: {experiment.what}")
+        for name, quantity in experiment.parameters.items():
+            print(f"  {name:18} {quantity}")
+        if experiment.open_prefix:
+            print(f"  {experiment.open_prefix + '*':18} a parameter of the scene's task")
+        print(f"  results: {', '.join(experiment.results)}\n")
+    return 0
+
+
+def _sweep(args: argparse.Namespace) -> int:
     """Compute what is missing, and join all of it."""
     from mimics_app.app.sweep.experiments import NAMES, find_experiment
     from mimics_app.app.sweep.worker import SweepJob

@@ -59,7 +59,11 @@ def run(args: argparse.Namespace) -> int:
     args.output = args.output or Path("view.png")
     if args.sheet is not None:
         return _draw_sheet(args)
-    from mimics_app.app.session.build import has_display
+    if args.file.suffix.lower() in (".json", ""):
+        from mimics_app.app.scenes.finding import find_scene
+
+        find_scene(args.file)
+    from mimics_app.app.terminal.display import has_display
     from mimics_app.app.viewer.shown import open_shown
 
     if not (headless or has_display()):

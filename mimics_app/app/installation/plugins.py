@@ -1,22 +1,23 @@
-"""Plug-ins of other packages: entry points of our groups, and whether each can be imported."""
+"""Plug-ins of other packages: entry points of our groups, and whether each can be had."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Any
 
+from mimics_app.world.components.plugins import ENTRY_POINT_GROUP as COMPONENTS
+from mimics_app.world.components.plugins import fault_of_type
+
 __all__ = ["GROUPS", "PluginReport", "list_plugins"]
 
 GROUPS = (
     "mimics_app.devices",
-    "mimics_app.components",
+    COMPONENTS,
     "mimics_app.scenarios",
+    "mimics_app.task_kinds",
     "mimics_app.force_fields",
-    "mimics_app.recorders",
-    "mimics_app.exporters",
-    "mimics_app.audio_backends",
 )
-"""The groups of entry points a package may offer something in."""
+"""The groups of entry points a package may offer something in: each is loaded by the stage that has a place for it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +29,7 @@ class PluginReport:
         name: Its name, as a scene or an option uses it.
         target: "module:attribute".
         package: The distribution that brings it, with its version; "" where unknown.
-        error: Why it cannot be imported; "" when it can.
+        error: Why it cannot be had; "" when it can.
         loaded: The object itself; None after an error.
     """
 
@@ -58,4 +59,5 @@ def _report(group: str, point: Any) -> PluginReport:
         if isinstance(error, KeyboardInterrupt):
             raise
         return PluginReport(group, point.name, point.value, package, f"{type(error).__name__}: {error}")
-    return PluginReport(group, point.name, point.value, package, "", loaded)
+    fault = fault_of_type(point.name, loaded) if group == COMPONENTS else ""
+    return PluginReport(group, point.name, point.value, package, fault, loaded)

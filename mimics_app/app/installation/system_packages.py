@@ -28,7 +28,8 @@ class SystemNeed:
     Attributes:
         package: Debian and Ubuntu name of the package.
         purpose: What stops working without it.
-        kind: "run" (needed to run), "optional" (used where the distribution has it) or "test" (needed by `make test`).
+        kind: "run" (needed to run), "optional" (used where the distribution has it), "test" (needed by `make test`) or
+            "test-optional" (tests are skipped without; nothing of a desktop is removed for it).
         libraries: Names for the loader; any one will do.
         files: File patterns in the driver folders, for parts without a loadable name; any one will do.
         program: Name of a program on PATH.
@@ -79,6 +80,8 @@ NEEDS: tuple[SystemNeed, ...] = (
     SystemNeed("xvfb", "tests with a real window", kind="test", program="Xvfb"),
     SystemNeed("xauth", "tests with a real window", kind="test", program="xauth"),
     SystemNeed("xdotool", "tests that move the pointer", kind="test", program="xdotool"),
+    SystemNeed("pulseaudio", "tests that listen to a live sound server", kind="test-optional", program="pulseaudio"),
+    SystemNeed("pulseaudio-utils", "tests that listen to a live sound server", kind="test-optional", program="parec"),
 )
 """Everything asked for, in the order it is reported."""
 

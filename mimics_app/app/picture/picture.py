@@ -12,7 +12,7 @@ from mimics_app.app.picture.lost_picture import draw_or_recover
 from mimics_app.app.picture.methods import with_methods
 from mimics_app.app.picture.video import Film
 from mimics_app.app.planner.plan import plan_scene
-from mimics_app.app.planner.uses import visual_of
+from mimics_app.app.planner.uses import shadow_distance_of, visual_of
 from mimics_app.app.settings import Profile
 from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import Clock
@@ -68,7 +68,7 @@ def picture_quality(scene: Scene, profile: Profile, pixels: int = 0) -> RenderSe
         tone_map=visual.tone_map,
         shadow_size=RenderSettings().shadow_size if visual.shadow_size == "auto" else visual.shadow_size,
         shadows="texture_additive" if visual.shadows == "auto" else visual.shadows,
-        shadow_distance=visual.shadow_distance,
+        shadow_distance=shadow_distance_of(scene),
         cascades=visual.cascades,
         hud_depth=depth,
         fog_density=visual.fog_density,

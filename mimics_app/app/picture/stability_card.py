@@ -27,7 +27,8 @@ def stability_card(snapshot: HapticSnapshot) -> Card:
     if share < _SOFTENED:
         text, tone = f"soft {100.0 * share:.0f} %", Tone.WARN
     remark_tone = Tone.ALARM if energy < -_LEAK else Tone.FAINT
-    return Card("Stability", text, tone, remark=f"{1e3 * energy:.1f} mJ", remark_tone=remark_tone, width=220.0)
+    remark = f"{round(1e3 * energy, 1) + 0.0:.1f} mJ"  # never -0.0
+    return Card("Stability", text, tone, remark=remark, remark_tone=remark_tone, width=220.0)
 
 
 def _tone(margin: float) -> Tone:

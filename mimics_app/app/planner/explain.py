@@ -10,8 +10,8 @@ from typing import Any
 import msgspec
 
 from mimics_app.app.planner.plan import Choice, Dearer, Plan
-from mimics_app.app.planner.uses import USES, visual_of
-from mimics_app.lab.table import Row, Table
+from mimics_app.app.planner.uses import USES, shadow_distance_of, visual_of
+from mimics_app.contracts.method_table import Row, Table
 from mimics_app.world.components.effects import Billboard, Particles, Projector
 from mimics_app.world.components.objects import HapticObject, HapticWalls
 from mimics_app.world.components.pictures import Inset, Mirror, Screen
@@ -43,6 +43,7 @@ class Part:
         too_dear: What would be taken if a frame had the time, {"method", "error", "more_ms", "room_ms"}: what a frame
             would take longer than with the cheapest, and what there was for it; None where time does not decide.
         more_ms: What a frame takes longer than with the cheapest [ms]; None where no frame has to keep time.
+        note: How it is used, where the method's name does not say; "" for nothing.
     """
 
     part: str
@@ -55,6 +56,7 @@ class Part:
     next_cheaper: dict[str, Any] | None
     too_dear: dict[str, Any] | None = None
     more_ms: float | None = None
+    note: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +82,7 @@ def explain_plan(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None]
 
 def describe_plan(scene: Scene, plan: Plan) -> dict[str, Any]:
     """The object without measuring anything: what the header of a run keeps."""
-    parts = [*_tick_parts(scene, plan), *(_part(choice, plan) for choice in plan.choices)]
+    parts = [*_tick_parts(scene, plan), *(_part(scene, choice, plan) for choice in plan.choices)]
     return {
         "profile": plan.profile,
         "tolerances": dict(plan.tolerances),
@@ -91,7 +93,7 @@ def describe_plan(scene: Scene, plan: Plan) -> dict[str, Any]:
     }
 
 
-def _part(choice: Choice, plan: Plan) -> Part:
+def _part(scene: Scene, choice: Choice, plan: Plan) -> Part:
     taken, refused, dearer = choice.taken, choice.refused, choice.dearer
     timed = bool(plan.pixels and USES[choice.group].pixels)
     return Part(
@@ -105,7 +107,18 @@ def _part(choice: Choice, plan: Plan) -> Part:
         next_cheaper=None if refused is None else {"method": refused.method, "error": refused.error},
         too_dear=None if dearer is None else _too_dear(dearer),
         more_ms=choice.more_ms if timed else None,
+        note=_seen_to(scene) if choice.taken.method.startswith("cascades") else "",
     )
+
+
+def _seen_to(scene: Scene) -> str:
+    """How far cascades reach, and who says so."""
+    visual, distance = visual_of(scene), shadow_distance_of(scene)
+    reason = (
+        "bodies are spread over more than one map holds" if visual.shadow_distance == "auto" else "as the scene says"
+    )
+    maps = "1 map" if visual.cascades == 1 else f"{visual.cascades} maps"
+    return f"seen to {distance:.3g} m from the eye in {maps}: {reason}"
 
 
 def _too_dear(dearer: Dearer) -> dict[str, Any]:
@@ -117,7 +130,7 @@ def _tick_parts(scene: Scene, plan: Plan) -> list[Part]:
     """The whole haptic tick, where the table has it and somebody plays the scene."""
     if scene.scenario == _NOBODY:
         return []
-    method = plan.methods.get("tunnel projection", _NO_TUNNEL) if scene.components(Tunnel) else _NO_TUNNEL
+    method = plan.methods.get("tunnel projection", _NO_TUNNEL) if scene.has(Tunnel) else _NO_TUNNEL
     row = _row(plan.table, TICK_GROUP, method)
     if row is None:
         return []
@@ -126,7 +139,7 @@ def _tick_parts(scene: Scene, plan: Plan) -> list[Part]:
 
 
 def _has_objects(scene: Scene) -> bool:
-    return bool(scene.components(HapticObject) or scene.components(HapticWalls))
+    return scene.has(HapticObject) or scene.has(HapticWalls)
 
 
 def _row(table: Table, group: str, method: str) -> Row | None:
@@ -147,13 +160,13 @@ def _left_out(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None]) -
         (Inset, "pictures over the display", "no entity has an inset", None),
         (Tunnel, "tunnel force, per tick", "no entity has a tunnel", _tunnel_us(table)),
     ]
-    left = [LeftOut(part, why, saved) for kind, part, why, saved in absent if not scene.components(kind)]
+    left = [LeftOut(part, why, saved) for kind, part, why, saved in absent if not scene.has(kind)]
     if not any(light.casts_shadow for _, light, _ in scene.components(LightComponent)):
         left.append(LeftOut("shadow pass, per frame", "no light casts a shadow", shadow_us()))
     left += _filters_left_out(scene, plan)
     if not _has_objects(scene):
         left += [LeftOut(part, _NO_OBJECT, _cheapest(table, group)) for group, part in OF_OBJECTS.items()]
-    left.append(LeftOut("body signals, estimation, learning", "no recorder of body signals is in the scene", None))
+    left.append(LeftOut("body signals, their processing and estimation, learned adaptation", _NOT_BUILT, None))
     return left
 
 
@@ -163,7 +176,7 @@ def _filters_left_out(scene: Scene, plan: Plan) -> list[LeftOut]:
     left = [
         LeftOut(
             f"{part}, per frame",
-            f"systems.visual.{group.replace(' ', '_')} does not ask for it",
+            f"systems.visual.{group.replace(' ', '_')} does not request it",
             _extra_us(plan, group),
         )
         for part, group, used in (
@@ -187,6 +200,8 @@ _NOBODY = "none"
 """Scenario of a scene that is only looked at."""
 
 _NO_OBJECT = "no entity has a haptic_object or haptic_walls"
+
+_NOT_BUILT = "not built yet: nothing in a scene can ask for it"
 
 OF_OBJECTS: Mapping[str, str] = {
     "integrator": "rigid bodies, per body and tick",

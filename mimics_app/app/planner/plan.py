@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from mimics_app.app.planner.tolerances import FIELD_OF_UNIT, tolerances_of
 from mimics_app.app.planner.uses import USES, Use
 from mimics_app.app.settings import Profile
-from mimics_app.lab.table import Row, Table
+from mimics_app.contracts.method_table import Row, Table
 from mimics_app.world.scene.scene import Scene
 
 __all__ = ["ROOM", "Choice", "Dearer", "Plan", "choose", "load_table", "plan_scene", "settle"]

@@ -11,8 +11,9 @@ from mimics_app.world.components.robot import Admittance, Tunnel
 from mimics_app.world.components.systems import AudioSettings, HapticSettings, VisualSettings
 from mimics_app.world.components.visible import CameraComponent, LightComponent, MeshComponent, Sound
 from mimics_app.world.scene.scene import Scene
+from mimics_app.world.scene.spread import ENOUGH, spread_of_casters
 
-__all__ = ["USES", "Use", "visual_of"]
+__all__ = ["USES", "Use", "shadow_distance_of", "visual_of"]
 
 
 def _anything(scene: Scene, method: str) -> bool:
@@ -49,8 +50,26 @@ def visual_of(scene: Scene) -> VisualSettings:
     return wanted if isinstance(wanted, VisualSettings) else VisualSettings()
 
 
+_ONE_MAP = 8.0
+"""Spread of bodies up to which one map holds them all [m]: of 2,048 texels each is 8 mm wide, a pixel of 720 rows 7 m
+away."""
+
+
+def shadow_distance_of(scene: Scene) -> float:
+    """How far from the eyes the sun's shadows are seen, in cascades [m]; 0: everywhere, in one map.
+
+    What `systems.visual.shadow_distance` says; of a scene that leaves it open one map where that is enough, else the
+    way across its bodies, but 100 m at most: beyond, the shadow of a person's height is a dozen pixels high.
+    """
+    stated = visual_of(scene).shadow_distance
+    if stated != "auto":
+        return stated
+    spread = spread_of_casters(scene)
+    return 0.0 if spread <= _ONE_MAP else 2.0 * min(spread, ENOUGH)
+
+
 def _has(kind: type[msgspec.Struct]) -> Callable[[Scene], bool]:
-    return lambda scene: bool(scene.components(kind))
+    return lambda scene: scene.has(kind)
 
 
 def _named_projection(scene: Scene) -> str:
@@ -83,13 +102,13 @@ def _named_shadows(scene: Scene) -> str:
         return visual.shadows.replace("_", " ")
     if visual.shadow_size == "auto":
         return ""
-    return f"{'cascades' if visual.shadow_distance else 'map'} {visual.shadow_size}"
+    return f"{'cascades' if shadow_distance_of(scene) else 'map'} {visual.shadow_size}"
 
 
 def _may_shadow(scene: Scene, method: str) -> bool:
     """A distance asks for cascades, a named kind for maps. Darkening the picture is a look: never chosen for speed."""
     visual, kind = visual_of(scene), method.split()[0]
-    if visual.shadow_distance:
+    if shadow_distance_of(scene):
         return kind == "cascades"
     return kind == "map" or (visual.shadows == "auto" and method == "stencil additive")
 

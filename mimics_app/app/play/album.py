@@ -16,10 +16,10 @@ _NS = 1_000_000_000
 
 
 class Album:
-    """Keeps pictures of chosen moments: the first trial's start, its middle, its wall contacts, its end.
+    """Keeps pictures of chosen moments, spread evenly from the first trial on. A film has every frame.
 
-    Nobody knows beforehand how long a trial takes, so moments are shares of the tunnel, spread over the way. A film has
-    every frame.
+    Nobody knows beforehand how long a way takes, so its moments are shares of the progress. Where a task has no way
+    they are shares of the time: of the run where its length was asked for, else of the trial.
     """
 
     def __init__(self, session: Session) -> None:
@@ -41,8 +41,10 @@ class Album:
         return self._files
 
     def _is_due(self, frames: Frames) -> bool:
-        view = frames.orders.view
+        view, run_s = frames.orders.view, self._session.settings.seconds
         share = (len(self._files) + 0.5) / self._wanted
+        if run_s is not None and not view.on_a_way:
+            return frames.number >= share * run_s * FRAMES_PER_SECOND
         return view.state is TrialState.TRAVEL and view.progress >= share
 
     def _draw(self, frames: Frames, *, keep: bool) -> None:

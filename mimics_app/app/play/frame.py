@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from mimics_app.app.cues.effect_cues import EffectCues
 from mimics_app.app.picture.stability_card import stability_card
+from mimics_app.app.play.recorder_watch import RecorderWatch
+from mimics_app.app.play.safety_watch import SafetyWatch
 from mimics_app.app.session.session import Session
 from mimics_app.app.touch.loss_watch import LossWatch
 from mimics_app.app.touch.person_inbox import PersonInbox
@@ -27,6 +29,7 @@ class Frames:
         orders: What the task wanted in the newest frame.
         snapshot: The haptic state the newest frame saw.
         losses: What of the scene's objects is not simulated any more.
+        safety: What stopped or held the loop.
         events: What had happened in the haptic loop since the frame before, EVENT records.
     """
 
@@ -38,6 +41,8 @@ class Frames:
         self.orders = TaskOrders()
         self.snapshot: HapticSnapshot | None = None
         self.losses = LossWatch(session.side.effect_entities)
+        self.safety = SafetyWatch()
+        self._recorder = RecorderWatch(session.recorder)
         self.events: NDArray[Any] = np.zeros(0, EVENT)
 
     @property
@@ -57,6 +62,8 @@ class Frames:
         action = session.learning.choose(state, now_ns)
         snapshot, events = session.haptics.snapshot(), session.haptics.events()
         self.losses.see(events)
+        self.safety.see(events)
+        self._recorder.look()
         orders = session.tasks.step(vr, action, snapshot, events, now_ns)
         self._touch(vr, orders, snapshot)
         session.scenario.apply(orders, snapshot)

@@ -59,8 +59,9 @@ def run_live(session: Session, frames: Frames, after_frame: Progress) -> None:
         trouble = watch.look()
         if picture is not None and governor is not None:
             desk.step(frames)
+            message = _message(session, frames, reload, trouble)
             try:
-                done_ns = picture.show_frame(frames.board.saying(_message(session, reload, trouble)), session.clock)
+                done_ns = picture.show_frame(frames.board.saying(message), session.clock)
             except DeviceError as error:
                 desk.give_up(error)
                 return
@@ -99,9 +100,10 @@ def run_unseen(session: Session, frames: Frames, after_frame: Progress) -> None:
         session.clock.sleep_until_ns(due)
 
 
-def _message(session: Session, reload: SceneReload, trouble: str) -> str:
-    """What the person should read over the picture: trouble of device or recorder before news of a reload."""
-    return trouble or session.recorder.problem or reload.message
+def _message(session: Session, frames: Frames, reload: SceneReload, trouble: str) -> str:
+    """What the person should read over the picture: device, recorder, a hold, then news of a reload."""
+    state = SafetyState.OFF if frames.snapshot is None else frames.snapshot.state
+    return trouble or session.recorder.problem or frames.safety.message(state) or reload.message
 
 
 def _limit_ns(session: Session) -> int:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 from mimics_app.app.picture.picture import Picture, live_quality
 from mimics_app.app.play.album import Album
@@ -16,10 +15,12 @@ from mimics_app.app.play.frame import Frames
 from mimics_app.app.play.pace import run_live, run_unseen, run_virtual
 from mimics_app.app.play.progress_line import ProgressLine
 from mimics_app.app.play.result import summarise
-from mimics_app.app.session.build import build_session, has_display, start_loop
+from mimics_app.app.play.summary_lines import summary_lines
+from mimics_app.app.session.build import build_session, start_loop
 from mimics_app.app.session.session import Session
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal import output
+from mimics_app.app.terminal.display import has_display
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError, PartialDataError, SafetyStop
 from mimics_app.contracts.haptic import SafetyState
@@ -29,6 +30,9 @@ from mimics_app.recording.report import write_report
 __all__ = ["play"]
 
 _STOPS = (SafetyState.SAFE_STOP.name, SafetyState.E_STOP.name)
+
+_WHO_PLAYS = {False: "the simulated patient plays", True: "the person at the robot plays, without a picture"}
+"""Who does where no window can be opened, by whether the device has a time of its own."""
 
 
 def play(settings: RunSettings, *, as_json: bool) -> int:
@@ -42,6 +46,8 @@ def play(settings: RunSettings, *, as_json: bool) -> int:
     windowed = not settings.headless and has_display()
     with build_session(settings, live=windowed) as session, _told_where(session):
         frames = Frames(session)
+        if not (windowed or settings.headless):
+            sys.stderr.write(f"mimics: no display: {_WHO_PLAYS[session.live]}\n")
         if windowed:
             _play_in_window(session, frames)
             pictures: list[Path] = []
@@ -59,7 +65,7 @@ def play(settings: RunSettings, *, as_json: bool) -> int:
     if as_json:
         output.write_object("run", answer)
     else:
-        _say(answer)
+        print("\n".join(summary_lines(answer)))
     if summary["safety"]["state"] in _STOPS:
         return SafetyStop.exit_code
     if session.trouble:
@@ -125,40 +131,3 @@ def _play_unseen(session: Session, frames: Frames) -> list[Path]:
     with left_alone():
         run_unseen(session, frames, album.look)
     return album.finish(frames)
-
-
-def _say(answer: dict[str, Any]) -> None:
-    task, safety = answer["task"], answer["safety"]
-    done = "completed" if task["completed"] else "not completed"
-    words = [f"{done}: {_count(task['trials'], 'trial')}", *_task_words(task)]
-    print(f"task      {', '.join(words)}")
-    print(f"touch     {answer['ticks']} ticks ({answer['recipe']}), {answer['missed']} missed, {safety['state']}")
-    print(f"run       {answer['run_dir']}")
-    for picture in answer["pictures"]:
-        print(f"picture   {picture}")
-    if "video" in answer:
-        print(f"film      {answer['video']}")
-    print(f"report    {answer['report']}")
-
-
-_TASK_WORDS = {
-    "score": "score {:.0f}",
-    "time_s": "{:.1f} s under way",
-    "path_error_m": "path error {:.4f} m",
-    "contacts": "{} contacts",
-    "placed": "{} placed",
-    "drops": "{} drops",
-    "bruises": "{} bruises",
-    "grasp_error_n": "grasp off by {:.1f} N",
-}
-"""How the totals of a task are said; those of other kinds by their names."""
-
-
-def _task_words(task: Mapping[str, Any]) -> list[str]:
-    """The totals that there are, in words."""
-    said = ("completed", "trials", "path_m")
-    return [_TASK_WORDS.get(name, name + " {:g}").format(value) for name, value in task.items() if name not in said]
-
-
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}{'' if number == 1 else 's'}"

@@ -70,13 +70,14 @@ class SceneReload:
             self._say(now_ns, str(error.issues[0]))
             session.recorder.journal("reload", {"taken": False, "issues": [str(issue) for issue in error.issues]})
             return
+        scene.read |= session.scene.read
         settle(scene, session.settings.profile)
         session.scene, session.scenario = scene, open_scenario(scene, session.world)
         if session.picture is not None:
             session.picture.show(scene, session.world)
-        session.desk.replace(*side.parameters(session.scenario.scene_block()))
+        other_limits = session.desk.replace(*side.parameters(session.scenario.scene_block()))
         self._watcher.watch(scene.files)
-        later = changes.sections | changes.systems
+        later = changes.sections | changes.systems | ({"limits"} if other_limits else set())
         self._say(now_ns, "scene reloaded" + (f"; {', '.join(sorted(later))} at the next start" if later else ""))
         session.recorder.journal("reload", {"taken": True, "hash": scene.hash})
 

@@ -7,15 +7,16 @@ from typing import Any
 from mimics_app.app.play.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.contracts.audio_port import AudioReport
-from mimics_app.contracts.haptic import SafetyState
+from mimics_app.rendering.haptic.histogram import LatenessReport
 
 __all__ = ["summarise"]
 
 
 def summarise(session: Session, frames: Frames, sound: AudioReport | None, wall_s: float) -> dict[str, Any]:
-    """Everything of the `mimics run --json` object that is known before the recording is sealed."""
+    """Everything of the `mimics run --json` object that is known before the recording is sealed; the loop has ended."""
     late = session.haptics.histogram()
-    state = SafetyState.OFF if frames.snapshot is None else SafetyState(frames.snapshot.state)
+    stability = session.haptics.stability()
+    frames.safety.see(session.haptics.events())
     return {
         "seed": session.settings.seed,
         "simulated_s": late.ticks / 1000.0,
@@ -25,27 +26,20 @@ def summarise(session: Session, frames: Frames, sound: AudioReport | None, wall_
         "scene_hash": session.scene.hash,
         "run_dir": str(session.folder),
         "task": session.tasks.result(),
-        "safety": {"state": state.name, "trips": late.trips},
-        "lateness_us": {"p50": late.p50, "p99": late.p99, "p99_9": late.p99_9, "max": late.max},
-        "lateness": late.as_dict(),
-        "stability": session.haptics.stability().as_dict(),
+        "safety": frames.safety.summary(session.haptics.snapshot().state, late),
+        **(_punctuality(late) if session.live else {}),  # on a virtual clock no tick can be late
+        "stability": stability.as_dict() | {"contacts": stability.contacts(session.side.shape_entities)},
         "losses": frames.losses.summary(),
-        "missed": late.missed,
         **({} if session.governor is None else {"governor": session.governor.summary()}),
         "recipe": late.recipe,
         "audio": {"device": "none", "sink": "off"} if sound is None else sound.summary(),
-        "unread": _unread(session),
+        "unread": session.scene.unread,
     }
 
 
-_READ = frozenset(
-    "admittance ball billboard camera connections environment force_field grasping_hand haptic_effect haptic_object "
-    "haptic_path haptic_walls hud impedance interaction_points joint_pd light mesh particles patient projector robot "
-    "safety sound sound_emitter tunnel tunnel_view world_pd".split()
-)
-"""Component types that a run makes use of."""
-
-
-def _unread(session: Session) -> list[str]:
-    """Component types of the scene that nothing in this run looked at."""
-    return sorted({name for entity in session.scene.entities for name in entity.components} - _READ)
+def _punctuality(late: LatenessReport) -> dict[str, Any]:
+    return {
+        "lateness_us": {"p50": late.p50, "p99": late.p99, "p99_9": late.p99_9, "max": late.max},
+        "lateness": late.as_dict(),
+        "missed": late.missed,
+    }

@@ -45,7 +45,7 @@ def open_scenario(scene: Scene, world: World) -> Scenario:
 
 def is_part(scene: Scene) -> bool:
     """Whether a file is there to be included: something would play it, but it has neither a robot nor a task."""
-    return is_playable(scene) and not scene.components(Robot) and "task" not in scene.sections
+    return is_playable(scene) and not scene.has(Robot) and "task" not in scene.sections
 
 
 def is_playable(scene: Scene) -> bool:
@@ -67,7 +67,7 @@ def _find_builder(scene: Scene) -> _Builder:
         builder: _Builder = installed[scene.scenario].load()
         return builder
     for component, builder in BY_COMPONENT.items():
-        if scene.components(component):
+        if scene.has(component):
             return builder
     hint = nearest(scene.scenario, [*BUILT_IN, *installed])
     raise SceneError(scene.issue("/scenario", f'no scenario "{scene.scenario}", and no component tells another', hint))

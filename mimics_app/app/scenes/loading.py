@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 import mimics_app.tasks.scene_section  # noqa: F401  registers the task block
+from mimics_app.app.scenes.finding import find_scene
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.resources import root
 from mimics_app.rendering.haptic import force_fields, scene_effects  # noqa: F401  their checks
 from mimics_app.rendering.haptic.kernels.kinematics import inverse
 from mimics_app.rendering.haptic.scene_block import axis_offset, robot_from_world
@@ -24,7 +23,7 @@ from mimics_app.world.scene.file import load_scene
 from mimics_app.world.scene.placing import pose_of
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["find_scene", "load_checked_scene"]
+__all__ = ["load_checked_scene"]
 
 _REACH_CHECKS = 100
 
@@ -39,6 +38,7 @@ def load_checked_scene(path: Path) -> Scene:
     issues = _check_widest_tunnel(scene) + _check_reach(scene) + _check_carry_reach(scene) + check_objects(scene)
     if issues:
         raise SceneError(issues)
+    scene.read.clear()  # what is checked is not yet made use of
     return scene
 
 
@@ -103,21 +103,3 @@ def _reaches(robot: Robot, point_world: NDArray[np.float64]) -> bool:
 def _place(point: NDArray[np.float64]) -> str:
     x, y, z = point
     return f"({x:.3f}, {y:.3f}, {z:.3f})"
-
-
-def find_scene(path: Path) -> Path:
-    """The scene file itself, or the installation's one of that name (scenes/wavy_tunnel.json, wavy_tunnel).
-
-    Raises:
-        SceneError: neither is there.
-    """
-    if os.path.isfile(path):  # False, too, where no file could have this name
-        return path
-    shipped = root() / "scenes" / f"{path.stem}.json"
-    if os.path.isfile(shipped) and path.parent.name in ("", "scenes"):
-        return shipped
-    raise SceneError(Issue(str(path), "", "there is no such scene", f"shipped: {', '.join(_shipped())}"))
-
-
-def _shipped() -> list[str]:
-    return sorted(f"scenes/{file.name}" for file in (root() / "scenes").glob("*.json"))

@@ -6,7 +6,6 @@ GL context; so the order here is what keeps the haptic loop in time.
 
 from __future__ import annotations
 
-import os
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -28,12 +27,7 @@ from mimics_app.recording.statics import write_statics
 from mimics_app.rendering.haptic import scheduler
 from mimics_app.tasks.task_manager import TaskManager
 
-__all__ = ["build_session", "has_display", "start_loop"]
-
-
-def has_display() -> bool:
-    """Whether a window can be hoped for."""
-    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+__all__ = ["build_session", "start_loop"]
 
 
 def build_session(settings: RunSettings, *, live: bool) -> Session:
@@ -51,7 +45,7 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
     parts = prepare(settings, live=live)
     with ExitStack() as stack:
         stack.callback(parts.plugin.close)
-        parts.desk.change(device_values(parts.plugin, parts.scene))
+        parts.desk.fit(device_values(parts.plugin, parts.scene))
         session = _assemble(parts, stack)
         session.recorder.wait_until_ready()
         session.on_close = stack.pop_all()

@@ -10,8 +10,8 @@ import msgspec
 
 from mimics_app.app.planner.explain import describe_plan
 from mimics_app.app.session.preparation import Preparation
-from mimics_app.rendering.haptic.devices.registry import POINTER
-from mimics_app.world.components.robot import Safety
+from mimics_app.rendering.haptic.devices.device_names import POINTER
+from mimics_app.rendering.haptic.scene_block import safety_of
 
 __all__ = ["describe_session"]
 
@@ -25,7 +25,10 @@ def describe_session(parts: Preparation) -> dict[str, Any]:
         "profile": settings.profile,
         "live": parts.live,
         "moved_by": {"device": parts.robot.device, **_person(parts)},
-        "safety": msgspec.structs.asdict(scene.first(Safety) or Safety()),
+        "safety": {
+            **msgspec.structs.asdict(safety_of(parts.desk.block)),
+            "late_latches": bool(parts.desk.block["late_latches"][0]),
+        },
         "settings": {
             name: str(value) if isinstance(value, Path) else value for name, value in asdict(settings).items()
         },

@@ -20,7 +20,8 @@ from mimics_app.contracts.stages import Learning
 from mimics_app.learning.action_sequence import load_action_sequence
 from mimics_app.learning.stage import NullLearning
 from mimics_app.recording.run import Run
-from mimics_app.rendering.haptic.devices.registry import POINTER, SIMULATED, build_device
+from mimics_app.rendering.haptic.devices.device_names import POINTER, SIMULATED
+from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.tasks.actions import build_action_space, fill_defaults
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.task import TaskSpec

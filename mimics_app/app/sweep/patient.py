@@ -16,7 +16,8 @@ import msgspec
 
 from mimics_app.app.planner.plan import settle
 from mimics_app.app.scenes.catalogue import open_scenario
-from mimics_app.app.scenes.loading import find_scene, load_checked_scene
+from mimics_app.app.scenes.finding import find_scene
+from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.settings import PROFILES
 from mimics_app.app.touch.bare_play import BarePlay
 from mimics_app.app.touch.haptic_side import HapticSide

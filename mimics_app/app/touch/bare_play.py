@@ -59,7 +59,7 @@ class BarePlay:
         self.memory = side.memory()
         self.haptics = side.engine(self.memory, plugin)
         self.desk = side.desk(self.scenario.scene_block())
-        self.desk.change(device_values(plugin, scene))
+        self.desk.fit(device_values(plugin, scene))
         context = fit_context(self.scenario.task_context, plugin)
         self.tasks = TaskManager(fill_defaults(spec, self.desk.value), context, seed)
         self.inputs = Inputs([SimulatedPatient(intent=patient.intent, follows_way=len(way) > 1)])

@@ -16,8 +16,8 @@ __all__ = ["device_values", "feel_of", "fit_context"]
 
 
 def device_values(plugin: DevicePlugin, scene: Scene) -> Mapping[str, object]:
-    """SCENE fields that depend on the device: its delay, and how it is driven."""
-    values: dict[str, object] = {"device_delay": plugin.delay}
+    """SCENE fields that depend on the device: its delay, how it is driven, and whether late ticks latch."""
+    values: dict[str, object] = {"device_delay": plugin.delay, "late_latches": int(not plugin.simulated)}
     if plugin.follows == "force":
         values |= impedance_values(scene.first(Impedance) or Impedance())
     elif plugin.follows == "nothing":  # no virtual mass moves with it whose energy could be controlled

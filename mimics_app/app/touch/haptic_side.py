@@ -45,6 +45,11 @@ class HapticSide:
         """Id of the entity of each row of effects."""
         return self._objects.effect_entities
 
+    @property
+    def shape_entities(self) -> tuple[str, ...]:
+        """Id of the entity of each row of shapes."""
+        return self._objects.shape_entities
+
     def for_robot(self, robot: Robot) -> tuple[DeviceObject, ...]:
         """What a robot that renders objects by itself should make; what it cannot is told on stderr."""
         if robot.settings.get("mode") != "objects":

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import UsageError, nearest
-from mimics_app.contracts.haptic import SCENE, TUNNEL
+from mimics_app.contracts.haptic import LIMIT_NAMES, SCENE, TUNNEL
 from mimics_app.contracts.object_rows import Rows
 
 __all__ = ["ParameterDesk"]
@@ -23,7 +23,8 @@ class ParameterDesk:
     """Keeps the current parameters and hands a numbered block on whenever a value in it changes.
 
     A dotted name is a field of SCENE ("virtual_mass"), of its tunnel ("tunnel.stiffness"), or of a row of a table of
-    objects by its entity ("bodies.apple.mass", "shapes.table.stiffness").
+    objects by its entity ("bodies.apple.mass", "shapes.table.stiffness"). Limits are those of the first block, `fit` to
+    the device: what changes names none of them, and whole new parameters keep them.
 
     Args:
         block: The first SCENE record, shape [1]; the desk's own from now on.
@@ -41,12 +42,26 @@ class ParameterDesk:
         self._rows = rows
         self._names = names or {}
         self._receivers: tuple[Receiver, ...] = ()
+        self._fitted: dict[str, object] = {}
         self._ordered: dict[str, object] = {}
 
     @property
     def block(self) -> NDArray[Any]:
         """The current record, shape [1]; read only."""
         return self._block
+
+    def fit(self, values: Mapping[str, object]) -> None:
+        """Set what the device decides, limits included, before the first block is handed on.
+
+        Raises:
+            UsageError: A name that is no field of the haptic scene, or a block was handed on already.
+        """
+        if self._receivers:
+            raise UsageError("the device is fitted once, at the start", "call fit before hand_to")
+        changed = [self._set(name, value) for name, value in values.items()]
+        self._fitted.update(values)
+        if any(changed):
+            self._announce()
 
     def hand_to(self, *receivers: Receiver) -> None:
         """Hand every block from the present one on to the recorder that keeps it and the loop that obeys it."""
@@ -64,13 +79,20 @@ class ParameterDesk:
         block: NDArray[Any],
         rows: Rows | None = None,
         names: Mapping[str, Mapping[str, tuple[int, ...]]] | None = None,
-    ) -> None:
-        """Take whole new parameters (a reloaded scene); what was ordered so far still holds where it still exists."""
+    ) -> bool:
+        """Take whole new parameters (a reloaded scene); what was ordered so far still holds where it still exists.
+
+        Returns:
+            Whether the new parameters bring other limits; those of the start hold on.
+        """
         block["sequence"] = self._block["sequence"]
+        kept = {name: self._block[0][name].copy() for name in LIMIT_NAMES}
         self._block, self._rows, self._names = block, rows, names or {}
-        for name, value in self._ordered.items():
+        for name, value in {**self._fitted, **self._ordered}.items():
             self._set(name, value)
+        others = [self._set(name, value) for name, value in kept.items()]
         self._announce()
+        return any(others)
 
     def change(self, values: Mapping[str, object]) -> bool:
         """Set fields by dotted name, e.g. {"tunnel.stiffness": 1500.0}; announce once if anything differs.
@@ -79,13 +101,19 @@ class ParameterDesk:
             Whether a value changed.
 
         Raises:
-            UsageError: A name that is no field of the haptic scene.
+            UsageError: A name that is no field of the haptic scene, or one of a limit.
         """
+        for name in values:
+            self._refuse_limit(name)
         changed = [self._set(name, value) for name, value in values.items()]
         self._ordered.update(values)
         if any(changed):
             self._announce()
         return any(changed)
+
+    def _refuse_limit(self, name: str) -> None:
+        if name.removeprefix(_PREFIX) in LIMIT_NAMES:
+            raise UsageError(f'"{name}" is a limit of the haptic loop, set once at the start', 'set it under "safety"')
 
     def value(self, name: str) -> float:
         """The present value of a number by dotted name, e.g. "tunnel.stiffness".

@@ -48,7 +48,7 @@ class Rehearsal:
         self._aims = False
         self._rows = np.zeros(len(self.memory.samples), SAMPLE)
         self._desk = side.desk(self.scenario.scene_block())
-        self._desk.change(device_values(plugin, scene))
+        self._desk.fit(device_values(plugin, scene))
         self._inbox = PersonInbox(self.haptics)
         self._pointer = PointerState((0.0, 0.0, 0.0), 0.0, active=True)
         self._desk.hand_to(self.haptics.publish)

@@ -61,12 +61,12 @@ class Shown:
 
     @property
     def size(self) -> str:
-        """How much there is of it, in words."""
+        """How much there is of it, in words; of levels of detail, of which one is ever seen, the finest counts."""
         listed, world = self.world.subentities(), self.world
         inside = [
             name
-            for name, owner in zip(listed.mesh, listed.entity.tolist(), strict=True)
-            if self.stand is None or world.graph.hierarchy.is_inside(owner, self.stand.index)
+            for name, owner, level in zip(listed.mesh, listed.entity.tolist(), listed.level.tolist(), strict=True)
+            if level == 0 and (self.stand is None or world.graph.hierarchy.is_inside(owner, self.stand.index))
         ]
         triangles = sum(world.meshes[name].triangle_count for name in inside if name in world.meshes)
         words = [_count(triangles, "triangle"), _count(len(inside), "part")]

@@ -154,6 +154,12 @@ def _s15b() -> Experiment:
     return EXPERIMENT
 
 
+def _s16() -> Experiment:
+    from mimics_app.lab.stability.s16_contact_directions import EXPERIMENT
+
+    return EXPERIMENT
+
+
 _EXPERIMENTS: dict[str, Callable[[], Experiment]] = {
     "S1": _s1,
     "S2": _s2,
@@ -179,6 +185,7 @@ _EXPERIMENTS: dict[str, Callable[[], Experiment]] = {
     "S14B": _s14b,
     "S15": _s15,
     "S15B": _s15b,
+    "S16": _s16,
 }
 """By name, in the order of their numbers."""
 

@@ -29,7 +29,7 @@ from mimics_app.rendering.haptic.kernels.tick import tick
 from mimics_app.rendering.haptic.loop import late_class
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, no_objects
 from mimics_app.rendering.haptic.objects import new_object_work
-from mimics_app.rendering.haptic.scene_block import default_scene
+from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.rendering.haptic.tunnel import build_tunnel
 
 __all__ = [
@@ -189,7 +189,7 @@ def _stroke(
 
 
 def _scene(damping: float) -> NDArray[Any]:
-    scene = default_scene()
+    scene = scene_from_components()
     record = scene[0]
     build_tunnel([[-0.15, 0.0, 0.0], [0.15, 0.0, 0.0]], _TUNNEL).fill(record["tunnel"])
     record["tunnel"]["stiffness"], record["tunnel"]["damping"] = STIFFNESS, damping

@@ -47,7 +47,7 @@ def _tap(
         wanted = spring_damper(x, -v[2], k, b)
         credit = observe(observer, place, push)
         push[2] = wanted
-        push[2] = wanted * contact_scale(credit, push, v, dt, most, 0.0)
+        push[2] = wanted * contact_scale(credit, push, v, dt, most)
         most_taken = max(most_taken, wanted - push[2])
         for j in range(3):
             observer.force[j] = push[j]

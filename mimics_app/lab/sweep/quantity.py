@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -38,6 +39,21 @@ class Quantity:
     high: float = float("inf")
     choices: tuple[str, ...] = ()
 
+    def __str__(self) -> str:
+        """For people: "float [N/m], 0 to 1e+09, default 1000"."""
+        bounds = [("from ", self.low), ("to ", self.high)]
+        limits = " ".join(f"{word}{bound:g}" for word, bound in bounds if math.isfinite(bound))
+        words = " | ".join(choice or '""' for choice in self.choices)
+        default = "" if self.default is None else f"default {self.default}" if self.default != "" else 'default ""'
+        unit = f" [{self.unit}]" if self.unit else ""
+        return ", ".join(part for part in (f"{self.kind}{unit}", limits, words, default) if part)
+
+    def as_dict(self) -> dict[str, Any]:
+        """For programs; bounds, unit, default and choices only where there are any."""
+        bounds = {name: bound for name, bound in (("low", self.low), ("high", self.high)) if math.isfinite(bound)}
+        said = {"unit": self.unit or None, "default": self.default, "choices": list(self.choices) or None}
+        return {"kind": self.kind, **bounds, **{name: item for name, item in said.items() if item is not None}}
+
 
 @dataclass(frozen=True, slots=True)
 class SweepExperiment:
@@ -70,3 +86,13 @@ class SweepExperiment:
         if self.open_prefix and name.startswith(self.open_prefix) and name != self.open_prefix:
             return Quantity("float", "", None)
         return self.parameters.get(name)
+
+    def as_dict(self) -> dict[str, Any]:
+        """What a sweep file may say of it, and what it answers, for `mimics sweep --list --json`."""
+        return {
+            "name": self.name,
+            "what": self.what,
+            "parameters": {name: quantity.as_dict() for name, quantity in self.parameters.items()},
+            "open_prefix": self.open_prefix,
+            "results": dict(self.results),
+        }

@@ -53,7 +53,7 @@ class Sweep(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 
     format: Literal["mimics-sweep"]
     version: Literal[1]
-    experiment: Annotated[str, Meta(description="Name of the experiment; mimics sweep --list tells them")]
+    experiment: Annotated[str, Meta(description="Name of the experiment; mimics sweep --list names them")]
     title: Annotated[str, Meta(description="For people")] = ""
     parameters: Annotated[
         dict[str, Range | _Values | Scalar],

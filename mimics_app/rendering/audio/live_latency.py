@@ -2,6 +2,9 @@
 
 A null sink plays nothing but has a monitor; what the monitor hands out is what loudspeakers would have been given. Not
 in the figure: the converter behind a real sound card (about a period more) and wireless headphones (100-300 ms).
+
+The time of a sample is that of the device's clock, not of the listener: on a busy machine what was played arrives here
+late and in heaps, but its frames are still 1/48000 s apart. See `handed_out_ns`.
 """
 
 from __future__ import annotations
@@ -11,7 +14,7 @@ import shutil
 import subprocess
 import tempfile
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -20,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts import ring
-from mimics_app.contracts.audio_port import AudioReport
+from mimics_app.contracts.audio_port import AudioReport, percentiles_ms
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import EVENT, EventKind
@@ -28,7 +31,9 @@ from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.rendering.audio.process import AudioProcess
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
 
-__all__ = ["measure_live_latency", "private_pulse_server", "pulse_missing"]
+__all__ = ["handed_out_ns", "match_onsets", "measure_live_latency", "private_pulse_server", "pulse_missing"]
+
+Int64 = NDArray[np.int64]
 
 _RATE = 48_000
 _FRAME_BYTES = 8
@@ -36,7 +41,16 @@ _SINK = "mimics"
 _THRESHOLD = 0.02
 _QUIET_FRAMES = 1500
 _SETTLE_NS = 2_500_000_000  # a young recording loses stretches of sound; the player's stream does not
-_LONGEST_NS = 200_000_000
+_PAUSE_NS = (200_000_000, 240_000_000)
+"""Shortest and longest time between two contacts [ns]. A contact read later than 100 ms is not played, so whatever
+holds the mixer up, two that are played are at least 100 ms apart: two onsets."""
+
+_LONGEST_NS = _PAUSE_NS[0]
+"""The first onset within this time after a contact is its own [ns]."""
+
+_CALM_NS = 2_000_000_000
+"""Chunks that arrive within this time of a frame date it [ns]; the null sink's clock gains 0.3 ms a second, no more."""
+
 _START_TIMEOUT_NS = 10_000_000_000
 
 
@@ -50,14 +64,15 @@ def measure_live_latency(seconds: float = 10.0, period: int = 128, seed: int = 1
     """Contacts pushed into a session's ring as the haptic loop does, heard at the monitor of a null sink.
 
     Args:
-        seconds: Length of the measurement, about nine contacts a second.
+        seconds: Length of the measurement, about four contacts a second.
         period: Frames per period of the device, see AudioSettings.
         seed: Of the random times of the contacts.
 
     Returns:
         `events` pushed, `played` by the mixer, `heard` at the monitor, `stale` ones that were read too late to be
-        played; `p50_ms`, `p95_ms`, `max_ms` from the tick's time to the sample at the monitor; `modelled_p95_ms` as
-        the session's report has it; and `device, sink, hrtf, rate, period`.
+        played; `latency_ms` with p50, p95 and max from the tick's time to the sample at the monitor, left out where
+        nothing was heard; `modelled_ms`, the same as the session's report has it; `buffers_ms`, what the device's
+        buffers make of it; and `device, sink, hrtf, rate, period`.
 
     Raises:
         DeviceError: PulseAudio is not installed, or its server or our device did not come up.
@@ -67,21 +82,26 @@ def measure_live_latency(seconds: float = 10.0, period: int = 128, seed: int = 1
         raise DeviceError(why)
     with private_pulse_server() as environment, _Recorder(environment) as recorder:
         pushed, report = _play_contacts(environment, seconds, period, seed)
-    latencies = _match(pushed, recorder.onsets()) if pushed else []
-    modelled = report.latency_ms()["p95"]
+    latencies = match_onsets(pushed, recorder.onsets())
+    status = report.status
+    figures = {"latency_ms": percentiles_ms(latencies), "modelled_ms": dict(report.latency_ms())}
     return {
         "events": len(pushed),
         "played": len(report.rows),
         "heard": len(latencies),
         "stale": report.stale,
-        **{f"{name}_ms": _rank(latencies, share) for name, share in (("p50", 0.5), ("p95", 0.95), ("max", 1.0))},
-        "modelled_p95_ms": None if modelled is None else round(modelled, 2),
-        "device": report.status.device,
-        "sink": report.status.sink,
-        "hrtf": report.status.hrtf,
-        "rate": report.status.rate,
+        **{name: _rounded(values) for name, values in figures.items() if values["p50"] is not None},
+        "buffers_ms": round(status.latency_ms, 2),
+        "device": status.device,
+        "sink": status.sink,
+        "hrtf": status.hrtf,
+        "rate": status.rate,
         "period": period,
     }
+
+
+def _rounded(values: Mapping[str, float | None]) -> dict[str, float]:
+    return {name: round(value, 2) for name, value in values.items() if value is not None}
 
 
 @contextmanager
@@ -164,20 +184,35 @@ class _Recorder:
             self._chunks.append((clock.now_ns(), chunk))
 
     def onsets(self) -> list[int]:
-        """Times at which the first samples after a quiet stretch were handed out [ns]."""
+        """Times at which the first samples after a quiet stretch were handed out [ns], by the device's clock."""
         raw = b"".join(chunk for _, chunk in self._chunks)
         frames = np.frombuffer(raw[: len(raw) // _FRAME_BYTES * _FRAME_BYTES], np.float32).reshape(-1, 2)
         loud = np.flatnonzero(np.abs(frames).max(axis=1) > _THRESHOLD) if len(frames) else np.zeros(0, np.int64)
         first = loud[np.flatnonzero(np.diff(loud, prepend=-_QUIET_FRAMES - 1) > _QUIET_FRAMES)]
         ends = np.cumsum([len(chunk) for _, chunk in self._chunks]) // _FRAME_BYTES
-        arrivals = [t for t, _ in self._chunks]
-        return [self._handed_out(int(frame), ends, arrivals) for frame in first]
+        arrivals = np.array([t for t, _ in self._chunks], np.int64)
+        return handed_out_ns(first, np.asarray(ends, np.int64), arrivals).tolist()
 
-    @staticmethod
-    def _handed_out(frame: int, ends: NDArray[np.int64], arrivals: list[int]) -> int:
-        """A chunk arrives with its last frame; an earlier frame of it was due that much earlier."""
-        chunk = int(np.searchsorted(ends, frame, side="right"))
-        return arrivals[chunk] - (int(ends[chunk]) - frame) * 1_000_000_000 // _RATE
+
+def handed_out_ns(frames: Int64, ends: Int64, arrivals_ns: Int64) -> Int64:
+    """When frames of a recording were handed out by a device whose clock is steady, whatever held the listener up.
+
+    A chunk cannot arrive before its last frame was handed out, and every frame before that one was due so much earlier:
+    each chunk from a frame's own on bounds the frame's time from above, and the one that was held up least decides.
+
+    Args:
+        frames: Indices of the frames, shape [n].
+        ends: Number of frames recorded by the end of each chunk, ascending, shape [chunks].
+        arrivals_ns: When each chunk arrived [ns], ascending, shape [chunks].
+
+    Returns:
+        Times [ns], shape [n].
+    """
+    starts = arrivals_ns - ends * 1_000_000_000 // _RATE  # when frame 0 was due, as each chunk has it
+    own = np.searchsorted(ends, frames, side="right")
+    last = np.searchsorted(arrivals_ns, arrivals_ns[own] + _CALM_NS, side="right")
+    calm = np.array([starts[i:j].min() for i, j in zip(own, last, strict=True)], np.int64)
+    return calm + frames * 1_000_000_000 // _RATE
 
 
 def _play_contacts(
@@ -212,26 +247,24 @@ def _push_contacts(
     event["kind"], event["body_b"], event["speed"], event["force"] = EventKind.CONTACT_BEGIN, -1, 0.6, 10.0
     event["position_world"] = (0.0, 0.0, -1.0)
     while clock.now_ns() < end:
-        clock.sleep_until_ns(clock.now_ns() + int(random.integers(90_000_000, 130_000_000)))
+        clock.sleep_until_ns(clock.now_ns() + int(random.integers(*_PAUSE_NS)))
         event["tick"], event["t_ns"] = len(pushed), clock.now_ns()
         ring.push(memory.audio_event_words, memory.audio_events, event)
         pushed.append(int(event["t_ns"][0]))
     return pushed
 
 
-def _match(pushed: list[int], onsets: list[int]) -> list[float]:
-    """Latency [ms] of every event that was heard: the first onset after it, before the next event's turn."""
-    latencies = []
+def match_onsets(pushed: Sequence[int], onsets: Sequence[int]) -> list[float]:
+    """Latency [ms] of every event that was heard, ascending: the first onset after it, soon enough to be its own.
+
+    Args:
+        pushed: Times of the events [ns], ascending, more than `_LONGEST_NS` apart.
+        onsets: Times of the sounds [ns], ascending.
+    """
     heard = np.asarray(onsets, np.int64)
-    for t, following in zip(pushed, [*pushed[1:], pushed[-1] + _LONGEST_NS], strict=True):
+    latencies = []
+    for t in pushed:
         k = int(np.searchsorted(heard, t))
-        if k < len(heard) and heard[k] < following:
+        if k < len(heard) and heard[k] < t + _LONGEST_NS:
             latencies.append((int(heard[k]) - t) * 1e-6)
     return sorted(latencies)
-
-
-def _rank(ordered: list[float], share: float) -> float | None:
-    """Nearest-rank percentile, None where nothing was heard."""
-    if not ordered:
-        return None
-    return round(ordered[max(0, int(np.ceil(share * len(ordered))) - 1)], 2)

@@ -218,14 +218,15 @@ class HapticEngine:
             missed=int(control[ControlWord.MISSED]),
             held=int(control[ControlWord.HELD]),
             stale=int(control[ControlWord.STALE]),
-            trips=int(control[ControlWord.TRIPS]),
+            stops=int(control[ControlWord.STOPS]),
+            holds=int(control[ControlWord.HOLDS]),
             ticks=self.ticks,
             recipe=self.granted.recipe,
         )
 
     def stability(self) -> StabilityReport:
         """What the stability monitor saw so far."""
-        return stability_of(self._work.state)
+        return stability_of(self._work.state, self._work.objects.margins)
 
     def replay_ticks(
         self, inputs: Records, scenes: Mapping[int, Records], rows: Mapping[int, Rows] | None = None

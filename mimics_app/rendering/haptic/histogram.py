@@ -59,7 +59,8 @@ class LatenessReport:
         missed: Ticks that ended more than one period after their release.
         held: Ticks whose output was held because they came late.
         stale: Ticks with old device data.
-        trips: Trips of the safety machine.
+        stops: Stops that were latched.
+        holds: Times the force was ramped down for late ticks, and came back by itself.
         ticks: Ticks done, all of them.
         recipe: How the thread was scheduled.
     """
@@ -73,7 +74,8 @@ class LatenessReport:
     missed: int
     held: int
     stale: int
-    trips: int
+    stops: int
+    holds: int
     ticks: int
     recipe: str
 

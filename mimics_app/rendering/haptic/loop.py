@@ -4,8 +4,8 @@ All three are one compiled call each and run the identical `tick`. The live one 
 allocates nothing, and ends when the quit word is set.
 
 A tick that comes late is run at once and the ones behind it follow back to back, so that tick k always stands for
-session time k * period; beyond `late_stop_ns` (a latched stop anyway) the releases that passed are skipped and counted
-as missed.
+session time k * period; beyond `late_stop_ns` (a latched stop, or a pause of a simulated device) the releases that
+passed are skipped and counted as missed.
 """
 
 from __future__ import annotations
@@ -38,7 +38,14 @@ from mimics_app.contracts.triple_buffer import acquire
 from mimics_app.rendering.haptic.announce import announce_events, announce_state
 from mimics_app.rendering.haptic.channels import CHANNELS, WORK, Channels, Work
 from mimics_app.rendering.haptic.histogram import count
-from mimics_app.rendering.haptic.kernels.safety import HOLD, IN_TIME, LATE_DAMP, LATE_STOP, MISSED_STOP
+from mimics_app.rendering.haptic.kernels.safety import (
+    HOLD,
+    IN_TIME,
+    LATE_DAMP,
+    LATE_STOP,
+    MISSED_STOP,
+    is_stopped,
+)
 from mimics_app.rendering.haptic.kernels.stability import follow_period
 from mimics_app.rendering.haptic.kernels.state import STATE
 from mimics_app.rendering.haptic.kernels.tick import tick
@@ -59,7 +66,8 @@ _TICKS = int(ControlWord.TICKS)
 _MISSED = int(ControlWord.MISSED)
 _HELD = int(ControlWord.HELD)
 _STALE = int(ControlWord.STALE)
-_TRIPS = int(ControlWord.TRIPS)
+_STOPS = int(ControlWord.STOPS)
+_HOLDS = int(ControlWord.HOLDS)
 _START_NS = int(ControlWord.START_NS)
 
 
@@ -145,7 +153,7 @@ def _run_tick(
     control = channels.control
     control[_HELD] += 1 if held != IN_TIME else 0
     control[_STALE] += state.stale
-    control[_TRIPS] += state.tripped
+    control[_STOPS if is_stopped(state) else _HOLDS] += state.tripped
     announce_state(channels, work, scene.objects, t_ns)
     announce_events(channels, work, rows, scene.objects, t_ns)
     return scene.late_stop_ns

@@ -20,6 +20,7 @@ from mimics_app.contracts.haptic import TUNNEL
 from mimics_app.contracts.haptic_objects import MAX_POINTS, MOTION, OBJECT_COUNTS
 from mimics_app.contracts.loop_ports import FIELD_PARAMETERS, FIELDS
 from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
+from mimics_app.rendering.haptic.kernels.directions import MOST_TOUCHED, TOUCHED
 from mimics_app.rendering.haptic.kernels.objects.desk import BEFORE, BIRTH, DESK
 from mimics_app.rendering.haptic.kernels.objects.effect_memory import EFFECT_MEMORY
 from mimics_app.rendering.haptic.kernels.objects.hand import HAND_LENGTH
@@ -78,6 +79,8 @@ class ObjectWork(NamedTuple):
         befores: BEFORE, shape [bodies].
         near: Rows of the shapes near the point at hand, shape [shapes].
         walls: WALL_TOUCH, shape [MOST_WALLS]: walls that the point at hand touches.
+        touched: TOUCHED, shape [MOST_TOUCHED]: contacts of this tick, TOTALS.listed of them.
+        margins: Least stability margin of each shape while it was felt, inf: never, shape [shapes].
         order: Shapes in the order of the sweep, walls from the back, shape [shapes].
         next_moving: For each place in the order, the next of a shape that can move.
         pairs: PAIR, shape [`ObjectCapacities.pairs`].
@@ -117,6 +120,8 @@ class ObjectWork(NamedTuple):
     befores: Records
     near: NDArray[np.int64]
     walls: Records
+    touched: Records
+    margins: NDArray[np.float64]
     order: NDArray[np.int64]
     next_moving: NDArray[np.int64]
     pairs: Records
@@ -168,6 +173,8 @@ def new_object_work(capacities: ObjectCapacities, meshes: MeshTable | None = Non
         befores=np.zeros(bodies, BEFORE),
         near=np.zeros(shapes, np.int64),
         walls=np.zeros(MOST_WALLS, WALL_TOUCH),
+        touched=np.zeros(MOST_TOUCHED, TOUCHED),
+        margins=np.full(shapes, np.inf),
         order=np.zeros(shapes, np.int64),
         next_moving=np.zeros(shapes, np.int64),
         pairs=np.zeros(capacities.pairs, PAIR),

@@ -1,16 +1,19 @@
-"""Parameter blocks for the loop, from defaults and from the components of a scene."""
+"""Parameter blocks for the loop, from the components of a scene and from nothing else.
+
+A scene without a component has that component's own defaults. Reports read the limits back from the block that ran.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import Any
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import SCENE, AdmittanceForm, Controller
-
-if TYPE_CHECKING:
-    from mimics_app.world.components.robot import Admittance, Ball, Impedance, JointPd, Robot, Safety, WorldPd
+from mimics_app.world.components.robot import Admittance, Ball, Impedance, JointPd, Robot, Safety, Tunnel, WorldPd
 
 __all__ = [
     "apply_admittance",
@@ -20,9 +23,9 @@ __all__ = [
     "apply_safety",
     "apply_world_pd",
     "axis_offset",
-    "default_scene",
     "impedance_values",
     "robot_from_world",
+    "safety_of",
     "scene_from_components",
 ]
 
@@ -31,53 +34,17 @@ Vec = NDArray[np.float64]
 
 _FORMS = {"seed": AdmittanceForm.SEED, "polar": AdmittanceForm.POLAR, "cartesian": AdmittanceForm.CARTESIAN}
 _NS = 1_000_000_000
+_CAP = {"cap": 1, "warn": 0}
 
-
-def default_scene() -> Block:
-    """A block with sane limits, a free ball and no tunnel: HapticMaster, 3 kg, shape [1], sequence 1."""
-    block = np.zeros(1, SCENE)
-    record = block[0]
-    record["sequence"] = 1
-    record["controller"] = Controller.ADMITTANCE
-    record["form"] = AdmittanceForm.CARTESIAN
-    record["kp"] = 4.0
-    record["kd"] = 0.1
-    record["virtual_mass"] = 3.0
-    record["virtual_damping"] = 5.0
-    record["drive_stiffness"], record["drive_damping"], record["drive_force"] = 600.0, 20.0, 10.0
-    record["max_acceleration"] = 20.0
-    record["max_velocity"] = 0.8
-    record["axis_offset"] = 0.46
-    record["joint_min"] = (-0.18, -0.5, -0.20)
-    record["joint_max"] = (0.18, 0.5, 0.20)
-    record["R_world_from_robot"] = ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
-    record["ball_radius_min"] = 0.012
-    record["ball_radius_max"] = 0.030
-    record["grasp_force_full"] = 20.0
-    record["force_limit"] = 60.0
-    record["force_rate_limit"] = 2000.0
-    record["velocity_limit"] = 1.5
-    record["workspace_margin"] = 0.01
-    record["ramp_time"] = 0.5
-    record["ramp_force"] = 5.0
-    record["power_limit"] = 60.0
-    record["position_jump"] = 0.001
-    record["energy_limit"] = 1.0
-    record["cap"] = 1
-    record["cap_margin"] = 0.2
-    record["passivity"] = 1
-    record["passivity_damping"] = 300.0
-    record["tank_size"] = 5.0
-    record["tank_refill"] = 1.0
-    record["tank_return"] = 0.9
-    record["late_hold_ns"] = 2_000_000
-    record["late_damp_ns"] = 10_000_000
-    record["late_stop_ns"] = 50_000_000
-    record["missed_stop"] = 20
-    record["stale_warn_ns"] = 3_000_000
-    record["stale_stop_ns"] = 20_000_000
-    record["tunnel"]["radius_scale"] = 1.0
-    return block
+_SECONDS = {"ramp_time": "ramp_time_s"}
+_NANOSECONDS = {
+    "late_hold_ns": "late_hold_s",
+    "late_damp_ns": "late_damp_s",
+    "late_stop_ns": "late_stop_s",
+    "stale_warn_ns": "stale_warn_s",
+    "stale_stop_ns": "stale_stop_s",
+}
+"""Limits whose name in `Safety` differs, by their name in the block."""
 
 
 def axis_offset(robot: Robot) -> float:
@@ -119,9 +86,7 @@ def impedance_values(impedance: Impedance) -> dict[str, object]:
         "force_driven": 1,
         "virtual_damping": impedance.damping,
         "device_damping": impedance.device_damping,
-        "drive_stiffness": impedance.drive_stiffness,
-        "drive_damping": impedance.drive_damping,
-        "drive_force": impedance.drive_force,
+        **_drive_values(impedance),
     }
 
 
@@ -129,8 +94,7 @@ def apply_joint_pd(block: Block, joint_pd: JointPd, target_joints: Vec) -> None:
     """Joint PD towards target_joints (m, rad, m) into block[0], and select it."""
     record = block[0]
     record["controller"] = Controller.JOINT_PD
-    record["kp"] = joint_pd.kp
-    record["kd"] = joint_pd.kd
+    _apply_gains(block, joint_pd)
     record["target"] = target_joints
 
 
@@ -138,8 +102,7 @@ def apply_world_pd(block: Block, world_pd: WorldPd, target_world: Vec) -> None:
     """World PD towards target_world [m] into block[0], and select it; straight unless the form is SEED."""
     record = block[0]
     record["controller"] = Controller.WORLD_PD
-    record["kp"] = world_pd.kp
-    record["kd"] = world_pd.kd
+    _apply_gains(block, world_pd)
     record["target"] = record["R_world_from_robot"].T @ (np.asarray(target_world) - record["origin_world"])
 
 
@@ -154,29 +117,42 @@ def apply_ball(block: Block, ball: Ball) -> None:
 def apply_safety(block: Block, safety: Safety) -> None:
     """Limits and thresholds into block[0]."""
     record = block[0]
-    record["force_limit"] = safety.force_limit
-    record["force_rate_limit"] = safety.force_rate_limit
-    record["velocity_limit"] = safety.velocity_limit
-    record["workspace_margin"] = safety.workspace_margin
-    record["ramp_time"] = safety.ramp_time_s
-    record["ramp_force"] = safety.ramp_force
-    record["late_hold_ns"] = round(safety.late_hold_s * _NS)
-    record["late_damp_ns"] = round(safety.late_damp_s * _NS)
-    record["late_stop_ns"] = round(safety.late_stop_s * _NS)
-    record["missed_stop"] = safety.missed_stop
-    record["stale_warn_ns"] = round(safety.stale_warn_s * _NS)
-    record["stale_stop_ns"] = round(safety.stale_stop_s * _NS)
-    record["arm_damping"] = safety.arm_damping
-    record["power_limit"] = safety.power_limit
-    record["position_jump"] = safety.position_jump
-    record["energy_limit"] = safety.energy_limit
-    record["cap"] = safety.stiffness_cap == "cap"
-    record["cap_margin"] = safety.cap_margin
-    record["passivity"] = safety.passivity
-    record["passivity_damping"] = safety.passivity_damping
-    record["tank_size"] = safety.tank_size
-    record["tank_refill"] = safety.tank_refill
-    record["tank_return"] = safety.tank_return
+    for name in Safety.__struct_fields__:
+        if name in (SCENE.names or ()):
+            record[name] = getattr(safety, name)
+    for field, name in _SECONDS.items():
+        record[field] = getattr(safety, name)
+    for field, name in _NANOSECONDS.items():
+        record[field] = round(getattr(safety, name) * _NS)
+    record["cap"] = _CAP[safety.stiffness_cap]
+
+
+def safety_of(block: Block) -> Safety:
+    """The limits and thresholds of block[0] as the component that asks for them: what a report states."""
+    record = block[0]
+    values: dict[str, object] = {
+        name: record[name].item() for name in Safety.__struct_fields__ if name in (SCENE.names or ())
+    }
+    values |= {name: record[field].item() for field, name in _SECONDS.items()}
+    values |= {name: record[field].item() / _NS for field, name in _NANOSECONDS.items()}
+    values["stiffness_cap"] = next(word for word, number in _CAP.items() if number == record["cap"])
+    return msgspec.convert(values, Safety, strict=False)
+
+
+def _apply_gains(block: Block, gains: JointPd | WorldPd) -> None:
+    """Gains of a PD controller into block[0]; which one runs is not touched."""
+    block[0]["kp"], block[0]["kd"] = gains.kp, gains.kd
+
+
+def _apply_drive(block: Block, impedance: Impedance) -> None:
+    """What draws a force driven device to a target into block[0]."""
+    record = block[0]
+    for name, value in _drive_values(impedance).items():
+        record[name] = value
+
+
+def _drive_values(impedance: Impedance) -> Mapping[str, object]:
+    return {name: getattr(impedance, name) for name in ("drive_stiffness", "drive_damping", "drive_force")}
 
 
 def scene_from_components(
@@ -184,20 +160,25 @@ def scene_from_components(
     admittance: Admittance | None = None,
     ball: Ball | None = None,
     safety: Safety | None = None,
+    gains: JointPd | WorldPd | None = None,
 ) -> Block:
-    """A block from the components of a scene; what is absent keeps its default. The tunnel fills its own record.
+    """A block from the components of a scene; one that is absent has its own defaults.
+
+    The tunnel and the objects fill their own records, the device what `device_fit` knows of it. Until then a device
+    counts as a real one whose late ticks latch.
 
     Returns:
-        SCENE record, shape [1], sequence 1, admittance selected. For a PD controller call `apply_joint_pd` or
-        `apply_world_pd` on it and count `sequence` up; `apply_admittance` leads back.
+        SCENE record, shape [1], sequence 1, no tunnel, admittance selected. For a PD controller call `apply_joint_pd`
+        or `apply_world_pd` on it and count `sequence` up; `apply_admittance` leads back.
     """
-    block = default_scene()
-    if robot is not None:
-        apply_robot(block, robot)
-    if admittance is not None:
-        apply_admittance(block, admittance)
-    if ball is not None:
-        apply_ball(block, ball)
-    if safety is not None:
-        apply_safety(block, safety)
+    block = np.zeros(1, SCENE)
+    block["sequence"] = 1
+    block["late_latches"] = 1
+    apply_robot(block, robot or Robot())
+    _apply_gains(block, gains or JointPd())
+    _apply_drive(block, Impedance())
+    apply_admittance(block, admittance or Admittance())
+    apply_ball(block, ball or Ball())
+    apply_safety(block, safety or Safety())
+    block[0]["tunnel"]["radius_scale"] = Tunnel().radius_scale
     return block

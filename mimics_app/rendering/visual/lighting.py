@@ -23,6 +23,13 @@ _RADIUS_STEPS = 8
 """Steps per octave in which a shadow frustum grows, so that a moving caster does not make its texels crawl."""
 
 
+_FACING_UP = (0.9, 0.1, 0.0)
+_UPRIGHT = (0.3465, 0.2327, 0.4208)
+_FACING_DOWN = (0.0, 0.0187, 0.9813)
+"""Shares of zenith, horizon and ground in the mean radiance, by the cosine, of what a surface sees of the sky that
+`sky_radiance` in shaders/common/sky.glsl draws."""
+
+
 @dataclass(frozen=True, eq=False)
 class ShadowFrustum:
     """The box the sun's shadow map covers.
@@ -44,7 +51,19 @@ class ShadowFrustum:
 
 @dataclass(eq=False)
 class Lighting:
-    """Light of one frame; colours are linear RGB with the intensity multiplied in."""
+    """Light of one frame; colours are linear RGB with the intensity multiplied in.
+
+    Attributes:
+        sun_direction: Unit, towards the sun, [3].
+        sun_colour: Of its direct light; 1 makes a white surface that faces it white.
+        sun_casts_shadow: False where nothing keeps it off.
+        zenith, horizon, ground: Radiance of the sky.
+        ambient: Factor on the light from all around, by colour.
+        scattered: The sun's light that comes from all around.
+        places: Point and spot lights, at most `MAX_LIGHTS`.
+        fog: The haze; None: as the picture's settings say.
+        backdrop: Pictures over the sky, or None.
+    """
 
     sun_direction: F8
     sun_colour: F8
@@ -53,6 +72,7 @@ class Lighting:
     horizon: F8
     ground: F8
     ambient: F8
+    scattered: F8
     places: list[Light]
     fog: Fog | None
     backdrop: Backdrop | None
@@ -61,6 +81,17 @@ class Lighting:
     def place_count(self) -> int:
         """Number of point and spot lights."""
         return len(self.places)
+
+    def sky_light(self) -> F8:
+        """What surfaces get from all around, as a + b y + c y^2 of their normal's height y; rows a, b, c: [3, 3].
+
+        It is the mean of the sky as drawn over the hemisphere before the surface, within 0.025 of what the three
+        colours differ by, and the sun's light that haze and lit surroundings scatter.
+        """
+        colours = np.stack([self.zenith, self.horizon, self.ground])
+        up, upright, down = np.array([_FACING_UP, _UPRIGHT, _FACING_DOWN]) @ colours
+        terms = np.stack([upright + self.scattered, 0.5 * (up - down), 0.5 * (up + down) - upright])
+        return np.asarray(self.ambient * terms)
 
     def fill_places(self, block: NDArray[np.void], eye_world: F8) -> None:
         """Write the point and spot lights into a view block, relative to its eye."""
@@ -75,18 +106,20 @@ class Lighting:
 def gather_lighting(world: World) -> Lighting:
     """Read the lights and the sky of a world; the first directional light is the sun."""
     sun = next((light for light in world.lights if light.kind == "directional"), None)
+    sun_colour = sun.intensity * np.asarray(sun.colour, np.float64) if sun else np.zeros(3)
     sky, flat = world.environment, np.zeros(3)
     for light in world.lights:
         if light.kind == "ambient":
             flat = flat + light.intensity * np.asarray(light.colour)
     return Lighting(
         sun_direction=-sun.direction_world if sun else np.array([0.0, 1.0, 0.0]),
-        sun_colour=sun.intensity * np.asarray(sun.colour, np.float64) if sun else np.zeros(3),
+        sun_colour=sun_colour,
         sun_casts_shadow=bool(sun and sun.casts_shadow),
         zenith=np.asarray(sky.zenith, np.float64),
         horizon=np.asarray(sky.horizon, np.float64),
         ground=np.asarray(sky.ground, np.float64),
         ambient=sky.ambient + flat,
+        scattered=sky.scatter * sun_colour,
         places=_strongest([light for light in world.lights if light.kind in ("point", "spot")]),
         fog=sky.fog,
         backdrop=sky.backdrop,

@@ -41,7 +41,8 @@ class RenderSettings:
             0: everywhere, in one map about all casters.
         cascades: Maps of the sun, 1 to 4.
         shadow_reach: Casters of a bounding radius beyond this [m] receive shadows but do not widen the map.
-        tone_map: "neutral" (Khronos PBR neutral: base colours stay what they are) or "none" (clamped, for tests).
+        tone_map: "neutral" (Khronos PBR neutral with a softer toe: base colours stay what they are) or "none"
+            (clamped, for tests).
         exposure: Factor on all light before the tone map.
         ambient_occlusion: How much near surfaces take off each other's skylight, 1: as they do; 0 leaves it out.
         ambient_radius: Within which surfaces do so [m].

@@ -110,10 +110,7 @@ class ViewBlock:
         data["sky_zenith"] = (*lighting.zenith, settings.exposure)
         data["sky_horizon"] = (*lighting.horizon, 0.0)
         data["sky_ground"] = (*lighting.ground, 1.0 if settings.tone_map == "neutral" else 0.0)
-        # ambient * mix(mix(ground, zenith, (1 + y) / 2), horizon, (1 - y^2) / 2) as a cubic of the normal's height y.
-        middle, rise = 0.5 * (lighting.zenith + lighting.ground), 0.5 * (lighting.zenith - lighting.ground)
-        terms = (middle + lighting.horizon, rise, middle - lighting.horizon)
-        data["sky_light"][:, :3] = 0.5 * lighting.ambient * np.stack(terms)
+        data["sky_light"][:, :3] = lighting.sky_light()
         data["ambient"] = (*lighting.ambient, lighting.place_count)
         fog = lighting.fog or Fog(density=settings.fog_density)
         data["fog_colour"] = (*(lighting.horizon if fog.colour is None else fog.colour), 0.0)

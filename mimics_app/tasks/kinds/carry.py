@@ -81,7 +81,7 @@ class _CarryPlay(KindPlay):
 
     @property
     def measures(self) -> Values:
-        error = math.sqrt(self._squared_error_s / self._held_s) if self._held_s > 0.0 else 0.0
+        error = math.sqrt(self._squared_error_s / self._held_s) if self._held_s > 0.0 else None
         return {"drops": self._now.drops, "bruises": self._now.bruises, "grasp_error_n": error}
 
     def begin_attempt(self) -> None:

@@ -1,7 +1,7 @@
 """Component types of the robot, the person on it, and the tunnel (D2.1 4.2). SI units, angles radians.
 
 Frames: `world` is the scene's, `robot` the HapticMaster's WCS (x radial, y lateral, z up).
-Defaults of `Safety` are the thresholds of the contract; every one is a setting and stands in the report.
+Defaults of `Safety` are the loop's own, also in a scene without that component; the report states what ran.
 """
 
 from __future__ import annotations
@@ -210,8 +210,8 @@ class Ball(Component, frozen=True):
 class Safety(Component, frozen=True):
     """Limits and thresholds of the haptic loop. Research software: no substitute for an independent hardware stop."""
 
-    force_limit: Annotated[float, Meta(gt=0, le=500, description="Of the virtual force on the person [N]")] = 80.0
-    force_rate_limit: Annotated[float, Meta(gt=0, le=1e6, description="Of its rise [N/s]; falling is free")] = 20000.0
+    force_limit: Annotated[float, Meta(gt=0, le=500, description="Of the virtual force on the person [N]")] = 60.0
+    force_rate_limit: Annotated[float, Meta(gt=0, le=1e6, description="Of its rise [N/s]; falling is free")] = 2000.0
     velocity_limit: Annotated[float, Meta(gt=0, le=10, description="Measured; beyond it SAFE_STOP [m/s]")] = 1.2
     workspace_margin: Annotated[
         float, Meta(ge=0, le=1, description="Beyond the joint limits before SAFE_STOP [m, rad]")
@@ -226,8 +226,10 @@ class Safety(Component, frozen=True):
     late_damp_s: Annotated[
         float, Meta(gt=0, le=1, description="Later: DEGRADED, force ramped down with damping [s]")
     ] = 0.010
-    late_stop_s: Annotated[float, Meta(gt=0, le=1, description="Later: SAFE_STOP [s]")] = 0.050
-    missed_stop: Annotated[int, Meta(ge=1, le=1000, description="Missed ticks in a row that latch SAFE_STOP")] = 20
+    late_stop_s: Annotated[
+        float, Meta(gt=0, le=1, description="Later: SAFE_STOP [s]; DEGRADED where the device is simulated or a mouse")
+    ] = 0.050
+    missed_stop: Annotated[int, Meta(ge=1, le=1000, description="Missed ticks in a row that do the same")] = 20
     stale_warn_s: Annotated[float, Meta(gt=0, le=1, description="Device data older than this is counted [s]")] = 0.003
     stale_stop_s: Annotated[float, Meta(gt=0, le=1, description="Older: SAFE_STOP [s]")] = 0.020
     arm_damping: Annotated[

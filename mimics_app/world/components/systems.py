@@ -61,8 +61,12 @@ class VisualSettings(Component, frozen=True):
         ),
     ] = "auto"
     shadow_distance: Annotated[
-        Extent, Meta(description="How far from the eye shadows are seen [m], in `cascades`; 0: one map of it all")
-    ] = 0.0
+        Extent | Literal["auto"],
+        Meta(
+            description="How far from the eye shadows are seen [m], in `cascades`; 0: one map of it all; "
+            "auto: one map where bodies are within 8 m, else as far as they are spread, 100 m at most"
+        ),
+    ] = "auto"
     cascades: Annotated[int, Meta(ge=1, le=4, description="Maps of the sun, one in another")] = 3
     fog_density: Annotated[Factor, Meta(description="Haze of the horizon's colour with distance [1/m]")] = 0.12
 

@@ -116,7 +116,11 @@ class Environment(Component, frozen=True):
     zenith: Annotated[Colour, Meta(description="Sky straight up, linear RGB")] = (0.18, 0.30, 0.52)
     horizon: Annotated[Colour, Meta(description="Sky at the horizon, linear RGB")] = (0.62, 0.70, 0.78)
     ground: Annotated[Colour, Meta(description="Below the horizon, linear RGB")] = (0.20, 0.19, 0.18)
-    ambient: Annotated[Light, Meta(description="Factor on the sky's light on surfaces")] = 0.5
+    ambient: Annotated[Light, Meta(description="Factor on the light from all around on surfaces")] = 0.5
+    scatter: Annotated[
+        float,
+        Meta(ge=0, le=1, description="Share of the sun's light that comes from all around, off haze and lit things"),
+    ] = 0.1
     fog: Annotated[FogSpec | None, Meta(description="Haze; absent: as systems.visual.fog_density says")] = None
     backdrop: Annotated[BackdropSpec | None, Meta(description="Pictures over the sky: sky box, dome or plane")] = None
 

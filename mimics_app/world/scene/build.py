@@ -46,7 +46,7 @@ def build(scene: Scene) -> World:
             world.find(entity.parent).attach(world.find(entity.id))
     for entity in scene.entities:
         if entity.in_model:
-            finish_model_node(world, entity)
+            finish_model_node(world, scene, entity)
     turn_to_targets(world, scene)
     world.update()
     return world
@@ -65,14 +65,14 @@ def load_library(world: World, scene: Scene) -> None:
     fog = None if sky.fog is None else Fog(sky.fog.kind, sky.fog.density, sky.fog.start, sky.fog.colour)
     over = sky.backdrop
     backdrop = None if over is None else Backdrop(over.kind, over.textures, over.height, over.tile)
-    world.environment = Sky(sky.zenith, sky.horizon, sky.ground, sky.ambient, fog, backdrop)
+    world.environment = Sky(sky.zenith, sky.horizon, sky.ground, sky.ambient, fog, backdrop, sky.scatter)
 
 
 def build_entity(world: World, scene: Scene, entity: SceneEntity) -> SceneNode:
     """Make the node of an entity, on the root, with what it carries."""
     node = world.create_node(entity.id)
     place(node, entity.transform)
-    for component in entity.components.values():
+    for name, component in entity.components.items():
         if isinstance(component, MeshComponent):
             show_mesh(world, scene, node, component)
         elif isinstance(component, LightComponent):
@@ -81,8 +81,15 @@ def build_entity(world: World, scene: Scene, entity: SceneEntity) -> SceneNode:
             node.create_camera(component.vertical_fov, component.near, component.far)
         elif isinstance(component, Billboard | Particles | Projector):
             world.effects.add(node.index, component)
+        elif not isinstance(component, _LIVE_PICTURES):
+            continue
+        scene.read.add(name)
     show_live_pictures(world, entity)
     return node
+
+
+_LIVE_PICTURES = (Mirror, Screen, Inset)
+"""What `show_live_pictures` shows."""
 
 
 def show_live_pictures(world: World, entity: SceneEntity) -> None:
@@ -108,23 +115,27 @@ def place(node: SceneNode, transform: TransformSpec) -> None:
     node.set_scale(transform.scale)
 
 
-def finish_model_node(world: World, entity: SceneEntity) -> None:
+def finish_model_node(world: World, scene: Scene, entity: SceneEntity) -> None:
     """Give a node that came with its model what the scene or the modeller says about it."""
     if entity.id not in world:
         return
     node = world.find(entity.id)
     if entity.transform != TransformSpec():
         place(node, entity.transform)
-    for component in entity.components.values():
+    for name, component in entity.components.items():
         if isinstance(component, MeshComponent):
             node.visible = component.visible
             body = node.entity
             if body is not None and component.material is not None:
                 body.set_material(component.material)
-        elif isinstance(component, LightComponent) and node.light is None:
-            light_up(node, component)
+        elif isinstance(component, LightComponent):
+            if node.light is None:
+                light_up(node, component)
         elif isinstance(component, Billboard | Particles | Projector):
             world.effects.add(node.index, component)
+        else:
+            continue
+        scene.read.add(name)
 
 
 def turn_to_targets(world: World, scene: Scene, only: Container[str] | None = None) -> None:

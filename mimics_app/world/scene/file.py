@@ -23,6 +23,7 @@ from mimics_app.world.components import (
     systems,
     visible,
 )
+from mimics_app.world.components.plugins import register_plugins
 from mimics_app.world.components.struct_reader import is_comment
 from mimics_app.world.scene.checks import check_meaning
 from mimics_app.world.scene.json_text import NOT_FINITE, TORN
@@ -50,6 +51,7 @@ def load_scene(path: Path, root: Path | None = None) -> Scene:
     Raises:
         SceneError: every fault found, each with file, JSON pointer, what is wrong, and the nearest right name.
     """
+    register_plugins()
     issues: list[Issue] = []
     folder = find_root(path) if root is None else root
     sources = read_sources(path, folder, issues)

@@ -8,6 +8,7 @@ from typing import Any
 import msgspec
 
 from mimics_app.contracts.errors import MOST_SOUGHT, Issue, SceneError, nearest
+from mimics_app.world.components.plugins import fault_of_plugin
 from mimics_app.world.components.registry import component_types, section_of, system_types
 from mimics_app.world.components.struct_reader import FAILED, read_struct
 from mimics_app.world.gltf.unfolding import unfold_model
@@ -74,7 +75,7 @@ class SceneLoader:
         for name, value in plain["components"].items():
             place = f"{pointer}/components/{escape(name)}"
             if name not in types:
-                self._report(place, f'unknown component "{name}"', nearest(name, types))
+                self._report(place, f'unknown component "{name}"', fault_of_plugin(name) or nearest(name, types))
                 continue
             if not isinstance(value, dict):
                 continue  # told with the file's shape

@@ -8,11 +8,12 @@ from numpy.typing import NDArray
 from mimics_app.contracts.errors import SceneError
 from mimics_app.maths.decompose import decompose_trs
 from mimics_app.world.components.visible import MeshComponent
+from mimics_app.world.gltf.nodes import GltfNode
 from mimics_app.world.scene.assets import ModelPart, find_in_model
 from mimics_app.world.scene.scene import Scene, SceneEntity
 from mimics_app.world.scene.spec import TransformSpec
 
-__all__ = ["model_matrix", "pose_of", "stands_somewhere", "world_matrix"]
+__all__ = ["local_matrix", "model_matrix", "node_matrix", "pose_of", "stands_somewhere", "world_matrix"]
 
 Array = NDArray[np.float64]
 Triple = tuple[float, float, float]
@@ -63,8 +64,18 @@ def model_matrix(part: ModelPart, index: int) -> Array:
     node = part.model.nodes[index]
     if index == part.node:
         return np.eye(4)
-    own = _compose(node.translation, node.rotation, node.scale)
+    own = node_matrix(node)
     return own if node.parent is None else model_matrix(part, node.parent) @ own
+
+
+def local_matrix(transform: TransformSpec) -> Array:
+    """T_parent_from_entity as a scene states it, shape [4, 4]."""
+    return _compose(transform.translation, transform.rotation, transform.scale)
+
+
+def node_matrix(node: GltfNode) -> Array:
+    """T_parent_from_node of a node of a model, shape [4, 4]."""
+    return _compose(node.translation, node.rotation, node.scale)
 
 
 def _local_matrix(scene: Scene, entity: SceneEntity) -> Array:
@@ -73,7 +84,7 @@ def _local_matrix(scene: Scene, entity: SceneEntity) -> Array:
         if isinstance(mesh, MeshComponent) and mesh.source is not None:
             part = find_in_model(scene.assets, mesh.source)
             return model_matrix(part, part.model.find_node(entity.id.removeprefix(f"{entity.parent}/")))
-    return _compose(entity.transform.translation, entity.transform.rotation, entity.transform.scale)
+    return local_matrix(entity.transform)
 
 
 def _compose(translation: Triple, rotation: tuple[float, ...], scale: Triple) -> Array:

@@ -67,6 +67,7 @@ class Scene:
         named_files: Those that components name, in the order they were asked for.
         methods: What the planner chose where the files leave the choice to it, by group of methods; {} before it ran.
         notes: What was left out of models or repaired, for people.
+        read: Names of the component types that something asked for the values of, since it was last cleared.
     """
 
     name: str
@@ -90,6 +91,7 @@ class Scene:
     notes: list[str] = field(default_factory=list)
     named_files: list[Path] = field(default_factory=list)
     methods: dict[str, str] = field(default_factory=dict)
+    read: set[str] = field(default_factory=set)
     _by_id: dict[str, SceneEntity] = field(default_factory=dict)
     _indexed: int = 0
 
@@ -107,19 +109,29 @@ class Scene:
     def components(self, wanted: Any) -> list[tuple[str, Any, str]]:
         """(entity id, component, pointer) of every component of a type, given by its Struct or its name.
 
+        Who asks makes use of them, which is noted in `read`; `has` asks without.
+
         Raises:
             KeyError: no component type has that name; the message names the nearest.
         """
-        names = component_types()
-        if isinstance(wanted, str) and wanted not in names:
-            raise KeyError(f'no component type "{wanted}"; {nearest(wanted, names)}')
-        keys = [wanted] if isinstance(wanted, str) else [name for name, struct in names.items() if struct is wanted]
+        keys = _keys_of(wanted)
+        self.read.update(keys)
         return [
             (entity.id, entity.components[key], f"{entity.pointer}/components/{key}")
             for entity in self.entities
             for key in keys
             if key in entity.components
         ]
+
+    def has(self, wanted: type[msgspec.Struct]) -> bool:
+        """Whether an entity has a component of a type."""
+        keys = _keys_of(wanted)
+        return any(key in entity.components for entity in self.entities for key in keys)
+
+    @property
+    def unread(self) -> list[str]:
+        """Component types of the scene that nothing asked for the values of since `read` was cleared, in order."""
+        return sorted({name for entity in self.entities for name in entity.components} - self.read)
 
     def first(self, wanted: type[S]) -> S | None:
         """The first component of a type, None where the scene has none: `scene.first(Robot) or Robot()`."""
@@ -243,6 +255,14 @@ class Scene:
         if name in known:
             return []
         return [self.issue(pointer, f'no {what} "{name}"', nearest(name, known) if known else "the scene has none")]
+
+
+def _keys_of(wanted: type[msgspec.Struct] | str) -> list[str]:
+    """Names of a component type; KeyError for a name that no type has."""
+    names = component_types()
+    if isinstance(wanted, str) and wanted not in names:
+        raise KeyError(f'no component type "{wanted}"; {nearest(wanted, names)}')
+    return [wanted] if isinstance(wanted, str) else [name for name, struct in names.items() if struct is wanted]
 
 
 def _of_type(named: dict[str, msgspec.Struct], wanted: type[S]) -> S | None:

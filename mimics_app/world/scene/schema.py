@@ -7,6 +7,7 @@ from typing import Any
 
 import msgspec
 
+from mimics_app.world.components.plugins import register_plugins
 from mimics_app.world.components.registry import component_types, section_of, system_types
 from mimics_app.world.scene.spec import SceneSpec
 
@@ -20,6 +21,7 @@ _PARTIAL = "Partial"
 
 def scene_schema() -> dict[str, Any]:
     """The schema as a plain object, with every registered component, system and section."""
+    register_plugins()
     components, systems, task = component_types(), system_types(), section_of("task")
     types = [SceneSpec, *components.values(), *systems.values(), *([] if task is None else [task.type])]
     references, definitions = msgspec.json.schema_components(types, ref_template="#/$defs/{name}")

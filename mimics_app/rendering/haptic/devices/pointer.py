@@ -62,4 +62,4 @@ def build_pointer(request: DeviceRequest) -> DevicePlugin:
     write_robot_memory(memory[:ROBOT_LENGTH], request)
     own = memory[ROBOT_LENGTH:]
     write_settings(own, _SETTINGS, request.robot.settings, "pointer")
-    return DevicePlugin("pointer", read_pointer, write_robot, memory, delay=robot_delay(request))
+    return DevicePlugin("pointer", read_pointer, write_robot, memory, delay=robot_delay(request), simulated=True)

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.errors import DeviceError, nearest
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic.devices.address import split_device
+from mimics_app.rendering.haptic.devices.device_names import POINTER, SIMULATED, check_device_name, find_plugin
 from mimics_app.rendering.haptic.devices.device_objects import DeviceObject
 from mimics_app.rendering.haptic.devices.pointer import build_pointer
 from mimics_app.rendering.haptic.devices.replay import build_replay
@@ -19,28 +19,9 @@ from mimics_app.rendering.haptic.devices.simulated_impedance import build_simula
 from mimics_app.rendering.haptic.scene_block import robot_from_world
 
 if TYPE_CHECKING:
-    from importlib.metadata import EntryPoint
-
     from mimics_app.world.components.robot import Patient, Robot
 
-__all__ = [
-    "BUILT_IN",
-    "ENTRY_POINT_GROUP",
-    "POINTER",
-    "SIMULATED",
-    "build_device",
-    "check_device_name",
-    "device_names",
-    "find_builder",
-]
-
-ENTRY_POINT_GROUP = "mimics_app.devices"
-
-SIMULATED = "simulated_hapticmaster"
-"""The device of a scene that names none, held by a simulated person."""
-
-POINTER = "pointer"
-"""The same robot, held by a person at a window."""
+__all__ = ["BUILT_IN", "build_device", "find_builder"]
 
 
 def _build_serial(request: DeviceRequest) -> DevicePlugin:
@@ -65,28 +46,7 @@ BUILT_IN: dict[str, DeviceBuilder] = {
     "serial": _build_serial,
     "hapticmaster": _build_hapticmaster,
 }
-"""Devices that come with the product. A plug-in cannot take one of these names."""
-
-_ADDRESSES = {
-    SIMULATED: "",
-    "simulated_impedance": "",
-    POINTER: "",
-    "replay": "",
-    "serial": "PORT[@BAUD]",
-    "hapticmaster": "HOST[:PORT]",
-}
-"""What stands behind the colon of a built-in device's name; "": nothing may. Plug-ins judge theirs themselves."""
-
-
-def _installed() -> dict[str, EntryPoint]:
-    from importlib.metadata import entry_points
-
-    return {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
-
-
-def device_names() -> list[str]:
-    """Names of all devices that can be asked for: built-in first, then installed plug-ins."""
-    return [*BUILT_IN, *sorted(set(_installed()) - set(BUILT_IN))]
+"""Builders of the devices that come with the product, by the names of `device_names.ADDRESSES`."""
 
 
 def find_builder(name: str) -> DeviceBuilder:
@@ -95,31 +55,7 @@ def find_builder(name: str) -> DeviceBuilder:
     Raises:
         DeviceError: No device of that name, or its plug-in cannot be imported.
     """
-    if name in BUILT_IN:
-        return BUILT_IN[name]
-    installed = _installed()
-    if name not in installed:
-        raise DeviceError(f'there is no device "{name}"', nearest(name, [*BUILT_IN, *installed]))
-    try:
-        builder: DeviceBuilder = installed[name].load()
-    except (ImportError, AttributeError) as failure:
-        raise DeviceError(f'the plug-in of device "{name}" cannot be loaded: {failure}') from failure
-    return builder
-
-
-def check_device_name(text: str) -> None:
-    """Whether NAME or NAME:ADDRESS, as `robot.device` and `--device` have it, can be asked for. Opens nothing.
-
-    Raises:
-        DeviceError: No device of that name, its plug-in cannot be imported, or the address is missing or one too many.
-    """
-    device = split_device(text)
-    find_builder(device.name)
-    wanted = _ADDRESSES.get(device.name)
-    if wanted == "" and device.address:
-        raise DeviceError(f'"{device.name}" is in this program: it has no address', f'write "{device.name}"')
-    if wanted and not device.address:
-        raise DeviceError(f'"{device.name}" needs an address', f"write {device.name}:{wanted}")
+    return BUILT_IN[name] if name in BUILT_IN else find_plugin(name)
 
 
 def build_device(

@@ -49,4 +49,4 @@ def build_replay(request: DeviceRequest) -> DevicePlugin:
     memory[:, 6:9] = samples["f_meas"]
     for column, name in enumerate(("grasp", "buttons", "age", "delay", "status"), start=9):
         memory[:, column] = samples[name]
-    return DevicePlugin("replay", read_recorded, ignore_command, memory.ravel(), follows="nothing")
+    return DevicePlugin("replay", read_recorded, ignore_command, memory.ravel(), follows="nothing", simulated=True)

@@ -98,4 +98,6 @@ def build_simulated_hapticmaster(request: DeviceRequest) -> DevicePlugin:
     memory = np.zeros(ROBOT_LENGTH + ARM_LENGTH)
     write_robot_memory(memory[:ROBOT_LENGTH], request)
     write_person(memory[ROBOT_LENGTH:], request)
-    return DevicePlugin("simulated_hapticmaster", read_patient, write_robot, memory, delay=robot_delay(request))
+    return DevicePlugin(
+        "simulated_hapticmaster", read_patient, write_robot, memory, delay=robot_delay(request), simulated=True
+    )

@@ -75,7 +75,9 @@ def build_simulated_impedance(request: DeviceRequest) -> DevicePlugin:
     _write_robot(memory[:LENGTH], request)
     write_person(memory[LENGTH:], request)
     delay = request.robot.delay_ticks / request.rate
-    return DevicePlugin("simulated_impedance", read_light_patient, write_force, memory, delay=delay, follows="force")
+    return DevicePlugin(
+        "simulated_impedance", read_light_patient, write_force, memory, delay=delay, follows="force", simulated=True
+    )
 
 
 def _write_robot(memory: Vec, request: DeviceRequest) -> None:

@@ -9,7 +9,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -17,10 +16,11 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import Controller, SafetyState, TripCause
 from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.contact_limits import common_share, is_pressed
 from mimics_app.rendering.haptic.kernels.limiter import limit_force, limit_held
-from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale, limited_credit
+from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale, limited_credit, middle_velocity
 from mimics_app.rendering.haptic.kernels.safety import HOLD, is_stopped, latch
-from mimics_app.rendering.haptic.kernels.stability import contact_share, spring_share, stiffness_limit
+from mimics_app.rendering.haptic.kernels.stability import spring_share, stiffness_limit
 from mimics_app.rendering.haptic.kernels.tank import payable_share, settle_account
 from mimics_app.rendering.haptic.kernels.vectors import fill, norm, rotate, rotate_back, scale
 
@@ -48,6 +48,8 @@ ACTING = np.dtype(
         ("inflow", "f8"),  # into the tank [W]
         ("wall_share", "f8"),  # of the tunnel wall's stiffness that is rendered
         ("shape_share", "f8"),  # of the forces of touched shapes that is rendered
+        ("both_share", "f8"),  # of wall and shapes alike while both are touched, as of the last tick; else 1
+        ("touching", "i8"),  # 1 while a shape was touched in the last tick
         ("tank_share", "f8"),  # of the active forces that is paid
         ("passivity", "f8"),  # force that the passivity controller took away [N]
         ("least_share", "f8"),  # least stiffness share that was felt in a contact; 0: none yet
@@ -105,7 +107,7 @@ def cap_wall(scene: Any, state: Any, period: float) -> None:
         damping = own_damping(scene) + tunnel.damping
         limit = stiffness_limit(damping, period, device_delay(scene, state))
         helping = tunnel.centring * (1.0 + scene.cap_margin)
-        share = spring_share(tunnel.stiffness, limit - helping, scene.cap_margin)
+        share = min(spring_share(tunnel.stiffness, limit - helping, scene.cap_margin), state.acting.both_share)
     share = _hold_down(state.acting.wall_share, share, state.tunnel.penetration > 0.0)
     state.acting.wall_share = share
     state.tunnel.softening = 1.0 - share
@@ -182,6 +184,7 @@ def account(scene: Any, state: Any, dt: float) -> None:
     if acting.known == 0:
         acting.wall_share = 1.0
         acting.shape_share = 1.0
+        acting.both_share = 1.0
     _find_way(scene, state, dt)
     acting.known = 1
     active = 0.0
@@ -198,14 +201,22 @@ def account(scene: Any, state: Any, dt: float) -> None:
 
 
 @kernel
-def _sort(scene: Any, state: Any, totals: Any, period: float) -> None:
+def _cap_shapes(scene: Any, state: Any, totals: Any, touched: Any, period: float) -> None:
+    """Choose how much of the touched shapes is rendered; it may not rise while any is touched."""
+    acting = state.acting
+    share, is_touching = 1.0, totals.touching > 0
+    if scene.cap == 1 and is_touching:
+        lag = 0.5 * period + device_delay(scene, state)
+        share = common_share(scene, state, totals, touched, own_damping(scene), lag)
+    acting.both_share = share if is_touching and is_pressed(state) else 1.0
+    acting.shape_share = _hold_down(acting.shape_share, share, is_touching and acting.touching == 1)
+    acting.touching = 1 if is_touching else 0
+
+
+@kernel
+def _sort(scene: Any, state: Any, totals: Any) -> None:
     """Raw contact and active forces into state.f_contact and state.f_active [N], shapes capped."""
     acting = state.acting
-    share = 1.0
-    if scene.cap == 1 and totals.touching > 0:
-        lag = 0.5 * period + device_delay(scene, state)
-        share = contact_share(totals.stiffness, totals.damping, own_damping(scene), lag, scene.cap_margin)
-    acting.shape_share = _hold_down(acting.shape_share, share, totals.touching > 0 and acting.free_ticks == 0)
     movable = totals.touching > totals.static_touching
     for i in range(3):
         shapes = acting.shape_share * totals.shape_force[i]
@@ -234,18 +245,22 @@ def _follow_credit(scene: Any, state: Any, totals: Any, dt: float) -> None:
 
 @kernel
 def _take_back(scene: Any, state: Any, dt: float) -> float:
-    """Passivity controller: the factor on the contacts' force."""
+    """Passivity controller: the factor 0-1 on the contacts' force; it never makes them pull."""
     acting = state.acting
     acting.passivity = 0.0
     felt = state.safety == _ACTIVE or state.safety == _DEGRADED
     if scene.passivity == 0 or not felt:
         return 1.0
-    most, least = scene.passivity_damping, 0.0
+    most, v = scene.passivity_damping, acting.v
     if scene.controller == _ADMITTANCE:
-        most, least = min(most, _STABLE_DAMPER * scene.virtual_mass / dt), -math.inf
+        most = min(most, _STABLE_DAMPER * scene.virtual_mass / dt)
+        v = state.work_b
+        for i in range(3):
+            state.work_a[i] = state.f_contact[i] + state.f_active[i]
+        middle_velocity(acting.v, state.work_a, state.f_meas_world, scene.virtual_mass, dt, v)
     credit = acting.credit - _under_way(scene, state, dt)
-    factor = contact_scale(credit, state.f_contact, acting.v, dt, most, least)
-    acting.passivity = abs(1.0 - factor) * norm(state.f_contact)
+    factor = contact_scale(credit, state.f_contact, v, dt, most)
+    acting.passivity = (1.0 - factor) * norm(state.f_contact)
     acting.passivity_ticks += 1 if acting.passivity > 0.0 else 0
     return factor
 
@@ -260,10 +275,11 @@ def _pay(state: Any) -> float:
 
 
 @kernel
-def _compose(scene: Any, state: Any, totals: Any, period: float, dt: float) -> None:
+def _compose(scene: Any, state: Any, totals: Any, touched: Any, period: float, dt: float) -> None:
     """state.f_wanted: the virtual force less what cap, passivity controller and tank take away; its two shares."""
     acting = state.acting
-    _sort(scene, state, totals, period)
+    _cap_shapes(scene, state, totals, touched, period)
+    _sort(scene, state, totals)
     _follow_credit(scene, state, totals, dt)
     factor = _take_back(scene, state, dt)
     acting.tank_share = _pay(state)
@@ -277,13 +293,14 @@ def _compose(scene: Any, state: Any, totals: Any, period: float, dt: float) -> N
 
 
 @kernel
-def act(scene: Any, state: Any, totals: Any, held: int, period: float, dt: float) -> None:
+def act(scene: Any, state: Any, totals: Any, touched: Any, held: int, period: float, dt: float) -> None:
     """Force the user feels: held in a late tick, zero in a stop state, else composed, limited and ramped.
 
     Args:
         scene: SCENE record.
         state: STATE record; f_user_world and f_user are set.
         totals: TOTALS record: what the objects do to the user.
+        touched: TOUCHED records of its contacts.
         held: Late-tick class.
         period: Measured period [s].
         dt: Tick [s].
@@ -295,7 +312,7 @@ def act(scene: Any, state: Any, totals: Any, held: int, period: float, dt: float
         scale(acting.contact, factor)
         scale(acting.active, factor)
     else:
-        _compose(scene, state, totals, period, dt)
+        _compose(scene, state, totals, touched, period, dt)
         rise = scene.force_rate_limit * dt
         if is_stopped(state):
             fill(f, 0.0)

@@ -5,8 +5,10 @@ A contact may give back what it took and no more. Its credit counts the exact wo
     impedance    a device that is told forces: the device itself, E -= F_{k-1}.(x_k - x_{k-1})
     admittance   a device that is told velocities: the virtual mass, which the force moves before the device follows
 
-When the coming tick would overdraw the credit, a damper -E / (T v^2) along the contact's force takes what is missing:
-in the first form in parallel with the contact, which it never makes pull; in the second as virtual damping of the mass.
+When the coming tick would overdraw the credit, a damper -E / (T v^2) along the contact's force takes what is missing,
+in parallel with the contact, which it never makes pull: the factor on the force is 0 at least. A debt could only be
+paid by a pull, so none may arise: the tick is predicted with the velocity at its middle (`middle_velocity`).
+
 Hannaford and Ryu put a mobility -E / (T f^2) in series there. It would show only after the servo's lag, and at the
 measured position there is nothing to see: a wall far beyond its limit swings up by the energy that the lag feeds into
 the virtual mass, while it takes energy from the device that follows.
@@ -20,7 +22,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.vectors import norm
 
-__all__ = ["contact_scale", "limited_credit"]
+__all__ = ["contact_scale", "limited_credit", "middle_velocity"]
 
 Vec = NDArray[np.float64]
 
@@ -41,16 +43,34 @@ def _lacking(credit: float, force: Vec, v: Vec, dt: float) -> float:
 
 
 @kernel
-def contact_scale(credit: float, force: Vec, v: Vec, dt: float, most: float, least: float) -> float:
-    """Factor on the contact's force, which adds a damper alpha along it; 1 while the credit lasts.
+def middle_velocity(v: Vec, force: Vec, hand: Vec, mass: float, dt: float, out: Vec) -> None:
+    """Velocity of a virtual mass in the middle of the coming tick, which makes force times way exact.
+
+    With the whole contact force: what it accelerates outwards it is charged for, before it is scaled. Virtual damping
+    is left out: it only brakes.
+
+    Args:
+        v: Now [m/s], shape [3].
+        force: All virtual force [N], shape [3], same frame.
+        hand: The person's [N], shape [3], same frame.
+        mass: [kg].
+        dt: Tick [s].
+        out: Receives it [m/s], shape [3].
+    """
+    for i in range(3):
+        out[i] = v[i] + 0.5 * dt * (force[i] + hand[i]) / mass
+
+
+@kernel
+def contact_scale(credit: float, force: Vec, v: Vec, dt: float, most: float) -> float:
+    """Factor 0-1 on the contact's force, which adds a damper alpha along it; 1 while the credit lasts.
 
     Args:
         credit: Energy the contact may still give [J]; below 0 it owes.
         force: Of the contact on the user [N], shape [3].
-        v: Velocity of what it acts on [m/s], shape [3], same frame.
+        v: Velocity of what it acts on in the coming tick [m/s], shape [3], same frame.
         dt: Tick [s].
         most: Largest alpha [N s/m].
-        least: Smallest factor: 0, or below where the contact may hold back.
     """
     size = norm(force)
     lacking = _lacking(credit, force, v, dt)
@@ -60,4 +80,4 @@ def contact_scale(credit: float, force: Vec, v: Vec, dt: float, most: float, lea
     if along == 0.0:
         return 1.0
     alpha = min(most, lacking / (dt * along * along))
-    return max(least, 1.0 - alpha * along / size)
+    return max(0.0, 1.0 - alpha * along / size)

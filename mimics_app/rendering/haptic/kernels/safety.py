@@ -7,7 +7,8 @@
     HOMED     device answers; a PD controller drives to its target
     READY     target reached, or admittance or impedance chosen: the hand leads, the virtual force is still off
     ACTIVE    the virtual force has been below `ramp_force` for 100 ms; it ramps from 0 to 1
-    DEGRADED  a tick came too late: the virtual force ramps down, motion is damped; back by the same soft start
+    DEGRADED  a tick came too late: the virtual force ramps down, motion is damped; back by the same soft start.
+              Of a simulated device (`late_latches` 0) no tick is late enough for more
     SAFE_STOP, E_STOP   no force, motion dies away, until SCENE.resets changes; then INIT again, never straight ACTIVE
 
 The stop key or a device button latches E_STOP, everything else that trips latches SAFE_STOP; E_STOP may follow
@@ -133,6 +134,12 @@ def _gave_too_much(scene: Any, state: Any) -> bool:
 
 
 @kernel
+def _late_cause(held: int) -> int:
+    """Cause that a late-tick class beyond HOLD stands for."""
+    return _MISSED_IN_ROW if held == MISSED_STOP else _LATE_TICK
+
+
+@kernel
 def _find_trip(scene: Any, state: Any, status: int, held: int) -> int:
     """Cause that latches SAFE_STOP in this tick, or NONE."""
     cause = _NONE
@@ -140,10 +147,8 @@ def _find_trip(scene: Any, state: Any, status: int, held: int) -> int:
         cause = _NOT_FINITE
     elif status == _FAULT:
         cause = _DEVICE_FAULT
-    elif state.safety >= _HOMED and held == LATE_STOP:
-        cause = _LATE_TICK
-    elif state.safety >= _HOMED and held == MISSED_STOP:
-        cause = _MISSED_IN_ROW
+    elif state.safety >= _HOMED and held >= LATE_STOP and scene.late_latches == 1:
+        cause = _late_cause(held)
     elif state.safety >= _HOMED and int(state.age * 1e9 + 0.5) > scene.stale_stop_ns:
         cause = _STALE_DEVICE
     elif state.safety >= _HOMED and _outside_workspace(scene, state):
@@ -180,9 +185,9 @@ def _stay_active(scene: Any, state: Any, quiet: bool, held: int) -> None:
     """ACTIVE and DEGRADED: leave for HOMED with another controller, degrade when late, return when quiet."""
     if not lets_feel(scene.controller):
         state.safety = _HOMED
-    elif state.safety == _ACTIVE and held == LATE_DAMP:
+    elif state.safety == _ACTIVE and held >= LATE_DAMP:
         state.safety = _DEGRADED
-        state.cause = _LATE_TICK
+        state.cause = _late_cause(held)
         state.tripped = 1
     elif state.safety == _DEGRADED and state.ramp == 0.0 and quiet:
         state.safety = _ACTIVE

@@ -5,16 +5,25 @@ condition of Gil et al. 2004, Hulin et al. 2014)
 
     K < (b + B) / (T / 2 + delay)
 
-T / 2 is the mean age of a force that is held for a period T. Where periods differ, a force held for T_i is T_i / 2 old
-on average and is felt for the share T_i / sum(T) of the time, so that T is the mean weighted by length,
-sum(T_i^2) / sum(T_i): a stall counts although the ticks that catch up after it bring the plain mean back to nominal.
+of several contacts at once in each direction (`directions`). T / 2 is the mean age of a force that is held for a
+period T. Where periods differ, a force held for T_i is T_i / 2 old on average and is felt for the share T_i / sum(T) of
+the time, so that T is the mean weighted by length, sum(T_i^2) / sum(T_i): a stall counts although the ticks that catch
+up after it bring the plain mean back to nominal.
 """
 
 from __future__ import annotations
 
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["LARGEST_MARGIN", "contact_share", "follow_period", "margin_of", "spring_share", "stiffness_limit"]
+__all__ = [
+    "LARGEST_MARGIN",
+    "contact_share",
+    "follow_period",
+    "margin_of",
+    "share_of_need",
+    "spring_share",
+    "stiffness_limit",
+]
 
 LARGEST_MARGIN = 99.0
 """A margin beyond this says no more; it also stands where there is nothing stiff."""
@@ -71,5 +80,10 @@ def contact_share(stiffness: float, damping: float, own_damping: float, lag: flo
         lag: T / 2 + delay [s].
         margin: To keep [-].
     """
-    needed = stiffness * lag * (1.0 + margin) - damping
+    return share_of_need(stiffness * lag * (1.0 + margin) - damping, own_damping)
+
+
+@kernel
+def share_of_need(needed: float, own_damping: float) -> float:
+    """Share 0-1 of contacts that as authored need `needed` [N s/m] of damping where there is so much [N s/m]."""
     return own_damping / needed if needed > own_damping else 1.0

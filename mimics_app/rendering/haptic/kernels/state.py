@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mimics_app.rendering.haptic.kernels.acting import ACTING
+from mimics_app.rendering.haptic.kernels.directions import SPAN
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER
 from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE
 
@@ -76,8 +77,12 @@ STATE = np.dtype(
         ("observer", OBSERVER),  # of the contacts, since they began
         ("warned", "i8"),  # 1 until the margin is well above 0 again
         ("touched", "i8"),  # 1 once there was a contact: the next three hold
-        ("least_margin", "f8"),  # of all contacts
+        ("least_margin", "f8"),  # of all contacts, in their worst direction
         ("least_limit", "f8"),
+        ("wall_margin", "f8"),  # of the tunnel's wall, along its normal
+        ("wall_touched", "i8"),  # 1 once it pushed: the next holds
+        ("least_wall_margin", "f8"),
+        ("span", SPAN),  # all contacts of this tick as one
         ("least_energy", "f8"),
         # controller
         ("v_virtual", "f8", (3,)),  # robot frame [m/s]

@@ -112,10 +112,10 @@ def tick(
     step_safety(scene, state, status, stop_word, held, dt)
     before = state.safety
     totals = objects.totals[0]
-    act(scene, state, totals, held, period, dt)
+    act(scene, state, totals, objects.touched, held, period, dt)
     _follow_contacts(objects, scene.objects, state, dt)
-    watch_margin(scene, state, totals, period)
-    watch_contact(scene, state, totals, dt)
+    watch_margin(scene, state, objects, period)
+    watch_contact(scene, state, objects, dt)
     control(scene, state, held, dt)
     if state.safety != before:
         state.state_changed = 1

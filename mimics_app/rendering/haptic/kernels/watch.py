@@ -7,6 +7,7 @@ from typing import Any
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.acting import FREE_TIME, acting_contact, device_delay, own_damping
+from mimics_app.rendering.haptic.kernels.contact_limits import is_pressed, touched_margin
 from mimics_app.rendering.haptic.kernels.passivity import observe, reset_observer
 from mimics_app.rendering.haptic.kernels.stability import LARGEST_MARGIN, margin_of, stiffness_limit
 
@@ -36,10 +37,11 @@ def felt_share(scene: Any, state: Any, totals: Any) -> float:
 
 
 @kernel
-def watch_margin(scene: Any, state: Any, totals: Any, period: float) -> None:
+def watch_margin(scene: Any, state: Any, objects: Any, period: float) -> None:
     """Stability limit and margin of what is rendered, for the measured period; tells when margin or stiffness is lost.
 
-    The wall of the tunnel counts before it is touched, shapes only while they are.
+    The wall of the tunnel counts before it is touched, shapes only while they are; of several contacts at once the
+    worst direction counts.
     """
     tunnel = scene.tunnel
     own = own_damping(scene)
@@ -48,13 +50,13 @@ def watch_margin(scene: Any, state: Any, totals: Any, period: float) -> None:
     state.stiffness_limit = stiffness_limit(own + tunnel.damping, period, delay)
     stiffness = state.acting.wall_share * tunnel.stiffness + tunnel.centring if tunnel.pieces > 0 else 0.0
     state.margin = margin_of(state.stiffness_limit, stiffness)
+    state.wall_margin = state.margin
+    totals = objects.totals[0]
     if totals.touching > 0:
-        share = state.acting.shape_share
-        limit = stiffness_limit(own + share * totals.damping, period, delay)
-        margin = margin_of(limit, share * totals.stiffness)
-        if margin < state.margin or tunnel.pieces == 0:
-            state.margin = margin
-            state.stiffness_limit = limit
+        touched_margin(scene, state, totals, objects.touched, own, 0.5 * period + delay)
+        if state.span.margin < state.margin or tunnel.pieces == 0:
+            state.margin = state.span.margin
+            state.stiffness_limit = state.span.limit
     lost = _is_felt(state) and state.margin < 0.0 and state.warned == 0
     state.margin_lost = 1 if lost else 0
     if lost:
@@ -79,21 +81,35 @@ def _follow_observer(scene: Any, state: Any, felt: bool, dt: float) -> None:
 
 
 @kernel
-def watch_contact(scene: Any, state: Any, totals: Any, dt: float) -> None:
-    """Energy of the contacts, the worst of all, and when the cap begins to act.
+def _keep_least(state: Any, objects: Any) -> None:
+    """The least margin of each contact."""
+    for i in range(objects.totals[0].listed):
+        touched = objects.touched[i]
+        objects.margins[touched.shape] = min(objects.margins[touched.shape], touched.margin)
+    if is_pressed(state):
+        state.least_wall_margin = state.wall_margin if state.wall_touched == 0 else state.least_wall_margin
+        state.least_wall_margin = min(state.least_wall_margin, state.wall_margin)
+        state.wall_touched = 1
+
+
+@kernel
+def watch_contact(scene: Any, state: Any, objects: Any, dt: float) -> None:
+    """Energy of the contacts, the worst of all and of each, and when the cap begins to act.
 
     Args:
         scene: SCENE record.
         state: STATE record.
-        totals: TOTALS record.
+        objects: ObjectWork after this tick.
         dt: Tick [s].
     """
+    totals = objects.totals[0]
     felt = _is_felt(state)
     _follow_observer(scene, state, felt, dt)
     state.cap_began = 0
     if not (felt and (state.in_touch == 1 or totals.touching > 0)):
         state.capped = 0
         return
+    _keep_least(state, objects)
     if state.capped == 0 and state.stiffness_share < 1.0:
         state.capped = 1
         state.cap_began = 1

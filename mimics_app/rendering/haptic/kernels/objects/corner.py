@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.vectors import norm, scale
 
-__all__ = ["share_corner"]
+__all__ = ["part_walls", "share_corner"]
 
 Numbers = NDArray[np.float64]
 
@@ -114,10 +115,10 @@ def _try(walls: Any, count: int, i: int, j: int, k: int, of: Numbers, pushes: Nu
 
 
 @kernel
-def share_corner(walls: Any, count: int, of: Numbers, pushes: Numbers, rates: Numbers) -> None:
+def share_corner(walls: Any, count: int, of: Numbers, pushes: Numbers, rates: Numbers) -> bool:
     """Replace the depths and rates of walls touched at once by what each contributes to the way out.
 
-    Orthogonal walls, and walls that leave no room at all (facing one another), keep their depths.
+    Orthogonal walls, and walls that leave no room at all (facing one another), keep their depths: False.
 
     Args:
         walls: Records of `WALL_TOUCH`, updated.
@@ -127,11 +128,38 @@ def share_corner(walls: Any, count: int, of: Numbers, pushes: Numbers, rates: Nu
         rates: Scratch, shape [3].
     """
     if count < 2 or _is_orthogonal(walls, count):
-        return
+        return False
     for i in range(count):
         for j in range(i, count):
             for k in range(j, count):
                 if j == i and k > j:
                     continue
                 if _try(walls, count, i, j if j > i else i - count, k if k > j else j - count, of, pushes, rates):
-                    return
+                    return True
+    return False
+
+
+@kernel
+def part_walls(walls: Any, count: int) -> None:
+    """Directions of the walls that share a corner, made square to each other one after the other (Gram and Schmidt).
+
+    A point moved along the normal of one of them changes that one's share alone: force and damping have the normals as
+    eigenvectors, k_i and b_i as eigenvalues, and each wall is as stable as it is alone. Square directions with the same
+    eigenvalues say the same in a symmetric matrix; a sum of k n n^T would count the shares twice.
+
+    Args:
+        walls: Records of `WALL_TOUCH` that `share_corner` shared out; `direction` of those that push is set.
+        count: How many.
+    """
+    for i in range(count):
+        if walls[i].depth <= 0.0:
+            continue
+        u = walls[i].direction
+        for j in range(i):
+            if walls[j].depth <= 0.0:
+                continue
+            w = walls[j].direction
+            shared = u[0] * w[0] + u[1] * w[1] + u[2] * w[2]
+            for m in range(3):
+                u[m] -= shared * w[m]
+        scale(u, 1.0 / norm(u))

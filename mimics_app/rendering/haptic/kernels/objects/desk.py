@@ -43,6 +43,7 @@ DESK = np.dtype(
         ("normal", "f8", 3),  # of the touched surface, world
         ("stiffness", "f8"),  # of the contact [N/m]
         ("damping", "f8"),  # of the contact [N s/m]
+        ("hold", "f8"),  # stiffness of friction while it holds, else 0 [N/m]
         ("a", "f8", 3),  # scratch
         ("b", "f8", 3),  # scratch
         ("c", "f8", 3),  # scratch

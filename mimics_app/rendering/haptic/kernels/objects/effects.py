@@ -206,8 +206,10 @@ def _deliver(effect: Any, rows: Any, work: Any, counts: Any, memory: Any) -> Non
         for i in range(3):
             totals.effect_force[i] += memory.force[i]
     if memory.held != 0:
-        totals.stiffness += memory.stiffness if effect.kind != _VISCOSITY else 0.0
-        totals.damping += effect.damping
+        stiffness = memory.stiffness if effect.kind != _VISCOSITY else 0.0
+        totals.stiffness += stiffness
+        totals.even_stiffness += stiffness
+        totals.even_damping += effect.damping
 
 
 @kernel

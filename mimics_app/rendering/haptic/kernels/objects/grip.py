@@ -292,9 +292,9 @@ def _let_go(grip: Any) -> None:
 def grip_bodies(rows: Any, work: Any, counts: Any, grasp: float, dt: float) -> None:
     """Let the fingers take, hold and lose bodies for one tick.
 
-    Adds to totals.grip_force, totals.stiffness and totals.damping, to force, torque and force_user of the body held,
-    and names it in totals.held, and in totals.crushed once it was pressed too hard. A body without friction cannot be
-    held; one that is put back to its start is let go.
+    Adds to totals.grip_force, stiffness, even_stiffness and even_damping, to force, torque and force_user of the body
+    held, and names it in totals.held, and in totals.crushed once it was pressed too hard. A body without friction
+    cannot be held; one that is put back to its start is let go.
 
     Args:
         rows: Tables of the main thread; bodies with `grip` set can be held, `crush_force` bruises them.
@@ -343,6 +343,7 @@ def grip_bodies(rows: Any, work: Any, counts: Any, grasp: float, dt: float) -> N
     if body.crush_force > 0.0 and grasp > body.crush_force:
         grip.crushed = grip.body
     totals.stiffness += 2.0 * k
-    totals.damping += 2.0 * surface.damping
+    totals.even_stiffness += 2.0 * k
+    totals.even_damping += 2.0 * surface.damping
     totals.held = grip.body
     totals.crushed = grip.crushed

@@ -103,6 +103,7 @@ WALL_TOUCH = np.dtype(
         ("depth", np.float64),  # [m]
         ("rate", np.float64),  # of the depth [m/s]
         ("normal", np.float64, 3),  # world, unit
+        ("direction", np.float64, 3),  # world, unit, along which its stiffness counts: see part_walls
         ("slope", np.float64, 3),  # of its ripple, in its frame [-]
     ],
     align=True,

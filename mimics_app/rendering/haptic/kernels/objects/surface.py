@@ -20,7 +20,7 @@ from mimics_app.rendering.haptic.kernels.contact_law import hunt_crossley, sprin
 from mimics_app.rendering.haptic.kernels.friction import hayward_armstrong
 from mimics_app.rendering.haptic.kernels.vectors import fill, norm
 
-__all__ = ["lower_by_ripple", "normal_force", "rub"]
+__all__ = ["anchor_stiffness", "lower_by_ripple", "normal_force", "rub"]
 
 Vec = NDArray[np.float64]
 
@@ -74,6 +74,12 @@ def normal_force(shape: Any, depth: float, rate: float) -> tuple[float, float, f
 
 
 @kernel
+def anchor_stiffness(shape: Any) -> float:
+    """Stiffness of the spring to the anchor of friction [N/m]."""
+    return shape.friction_stiffness if shape.friction_stiffness > 0.0 else shape.stiffness
+
+
+@kernel
 def _into_plane(memory: Any, touched: Vec, normal: Vec) -> float:
     """Move the anchor along the normal into the tangent plane of the touched point; its distance from there [m]."""
     off = 0.0
@@ -119,7 +125,7 @@ def rub(shape: Any, touched: Vec, v: Vec, normal: Vec, push: float, damping: flo
         return
     x, y, z = memory.anchor[0], memory.anchor[1], memory.anchor[2]
     stays = memory.touching == 1
-    stiffness = shape.friction_stiffness if shape.friction_stiffness > 0.0 else shape.stiffness
+    stiffness = anchor_stiffness(shape)
     held = memory.touching == 0 or memory.sticking == 1
     if memory.touching == 1:
         stretch = _into_plane(memory, touched, normal)

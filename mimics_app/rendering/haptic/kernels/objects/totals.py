@@ -15,8 +15,10 @@ TOTALS = np.dtype(
         ("shape_force", "f8", (3,)),  # of all touched shapes on the user, world [N]
         ("effect_force", "f8", (3,)),  # of all effects on the user, world [N]
         ("grip_force", "f8", (3,)),  # of what is held on the user, world [N]
-        ("stiffness", "f8"),  # sum over what is touched or held [N/m], for the stability limit
-        ("damping", "f8"),  # its normal damping, likewise [N s/m]
+        ("stiffness", "f8"),  # sum over what is touched or held [N/m], whatever its direction
+        ("even_stiffness", "f8"),  # what of it counts in all directions alike: what is held, effects [N/m]
+        ("even_damping", "f8"),  # its damping [N s/m]
+        ("listed", "i8"),  # contacts in ObjectWork.touched
         ("touching", "i8"),  # (point, shape) pairs in contact
         ("static_touching", "i8"),  # those of them whose shape belongs to the static scene
         ("depth", "f8"),  # of the deepest of them [m]
@@ -48,7 +50,9 @@ def clear_totals(totals: Any) -> None:
         totals.effect_force[i] = 0.0
         totals.grip_force[i] = 0.0
     totals.stiffness = 0.0
-    totals.damping = 0.0
+    totals.even_stiffness = 0.0
+    totals.even_damping = 0.0
+    totals.listed = 0
     totals.touching = 0
     totals.static_touching = 0
     totals.depth = 0.0

@@ -8,13 +8,14 @@ from typing import Any
 from mimics_app.contracts.haptic_objects import BodyFlag, ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact import forget, to_object
-from mimics_app.rendering.haptic.kernels.objects.corner import share_corner
+from mimics_app.rendering.haptic.kernels.directions import MOST_TOUCHED, note_contact
+from mimics_app.rendering.haptic.kernels.objects.corner import part_walls, share_corner
 from mimics_app.rendering.haptic.kernels.objects.cull import find_near
 from mimics_app.rendering.haptic.kernels.objects.memory import follow_point, keep_poses, notice_changes, recall
 from mimics_app.rendering.haptic.kernels.objects.mesh_walk import probe_mesh
 from mimics_app.rendering.haptic.kernels.objects.records import MOST_WALLS
 from mimics_app.rendering.haptic.kernels.objects.shapes import probe_shape
-from mimics_app.rendering.haptic.kernels.objects.surface import lower_by_ripple, normal_force, rub
+from mimics_app.rendering.haptic.kernels.objects.surface import anchor_stiffness, lower_by_ripple, normal_force, rub
 from mimics_app.rendering.haptic.kernels.vectors import copy, rotate
 
 __all__ = ["touch_points"]
@@ -104,6 +105,7 @@ def _press(desk: Any, shape: Any, memory: Any, depth: float) -> bool:
     for i in range(3):
         touched[i] = desk.p[i] - desk.radius * n[i]
     rub(shape, touched, desk.v, n, push, desk.damping, memory, force)
+    desk.hold = anchor_stiffness(shape) if memory.sticking == 1 else 0.0
     for i in range(3):
         force[i] += push * (n[i] - desk.slope[i])
     rotate(desk.rotation, force, desk.force)
@@ -114,12 +116,16 @@ def _press(desk: Any, shape: Any, memory: Any, depth: float) -> bool:
 
 
 @kernel
-def _count(desk: Any, totals: Any, row: int, depth: float, is_static: bool) -> None:
-    """Add the contact at hand to the results of the point and of the tick."""
+def _count(desk: Any, totals: Any, touched: Any, row: int, direction: Any, depth: float, is_static: bool) -> None:
+    """Add the contact at hand to the results of the point and of the tick, and to the list of contacts."""
     totals.touching += 1
     totals.static_touching += 1 if is_static else 0
     totals.stiffness += desk.stiffness
-    totals.damping += desk.damping
+    if totals.listed < MOST_TOUCHED:
+        note_contact(touched[totals.listed], row, direction, desk.stiffness, desk.damping, desk.hold)
+        totals.listed += 1
+    else:
+        totals.even_stiffness += max(desk.stiffness, desk.hold)
     for i in range(3):
         totals.shape_force[i] += desk.force[i]
         desk.felt[i] += desk.force[i]
@@ -156,19 +162,20 @@ def _note_wall(desk: Any, wall: Any, row: int, contact: Any) -> None:
     wall.depth = contact.depth
     wall.rate = desk.rate
     rotate(desk.rotation, contact.normal, wall.normal)
+    copy(wall.normal, wall.direction)
     copy(desk.slope, wall.slope)
 
 
 @kernel
-def _settle(desk: Any, shape: Any, row: int, memory: Any, depth: float, rows: Any, work: Any) -> None:
-    """Press the shape at hand and hand the force to all whom it concerns."""
+def _settle(desk: Any, shape: Any, row: int, memory: Any, depth: float, direction: Any, rows: Any, work: Any) -> None:
+    """Press the shape at hand and hand the force to all whom it concerns; stiff it is along `direction`."""
     totals = work.totals[0]
     if not _press(desk, shape, memory, depth):
         forget(memory.contact)
         memory.touching = 0
         totals.status = 1
         return
-    _count(desk, totals, row, depth, shape.body < 0)
+    _count(desk, totals, work.touched, row, direction, depth, shape.body < 0)
     if shape.body >= 0:
         _react(desk, work.motions[shape.body], rows.bodies[shape.body].flags)
 
@@ -177,7 +184,8 @@ def _settle(desk: Any, shape: Any, row: int, memory: Any, depth: float, rows: An
 def _settle_walls(desk: Any, point: int, met: int, rows: Any, work: Any) -> None:
     """Press the walls that the point at hand met, their corner shared out."""
     walls = work.walls
-    share_corner(walls, met, desk.a, desk.b, desk.c)
+    if share_corner(walls, met, desk.a, desk.b, desk.c):
+        part_walls(walls, met)
     for k in range(met):
         row = walls[k].row
         shape, memory = rows.shapes[row], work.memories[point, row]
@@ -188,7 +196,7 @@ def _settle_walls(desk: Any, point: int, met: int, rows: Any, work: Any) -> None
         _look(desk)
         copy(walls[k].slope, desk.slope)
         desk.rate = walls[k].rate
-        _settle(desk, shape, row, memory, walls[k].depth, rows, work)
+        _settle(desk, shape, row, memory, walls[k].depth, walls[k].direction, rows, work)
 
 
 @kernel
@@ -207,7 +215,7 @@ def _touch_near(desk: Any, point: int, found: int, rows: Any, work: Any) -> None
             _note_wall(desk, work.walls[met], row, memory.contact)
             met += 1
         else:
-            _settle(desk, shape, row, memory, memory.contact.depth, rows, work)
+            _settle(desk, shape, row, memory, memory.contact.depth, desk.normal, rows, work)
     if met > 0:
         _settle_walls(desk, point, met, rows, work)
 
@@ -219,8 +227,9 @@ def touch_points(rows: Any, work: Any, counts: Any, dt: float) -> None:
     Args:
         rows: Tables of objects.
         work: ObjectWork with points and shapes placed for this tick; `point_forces`, `totals` (shape_force, stiffness,
-            damping, touching, static_touching, depth, shape, normal, approach_speed, status) and the bodies' force,
-            torque, force_user, touched are added to. A force that is not finite is left out, status becomes 1.
+            touching, static_touching, listed, even_stiffness, depth, shape, normal, approach_speed, status), `touched`
+            and the bodies' force, torque, force_user, touched are added to. A force that is not finite is left out,
+            status becomes 1.
         counts: SCENE.objects.
         dt: Tick [s].
     """

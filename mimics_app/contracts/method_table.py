@@ -115,7 +115,7 @@ class Table:
 def saved_file() -> Path | None:
     """Where this machine keeps its own table; None where nothing is writable."""
     from mimics_app.contracts.kernel_cache import cache_folder
-    from mimics_app.lab.machine import describe_machine
+    from mimics_app.contracts.machine import describe_machine
 
     return None if cache_folder is None else cache_folder.parent / f"methods-{describe_machine().key}.json"
 

@@ -40,7 +40,7 @@ class Machine:
 
 def describe_machine() -> Machine:
     """The machine this process runs on."""
-    from mimics_app.recording.environment import describe_environment
+    from mimics_app.contracts.environment import describe_environment
 
     environment = describe_environment()
     machine, versions = environment["machine"], environment["versions"]

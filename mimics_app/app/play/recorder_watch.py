@@ -1,0 +1,41 @@
+"""Tells on the terminal what becomes of the recorder while a run goes on."""
+
+from __future__ import annotations
+
+import sys
+
+from mimics_app.recording.recorder import Recorder
+
+__all__ = ["RecorderWatch"]
+
+
+class RecorderWatch:
+    """Remembers what was told last, so that each change is told once.
+
+    Args:
+        recorder: Of the session.
+    """
+
+    def __init__(self, recorder: Recorder) -> None:
+        self._recorder = recorder
+        self._restarts = 0
+        self._away = False
+        self._problem = ""
+
+    def look(self) -> None:
+        """Tell a recorder that died, that is back, or that cannot record."""
+        recorder = self._recorder
+        if recorder.restarts != self._restarts:
+            self._restarts, self._away = recorder.restarts, True
+            held = f"what happens meanwhile is kept for {recorder.holds_s:.0f} s"
+            _say(f"the recorder died and is replaced (number {self._restarts}); {held}")
+        if self._away and recorder.ready:
+            self._away = False
+            _say("the recorder is back")
+        if recorder.problem != self._problem:
+            self._problem = recorder.problem
+            _say(self._problem or "the recorder goes on")
+
+
+def _say(text: str) -> None:
+    sys.stderr.write(f"mimics: {text}\n")

@@ -1,0 +1,12 @@
+"""Whether a window can be hoped for. Imports no graphics: commands ask before they do."""
+
+from __future__ import annotations
+
+import os
+
+__all__ = ["has_display"]
+
+
+def has_display() -> bool:
+    """Whether this process is told of a display."""
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

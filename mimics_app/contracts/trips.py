@@ -1,0 +1,92 @@
+"""Trips of the safety machine as people read them: what happened, and what to do.
+
+A trip either latches a stop, which a person has to reset, or is a short hold (DEGRADED), which ends by itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from numpy.typing import NDArray
+
+from mimics_app.contracts.clock import TICKS_PER_SECOND
+from mimics_app.contracts.haptic import EventKind, SafetyState, TripCause
+
+__all__ = ["Trip", "TripReader"]
+
+_BUSY = "close other programs; mimics doctor says how the loop is scheduled"
+
+_TOLD: Mapping[TripCause, tuple[str, str]] = {
+    TripCause.NONE: ("a safety stop", "look at the recording"),
+    TripCause.STOP_KEY: ("the stop key was pressed", "reset it when it is safe"),
+    TripCause.DEVICE_BUTTON: ("the device's stop button was pressed", "release it, then reset when it is safe"),
+    TripCause.NOT_FINITE: ("a number that is not finite reached the loop", "look at the device's data and its line"),
+    TripCause.LATE_TICK: ("this computer was too busy: a tick came too late", _BUSY),
+    TripCause.MISSED_IN_ROW: ("this computer was too busy: too many ticks in a row were missed", _BUSY),
+    TripCause.STALE_DEVICE: ("the device sent nothing new for too long", "look at its line and its power"),
+    TripCause.WORKSPACE: ("the hand left the workspace", "lead it back before the reset"),
+    TripCause.VELOCITY: ("the hand was faster than velocity_limit", "move more slowly, or look at the device"),
+    TripCause.DEVICE_FAULT: ("the device reports a fault, or is gone", "look at its display, its line and its power"),
+    TripCause.JUMP: ("the position jumped further than a hand can move", "look at the device's sensors and its line"),
+    TripCause.ENERGY: ("a contact gave more energy than energy_limit", "make what was touched softer or more damped"),
+}
+"""What happened and what to do, by cause."""
+
+
+@dataclass(frozen=True, slots=True)
+class Trip:
+    """One trip.
+
+    Attributes:
+        tick: When.
+        cause: Why.
+        latched: True for a stop that a person has to reset, False for a short hold.
+    """
+
+    tick: int
+    cause: TripCause
+    latched: bool
+
+    @property
+    def seconds(self) -> float:
+        """When, in the session's time [s]."""
+        return self.tick / TICKS_PER_SECOND
+
+    @property
+    def what(self) -> str:
+        """What happened, in words."""
+        return _TOLD[self.cause][0]
+
+    @property
+    def advice(self) -> str:
+        """What to do about it, in words."""
+        return _TOLD[self.cause][1]
+
+
+class TripReader:
+    """Finds the trips among the loop's events, which come in any number of pieces."""
+
+    def __init__(self) -> None:
+        self._state = int(SafetyState.OFF)
+
+    def take(self, events: NDArray[Any]) -> list[Trip]:
+        """Trips among EVENT records [n], oldest first; the state a trip leads to is told before it."""
+        trips: list[Trip] = []
+        for event in events:
+            if event["kind"] == EventKind.STATE:
+                self._state = _whole(event["force"])
+            elif event["kind"] == EventKind.TRIP:
+                latched = self._state != SafetyState.DEGRADED
+                trips.append(Trip(int(event["tick"]), _cause_of(_whole(event["force"])), latched))
+        return trips
+
+
+def _whole(number: Any) -> int:
+    """A number of an event as an integer; -1 where a damaged recording has none."""
+    return int(number) if abs(float(number)) < 1e9 else -1
+
+
+def _cause_of(number: int) -> TripCause:
+    return TripCause(number) if number in set(TripCause) else TripCause.NONE

@@ -1,0 +1,87 @@
+"""Peers of the haptic bodies that come with a harness of their own: programs in the folder that PEERS names.
+
+Every `haptics/bench_*.py` of the folder is run with the path of a JSON file to write: `{"rows": [{"engine": NAME,
+"kind": "sphere|box|cylinder", "bodies": N, "gap": M, "us_block_min": US, "n": STEPS, "reps": ROUNDS}]}`, the shortest
+of so many rounds of so many steps of 1 ms called from Python. Ours is timed by the same numbers beside each of them.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from mimics_app.contracts.errors import UsageError
+
+__all__ = ["HarnessRow", "run_harnesses"]
+
+_GAP = 0.02
+"""Between two bodies of `bodies_on_a_floor` [m]; a harness may measure other scenes too."""
+
+_LONGEST_S = 600.0
+
+
+@dataclass(frozen=True, slots=True)
+class HarnessRow:
+    """What a harness measured of one workload.
+
+    Attributes:
+        engine: Name and version of the peer.
+        kind: Of its bodies.
+        count: Of its bodies.
+        us: Cost of a step [us].
+        steps: Steps of a round.
+        rounds: Rounds, of which the shortest counts.
+    """
+
+    engine: str
+    kind: str
+    count: int
+    us: float
+    steps: int
+    rounds: int
+
+
+def run_harnesses(folder: Path, tell: Callable[[str], None]) -> list[HarnessRow]:
+    """Run every harness of a folder; one that fails (its peer is not installed) is told and left out.
+
+    Raises:
+        UsageError: there is none in the folder.
+    """
+    programs = sorted((folder / "haptics").glob("bench_*.py"))
+    programs = [program for program in programs if program.name != "bench_common.py"]
+    if not programs:
+        raise UsageError(f"no harness in {folder / 'haptics'}", "name the peers' folder by PEERS, or leave it out")
+    return [row for program in programs for row in _run(program, tell)]
+
+
+def _run(program: Path, tell: Callable[[str], None]) -> list[HarnessRow]:
+    tell(f"peer: {program.stem}")
+    with tempfile.TemporaryDirectory(prefix="mimics-peer-") as scratch:
+        out = Path(scratch) / "rows.json"
+        try:
+            done = subprocess.run(
+                [sys.executable, str(program), str(out)], capture_output=True, timeout=_LONGEST_S, check=False
+            )
+            rows = json.loads(out.read_text(encoding="utf-8"))["rows"] if done.returncode == 0 else []
+            return [_row(row) for row in rows if _is_ours(row)]
+        except (OSError, subprocess.TimeoutExpired, ValueError, KeyError, TypeError) as failure:
+            tell(f"peer: {program.stem} is not measured: {failure}")
+            return []
+
+
+def _is_ours(row: dict[str, Any]) -> bool:
+    """Whether it is the scene that ours is: bodies apart, awake, by the peer's default for contacts."""
+    return row["gap"] == _GAP and not row.get("sleep") and row.get("integrator", "implicitfast") == "implicitfast"
+
+
+def _row(row: dict[str, Any]) -> HarnessRow:
+    return HarnessRow(
+        str(row["engine"]), str(row["kind"]), int(row["bodies"]), float(row["us_block_min"]), int(row["n"]),
+        int(row["reps"]),
+    )  # fmt: skip

@@ -1,0 +1,248 @@
+"""Several sampled, delayed contacts at one device, simulated and exact: what S16 sweeps.
+
+As `wall_loop`, in three directions: a device of mass m and own damping b is pressed into contacts of different
+normals. Each tick its position is sampled, each contact's law gives a force along its normal from depth and differenced
+depth, and their sum acts, held, n ticks later.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.lab.stability.growth import dies_away, note_peak
+from mimics_app.lab.stability.linear import find_limit, hold, spectral_radius
+from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
+from mimics_app.rendering.haptic.kernels.directions import SPAN, add_contact, begin_span, needed_damping
+from mimics_app.rendering.haptic.kernels.directions import worst_direction as find_worst_direction
+from mimics_app.rendering.haptic.kernels.integrators import step_free
+
+__all__ = [
+    "Contact",
+    "Device",
+    "exact_limit",
+    "exact_matrix",
+    "needed",
+    "press_contacts",
+    "rule_limit",
+    "rule_margin",
+    "simulated_limit",
+    "stiffer",
+    "sum_limit",
+]
+
+Vec = NDArray[np.float64]
+Mat = NDArray[np.float64]
+
+_DEPTH = 1000.0
+"""Rest inside every contact [m], absurdly deep, so that no surface is reached and no law is clamped."""
+
+_APART = 1e-3
+"""First distance from rest along each normal [m]."""
+
+_LARGE = 1.0
+"""A swing [m] from which a motion does not come back; the laws are still linear there."""
+
+_SHORTEST = 8_000
+_LONGEST = 400_000
+_PRECISION = 4e-3
+_SOFT = 1.0
+_HARD = 1e6
+_SLOW = 1e-9
+"""What an eigenvalue may come short of 1: the slow motion of a soft contact dies by more in a tick."""
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """One contact.
+
+    Attributes:
+        angle: Of its normal to that of the first [rad], in the plane of the first two axes.
+        stiffness: K [N/m].
+        damping: B [N s/m].
+        lift: Of its normal out of that plane [rad].
+    """
+
+    angle: float
+    stiffness: float
+    damping: float
+    lift: float = 0.0
+
+    @property
+    def normal(self) -> Vec:
+        """Unit, shape [3]."""
+        flat = np.cos(self.lift)
+        return np.array([flat * np.cos(self.angle), flat * np.sin(self.angle), np.sin(self.lift)])
+
+
+@dataclass(frozen=True, slots=True)
+class Device:
+    """What is pressed into them.
+
+    Attributes:
+        mass: [kg].
+        damping: Its own, virtual and the arm's, b [N s/m].
+        rate: Ticks per second [Hz].
+        delay: Whole ticks between sampling and acting.
+    """
+
+    mass: float = 3.0
+    damping: float = 8.0
+    rate: float = 1000.0
+    delay: int = 4
+
+    @property
+    def lag(self) -> float:
+        """T / 2 + n T [s]."""
+        return (0.5 + self.delay) / self.rate
+
+
+Contacts = tuple[Contact, ...]
+
+
+def stiffer(contacts: Contacts, first: float) -> Contacts:
+    """The same contacts, the first of another stiffness [N/m]."""
+    one = contacts[0]
+    return (Contact(one.angle, first, one.damping, one.lift), *contacts[1:])
+
+
+@kernel
+def _feel(normals: Mat, k: Vec, B: Vec, x: Vec, last: Vec, dt: float, force: Vec) -> None:
+    """Force [N] of all contacts on the device, less what holds it at rest _DEPTH inside of each."""
+    force[:] = 0.0
+    for c in range(k.shape[0]):
+        depth, rate = _DEPTH, 0.0
+        for i in range(3):
+            depth -= normals[c, i] * x[i]
+            rate -= normals[c, i] * (x[i] - last[i]) / dt
+        push = spring_damper(depth, rate, k[c], B[c]) - k[c] * _DEPTH
+        for i in range(3):
+            force[i] += push * normals[c, i]
+
+
+@kernel
+def press_contacts(
+    normals: Mat, k: Vec, B: Vec, m: float, b: float, dt: float, delay: int, ticks: int, line: Mat, peaks: Vec
+) -> None:
+    """Press the device into contacts and let it go.
+
+    Args:
+        normals: Shape [n, 3].
+        k: Stiffnesses [N/m], shape [n].
+        B: Dampings [N s/m], shape [n].
+        m: Mass of the device [kg].
+        b: Its own damping [N s/m].
+        dt: Tick [s].
+        delay: Ticks between sampling and acting.
+        ticks: How long.
+        line: Room for the forces under way, zeros, shape [at least delay + 1, 3].
+        peaks: Receives the peaks of the distance from rest [m] by quarter of the run, shape [4]; the last infinite
+            where it does not come back.
+    """
+    x, last, v = np.zeros(3), np.zeros(3), np.zeros(3)
+    for c in range(k.shape[0]):
+        for j in range(3):
+            x[j] += _APART * normals[c, j]
+            last[j] = x[j]
+    peaks[:] = 0.0
+    for i in range(ticks):
+        _feel(normals, k, B, x, last, dt, line[i % (delay + 1)])
+        size = 0.0
+        for j in range(3):
+            last[j] = x[j]
+            x[j], v[j] = step_free(x[j], v[j], line[(i + 1) % (delay + 1), j], m, b, dt)
+            size += x[j] * x[j]
+        note_peak(np.sqrt(size), i, ticks, peaks)
+        if not size < _LARGE * _LARGE:
+            peaks[3] = np.inf
+            return
+
+
+def _is_stable(device: Device, contacts: Contacts) -> bool:
+    """Whether the device comes to rest in the contacts, by simulation."""
+    normals = np.array([contact.normal for contact in contacts])
+    k = np.array([contact.stiffness for contact in contacts])
+    B = np.array([contact.damping for contact in contacts])
+
+    def run(ticks: int) -> Vec:
+        peaks = np.zeros(4)
+        line = np.zeros((device.delay + 1, 3))
+        press_contacts(normals, k, B, device.mass, device.damping, 1.0 / device.rate, device.delay, ticks, line, peaks)
+        return peaks
+
+    return dies_away(run, _SHORTEST, _LONGEST)
+
+
+def simulated_limit(device: Device, contacts: Contacts) -> float:
+    """Largest stable stiffness [N/m] of the first contact beside the others, by simulation."""
+    return find_limit(lambda first: _is_stable(device, stiffer(contacts, first)), _SOFT, _HARD, _PRECISION)
+
+
+def exact_matrix(device: Device, contacts: Contacts) -> Mat:
+    """One tick of the loop as a matrix, in the directions that are stiff at all: a free one never comes to rest.
+
+    Place, velocity, last place and the forces under way in r directions, shape [(3 + n) r, (3 + n) r].
+    """
+    normals = np.array([contact.normal for contact in contacts])
+    _, sizes, span = np.linalg.svd(normals)
+    normals = normals @ span[: int((sizes > 1e-9).sum())].T
+    r, n, dt = normals.shape[1], device.delay, 1.0 / device.rate
+    K = sum(c.stiffness * np.outer(u, u) for c, u in zip(contacts, normals, strict=True))
+    B = sum(c.damping * np.outer(u, u) for c, u in zip(contacts, normals, strict=True))
+    one, none = np.eye(r), np.zeros((r, r))
+    A, held = hold(np.block([[none, one], [none, -device.damping / device.mass * one]]), np.vstack([none, one]), dt)
+    held /= device.mass
+    law = np.hstack([-(K + B / dt), none, B / dt])
+    step = np.zeros(((3 + n) * r, (3 + n) * r))
+    step[: 2 * r, : 2 * r] = A
+    step[2 * r : 3 * r, :r] = one
+    if n == 0:
+        step[: 2 * r] += held @ law
+        return step
+    step[: 2 * r, (2 + n) * r :] = held
+    step[3 * r : 4 * r, : 3 * r] = law
+    step[4 * r :, 3 * r : (2 + n) * r] = np.eye((n - 1) * r)
+    return step
+
+
+def exact_limit(device: Device, contacts: Contacts) -> float:
+    """Largest stable stiffness [N/m] of the first contact beside the others, by eigenvalues."""
+
+    def is_contracting(first: float) -> bool:
+        return spectral_radius(exact_matrix(device, stiffer(contacts, first))) < 1.0 - _SLOW
+
+    return find_limit(is_contracting, _SOFT, _HARD)
+
+
+def _span_of(contacts: Contacts) -> NDArray[np.void]:
+    span = np.zeros(1, SPAN)
+    begin_span(span[0], 0.0, 0.0)
+    for contact in contacts:
+        add_contact(span[0], contact.normal, contact.stiffness, contact.damping, 0.0, 0.0)
+    return span
+
+
+def rule_margin(device: Device, contacts: Contacts) -> float:
+    """Margin of the worst direction [-], as the loop shows it."""
+    span = _span_of(contacts)
+    find_worst_direction(span[0], device.damping, device.lag)
+    return float(span[0]["margin"])
+
+
+def needed(device: Device, contacts: Contacts, margin: float = 0.0) -> float:
+    """Damping [N s/m] the device must have for the contacts to keep a margin in every direction, as the loop's cap."""
+    return float(needed_damping(_span_of(contacts)[0], device.lag * (1.0 + margin)))
+
+
+def rule_limit(device: Device, contacts: Contacts) -> float:
+    """Largest stiffness [N/m] of the first contact by the worst direction: what the loop goes by."""
+    return find_limit(lambda first: needed(device, stiffer(contacts, first)) < device.damping, _SOFT, _HARD)
+
+
+def sum_limit(device: Device, contacts: Contacts) -> float:
+    """The same from sums over all contacts whatever their direction [N/m]: it lends one the damping of another."""
+    damping = device.damping + sum(contact.damping for contact in contacts)
+    return damping / device.lag - sum(contact.stiffness for contact in contacts[1:])

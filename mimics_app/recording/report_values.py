@@ -1,0 +1,69 @@
+"""Values of a recording as a report takes them in and shows them: whatever a damaged file holds, a text comes out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+__all__ = ["NONE", "counted", "mapping", "number", "one", "scaled", "shown", "thousands"]
+
+NONE = "–"
+"""What stands for a value that there is not."""
+
+_DEEPEST = 12
+
+
+def mapping(item: Any) -> Mapping[str, Any]:
+    """The item where it is an object of JSON, else an empty one."""
+    return item if isinstance(item, Mapping) else {}
+
+
+def number(item: Any) -> float | None:
+    """The item where it is a finite number a float can hold, else None; truth values are no numbers."""
+    if isinstance(item, bool) or not isinstance(item, (int, float)):
+        return None
+    try:
+        value = float(item)
+    except OverflowError:
+        return None
+    return value if math.isfinite(value) else None
+
+
+def scaled(item: Any, factor: float) -> float | None:
+    """`number` times a factor."""
+    value = number(item)
+    return None if value is None else factor * value
+
+
+def one(item: Any, unit: str = "") -> str:
+    """A number with one decimal and its unit; `NONE` for anything else."""
+    value = number(item)
+    return NONE if value is None else f"{value:.1f} {unit}".strip()
+
+
+def shown(item: Any, depth: int = 0) -> str:
+    """A value as a person writes it, plain text: the template escapes it."""
+    if item is None or (isinstance(item, float) and not math.isfinite(item)):
+        return NONE
+    if isinstance(item, bool):
+        return "yes" if item else "no"
+    if isinstance(item, float):
+        return f"{item:.4g}"
+    if depth > _DEEPEST:
+        return "…"
+    if isinstance(item, Mapping):
+        return ", ".join(f"{key} {shown(part, depth + 1)}" for key, part in item.items())
+    if isinstance(item, (list, tuple)):
+        return ", ".join(shown(part, depth + 1) for part in item)
+    return str(item)
+
+
+def thousands(count: int) -> str:
+    """A count with thin spaces between its thousands."""
+    return f"{count:,}".replace(",", "\u2009")
+
+
+def counted(count: int, what: str, ending: str = "s") -> str:
+    """A count and what is counted, in the plural where it is not one."""
+    return f"{count} {what}{'' if count == 1 else ending}"

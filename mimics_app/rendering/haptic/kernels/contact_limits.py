@@ -1,0 +1,103 @@
+"""Share and margin of everything the hand touches in a tick, from the list of its contacts.
+
+One contact has a closed form (`stability`); several, or a shape and the tunnel's wall at once, are judged by direction
+(`directions`). Friction that holds is stiff along the surface too. Effects and what is held count in all directions.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.directions import (
+    add_contact,
+    along,
+    begin_span,
+    needed_damping,
+    worst_direction,
+)
+from mimics_app.rendering.haptic.kernels.stability import contact_share, margin_of, share_of_need
+
+__all__ = ["common_share", "is_pressed", "touched_margin"]
+
+
+@kernel
+def is_pressed(state: Any) -> bool:
+    """Whether the tunnel's wall pushes."""
+    return state.tunnel.wall_force > 0.0
+
+
+@kernel
+def _is_alone(state: Any, totals: Any) -> bool:
+    return totals.touching == 1 and not is_pressed(state)
+
+
+@kernel
+def _gather(scene: Any, state: Any, totals: Any, touched: Any, share: float, wall_share: float) -> None:
+    """state.span from all contacts of the tick, those with shapes and the spring of the wall at their shares."""
+    span = state.span
+    begin_span(span, totals.even_stiffness, totals.even_damping)
+    for i in range(totals.listed):
+        c = touched[i]
+        k, b, hold, hold_b = c.stiffness, c.damping, c.hold_stiffness, c.hold_damping
+        add_contact(span, c.normal, share * k, share * b, share * hold, share * hold_b)
+    if is_pressed(state):
+        k = wall_share * scene.tunnel.stiffness + scene.tunnel.centring
+        add_contact(span, state.tunnel.normal_world, k, scene.tunnel.damping, 0.0, 0.0)
+
+
+@kernel
+def common_share(scene: Any, state: Any, totals: Any, touched: Any, own: float, lag: float) -> float:
+    """Share 0-1 of all that is touched, springs and dampers alike, that keeps SCENE.cap_margin in every direction.
+
+    Args:
+        scene: SCENE record.
+        state: STATE record.
+        totals: TOTALS record with a contact.
+        touched: TOUCHED records.
+        own: Damping that every contact can count on [N s/m].
+        lag: T / 2 + delay [s].
+    """
+    if not _is_alone(state, totals):
+        _gather(scene, state, totals, touched, 1.0, 1.0)
+        return share_of_need(needed_damping(state.span, lag * (1.0 + scene.cap_margin)), own)
+    c, k, b = touched[0], totals.even_stiffness, totals.even_damping
+    share = contact_share(c.stiffness + k, c.damping + b, own, lag, scene.cap_margin)
+    if c.hold_stiffness > c.stiffness:
+        share = min(share, contact_share(c.hold_stiffness + k, c.hold_damping + b, own, lag, scene.cap_margin))
+    return share
+
+
+@kernel
+def _margin_alone(state: Any, totals: Any, contact: Any, own: float, lag: float) -> None:
+    """state.span.limit and margin of the only contact."""
+    span, share = state.span, state.acting.shape_share
+    span.limit = (own + share * contact.damping + totals.even_damping) / lag
+    span.margin = margin_of(span.limit, share * contact.stiffness + totals.even_stiffness)
+    if contact.hold_stiffness > contact.stiffness:
+        limit = (own + share * contact.hold_damping + totals.even_damping) / lag
+        margin = margin_of(limit, share * contact.hold_stiffness + totals.even_stiffness)
+        if margin < span.margin:
+            span.limit = limit
+            span.margin = margin
+    contact.margin = span.margin
+
+
+@kernel
+def touched_margin(scene: Any, state: Any, totals: Any, touched: Any, own: float, lag: float) -> None:
+    """Limit and margin, as rendered, of the worst direction into state.span; `margin` of each contact along its normal.
+
+    No contact has less than the worst direction. Arguments as of `common_share`.
+    """
+    if _is_alone(state, totals):
+        _margin_alone(state, totals, touched[0], own, lag)
+        return
+    span = state.span
+    _gather(scene, state, totals, touched, state.acting.shape_share, state.acting.wall_share)
+    for i in range(totals.listed):
+        n = touched[i].normal
+        touched[i].margin = margin_of((own + along(span.damping, n)) / lag, along(span.stiffness, n))
+    if is_pressed(state):
+        n = state.tunnel.normal_world
+        state.wall_margin = margin_of((own + along(span.damping, n)) / lag, along(span.stiffness, n))
+    worst_direction(span, own, lag)

@@ -1,0 +1,39 @@
+"""A name that leads nowhere is refused before compiled code and graphics are imported, which takes seconds."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+HEAVY = ("numba", "moderngl", "glfw")
+SCRIPT = (
+    "import json, sys; from mimics_app.app import cli; code = cli.main(sys.argv[1:]); "
+    f"print(json.dumps([code, [name for name in {HEAVY} if name in sys.modules]]))"
+)
+
+
+@pytest.mark.parametrize(
+    ("line", "code", "said"),
+    [
+        ("run scenes/nowhere.json", 3, "there is no such scene"),
+        ("run --device simulated_haptcmaster", 4, 'did you mean "simulated_hapticmaster"'),
+        ("run --device pointer:COM3", 4, "it has no address"),
+        ("run --device replay --recording nowhere", 2, "is no run folder"),
+        ("render nowhere", 3, "there is no such scene"),
+        ("explain nowhere", 3, "there is no such scene"),
+        ("check nowhere.json", 3, "there is no such scene"),
+        ("view nowhere.json --headless", 3, "there is no such scene"),
+        ("devices check nowhere", 4, 'there is no device "nowhere"'),
+        ("replay nowhere", 2, "is no run folder"),
+        ("report nowhere", 2, "is no run folder"),
+        ("record info nowhere", 2, "is no run folder"),
+        ("sweep nowhere.json", 3, "nowhere.json"),
+    ],
+)
+def test_what_is_not_there_is_refused_before_anything_heavy_is_imported(line: str, code: int, said: str) -> None:
+    done = subprocess.run([sys.executable, "-c", SCRIPT, *line.split()], capture_output=True, text=True, check=True)
+    assert said in done.stderr
+    assert json.loads(done.stdout) == [code, []]

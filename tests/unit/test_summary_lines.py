@@ -1,0 +1,41 @@
+"""What a person reads at the end of a run: the figures that `--json` has, and none that do not apply."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mimics_app.app.play.summary_lines import summary_lines
+
+RUN = {"simulated_s": 34.0, "recipe": "virtual", "run_dir": "runs/a", "report": "runs/a/report.html", "pictures": []}
+
+
+def lines(task: dict[str, Any], **more: Any) -> dict[str, str]:
+    answer = {**RUN, "safety": {"state": "HOMED"}, "task": task, **more}
+    return dict(line.split(maxsplit=1) for line in summary_lines(answer))
+
+
+def test_trials_are_counted_as_in_json_and_practice_apart():
+    task = {"completed": 2, "trials": 3, "practice": {"completed": 0, "trials": 1}, "score": 90.2, "time_s": 3.81}
+    said = lines({**task, "path_error_m": 0.0031, "contacts": 12})
+    assert said["task"] == "2 of 3 trials finished; mean score 90 of 100; mean time 3.8 s"
+    assert said["practice"] == "0 of 1 trial finished"
+    assert said["path"] == "3.1 mm from the way, 12 contacts"
+    assert said["touch"] == "simulated 34.0 s; robot at rest"
+    assert "carried" not in said
+
+
+def test_what_does_not_apply_is_not_told_as_zero():
+    said = lines({"completed": 0, "trials": 0, "time_s": 5.0, "contacts": 1})
+    assert said["task"] == "no trial ended; 5.0 s under way"
+    assert said["path"] == "1 contact"
+    said = lines({"completed": 0, "trials": 1, "drops": 0, "bruises": 0, "placed": 0, "contacts": 0})
+    assert said["task"] == "0 of 1 trial finished"
+    assert said["carried"] == "0 placed, 0 drops, 0 bruises"
+    assert not any("0.0" in line for line in said.values() if not line.startswith("simulated"))
+
+
+def test_a_live_run_tells_its_late_cycles():
+    task = {"completed": 1, "trials": 1, "score": 81.0, "time_s": 9.0, "path_error_m": 0.001, "contacts": 0}
+    assert lines(task, missed=1)["touch"] == "34.0 s at 1 kHz (virtual), 1 late control cycle; robot at rest"
+    assert "no late control cycles" in lines(task, missed=0)["touch"]
+    assert lines(task)["task"] == "1 of 1 trial finished; score 81 of 100; time 9.0 s"
