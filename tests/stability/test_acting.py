@@ -244,11 +244,7 @@ def test_silence_is_told_once_when_it_begins():
 
 
 def _against(rows: np.ndarray) -> np.ndarray:
-<<<<<<< HEAD
     """Force felt along the contact's own [N], where drag, assistance and virtual damping are off: nothing else acts."""
-=======
-    """Force felt along the contact's own [N], where drag, assistance and virtual damping are off: nothing else is."""
->>>>>>> w1-b
     wanted = rows["f_virt_world"]
     size = np.linalg.norm(wanted, axis=1)
     return np.sum(rows["f_user_world"] * wanted, axis=1)[size > 0.0] / size[size > 0.0]
