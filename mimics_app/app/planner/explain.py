@@ -12,6 +12,7 @@ import msgspec
 from mimics_app.app.planner.plan import Choice, Dearer, Plan
 from mimics_app.app.planner.uses import USES, shadow_distance_of, visual_of
 from mimics_app.contracts.method_table import Row, Table
+from mimics_app.contracts.methods import Settings
 from mimics_app.world.components.effects import Billboard, Particles, Projector
 from mimics_app.world.components.objects import HapticObject, HapticWalls
 from mimics_app.world.components.pictures import Inset, Mirror, Screen
@@ -23,8 +24,6 @@ __all__ = ["OF_OBJECTS", "TICK_GROUP", "LeftOut", "Part", "describe_plan", "expl
 
 TICK_GROUP = "haptic tick"
 """Group of the table that holds the whole tick, by the projection in it."""
-
-_NO_TUNNEL = "no tunnel"
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,8 +106,17 @@ def _part(scene: Scene, choice: Choice, plan: Plan) -> Part:
         next_cheaper=None if refused is None else {"method": refused.method, "error": refused.error},
         too_dear=None if dearer is None else _too_dear(dearer),
         more_ms=choice.more_ms if timed else None,
-        note=_seen_to(scene) if choice.taken.method.startswith("cascades") else "",
+        note=_note(scene, choice, plan),
     )
+
+
+def _note(scene: Scene, choice: Choice, plan: Plan) -> str:
+    if choice.taken.settings.get("cascaded"):
+        return _seen_to(scene)
+    return _ALONE if len(plan.table.groups[choice.group]) == 1 else ""
+
+
+_ALONE = "no rival that the product can run"
 
 
 def _seen_to(scene: Scene) -> str:
@@ -130,20 +138,20 @@ def _tick_parts(scene: Scene, plan: Plan) -> list[Part]:
     """The whole haptic tick, where the table has it and somebody plays the scene."""
     if scene.scenario == _NOBODY:
         return []
-    method = plan.methods.get("tunnel projection", _NO_TUNNEL) if scene.has(Tunnel) else _NO_TUNNEL
-    row = _row(plan.table, TICK_GROUP, method)
+    row = _tick_row(plan.table, plan.settings.get("tunnel projection", {}))
     if row is None:
         return []
     what = "haptic tick without its objects" if _has_objects(scene) else "haptic tick, all of it"
-    return [Part(what, TICK_GROUP, method, row.cost_us, None, "", None, None)]
+    return [Part(what, TICK_GROUP, row.method, row.cost_us, None, "", None, None)]
 
 
 def _has_objects(scene: Scene) -> bool:
     return scene.has(HapticObject) or scene.has(HapticWalls)
 
 
-def _row(table: Table, group: str, method: str) -> Row | None:
-    return next((row for row in table.groups.get(group, []) if row.method == method), None)
+def _tick_row(table: Table, settings: Settings) -> Row | None:
+    """The whole tick with this projection of a tunnel; {}: without a tunnel."""
+    return next((row for row in table.groups.get(TICK_GROUP, []) if row.settings == settings), None)
 
 
 def _left_out(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None]) -> list[LeftOut]:
@@ -151,7 +159,7 @@ def _left_out(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None]) -
     table = plan.table
     absent: list[tuple[type[msgspec.Struct], str, str, float | None]] = [
         (Sound, "sound process, per block of 5 ms", "no entity has a sound", _cheapest(table, "spatialiser")),
-        (SoundEmitter, "sound emitters", "no entity has a sound_emitter", _emitters_us(table, plan)),
+        (SoundEmitter, "sound emitters", "no entity has a sound_emitter", _emitters_us(plan)),
         (Billboard, "billboards, per frame", "no entity has a billboard", None),
         (Particles, "particles, per frame", "no entity has particles", None),
         (Projector, "decals and slides, per frame", "no entity has a projector", None),
@@ -185,7 +193,7 @@ def _filters_left_out(scene: Scene, plan: Plan) -> list[LeftOut]:
         )
         if not used
     ]
-    if not plan.methods.get("anti aliasing", "filter").endswith("filter"):
+    if not plan.settings.get("anti aliasing", {"fxaa": True})["fxaa"]:
         left.append(LeftOut("filter of edges, per frame", "see smooth edges above: another way runs, or none", None))
     return left
 
@@ -218,11 +226,10 @@ def _cheapest(table: Table, group: str) -> float | None:
     return min(costs, default=None)
 
 
-def _emitters_us(table: Table, plan: Plan) -> float | None:
+def _emitters_us(plan: Plan) -> float | None:
     """Sources share one block: nothing is mixed for one that is not there."""
-    method = plan.methods.get("spatialiser")
-    row = None if method is None else _row(table, "spatialiser", method)
-    return None if row is None else row.cost_us / _SOURCES_OF_TABLE
+    chosen = next((choice.taken for choice in plan.choices if choice.group == "spatialiser"), None)
+    return None if chosen is None or math.isnan(chosen.cost_us) else chosen.cost_us / _SOURCES_OF_TABLE
 
 
 _SOURCES_OF_TABLE = 16
@@ -231,8 +238,8 @@ _SOURCES_OF_TABLE = 16
 
 def _tunnel_us(table: Table) -> float | None:
     """What the whole tick costs more with a tunnel, and the projection at least."""
-    bare, least = _row(table, TICK_GROUP, _NO_TUNNEL), _cheapest(table, "tunnel projection")
-    whole = [row.cost_us for row in table.groups.get(TICK_GROUP, []) if row.method != _NO_TUNNEL]
+    bare, least = _tick_row(table, {}), _cheapest(table, "tunnel projection")
+    whole = [row.cost_us for row in table.groups.get(TICK_GROUP, []) if row.settings]
     if bare is None or least is None or not whole:
         return least
     return max(min(whole) - bare.cost_us, least)

@@ -61,6 +61,9 @@ Records = NDArray[Any]
 _TICK_S = 1e-3
 """Tick of the haptic loop that masses are checked for [s]."""
 
+_INTEGRATORS = {each.name.lower(): each for each in ObjectIntegrator}
+"""By the word of `haptic_object.integrator`."""
+
 _LAWS = {"spring_damper": ForceLaw.SPRING_DAMPER, "hunt_crossley": ForceLaw.HUNT_CROSSLEY}
 _HALF = float(np.sqrt(0.5))
 _SIDE_TURNS = {
@@ -264,7 +267,7 @@ class _Gathered:
             (thing.sleeps, BodyFlag.SLEEPS),
         ]
         row["flags"] = sum(int(flag) for wanted, flag in flags if wanted)
-        row["integrator"] = ObjectIntegrator[thing.integrator.upper()]
+        row["integrator"] = _INTEGRATORS[self._integrator_of(thing)]
         row["spawn"] = 1
         weight = mass_properties_of(self.scene, thing, solids)
         row["mass"], row["centre"], row["inertia"] = weight.mass, weight.centre, weight.inertia
@@ -276,6 +279,12 @@ class _Gathered:
         row["force_aux"], row["torque_aux"] = thing.force_aux, thing.torque_aux
         row["grip"], row["crush_force"] = thing.grip, thing.crush_force
         return row
+
+    def _integrator_of(self, thing: HapticObject) -> str:
+        """As the object says, else as planned; without a plan the one that keeps a contact without any damper."""
+        if thing.integrator != "auto":
+            return thing.integrator
+        return str(self.scene.methods.get("colliding bodies", {}).get("integrator", "semi_implicit"))
 
     def _surface_row(self, surface: TouchSurface, body: int, entity: str) -> Records:
         """A new row of shapes with everything but its kind, place and size."""

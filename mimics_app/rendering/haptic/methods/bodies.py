@@ -17,7 +17,6 @@ import numpy as np
 from mimics_app.contracts.haptic_objects import ObjectIntegrator
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import shortest_us
-from mimics_app.rendering.haptic.kernels.objects.collisions import collide_bodies
 from mimics_app.rendering.haptic.methods.body_worlds import new_world, rest_on_floor
 from mimics_app.rendering.haptic.methods.contact import restitution_spring_damper
 from mimics_app.rendering.haptic.methods.probe import SIZES, reference_us
@@ -105,9 +104,8 @@ def _register(way: str) -> None:
             error=lambda: bounce_error(way),
             unit="restitution",
             valid_range=_RANGES[way],
-            run=collide_bodies,
+            settings={"integrator": WAYS[way][0].name.lower()} if WAYS[way][1] == 1 else None,
             default=way == "semi-implicit",
-            yardstick=WAYS[way][1] > 1,
             growth=lambda bodies: step_us(way, bodies),
             sizes=SIZES,
         )

@@ -8,7 +8,6 @@ over the pixels it cuts. Both in a picture of the first driver that answers with
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -118,7 +117,6 @@ def _cost_us(settings: RenderSettings) -> float:
 
 
 def _register(name: str, source: str, settings: RenderSettings, *, default: bool = False) -> None:
-    run: Callable[[], RenderSettings] = lambda: settings  # noqa: E731  what the renderer is given
     registry.register(
         Method(
             group=GROUP,
@@ -128,7 +126,7 @@ def _register(name: str, source: str, settings: RenderSettings, *, default: bool
             error=lambda: edge_error(settings),
             unit="px",
             valid_range="any; samples as many as the driver has",
-            run=run,
+            settings={"msaa": settings.msaa, "fxaa": settings.fxaa},
             default=default,
         )
     )
