@@ -103,6 +103,7 @@ GROUPS: dict[str, Callable[[], None]] = {
     "box face": _contact,
     "friction": _friction,
     "colliding bodies": _bodies,
+    "resting bodies": _bodies,
     "shape cull": _cull,
     "bounding geometry": _bounding,
     "mesh finger": _mesh,

@@ -10,7 +10,15 @@ from typing import Any
 import msgspec
 
 from mimics_app.app.planner.plan import Choice, Dearer, Plan
-from mimics_app.app.planner.uses import USES, shadow_distance_of, visual_of
+from mimics_app.app.planner.uses import (
+    TOUCH,
+    USES,
+    WHOLE_TICK,
+    points_of,
+    shadow_distance_of,
+    touched_shape,
+    visual_of,
+)
 from mimics_app.contracts.method_table import Row, Table
 from mimics_app.contracts.methods import Settings
 from mimics_app.world.components.effects import Billboard, Particles, Projector
@@ -24,6 +32,12 @@ __all__ = ["OF_OBJECTS", "TICK_GROUP", "LeftOut", "Part", "describe_plan", "expl
 
 TICK_GROUP = "haptic tick"
 """Group of the table that holds the whole tick, by the projection in it."""
+
+_SHAPES = "bounding geometry"
+_OF_TICK = ("resting bodies",)
+"""Groups whose cost adds to that of the whole tick."""
+
+_IN_TICK = "device, kinematics, controller, safety limits, passivity controller, stability margin and records in it"
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +57,9 @@ class Part:
             would take longer than with the cheapest, and what there was for it; None where time does not decide.
         more_ms: What a frame takes longer than with the cheapest [ms]; None where no frame has to keep time.
         note: How it is used, where the method's name does not say; "" for nothing.
+        within: The part whose cost holds this one's; "" where it stands for itself.
+        tick_us: What it adds to a tick of the haptic loop [us]; None where it is held by another part, or is no part of
+            the loop. Their sum is the cost of the whole tick.
     """
 
     part: str
@@ -56,6 +73,8 @@ class Part:
     too_dear: dict[str, Any] | None = None
     more_ms: float | None = None
     note: str = ""
+    within: str = ""
+    tick_us: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,6 +126,8 @@ def _part(scene: Scene, choice: Choice, plan: Plan) -> Part:
         too_dear=None if dearer is None else _too_dear(dearer),
         more_ms=choice.more_ms if timed else None,
         note=_note(scene, choice, plan),
+        within=USES[choice.group].within,
+        tick_us=taken.cost_us * USES[choice.group].count(scene) if choice.group in _OF_TICK else None,
     )
 
 
@@ -141,8 +162,20 @@ def _tick_parts(scene: Scene, plan: Plan) -> list[Part]:
     row = _tick_row(plan.table, plan.settings.get("tunnel projection", {}))
     if row is None:
         return []
-    what = "haptic tick without its objects" if _has_objects(scene) else "haptic tick, all of it"
-    return [Part(what, TICK_GROUP, row.method, row.cost_us, None, "", None, None)]
+    some = _has_objects(scene)
+    what = f"{WHOLE_TICK} without its objects" if some else f"{WHOLE_TICK}, all of it"
+    part = Part(what, TICK_GROUP, row.method, row.cost_us, None, "", None, None, note=_IN_TICK, tick_us=row.cost_us)
+    return [part, *_touch_parts(scene, plan)] if some else [part]
+
+
+def _touch_parts(scene: Scene, plan: Plan) -> list[Part]:
+    """Touching a shape with each point of contact: found, felt, with its law and friction."""
+    rows = plan.table.groups.get(_SHAPES, [])
+    row = next((row for row in rows if row.settings["shape"] == touched_shape(scene)), None)
+    if row is None:
+        return []
+    whole = row.cost_us * points_of(scene)
+    return [Part(TOUCH, _SHAPES, row.method, row.cost_us, None, "", None, None, tick_us=whole)]
 
 
 def _has_objects(scene: Scene) -> bool:

@@ -10,18 +10,33 @@ import msgspec
 
 from mimics_app.contracts.methods import Settings
 from mimics_app.world.components.haptic_shapes import TouchSurface, surface_of
-from mimics_app.world.components.objects import HapticObject, HapticWalls
+from mimics_app.world.components.objects import HapticObject, HapticWalls, InteractionPoints
 from mimics_app.world.components.robot import Admittance, Robot, Tunnel
 from mimics_app.world.components.systems import AudioSettings, HapticSettings, VisualSettings
 from mimics_app.world.components.visible import CameraComponent, LightComponent, MeshComponent, Sound
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.scene.spread import ENOUGH, spread_of_casters
 
-__all__ = ["NOT_PLANNED", "USES", "Use", "shadow_distance_of", "visual_of"]
+__all__ = [
+    "BODIES",
+    "NOT_PLANNED",
+    "TOUCH",
+    "USES",
+    "WHOLE_TICK",
+    "Use",
+    "points_of",
+    "shadow_distance_of",
+    "touched_shape",
+    "visual_of",
+]
 
 
 def _anything(scene: Scene, settings: Settings) -> bool:
     return True
+
+
+def _one(scene: Scene) -> int:
+    return 1
 
 
 def _nothing_named(scene: Scene) -> Settings | None:
@@ -39,6 +54,8 @@ class Use:
         allowed: Whether the planner may take a method, by its settings, for a scene that names none.
         pixels: Of the frame its costs were measured at [px], where they grow with the picture and are borne by the
             frame's budget; 0 where they are not.
+        within: The part of `explain` whose cost holds this one's already; "" where it stands for itself.
+        count: How many times a scene pays its cost in a tick, of a group of the haptic loop.
     """
 
     what: str
@@ -46,6 +63,8 @@ class Use:
     named: Callable[[Scene], Settings | None] = _nothing_named
     allowed: Callable[[Scene, Settings], bool] = _anything
     pixels: int = 0
+    within: str = ""
+    count: Callable[[Scene], int] = _one
 
 
 def visual_of(scene: Scene) -> VisualSettings:
@@ -110,6 +129,19 @@ def _all(scene: Scene, kind: type[S]) -> list[S]:
     return [one for entity in scene.entities for one in entity.components.values() if isinstance(one, kind)]
 
 
+def points_of(scene: Scene) -> int:
+    """How many points of the hand touch."""
+    return sum(len(one.points) for one in _all(scene, InteractionPoints)) or 1
+
+
+def touched_shape(scene: Scene) -> str:
+    """The scene's word for the first shape that can be touched: what touching is told by."""
+    for thing in _all(scene, HapticObject):
+        if thing.shapes:
+            return str(thing.shapes[0].__struct_config__.tag)
+    return "cube"
+
+
 def _surfaces(scene: Scene) -> list[TouchSurface]:
     """What a scene says of each surface that can be touched, defaults filled in."""
     found = [surface_of(walls) for walls in _all(scene, HapticWalls)]
@@ -135,6 +167,10 @@ def _moving(scene: Scene) -> list[HapticObject]:
 def _named_integrator(scene: Scene) -> Settings | None:
     stated = [thing.integrator for thing in _moving(scene) if thing.integrator != "auto"]
     return {"integrator": stated[0]} if len(stated) == len(_moving(scene)) else None
+
+
+def _named_rest(scene: Scene) -> Settings:
+    return {"sleeps": all(thing.sleeps for thing in _moving(scene))}
 
 
 _TICK_S = 1e-3
@@ -201,16 +237,30 @@ def _shows_models(scene: Scene) -> bool:
 _PROBE_PX = 640 * 360
 """Picture in which the methods of `rendering.visual.methods` are measured [px]."""
 
+WHOLE_TICK, TOUCH, BODIES = "haptic tick", "touching a shape", "bodies, at rest"
+"""Parts of `explain` that hold others."""
+
 USES: Mapping[str, Use] = {
-    "tunnel projection": Use("closest point of the tunnel's bisector", _has(Tunnel), _named_projection),
-    "tunnel frame": Use("frame carried along the bisector", _has(Tunnel)),
-    "admittance form": Use("motion of the virtual mass", _uses_admittance, _named_form, _may_run_form),
-    "contact law": Use("force of a contact", _can_be_touched, _named_law),
-    "friction": Use("friction of a contact", _has_friction),
-    "colliding bodies": Use(
-        "bodies that move and collide", lambda scene: bool(_moving(scene)), _named_integrator, _may_integrate
+    "tunnel projection": Use(
+        "closest point of the tunnel's bisector", _has(Tunnel), _named_projection, within=WHOLE_TICK
     ),
-    "rotation update": Use("turning of bodies", lambda scene: any(thing.enable_rotation for thing in _moving(scene))),
+    "tunnel frame": Use("frame carried along the bisector", _has(Tunnel), within=WHOLE_TICK),
+    "admittance form": Use(
+        "motion of the virtual mass", _uses_admittance, _named_form, _may_run_form, within=WHOLE_TICK
+    ),
+    "contact law": Use("force of a contact", _can_be_touched, _named_law, within=TOUCH),
+    "friction": Use("friction of a contact", _has_friction, within=TOUCH),
+    "colliding bodies": Use(
+        "bodies that move and collide",
+        lambda scene: bool(_moving(scene)),
+        _named_integrator,
+        _may_integrate,
+        within=BODIES,
+    ),
+    "rotation update": Use(
+        "turning of bodies", lambda scene: any(thing.enable_rotation for thing in _moving(scene)), within=BODIES
+    ),
+    "resting bodies": Use(BODIES, lambda scene: bool(_moving(scene)), _named_rest, count=lambda s: len(_moving(s))),
     "spatialiser": Use("direction of sounds", _has(Sound), _named_spatialiser),
     "occlusion": Use("bodies hidden behind others", _shows_models),
     "level of detail": Use("coarser forms of far bodies", _shows_models),
