@@ -61,6 +61,7 @@ def draw_chart(measured: MeasuredGroup) -> Figure:
                 {"method": r.method.name, "source": r.method.source, "valid_range": r.method.valid_range} for r in rows
             ],
             "skipped": measured.skipped,
+            "few": measured.group.few,
         },
     )
 
@@ -97,7 +98,8 @@ def _draw(measured: MeasuredGroup, front: list[str], foot: str) -> str:
         panels.append(_growth_panel(measured, 0.56 * _WIDTH + 6.0, _HEAD, 0.44 * _WIDTH - 20.0))
     parts = [legend(20.0, 48.0, _entries(measured)), *(panel.svg() for panel in panels)]
     title = f"{measured.group.name}: cost against error"
-    return document(_WIDTH, _HEAD + high + _FOOT, title, parts, [measured.group.what, foot])
+    what = "; ".join(filter(None, (measured.group.what, measured.group.few)))
+    return document(_WIDTH, _HEAD + high + _FOOT, title, parts, [what, foot])
 
 
 def _entries(measured: MeasuredGroup) -> list[tuple[str, str, str]]:

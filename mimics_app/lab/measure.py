@@ -180,6 +180,7 @@ def as_dict(measured: MeasuredGroup) -> dict[str, Any]:
             "error": row.error,
             "unit": row.method.unit,
             "default": row.method.default,
+            "settings": row.method.settings,
             "exponent": row.growth.exponent if row.growth else None,
             "growth": list(zip(row.growth.sizes, row.growth.cost_us, strict=True)) if row.growth else [],
         }

@@ -346,6 +346,35 @@ def test_saved_table_stands_before_the_shipped_one_and_is_named(monkeypatch):
     assert load_table()[1] == "shipped"
 
 
+def test_a_table_saved_before_methods_had_settings_is_passed_over(tmp_path, monkeypatch):
+    old = {"method": "newton warm", "cost_us": 1.0, "ratio": 1.0, "error": 0.0, "unit": "m"}
+    file = tmp_path / "saved.json"
+    file.write_text(json.dumps({"machine": {}, "reference_us": {}, "groups": {"tunnel projection": [old]}}))
+    monkeypatch.setattr("mimics_app.contracts.method_table.saved_file", lambda: file)
+    assert load_table()[1] == "shipped"
+
+
+@pytest.mark.parametrize(
+    ("name", "wanted"),
+    [
+        ("wavy_tunnel", {"haptic tick, all of it", "motion of the virtual mass", "direction of sounds"}),
+        (
+            "pick_and_place",
+            {"force of a contact", "friction of a contact", "bodies that move and collide", "bodies, at rest", "grip"}
+            | {"motion of the virtual mass", "turning of bodies", "touching a shape", "direction of sounds"},
+        ),
+        ("examples/springs_and_magnets", {"effects and force fields", "motion of the virtual mass"}),
+        ("examples/surfaces", {"force of a contact", "friction of a contact", "touching a shape"}),
+    ],
+)
+def test_every_part_that_runs_is_listed(name, wanted):
+    scene = load_checked_scene(root() / "scenes" / f"{name}.json")
+    parts = describe_plan(scene, plan_scene(scene, "training", Table.load_shipped()))["parts"]
+    assert wanted <= {part["part"] for part in parts}
+    alone = {part["group"] for part in parts if "no rival" in part["note"]}
+    assert alone <= {"friction", "rotation update", "tunnel frame", ""}
+
+
 def test_tolerance_of_zero_is_refused_with_its_place(tmp_path: Path):
     document = json.loads(SCENE.read_text())
     document["systems"] = {"tolerances": {"position_m": 0.0}}

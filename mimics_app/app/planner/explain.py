@@ -14,6 +14,7 @@ from mimics_app.app.planner.uses import (
     TOUCH,
     USES,
     WHOLE_TICK,
+    grips,
     points_of,
     shadow_distance_of,
     touched_shape,
@@ -22,7 +23,7 @@ from mimics_app.app.planner.uses import (
 from mimics_app.contracts.method_table import Row, Table
 from mimics_app.contracts.methods import Settings
 from mimics_app.world.components.effects import Billboard, Particles, Projector
-from mimics_app.world.components.objects import HapticObject, HapticWalls
+from mimics_app.world.components.objects import ForceField, HapticEffect, HapticObject, HapticPath, HapticWalls
 from mimics_app.world.components.pictures import Inset, Mirror, Screen
 from mimics_app.world.components.robot import Tunnel
 from mimics_app.world.components.visible import LightComponent, Sound, SoundEmitter
@@ -165,7 +166,14 @@ def _tick_parts(scene: Scene, plan: Plan) -> list[Part]:
     some = _has_objects(scene)
     what = f"{WHOLE_TICK} without its objects" if some else f"{WHOLE_TICK}, all of it"
     part = Part(what, TICK_GROUP, row.method, row.cost_us, None, "", None, None, note=_IN_TICK, tick_us=row.cost_us)
-    return [part, *_touch_parts(scene, plan)] if some else [part]
+    return [part, *(_touch_parts(scene, plan) if some else []), *_parts_without_figures(scene)]
+
+
+def _parts_without_figures(scene: Scene) -> list[Part]:
+    """What runs in the loop without a rival, so that the table has no figures of it."""
+    acting = sum(scene.has(kind) for kind in (HapticEffect, ForceField, HapticPath))
+    running = [("effects and force fields", "every tick, each", acting), ("grip", "between fingers", grips(scene))]
+    return [Part(what, "", how, None, None, "", None, None, note=_ALONE) for what, how, some in running if some]
 
 
 def _touch_parts(scene: Scene, plan: Plan) -> list[Part]:

@@ -24,6 +24,7 @@ __all__ = [
     "USES",
     "WHOLE_TICK",
     "Use",
+    "grips",
     "points_of",
     "shadow_distance_of",
     "touched_shape",
@@ -132,6 +133,11 @@ def _all(scene: Scene, kind: type[S]) -> list[S]:
 def points_of(scene: Scene) -> int:
     """How many points of the hand touch."""
     return sum(len(one.points) for one in _all(scene, InteractionPoints)) or 1
+
+
+def grips(scene: Scene) -> bool:
+    """Whether fingers can hold something."""
+    return any(thing.grip for thing in _all(scene, HapticObject))
 
 
 def touched_shape(scene: Scene) -> str:
