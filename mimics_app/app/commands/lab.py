@@ -33,8 +33,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--shipped",
         action="store_true",
-        help="renew what the product ships with, in a checkout: the table, of chart docs/charts too, from one measurement; "
-        "of stability docs/charts",
+        help="renew what the product ships with, in a checkout: of measure its table, of chart the table and "
+        "docs/charts from one measurement, of stability docs/charts",
     )
     parser.add_argument(
         "--rounds",
