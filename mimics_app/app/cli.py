@@ -229,18 +229,17 @@ def _command_of(arguments: Sequence[str]) -> str | None:
 
 
 def _say(arguments: list[str], issues: Sequence[Issue], as_json: bool) -> None:
-    """One line per issue on stderr, or one object with all of them on stdout."""
-    if not as_json:
-        for issue in issues:
-            sys.stderr.write(f"mimics: {issue}\n")
-        return
+    """One line per issue on stderr, or one object on stdout; of very many the first ones, and how many more."""
     from mimics_app.app.terminal import output
 
+    if not as_json:
+        sys.stderr.writelines(output.issue_lines(issues))
+        return
     if output.object_written():  # the answer stands already; a second object would break its reader
         _say(arguments, issues, as_json=False)
         return
     command = arguments[0] if arguments[0] in COMMANDS else ""
-    output.write_object(command, {"errors": output.issue_rows(issues)}, schema="errors")
+    output.write_object(command, output.errors_of(issues), schema="errors")
 
 
 class _Terminated:

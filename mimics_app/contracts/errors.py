@@ -10,11 +10,14 @@ MimicsError                 what happened, and what to do
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 
 __all__ = [
+    "MOST_SOUGHT",
+    "MOST_TOLD",
     "DeviceError",
     "Issue",
     "MimicsError",
@@ -23,12 +26,29 @@ __all__ = [
     "SceneError",
     "UsageError",
     "nearest",
+    "short_text",
+    "told",
 ]
+
+MOST_TOLD = 100
+"""Most issues of one call that are told one by one; of the rest their number is told."""
+
+MOST_SOUGHT = 1000
+"""Faults of one file after which no more of them are looked for."""
+
+_LONG_VALUE = re.compile(r"""(?P<mark>["'])(?P<quoted>(?:(?!(?P=mark)).){81,})(?P=mark)|[^\s/"']{81,}""", re.DOTALL)
+"""A value of a file, in quotes or without, that is longer than a line should be; a path stays whole."""
+_HEAD, _TAIL = 50, 25
+"""Characters of such a value that are told from its beginning and its end."""
+_MOST_TEXT = 1000
+"""Characters of a text that is long for another reason, such as a list of names."""
+_MOST_NAMES = 1000
+"""Names that are compared for the nearest one; comparing one takes some microseconds."""
 
 
 @dataclass(frozen=True, slots=True)
 class Issue:
-    """One fault of one file.
+    """One fault of one file. Values of the file that are long are shortened in `what` and `fix`.
 
     Attributes:
         file: Path as the user wrote it.
@@ -42,9 +62,19 @@ class Issue:
     what: str
     fix: str = ""
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "what", short_text(self.what))
+        object.__setattr__(self, "fix", short_text(self.fix))
+
     def __str__(self) -> str:
-        place = f"{self.file}#{self.pointer}: " if self.pointer else f"{self.file}: " if self.file else ""
+        place = f"{self.file}#{short_text(self.pointer)}: " if self.pointer else f"{self.file}: " if self.file else ""
         return f"{place}{self.what}" + (f"; {self.fix}" if self.fix else "")
+
+
+def told(issues: Sequence[Issue]) -> tuple[list[Issue], int]:
+    """The issues that are told one by one, each once, and how many more there are."""
+    once = list(dict.fromkeys(issues))
+    return once[:MOST_TOLD], max(len(once) - MOST_TOLD, 0)
 
 
 class MimicsError(Exception):
@@ -76,7 +106,8 @@ class SceneError(MimicsError):
 
     def __init__(self, issues: Issue | Iterable[Issue]) -> None:
         self._issues = [issues] if isinstance(issues, Issue) else list(issues)
-        super().__init__("\n".join(str(issue) for issue in self._issues))
+        first, more = told(self._issues)
+        super().__init__("\n".join([*map(str, first), *([f"and {more} more"] if more else [])]))
 
     @property
     def issues(self) -> list[Issue]:
@@ -119,7 +150,27 @@ class PartialDataError(MimicsError):
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
-    """Return the known name closest in spelling as a hint ("did you mean ..."), or the list of all known ones."""
-    names = sorted(known)
+    """Return the known name closest in spelling as a hint ("did you mean ..."), or the list of all known ones.
+
+    Of more than a thousand only some with the same first letter are compared, and none are listed.
+    """
+    names = list(known)
+    few = len(names) <= _MOST_NAMES
+    names = sorted(names) if few else [each for each in names[: 10 * _MOST_NAMES] if each[:1] == name[:1]][:_MOST_NAMES]
     close = get_close_matches(name, names, n=1, cutoff=0.6)
-    return f'did you mean "{close[0]}"' if close else "known: " + ", ".join(names)
+    if close:
+        return f'did you mean "{close[0]}"'
+    return "known: " + ", ".join(names) if few else ""
+
+
+def short_text(text: str) -> str:
+    """A text for people in which values of more than 80 characters are told by their beginning and their end."""
+    if len(text) <= _HEAD:
+        return text
+    text = _LONG_VALUE.sub(_shortened, text)
+    return text if len(text) <= _MOST_TEXT else f"{text[: _MOST_TEXT - _TAIL]} ... {text[-_TAIL:]}"
+
+
+def _shortened(found: re.Match[str]) -> str:
+    value, mark = found["quoted"] or found[0], found["mark"] or ""
+    return f"{mark}{value[:_HEAD]}...{value[-_TAIL:]}{mark}"

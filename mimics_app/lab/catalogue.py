@@ -92,6 +92,10 @@ def _scheduling() -> None:
     import mimics_app.lab.methods_scheduling
 
 
+def _reading() -> None:
+    import mimics_app.lab.methods_reading
+
+
 GROUPS: dict[str, Callable[[], None]] = {
     "integrator": _integrators,
     "rotation update": _rotation,
@@ -117,6 +121,7 @@ GROUPS: dict[str, Callable[[], None]] = {
     "anti aliasing": _anti_aliasing,
     "bloom": _effects,
     "ambient occlusion": _effects,
+    "model reading": _reading,
     "haptic tick": _tick,
 }
 """Group -> what imports the module that registers it."""

@@ -11,11 +11,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Any, TypeGuard
 
 from mimics_app.contracts.action_space import ActionSpace
-from mimics_app.contracts.errors import Issue, SceneError, nearest
+from mimics_app.contracts.errors import MOST_SOUGHT, Issue, SceneError, nearest
 from mimics_app.contracts.messages import TaskAction, UserState
 from mimics_app.world.scene.json_text import escape, parse_json
 from mimics_app.world.scene.source import read_bytes
@@ -72,8 +73,10 @@ def load_action_sequence(path: Path, space: ActionSpace) -> ActionSequence:
         fix = 'write [{"t": 0, "values": {...}}, ...]'
         raise SceneError(Issue(file, "", "is no list of actions", fix))
     known = {issue.pointer for issue in issues}
-    faults = [fault for i, entry in enumerate(document) for fault in _check_entry(entry, f"/{i}", space)]
-    issues += [Issue(file, *fault) for fault in faults or _check_trials_differ(document) if fault[0] not in known]
+    found = (fault for i, entry in enumerate(document) for fault in _check_entry(entry, f"/{i}", space))
+    faults = list(islice(found, MOST_SOUGHT))
+    faults = faults or list(islice(_check_trials_differ(document), MOST_SOUGHT))
+    issues += [Issue(file, *fault) for fault in faults if fault[0] not in known]
     if issues:
         raise SceneError(issues)
     return ActionSequence([_timed_action(entry) for entry in document])

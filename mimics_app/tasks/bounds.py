@@ -1,4 +1,4 @@
-"""Types of numbers that the structs of a task share, with their limits."""
+"""Types of numbers that the structs of a task share beside those of every component, with their limits."""
 
 from __future__ import annotations
 
@@ -6,10 +6,21 @@ from typing import Annotated
 
 from msgspec import Meta
 
-__all__ = ["NotNegative", "Positive", "Seconds", "Share", "Vec3"]
+from mimics_app.world.components.bounds import Figure, Point
 
-Seconds = Annotated[float, Meta(ge=0.0, le=86_400.0)]
-Positive = Annotated[float, Meta(gt=0.0)]
-NotNegative = Annotated[float, Meta(ge=0.0)]
+__all__ = ["Share", "Steps", "Table", "Tolerance", "Values", "Vec3"]
+
 Share = Annotated[float, Meta(ge=0.0, le=1.0)]
-Vec3 = tuple[float, float, float]
+
+Steps = Annotated[float, Meta(ge=0.0, le=1e12)]
+"""A difference of a parameter, in a unit that the file chooses."""
+
+Tolerance = Annotated[float, Meta(gt=0.0, le=100.0)]
+"""Of a joint [m, rad]."""
+
+Values = Annotated[dict[str, Figure], Meta(max_length=1000)]
+"""Values of parameters by name."""
+
+Table = Annotated[list[Figure | str], Meta(max_length=10_000)]
+
+Vec3 = Point

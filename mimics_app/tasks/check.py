@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 
-import msgspec
 import numpy as np
 
 from mimics_app.contracts.errors import Issue, nearest
@@ -38,7 +37,7 @@ def check_task(spec: TaskSpec, pointer: str = "/task", file: str = "") -> list[I
         pointer: JSON pointer of the task in its file.
         file: The file, as the user wrote it.
     """
-    faults = list(_check_finite(msgspec.to_builtins(spec), pointer))
+    faults: list[_Fault] = []
     for name, parameter in spec.parameters.items():
         faults += _check_parameter(parameter, f"{pointer}/parameters/{escape(name)}")
     for i, trigger in enumerate(spec.triggers):
@@ -88,15 +87,8 @@ def haptic_targets() -> set[str]:
     return {name for name, _ in FEEL} | {f"tunnel.{name}" for name in tunnel.names or () if tunnel[name] == np.float64}
 
 
-def _check_finite(value: object, pointer: str) -> Iterator[Fault]:
-    if isinstance(value, float) and not math.isfinite(value):
-        yield pointer, f"{value} is no finite number", "write a number"
-    elif isinstance(value, Mapping):
-        for name, item in value.items():
-            yield from _check_finite(item, f"{pointer}/{escape(str(name))}")
-    elif isinstance(value, list | tuple):
-        for i, item in enumerate(value):
-            yield from _check_finite(item, f"{pointer}/{i}")
+_Fault = tuple[str, str, str]
+"""(pointer, what, fix)"""
 
 
 def _check_parameter(parameter: ParameterSpec, pointer: str) -> Iterator[Fault]:

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
 from msgspec import Meta, defstruct, field
 
-from mimics_app.tasks.bounds import NotNegative, Positive, Seconds, Share, Vec3
+from mimics_app.tasks.bounds import Share, Steps, Table, Tolerance, Values
 from mimics_app.tasks.kinds.kind import Measure, ScorePartSpec
 from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.kinds.tunnel import ProgressGoal
+from mimics_app.world.components.bounds import Factor, Figure, Force, Length, Point, PositiveSeconds, Seconds
 from mimics_app.world.components.registry import Component
 
 __all__ = [
@@ -58,10 +59,10 @@ class MapSpec(Component, frozen=True):
             "'task.rest_s' and 'task.within' (of `carry`) change the task itself."
         ),
     ]
-    scale: Annotated[float, Meta(description="Target units per unit of the parameter.")] = 1.0
-    offset: Annotated[float, Meta(description="Target units.")] = 0.0
+    scale: Annotated[Figure, Meta(description="Target units per unit of the parameter.")] = 1.0
+    offset: Annotated[Figure, Meta(description="Target units.")] = 0.0
     table: Annotated[
-        list[float | str] | None,
+        Table | None,
         Meta(
             description="One entry per step from min to max. Numbers are interpolated, words taken at the nearest step."
         ),
@@ -71,16 +72,16 @@ class MapSpec(Component, frozen=True):
 class ParameterSpec(Component, frozen=True):
     """One adaptable parameter of the task; all numbers in `unit`."""
 
-    min: Annotated[float, Meta(description="Smallest value.")]
-    max: Annotated[float, Meta(description="Largest value.")]
-    maps: Annotated[list[MapSpec], Meta(description="What it changes.")]
+    min: Annotated[Figure, Meta(description="Smallest value.")]
+    max: Annotated[Figure, Meta(description="Largest value.")]
+    maps: Annotated[list[MapSpec], Meta(max_length=1000, description="What it changes.")]
     default: Annotated[
-        float | None,
+        Figure | None,
         Meta(description="Value at the session's start; absent: what the scene says of the haptic field it maps to."),
     ] = None
-    step: Annotated[NotNegative, Meta(description="Grid on which values lie, counted from min; 0: any value.")] = 0.0
+    step: Annotated[Steps, Meta(description="Grid on which values lie, counted from min; 0: any value.")] = 0.0
     rate: Annotated[
-        NotNegative,
+        Steps,
         Meta(description="Largest change per second [unit/s] inside a trial; 0: changes only between trials."),
     ] = 0.0
     unit: Annotated[str, Meta(description="Unit of the value; '-' for none.")] = "-"
@@ -89,9 +90,9 @@ class ParameterSpec(Component, frozen=True):
 class PointGoal(Component, frozen=True, tag="point", tag_field="kind"):
     """Bring the ball to a point."""
 
-    position_world: Annotated[Vec3, Meta(description="Where [m].")]
+    position_world: Annotated[Point, Meta(description="Where [m].")]
     within: Annotated[
-        Positive, Meta(description="Largest distance of the ball's centre from it [m]; exactly this counts.")
+        Length, Meta(description="Largest distance of the ball's centre from it [m]; exactly this counts.")
     ]
     hold_s: Annotated[Seconds, Meta(description="How long to stay there [s].")] = 0.0
 
@@ -130,7 +131,7 @@ class ProgressCondition(Component, frozen=True, tag="progress", tag_field="kind"
 class ContactCondition(Component, frozen=True, tag="contact", tag_field="kind"):
     """The ball touches something during travel."""
 
-    min_force: Annotated[NotNegative, Meta(description="Weaker contacts do not count [N].")] = 0.0
+    min_force: Annotated[Force, Meta(description="Weaker contacts do not count [N].")] = 0.0
 
 
 class KeyCondition(Component, frozen=True, tag="key", tag_field="kind"):
@@ -152,7 +153,7 @@ class SoundDeed(Component, frozen=True, tag="sound", tag_field="kind"):
     """Play a sound."""
 
     sound: Annotated[str, Meta(description="Name of a sound of the scene.")]
-    gain: Annotated[NotNegative, Meta(description="Linear, 1 = as authored.")] = 1.0
+    gain: Annotated[Factor, Meta(description="Linear, 1 = as authored.")] = 1.0
     at_ball: Annotated[bool, Meta(description="True: where the ball is; False: at the listener.")] = False
 
 
@@ -166,9 +167,7 @@ class MessageDeed(Component, frozen=True, tag="message", tag_field="kind"):
 class ActionDeed(Component, frozen=True, tag="action", tag_field="kind"):
     """Adapt the task, as a learning policy would."""
 
-    values: Annotated[
-        dict[str, float], Meta(description="New values by parameter name, each in that parameter's unit.")
-    ]
+    values: Annotated[Values, Meta(description="New values by parameter name, each in that parameter's unit.")]
 
 
 Deed = SoundDeed | MessageDeed | ActionDeed
@@ -178,7 +177,7 @@ class TriggerSpec(Component, frozen=True):
     """When something happens, do something."""
 
     when: Annotated[TriggerCondition, Meta(description="The condition.")]
-    do: Annotated[list[Deed], Meta(description="What to do, in order.")]
+    do: Annotated[list[Deed], Meta(max_length=100, description="What to do, in order.")]
 
 
 class TrialSpec(Component, frozen=True):
@@ -186,12 +185,12 @@ class TrialSpec(Component, frozen=True):
 
     label: Annotated[str, Meta(description="Name of the condition, for the results.")] = ""
     values: Annotated[
-        dict[str, float],
+        Values,
         Meta(
             description="Parameter values set before the trial; others have their default, or what an action gave them."
         ),
     ] = field(default_factory=dict)
-    time_limit_s: Annotated[Positive | None, Meta(description="Instead of the task's [s].")] = None
+    time_limit_s: Annotated[PositiveSeconds | None, Meta(description="Instead of the task's [s].")] = None
     rest_s: Annotated[Seconds | None, Meta(description="Rest after this trial, instead of the task's [s].")] = None
 
 
@@ -219,14 +218,15 @@ class StartSpec(Component, frozen=True):
     """How the robot is brought to the start of a trial."""
 
     tolerance: Annotated[
-        tuple[Positive, Positive, Positive], Meta(description="Largest joint error that counts as arrived [m, rad, m].")
+        tuple[Tolerance, Tolerance, Tolerance],
+        Meta(description="Largest joint error that counts as arrived [m, rad, m]."),
     ] = (0.005, 0.02, 0.005)
     hold_s: Annotated[Seconds, Meta(description="How long it must stay so [s].")] = 0.2
     ready_s: Annotated[
         Seconds, Meta(description="Shortest time between arrival and go [s]; the soft start must be over too.")
     ] = 1.0
     limit_s: Annotated[
-        Positive,
+        PositiveSeconds,
         Meta(description="Longest way to the start, and longest soft start [s]; then the attempt is aborted."),
     ] = 20.0
     attempts: Annotated[
@@ -307,18 +307,19 @@ class _TaskBase(Component, frozen=True):
         default_factory=dict
     )
     goals: Annotated[
-        Annotated[list[GoalSpec], Meta(min_length=1)], Meta(description="All must be met at once to finish a trial.")
+        Annotated[list[GoalSpec], Meta(min_length=1, max_length=100)],
+        Meta(description="All must be met at once to finish a trial."),
     ] = field(default_factory=lambda: [ProgressGoal()])
-    triggers: Annotated[list[TriggerSpec], Meta(description="Sounds, messages and adaptations at given moments.")] = (
-        field(default_factory=list)
-    )
+    triggers: Annotated[
+        list[TriggerSpec], Meta(max_length=1000, description="Sounds, messages and adaptations at given moments.")
+    ] = field(default_factory=list)
     trials: Annotated[
-        Annotated[list[BlockSpec], Meta(min_length=1)] | str,
+        Annotated[list[BlockSpec], Meta(min_length=1, max_length=1000)] | str,
         Meta(description="The blocks in order, or the name of a JSON file beside the scene that holds them."),
     ] = field(default_factory=lambda: [BlockSpec()])
     start: Annotated[StartSpec, Meta(description="How a trial is begun.")] = StartSpec()
     score: Annotated[ScoreSpec, Meta(description="Weights of the score.")] = ScoreSpec()
-    time_limit_s: Annotated[Positive, Meta(description="Longest travel [s].")] = 60.0
+    time_limit_s: Annotated[PositiveSeconds, Meta(description="Longest travel [s].")] = 60.0
     rest_s: Annotated[Seconds, Meta(description="Pause between trials [s].")] = 3.0
     result_s: Annotated[Seconds, Meta(description="How long a result is shown [s].")] = 2.0
     messages: Annotated[

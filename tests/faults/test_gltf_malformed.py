@@ -67,6 +67,20 @@ def zeros_beyond_the_limit():
     return json.dumps(document).encode()
 
 
+def spread(*values):
+    """The square with its first corners elsewhere."""
+    data = struct.pack(f"<{len(values)}f", *values) + bytes(60 - 4 * len(values))
+    return setting(BUFFER, "data:;base64," + base64.b64encode(data).decode())
+
+
+def without_position(change):
+    def spoil(document):
+        document["meshes"][0]["primitives"][0]["attributes"] = {}
+        change(document)
+
+    return spoiled(spoil)
+
+
 def textured(uri):
     def change(document):
         document["images"], document["textures"] = [{"uri": uri}], [{"source": 0}]
@@ -79,6 +93,7 @@ SPARSE = {"count": 1, "indices": {"bufferView": 1, "componentType": 5123}, "valu
 IN_CHUNK = {**square(), "buffers": [{"byteLength": 60}]}
 BUFFER = "/buffers/0/uri"
 NODE = "/nodes/0"
+BIG_CAMERA = {"type": "perspective", "perspective": {"yfov": 10**400, "znear": 1}}
 LIGHTS = {"KHR_lights_punctual": {"lights": [{"type": "laser"}]}}
 
 CORPUS = {
@@ -375,6 +390,72 @@ CORPUS = {
         "/materials/0/pbrMetallicRoughness/baseColorFactor",
         "is not a list of 4 numbers",
     ),
+    "extension_used_an_object": (setting("/extensionsUsed", [{}]), "/extensionsUsed/0", "is not a text"),
+    "extension_used_a_list": (setting("/extensionsUsed", [[]]), "/extensionsUsed/0", "is not a text"),
+    "extension_required_a_list": (setting("/extensionsRequired", [[]]), "/extensionsRequired/0", "not supported"),
+    "view_beyond_all_numbers": (setting("/cameras", [BIG_CAMERA]), "/cameras/0/perspective/yfov", "is not a finite"),
+    "light_beyond_all_numbers": (
+        setting("/extensions", {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 10**400}]}}),
+        "/extensions/KHR_lights_punctual/lights/0/intensity",
+        "is not a finite number",
+    ),
+    "roughness_beyond_all_numbers": (
+        setting("/materials", [{"pbrMetallicRoughness": {"roughnessFactor": 10**400}}]),
+        "/materials/0/pbrMetallicRoughness/roughnessFactor",
+        "is not a finite number",
+    ),
+    "emission_beyond_all_numbers": (
+        setting("/materials", [{"extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": -(10**400)}}}]),
+        "/materials/0/extensions/KHR_materials_emissive_strength/emissiveStrength",
+        "is not a finite number",
+    ),
+    "emission_too_strong": (
+        setting("/materials", [{"extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 1e200}}}]),
+        "/materials/0/extensions/KHR_materials_emissive_strength/emissiveStrength",
+        "is beyond 1e+30",
+    ),
+    "half_a_character_in_a_uri": (setting(BUFFER, "\ud800.bin"), BUFFER, "half of a character"),
+    "half_a_character_in_a_name": (setting(f"{NODE}/name", "a\udfff"), f"{NODE}/name", "half of a character"),
+    "corner_farther_than_any_picture": (
+        spread(3e38, 0.0, 0.0, -3e38),
+        "/meshes/0/primitives/0/attributes/POSITION",
+        "lies beyond 1e+15 m",
+    ),
+    "scaled_beyond_any_picture": (
+        setting("/nodes", [{"children": [1], "scale": [1e10] * 3}, {"mesh": 0, "scale": [1e10] * 3}]),
+        "/nodes/1",
+        "beyond 1e+15 m",
+    ),
+    "moved_beyond_any_picture": (setting(f"{NODE}/translation", [1e20, 0, 0]), NODE, "beyond 1e+15 m"),
+    "dangling_indices_of_nothing": (
+        without_position(lambda d: put(d, "/meshes/0/primitives/0/indices", 9)),
+        "/meshes/0/primitives/0/indices",
+        "accessors 9 does not exist",
+    ),
+    "dangling_attribute_that_is_not_read": (
+        setting("/meshes/0/primitives/0/attributes/JOINTS_0", 9),
+        "/meshes/0/primitives/0/attributes/JOINTS_0",
+        "accessors 9 does not exist",
+    ),
+    "dangling_target": (
+        setting("/meshes/0/primitives/0/targets", [{"POSITION": 12}]),
+        "/meshes/0/primitives/0/targets/0/POSITION",
+        "accessors 12 does not exist",
+    ),
+    "dangling_joint": (setting("/skins", [{"joints": [0, 7]}]), "/skins/0/joints/1", "nodes 7 does not exist"),
+    "dangling_clip": (
+        setting("/animations", [{"channels": [{"target": {"node": 4}}], "samplers": []}]),
+        "/animations/0/channels/0/target/node",
+        "nodes 4 does not exist",
+    ),
+    "dangling_view_of_an_unused_accessor": (
+        spoiled(lambda d: d["accessors"].append({**d["accessors"][0], "bufferView": 6})),
+        "/accessors/2/bufferView",
+        "bufferViews 6 does not exist",
+    ),
+    "dangling_texture_that_is_not_used": (setting("/textures", [{"source": 3}]), "/textures/0/source", "images 3 does"),
+    "scene_name_a_number": (setting("/scenes/0/name", 42), "/scenes/0/name", "is not a text"),
+    "material_name_a_list": (setting("/materials", [{"name": []}]), "/materials/0/name", "is not a text"),
     "roughness_negative": (
         setting("/materials", [{"pbrMetallicRoughness": {"roughnessFactor": -1}}]),
         "/materials/0/pbrMetallicRoughness/roughnessFactor",
@@ -428,7 +509,7 @@ opened, connected = [], []
 import PIL.Image, PIL.PngImagePlugin, PIL.JpegImagePlugin
 from mimics_app.world.gltf.file import GltfError, load_gltf
 def watch(event, arguments):
-    if event == "open":
+    if event == "open" and not isinstance(arguments[0], int):  # a descriptor was opened by its name before
         opened.append(str(arguments[0]))
     elif event.startswith("socket."):
         connected.append(event)

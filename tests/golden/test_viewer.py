@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from mimics_app.app.cli import main
 from mimics_app.app.viewer.sheet import TILE, draw_sheet
 from mimics_app.app.viewer.shown import open_shown
 from mimics_app.app.viewer.stage import ViewerStage
@@ -59,7 +60,8 @@ def test_the_models_of_the_world_go_on_one_sheet_and_the_malformed_as_tiles_with
     sheet = draw_sheet(folder, tmp_path / "sheet.png")
     told = {tile.file.name: [str(issue) for issue in tile.issues] for tile in sheet.tiles}
     assert len(told) == 32
-    refused = {name for name, issues in told.items() if issues}
+    assert all(told[tile.file.name] for tile in sheet.tiles if not tile.shown)
+    refused = {tile.file.name for tile in sheet.tiles if tile.issues and not tile.empty}
     assert refused == {"Cube.gltf", "sceneWrongType.gltf", "boom_box.gltf"}
     assert any("/meshes/1/primitives/0/indices" in line for line in told["Cube.gltf"])
     empty = {tile.file.name for tile in sheet.tiles if tile.empty}
@@ -74,6 +76,24 @@ def test_the_models_of_the_world_go_on_one_sheet_and_the_malformed_as_tiles_with
         dark = tile.empty or bool(tile.issues)
         assert (np.median(part) < 60) == dark, tile.file.name
         assert part.std() > 5.0, tile.file.name
+
+
+def test_why_a_model_is_not_on_the_sheet_is_said_on_the_terminal(tmp_path, capsys):
+    write_gltf(tmp_path / "good.gltf", square())
+    points = square()
+    points["meshes"][0]["primitives"][0]["mode"] = 0
+    write_gltf(tmp_path / "points.gltf", points)
+    write_gltf(tmp_path / "wrong.gltf", {"asset": {"version": "1.0"}})
+    arguments = ["view", "--sheet", str(tmp_path), "--output", str(tmp_path / "sheet.png")]
+    assert main(arguments) == 3
+    said = capsys.readouterr()
+    assert "1 of 3 models shown" in said.out
+    assert "points.gltf: nothing to see: /meshes/0/primitives/0 left out: points and lines are not drawn" in said.err
+    assert "wrong.gltf#/asset/version: '1.0' is not read" in said.err
+    assert main([*arguments, "--json"]) == 3
+    models = json.loads(capsys.readouterr().out)["models"]
+    assert [model["ok"] for model in models] == [True, False, False]
+    assert "nothing to see" in models[1]["errors"][0]["what"]
 
 
 def test_a_folder_without_models_is_named(tmp_path):

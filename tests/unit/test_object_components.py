@@ -29,7 +29,7 @@ def faulty(folder: Path, **component: object) -> list[str]:
         ("haptic_object", {"shapes": [{**CUBE, "size": [0.1, 0.0, 0.1]}]}, "/shapes/0/size/1", "> 0"),
         ("haptic_object", {"shapes": [{**CUBE, "rounding": 0.05}]}, "/shapes/0/rounding", "stay below 0.05 m"),
         ("haptic_object", {"shapes": [{**CUBE, "rotation": [0, 0, 0, 2]}]}, "/shapes/0/rotation", "length 2"),
-        ("haptic_object", {"shapes": [CUBE], "mass": 0.0}, "/mass", "> 0"),
+        ("haptic_object", {"shapes": [CUBE], "mass": 0.0}, "/mass", ">= 1e-06"),
         ("haptic_object", {"shapes": [CUBE], "mass": 1.0, "density": 10.0}, "/density", "leave one"),
         ("haptic_object", {"shapes": [CUBE], "mas": 1.0}, "/mas", 'did you mean "mass"'),
         ("haptic_object", {"shapes": [CUBE], "inertia": [1, 1, 3]}, "/inertia", "above the sum"),
@@ -73,7 +73,7 @@ def faulty(folder: Path, **component: object) -> list[str]:
         ("haptic_walls", {"size": [1, 1, 1], "left": {"texture_height": 0.01}}, "/left/texture_height", "45 degrees"),
         ("haptic_object", {"shapes": [CUBE], "stiffness": 0.0}, "/stiffness", "> 0"),
         ("haptic_object", {"shapes": [{**CUBE, "size": [0.1, 1e-9, 0.1]}]}, "/shapes/0", "1e-09 m thin"),
-        ("haptic_object", {"shapes": [CUBE], "mass": 1e-300}, "/mass", "too light"),
+        ("haptic_object", {"shapes": [CUBE], "mass": 1e-5}, "/mass", "too light"),
         ("haptic_object", {"shapes": [CUBE], "mass": 1e300}, "/mass", "<= 1000000"),
         ("haptic_object", {"shapes": [CUBE], "gravity": [0, -1e300, 0]}, "/gravity/1", ">= -1000000"),
         ("haptic_object", {"shapes": [CUBE], "damping": 1e300}, "/damping", "<= 1000000"),
@@ -204,7 +204,7 @@ def test_fifth_different_force_field_is_refused(tmp_path):
         ([at(0, 0, 0, BALL, rotation=[0, 0, 0, 0])], "0/transform/rotation", "length 0"),
         ([{**BALL, "parent": "gone"}], "0/parent", 'no entity "gone"'),
         ([{**BALL, "parent": "b"}, {"id": "b", "parent": "ball_a"}], "0/parent", "hangs on itself"),
-        ([at(1e300, 0, 0, BALL)], "0/transform/translation", "1 km"),
+        ([at(1e5, 0, 0, BALL)], "0/transform/translation", "1 km"),
     ],
 )
 def test_object_that_stands_nowhere_is_told_in_one_line(tmp_path, entities, place, says):

@@ -170,7 +170,7 @@ def test_a_quaternion_written_with_four_decimals_and_a_mirror_pass(tmp_path):
 @pytest.mark.parametrize(
     ("components", "what"),
     [
-        ({"admittance": {"mass": -3}}, "admittance/mass: expected a number > 0.0, got -3"),
+        ({"admittance": {"mass": -3}}, "admittance/mass: expected a number >= 0.001, got -3"),
         ({"admittance": {"form": "polr"}}, 'admittance/form: "polr" is not possible here; did you mean "polar"'),
         ({"ball": {"radius_min": 0.05}}, "ball/radius_min: 0.05 m is above radius_max"),
         ({"joint_pd": {"kd": [0, 1, 0]}}, "joint_pd/kd/1: 1 is unstable"),

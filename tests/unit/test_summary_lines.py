@@ -10,7 +10,7 @@ RUN = {"simulated_s": 34.0, "recipe": "virtual", "run_dir": "runs/a", "report": 
 
 
 def lines(task: dict[str, Any], **more: Any) -> dict[str, str]:
-    answer = {**RUN, "safety": {"state": "HOMED"}, "task": task, **more}
+    answer = {**RUN, "safety": {"state": "HOMED", "stops": 0, "holds": 0}, "task": task, **more}
     return dict(line.split(maxsplit=1) for line in summary_lines(answer))
 
 
@@ -39,3 +39,10 @@ def test_a_live_run_tells_its_late_cycles():
     assert lines(task, missed=1)["touch"] == "34.0 s at 1 kHz (virtual), 1 late control cycle; robot at rest"
     assert "no late control cycles" in lines(task, missed=0)["touch"]
     assert lines(task)["task"] == "1 of 1 trial finished; score 81 of 100; time 9.0 s"
+
+
+def test_stops_and_holds_are_told_only_where_there_were_some():
+    task = {"completed": 1, "trials": 1, "contacts": 0}
+    assert "safety" not in lines(task)
+    safety = {"state": "SAFE_STOP", "stops": 1, "holds": 2}
+    assert lines(task, safety=safety)["safety"] == "1 stop, 2 short holds"

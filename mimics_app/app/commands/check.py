@@ -7,12 +7,13 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from mimics_app.app.terminal.output import errors_of, issue_lines, write_object
 from mimics_app.contracts.errors import DeviceError, Issue, MimicsError
 
 if TYPE_CHECKING:
     from mimics_app.world.scene.scene import Scene
 
-__all__ = ["add_arguments", "run"]
+__all__ = ["add_arguments", "examine", "run"]
 
 _MODELS = (".glb", ".gltf")
 
@@ -29,25 +30,22 @@ def run(args: argparse.Namespace) -> int:
     code = 0
     for file in args.files:
         try:
-            findings.append(_examine(file))
+            findings.append(examine(file))
         except MimicsError as error:
             findings.append({"file": str(file), "ok": False})
             code = error.exit_code if code in (0, DeviceError.exit_code) else code
             issues += [issue if issue.file else Issue(str(file), "", issue.what, issue.fix) for issue in error.issues]
     if args.json:
-        from mimics_app.app.terminal.output import issue_rows, write_object
-
-        write_object("check", {"files": findings, "errors": issue_rows(issues)})
+        write_object("check", {"files": findings, **errors_of(issues)})
         return code
     for finding in findings:
         sys.stdout.writelines(_lines(finding))
-    for issue in issues:
-        sys.stderr.write(f"mimics: {issue}\n")
+    sys.stderr.writelines(issue_lines(issues))
     return code
 
 
-def _examine(file: Path) -> dict[str, Any]:
-    """What a file holds.
+def examine(file: Path) -> dict[str, Any]:
+    """What a file holds, if `mimics run` or `mimics view` would take it.
 
     Raises:
         MimicsError: it is wrong; the error carries every issue.

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.app.settings import PROFILES
 from mimics_app.app.terminal.arguments import frame_count, picture_size
-from mimics_app.contracts.errors import DeviceError, UsageError
+from mimics_app.app.terminal.output import errors_of, issue_lines
+from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
 
 if TYPE_CHECKING:
     from mimics_app.app.viewer.shown import Shown
@@ -43,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Show it, or draw it.
+    """Show it, or draw it; 3 when models of a folder are not on its sheet, each told with its reason.
 
     Raises:
         UsageError: neither a file nor a folder is given, or both.
@@ -103,17 +105,16 @@ def _draw_sheet(args: argparse.Namespace) -> int:
 
     sheet = draw_sheet(args.sheet, args.output, backend=args.backend)
     models = [
-        {"file": tile.file, "ok": not tile.issues, "empty": tile.empty, "errors": [str(issue) for issue in tile.issues]}
-        for tile in sheet.tiles
+        {"file": tile.file, "ok": tile.shown, "empty": tile.empty, **errors_of(tile.issues)} for tile in sheet.tiles
     ]
-    shown = sum(not (tile.issues or tile.empty) for tile in sheet.tiles)
+    shown = sum(tile.shown for tile in sheet.tiles)
     if not args.json:
         for tile in sheet.tiles:
-            for issue in tile.issues:
-                print(f"not shown {issue}")
+            sys.stderr.writelines(issue_lines(tile.issues))
         print(f"{shown} of {len(sheet.tiles)} models shown")
-    _answer(args, {"backend": sheet.backend, "gl": sheet.gl, "files": [sheet.file], "models": models})
-    return 0
+    answer = {"shown": shown, "backend": sheet.backend, "gl": sheet.gl, "files": [sheet.file], "models": models}
+    _answer(args, answer)
+    return 0 if shown == len(sheet.tiles) else SceneError.exit_code
 
 
 def _describe(shown: Shown) -> dict[str, Any]:

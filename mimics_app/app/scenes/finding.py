@@ -5,6 +5,7 @@ A command asks here before it imports compiled code and graphics: a name that le
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from mimics_app.contracts.errors import Issue, SceneError
@@ -19,10 +20,10 @@ def find_scene(path: Path) -> Path:
     Raises:
         SceneError: neither is there.
     """
-    if path.is_file():
+    if os.path.isfile(path):  # False, too, where no file could have this name
         return path
     shipped = root() / "scenes" / f"{path.stem}.json"
-    if shipped.is_file() and path.parent.name in ("", "scenes"):
+    if os.path.isfile(shipped) and path.parent.name in ("", "scenes"):
         return shipped
     raise SceneError(Issue(str(path), "", "there is no such scene", f"shipped: {', '.join(_shipped())}"))
 

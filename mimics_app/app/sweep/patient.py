@@ -6,6 +6,7 @@ Every point is one trial (the last one of the scene's list) on the virtual clock
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -45,7 +46,7 @@ def _load(file: Path) -> Scene:
 def _scene_file(name: str, folder: Path) -> Path:
     """A scene beside the sweep file, else one as every command finds it."""
     beside = folder / name
-    return beside.resolve() if beside.is_file() else find_scene(Path(name))
+    return beside.resolve() if os.path.isfile(beside) else find_scene(Path(name))
 
 
 def _task_of(scene: Scene) -> TaskSpec:

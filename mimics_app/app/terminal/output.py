@@ -10,14 +10,14 @@ import json
 import math
 import os
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, redirect_stdout, suppress
 from pathlib import PurePath
 from typing import Any, TextIO
 
-from mimics_app.contracts.errors import Issue
+from mimics_app.contracts.errors import Issue, told
 
-__all__ = ["finite", "issue_rows", "object_written", "reserved_stdout", "write_object"]
+__all__ = ["errors_of", "finite", "issue_lines", "object_written", "reserved_stdout", "write_object"]
 
 
 class _ObjectStream:
@@ -92,9 +92,18 @@ def object_written() -> bool:
     return _target.written
 
 
-def issue_rows(issues: Iterable[Issue]) -> list[dict[str, str]]:
-    """Issues as objects of JSON."""
-    return [{"file": i.file, "pointer": i.pointer, "what": i.what, "fix": i.fix} for i in issues]
+def errors_of(issues: Sequence[Issue]) -> dict[str, Any]:
+    """Issues as keys of a JSON object: `errors`, the first of them, and `more_errors`, how many follow, if any."""
+    first, more = told(issues)
+    rows = [{"file": i.file, "pointer": i.pointer, "what": i.what, "fix": i.fix} for i in first]
+    return {"errors": rows, **({"more_errors": more} if more else {})}
+
+
+def issue_lines(issues: Sequence[Issue]) -> list[str]:
+    """Issues as lines for a terminal: the first of them, and the number of the rest."""
+    first, more = told(issues)
+    rest = [f"mimics: and {more} more error{'s' if more > 1 else ''}\n"] if more else []
+    return [f"mimics: {issue}\n" for issue in first] + rest
 
 
 def finite(value: Any) -> Any:

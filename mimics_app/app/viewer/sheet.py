@@ -36,6 +36,8 @@ _GROUND = (22, 24, 28)
 _WALL = (0.035, 0.035, 0.042)
 """Sky behind a reason, linear RGB."""
 _MOST_TILES = 1000
+_MOST_NOTES = 3
+"""Notes of a model that are told as the reason why there is nothing to see."""
 _SCALE = 1.8
 """Of the letters on a tile."""
 _RAISED, _BACK = 0.11, -1.9
@@ -44,11 +46,16 @@ _RAISED, _BACK = 0.11, -1.9
 
 @dataclass(frozen=True, slots=True)
 class Tile:
-    """One model of a sheet: its file, why it cannot be shown ([] where it can), and whether there is nothing in it."""
+    """One model of a sheet: its file, why it is not shown ([] where it is), and whether there is nothing in it."""
 
     file: Path
     issues: list[Issue]
     empty: bool = False
+
+    @property
+    def shown(self) -> bool:
+        """Whether the model itself is on the sheet."""
+        return not self.issues
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +91,7 @@ def draw_sheet(folder: Path, output: Path, *, backend: str = "auto") -> Sheet:
         backend: "auto", "egl", "osmesa" or "window".
 
     Raises:
-        SceneError: no model is there; a model that is wrong is no error but a tile.
+        SceneError: no model is there; one that is wrong or shows nothing is a tile with the reason.
         UsageError: there are more than a sheet can hold.
         DeviceError: the context cannot be had.
     """
@@ -136,8 +143,10 @@ class _Press:
             self._print_reason(file.name, "cannot be shown", error.issues)
             return Tile(file, error.issues)
         if shown.extent is None:
-            self._print_reason(file.name, "nothing to see", [Issue("", "", "no mesh in its scene")])
-            return Tile(file, [], empty=True)
+            why = "; ".join(shown.notes[:_MOST_NOTES]) or "no mesh is visible in its scene"
+            nothing = [Issue(str(file), "", f"nothing to see: {why}")]
+            self._print_reason(file.name, "nothing to see", [Issue("", "", why)])
+            return Tile(file, nothing, empty=True)
         stage = self._put_on(shown)
         stage.eye.yaw += turn
         stage.eye.pan(0.0, _RAISED * TILE[1], TILE[1])

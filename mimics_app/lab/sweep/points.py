@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from mimics_app.lab.sweep.quantity import Kind, SweepExperiment
-from mimics_app.lab.sweep.spec import Range, Sweep
+from mimics_app.lab.sweep.spec import Range, Sweep, count_values
 
 __all__ = ["count_points", "points_between"]
 
@@ -17,7 +17,7 @@ def count_points(sweep: Sweep) -> int:
     """How many points a sweep has."""
     if sweep.sample is not None:
         return sweep.sample.points
-    return math.prod(_count(values) for values in sweep.parameters.values())
+    return math.prod(count_values(values) for values in sweep.parameters.values())
 
 
 def points_between(sweep: Sweep, experiment: SweepExperiment, start: int, stop: int) -> dict[str, list[Any]]:
@@ -42,15 +42,11 @@ def _kind(experiment: SweepExperiment, name: str) -> Kind:
     return quantity.kind
 
 
-def _count(values: Any) -> int:
-    return values.count if isinstance(values, Range) else len(values) if isinstance(values, list) else 1
-
-
 def _on_grid(sweep: Sweep, names: list[str], kinds: dict[str, Kind], point: int) -> dict[str, Any]:
     row: dict[str, Any] = {}
     for name in reversed(names):
         values = sweep.parameters[name]
-        count = _count(values)
+        count = count_values(values)
         point, place = divmod(point, count)
         share = place / (count - 1) if count > 1 else 0.0
         row[name] = _typed(_between(values, share) if isinstance(values, Range) else _item(values, place), kinds[name])
@@ -63,7 +59,7 @@ def _drawn(sweep: Sweep, names: list[str], kinds: dict[str, Kind], point: int, s
     for name, share in zip(names, shares.tolist(), strict=True):
         values = sweep.parameters[name]
         if not isinstance(values, Range):
-            value = _item(values, min(int(share * _count(values)), _count(values) - 1))
+            value = _item(values, min(int(share * count_values(values)), count_values(values) - 1))
         elif kinds[name] == "int" and values.scale == "linear":
             value = values.low + math.floor(share * (values.high - values.low + 1.0))
         else:

@@ -6,21 +6,28 @@ import hashlib
 import json
 import math
 from collections.abc import Callable, Iterator, Mapping
+from itertools import islice
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import msgspec
 from msgspec import Meta
 
-from mimics_app.contracts.errors import Issue, SceneError, nearest
+from mimics_app.contracts.errors import MOST_SOUGHT, Issue, SceneError, nearest
 from mimics_app.lab.sweep.quantity import Quantity, SweepExperiment
 from mimics_app.world.components.struct_reader import FAILED, read_struct
 from mimics_app.world.scene.json_text import escape, parse_json
+from mimics_app.world.scene.source import read_bytes
 
-__all__ = ["Range", "Sample", "Sweep", "load_sweep", "span_of"]
+__all__ = ["MAX_POINTS", "Range", "Sample", "Sweep", "count_values", "load_sweep", "span_of"]
 
 Scalar = float | int | str
 _Count = Annotated[int, Meta(ge=1, le=100_000_000)]
+_End = Annotated[float, Meta(ge=-1e18, le=1e18)]
+_Values = Annotated[list[Scalar], Meta(max_length=100_000)]
+
+MAX_POINTS = 1_000_000_000
+"""Most points of one sweep; a grid is their product."""
 
 
 class Range(
@@ -28,8 +35,8 @@ class Range(
 ):
     """Values from one to another, both included."""
 
-    low: Annotated[float, Meta(description="First value")]
-    high: Annotated[float, Meta(description="Last value")]
+    low: Annotated[_End, Meta(description="First value")]
+    high: Annotated[_End, Meta(description="Last value")]
     count: Annotated[int, Meta(ge=1, le=10_000_000, description="How many, on a grid; a sample draws in between")] = 1
     scale: Annotated[Literal["linear", "log"], Meta(description="Equal steps, or equal ratios")] = "linear"
 
@@ -49,7 +56,7 @@ class Sweep(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     experiment: Annotated[str, Meta(description="Name of the experiment; mimics sweep --list names them")]
     title: Annotated[str, Meta(description="For people")] = ""
     parameters: Annotated[
-        dict[str, Range | list[Scalar] | Scalar],
+        dict[str, Range | _Values | Scalar],
         Meta(description="By name: one value, a list of values, or a range. Not named: the experiment's default"),
     ] = msgspec.field(default_factory=dict)
     sample: Annotated[Sample | None, Meta(description="Absent: every combination of the values")] = None
@@ -80,11 +87,7 @@ def load_sweep(path: Path, find: Callable[[str], SweepExperiment | None], known:
             their limits.
     """
     file = str(path)
-    try:
-        text = path.read_bytes()
-    except OSError as error:
-        raise SceneError(Issue(file, "", f"cannot be read: {error.strerror}")) from None
-    document, issues = parse_json(text, file)
+    document, issues = parse_json(read_bytes(path, file), file)
     if issues:
         raise SceneError(issues)
     sweep = read_struct(Sweep, document, lambda pointer, what, fix: issues.append(Issue(file, pointer, what, fix)))
@@ -94,7 +97,7 @@ def load_sweep(path: Path, find: Callable[[str], SweepExperiment | None], known:
     if experiment is None:
         what = f'there is no experiment "{sweep.experiment}"'
         raise SceneError(Issue(file, "/experiment", what, nearest(sweep.experiment, known)))
-    issues = [Issue(file, *fault) for fault in _faults(sweep, experiment)]
+    issues = [Issue(file, *fault) for fault in islice(_faults(sweep, experiment), MOST_SOUGHT)]
     if issues:
         raise SceneError(issues)
     return _with_defaults(sweep, experiment)
@@ -116,6 +119,9 @@ def _faults(sweep: Sweep, experiment: SweepExperiment) -> Iterator[tuple[str, st
             yield pointer, f'"{experiment.name}" has no parameter "{name}"', nearest(name, experiment.parameters)
         else:
             yield from _value_faults(values, quantity, pointer)
+    points = math.prod(map(count_values, sweep.parameters.values()))
+    if sweep.sample is None and points > MAX_POINTS:
+        yield "/parameters", f"{points:.3g} points are more than {MAX_POINTS:g}", 'draw a "sample" of them'
     for name, quantity in experiment.parameters.items():
         if quantity.default is None and name not in sweep.parameters:
             yield "/parameters", f'"{experiment.name}" needs the parameter "{name}"', f'add "{name}"'
@@ -159,6 +165,11 @@ def _placed(values: Any, pointer: str) -> Iterator[tuple[str, Scalar]]:
             yield f"{pointer}/{i}", value
     else:
         yield pointer, values
+
+
+def count_values(values: Any) -> int:
+    """How many values a parameter takes on a grid."""
+    return values.count if isinstance(values, Range) else len(values) if isinstance(values, list) else 1
 
 
 def span_of(sweep: Sweep) -> Mapping[str, list[Scalar]]:

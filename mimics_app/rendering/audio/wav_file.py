@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.regular_file import read_regular
 
 __all__ = ["WavWriter", "read_wav", "soften_peaks"]
 
@@ -102,7 +103,7 @@ def read_wav(path: Path, rate: int) -> NDArray[np.float32]:
         SceneError: The file is missing, damaged, or of a kind that is not PCM or float.
     """
     try:
-        raw = path.read_bytes()
+        raw = read_regular(path)
     except OSError as error:
         raise SceneError(Issue(str(path), "", f"cannot be read: {error.strerror}")) from error
     chunks = _chunks(raw)

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
-import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -16,12 +14,16 @@ from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.maths.bspline_fit import fit_spline
 from mimics_app.rendering.haptic.tunnel import TunnelCurve, TunnelError, TunnelFault, build_tunnel
 from mimics_app.world.components.robot import Tunnel
+from mimics_app.world.scene.json_text import parse_json
+from mimics_app.world.scene.source import read_bytes
 
 __all__ = ["fit_path", "read_path", "tunnel_from_component"]
 
 Array = NDArray[np.float64]
 
 _MOST_SAMPLES = 200_000
+_FARTHEST = 1e3
+"""Farthest from the origin that something can be touched [m], as in `components.bounds`."""
 _DEFAULT_BASIS_FUNCTIONS = 12
 _AXES = ("x", "y", "z")
 
@@ -96,35 +98,36 @@ def read_path(file: Path) -> Array:
         SceneError: unknown kind, not readable, too few or too many samples, a value that is no finite number, each with
             the line or JSON pointer.
     """
-    try:
-        text = file.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise SceneError(Issue(str(file), "", f"cannot be read: {error}")) from None
+    data = read_bytes(file, str(file))
     kind = file.suffix.lower()
     if kind not in (".csv", ".json"):
         raise SceneError(Issue(str(file), "", f'a path is a .csv or a .json file, not "{file.suffix}"'))
-    rows = _rows_of_csv(file, text) if kind == ".csv" else _rows_of_json(file, text)
+    rows = _rows_of_csv(file, data) if kind == ".csv" else _rows_of_json(file, data)
     if not 2 <= len(rows) <= _MOST_SAMPLES:
         raise SceneError(Issue(str(file), "", f"{len(rows)} samples; a path has 2 to {_MOST_SAMPLES}"))
     return np.array(rows, np.float64)
 
 
-def _finite(value: Any) -> float | None:
-    """The value as a finite float, or None. Booleans are no numbers here."""
+def _coordinate(value: Any) -> float | None:
+    """The value as a place that can be touched [m], or None. Booleans are no numbers here."""
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
         return None
     try:
         number = float(value)
     except (ValueError, OverflowError):
         return None
-    return number if math.isfinite(number) else None
+    return number if abs(number) <= _FARTHEST else None
 
 
-def _rows_of_csv(file: Path, text: str) -> list[list[float]]:
-    lines = [(i, row) for i, row in enumerate(csv.reader(text.splitlines()), 1) if any(cell.strip() for cell in row)]
+def _rows_of_csv(file: Path, data: bytes) -> list[list[float]]:
+    try:
+        reader = csv.reader(data.decode("utf-8-sig").splitlines())
+        lines = [(i, row) for i, row in enumerate(reader, 1) if any(cell.strip() for cell in row)]
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise SceneError(Issue(str(file), "", f"is no CSV file: {error}")) from None
     columns: Sequence[int] = (0, 1, 2)
     names = [cell.strip().lower() for cell in lines[0][1]] if lines else []
-    if any(_finite(name) is None for name in names[:3]):
+    if any(_coordinate(name) is None for name in names[:3]):
         missing = [axis for axis in _AXES if axis not in names]
         if missing:
             raise SceneError(Issue(str(file), "", f"line 1 names no column {', '.join(missing)}", "head it x,y,z"))
@@ -132,22 +135,21 @@ def _rows_of_csv(file: Path, text: str) -> list[list[float]]:
         lines = lines[1:]
     rows, issues = [], []
     for i, cells in lines:
-        values = [_finite(cells[column]) if column < len(cells) else None for column in columns]
+        values = [_coordinate(cells[column]) if column < len(cells) else None for column in columns]
         numbers = [value for value in values if value is not None]
         if len(numbers) == 3:
             rows.append(numbers)
         else:
-            issues.append(Issue(str(file), "", f"line {i} does not hold three finite numbers"))
+            issues.append(Issue(str(file), "", f"line {i} does not hold three finite numbers within {_FARTHEST:g} m"))
     if issues:
         raise SceneError(issues[:20])
     return rows
 
 
-def _rows_of_json(file: Path, text: str) -> list[list[float]]:
-    try:
-        document = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise SceneError(Issue(str(file), "", f"is not JSON: {error}")) from None
+def _rows_of_json(file: Path, data: bytes) -> list[list[float]]:
+    document, faults = parse_json(data, str(file))
+    if faults:
+        raise SceneError(faults)
     pointer = ""
     if isinstance(document, dict):
         pointer = "/points"
@@ -156,12 +158,16 @@ def _rows_of_json(file: Path, text: str) -> list[list[float]]:
         raise SceneError(Issue(str(file), pointer, 'a path is a list of [x, y, z], or {"points": [[x, y, z], ...]}'))
     rows, issues = [], []
     for i, entry in enumerate(document):
-        values = [_finite(value) for value in entry if not isinstance(value, str)] if isinstance(entry, list) else []
+        values = (
+            [_coordinate(value) for value in entry if not isinstance(value, str)] if isinstance(entry, list) else []
+        )
         numbers = [value for value in values if value is not None]
         if len(values) == len(numbers) == 3 == len(entry):
             rows.append(numbers)
         else:
-            issues.append(Issue(str(file), f"{pointer}/{i}", "is not a list of three finite numbers"))
+            issues.append(
+                Issue(str(file), f"{pointer}/{i}", f"is not a list of three finite numbers within {_FARTHEST:g} m")
+            )
     if issues:
         raise SceneError(issues[:20])
     return rows

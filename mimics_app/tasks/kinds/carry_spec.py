@@ -6,7 +6,7 @@ from typing import Annotated
 
 from msgspec import Meta
 
-from mimics_app.tasks.bounds import NotNegative, Positive, Vec3
+from mimics_app.world.components.bounds import Force, Length, Point, PositiveForce
 from mimics_app.world.components.registry import Component
 
 __all__ = ["BoxSpec", "CarrySpec", "GripSpec"]
@@ -15,15 +15,15 @@ __all__ = ["BoxSpec", "CarrySpec", "GripSpec"]
 class BoxSpec(Component, frozen=True):
     """A box along the world's axes."""
 
-    low: Annotated[Vec3, Meta(description="Least corner [m]")]
-    high: Annotated[Vec3, Meta(description="Greatest corner [m]")]
+    low: Annotated[Point, Meta(description="Least corner [m]")]
+    high: Annotated[Point, Meta(description="Greatest corner [m]")]
 
 
 class GripSpec(Component, frozen=True):
     """Grasp forces that are right for the thing carried; how far the hand leaves them is the grasp error."""
 
-    least: Annotated[NotNegative, Meta(description="Below it is about to slip [N]")] = 0.0
-    most: Annotated[Positive, Meta(description="Above it is pressed needlessly [N]")] = 1e3
+    least: Annotated[Force, Meta(description="Below it is about to slip [N]")] = 0.0
+    most: Annotated[PositiveForce, Meta(description="Above it is pressed needlessly [N]")] = 1e3
 
 
 class CarrySpec(Component, frozen=True):
@@ -31,11 +31,9 @@ class CarrySpec(Component, frozen=True):
 
     body: Annotated[str, Meta(description="Id of the entity that is carried; fingers must be able to hold it")]
     to: Annotated[str, Meta(description="Id of the entity that marks where: its place is on the surface to set it on")]
-    within: Annotated[Positive, Meta(description="Largest level distance from the mark that counts as placed [m]")] = (
-        0.03
-    )
+    within: Annotated[Length, Meta(description="Largest level distance from the mark that counts as placed [m]")] = 0.03
     height: Annotated[
-        Positive, Meta(description="Its middle must be above the mark by no more than this, and not below it [m]")
+        Length, Meta(description="Its middle must be above the mark by no more than this, and not below it [m]")
     ] = 0.06
     falls_from: Annotated[
         BoxSpec | None,

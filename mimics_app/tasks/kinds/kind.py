@@ -16,8 +16,8 @@ from msgspec import Meta
 from mimics_app.contracts.board import Card
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.scenario_port import TaskContext
-from mimics_app.tasks.bounds import NotNegative
 from mimics_app.tasks.observation import Observation
+from mimics_app.world.components.bounds import Factor, Figure
 from mimics_app.world.components.registry import Component
 
 if TYPE_CHECKING:
@@ -36,9 +36,9 @@ Values = Mapping[str, float | None]
 class ScorePartSpec(Component, frozen=True):
     """How one measure counts: full marks at `best`, none at `worst`, linear between."""
 
-    weight: Annotated[NotNegative, Meta(description="Share of the score, relative to the other weights.")]
-    best: Annotated[float, Meta(description="Value that earns full marks, in the measure's unit.")]
-    worst: Annotated[float, Meta(description="Value that earns none.")]
+    weight: Annotated[Factor, Meta(description="Share of the score, relative to the other weights.")]
+    best: Annotated[Figure, Meta(description="Value that earns full marks, in the measure's unit.")]
+    worst: Annotated[Figure, Meta(description="Value that earns none.")]
 
 
 @dataclass(frozen=True, slots=True)

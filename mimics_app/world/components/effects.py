@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
-from mimics_app.world.components.registry import Component, component, register_check
+from mimics_app.world.components.bounds import Extent, Factor, FarCoordinate, Frequency, Length, Light, Seconds, Vector
+from mimics_app.world.components.registry import Component, component, register_check, register_limit
 
 if TYPE_CHECKING:
     from mimics_app.world.scene.scene import Scene
@@ -23,12 +24,9 @@ SpriteShape = Literal["dot", "puff", "paper", "spark", "ring"]
 Trigger = Literal["always", "start", "goal", "contact", "contact_end", "impact"]
 """What makes an emitter give off particles."""
 
-Positive = Annotated[float, Meta(gt=0)]
-NotNegative = Annotated[float, Meta(ge=0)]
 Share = Annotated[float, Meta(ge=0, le=1)]
-Rgba = tuple[NotNegative, NotNegative, NotNegative, Share]
-Point = tuple[float, float, float]
-Range = tuple[NotNegative, NotNegative]
+Rgba = tuple[Light, Light, Light, Share]
+Lifetime = Annotated[float, Meta(gt=0, le=86_400)]
 
 _WHITE = (1.0, 1.0, 1.0, 1.0)
 
@@ -39,7 +37,7 @@ class Billboard(Component, frozen=True):
 
     texture: Annotated[str | None, Meta(description="Of the scene's `assets`, a picture; absent: `shape`")] = None
     shape: Annotated[SpriteShape, Meta(description="Picture made by the application")] = "puff"
-    size: Annotated[tuple[Positive, Positive], Meta(description="Width and height [m]")] = (1.0, 1.0)
+    size: Annotated[tuple[Length, Length], Meta(description="Width and height [m]")] = (1.0, 1.0)
     facing: Annotated[
         Literal["free", "upright"],
         Meta(description="free: turned wholly to the eye; upright: about the vertical only, as trees are"),
@@ -66,31 +64,31 @@ class Particles(Component, frozen=True):
         Trigger,
         Meta(description="always: `rate`, in the emitter's frame; else `count` at a trial's start, goal, a touch"),
     ] = "always"
-    rate: Annotated[NotNegative, Meta(le=100_000, description="Particles per second (always)")] = 20.0
+    rate: Annotated[float, Meta(ge=0, le=100_000, description="Particles per second (always)")] = 20.0
     count: Annotated[int, Meta(ge=0, le=10_000, description="Particles of one burst")] = 100
-    spread: Annotated[NotNegative, Meta(description="Time over which a burst is given off [s]")] = 0.0
-    pause: Annotated[NotNegative, Meta(description="Least time between two bursts [s]")] = 0.1
-    lifetime: Annotated[tuple[Positive, Positive], Meta(description="Least and greatest [s]")] = (1.0, 2.0)
+    spread: Annotated[Seconds, Meta(description="Time over which a burst is given off [s]")] = 0.0
+    pause: Annotated[Seconds, Meta(description="Least time between two bursts [s]")] = 0.1
+    lifetime: Annotated[tuple[Lifetime, Lifetime], Meta(description="Least and greatest [s]")] = (1.0, 2.0)
     box: Annotated[
-        tuple[NotNegative, NotNegative, NotNegative],
+        tuple[Extent, Extent, Extent],
         Meta(description="Sizes of the box about the entity in which they begin [m]"),
     ] = (0.0, 0.0, 0.0)
-    direction: Annotated[Point, Meta(description="In the entity's frame, of any length")] = (0.0, 1.0, 0.0)
+    direction: Annotated[Vector, Meta(description="In the entity's frame, of any length")] = (0.0, 1.0, 0.0)
     cone: Annotated[float, Meta(ge=0, le=3.1416, description="Half angle about the direction [rad]")] = 0.4
-    speed: Annotated[Range, Meta(description="Least and greatest at the beginning [m/s]")] = (0.5, 1.0)
-    gravity: Annotated[Point, Meta(description="In the world [m/s^2]")] = (0.0, 0.0, 0.0)
-    drag: Annotated[NotNegative, Meta(description="Share of the speed through the air lost per second [1/s]")] = 0.0
-    wind: Annotated[Point, Meta(description="Of the air in the world [m/s]; felt through `drag`")] = (0.0, 0.0, 0.0)
-    sway: Annotated[NotNegative, Meta(description="Swing to and fro, sideways [m]")] = 0.0
-    sway_hz: Annotated[Positive, Meta(description="How often it swings [Hz]")] = 0.5
-    spin: Annotated[NotNegative, Meta(description="Greatest rate of turning [rad/s]")] = 0.0
-    floor: Annotated[float | None, Meta(description="Height at which they come to rest, world [m]")] = None
-    size: Annotated[tuple[Positive, Positive], Meta(description="Of the smallest and the largest, at birth [m]")] = (
+    speed: Annotated[tuple[Factor, Factor], Meta(description="Least and greatest at the beginning [m/s]")] = (0.5, 1.0)
+    gravity: Annotated[Vector, Meta(description="In the world [m/s^2]")] = (0.0, 0.0, 0.0)
+    drag: Annotated[Factor, Meta(description="Share of the speed through the air lost per second [1/s]")] = 0.0
+    wind: Annotated[Vector, Meta(description="Of the air in the world [m/s]; felt through `drag`")] = (0.0, 0.0, 0.0)
+    sway: Annotated[Extent, Meta(description="Swing to and fro, sideways [m]")] = 0.0
+    sway_hz: Annotated[Frequency, Meta(description="How often it swings [Hz]")] = 0.5
+    spin: Annotated[Factor, Meta(description="Greatest rate of turning [rad/s]")] = 0.0
+    floor: Annotated[FarCoordinate | None, Meta(description="Height at which they come to rest, world [m]")] = None
+    size: Annotated[tuple[Length, Length], Meta(description="Of the smallest and the largest, at birth [m]")] = (
         0.02,
         0.02,
     )
-    aspect: Annotated[Positive, Meta(description="Width over height")] = 1.0
-    growth: Annotated[NotNegative, Meta(description="Factor on the size at the end of life")] = 1.0
+    aspect: Annotated[Length, Meta(description="Width over height")] = 1.0
+    growth: Annotated[Factor, Meta(description="Factor on the size at the end of life")] = 1.0
     colours: Annotated[
         tuple[Rgba, ...],
         Meta(min_length=1, max_length=8, description="Linear RGBA over life, evenly spread; alpha fades in and out"),
@@ -120,11 +118,11 @@ class Projector(Component, frozen=True):
         Meta(description="decal: a box about the entity, size by depth; slide: a pyramid from it, depth long"),
     ] = "decal"
     size: Annotated[
-        tuple[Positive, Positive], Meta(description="Width and height [m]; of a slide only their ratio counts")
+        tuple[Length, Length], Meta(description="Width and height [m]; of a slide only their ratio counts")
     ] = (1.0, 1.0)
-    depth: Annotated[Positive, Meta(description="Depth of the box, or reach of the slide [m]")] = 1.0
+    depth: Annotated[Length, Meta(description="Depth of the box, or reach of the slide [m]")] = 1.0
     fov: Annotated[float, Meta(gt=0, lt=3.1, description="Full angle of a slide, bottom to top [rad]")] = 0.6
-    near: Annotated[Positive, Meta(description="Where a slide begins [m]")] = 0.05
+    near: Annotated[Length, Meta(description="Where a slide begins [m]")] = 0.05
     blend: Annotated[
         Literal["paint", "stain", "light"],
         Meta(description="paint: a matt colour on the surface; stain: darkens it; light: shines on it"),
@@ -137,7 +135,7 @@ class Projector(Component, frozen=True):
     )
     last_angle: Annotated[float, Meta(gt=0, le=1.5708, description="Lean from which nothing shows [rad]")] = 1.4
     onto: Annotated[
-        tuple[str, ...], Meta(description="Entities it falls on, with what hangs on them; absent: all")
+        tuple[str, ...], Meta(max_length=1000, description="Entities it falls on, with what hangs on them; absent: all")
     ] = ()
 
 
@@ -173,6 +171,8 @@ def _check_projector(projector: Projector, pointer: str, scene: Scene) -> list[I
     return issues
 
 
+register_limit("particles", 1000)
+register_limit("projector", 1000)
 register_check("billboard", _check_billboard)
 register_check("particles", _check_particles)
 register_check("projector", _check_projector)

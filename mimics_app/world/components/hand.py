@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
+from mimics_app.world.components.bounds import PositiveForce
 from mimics_app.world.components.registry import Component, component, register_check
 
 if TYPE_CHECKING:
@@ -14,7 +15,8 @@ if TYPE_CHECKING:
 
 __all__ = ["GraspingHand"]
 
-Positive = Annotated[float, Meta(gt=0)]
+Opening = Annotated[float, Meta(gt=0, le=1)]
+"""Of a hand [m]."""
 
 
 @component("grasping_hand")
@@ -24,9 +26,9 @@ class GraspingHand(Component, frozen=True):
     fingers: Annotated[
         tuple[str, str], Meta(description="Ids of the entities at its -x and +x side that open and close along its x")
     ]
-    open: Annotated[Positive, Meta(description="From the middle to the inner side of a finger, hand open [m]")] = 0.045
-    closed: Annotated[Positive, Meta(description="The same with the hand shut on nothing [m]")] = 0.006
-    closing_force: Annotated[Positive, Meta(description="Grasp force that shuts it on nothing [N]")] = 2.0
+    open: Annotated[Opening, Meta(description="From the middle to the inner side of a finger, hand open [m]")] = 0.045
+    closed: Annotated[Opening, Meta(description="The same with the hand shut on nothing [m]")] = 0.006
+    closing_force: Annotated[PositiveForce, Meta(description="Grasp force that shuts it on nothing [N]")] = 2.0
 
 
 def _check(hand: GraspingHand, pointer: str, scene: Scene) -> list[Issue]:

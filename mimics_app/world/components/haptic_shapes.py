@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from msgspec import Meta
 
+from mimics_app.world.components.bounds import Quaternion
 from mimics_app.world.components.registry import Component
 
 __all__ = [
@@ -28,7 +29,6 @@ NotNegative = Annotated[float, Meta(ge=0, le=_STIFFEST)]
 Share = Annotated[float, Meta(ge=0, le=100)]
 Coordinate = Annotated[float, Meta(ge=-_LARGEST, le=_LARGEST)]
 Point = tuple[Coordinate, Coordinate, Coordinate]
-Turn = tuple[float, float, float, float]
 Law = Literal["spring_damper", "hunt_crossley"]
 
 
@@ -105,7 +105,7 @@ class _Placed(TouchSurface, frozen=True):
     """A shape at its place in the object."""
 
     position: Annotated[Point, Meta(description="Of its middle, in the object's frame [m]")] = (0.0, 0.0, 0.0)
-    rotation: Annotated[Turn, Meta(description="In the object's frame, unit quaternion x, y, z, w")] = (
+    rotation: Annotated[Quaternion, Meta(description="In the object's frame, unit quaternion x, y, z, w")] = (
         0.0,
         0.0,
         0.0,
@@ -149,7 +149,7 @@ class MeshSolid(_Placed, frozen=True, kw_only=True, tag="mesh", tag_field="shape
         Literal["mesh", "hull", "box", "sphere"],
         Meta(description="The triangles themselves, their convex hull, or the box or sphere round them"),
     ] = "mesh"
-    scale: Annotated[Length, Meta(description="Factor on all its lengths")] = 1.0
+    scale: Annotated[float, Meta(ge=1e-6, le=1e6, description="Factor on all its lengths")] = 1.0
 
 
 Solid = CubeSolid | SphereSolid | CylinderSolid | CapsuleSolid | MeshSolid

@@ -30,7 +30,7 @@ from mimics_app.world.components.objects import (
     HapticWalls,
     InteractionPoints,
 )
-from mimics_app.world.components.registry import register_check
+from mimics_app.world.components.registry import register_check, register_limit
 from mimics_app.world.components.robot import Tunnel
 from mimics_app.world.components.signals import SignalFault, parse_source, parse_target
 from mimics_app.world.scene.placing import pose_of, stands_somewhere
@@ -82,7 +82,7 @@ def _check_object(thing: HapticObject, pointer: str, scene: Scene) -> list[Issue
 
 def _check_place(pointer: str, scene: Scene) -> list[Issue]:
     """Faults of the place of an entity that has one; that it has none is told with its transform or parent."""
-    name = _owner(pointer, scene)
+    name = scene.owner(pointer).id
     if not stands_somewhere(scene, name):
         return []
     try:
@@ -97,7 +97,10 @@ def _check_place(pointer: str, scene: Scene) -> list[Issue]:
 def _check_body(thing: HapticObject, pointer: str, scene: Scene) -> list[Issue]:
     """Faults of the object as a whole: shapes and a mass it can be made of."""
     try:
-        shapes = shapes_of(scene, _owner(pointer, scene), thing)
+        shapes = shapes_of(scene, scene.owner(pointer).id, thing)
+        smallest = min(map(_thinnest, shapes))
+        if smallest < _THINNEST:
+            return [scene.issue(pointer, _too_thin(smallest))]
         mass_properties_of(scene, thing, shapes)
     except ObjectFault as fault:
         return [scene.issue(f"{pointer}{fault.place}", fault.what, fault.fix)]
@@ -110,11 +113,15 @@ def _check_shape(shape: Solid, pointer: str, scene: Scene) -> list[Issue]:
         issues += scene.check_model_reference(f"{pointer}/source", shape.source)
     smallest = _thinnest(shape)
     if smallest < _THINNEST:
-        issues.append(scene.issue(pointer, f"it is {smallest:g} m thin: a hand is through it within a tick"))
+        issues.append(scene.issue(pointer, _too_thin(smallest)))
     if isinstance(shape, CubeSolid | CylinderSolid) and shape.rounding >= 0.5 * smallest:
         what = f"{shape.rounding:g} m leaves nothing of an edge of {smallest:g} m"
         issues.append(scene.issue(f"{pointer}/rounding", what, f"stay below {0.5 * smallest:g} m"))
     return issues
+
+
+def _too_thin(smallest: float) -> str:
+    return f"it is {smallest:g} m thin: a hand is through it within a tick"
 
 
 def _thinnest(shape: Solid) -> float:
@@ -244,11 +251,10 @@ def _check_connections(connections: Connections, pointer: str, scene: Scene) -> 
     return issues
 
 
-def _owner(pointer: str, scene: Scene) -> str:
-    """Id of the entity a component's pointer is of."""
-    return next(entity.id for entity in scene.entities if pointer.startswith(f"{entity.pointer}/"))
-
-
+for _name in ("haptic_object", "haptic_effect", "force_field", "haptic_path"):
+    register_limit(_name, 1000)
+for _name in ("haptic_walls", "connections", "interaction_points"):
+    register_limit(_name, 100)
 register_check("haptic_object", _check_object)
 register_check("haptic_walls", _check_walls)
 register_check("haptic_effect", _check_effect)

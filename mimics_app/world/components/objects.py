@@ -12,6 +12,7 @@ import msgspec
 from msgspec import Meta
 
 from mimics_app.contracts.haptic_objects import MAX_POINTS
+from mimics_app.world.components.bounds import Quaternion
 from mimics_app.world.components.haptic_effects import Effect
 from mimics_app.world.components.haptic_shapes import Solid, TouchSurface
 from mimics_app.world.components.registry import Component, component
@@ -30,19 +31,25 @@ __all__ = [
     "Wire",
 ]
 
+MAX_SHAPES = 64
+"""Most shapes of one object; all of them are asked in a tick in which the hand is near it."""
+MAX_WIRES = 1000
+"""Most wires of one component."""
+
 _MOST = 1e6
 """Greatest size of a number whose unit gives no better bound: beyond it a tick of a contact has no digits left."""
 
 NotNegative = Annotated[float, Meta(ge=0, le=_MOST)]
 Positive = Annotated[float, Meta(gt=0, le=_MOST)]
+BodyMass = Annotated[float, Meta(ge=1e-6, le=_MOST)]
+"""[kg]: a milligram is lighter than any contact can hold still."""
 Coordinate = Annotated[float, Meta(ge=-1e3, le=1e3)]
 Point = tuple[Coordinate, Coordinate, Coordinate]
 Number = Annotated[float, Meta(ge=-_MOST, le=_MOST)]
 Vector = tuple[Number, Number, Number]
-Turn = tuple[float, float, float, float]
 Row = tuple[float, float, float]
 Rows = tuple[Row, Row, Row]
-"""Without bounds, which msgspec 0.22 cannot free in a union with a number: `object_checks` looks at them."""
+"""Without bounds: msgspec 0.22 cannot free a bounded number beside a tuple. `object_checks` looks at them."""
 
 Integrator = Literal["semi_implicit", "explicit", "exact_drag", "implicit_midpoint"]
 
@@ -52,7 +59,7 @@ class HapticObject(TouchSurface, frozen=True):
     """A body that is touched, and moves if it may (4.2.8)."""
 
     shapes: Annotated[
-        tuple[Solid, ...],
+        Annotated[tuple[Solid, ...], Meta(max_length=MAX_SHAPES)],
         Meta(description="What is touched, one or several [Object dimensions]; absent: the primitive of its `mesh`"),
     ] = ()
     enable_translation: Annotated[bool, Meta(description="It may shift [Enable translation]")] = True
@@ -63,7 +70,7 @@ class HapticObject(TouchSurface, frozen=True):
     enable_torque_on_object: Annotated[
         bool, Meta(description="The hand turns it [Enable rotational haptic force on object]")
     ] = True
-    mass: Annotated[Positive | None, Meta(description="[Mass of haptic object, kg]; absent: of `density`, or 1 kg")] = (
+    mass: Annotated[BodyMass | None, Meta(description="[Mass of haptic object, kg]; absent: of `density`, or 1 kg")] = (
         None
     )
     density: Annotated[Positive | None, Meta(description="Instead of the mass [kg/m^3]")] = None
@@ -99,7 +106,7 @@ class Wall(TouchSurface, frozen=True):
         Point | None, Meta(description="[Pose of the wall] relative to the entity [m]; absent: by the walls' `size`")
     ] = None
     rotation: Annotated[
-        Turn | None, Meta(description="[Pose of the wall] unit quaternion x, y, z, w; absent: facing the middle")
+        Quaternion | None, Meta(description="[Pose of the wall] unit quaternion x, y, z, w; absent: facing the middle")
     ] = None
 
 
@@ -165,7 +172,9 @@ class ForceField(_Acting, frozen=True, kw_only=True):
 class HapticPath(Component, frozen=True):
     """A path for effects: the cubic B-spline of D2.1 4.2.10 without its walls."""
 
-    control_points: Annotated[tuple[Point, ...] | None, Meta(description="World [m]; at least 4")] = None
+    control_points: Annotated[
+        Annotated[tuple[Point, ...], Meta(max_length=1000)] | None, Meta(description="World [m]; at least 4")
+    ] = None
     path_file: Annotated[
         str | None, Meta(description="Recorded path to fit instead: .csv (x,y,z columns) or .json, world [m]")
     ] = None
@@ -219,4 +228,6 @@ class Wire(Component, frozen=True):
 class Connections(Component, frozen=True):
     """Wires between outputs and inputs of blocks (4.2.12); what several bring to one input is added."""
 
-    wires: Annotated[Annotated[tuple[Wire, ...], Meta(min_length=1)], Meta(description="One by one")]
+    wires: Annotated[
+        Annotated[tuple[Wire, ...], Meta(min_length=1, max_length=MAX_WIRES)], Meta(description="One by one")
+    ]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
-from mimics_app.world.components.registry import Component, component, register_check
+from mimics_app.world.components.registry import Component, component, register_check, register_limit
 from mimics_app.world.components.shapes import PlaneShape, RingShape
 from mimics_app.world.components.visible import CameraComponent, MeshComponent
 
@@ -101,6 +101,8 @@ def _needs_mesh(pointer: str, scene: Scene) -> Issue:
     return scene.issue(pointer, 'needs a "mesh" of the same entity to be seen on', 'give the entity a "mesh"')
 
 
+for _name in ("mirror", "screen", "inset"):
+    register_limit(_name, 1000)
 register_check("mirror", _check_mirror)
 register_check("screen", _check_screen)
 register_check("inset", _check_inset)

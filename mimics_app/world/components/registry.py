@@ -23,8 +23,10 @@ __all__ = [
     "checks_of",
     "component",
     "component_types",
+    "limits",
     "register_check",
     "register_component",
+    "register_limit",
     "register_section",
     "register_system",
     "section_of",
@@ -54,6 +56,7 @@ _components: dict[str, type[msgspec.Struct]] = {}
 _systems: dict[str, type[msgspec.Struct]] = {}
 _sections: dict[str, Section] = {}
 _checks: dict[str, list[ComponentCheck]] = {}
+_limits: dict[str, int] = {}
 
 S = TypeVar("S", bound=type[msgspec.Struct])
 
@@ -88,6 +91,16 @@ def register_check(component_type: str, check: ComponentCheck) -> None:
     checks = _checks.setdefault(component_type, [])
     if check not in checks:
         checks.append(check)
+
+
+def register_limit(component_type: str, most: int) -> None:
+    """Let no scene have more components of this type: counted before any of them is looked at."""
+    _limits[component_type] = most
+
+
+def limits() -> dict[str, int]:
+    """Most components of a scene, by type; the others are as many as its entities."""
+    return dict(_limits)
 
 
 def component_types() -> dict[str, type[msgspec.Struct]]:

@@ -4,17 +4,39 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import msgspec
 import numpy as np
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.haptic import MAX_PIECES
-from mimics_app.world.components.registry import register_check
-from mimics_app.world.components.robot import Ball, JointPd, Patient, Robot, Safety, Tunnel, WorldPd
+from mimics_app.world.components.registry import ComponentCheck, register_check, register_limit
+from mimics_app.world.components.robot import (
+    Admittance,
+    Ball,
+    Impedance,
+    JointPd,
+    Patient,
+    Robot,
+    Safety,
+    Tunnel,
+    WorldPd,
+)
 
 if TYPE_CHECKING:
     from mimics_app.world.scene.scene import Scene
 
 __all__ = ["check_tunnel_component"]
+
+SINGLE: dict[str, type[msgspec.Struct]] = {
+    "robot": Robot,
+    "patient": Patient,
+    "admittance": Admittance,
+    "impedance": Impedance,
+    "joint_pd": JointPd,
+    "world_pd": WorldPd,
+    "safety": Safety,
+}
+"""Components of which a scene has one at most."""
 
 _DEGREE = 3
 _ROTATION_TOLERANCE = 1e-6
@@ -37,6 +59,19 @@ def check_tunnel_component(tunnel: Tunnel, pointer: str, scene: Scene) -> list[I
     if tunnel.radius == ():
         issues.append(scene.issue(f"{pointer}/radius", "an empty list", "give one number or more"))
     return issues
+
+
+def _check_single(component: type[msgspec.Struct]) -> ComponentCheck:
+    """The check of a component that the application reads once: of a second one nothing would be done."""
+
+    def check(_: msgspec.Struct, pointer: str, scene: Scene) -> list[Issue]:
+        first = scene.components(component)[0][2]
+        if pointer == first:
+            return []
+        name = pointer.rpartition("/")[2]
+        return [scene.issue(pointer, f'a second "{name}"; the first is {scene.place(first)}', "keep one")]
+
+    return check
 
 
 def _check_robot(robot: Robot, pointer: str, scene: Scene) -> list[Issue]:
@@ -92,6 +127,10 @@ def _check_safety(safety: Safety, pointer: str, scene: Scene) -> list[Issue]:
     ]
 
 
+for _name in (*SINGLE, "tunnel", "ball"):
+    register_limit(_name, 100)
+for _name, _type in SINGLE.items():
+    register_check(_name, _check_single(_type))
 register_check("tunnel", check_tunnel_component)
 register_check("robot", _check_robot)
 register_check("patient", _check_patient)

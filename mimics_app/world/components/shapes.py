@@ -6,6 +6,7 @@ from typing import Annotated
 
 from msgspec import Meta
 
+from mimics_app.world.components.bounds import Angle
 from mimics_app.world.components.registry import Component
 
 __all__ = ["BoxShape", "CapsuleShape", "CylinderShape", "PlaneShape", "RingShape", "Shape", "SphereShape", "TorusShape"]
@@ -60,7 +61,7 @@ class RingShape(Component, frozen=True, tag="ring", tag_field="shape"):
 
     inner_radius: Annotated[float, Meta(ge=0, le=_LARGEST, description="[m]; 0: a disc")] = 0.25
     outer_radius: Annotated[float, Meta(gt=0, le=_LARGEST, description="[m]")] = 0.5
-    start: Annotated[float, Meta(description="First angle [rad]")] = 0.0
+    start: Annotated[Angle, Meta(description="First angle [rad]")] = 0.0
     sweep: Annotated[float, Meta(gt=0, le=6.2832, description="Angle covered [rad]")] = 6.283185307179586
     segments: Annotated[int, Meta(ge=3, le=512, description="Facets along the arc")] = 48
 

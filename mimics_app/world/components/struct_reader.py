@@ -10,11 +10,12 @@ import re
 import types
 import typing
 from collections.abc import Callable
+from functools import cache
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 import msgspec
 
-from mimics_app.contracts.errors import nearest
+from mimics_app.contracts.errors import MOST_SOUGHT, nearest
 from mimics_app.world.scene.json_text import escape
 
 __all__ = ["FAILED", "Report", "is_comment", "read_struct"]
@@ -52,7 +53,7 @@ def read_struct(wanted: Any, value: Any, report: Report, pointer: str = "") -> A
     Args:
         wanted: A Struct or any type msgspec knows.
         value: As `json` gives it.
-        report: Called once for each fault.
+        report: Called once for each fault; after `MOST_SOUGHT` of them no more are looked for.
         pointer: Put before the pointers that are reported.
 
     Returns:
@@ -64,23 +65,38 @@ def read_struct(wanted: Any, value: Any, report: Report, pointer: str = "") -> A
         return _Reader(report).read(wanted, value, pointer, str(error))
 
 
+@cache
+def _hints(wanted: type[msgspec.Struct]) -> dict[str, Any]:
+    return typing.get_type_hints(wanted, include_extras=True)
+
+
+@cache
+def _fields(wanted: type[msgspec.Struct]) -> dict[str, msgspec.structs.FieldInfo]:
+    return {field.encode_name: field for field in msgspec.structs.fields(wanted)}
+
+
 class _Reader:
     """Takes one refused value apart."""
 
     def __init__(self, report: Report) -> None:
         self._report = report
+        self._reported = 0
 
     def read(self, wanted: Any, value: Any, pointer: str, error: str = "") -> Any:
+        if self._reported >= MOST_SOUGHT:
+            return FAILED
         if not error:
             try:
                 return msgspec.convert(value, wanted)
             except msgspec.ValidationError as refused:
                 error = str(refused)
         inner = get_args(wanted)[0] if get_origin(wanted) is Annotated else wanted
+        limited = wanted
         if get_origin(inner) in (Union, types.UnionType):
-            inner = _candidate(inner, value)
-        part = self._parts(inner, value, pointer)
-        if part is None or (part is not FAILED and _wrong_length(wanted, part)):
+            limited = _candidate(inner, value)
+            inner = _bare(limited)
+        part = None if _wrong_length(limited, value) else self._parts(inner, value, pointer)
+        if part is None:
             return self._leaf(inner, value, pointer, error)
         return part
 
@@ -107,17 +123,17 @@ class _Reader:
         return FAILED if FAILED in items else origin(items)
 
     def _struct(self, wanted: type[msgspec.Struct], value: dict[str, Any], pointer: str) -> Any:
-        fields = {field.encode_name: field for field in msgspec.structs.fields(wanted)}
-        hints = typing.get_type_hints(wanted, include_extras=True)
+        fields = _fields(wanted)
+        hints = _hints(wanted)
         tag = wanted.__struct_config__.tag_field
         given = {key: item for key, item in value.items() if not is_comment(key) and key != tag}
         failed = False
         for key in [key for key in given if key not in fields]:
-            self._report(f"{pointer}/{escape(key)}", f'unknown key "{key}"', nearest(key, fields))
+            self._say(f"{pointer}/{escape(key)}", f'unknown key "{key}"', nearest(key, fields))
             failed = True
         for name, field in fields.items():
             if name not in given and field.required:
-                self._report(pointer, f'the key "{name}" is missing', "")
+                self._say(pointer, f'the key "{name}" is missing')
                 failed = True
         read = {}
         for name, field in fields.items():
@@ -142,6 +158,7 @@ class _Reader:
         return self._say(pointer, plain + got)
 
     def _say(self, pointer: str, what: str, fix: str = "") -> Any:
+        self._reported += 1
         self._report(pointer, what, fix)
         return FAILED
 
@@ -150,14 +167,14 @@ def _candidate(union: Any, value: Any) -> Any:
     """The member of a union that a value of this kind can only be meant for, or the union."""
     members = [member for member in get_args(union) if member is not type(None)]
     if len(members) == 1:
-        return _bare(members[0])
+        return members[0]
     if isinstance(value, dict):
         fitting = [member for member in members if _accepts_tag(member, value)]
     elif isinstance(value, list):
         fitting = [member for member in members if get_origin(_bare(member)) in (list, tuple)]
     else:
         fitting = [member for member in members if _bare(member) in (float, int, str, bool)]
-    return _bare(fitting[0]) if len(fitting) == 1 else union
+    return fitting[0] if len(fitting) == 1 else union
 
 
 def _accepts_tag(member: Any, value: dict[str, Any]) -> bool:
@@ -178,7 +195,7 @@ def _tags(union: Any) -> tuple[str, set[str]] | None:
 
 
 def _wrong_length(wanted: Any, value: Any) -> bool:
-    """True when a list or object whose parts are right breaks a limit on their number."""
+    """True when a list or object breaks a limit on the number of its parts: then none of them is looked at."""
     limits = [meta for meta in get_args(wanted)[1:] if isinstance(meta, msgspec.Meta)]
     least = max((meta.min_length for meta in limits if meta.min_length is not None), default=0)
     most = min((meta.max_length for meta in limits if meta.max_length is not None), default=None)

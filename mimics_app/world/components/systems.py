@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
+from mimics_app.world.components.bounds import Extent, Factor, Length
 from mimics_app.world.components.registry import Component, register_system
 
 __all__ = ["AudioSettings", "HapticSettings", "Tolerances", "VisualSettings"]
@@ -44,7 +45,7 @@ class VisualSettings(Component, frozen=True):
     ambient_occlusion: Annotated[
         float, Meta(ge=0, le=4, description="How much near surfaces take off each other's light from the sky; 0: none")
     ] = 0.0
-    ambient_radius: Annotated[float, Meta(gt=0, description="Within which surfaces do so [m]")] = 0.3
+    ambient_radius: Annotated[Length, Meta(description="Within which surfaces do so [m]")] = 0.3
     bloom: Annotated[float, Meta(ge=0, le=1, description="Share of the light that glows about its source; 0: none")] = (
         0.0
     )
@@ -60,14 +61,14 @@ class VisualSettings(Component, frozen=True):
         ),
     ] = "auto"
     shadow_distance: Annotated[
-        Annotated[float, Meta(ge=0)] | Literal["auto"],
+        Extent | Literal["auto"],
         Meta(
             description="How far from the eye shadows are seen [m], in `cascades`; 0: one map of it all; "
             "auto: one map where bodies are within 8 m, else as far as they are spread, 100 m at most"
         ),
     ] = "auto"
     cascades: Annotated[int, Meta(ge=1, le=4, description="Maps of the sun, one in another")] = 3
-    fog_density: Annotated[float, Meta(ge=0, description="Haze of the horizon's colour with distance [1/m]")] = 0.12
+    fog_density: Annotated[Factor, Meta(description="Haze of the horizon's colour with distance [1/m]")] = 0.12
 
 
 class AudioSettings(Component, frozen=True):
@@ -81,7 +82,7 @@ class AudioSettings(Component, frozen=True):
     gain: Annotated[float, Meta(ge=0, le=4, description="Of everything, linear")] = 1.0
 
 
-_Limit = Annotated[float, Meta(gt=0)]
+_Limit = Annotated[float, Meta(gt=0, le=1e9)]
 
 
 class Tolerances(Component, frozen=True):

@@ -11,7 +11,8 @@ import msgspec
 from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
-from mimics_app.world.components.registry import Component, component, register_check
+from mimics_app.world.components.bounds import Extent, Factor, FarPoint, Figure, Length, Light, PositiveForce
+from mimics_app.world.components.registry import Component, component, register_check, register_limit
 from mimics_app.world.components.shapes import RingShape, Shape
 
 if TYPE_CHECKING:
@@ -30,13 +31,9 @@ __all__ = [
     "TunnelView",
 ]
 
-Positive = Annotated[float, Meta(gt=0)]
-Colour = tuple[
-    Annotated[float, Meta(ge=0)],
-    Annotated[float, Meta(ge=0)],
-    Annotated[float, Meta(ge=0)],
-]
-Point = tuple[float, float, float]
+Colour = tuple[Light, Light, Light]
+Figures = Annotated[dict[str, Figure], Meta(max_length=100)]
+Pictures = Annotated[tuple[str, ...], Meta(max_length=6)]
 
 
 @component("mesh")
@@ -66,14 +63,14 @@ class LightComponent(Component, frozen=True):
     )
     colour: Annotated[Colour, Meta(description="Linear RGB, usually 0-1")] = (1.0, 1.0, 1.0)
     intensity: Annotated[
-        float,
-        Meta(ge=0, description="Directional and ambient: factor (1 = white surface white); point, spot: same at 1 m"),
+        Light,
+        Meta(description="Directional and ambient: factor (1 = white surface white); point, spot: same at 1 m"),
     ] = 1.0
-    range: Annotated[Positive | None, Meta(description="Beyond it is dark [m]; absent: unlimited")] = None
+    range: Annotated[Length | None, Meta(description="Beyond it is dark [m]; absent: unlimited")] = None
     inner_cone: Annotated[float, Meta(ge=0, lt=1.5708, description="Half angle of full strength (spot) [rad]")] = 0.0
     outer_cone: Annotated[float, Meta(gt=0, lt=1.5708, description="Half angle where it ends (spot) [rad]")] = 0.785398
     casts_shadow: Annotated[bool, Meta(description="Has shadows (directional, spot)")] = False
-    target: Annotated[Point | None, Meta(description="World point it is turned to [m]")] = None
+    target: Annotated[FarPoint | None, Meta(description="World point it is turned to [m]")] = None
 
 
 @component("camera")
@@ -83,20 +80,20 @@ class CameraComponent(Component, frozen=True):
     vertical_fov: Annotated[float, Meta(gt=0, lt=3.1415, description="Full angle of view, bottom to top [rad]")] = (
         0.8727
     )
-    near: Annotated[float, Meta(gt=0, description="Nearest distance drawn [m]")] = 0.05
-    far: Annotated[float, Meta(gt=0, description="Farthest distance drawn [m]; beyond `near`")] = 100.0
-    target: Annotated[Point | None, Meta(description="World point it is turned to [m]")] = None
+    near: Annotated[Length, Meta(description="Nearest distance drawn [m]")] = 0.05
+    far: Annotated[Length, Meta(description="Farthest distance drawn [m]; beyond `near`")] = 100.0
+    target: Annotated[FarPoint | None, Meta(description="World point it is turned to [m]")] = None
 
 
 class FogSpec(Component, frozen=True):
     """Haze with distance."""
 
-    density: Annotated[float, Meta(ge=0, description="[1/m]")]
+    density: Annotated[Factor, Meta(description="[1/m]")]
     kind: Annotated[
         Literal["squared", "exponential", "linear"],
         Meta(description="What is seen at s beyond start: exp(-(density s)^2), exp(-density s), 1 - density s"),
     ] = "exponential"
-    start: Annotated[float, Meta(ge=0, description="Distance up to which nothing is lost [m]")] = 0.0
+    start: Annotated[Extent, Meta(description="Distance up to which nothing is lost [m]")] = 0.0
     colour: Annotated[Colour | None, Meta(description="Linear RGB; absent: the horizon's")] = None
 
 
@@ -107,9 +104,9 @@ class BackdropSpec(Component, frozen=True):
         Literal["box", "dome", "plane"],
         Meta(description="box: six pictures towards +x -x +y -y +z -z; dome: longitude by latitude; plane: clouds"),
     ]
-    textures: Annotated[tuple[str, ...], Meta(description="Of the scene's `assets`, six pictures (box) or one")]
-    height: Annotated[Positive, Meta(description="Of the plane above the eye [m]")] = 40.0
-    tile: Annotated[Positive, Meta(description="Width of the picture on the plane [m]")] = 100.0
+    textures: Annotated[Pictures, Meta(description="Of the scene's `assets`, six pictures (box) or one")]
+    height: Annotated[Length, Meta(description="Of the plane above the eye [m]")] = 40.0
+    tile: Annotated[Length, Meta(description="Width of the picture on the plane [m]")] = 100.0
 
 
 @component("environment")
@@ -119,7 +116,7 @@ class Environment(Component, frozen=True):
     zenith: Annotated[Colour, Meta(description="Sky straight up, linear RGB")] = (0.18, 0.30, 0.52)
     horizon: Annotated[Colour, Meta(description="Sky at the horizon, linear RGB")] = (0.62, 0.70, 0.78)
     ground: Annotated[Colour, Meta(description="Below the horizon, linear RGB")] = (0.20, 0.19, 0.18)
-    ambient: Annotated[float, Meta(ge=0, description="Factor on the light from all around on surfaces")] = 0.5
+    ambient: Annotated[Light, Meta(description="Factor on the light from all around on surfaces")] = 0.5
     scatter: Annotated[
         float,
         Meta(ge=0, le=1, description="Share of the sun's light that comes from all around, off haze and lit things"),
@@ -134,7 +131,7 @@ class Sound(Component, frozen=True):
 
     asset: Annotated[str | None, Meta(description="Of the scene's `assets`, a .wav file")] = None
     synth: Annotated[str | None, Meta(description="Recipe of the built-in synthesiser")] = None
-    parameters: Annotated[dict[str, float], Meta(description="Numbers of the recipe, SI units")] = msgspec.field(
+    parameters: Annotated[Figures, Meta(description="Numbers of the recipe, SI units")] = msgspec.field(
         default_factory=dict
     )
     trigger: Annotated[
@@ -143,7 +140,8 @@ class Sound(Component, frozen=True):
     ] = None
     gain: Annotated[float, Meta(ge=0, le=4, description="Linear factor, 1 = as recorded")] = 1.0
     full_level: Annotated[
-        float, Meta(gt=0, description="Contact force that gives `gain` [N]; softer contacts are quieter in proportion")
+        PositiveForce,
+        Meta(description="Contact force that gives `gain` [N]; softer contacts are quieter in proportion"),
     ] = 10.0
 
 
@@ -155,9 +153,9 @@ class SoundEmitter(Component, frozen=True):
     gain: Annotated[float, Meta(ge=0, le=4, description="Linear factor")] = 1.0
     loop: Annotated[bool, Meta(description="Starts again when it ends")] = True
     autoplay: Annotated[bool, Meta(description="Starts with the scene")] = True
-    reference_distance: Annotated[float, Meta(gt=0, description="Where `gain` holds [m]")] = 1.0
-    max_distance: Annotated[float, Meta(gt=0, description="Beyond it the level falls no further [m]")] = 50.0
-    rolloff: Annotated[float, Meta(ge=0, description="0: no fall with distance, 1: natural")] = 1.0
+    reference_distance: Annotated[Length, Meta(description="Where `gain` holds [m]")] = 1.0
+    max_distance: Annotated[Length, Meta(description="Beyond it the level falls no further [m]")] = 50.0
+    rolloff: Annotated[Factor, Meta(description="0: no fall with distance, 1: natural")] = 1.0
 
 
 @component("hud")
@@ -171,10 +169,10 @@ class Hud(Component, frozen=True):
             ],
             ...,
         ],
-        Meta(description="What is shown, in order"),
+        Meta(max_length=20, description="What is shown, in order"),
     ] = ("progress", "time", "contacts", "force")
-    depth: Annotated[float, Meta(gt=0, description="Distance before the eyes [m]")] = 1.0
-    force_full: Annotated[float, Meta(gt=0, description="Force that fills the force bar [N]")] = 30.0
+    depth: Annotated[Length, Meta(description="Distance before the eyes [m]")] = 1.0
+    force_full: Annotated[PositiveForce, Meta(description="Force that fills the force bar [N]")] = 30.0
 
 
 @component("tunnel_view")
@@ -250,6 +248,8 @@ def _check_tunnel_view(view: TunnelView, pointer: str, scene: Scene) -> list[Iss
     return issues
 
 
+for _name in ("light", "camera", "sound", "sound_emitter", "hud", "tunnel_view", "environment"):
+    register_limit(_name, 1000)
 register_check("mesh", _check_mesh)
 register_check("light", _check_light)
 register_check("camera", _check_camera)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -23,12 +24,13 @@ Array = NDArray[Any]
 
 
 class GltfAccessors:
-    """Reads accessors by index; each is decoded once."""
+    """Reads accessors by index; each is decoded once, and what it takes in memory is counted with every use."""
 
     def __init__(self, source: GltfSource, buffers: GltfBuffers) -> None:
         self._source = source
         self._buffers = buffers
         self._decoded: dict[int, Array] = {}
+        self._converted: dict[tuple[int, type], Array] = {}
 
     def floats(self, index: object, pointer: str, *shapes: str) -> NDArray[np.float32]:
         """An accessor as float32 [n, components], normalised integers turned to 0-1 or -1-1.
@@ -39,18 +41,20 @@ class GltfAccessors:
             shapes: Types that are possible here, e.g. "VEC3".
         """
         place = self._require(index, pointer, shapes)
-        values = self._read(place)
-        if values.dtype != np.float32:
-            values = self._normalised(values, self._source.table("accessors")[place])
-        return values
+        values = self._read(place, pointer)
+        if values.dtype == np.float32:
+            return values
+        return self._as(np.float32, place, lambda: self._normalised(values, self._source.table("accessors")[place]))
 
     def integers(self, index: object, pointer: str) -> NDArray[np.uint32]:
         """A SCALAR accessor of unsigned integers as uint32 [n]."""
         place = self._require(index, pointer, ("SCALAR",))
-        values = self._read(place)
+        values = self._read(place, pointer)
         if values.dtype.type not in _INDEX_TYPES:
             self._source.fail(f"/accessors/{place}/componentType", "indices must be unsigned integers")
-        return values[:, 0].astype(np.uint32)
+        if values.dtype == np.uint32:
+            return values.reshape(-1)
+        return self._as(np.uint32, place, lambda: values.reshape(-1).astype(np.uint32))
 
     def count(self, index: object, pointer: str) -> int:
         """Elements of an accessor, unread."""
@@ -65,10 +69,19 @@ class GltfAccessors:
             self._source.fail(f"/accessors/{place}/type", f"{shape!r:.40} instead of {' or '.join(shapes)}")
         return place
 
-    def _read(self, index: int) -> Array:
-        if index not in self._decoded:
+    def _read(self, index: int, pointer: str) -> Array:
+        if index in self._decoded:
+            self._source.take(self._decoded[index].nbytes, pointer)  # one more mesh will have a copy of its own
+        else:
             self._decoded[index] = self._decode(self._source.table("accessors")[index], f"/accessors/{index}")
         return self._decoded[index]
+
+    def _as(self, kind: type, index: int, convert: Callable[[], Array]) -> Array:
+        """The accessor in another type, converted once."""
+        if (index, kind) not in self._converted:
+            self._source.take(self._decoded[index].size * np.dtype(kind).itemsize, f"/accessors/{index}/count")
+            self._converted[index, kind] = convert()
+        return self._converted[index, kind]
 
     def _decode(self, accessor: dict[str, Any], place: str) -> Array:
         source = self._source
@@ -133,10 +146,7 @@ class GltfAccessors:
         return np.frombuffer(data, dtype.newbyteorder("<"), count * width, offset).reshape(count, width).astype(dtype)
 
     def _normalised(self, values: Array, accessor: dict[str, Any]) -> NDArray[np.float32]:
-        self._source.take(values.size * 4, "/accessors")
-        if accessor.get("normalized") is not True:
-            return values.astype(np.float32)
-        scaled: NDArray[np.float32] = np.maximum(values / np.float64(np.iinfo(values.dtype).max), -1.0).astype(
-            np.float32
-        )
-        return scaled
+        scaled = np.empty(values.shape, np.float32)
+        most = np.iinfo(values.dtype).max if accessor.get("normalized") is True else 1
+        np.divide(values, float(most), out=scaled, dtype=np.float64, casting="same_kind")  # block by block
+        return scaled if most == 1 else np.maximum(scaled, -1.0, out=scaled)

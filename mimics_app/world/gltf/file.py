@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from mimics_app.world.gltf.images import GltfImages
 from mimics_app.world.gltf.materials import GltfMaterials
 from mimics_app.world.gltf.meshes import GltfMesh, GltfMeshes
 from mimics_app.world.gltf.nodes import GltfCamera, GltfLight, GltfNode, GltfNodes
+from mimics_app.world.gltf.references import check_references
 from mimics_app.world.gltf.source import GltfError, GltfSource, open_gltf
 from mimics_app.world.materials.material import Material, TextureData
 
@@ -68,13 +70,21 @@ class GltfDocument:
     notes: list[str]
     files: list[Path]
 
+    @cached_property
+    def _node_names(self) -> dict[str, list[int]]:
+        return _by_name([node.name for node in self.nodes])
+
+    @cached_property
+    def _mesh_names(self) -> dict[str, list[int]]:
+        return _by_name([mesh.name for mesh in self.meshes])
+
     def find_node(self, name: str) -> int:
         """Index of the node of that name.
 
         Raises:
             KeyError: there is none (the message names the nearest), or there are several.
         """
-        return _find(name, [node.name for node in self.nodes], "node")
+        return _find(name, self._node_names, "node")
 
     def find_mesh(self, name: str) -> int:
         """Index of the mesh of that name.
@@ -82,7 +92,7 @@ class GltfDocument:
         Raises:
             KeyError: there is none (the message names the nearest), or there are several.
         """
-        return _find(name, [mesh.name for mesh in self.meshes], "mesh")
+        return _find(name, self._mesh_names, "mesh")
 
     def subtree(self, index: int) -> Iterator[int]:
         """Indices of a node and everything below it, parents first."""
@@ -110,18 +120,21 @@ def load_gltf(path: Path, root: Path | None = None, file: str = "", *, without_p
     try:
         return _read(source)
     except GltfError as error:
-        raise GltfError([*source.issues, *(issue for issue in error.issues if issue not in source.issues)]) from None
+        for issue in error.issues:
+            source.report(issue)
+        raise GltfError(source.issues) from None
 
 
 def _read(source: GltfSource) -> GltfDocument:
     with source.collecting():
         _check_extensions(source)
+    check_references(source)
     buffers = GltfBuffers(source)
     images = GltfImages(source, buffers)
     materials = GltfMaterials(source, images).read_all()
     images.check_files()
     meshes = GltfMeshes(source, GltfAccessors(source, buffers), materials).read_all()
-    tree = GltfNodes(source, len(meshes))
+    tree = GltfNodes(source, [mesh.farthest for mesh in meshes])
     tree.read_all()
     roots = tree.roots()
     if source.issues:
@@ -144,27 +157,38 @@ def _read(source: GltfSource) -> GltfDocument:
 
 def _check_extensions(source: GltfSource) -> None:
     for i, name in enumerate(source.list(source.json, "extensionsRequired", "")):
-        if name not in SUPPORTED_EXTENSIONS:
+        if not isinstance(name, str) or name not in SUPPORTED_EXTENSIONS:
             source.fail(f"/extensionsRequired/{i}", f"{name!r:.60} is required and not supported")
     used = source.list(source.json, "extensionsUsed", "")
-    ignored = [str(name) for name in used if name not in SUPPORTED_EXTENSIONS]
+    for i, name in enumerate(used):
+        if not isinstance(name, str):
+            source.fail(f"/extensionsUsed/{i}", f"{name!r:.60} is not a text")
+    ignored = [name for name in used if name not in SUPPORTED_EXTENSIONS]
     if ignored:
-        source.notes.append("extensions not used: " + ", ".join(ignored))
+        source.note("extensions not used: " + ", ".join(ignored))
 
 
 def _note_names(source: GltfSource, nodes: list[GltfNode]) -> None:
     counts = Counter(node.name for node in nodes if node.name)
     twice = sorted(name for name, count in counts.items() if count > 1)
     if twice:
-        source.notes.append("several nodes have the same name and cannot be referred to: " + ", ".join(twice))
+        source.note("several nodes have the same name and cannot be referred to: " + ", ".join(twice))
 
 
-def _find(name: str, names: list[str], what: str) -> int:
-    found = [i for i, each in enumerate(names) if each == name]
+def _by_name(names: list[str]) -> dict[str, list[int]]:
+    """Indices of each name."""
+    found: dict[str, list[int]] = {}
+    for i, name in enumerate(names):
+        found.setdefault(name, []).append(i)
+    return found
+
+
+def _find(name: str, names: dict[str, list[int]], what: str) -> int:
+    found = names.get(name, [])
     if len(found) == 1:
         return found[0]
     if found:
         raise KeyError(f'{len(found)} {what}s are named "{name}"; give them different names')
-    known = sorted({each for each in names if each})
+    known = [each for each in names if each]
     hint = nearest(name, known) if known else f"its {what}s have no names"
     raise KeyError(f'no {what} "{name}"; {hint}')

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import SceneError
+from mimics_app.contracts.regular_file import open_regular
 from mimics_app.world.gltf.buffers import GltfBuffers, data_uri
 from mimics_app.world.gltf.source import GltfSource
 from mimics_app.world.materials.material import Filter, TextureData, Wrap
@@ -87,7 +88,8 @@ class GltfImages:
             except SceneError as error:
                 if not source.without_pictures:
                     raise
-                source.notes += [str(issue) for issue in error.issues if str(issue) not in source.notes]
+                for issue in error.issues:
+                    source.note(str(issue))
                 return key
             wrap, kind = self._sampler(texture, place)
             self.textures[key] = TextureData(pixels, True, wrap, kind)
@@ -130,7 +132,7 @@ class GltfImages:
         if uri[:5].lower() == "data:":
             return io.BytesIO(data_uri(source, uri, f"{place}/uri"))
         path: Path = source.external(uri, f"{place}/uri")
-        return path.open("rb")
+        return open_regular(path)
 
     def _sampler(self, texture: dict[str, Any], place: str) -> tuple[tuple[Wrap, Wrap], Filter]:
         source = self._source

@@ -62,7 +62,7 @@ class GltfMaterials:
     def __init__(self, source: GltfSource, images: GltfImages) -> None:
         self._source = source
         self._images = images
-        self._names: set[str] = set()
+        self._names: dict[str, int] = {}
 
     def read_all(self) -> list[GltfMaterial]:
         """Every material; faults are collected, and a faulty material stands as plain grey."""
@@ -124,7 +124,7 @@ class GltfMaterials:
         unused = [_PLACES[which] for which in maps.keys() - usable.keys()]
         if unused:
             why = "they lie on other texture coordinates than the first"
-            source.notes.append(f'material "{name}": not used: {", ".join(sorted(unused))}; {why}')
+            source.note(f'material "{name}": not used: {", ".join(sorted(unused))}; {why}')
         return usable, first.uv_set, first.transform
 
     def _figure(self, item: dict[str, Any], place: str, which: str, key: str) -> float:
@@ -161,11 +161,12 @@ class GltfMaterials:
         )
 
     def _unique(self, name: str) -> str:
-        number, unique = 1, name
+        number, unique = self._names.get(name, 0), name
         while unique in self._names:
-            unique = f"{name}.{number:03d}"
             number += 1
-        self._names.add(unique)
+            unique = f"{name}.{number:03d}"
+        self._names[name] = number
+        self._names.setdefault(unique, 0)
         return unique
 
 

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from mimics_app.world.gltf.accessors import GltfAccessors
 from mimics_app.world.gltf.materials import GltfMaterial
-from mimics_app.world.gltf.source import GltfSource
-from mimics_app.world.meshes.mesh import MeshData, compute_normals
+from mimics_app.world.gltf.source import MAX_ITEMS, GltfSource
+from mimics_app.world.meshes.mesh import FARTHEST, MeshData, compute_normals
 
 __all__ = ["GltfMesh", "GltfMeshes", "GltfPrimitive"]
 
@@ -37,6 +37,20 @@ class GltfMesh:
     name: str
     primitives: list[GltfPrimitive]
 
+    @property
+    def farthest(self) -> float:
+        """How far it reaches from its origin along an axis [m]; 0 where nothing of it is drawn."""
+        corners = [corner for primitive in self.primitives for corner in primitive.mesh.bounds]
+        return max((float(np.abs(corner).max()) for corner in corners), default=0.0)
+
+
+_FLAT_CORNER_BYTES = 12 + 12 + 8 + 16 + 4
+"""What a corner takes once it is a vertex of its own: position, normal, coordinates, colour, index."""
+_STRIP_CORNER_BYTES = 3 * 4 + 5 * 8
+"""What a corner of a strip or fan takes: its triangle, and the places it is made of."""
+_BLOCK = 65_536
+"""Triangles whose flat normals are computed at once, so that the work takes little memory."""
+
 
 class GltfMeshes:
     """Reads meshes in order."""
@@ -45,6 +59,7 @@ class GltfMeshes:
         self._source = source
         self._accessors = accessors
         self._materials = materials
+        self._primitives = 0
 
     def read_all(self) -> list[GltfMesh]:
         """Every mesh; faults are collected, and a faulty primitive is left out."""
@@ -61,6 +76,9 @@ class GltfMeshes:
         primitives = self._source.list(item, "primitives", place)
         if not primitives:
             self._source.fail(f"{place}/primitives", "has no primitive")
+        self._primitives += len(primitives)
+        if self._primitives > MAX_ITEMS:
+            self._source.fail(f"{place}/primitives", f"the model has more than {MAX_ITEMS} primitives")
         for i, primitive in enumerate(primitives):
             with self._source.collecting():
                 here = f"{place}/primitives/{i}"
@@ -79,7 +97,7 @@ class GltfMeshes:
             source.fail(f"{place}/mode", f"{mode} is no mode")
         if mode in _POINTS_AND_LINES or "POSITION" not in attributes:
             why = "points and lines are not drawn" if mode in _POINTS_AND_LINES else "it has no POSITION"
-            source.notes.append(f"{place} left out: {why}")
+            source.note(f"{place} left out: {why}")
             return None
         material = None
         if "material" in primitive:
@@ -89,21 +107,25 @@ class GltfMeshes:
     def _geometry(
         self, primitive: dict[str, Any], attributes: dict[str, Any], mode: int, material: int | None, place: str
     ) -> MeshData:
-        here = f"{place}/attributes"
+        source, here = self._source, f"{place}/attributes"
         positions = self._accessors.floats(attributes["POSITION"], f"{here}/POSITION", "VEC3")
+        farthest = max(float(positions.max()), -float(positions.min()))
+        if farthest > FARTHEST:
+            source.fail(f"{here}/POSITION", f"a corner at {farthest:g} m lies beyond {FARTHEST:g} m")
         corners = self._triangles(primitive, len(positions), mode, place)
         normals = self._optional(attributes, "NORMAL", here, len(positions), "VEC3")
         uvs = self._uvs(attributes, here, len(positions), material)
         colours = self._optional(attributes, "COLOR_0", here, len(positions), "VEC3", "VEC4")
         if colours is not None and colours.shape[1] == 3:
+            source.take(16 * len(colours), place)
             colours = np.concatenate([colours, np.ones((len(colours), 1), np.float32)], axis=1)
         if normals is None:  # flat normals (glTF 2.0 3.7.2.1): no vertex may be shared between triangles
-            self._source.take(corners.size * 48, place)
+            source.take(corners.size * _FLAT_CORNER_BYTES, place)
             positions = positions[corners]
             uvs = None if uvs is None else uvs[corners]
             colours = None if colours is None else colours[corners]
             corners = np.arange(corners.size, dtype=np.uint32)
-            normals = compute_normals(positions, corners)
+            normals = _flat_normals(positions)
         else:
             normals = self._unit(normals, place)
         return MeshData(positions, normals, corners, uvs, colours).validated()
@@ -117,11 +139,14 @@ class GltfMeshes:
             if highest >= vertices:
                 source.fail(where, f"index {highest} points past the {vertices} vertices")
         else:
+            source.take(4 * vertices, place)
             indices = np.arange(vertices, dtype=np.uint32)
         if mode == _TRIANGLES and indices.size % 3:
             source.fail(where, f"{indices.size} corners are not a multiple of three")
         if mode != _TRIANGLES and indices.size < 3:
             source.fail(where, f"{indices.size} corners are too few for a triangle")
+        if mode != _TRIANGLES:
+            source.take(_STRIP_CORNER_BYTES * indices.size, where)
         return _as_list(indices, mode)
 
     def _optional(self, attributes: dict[str, Any], name: str, place: str, vertices: int, *shapes: str) -> F4 | None:
@@ -139,17 +164,32 @@ class GltfMeshes:
         if used is None or not used.material.textures:
             return uvs
         if uvs is None:
-            self._source.notes.append(f"{place}: its material has a texture, but there is no {name}")
+            self._source.note(f"{place}: its material has a texture, but there is no {name}")
             return None
+        self._source.take(16 * uvs.shape[0] * 2, place)  # the product is of double precision
         placed: F4 = (uvs @ used.uv_transform[:, :2].T + used.uv_transform[:, 2]).astype(np.float32)
         return placed
 
     def _unit(self, normals: F4, place: str) -> F4:
-        lengths = np.linalg.norm(normals.astype(np.float64), axis=1, keepdims=True)
-        if np.abs(lengths - 1.0).max() > 5e-3:
-            self._source.notes.append(f"{place}: normals were not of length 1 and were scaled")
-        unit = np.where(lengths > 0.0, normals / np.where(lengths > 0.0, lengths, 1.0), [0.0, 1.0, 0.0])
-        return unit.astype(np.float32)
+        self._source.take(normals.nbytes + 8 * len(normals), place)
+        lengths = np.sqrt(np.einsum("ij,ij->i", normals, normals, dtype=np.float64))
+        if max(lengths.max() - 1.0, 1.0 - lengths.min()) > 5e-3:
+            self._source.note(f"{place}: normals were not of length 1 and were scaled")
+        nowhere = lengths <= 0.0
+        lengths[nowhere] = 1.0
+        unit = np.empty_like(normals)
+        np.divide(normals, lengths[:, None], out=unit, dtype=np.float64, casting="same_kind")  # block by block
+        unit[nowhere] = (0.0, 1.0, 0.0)
+        return unit
+
+
+def _flat_normals(positions: F4) -> F4:
+    """Normals of triangles that share no vertex, three corners each, [n, 3]."""
+    normals = np.empty_like(positions)
+    for first in range(0, len(positions), 3 * _BLOCK):
+        block = positions[first : first + 3 * _BLOCK]
+        normals[first : first + 3 * _BLOCK] = compute_normals(block, np.arange(len(block), dtype=np.uint32))
+    return normals
 
 
 def _as_list(indices: U4, mode: int) -> U4:

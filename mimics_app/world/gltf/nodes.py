@@ -13,11 +13,9 @@ from mimics_app.maths.decompose import decompose_trs
 from mimics_app.world.gltf.source import GltfSource
 from mimics_app.world.levels import MAX_LEVELS
 from mimics_app.world.light import LightKind
+from mimics_app.world.meshes.mesh import FARTHEST
 
-__all__ = ["MAX_DEPTH", "MAX_NODES", "GltfCamera", "GltfLight", "GltfNode", "GltfNodes"]
-
-MAX_NODES = 100_000
-"""Most nodes of one file."""
+__all__ = ["MAX_DEPTH", "GltfCamera", "GltfLight", "GltfNode", "GltfNodes"]
 
 MAX_DEPTH = 256
 """Most nodes above each other."""
@@ -30,6 +28,8 @@ _IDENTITY = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.
 
 
 Triple = tuple[float, float, float]
+_Reach = tuple[float, float]
+"""Farthest a node can be from the model's origin [m], and the greatest factor on lengths below it."""
 
 
 @dataclass(eq=False)
@@ -93,11 +93,16 @@ class GltfLight:
 
 
 class GltfNodes:
-    """Reads the node tree and what hangs on it."""
+    """Reads the node tree and what hangs on it.
 
-    def __init__(self, source: GltfSource, meshes: int) -> None:
+    Args:
+        source: The file.
+        farthest: Of each mesh, how far it reaches from its own origin [m].
+    """
+
+    def __init__(self, source: GltfSource, farthest: list[float]) -> None:
         self._source = source
-        self._meshes = meshes
+        self._farthest = farthest
         self.nodes: list[GltfNode] = []
         self.cameras: list[GltfCamera | None] = []
         self.lights: list[GltfLight | None] = []
@@ -106,8 +111,6 @@ class GltfNodes:
         """Fill `nodes`, `cameras` and `lights`; faults are collected."""
         source = self._source
         table = source.table("nodes")
-        if len(table) > MAX_NODES:
-            source.fail("/nodes", f"{len(table)} nodes are more than {MAX_NODES}")
         self._read_cameras()
         self._read_lights()
         for i, item in enumerate(table):
@@ -125,15 +128,15 @@ class GltfNodes:
             return [i for i, node in enumerate(self.nodes) if node.parent is None]
         chosen = source.index(source.json.get("scene", 0), len(scenes), "scenes", "/scene")
         place = f"/scenes/{chosen}/nodes"
-        roots: list[int] = []
+        roots: dict[int, None] = {}
         for i, value in enumerate(source.list(scenes[chosen], "nodes", f"/scenes/{chosen}")):
             index = source.index(value, len(self.nodes), "nodes", f"{place}/{i}")
             if self.nodes[index].parent is not None:
                 source.fail(f"{place}/{i}", f"node {index} is no top node: it hangs on {self.nodes[index].parent}")
             if index in roots:
                 source.fail(f"{place}/{i}", f"node {index} stands here twice")
-            roots.append(index)
-        return roots
+            roots[index] = None
+        return list(roots)
 
     def _node(self, item: dict[str, Any], place: str) -> GltfNode:
         source = self._source
@@ -143,7 +146,7 @@ class GltfNodes:
         punctual = source.object(extensions, "KHR_lights_punctual", f"{place}/extensions")
         where = f"{place}/extensions/KHR_lights_punctual/light"
         if "mesh" in item:
-            node.mesh = source.index(item["mesh"], self._meshes, "meshes", f"{place}/mesh")
+            node.mesh = source.index(item["mesh"], len(self._farthest), "meshes", f"{place}/mesh")
         if "camera" in item:
             node.camera = source.index(item["camera"], len(self.cameras), "cameras", f"{place}/camera")
         if "light" in punctual:
@@ -209,7 +212,7 @@ class GltfNodes:
             self._source.fail(f"{place}/matrix", "its last row is not 0 0 0 1")
         translation, rotation, scale, shear = decompose_trs(matrix)
         if shear > 1e-4:
-            self._source.notes.append(f"{place}: its matrix shears; the nearest rotation and scale were taken")
+            self._source.note(f"{place}: its matrix shears; the nearest rotation and scale were taken")
         node.translation = tuple(translation.tolist())
         node.rotation = tuple(rotation.tolist())
         node.scale = tuple(scale.tolist())
@@ -227,6 +230,7 @@ class GltfNodes:
                     self.nodes[child].parent = i
                     self.nodes[i].children.append(child)
         depth = {i: 0 for i, node in enumerate(self.nodes) if node.parent is None}
+        reach: dict[int, _Reach] = {}
         waiting = list(depth)
         while waiting:
             index = waiting.pop()
@@ -235,9 +239,21 @@ class GltfNodes:
             for child in self.nodes[index].children:
                 depth[child] = depth[index] + 1
                 waiting.append(child)
+            self._check_reach(index, reach)
         if len(depth) < len(self.nodes):
             lost = next(i for i in range(len(self.nodes)) if i not in depth)
             source.fail(f"/nodes/{lost}", "is part of a loop: it hangs on itself")
+
+    def _check_reach(self, index: int, reach: dict[int, _Reach]) -> None:
+        """How far a node and its mesh may be from the model's origin, its parents' scales multiplied."""
+        node = self.nodes[index]
+        above = (0.0, 1.0) if node.parent is None else reach[node.parent]
+        away = above[0] + above[1] * math.hypot(*node.translation)
+        factor = above[1] * max(map(abs, node.scale))
+        reach[index] = away, factor
+        farthest = away + factor * (0.0 if node.mesh is None else self._farthest[node.mesh])
+        if not max(farthest, factor) <= FARTHEST:
+            self._source.fail(f"/nodes/{index}", f"it reaches {farthest:g} m, which is beyond {FARTHEST:g} m")
 
     def _read_cameras(self) -> None:
         source = self._source
@@ -250,7 +266,7 @@ class GltfNodes:
     def _camera(self, item: dict[str, Any], place: str) -> GltfCamera | None:
         source = self._source
         if source.text(item, "type", place) != "perspective":
-            source.notes.append(f"{place} left out: only perspective cameras are used")
+            source.note(f"{place} left out: only perspective cameras are used")
             return None
         lens = source.object(item, "perspective", place)
         here = f"{place}/perspective"

@@ -13,15 +13,30 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn
 
-from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.errors import Issue, SceneError, short_text
 from mimics_app.world.scene.json_text import parse_json
 from mimics_app.world.scene.paths import PathFault, find_file
 from mimics_app.world.scene.source import read_bytes
 
-__all__ = ["MAX_TOTAL_BYTES", "GltfError", "GltfSource", "open_gltf"]
+__all__ = ["MAX_ITEMS", "MAX_NOTES", "MAX_TOTAL_BYTES", "GltfError", "GltfSource", "open_gltf"]
 
 MAX_TOTAL_BYTES = 256 * 1024 * 1024
-"""Most bytes one model may take in memory: buffers, decoded accessors and pictures together."""
+"""Most bytes one model may take in memory: buffers, decoded accessors, pictures, and the arrays of every primitive.
+
+An array that several primitives use counts once for each, as each of them is a mesh of its own in a world.
+"""
+
+MAX_ITEMS = 100_000
+"""Most nodes, meshes, materials and so on of one file, of each; also most primitives of all its meshes together."""
+
+_MORE_ITEMS = {"accessors": 4 * MAX_ITEMS, "bufferViews": 4 * MAX_ITEMS}
+"""Lists of which a mesh takes several."""
+
+MAX_NOTES = 100
+"""Most notes that are kept one by one."""
+
+_GREATEST = 1e30
+"""Beyond it a number has no square in single precision or is no figure of any model."""
 
 GltfError = SceneError
 """A glTF file is wrong; every issue names file, JSON pointer and reason."""
@@ -42,7 +57,7 @@ class GltfSource:
         json: The document.
         binary: The GLB's binary chunk, or None.
         issues: Faults found so far.
-        notes: What was left out or repaired, for people.
+        notes: What was left out or repaired, for people; put in by `note`.
         files: Every file read.
         without_pictures: True notes a picture that cannot be had instead of refusing the file.
     """
@@ -57,6 +72,9 @@ class GltfSource:
     files: list[Path] = field(default_factory=list)
     without_pictures: bool = False
     _taken: int = 0
+    _noted: int = 0
+    _known: set[Issue] = field(default_factory=set)
+    _tables: dict[str, list[dict[str, Any]]] = field(default_factory=dict)
 
     def fail(self, pointer: str, what: str, fix: str = "") -> NoReturn:
         """Raise the fault at a pointer."""
@@ -68,7 +86,23 @@ class GltfSource:
         try:
             yield
         except SceneError as error:
-            self.issues += [issue for issue in error.issues if issue not in self.issues]
+            for issue in error.issues:
+                self.report(issue)
+
+    def report(self, issue: Issue) -> None:
+        """Keep a fault, once."""
+        if issue not in self._known:
+            self._known.add(issue)
+            self.issues.append(issue)
+
+    def note(self, text: str) -> None:
+        """Keep a note, once; of very many only their number."""
+        text = short_text(text)
+        if text in self.notes:
+            return
+        self._noted += 1
+        del self.notes[MAX_NOTES:]
+        self.notes.append(text if self._noted <= MAX_NOTES else f"and {self._noted - MAX_NOTES} more notes")
 
     def take(self, size: int, pointer: str) -> None:
         """Count bytes before they are allocated; fails when the file wants too many in all."""
@@ -86,10 +120,18 @@ class GltfSource:
         return path
 
     def table(self, name: str) -> list[dict[str, Any]]:
-        """A top-level list of objects, such as "meshes"; empty where absent."""
+        """A top-level list of objects, such as "meshes"; empty where absent. It is looked through once."""
+        if name not in self._tables:
+            self._tables[name] = self._checked_table(name)
+        return self._tables[name]
+
+    def _checked_table(self, name: str) -> list[dict[str, Any]]:
         value = self.json.get(name, [])
         if not isinstance(value, list):
             self.fail(f"/{name}", "is not a list")
+        most = _MORE_ITEMS.get(name, MAX_ITEMS)
+        if len(value) > most:
+            self.fail(f"/{name}", f"{len(value)} {name} are more than {most}")
         for i, item in enumerate(value):
             if not isinstance(item, dict):
                 self.fail(f"/{name}/{i}", "is not an object")
@@ -139,10 +181,14 @@ class GltfSource:
         return value
 
     def number(self, holder: dict[str, Any], key: str, pointer: str, default: float, least: float = -math.inf) -> float:
-        """A finite number of at least `least`."""
-        value = holder.get(key, default)
+        """A finite number of at least `least`, below 1e30; the default, where absent, may be what it will."""
+        if key not in holder:
+            return default
+        value = holder[key]
         if not isinstance(value, int | float) or isinstance(value, bool) or not value >= least:
             self.fail(f"{pointer}/{key}", f"{value!r:.40} is not a number" + (f" >= {least:g}" if least > -1e9 else ""))
+        if not abs(value) < _GREATEST:
+            self.fail(f"{pointer}/{key}", f"{value!r:.40} is beyond {_GREATEST:g}")
         return float(value)
 
     def vector(self, holder: dict[str, Any], key: str, pointer: str, default: tuple[float, ...]) -> tuple[float, ...]:
@@ -153,7 +199,7 @@ class GltfSource:
         if not isinstance(value, list) or len(value) != len(default):
             self.fail(f"{pointer}/{key}", f"is not a list of {len(default)} numbers")
         for i, item in enumerate(value):
-            if not isinstance(item, int | float) or isinstance(item, bool) or not abs(item) < 1e30:
+            if not isinstance(item, int | float) or isinstance(item, bool) or not abs(item) < _GREATEST:
                 self.fail(f"{pointer}/{key}/{i}", f"{item!r:.40} is not a finite number")
         return tuple(float(item) for item in value)
 
@@ -172,9 +218,11 @@ def open_gltf(path: Path, root: Path, file: str) -> GltfSource:
     data = read_bytes(path, file, MAX_TOTAL_BYTES)
     text, binary = _chunks(data, file) if data[:4] == _MAGIC else (data, None)
     document, issues = parse_json(text, file)
+    if issues:  # values that no reader of this file could hold
+        raise SceneError(issues)
     if not isinstance(document, dict):
         raise SceneError(Issue(file, "", "is not an object"))
-    source = GltfSource(path, file, root, document, binary, issues, files=[path.resolve()])
+    source = GltfSource(path, file, root, document, binary, files=[path.resolve()])
     _check_version(source)
     return source
 

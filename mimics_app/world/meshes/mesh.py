@@ -8,7 +8,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["MeshData", "compute_normals"]
+__all__ = ["FARTHEST", "MeshData", "compute_normals"]
+
+FARTHEST = 1e15
+"""Farthest a corner of a model may be [m]: squares of distances have to fit into float32."""
 
 F4 = NDArray[np.float32]
 U4 = NDArray[np.uint32]

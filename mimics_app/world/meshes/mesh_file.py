@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.world.materials.material import Material, TextureData
-from mimics_app.world.meshes.mesh import MeshData
+from mimics_app.world.meshes.mesh import FARTHEST, MeshData
 from mimics_app.world.meshes.shading_groups import shaded_mesh
 from mimics_app.world.scene.source import read_bytes
 from mimics_app.world.scene_node import SceneNode
@@ -29,8 +29,6 @@ MESH_SUFFIXES = (".stl", ".obj", ".ply", ".off")
 
 _MOST_BYTES = 512 * 1024 * 1024
 _MOST_TRIANGLES = 20_000_000
-_FARTHEST = 1e15
-"""Farthest a corner may be [m]: squares of distances have to fit into float32."""
 _GREY = (0.62, 0.62, 0.64, 1.0)
 
 
@@ -83,7 +81,7 @@ def _load(path: Path, data: bytes) -> trimesh.Scene:
 
 def _mesh(path: Path, body: trimesh.Trimesh) -> MeshData:
     vertices, faces = np.asarray(body.vertices, np.float64), np.asarray(body.faces, np.int64)
-    if not (np.abs(vertices) < _FARTHEST).all() or faces.min(initial=0) < 0 or faces.max(initial=0) >= len(vertices):
+    if not (np.abs(vertices) < FARTHEST).all() or faces.min(initial=0) < 0 or faces.max(initial=0) >= len(vertices):
         raise SceneError(Issue(str(path), "", "has corners that are nowhere"))
     uvs = getattr(body.visual, "uv", None)
     colours = _vertex_colours(body)

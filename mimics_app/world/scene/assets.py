@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.regular_file import open_regular, read_regular
 from mimics_app.world.components.struct_reader import FAILED, read_struct
 from mimics_app.world.gltf.file import GltfDocument, load_gltf
 from mimics_app.world.gltf.images import PictureFault, read_picture
@@ -136,7 +137,7 @@ def find_in_model(assets: dict[str, SceneAsset], reference: str) -> ModelPart:
 
 def _picture(path: Path, spec: AssetSpec, file: str, place: str) -> TextureData:
     try:
-        with path.open("rb") as stream:
+        with open_regular(path) as stream:
             return TextureData(read_picture(stream), spec.srgb, spec.wrap, spec.filter)
     except PictureFault as fault:
         raise SceneError(Issue(file, place, f'"{spec.uri}" {fault}')) from None
@@ -147,13 +148,13 @@ def _picture(path: Path, spec: AssetSpec, file: str, place: str) -> TextureData:
 def _digest(files: Sequence[Path]) -> str:
     digest = hashlib.sha256()
     for file in files:
-        digest.update(file.read_bytes())
+        digest.update(read_regular(file))
     return digest.hexdigest()
 
 
 def _is_wave(path: Path) -> bool:
     try:
-        with path.open("rb") as stream:
+        with open_regular(path) as stream:
             head = stream.read(12)
     except OSError:
         return False

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 
-from mimics_app.contracts.errors import Issue, nearest
-from mimics_app.world.components.registry import checks_of, section_of
+from mimics_app.contracts.errors import MOST_SOUGHT, Issue, nearest
+from mimics_app.world.components.registry import checks_of, limits, section_of
 from mimics_app.world.gltf.nodes import MAX_DEPTH
+from mimics_app.world.meshes.mesh import FARTHEST
 from mimics_app.world.scene.scene import Scene, SceneEntity
 
 __all__ = ["check_meaning"]
@@ -16,14 +18,19 @@ _QUATERNION_TOLERANCE = 1e-3
 
 
 def check_meaning(scene: Scene) -> list[Issue]:
-    """Every fault of a decoded scene that its types could not show."""
+    """Every fault of a decoded scene that its types could not show; after `MOST_SOUGHT` no more are looked for."""
     issues: list[Issue] = []
     first: dict[str, SceneEntity] = {}
     for entity in scene.entities:
         issues += _check_id(scene, entity, first)
         issues += _check_transform(scene, entity)
     issues += _check_parents(scene, first)
+    too_many = _check_numbers(scene)
+    if too_many:
+        return issues + too_many
     for entity in scene.entities:
+        if len(issues) >= MOST_SOUGHT:
+            return issues
         for name, struct in entity.components.items():
             pointer = f"{entity.pointer}/components/{name}"
             for check in checks_of(name):
@@ -36,6 +43,16 @@ def check_meaning(scene: Scene) -> list[Issue]:
         if section is not None and section.check is not None:
             issues += section.check(struct, scene)
     return issues
+
+
+def _check_numbers(scene: Scene) -> list[Issue]:
+    """Types of which a scene has more components than it may."""
+    counts = Counter(name for entity in scene.entities for name in entity.components)
+    return [
+        scene.issue("/entities", f'{counts[name]} entities have a "{name}"; {most} may')
+        for name, most in limits().items()
+        if counts[name] > most
+    ]
 
 
 def _check_id(scene: Scene, entity: SceneEntity, first: dict[str, SceneEntity]) -> list[Issue]:
@@ -63,12 +80,36 @@ def _check_transform(scene: Scene, entity: SceneEntity) -> list[Issue]:
     return issues
 
 
-def _check_parents(scene: Scene, by_id: dict[str, SceneEntity]) -> list[Issue]:
-    issues = []
+def _check_reach(scene: Scene, by_id: dict[str, SceneEntity]) -> list[Issue]:
+    """The one fault of entities that their parents' scales make too large, or put too far away, for any picture."""
+    reach: dict[str, tuple[float, float]] = {}
     for entity in scene.entities:
+        path: dict[str, None] = {}
+        name: str | None = entity.id
+        while name is not None and name in by_id and name not in reach and name not in path:
+            path[name] = None
+            name = by_id[name].parent
+        away, factor = reach.get(name, (0.0, 1.0)) if name is not None else (0.0, 1.0)
+        for each in reversed(path):
+            transform = by_id[each].transform
+            away += factor * math.hypot(*transform.translation)
+            factor *= max(map(abs, transform.scale))
+            reach[each] = away, factor
+            if not max(away, factor) <= FARTHEST:
+                what = f"its parents' scales put it {away:g} m away, {factor:g} times as large: beyond {FARTHEST:g}"
+                return [scene.issue(f"{by_id[each].pointer}/transform", what, "scale less")]
+    return []
+
+
+def _check_parents(scene: Scene, by_id: dict[str, SceneEntity]) -> list[Issue]:
+    issues: list[Issue] = []
+    for entity in scene.entities:
+        if len(issues) >= MOST_SOUGHT:
+            return issues
         if entity.parent is not None and entity.parent not in by_id:
             what, hint = f'no entity "{entity.parent}"', nearest(entity.parent, by_id)
             issues.append(scene.issue(f"{entity.pointer}/parent", what, hint))
+    issues += _check_reach(scene, by_id)
     depth: dict[str, int] = {}
     for entity in scene.entities:
         path: dict[str, None] = {}

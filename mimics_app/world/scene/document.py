@@ -7,17 +7,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from mimics_app.contracts.errors import Issue, nearest
+from mimics_app.contracts.errors import Issue, SceneError, nearest
 from mimics_app.world.components.registry import section_of
 from mimics_app.world.components.struct_reader import is_comment
 from mimics_app.world.scene.json_text import escape
 from mimics_app.world.scene.provenance import Layer, Origins, merged
 from mimics_app.world.scene.source import SceneSource
+from mimics_app.world.scene.spec import MAX_ENTITIES
 
-__all__ = ["MAX_ENTITIES", "EntityDraft", "SceneDocument", "resolve"]
-
-MAX_ENTITIES = 100_000
-"""Most entities of one scene, prefabs unfolded."""
+__all__ = ["EntityDraft", "SceneDocument", "resolve"]
 
 _ID = re.compile(r"[A-Za-z0-9_.-]+")
 
@@ -88,6 +86,9 @@ def resolve(sources: list[SceneSource], issues: list[Issue]) -> SceneDocument:
     Args:
         sources: From `scene_source.read_sources`; shapes were reported already, so odd ones are passed over here.
         issues: Receives ids defined twice, unknown prefabs and prefabs that contain themselves.
+
+    Raises:
+        SceneError: there are more entities than a scene may have; nothing of them is looked at.
     """
     document = SceneDocument(Origins(sources[0].layer), {name: {} for name in _TABLES}, [], {})
     for source in sources:
@@ -129,7 +130,6 @@ class _Unfolding:
     def __init__(self, document: SceneDocument, issues: list[Issue]) -> None:
         self._document = document
         self._issues = issues
-        self._full = False
 
     def unfold(self, layer: Layer) -> None:
         """Add a top-level entity and all its prefab has below it."""
@@ -148,8 +148,8 @@ class _Unfolding:
             above: Overrides of outer instances, by path from here ("" is this entity).
             inside: Prefabs being unfolded.
         """
-        if self._is_full(own):
-            return
+        if len(self._document.entities) >= MAX_ENTITIES:
+            raise SceneError(Issue(own.file, own.pointer, f"more than {MAX_ENTITIES} entities, prefabs unfolded"))
         if not _ID.fullmatch(own.value["id"]):
             what = f'"{own.value["id"]}" is no id'
             self._issues.append(Issue(own.file, f"{own.pointer}/id", what, "use letters, digits, _ - and ."))
@@ -200,14 +200,6 @@ class _Unfolding:
             if not isinstance(layer.value, dict):
                 return
             yield layer, inside
-
-    def _is_full(self, layer: Layer) -> bool:
-        if len(self._document.entities) < MAX_ENTITIES:
-            return False
-        if not self._full:
-            self._full = True
-            self._issues.append(Issue(layer.file, layer.pointer, f"more than {MAX_ENTITIES} entities"))
-        return True
 
 
 def _dict(value: Any) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.regular_file import read_regular
 from mimics_app.world.scene.json_spans import Span, find_span, members
 from mimics_app.world.scene.json_text import parse_json
 from mimics_app.world.scene.scene import Scene
@@ -44,7 +45,7 @@ def write_translation(scene: Scene, name: str, translation: Place) -> Path:
     layer = scene.origins.locate(scene.entity(name).pointer)
     path = Path(layer.file)
     try:
-        data = path.read_bytes()
+        data = read_regular(path)
         document, issues = parse_json(data, layer.file)
         text = data.decode("utf-8-sig")
     except OSError as error:

@@ -10,7 +10,8 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.errors import MOST_SOUGHT, Issue, SceneError
+from mimics_app.contracts.regular_file import read_regular
 from mimics_app.world.components import (
     effects,
     hand,
@@ -25,7 +26,7 @@ from mimics_app.world.components import (
 from mimics_app.world.components.plugins import register_plugins
 from mimics_app.world.components.struct_reader import is_comment
 from mimics_app.world.scene.checks import check_meaning
-from mimics_app.world.scene.json_text import NOT_FINITE
+from mimics_app.world.scene.json_text import NOT_FINITE, TORN
 from mimics_app.world.scene.loader import SceneLoader
 from mimics_app.world.scene.paths import find_root
 from mimics_app.world.scene.scene import Scene
@@ -54,13 +55,17 @@ def load_scene(path: Path, root: Path | None = None) -> Scene:
     issues: list[Issue] = []
     folder = find_root(path) if root is None else root
     sources = read_sources(path, folder, issues)
+    _stop_after_many(issues, path)
     scene = SceneLoader(sources, folder, issues).load()
-    unusable = [issue for issue in issues if NOT_FINITE in issue.what]
-    issues += [issue for issue in check_meaning(scene) if not _is_about(issue, unusable)]
+    _stop_after_many(issues, path)
+    unusable = [issue for issue in issues if NOT_FINITE in issue.what or issue.what == TORN]
+    above = _with_all_above(unusable)
+    issues += [issue for issue in check_meaning(scene) if (issue.file, issue.pointer) not in above]
     if issues:
         places = {(issue.file, issue.pointer) for issue in unusable}
-        told = [issue for issue in issues if issue in unusable or (issue.file, issue.pointer) not in places]
-        raise SceneError(list(dict.fromkeys(told)))
+        known = set(unusable)
+        told = [issue for issue in issues if issue in known or (issue.file, issue.pointer) not in places]
+        raise SceneError(dict.fromkeys(told))
     scene.hash = _hash(scene)
     return scene
 
@@ -72,9 +77,21 @@ def build_world(scene: Scene) -> World:
     return build(scene)
 
 
-def _is_about(issue: Issue, unusable: list[Issue]) -> bool:
-    """True for a fault of a value that holds a number that is none: what follows from that is not told again."""
-    return any(issue.file == one.file and f"{one.pointer}/".startswith(f"{issue.pointer}/") for one in unusable)
+def _stop_after_many(issues: list[Issue], path: Path) -> None:
+    """Refuse a scene with very many faults as it is: what else is wrong with it would take long to find."""
+    if len(issues) >= MOST_SOUGHT:
+        raise SceneError([*dict.fromkeys(issues), Issue(str(path), "", "has more faults, which were not looked for")])
+
+
+def _with_all_above(unusable: list[Issue]) -> set[tuple[str, str]]:
+    """File and pointer of all that holds a value that cannot be held: what follows from it is not told again."""
+    places = set()
+    for issue in unusable:
+        pointer = issue.pointer
+        while (issue.file, pointer) not in places:
+            places.add((issue.file, pointer))
+            pointer = pointer.rpartition("/")[0]
+    return places
 
 
 def _hash(scene: Scene) -> str:
@@ -89,7 +106,7 @@ def _hash(scene: Scene) -> str:
     for name in sorted(scene.assets):
         digest.update(f"{name}:{scene.assets[name].digest}".encode())
     for path in scene.named_files:
-        digest.update(hashlib.sha256(path.read_bytes()).digest())
+        digest.update(hashlib.sha256(read_regular(path)).digest())
     return digest.hexdigest()
 
 

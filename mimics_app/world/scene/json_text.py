@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+import sys
 from collections import Counter
 from typing import Any
 
@@ -12,14 +13,17 @@ import numpy as np
 
 from mimics_app.contracts.errors import Issue, SceneError
 
-__all__ = ["MAX_DEPTH", "NOT_FINITE", "escape", "parse_json"]
+__all__ = ["MAX_DEPTH", "NOT_FINITE", "TORN", "escape", "parse_json"]
 
 MAX_DEPTH = 128
 """Deepest nesting of lists and objects; scene and glTF files need about ten."""
 
 
 NOT_FINITE = "is not a finite number"
-"""What is said of NaN and infinities."""
+"""What is said of NaN, infinities and whole numbers beyond them."""
+
+TORN = "holds half of a character (a lone surrogate)"
+"""What is said of a text that no file can hold."""
 
 _HUGE = re.compile(rb"[0-9.][eE]\+?\d{3}|\d{300}")
 """Numbers that may be beyond the greatest float, 1.8e308."""
@@ -46,8 +50,9 @@ def parse_json(text: bytes, file: str) -> tuple[Any, list[Issue]]:
         file: Name for messages.
 
     Returns:
-        (document, issues): keys that stand twice and numbers that are not finite (NaN, Infinity, 1e999), each with
-        the pointer of its value; the document is complete nevertheless.
+        (document, issues): keys that stand twice, halves of characters, and numbers that are not finite (NaN,
+        Infinity, 1e999, whole numbers beyond the greatest float), each with the pointer of its value. The document is
+        complete nevertheless: such whole numbers are infinite in it, halves of characters question marks.
 
     Raises:
         SceneError: it is empty, no UTF-8, no JSON, or nested too deeply.
@@ -68,7 +73,7 @@ def parse_json(text: bytes, file: str) -> tuple[Any, list[Issue]]:
         raise SceneError(Issue(file, "", f"is nested deeper than {MAX_DEPTH} levels")) from None
     except ValueError as error:  # a whole number of thousands of digits
         raise SceneError(Issue(file, "", f"is not JSON: {error}")) from None
-    return document, _faults(document, file) if suspicious.found else []
+    return _freed_of_faults(document, file) if suspicious.found else (document, [])
 
 
 def escape(name: str) -> str:
@@ -115,30 +120,37 @@ def _is_torn(text: str) -> bool:
     return False
 
 
-def _faults(document: Any, file: str) -> list[Issue]:
+def _freed_of_faults(document: Any, file: str) -> tuple[Any, list[Issue]]:
+    """The document with values in it that can be held, and the faults of those that could not."""
     issues: list[Issue] = []
-    waiting: list[tuple[Any, str, int]] = [(document, "", 0)]
+    whole = [document]
+    waiting: list[tuple[Any, Any, str, int]] = [(whole, 0, "", 0)]
     while waiting:
-        value, pointer, depth = waiting.pop()
+        holder, key, pointer, depth = waiting.pop()
+        value = holder[key]
         if depth > MAX_DEPTH:
             raise SceneError(Issue(file, pointer, f"is nested deeper than {MAX_DEPTH} levels"))
         if isinstance(value, dict):
-            if any(_is_torn(name) for name in value):
-                what = "a key holds half of a character (a lone surrogate)"
-                raise SceneError(Issue(file, pointer, what, "write the character"))
-            repeated = getattr(value, "repeated", ())
-            issues += [
-                Issue(file, f"{pointer}/{escape(name)}", f'the key "{name}" stands here twice') for name in repeated
-            ]
-            waiting += [(item, f"{pointer}/{escape(name)}", depth + 1) for name, item in reversed(value.items())]
+            issues += _key_faults(value, file, pointer)
+            waiting += [(value, name, f"{pointer}/{escape(name)}", depth + 1) for name in reversed(value)]
         elif isinstance(value, list):
-            waiting += [
-                (value[i], f"{pointer}/{i}", depth + 1)
-                for i in range(len(value) - 1, -1, -1)
-                if type(value[i]) in (float, str, dict, list, _RepeatedKeys)
-            ]
+            waiting += [(value, i, f"{pointer}/{i}", depth + 1) for i in range(len(value) - 1, -1, -1)]
         elif isinstance(value, str) and _is_torn(value):
-            issues.append(Issue(file, pointer, "holds half of a character (a lone surrogate)", "write the character"))
-        elif isinstance(value, float) and not math.isfinite(value):
+            issues.append(Issue(file, pointer, TORN, "write the character"))
+            holder[key] = value.encode("utf-8", "replace").decode()
+        elif isinstance(value, int | float) and not abs(value) <= sys.float_info.max:
             issues.append(Issue(file, pointer, f"{value} {NOT_FINITE}", "write a number"))
-    return issues
+            holder[key] = value if isinstance(value, float) else math.inf if value > 0 else -math.inf
+    return whole[0], issues
+
+
+def _key_faults(value: dict[str, Any], file: str, pointer: str) -> list[Issue]:
+    """Keys of an object that stand twice.
+
+    Raises:
+        SceneError: one that nobody could print.
+    """
+    if any(_is_torn(name) for name in value):
+        raise SceneError(Issue(file, pointer, f"a key {TORN}", "write the character"))
+    repeated = getattr(value, "repeated", ())
+    return [Issue(file, f"{pointer}/{escape(name)}", f'the key "{name}" stands here twice') for name in repeated]

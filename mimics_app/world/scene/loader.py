@@ -7,7 +7,7 @@ from typing import Any
 
 import msgspec
 
-from mimics_app.contracts.errors import Issue, SceneError, nearest
+from mimics_app.contracts.errors import MOST_SOUGHT, Issue, SceneError, nearest
 from mimics_app.world.components.plugins import fault_of_plugin
 from mimics_app.world.components.registry import component_types, section_of, system_types
 from mimics_app.world.components.struct_reader import FAILED, read_struct
@@ -35,7 +35,7 @@ class SceneLoader:
         self._scene = Scene(_text(main, "name") or main.path.stem, main.path, root, {}, self._document.origins)
 
     def load(self) -> Scene:
-        """Decode everything."""
+        """Decode everything, or up to `MOST_SOUGHT` faults."""
         scene, main = self._scene, self._sources[0]
         scene.title = _text(main, "title") or scene.name.replace("_", " ")
         scene.description = _text(main, "description")
@@ -48,6 +48,8 @@ class SceneLoader:
             unfold_model(draft, self._document, scene.assets, self._issues)
         scene.document = self._resolved(main)
         for i, draft in enumerate(self._document.entities):
+            if len(self._issues) >= MOST_SOUGHT:
+                return scene
             scene.entities.append(self._entity(draft, scene.document["entities"][i], f"/entities/{i}"))
         self._load_sections()
         self._check_picture(main)

@@ -55,11 +55,15 @@ def find_file(uri: str, folder: Path, root: Path) -> Path:
         except MimicsError as error:
             raise PathFault(error.what, error.fix) from None
         uri = uri[len(SHIPPED) :]
-    path = (folder / _relative(uri)).resolve()
     inside = root.resolve()
+    try:
+        path = (folder / _relative(uri)).resolve()
+        is_file = path.is_file()
+    except (OSError, RuntimeError) as error:  # a name longer than any, a loop of links
+        raise PathFault(f'"{uri}" cannot be a file: {getattr(error, "strerror", None) or error}') from None
     if not path.is_relative_to(inside):
         raise PathFault(f'"{uri}" leads out of the folder {inside.name or inside}', "keep files inside it")
-    if not path.is_file():
+    if not is_file:
         raise PathFault(f'no file "{uri}"', _similar(path))
     return path
 

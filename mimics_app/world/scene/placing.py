@@ -23,7 +23,7 @@ _SCALE_TOLERANCE = 1e-6
 
 def stands_somewhere(scene: Scene, name: str) -> bool:
     """Whether an entity has a place: its parents exist, none hangs on itself, and every rotation is one."""
-    by_id = {entity.id: entity for entity in scene.entities}
+    by_id = scene.by_id
     seen: set[str] = set()
     step: str | None = name
     while step is not None:

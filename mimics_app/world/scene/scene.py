@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar, overload
@@ -91,6 +92,8 @@ class Scene:
     named_files: list[Path] = field(default_factory=list)
     methods: dict[str, str] = field(default_factory=dict)
     read: set[str] = field(default_factory=set)
+    _by_id: dict[str, SceneEntity] = field(default_factory=dict)
+    _indexed: int = 0
 
     @property
     def file(self) -> str:
@@ -163,10 +166,22 @@ class Scene:
         Raises:
             KeyError: there is none; the message names the nearest.
         """
-        for entity in self.entities:
-            if entity.id == name:
-                return entity
-        raise KeyError(f'no entity "{name}"; {nearest(name, [entity.id for entity in self.entities])}')
+        found = self.by_id.get(name)
+        if found is None:
+            raise KeyError(f'no entity "{name}"; {nearest(name, self.by_id)}')
+        return found
+
+    @property
+    def by_id(self) -> Mapping[str, SceneEntity]:
+        """Entities by id; of several with one id the first."""
+        if len(self.entities) != self._indexed:
+            self._by_id = {entity.id: entity for entity in reversed(self.entities)}
+            self._indexed = len(self.entities)
+        return self._by_id
+
+    def owner(self, pointer: str) -> SceneEntity:
+        """The entity a pointer of the resolved document leads into."""
+        return self.entities[int(pointer.split("/", 3)[2])]
 
     def issue(self, pointer: str, what: str, fix: str = "") -> Issue:
         """A fault at a pointer of the resolved document, told with the file and pointer where it was written."""
@@ -204,17 +219,17 @@ class Scene:
     def check_asset(self, pointer: str, name: str, kind: AssetKind) -> list[Issue]:
         """The fault of an asset id written at `pointer`, if it has one."""
         if name not in self.assets:
-            return self._unknown(pointer, "asset", name, list(self.document.get("assets", {})))
+            return self._unknown(pointer, "asset", name, self.document.get("assets", {}))
         found = self.assets[name].kind
         return [] if found == kind else [self.issue(pointer, f'asset "{name}" is a {found}, not a {kind}')]
 
     def check_material(self, pointer: str, name: str) -> list[Issue]:
         """The fault of a material id written at `pointer`, if it has one."""
-        return self._unknown(pointer, "material", name, list(self.document.get("materials", {})))
+        return self._unknown(pointer, "material", name, self.document.get("materials", {}))
 
     def check_entity(self, pointer: str, name: str) -> list[Issue]:
         """The fault of an entity id written at `pointer`, if it has one."""
-        return self._unknown(pointer, "entity", name, [entity.id for entity in self.entities])
+        return self._unknown(pointer, "entity", name, self.by_id)
 
     def check_entity_with(self, wanted: type[msgspec.Struct], pointer: str, name: str) -> list[Issue]:
         """The fault of the id of an entity that must have a component of a type, if it has one."""
@@ -236,7 +251,7 @@ class Scene:
             return [self.issue(pointer, str(error.args[0]))]
         return []
 
-    def _unknown(self, pointer: str, what: str, name: str, known: list[str]) -> list[Issue]:
+    def _unknown(self, pointer: str, what: str, name: str, known: Collection[str]) -> list[Issue]:
         if name in known:
             return []
         return [self.issue(pointer, f'no {what} "{name}"', nearest(name, known) if known else "the scene has none")]

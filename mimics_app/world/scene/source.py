@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import Any
 
 from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.regular_file import read_regular
 from mimics_app.world.components.registry import section_of
 from mimics_app.world.components.struct_reader import is_comment, read_struct
 from mimics_app.world.scene.json_text import parse_json
 from mimics_app.world.scene.migrations import migrate
 from mimics_app.world.scene.paths import SHIPPED, PathFault, find_file
 from mimics_app.world.scene.provenance import Layer
-from mimics_app.world.scene.spec import FORMAT, VERSION, SceneSpec
+from mimics_app.world.scene.spec import FORMAT, MAX_ENTITIES, VERSION, SceneSpec
 
 __all__ = ["SceneSource", "read_bytes", "read_sources"]
 
@@ -65,10 +66,13 @@ def read_bytes(path: Path, file: str, limit: int = _MAX_BYTES) -> bytes:
         SceneError: it cannot be read or is longer than `limit`.
     """
     try:
-        with path.open("rb") as stream:
-            data = stream.read(limit + 1)
-    except OSError as error:
-        what = "no such file" if isinstance(error, FileNotFoundError) else f"cannot be read: {error.strerror}"
+        data = read_regular(path, limit + 1)
+    except (OSError, ValueError) as error:  # ValueError: a name with a zero in it
+        what = (
+            "no such file"
+            if isinstance(error, FileNotFoundError)
+            else f"cannot be read: {getattr(error, 'strerror', error)}"
+        )
         raise SceneError(Issue(file, "", what)) from None
     if len(data) > limit:
         raise SceneError(Issue(file, "", f"is larger than {limit // 1024**2} MiB"))
@@ -94,6 +98,10 @@ class _Reader:
         if newest is None:
             what = f"version {document.get('version')!r:.40} cannot be read; this application reads up to {VERSION}"
             raise SceneError([*issues, Issue(file, "/version", what)])
+        entities = newest.get("entities")
+        if isinstance(entities, list) and len(entities) > MAX_ENTITIES:
+            what = f"{len(entities)} entities are more than {MAX_ENTITIES}"
+            raise SceneError(Issue(file, "/entities", what, "draw many alike as one model"))
         source = SceneSource(path, Layer(file, path.resolve().parent, "", newest))
         self._check_shape(source)
         self.sources.append(source)

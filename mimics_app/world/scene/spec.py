@@ -7,12 +7,22 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta
 
+from mimics_app.world.components.bounds import (
+    Angle,
+    Extent,
+    FarPoint,
+    Light,
+    Quaternion,
+    SignedFactor,
+    Vector,
+)
 from mimics_app.world.components.registry import Component
 from mimics_app.world.materials.material import AlphaMode, Filter, Wrap
 from mimics_app.world.materials.technique import TechniqueSpec
 
 __all__ = [
     "FORMAT",
+    "MAX_ENTITIES",
     "VERSION",
     "AssetSpec",
     "EntitySpec",
@@ -25,25 +35,29 @@ __all__ = [
 ]
 
 FORMAT = "mimics-scene"
+MAX_ENTITIES = 100_000
+"""Most entities of one scene, prefabs unfolded."""
+
 VERSION = 1
 """Newest version of the format; older ones are read through `migrations`."""
 
 Share = Annotated[float, Meta(ge=0, le=1)]
-NotNegative = Annotated[float, Meta(ge=0)]
+Pair = tuple[SignedFactor, SignedFactor]
+Texts = Annotated[list[str], Meta(max_length=1000)]
 Components = dict[str, dict[str, Any] | None]
 
 
 class TransformSpec(Component, frozen=True):
     """Place, turn and size of an entity, relative to its parent."""
 
-    translation: Annotated[tuple[float, float, float], Meta(description="[m]")] = (0.0, 0.0, 0.0)
-    rotation: Annotated[tuple[float, float, float, float], Meta(description="Unit quaternion x, y, z, w")] = (
+    translation: Annotated[FarPoint, Meta(description="[m]")] = (0.0, 0.0, 0.0)
+    rotation: Annotated[Quaternion, Meta(description="Unit quaternion x, y, z, w")] = (
         0.0,
         0.0,
         0.0,
         1.0,
     )
-    scale: Annotated[tuple[float, float, float], Meta(description="Factors, none of them 0")] = (1.0, 1.0, 1.0)
+    scale: Annotated[Vector, Meta(description="Factors, none of them 0")] = (1.0, 1.0, 1.0)
 
 
 class OverrideSpec(Component, frozen=True):
@@ -62,7 +76,8 @@ class PrefabSpec(Component, frozen=True):
     transform: Annotated[TransformSpec | None, Meta(description="Default of the instances")] = None
     components: Annotated[Components, Meta(description="By type, one of each")] = msgspec.field(default_factory=dict)
     children: Annotated[
-        list[EntitySpec], Meta(description="Entities below; the id of an instance is put before theirs")
+        list[EntitySpec],
+        Meta(max_length=MAX_ENTITIES, description="Entities below; the id of an instance is put before theirs"),
     ] = msgspec.field(default_factory=list)
 
 
@@ -94,11 +109,11 @@ class AssetSpec(Component, frozen=True):
 class UvTransform(Component, frozen=True):
     """Where the pictures of a material lie (KHR_texture_transform): scaled, then turned, then shifted."""
 
-    offset: Annotated[tuple[float, float], Meta(description="Of the origin, in texture coordinates")] = (0.0, 0.0)
-    rotation: Annotated[float, Meta(description="Anticlockwise about the origin, as texture coordinates lie [rad]")] = (
+    offset: Annotated[Pair, Meta(description="Of the origin, in texture coordinates")] = (0.0, 0.0)
+    rotation: Annotated[Angle, Meta(description="Anticlockwise about the origin, as texture coordinates lie [rad]")] = (
         0.0
     )
-    scale: Annotated[tuple[float, float], Meta(description="Factors on u and v")] = (1.0, 1.0)
+    scale: Annotated[Pair, Meta(description="Factors on u and v")] = (1.0, 1.0)
 
 
 class MaterialSpec(Component, frozen=True):
@@ -112,7 +127,7 @@ class MaterialSpec(Component, frozen=True):
     base_colour: Annotated[tuple[Share, Share, Share, Share], Meta(description="Linear RGBA")] = (0.8, 0.8, 0.8, 1.0)
     metallic: Annotated[float, Meta(ge=0, le=1, description="0 dielectric, 1 metal")] = 0.0
     roughness: Annotated[float, Meta(ge=0, le=1, description="0 mirror, 1 matt")] = 0.6
-    emission: Annotated[tuple[NotNegative, NotNegative, NotNegative], Meta(description="Linear RGB it gives off")] = (
+    emission: Annotated[tuple[Light, Light, Light], Meta(description="Linear RGB it gives off")] = (
         0.0,
         0.0,
         0.0,
@@ -122,20 +137,20 @@ class MaterialSpec(Component, frozen=True):
     surface_texture: Annotated[str | None, Meta(description="Picture of roughness (green) and metal (blue)")] = None
     occlusion_texture: Annotated[str | None, Meta(description="Picture of sky light let in (red)")] = None
     emission_texture: Annotated[str | None, Meta(description="Picture multiplied with `emission`")] = None
-    normal_scale: Annotated[float, Meta(description="Factor on the slopes of the normal picture")] = 1.0
+    normal_scale: Annotated[SignedFactor, Meta(description="Factor on the slopes of the normal picture")] = 1.0
     occlusion_strength: Annotated[float, Meta(ge=0, le=1, description="How much of the occlusion picture counts")] = 1.0
     uv_transform: Annotated[UvTransform, Meta(description="Where its pictures lie")] = UvTransform()
     alpha_mode: Annotated[AlphaMode, Meta(description="What alpha does")] = "opaque"
     alpha_cutoff: Annotated[float, Meta(ge=0, le=1, description="Where mask cuts")] = 0.5
     double_sided: Annotated[bool, Meta(description="Back faces are drawn too")] = False
-    grid: Annotated[float, Meta(ge=0, description="Spacing of lines drawn over it [m]; 0: none")] = 0.0
+    grid: Annotated[Extent, Meta(description="Spacing of lines drawn over it [m]; 0: none")] = 0.0
 
 
 class SceneSpec(Component, frozen=True):
     """A scene of the application. Keys that begin with x- are left to you."""
 
     format: Annotated[Literal["mimics-scene"], Meta(description="Always mimics-scene")]
-    version: Annotated[int, Meta(description="Of the format; the newest is 1")]
+    version: Annotated[int, Meta(ge=1, le=1000, description="Of the format; the newest is 1")]
     units: Annotated[Literal["m-kg-s"], Meta(description="SI: metres, kilograms, seconds, newtons, radians")] = "m-kg-s"
     up: Annotated[Literal["+Y"], Meta(description="Right-handed, +y up, as in glTF")] = "+Y"
     name: Annotated[str | None, Meta(description="Short name; absent: that of the file")] = None
@@ -143,7 +158,7 @@ class SceneSpec(Component, frozen=True):
     description: Annotated[str | None, Meta(description="One or two sentences for the launcher")] = None
     picture: Annotated[str | None, Meta(description="Picture for the launcher, relative to this file")] = None
     scenario: Annotated[str | None, Meta(description="What runs it; absent: that of its name; none: nothing")] = None
-    include: Annotated[list[str], Meta(description="Scene files whose content is added, relative to this one")] = (
+    include: Annotated[Texts, Meta(description="Scene files whose content is added, relative to this one")] = (
         msgspec.field(default_factory=list)
     )
     assets: Annotated[dict[str, AssetSpec], Meta(description="Files by id")] = msgspec.field(default_factory=dict)
@@ -152,8 +167,8 @@ class SceneSpec(Component, frozen=True):
         msgspec.field(default_factory=dict)
     )
     prefabs: Annotated[dict[str, PrefabSpec], Meta(description="By id")] = msgspec.field(default_factory=dict)
-    entities: Annotated[list[EntitySpec], Meta(description="Everything in the scene")] = msgspec.field(
-        default_factory=list
+    entities: Annotated[list[EntitySpec], Meta(max_length=MAX_ENTITIES, description="Everything in the scene")] = (
+        msgspec.field(default_factory=list)
     )
     systems: Annotated[dict[str, dict[str, Any]], Meta(description="Settings of the stages, by name")] = msgspec.field(
         default_factory=dict

@@ -1,0 +1,127 @@
+"""How the time to read a model grows with what is in the file: meshes of their own, primitives of one mesh, nodes.
+
+Importing this module registers the kinds of files. All of them are read by the one reader; a straight line of slope one
+says that no part of it looks through a list again for each of its items.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import struct
+import tempfile
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.probe import reference_us
+from mimics_app.world.gltf.file import GltfDocument, load_gltf
+
+__all__ = ["GROUP", "KINDS", "count_parts", "document_of"]
+
+GROUP = "model reading"
+
+_SIZES = (100, 1000, 10_000, 50_000)
+_TYPICAL = 1000
+_TRIANGLE = struct.pack("<9f", 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
+
+Document = dict[str, Any]
+
+
+def document_of(kind: str, count: int) -> Document:
+    """A right glTF document with so many parts of a kind of `KINDS`."""
+    uri = "data:;base64," + base64.b64encode(_TRIANGLE).decode()
+    view = {"buffer": 0, "byteLength": len(_TRIANGLE)}
+    accessor = {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}
+    document: Document = {"asset": {"version": "2.0"}, "buffers": [{"byteLength": len(_TRIANGLE), "uri": uri}]}
+    document |= {"bufferViews": [view], "accessors": [accessor]}
+    document["meshes"] = [{"primitives": [{"attributes": {"POSITION": 0}}]}]
+    document["nodes"] = [{"mesh": 0}]
+    KINDS[kind](document, count)
+    document["scenes"] = [{"nodes": _tops(document["nodes"])}]
+    return document
+
+
+def _meshes(document: Document, count: int) -> None:
+    document["bufferViews"] *= count
+    document["accessors"] = [{**document["accessors"][0], "bufferView": i} for i in range(count)]
+    document["meshes"] = [{"primitives": [{"attributes": {"POSITION": i}}]} for i in range(count)]
+    document["nodes"] = [{"name": f"n{i}", "mesh": i} for i in range(count)]
+
+
+def _primitives(document: Document, count: int) -> None:
+    document["meshes"][0]["primitives"] *= count
+
+
+def _nodes(document: Document, count: int) -> None:
+    tens = range(1 + (count - 1) // 10)
+    document["nodes"] = [{"name": f"n{i}", "mesh": 0} for i in range(count)]
+    for i in tens:  # each hangs nine others on it
+        document["nodes"][10 * i]["children"] = list(range(10 * i + 1, min(10 * i + 10, count)))
+
+
+KINDS: dict[str, Callable[[Document, int], None]] = {"meshes": _meshes, "primitives": _primitives, "nodes": _nodes}
+"""What a file has many of, and what puts them in."""
+
+
+def _tops(nodes: list[Document]) -> list[int]:
+    below = {child for node in nodes for child in node.get("children", ())}
+    return [i for i in range(len(nodes)) if i not in below]
+
+
+def count_parts(kind: str, model: GltfDocument) -> int:
+    """How many parts of a kind were read."""
+    if kind == "nodes":
+        return len(model.nodes)
+    return sum(len(mesh.primitives) for mesh in model.meshes)
+
+
+def _read(kind: str, count: int) -> tuple[float, int]:
+    """Time [us] to read a file with so many parts, and how many were read."""
+    clock = MonotonicClock()
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "model.gltf"
+        path.write_text(json.dumps(document_of(kind, count)), encoding="utf-8")
+        started = clock.now_ns()
+        model = load_gltf(path)
+        return (clock.now_ns() - started) * 1e-3, count_parts(kind, model)
+
+
+def _cost_us(kind: str, count: int) -> float:
+    _read(kind, 10)
+    return min(_read(kind, count)[0] for _ in range(2))
+
+
+def _lost(kind: str) -> float:
+    return 1.0 - _read(kind, _TYPICAL)[1] / _TYPICAL
+
+
+registry.describe(
+    Group(
+        name=GROUP,
+        what="glTF files read, checked and decoded: cost of a file of 1000 parts, by what it has many of; "
+        "error: share of the parts that are not there afterwards",
+        unit="share of parts",
+        work="parts of the file",
+        reference=reference_us,
+    )
+)
+for _kind in KINDS:
+    registry.register(
+        Method(
+            group=GROUP,
+            name=_kind,
+            source=f"our reader on a file of many {_kind}",
+            cost=partial(_cost_us, _kind, _TYPICAL),
+            error=partial(_lost, _kind),
+            unit="share of parts",
+            valid_range="up to 100 000 of each and 256 MiB in all",
+            run=load_gltf,
+            default=_kind == "meshes",
+            growth=partial(_cost_us, _kind),
+            sizes=_SIZES,
+        )
+    )

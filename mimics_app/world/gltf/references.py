@@ -1,0 +1,80 @@
+"""What refers to what in a glTF file: every index is looked at, also of parts that are not drawn, and every name.
+
+Readers check the indices they follow; skins, clips, morph targets and left-out primitives are followed by nobody.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from mimics_app.world.gltf.source import GltfSource
+from mimics_app.world.scene.json_text import escape
+
+__all__ = ["check_references"]
+
+_REFERENCES = (
+    ("accessors/*/bufferView", "bufferViews"),
+    ("accessors/*/sparse/indices/bufferView", "bufferViews"),
+    ("accessors/*/sparse/values/bufferView", "bufferViews"),
+    ("bufferViews/*/buffer", "buffers"),
+    ("images/*/bufferView", "bufferViews"),
+    ("textures/*/source", "images"),
+    ("textures/*/sampler", "samplers"),
+    ("materials/*/pbrMetallicRoughness/baseColorTexture/index", "textures"),
+    ("materials/*/pbrMetallicRoughness/metallicRoughnessTexture/index", "textures"),
+    ("materials/*/normalTexture/index", "textures"),
+    ("materials/*/occlusionTexture/index", "textures"),
+    ("materials/*/emissiveTexture/index", "textures"),
+    ("meshes/*/primitives/*/attributes/*", "accessors"),
+    ("meshes/*/primitives/*/indices", "accessors"),
+    ("meshes/*/primitives/*/material", "materials"),
+    ("meshes/*/primitives/*/targets/*/*", "accessors"),
+    ("skins/*/inverseBindMatrices", "accessors"),
+    ("skins/*/skeleton", "nodes"),
+    ("skins/*/joints/*", "nodes"),
+    ("nodes/*/skin", "skins"),
+    ("animations/*/samplers/*/input", "accessors"),
+    ("animations/*/samplers/*/output", "accessors"),
+    ("animations/*/channels/*/target/node", "nodes"),
+    ("scenes/*/nodes/*", "nodes"),
+)
+"""Where indices stand, * for every item or member, and the list they point into; those of a node its reader checks."""
+
+_NAMED = (
+    *("accessors", "animations", "bufferViews", "buffers", "cameras", "images", "materials", "meshes"),
+    *("nodes", "samplers", "scenes", "skins", "textures"),
+)
+"""Lists whose items may have names."""
+
+
+def check_references(source: GltfSource) -> None:
+    """Report every index that points past its list, and every name that is no text; steps that are odd are passed over.
+
+    Time grows with the length of the file alone.
+    """
+    for path, name in _REFERENCES:
+        steps = path.split("/")
+        for value, pointer in _values(source.json, steps):
+            with source.collecting():
+                source.index(value, len(source.table(name)), name, pointer)
+    for name in _NAMED:
+        with source.collecting():
+            for i, item in enumerate(source.table(name)):
+                source.text(item, "name", f"/{name}/{i}")
+
+
+def _values(document: dict[str, Any], steps: list[str]) -> Iterator[tuple[Any, str]]:
+    """Every value that the steps lead to, with its pointer."""
+    found: list[tuple[Any, str]] = [(document, "")]
+    for step in steps:
+        below: list[tuple[Any, str]] = []
+        for value, pointer in found:
+            if step != "*":
+                below += [(value[step], f"{pointer}/{step}")] if isinstance(value, dict) and step in value else []
+            elif isinstance(value, dict):
+                below += [(item, f"{pointer}/{escape(key)}") for key, item in value.items()]
+            elif isinstance(value, list):
+                below += [(item, f"{pointer}/{i}") for i, item in enumerate(value)]
+        found = below
+    yield from found
