@@ -224,24 +224,24 @@ def test_command_refuses_what_is_not_there(tmp_path, capsys):
 
 
 def test_measure_prints_one_object_and_saves_where_it_is_asked_to(monkeypatch, tmp_path, capsys):
-    monkeypatch.setattr("mimics_app.contracts.method_table.saved_file", lambda: tmp_path / "methods.json")
+    monkeypatch.setattr("mimics_app.contracts.method_table.saved_file", lambda: table_file)
     assert main(["lab", "measure", "admittance_form", "--save", "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
     group = answer["groups"]["admittance form"]
     assert {one["method"] for one in group["rows"]} == {"cartesian", "polar", "seed"}
-    assert group["reference_us"] > 0.0 and (tmp_path / "methods.json").is_file()
+    assert group["reference_us"] > 0.0 and (table_file).is_file()
 
 
 def test_shipped_charts_and_the_shipped_table_are_of_one_measurement(monkeypatch, tmp_path):
-    registry = planted_registry()
+    registry, table_file = planted_registry(), tmp_path / "table" / "methods.json"
     monkeypatch.setattr("mimics_app.lab.catalogue.load_methods", lambda _: registry)
     monkeypatch.setattr("mimics_app.app.commands.lab._groups", lambda _: ["sums"])
     monkeypatch.setattr("mimics_app.app.commands.lab._folder", lambda _: tmp_path)
-    monkeypatch.setattr("mimics_app.contracts.method_table.shipped_file", lambda: tmp_path / "methods.json")
-    Table({}, {}, {}).save(tmp_path / "methods.json")
+    monkeypatch.setattr("mimics_app.contracts.method_table.shipped_file", lambda: table_file)
+    Table({}, {}, {}).save(table_file)
     assert main(["lab", "chart", "sums", "--shipped"]) == 0
     drawn = json.loads((tmp_path / "sums.json").read_text())["rows"]
-    (row,) = Table.load(tmp_path / "methods.json").groups["sums"]
+    (row,) = Table.load(table_file).groups["sums"]
     assert {one["method"]: one["cost_ns"] for one in drawn}[row.method] == pytest.approx(1e3 * row.cost_us)
     assert (row.method, row.settings) == ("ours", {"way": 1})
 
