@@ -13,71 +13,71 @@ __all__ = ["GROUPS", "load_methods"]
 
 
 def _tunnel() -> None:
-    import mimics_app.rendering.haptic.methods.tunnel
+    import mimics_app.lab.haptic.tunnel
 
 
 def _admittance() -> None:
-    import mimics_app.rendering.haptic.methods.admittance
+    import mimics_app.lab.haptic.admittance
 
 
 def _integrators() -> None:
-    import mimics_app.rendering.haptic.methods.integrators
+    import mimics_app.lab.haptic.integrators
 
 
 def _rotation() -> None:
-    import mimics_app.rendering.haptic.methods.rotation
+    import mimics_app.lab.haptic.rotation
 
 
 def _contact() -> None:
-    import mimics_app.rendering.haptic.methods.contact
+    import mimics_app.lab.haptic.contact
 
 
 def _bodies() -> None:
-    import mimics_app.rendering.haptic.methods.bodies
+    import mimics_app.lab.haptic.bodies
 
 
 def _friction() -> None:
-    import mimics_app.rendering.haptic.methods.friction
+    import mimics_app.lab.haptic.friction
 
 
 def _cull() -> None:
-    import mimics_app.rendering.haptic.methods.cull
+    import mimics_app.lab.haptic.cull
 
 
 def _bounding() -> None:
-    import mimics_app.rendering.haptic.methods.bounding
+    import mimics_app.lab.haptic.bounding
 
 
 def _mesh() -> None:
-    import mimics_app.rendering.haptic.methods.mesh
+    import mimics_app.lab.haptic.mesh
 
 
 def _sound() -> None:
-    import mimics_app.rendering.audio.methods
+    import mimics_app.lab.audio.spatialiser
 
 
 def _culling() -> None:
-    import mimics_app.rendering.visual.methods.culling
+    import mimics_app.lab.visual.culling
 
 
 def _shadows() -> None:
-    import mimics_app.rendering.visual.methods.shadows
+    import mimics_app.lab.visual.shadows
 
 
 def _city() -> None:
-    import mimics_app.rendering.visual.methods.city
+    import mimics_app.lab.visual.city
 
 
 def _frame() -> None:
-    import mimics_app.rendering.visual.methods.frame
+    import mimics_app.lab.visual.frame
 
 
 def _anti_aliasing() -> None:
-    import mimics_app.rendering.visual.methods.anti_aliasing
+    import mimics_app.lab.visual.anti_aliasing
 
 
 def _effects() -> None:
-    import mimics_app.rendering.visual.methods.effects
+    import mimics_app.lab.visual.effects
 
 
 def _tick() -> None:
