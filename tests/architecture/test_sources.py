@@ -35,8 +35,9 @@ CLOCKS = re.compile(
     r"(?:^|\.)(?:time\.(?:time|monotonic|perf_counter|process_time|thread_time)(?:_ns)?"
     r"|time\.(?:sleep|localtime|gmtime|strftime|clock_gettime)|datetime\.(?:now|utcnow|today)|date\.today)$"
 )
-IMPORTERS_BY_NAME = {"app/cli.py", "builders/catalogue.py"}
-"""Modules that may import by a string: the command line, for its commands, and the builders, for their own packages."""
+IMPORTERS_BY_NAME = {"app/cli.py", "builders/catalogue.py", "lab/catalogue.py", "lab/stability/catalogue.py"}
+"""Modules that may import by a string: the command line, for its commands; the builders, for their own packages; the
+tables of methods and of experiments, for modules of the laboratory: only what is measured is imported."""
 
 PLATFORM_HOMES = {
     "the shared memory": (

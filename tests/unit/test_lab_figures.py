@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import math
 import re
+import sys
 from pathlib import Path
+from types import ModuleType
 from xml.etree import ElementTree
 
 import pytest
@@ -186,7 +188,10 @@ def test_disagreement_is_by_the_exact_value_at_the_same_place():
 
 def _planted_catalogue(monkeypatch, *, passed: bool) -> None:
     experiment, _ = outcome(1.0 if passed else 1.5, passed=passed)
-    monkeypatch.setattr("mimics_app.lab.stability.catalogue._EXPERIMENTS", {"S99": lambda: experiment})
+    module = ModuleType("mimics_app.lab.stability.s99_planted")
+    vars(module)["EXPERIMENT"] = experiment
+    monkeypatch.setitem(sys.modules, module.__name__, module)
+    monkeypatch.setattr("mimics_app.lab.stability.catalogue._MODULES", {"S99": "s99_planted"})
 
 
 @pytest.mark.parametrize(("passed", "code"), [(True, 0), (False, 6)])
