@@ -12,24 +12,6 @@ import pytest
 
 from tests.architecture.sources import PACKAGE, ROOT, attributes, imports, modules, repository_files
 
-KERNELS_MAY_IMPORT = (
-    "__future__",
-    "collections.abc",
-    "enum",
-    "math",
-    "typing",
-    "numba",
-    "numpy",
-    "mimics_app.maths",
-    "mimics_app.contracts.atomics",
-    "mimics_app.contracts.borrowed",
-    "mimics_app.contracts.haptic",
-    "mimics_app.contracts.haptic_objects",
-    "mimics_app.contracts.kernel",
-    "mimics_app.contracts.loop_ports",
-    "mimics_app.contracts.ring",
-    "mimics_app.contracts.triple_buffer",
-)
 TIMEKEEPERS = {"contracts/clock.py", "contracts/atomics.py"}
 CLOCKS = re.compile(
     r"(?:^|\.)(?:time\.(?:time|monotonic|perf_counter|process_time|thread_time)(?:_ns)?"
@@ -53,40 +35,6 @@ PLATFORM_HOMES = {
         {"rendering/visual/surfaces/contexts.py", "rendering/visual/surfaces/window.py"},
     ),
 }
-
-
-def _is_kernel(path: str) -> bool:
-    return "kernels" in path.removesuffix(".py").split("/")
-
-
-def _stage(path: str) -> str:
-    """Dotted name of the package around a kernels package, e.g. mimics_app.rendering.haptic."""
-    parts = path.removesuffix(".py").split("/")
-    return ".".join(["mimics_app", *parts[: parts.index("kernels")]])
-
-
-def _file_of(name: str) -> str | None:
-    """The module a dotted name lies in, as a path; the name may end in something the module defines."""
-    parts = name.split(".")[1:]
-    return next((path for path in ("/".join(parts) + ".py", "/".join(parts[:-1]) + ".py") if path in modules()), None)
-
-
-def _strangers(path: str, stage: str, seen: set[str]) -> Iterator[str]:
-    """Imports a kernel must not have. Compiled helpers of its own stage pass when they keep the same rule."""
-    seen.add(path)
-    for line, name in imports(modules()[path]):
-        if any(name == known or name.startswith(known + ".") for known in KERNELS_MAY_IMPORT):
-            continue
-        helper = _file_of(name) if name.startswith(stage + ".") else None
-        if helper is None:
-            yield f"{path}:{line} imports {name}"
-        elif helper not in seen:
-            yield from _strangers(helper, stage, seen)
-
-
-@pytest.mark.parametrize("path", [path for path in modules() if _is_kernel(path)])
-def test_kernels_import_only_what_is_allowed(path: str) -> None:
-    assert not list(_strangers(path, _stage(path), set()))
 
 
 @pytest.mark.parametrize("path", [path for path in modules() if path.endswith("__init__.py")])
