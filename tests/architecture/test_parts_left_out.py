@@ -110,7 +110,7 @@ if sys.argv[1] == "billboard":
 world.update()
 with create_surface("egl", (16, 16)) as surface:
     Renderer(surface, world).draw(desktop_views(world.cameras[0], (16, 16)))
-print(json.dumps([name for name in sys.modules if name == "mimics_app.rendering.visual.effects.effect_stage"]))
+print(json.dumps([name for name in sys.modules if name == "mimics_app.rendering.visual.stages.effect_stage"]))
 """
 
 

@@ -22,9 +22,9 @@ from mimics_app.rendering.visual.overlay.line_pass import LinePass
 from mimics_app.rendering.visual.overlay.line_set import LineSet
 from mimics_app.rendering.visual.overlay.stage_times import StageTimes
 from mimics_app.rendering.visual.overlay.wire_pass import WirePass
-from mimics_app.rendering.visual.shadows.shadow_stage import ShadowStage
+from mimics_app.rendering.visual.stages.shadow_stage import ShadowStage
+from mimics_app.rendering.visual.stages.world_stage import FrameScene, ViewDraws
 from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
-from mimics_app.rendering.visual.world_stage import FrameScene, ViewDraws
 
 if TYPE_CHECKING:
     import moderngl
