@@ -10,8 +10,8 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from mimics_app.lab.scale import format_number
-from mimics_app.lab.svg import STYLE
+from mimics_app.plotting.axis import format_number
+from mimics_app.plotting.drawing import STYLE
 
 __all__ = ["write_gallery"]
 

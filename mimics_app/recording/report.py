@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.trial_counts import count_trials
 from mimics_app.contracts.trips import TripReader
+from mimics_app.plotting.plot import Plot
 from mimics_app.recording.attempts import Attempt, find_attempts
-from mimics_app.recording.plot import Plot
 from mimics_app.recording.report_carry import carry_cards, carry_facts, draw_carry
 from mimics_app.recording.report_figures import draw_lateness, draw_path, draw_states, draw_traces
 from mimics_app.recording.report_governor import governor_tables

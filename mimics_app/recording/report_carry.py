@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.plotting.axis import Axis
+from mimics_app.plotting.plot import Plot
 from mimics_app.recording.attempts import Attempt
-from mimics_app.recording.plot import Axis, Plot
 from mimics_app.recording.run import Run
 
 __all__ = ["carry_cards", "carry_facts", "carry_lines", "draw_carry"]

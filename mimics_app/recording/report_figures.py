@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import EventKind, SafetyState
+from mimics_app.plotting.axis import Axis
+from mimics_app.plotting.plot import Plot, envelope
 from mimics_app.recording.attempts import Attempt, TunnelShape
 from mimics_app.recording.columns import whole
-from mimics_app.recording.plot import Axis, Plot, envelope
 from mimics_app.recording.report_carry import carry_lines
 from mimics_app.recording.report_stability import stability_lines
 

@@ -19,9 +19,9 @@ from mimics_app.lab.experiment import Experiment, Outcome, largest_disagreement
 from mimics_app.lab.figure import write_figure
 from mimics_app.lab.gallery import write_gallery
 from mimics_app.lab.measure import Growth, Measured, MeasuredGroup
-from mimics_app.lab.scale import Scale, format_number, format_ticks, scale_for
 from mimics_app.lab.stability_chart import draw_outcome
-from mimics_app.lab.svg import Label, Panel
+from mimics_app.plotting.axis import Axis, format_number, format_ticks
+from mimics_app.plotting.panel import Label, Panel
 
 KEYS = ["kind", "name", "command", "machine", "rows", "front", "default", "boundary"]
 ROW_KEYS = {"method", "x", "cost_ns", "error", "valid"}
@@ -127,7 +127,7 @@ def test_gallery_shows_every_figure_and_fetches_nothing(chart, tmp_path):
 
 
 def test_words_keep_off_each_other_and_inside_the_frame():
-    axis = Scale("", 0.0, 1.0)
+    axis = Axis("", 0.0, 1.0)
     panel = Panel(0.0, 0.0, 600.0, 300.0, axis, axis)
     for i in range(8):  # all on one spot, in the corner
         panel.dot(0.97, 0.97 - 0.01 * i, "dot")
@@ -145,7 +145,7 @@ def test_words_keep_off_each_other_and_inside_the_frame():
 
 def test_a_word_beside_a_point_is_held_on_the_side_of_the_point():
     """However wide a font draws it, it does not cover what it names."""
-    axis = Scale("", 0.0, 1.0)
+    axis = Axis("", 0.0, 1.0)
     for x, anchor in ((0.9, "end"), (0.1, "start")):
         panel = Panel(0.0, 0.0, 300.0, 300.0, axis, axis)
         panel.dot(x, 0.5, "dot")
@@ -172,9 +172,9 @@ def test_numbers_along_an_axis_are_written_in_one_way():
 
 def test_scales_have_few_ticks_inside_and_numbers_read_well():
     for low, high in ((1e-16, 1e-2), (3.0, 8.0), (1.0, 900.0), (40.0, 45.0)):
-        scale = scale_for("", [low, high], log=True)
+        scale = Axis.around("", [low, high], log=True)
         ticks = scale.ticks()
-        assert 2 <= len(ticks) <= 12 and all(0.0 <= scale.share(tick) <= 1.0 for tick in ticks)
+        assert 2 <= len(ticks) <= 12 and all(0.0 <= scale.share_within(tick) <= 1.0 for tick in ticks)
         assert scale.low < low and scale.high > high
     assert [format_number(v) for v in (0.0, 12000.0, -0.5, 1e-7, 2.5e-9)] == ["0", "12000", "−0.5", "10⁻⁷", "2.5·10⁻⁹"]
 

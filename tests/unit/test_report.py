@@ -14,9 +14,10 @@ import pytest
 from mimics_app.app.cli import main
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.haptic import SafetyState, TripCause
+from mimics_app.plotting.axis import Axis, nice_ticks
+from mimics_app.plotting.plot import Plot, envelope
 from mimics_app.recording import run as run_module
 from mimics_app.recording.attempts import find_attempts, tunnel_shape
-from mimics_app.recording.plot import Axis, Plot, envelope, log_ticks, nice_ticks
 from mimics_app.recording.report import punctuality, write_report
 from mimics_app.recording.report_tables import contact_rows, trials_of
 from mimics_app.recording.report_values import Seconds, shown
@@ -306,7 +307,7 @@ def test_ticks_are_few_round_and_inside(low: float, high: float) -> None:
     ticks = nice_ticks(low, high)
     assert 2 <= len(ticks) <= 13
     assert ticks[0] >= low - 1e-9 * (high - low) and ticks[-1] <= high + 1e-9 * (high - low)
-    assert log_ticks(0.5, 2000.0) == [1.0, 10.0, 100.0, 1000.0]
+    assert Axis("", 0.5, 2000.0, log=True).ticks() == [1.0, 10.0, 100.0, 1000.0]
 
 
 def test_equal_axes_have_one_scale() -> None:
