@@ -77,8 +77,8 @@ class Axis:
     def share(self, values: Values) -> Values:
         """Values as shares of the axis, 0 at `low` and 1 at `high`."""
         if self.log:
-            low, high = math.log10(self.low), math.log10(self.high)
-            return (np.log10(np.maximum(values, self.low)) - low) / (high - low)
+            shares: Values = np.log(np.maximum(values, self.low) / self.low) / math.log(self.high / self.low)
+            return shares
         return (np.asarray(values, np.float64) - self.low) / (self.high - self.low)
 
     def share_within(self, value: float) -> float:

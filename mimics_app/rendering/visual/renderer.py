@@ -33,7 +33,8 @@ from mimics_app.world.world import World
 if TYPE_CHECKING:
     import moderngl
 
-    from mimics_app.rendering.visual.overlay.overlay import Layer, Overlay
+    from mimics_app.rendering.visual.overlay.layers import Layer
+    from mimics_app.rendering.visual.overlay.overlay import Overlay
     from mimics_app.rendering.visual.overlay.stage_times import StageTimes
     from mimics_app.rendering.visual.stages.effect_stage import EffectStage
 
