@@ -60,6 +60,11 @@ PLANTED = {
         "import mimics_app.world.scene.scene\n",
         "Rooms of the world",
     ),
+    "a probe knows the chart it is drawn in": (
+        "lab/haptic/planted.py",
+        "import mimics_app.lab.chart\n",
+        "Rooms of the laboratory",
+    ),
     "a new module of touch nobody planned": ("rendering/haptic/planted.py", "", "Rooms of touch"),
     "a new room nobody planned": ("attic/__init__.py", "", "Imports only go down"),
 }

@@ -7,6 +7,7 @@ import re
 import tomllib
 from collections.abc import Iterator
 from functools import cache
+from pathlib import Path
 
 import pytest
 
@@ -79,6 +80,27 @@ def test_nothing_is_imported_by_a_string() -> None:
         if isinstance(node, ast.Call) and ast.unparse(node.func).endswith(("import_module", "__import__", "exec"))
     ]
     assert not found
+
+
+def _markup_by_hand(tree: ast.Module) -> list[int]:
+    """Lines of texts that hold an element of HTML or SVG."""
+    tag = re.compile(r"<(?:svg|path|circle|rect|figure|html|div|table|tr|td|span|p)[ >]")
+    texts = (node for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str))
+    return [node.lineno for node in texts if tag.search(str(node.value))]
+
+
+def test_markup_is_made_by_the_plotter_and_by_templates() -> None:
+    """Everything else would have to remember to escape."""
+    assert not [f"{path}:{line}" for path, tree in modules().items() for line in _markup_by_hand(tree)]
+    assert not [path for path, tree in modules().items() for _, name in imports(tree) if name.endswith(".escape")]
+    assert _markup_by_hand(ast.parse("f'<td>{name}</td>'"))
+
+
+@pytest.mark.parametrize(
+    "path", [path for path in repository_files() if path.suffix == ".j2"], ids=lambda path: path.stem
+)
+def test_no_template_switches_escaping_off(path: Path) -> None:
+    assert not re.search(r"\|\s*safe\b|autoescape", path.read_text(encoding="utf-8"))
 
 
 @pytest.mark.parametrize("what", PLATFORM_HOMES)

@@ -6,6 +6,7 @@ import json
 import math
 import re
 import sys
+from html import unescape
 from pathlib import Path
 from types import ModuleType
 from xml.etree import ElementTree
@@ -118,12 +119,32 @@ def test_gallery_shows_every_figure_and_fetches_nothing(chart, tmp_path):
     page = write_gallery(tmp_path).read_text(encoding="utf-8")
     assert page.count("<figure") == page.count("<svg") == 2
     assert page.index("two &lt;words&gt;") < page.index("S99")
-    assert 'mimics lab chart "two' in page.replace("&quot;", '"') and "mimics lab stability S99" in page
+    assert 'mimics lab chart "two' in unescape(page) and "mimics lab stability S99" in page
     assert "no device" in page
     addresses = re.findall(r'(?:src|href|url)\s*[=(]\s*["\']?([^"\')\s>]+)', page)
     assert all(address.startswith("#") for address in addresses)
     assert not re.findall(r"https?://(?!www\.w3\.org/2000/svg)", page)
     assert "prefers-color-scheme: dark" in page and "<script" not in page
+
+
+def _spoilt(value, planted):
+    """The same with another text in the place of every text, but what sorts it."""
+    if isinstance(value, dict):
+        return {key: item if key == "kind" else _spoilt(item, planted) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_spoilt(item, planted) for item in value]
+    return planted if isinstance(value, str) else value
+
+
+def test_gallery_escapes_every_text_of_a_figure(chart, tmp_path):
+    """The files may come from elsewhere."""
+    planted = "<script>alert(1)</script>"
+    for figure in (chart, draw_outcome(*outcome(), 4)):
+        write_figure(figure, tmp_path)
+        file = tmp_path / f"{figure.stem}.json"
+        file.write_text(json.dumps(_spoilt(json.loads(file.read_text(encoding="utf-8")), planted)), encoding="utf-8")
+    page = write_gallery(tmp_path).read_text(encoding="utf-8")
+    assert page.count("&lt;script&gt;") > 10 and "<script" not in page
 
 
 def test_words_keep_off_each_other_and_inside_the_frame():

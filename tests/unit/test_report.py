@@ -16,7 +16,6 @@ from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.haptic import SafetyState, TripCause
 from mimics_app.plotting.axis import Axis, nice_ticks
 from mimics_app.plotting.plot import Plot, envelope
-from mimics_app.recording import run as run_module
 from mimics_app.recording.attempts import find_attempts, tunnel_shape
 from mimics_app.recording.report import punctuality, write_report
 from mimics_app.recording.report_tables import contact_rows, trials_of
@@ -192,15 +191,6 @@ def test_the_figure_that_was_markup(tmp_path: Path) -> None:
     (tmp_path / "manifest.json").write_text(json.dumps(manifest))
     page = write_report(tmp_path).read_text()
     assert "<script" not in page and "<b>&lt;script&gt;alert(1)&lt;/script&gt;</b>" in page
-
-
-def test_everything_is_escaped_by_the_template_engine() -> None:
-    """No `safe`, no autoescape switched off, and no escaping by hand in the modules."""
-    folder = Path(run_module.__file__).parent
-    for template in (folder / "templates").glob("*.j2"):
-        assert not re.search(r"\|\s*safe\b|autoescape", template.read_text()), template
-    for module in folder.glob("*.py"):
-        assert "import escape" not in module.read_text(), module
 
 
 def test_trials_come_first_with_units_and_within_the_page(tmp_path: Path) -> None:
