@@ -93,6 +93,9 @@ DEVIATIONS: dict[str, tuple[tuple[str, ...], str]] = {
 }
 """Path or folder -> what is imported beyond the rule, and why."""
 
+MOST_UNTYPED = 815
+"""Of the annotations `Any` in signatures of compiled functions of touch: only ever lowered, as records get their types."""
+
 
 def _is_kernel(path: str) -> bool:
     return "kernels" in path.removesuffix(".py").split("/")
@@ -197,3 +200,31 @@ def test_every_deviation_is_needed(place: str) -> None:
     names, why = DEVIATIONS[place]
     assert why
     assert not [name for name in names if not any(_is_in(one, (name,)) for one in used)]
+
+
+def _untyped(tree: ast.Module) -> int:
+    """How many parameters and results of compiled functions are annotated with `Any`, alone or inside of a type."""
+    kernels = (
+        node
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef)
+        and any(ast.unparse(mark).split("(")[0] in ("kernel", "typed_kernel") for mark in node.decorator_list)
+    )
+    annotations = (
+        annotation
+        for node in kernels
+        for annotation in (*(one.annotation for one in [*node.args.args, *node.args.kwonlyargs]), node.returns)
+        if annotation is not None
+    )
+    return sum("Any" in {getattr(node, "id", "") for node in ast.walk(annotation)} for annotation in annotations)
+
+
+def test_no_further_parameter_of_a_kernel_of_touch_is_untyped() -> None:
+    assert (
+        sum(_untyped(tree) for path, tree in modules().items() if path.startswith("rendering/haptic/")) <= MOST_UNTYPED
+    )
+
+
+def test_a_planted_any_in_a_signature_is_counted() -> None:
+    planted = "@kernel\ndef law(state: Any, depth: float, rows: tuple[Any, int]) -> Any: ...\ndef plain(x: Any): ..."
+    assert _untyped(ast.parse(planted)) == 3
