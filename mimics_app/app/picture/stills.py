@@ -18,7 +18,8 @@ from mimics_app.app.touch.rehearsal import Rehearsal
 from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import FRAMES_PER_SECOND, TICKS_PER_SECOND
 from mimics_app.contracts.messages import TaskOrders
-from mimics_app.rendering.visual.surfaces.headless import open_offscreen, render_frames
+from mimics_app.rendering.visual.frame_set import render_frames
+from mimics_app.rendering.visual.surfaces.headless import open_offscreen
 from mimics_app.rendering.visual.view import View
 from mimics_app.tasks.cards import count_card, force_card, progress_card, time_card
 from mimics_app.world.scene.file import build_world

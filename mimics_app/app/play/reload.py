@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import sys
+from typing import TYPE_CHECKING
 
-from mimics_app.app.picture.picture import Picture
 from mimics_app.app.planner.plan import settle
 from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.app.scenes.loading import load_checked_scene
@@ -14,6 +14,9 @@ from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.world.scene.file import build_world
 from mimics_app.world.scene.reload import reload_scene
 from mimics_app.world.scene.watcher import SceneWatcher
+
+if TYPE_CHECKING:
+    from mimics_app.app.picture.picture import Picture
 
 __all__ = ["SceneReload"]
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mimics_app.app.cues.sound_stage import SoundStage
 from mimics_app.app.picture.governor import FrameGovernor
-from mimics_app.app.picture.picture import Picture
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.touch.haptic_side import HapticSide
 from mimics_app.app.touch.parameter_desk import ParameterDesk
@@ -25,6 +24,9 @@ from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.tasks.task_manager import TaskManager
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
+
+if TYPE_CHECKING:
+    from mimics_app.app.picture.picture import Picture  # a session that draws nothing loads nothing of it
 
 __all__ = ["Session"]
 

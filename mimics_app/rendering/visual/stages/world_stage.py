@@ -27,9 +27,9 @@ from mimics_app.world.world import World
 if TYPE_CHECKING:
     import moderngl
 
-    from mimics_app.rendering.visual.effects.effect_stage import EffectStage
     from mimics_app.rendering.visual.effects.projectors import BeamRuns
     from mimics_app.rendering.visual.effects.sprites import SpriteRun
+    from mimics_app.rendering.visual.stages.effect_stage import EffectStage
 
 __all__ = ["FrameScene", "ViewDraws", "WorldStage"]
 

@@ -16,6 +16,7 @@ from mimics_app.contracts.haptic import MAX_PIECES, TUNNEL
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import reference_us, shortest_us
+from mimics_app.lab.haptic.numbered import NumberedRival, register_numbered
 from mimics_app.maths import frames
 from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE
 from mimics_app.rendering.haptic.kernels.tunnel_projection import (
@@ -24,7 +25,6 @@ from mimics_app.rendering.haptic.kernels.tunnel_projection import (
     track,
     track_one_step,
 )
-from mimics_app.rendering.haptic.methods.numbered import NumberedRival, register_numbered
 from mimics_app.rendering.haptic.tunnel import TunnelCurve, build_tunnel
 
 __all__ = ["FRAME_GROUP", "PROJECTION_GROUP", "closest_by_roots", "helix", "twist_between"]

@@ -11,8 +11,8 @@ import numpy as np
 
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.methods import Group, Method, registry
-from mimics_app.rendering.haptic.methods.probe import reference_us
-from mimics_app.rendering.haptic.methods.touch_probe import RADIUS, STIFFNESS, slide_way, touch_scene
+from mimics_app.lab.haptic.probe import reference_us
+from mimics_app.lab.haptic.touch_probe import RADIUS, STIFFNESS, slide_way, touch_scene
 
 __all__ = ["GROUP", "false_force"]
 

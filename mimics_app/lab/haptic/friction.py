@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.haptic.probe import SIZES, reference_us
 from mimics_app.rendering.haptic.kernels.contact_records import FRICTION
 from mimics_app.rendering.haptic.kernels.friction import (
     hayward_armstrong,
@@ -27,7 +28,6 @@ from mimics_app.rendering.haptic.kernels.friction import (
     regularised,
     regularised_printed,
 )
-from mimics_app.rendering.haptic.methods.probe import SIZES, reference_us
 
 __all__ = ["GROUP", "LAWS", "Hold", "hold"]
 

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.methods import Group
 from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.haptic.numbered import NumberedRival, register_numbered
+from mimics_app.lab.haptic.probe import reference_us
+from mimics_app.lab.haptic.touch_probe import RADIUS
 from mimics_app.rendering.haptic.kernels.objects.cull import find_near, find_near_plain
-from mimics_app.rendering.haptic.methods.numbered import NumberedRival, register_numbered
-from mimics_app.rendering.haptic.methods.probe import reference_us
-from mimics_app.rendering.haptic.methods.touch_probe import RADIUS
 
 __all__ = ["GROUP", "misses", "spread_bounds"]
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.haptic.probe import SIZES, reference_us
 from mimics_app.rendering.haptic.kernels.integrators import (
     step_exact,
     step_explicit,
@@ -24,7 +25,6 @@ from mimics_app.rendering.haptic.kernels.integrators import (
     step_rk4,
     step_semi_implicit,
 )
-from mimics_app.rendering.haptic.methods.probe import SIZES, reference_us
 
 __all__ = ["GROUP", "RATES_KHZ", "STEPS", "contact_error", "follow_contact"]
 

@@ -26,7 +26,7 @@ from mimics_app.rendering.visual.shadows.shadow_maps import (
     lay_out,
     whole_map,
 )
-from mimics_app.rendering.visual.targets import ShadowTarget
+from mimics_app.rendering.visual.shadows.shadow_target import ShadowTarget
 from mimics_app.rendering.visual.view import View
 
 if TYPE_CHECKING:

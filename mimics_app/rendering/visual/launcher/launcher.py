@@ -13,7 +13,7 @@ from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.window_input import InputEvent
 from mimics_app.rendering.visual.displays.desktop import compute_tangents
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Hud
-from mimics_app.rendering.visual.figures.launcher_page import LauncherPage, PageState, ScenarioCard, Spot
+from mimics_app.rendering.visual.launcher.launcher_page import LauncherPage, PageState, ScenarioCard, Spot
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.passes.hud import HudPass, plane_of_views
 from mimics_app.rendering.visual.surfaces.surface import Surface

@@ -17,10 +17,10 @@ import numpy as np
 from mimics_app.contracts.haptic_objects import ObjectIntegrator
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.haptic.body_worlds import new_world, rest_on_floor
+from mimics_app.lab.haptic.contact import restitution_spring_damper
+from mimics_app.lab.haptic.probe import SIZES, reference_us
 from mimics_app.rendering.haptic.kernels.objects.collisions import collide_bodies
-from mimics_app.rendering.haptic.methods.body_worlds import new_world, rest_on_floor
-from mimics_app.rendering.haptic.methods.contact import restitution_spring_damper
-from mimics_app.rendering.haptic.methods.probe import SIZES, reference_us
 
 __all__ = ["GROUP", "WAYS", "bounce_error", "step_us"]
 

@@ -16,9 +16,9 @@ from mimics_app.rendering.visual.passes.hud import plane_of_views
 from mimics_app.rendering.visual.passes.inset import InsetPass, inset_pixels
 from mimics_app.rendering.visual.pictures.live_picture import LivePicture, MirrorPicture
 from mimics_app.rendering.visual.pictures.mirror_views import Reflection, plane_of_sheet, reflect_view
+from mimics_app.rendering.visual.stages.world_stage import FrameScene, ViewDraws, WorldStage
 from mimics_app.rendering.visual.surfaces.surface import Size
 from mimics_app.rendering.visual.view import View
-from mimics_app.rendering.visual.world_stage import FrameScene, ViewDraws, WorldStage
 from mimics_app.world.live_pictures import MirrorSurface, body_of, live_key
 from mimics_app.world.world import World
 

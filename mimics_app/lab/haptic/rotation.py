@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.haptic.probe import SIZES, reference_us
 from mimics_app.rendering.haptic.kernels.rotation import (
     angular_velocity,
     kinetic_energy,
@@ -25,7 +26,6 @@ from mimics_app.rendering.haptic.kernels.rotation import (
     rotate_rk4,
     rotate_start,
 )
-from mimics_app.rendering.haptic.methods.probe import SIZES, reference_us
 
 __all__ = ["GROUP", "MOMENTS", "RATE", "UPDATES", "Drift", "angle_between", "drift_of", "follow_top"]
 

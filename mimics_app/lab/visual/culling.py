@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import reference_us, shortest_us
+from mimics_app.lab.visual.box_items import box_items
 from mimics_app.maths.mat import compose
 from mimics_app.rendering.visual.drawing.culling import Culler, FlatCuller, TreeCuller
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
-from mimics_app.rendering.visual.methods.box_items import box_items
 from mimics_app.rendering.visual.view import View, compute_frustum_planes
 from mimics_app.rendering.visual.view_matrices import compose_look_at
 

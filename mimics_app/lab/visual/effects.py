@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import reference_us
-from mimics_app.rendering.visual.methods.probe import frame_us, show_picture
+from mimics_app.lab.visual.probe import frame_us, show_picture
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at

@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.haptic.probe import SIZES, reference_us
 from mimics_app.rendering.haptic.kernels.contact import cube, cube_nearest_face, cube_printed
 from mimics_app.rendering.haptic.kernels.contact_law import hunt_crossley, spring_damper, spring_damper_printed
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 from mimics_app.rendering.haptic.kernels.integrators import step_semi_implicit
-from mimics_app.rendering.haptic.methods.probe import SIZES, reference_us
 
 __all__ = [
     "BOX_GROUP",

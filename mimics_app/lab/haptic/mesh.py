@@ -15,6 +15,9 @@ from numpy.typing import NDArray
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.methods import Group
 from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.haptic.numbered import NumberedRival, register_numbered
+from mimics_app.lab.haptic.probe import reference_us
+from mimics_app.lab.haptic.touch_probe import RADIUS, STIFFNESS, ball_mesh, slide_way
 from mimics_app.rendering.haptic.kernels.objects.desk import DESK
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
     ANYWHERE,
@@ -25,9 +28,6 @@ from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
 from mimics_app.rendering.haptic.kernels.objects.mesh_walk import probe_mesh
 from mimics_app.rendering.haptic.kernels.objects.records import MEMORY
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
-from mimics_app.rendering.haptic.methods.numbered import NumberedRival, register_numbered
-from mimics_app.rendering.haptic.methods.probe import reference_us
-from mimics_app.rendering.haptic.methods.touch_probe import RADIUS, STIFFNESS, ball_mesh, slide_way
 
 __all__ = ["GROUP", "false_slide"]
 
