@@ -37,7 +37,7 @@ def run(args: argparse.Namespace) -> int:
 
     find_scene(args.scene)
     say_if_cold()
-    from mimics_app.app.picture.stills import draw_stills
+    from mimics_app.app.play.stills import draw_stills
     from mimics_app.app.settings import RunSettings
 
     settings = RunSettings(args.scene, seed=args.seed, profile=args.profile, size=args.size)

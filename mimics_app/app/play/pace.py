@@ -7,11 +7,11 @@ from collections.abc import Callable
 from mimics_app.app.picture.governor import FrameGovernor
 from mimics_app.app.planner.tolerances import tolerances_of
 from mimics_app.app.play.device_watch import DeviceWatch
-from mimics_app.app.play.frame import Frames
 from mimics_app.app.play.reload import SceneReload
 from mimics_app.app.play.view_desk import ViewDesk
+from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
-from mimics_app.contracts.clock import FRAME_NS, TICK_NS, ticks_until_frame
+from mimics_app.contracts.clock import FRAME_NS
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.rendering.visual.quality_steps import quality_steps
@@ -31,11 +31,7 @@ def run_virtual(session: Session, frames: Frames, after_frame: Progress) -> None
     """
     limit = _limit_ns(session)
     while not session.tasks.done and session.clock.now_ns() < limit:
-        begin, end = ticks_until_frame(frames.number), ticks_until_frame(frames.number + 1)
-        session.recorder.wait_for_room(end - begin)
-        session.haptics.advance(end - begin)
-        session.clock.sleep_until_ns(end * TICK_NS)
-        frames.step()
+        frames.play_on()
         after_frame(frames)
         if frames.snapshot is not None and frames.snapshot.state in _LATCHED:
             return

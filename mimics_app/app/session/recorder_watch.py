@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from mimics_app.recording.recorder import Recorder
+from mimics_app.app.session.switched_off import RecorderPort
 
 __all__ = ["RecorderWatch"]
 
@@ -16,7 +16,7 @@ class RecorderWatch:
         recorder: Of the session.
     """
 
-    def __init__(self, recorder: Recorder) -> None:
+    def __init__(self, recorder: RecorderPort) -> None:
         self._recorder = recorder
         self._restarts = 0
         self._away = False
