@@ -33,7 +33,7 @@ from mimics_app.app.settings import RunSettings
 settings = RunSettings(Path(sys.argv[1]), headless=True, seconds=0.5, runs=Path(sys.argv[2]), pictures=0)
 with build_session(settings, live=False) as session:
     run_virtual(session, Frames(session), lambda frames: None)
-    sound = session.sound is not None
+    sound = type(session.sound).__name__ != "NullSound"
     session.end_stages()
     session.finish({})
 print(json.dumps({"sound": sound, "plan": session.scene.methods, "modules": sorted(sys.modules)}))

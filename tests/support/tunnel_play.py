@@ -50,5 +50,9 @@ class Play:
         return self._play.core.tasks.rows
 
     @property
+    def desk(self) -> Any:
+        return self._play.core.desk
+
+    @property
     def samples(self) -> Any:
         return self._play.samples
