@@ -184,17 +184,20 @@ def _is_fixed(source: Path, own: Path) -> bool:
 
 
 def sources_reached(source: Path) -> list[Path]:
-    """`source` and every source file its imports reach, sorted; installed libraries of others are left out."""
+    """`source` and every source file its imports reach, sorted.
+
+    Installed libraries of others are left out, and this module: where machine code is kept changes nothing in it.
+    """
     own = source.parent
     while (own.parent / "__init__.py").is_file():
         own = own.parent
-    reached, waiting = {source}, [source]
+    reached, waiting = {source, _HERE}, [source]
     while waiting:
         for file in _imports(waiting.pop()):
             if file not in reached and not _is_fixed(file, own):
                 reached.add(file)
                 waiting.append(file)
-    return sorted(reached)
+    return sorted(reached - {_HERE} | {source})
 
 
 @cache
@@ -207,14 +210,16 @@ def source_key(source: Path) -> str:
     """16 hex digits that change with any byte of any source that `source` can reach."""
     total = hashlib.sha256()
     for file in sources_reached(source):
-        if file == _HERE:  # where code is kept changes nothing in it
-            continue
         total.update(f"{file.parent.name}/{file.name}".encode())
         total.update(_digest(file))
     return total.hexdigest()[:16]
 
 
 # --- numba's side ---------------------------------------------------------------------------------------------------
+
+
+_NOT_LOADABLE = (ImportError, AttributeError, EOFError, pickle.UnpicklingError)
+"""What reading a file that is cut off, or that names things of another checkout, ends in."""
 
 
 class _Locator(_CacheLocator):
@@ -255,8 +260,16 @@ class _KernelCache(FunctionCache):
         """
         try:
             return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
-        except (ImportError, AttributeError, EOFError, pickle.UnpicklingError):
+        except _NOT_LOADABLE:
             return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep machine code; an index that names types of modules this process does not have is begun anew."""
+        try:
+            super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+        except _NOT_LOADABLE:
+            self.flush()  # type: ignore[no-untyped-call]
+            super().save_overload(sig, data)  # type: ignore[no-untyped-call]
 
 
 def enable_cache(dispatcher: Any) -> None:

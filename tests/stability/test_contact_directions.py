@@ -13,7 +13,7 @@ from mimics_app.lab.stability.contacts_loop import Contact, Device, exact_matrix
 from mimics_app.lab.stability.linear import spectral_radius
 from mimics_app.rendering.haptic.kernels.kinematics import inverse
 from mimics_app.rendering.haptic.kernels.stability import contact_share
-from mimics_app.rendering.haptic.scene_block import default_scene
+from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.rendering.haptic.tunnel import build_tunnel
 from tests.support.haptic_bench import Bench, script
 from tests.support.object_bench import scripted_with
@@ -64,7 +64,7 @@ def _pressed(
     add_point(play)
     steps = np.clip(np.arange(rest + 200) - rest, 0, 120) / 120.0
     rows = script(rest + 200)
-    scene = default_scene()[0]
+    scene = scene_from_components()[0]
     for row, step in zip(rows, steps, strict=True):
         inverse(scene["R_world_from_robot"].T @ (step * WAY * way), float(scene["axis_offset"]), row[:3])
     bench = scripted_with(play, rows)

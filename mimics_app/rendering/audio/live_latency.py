@@ -30,6 +30,7 @@ from mimics_app.contracts.haptic import EVENT, EventKind
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.rendering.audio.process import AudioProcess
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
+from mimics_app.rendering.audio.worker import FIFO_PRIORITY, ask_for_fifo
 
 __all__ = ["handed_out_ns", "match_onsets", "measure_live_latency", "private_pulse_server", "pulse_missing"]
 
@@ -131,6 +132,7 @@ def private_pulse_server() -> Iterator[dict[str, str]]:
         )
         try:
             _wait_for(socket, server)
+            _prefer(server)  # when it has chosen its own niceness
             yield environment
         finally:
             server.terminate()
@@ -139,6 +141,15 @@ def private_pulse_server() -> Iterator[dict[str, str]]:
             except subprocess.TimeoutExpired:
                 server.kill()
                 server.wait()
+
+
+def _prefer(process: subprocess.Popen[bytes]) -> None:
+    """Put it before ordinary work where the system allows it: it stands for a sound card, which no load holds up.
+
+    A server that is held up longer than two periods takes what it missed for the past and drops it; PulseAudio gives
+    precedence to its sinks by itself, but not to the thread that takes the sound from its clients.
+    """
+    ask_for_fifo(process.pid, FIFO_PRIORITY + 1)
 
 
 def _wait_for(socket: Path, server: subprocess.Popen[bytes]) -> None:
@@ -165,6 +176,7 @@ class _Recorder:
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
         )
+        _prefer(self._process)
         self._thread = threading.Thread(target=self._read, name="monitor", daemon=True)
         self._thread.start()
         clock = MonotonicClock()

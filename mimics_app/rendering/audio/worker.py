@@ -24,14 +24,15 @@ from mimics_app.rendering.audio.kernels import wait_for_records
 from mimics_app.rendering.audio.openal_mixer import frame_at
 from mimics_app.rendering.audio.settings import AudioSettings
 
-__all__ = ["run"]
+__all__ = ["FIFO_PRIORITY", "ask_for_fifo", "run"]
 
 _LIVE_WAIT_NS = 4_000_000
 _LIVE_STEP_NS = 1_000_000
 _IDLE_WAIT_NS = 20_000_000
 _CHECK_DEVICE_NS = 1_000_000_000
 _FADE_NS = 40_000_000
-_FIFO_PRIORITY = 10
+FIFO_PRIORITY = 10
+"""Below the haptic loop's."""
 
 
 def run(memory: SessionMemory, settings: AudioSettings, orders: Connection, results: Connection) -> None:
@@ -43,7 +44,7 @@ def run(memory: SessionMemory, settings: AudioSettings, orders: Connection, resu
     clock = MonotonicClock()
     if settings.realtime:
         _warm_up(memory, clock)
-        _ask_for_fifo()
+        ask_for_fifo()
     session = _LiveSession(memory, settings, orders, results, clock)
     session.send(session.engine.status)
     while not session.ended:
@@ -247,11 +248,11 @@ def _warm_up(memory: SessionMemory, clock: Clock) -> None:
     wait_for_records(memory.audio_event_words, scratch(), clock.now_ns(), _LIVE_STEP_NS)
 
 
-def _ask_for_fifo() -> None:
-    """Run before ordinary work where the system allows it; the library's mixing thread inherits it."""
+def ask_for_fifo(pid: int = 0, priority: int = FIFO_PRIORITY) -> None:
+    """Run a process (0: this one) before ordinary work where the system allows it; threads it starts inherit it."""
     if not hasattr(os, "sched_setscheduler"):
         return
     try:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(_FIFO_PRIORITY))
+        os.sched_setscheduler(pid, os.SCHED_FIFO, os.sched_param(priority))
     except OSError:
         return
