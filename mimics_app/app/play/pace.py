@@ -8,7 +8,6 @@ from mimics_app.app.picture.governor import FrameGovernor
 from mimics_app.app.planner.tolerances import tolerances_of
 from mimics_app.app.play.device_watch import DeviceWatch
 from mimics_app.app.play.reload import SceneReload
-from mimics_app.app.play.view_desk import ViewDesk
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.contracts.clock import FRAME_NS
@@ -43,6 +42,8 @@ def run_live(session: Session, frames: Frames, after_frame: Progress) -> None:
     A haptic loop that ended by itself ends the run too; stopping the session then says why. So does a picture that is
     lost for good.
     """
+    from mimics_app.app.play.view_desk import ViewDesk  # loads the renderer: a run without a window needs none
+
     picture, desk = session.picture, ViewDesk(session)
     reload, watch = SceneReload(session), DeviceWatch(session)
     governor = session.governor = _govern(session)

@@ -5,10 +5,8 @@ from __future__ import annotations
 from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from mimics_app.app.picture.governor import FrameGovernor
-from mimics_app.app.picture.picture import Picture
 from mimics_app.app.session.core import SessionCore
 from mimics_app.app.session.preparation import Preparation
 from mimics_app.app.session.switched_off import SoundPort
@@ -17,6 +15,10 @@ from mimics_app.contracts.audio_port import AudioReport
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.recording.manifest import Manifest
 from mimics_app.recording.recorder import Recorder
+
+if TYPE_CHECKING:  # a session that draws nothing loads nothing of a picture
+    from mimics_app.app.picture.governor import FrameGovernor
+    from mimics_app.app.picture.picture import Picture
 
 __all__ = ["Session"]
 
