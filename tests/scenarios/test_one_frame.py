@@ -112,7 +112,7 @@ def test_a_still_shows_the_board_of_the_task(tmp_path: Path, monkeypatch: pytest
         pytest.skip(str(error))
     assert {"placed", "drops", "time", "margin"} <= set(boards[-1].cards)
     assert boards[-1].cards["time"].text == "0.5 s", "the time of the trial, not of its start"
-    assert boards[-1].line
+    assert boards[-1].message
 
 
 def test_a_still_of_a_trial_is_the_frame_a_run_has_there(tmp_path: Path) -> None:

@@ -13,7 +13,6 @@ from mimics_app.app.session.session import Session
 from mimics_app.contracts.clock import FRAME_NS
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import SafetyState
-from mimics_app.rendering.visual.quality_steps import quality_steps
 
 __all__ = ["run_live", "run_unseen", "run_virtual"]
 
@@ -72,6 +71,8 @@ def _govern(session: Session) -> FrameGovernor | None:
     """The governor of a live picture; a study fixes all of its quality."""
     if session.picture is None:
         return None
+    from mimics_app.rendering.visual.quality_steps import quality_steps
+
     steps = quality_steps(session.picture.renderer)
     fixed = {step.name for step in steps} if session.settings.profile == "study" else ()
     budget_ms = tolerances_of(session.scene, session.settings.profile)["frame_ms"]

@@ -75,16 +75,13 @@ def shapes_of(scene: Scene, entity: str, thing: HapticObject) -> tuple[Solid, ..
 
 
 def mesh_of(scene: Scene, shape: MeshSolid, place: str = "") -> SolidMesh:
-    """The triangles of a mesh shape or their hull, made once for a scene.
+    """The triangles of a mesh shape or their hull.
 
     Raises:
         ObjectFault: there are none, or they lie in a plane.
     """
     try:
-        return scene.derive(
-            ("solid", shape.source, shape.scale, shape.fit),
-            lambda: solid_mesh(scene.assets, shape.source, shape.scale, hull=shape.fit != "mesh"),
-        )
+        return solid_mesh(scene.assets, shape.source, shape.scale, hull=shape.fit != "mesh")
     except (KeyError, ValueError) as error:
         what = f'"{shape.source}" cannot be touched: {error.args[0]}'
         raise ObjectFault(f"{place}/source", what) from None
