@@ -42,6 +42,7 @@ class SessionCore:
 
     Attributes:
         side: What of the scene can be touched, as it was when the loop was built.
+        tell: Says a line to the person at it; nobody is, unless it is a run.
         live: True when the haptic loop runs in real time; False on the virtual clock.
     """
 
@@ -62,6 +63,7 @@ class SessionCore:
         self.estimation: Estimation = NullEstimation()
         self.learning: Learning = parts.learning
         self.recorder = recorder
+        self.tell: Callable[[str], None] = _say_nothing
         self.sound = sound
 
     def begin(self) -> None:
@@ -97,6 +99,10 @@ def open_core(parts: Preparation, recorder: Callable[[SessionMemory], RecorderPo
     core = SessionCore(parts, memory, recorder(memory), NullSound())
     core.begin()
     return core
+
+
+def _say_nothing(text: str) -> None:
+    """Nobody is there."""
 
 
 def simulated_person(scene: Scene, scenario: Scenario) -> SimulatedPatient:

@@ -45,9 +45,9 @@ class Frames:
         self.number = 0
         self.orders = TaskOrders()
         self.snapshot: HapticSnapshot | None = None
-        self.losses = LossWatch(core.side.effect_entities)
-        self.safety = SafetyWatch()
-        self._recorder = RecorderWatch(core.recorder)
+        self.losses = LossWatch(core.side.effect_entities, core.tell)
+        self.safety = SafetyWatch(core.tell)
+        self._recorder = RecorderWatch(core.recorder, core.tell)
         self.events: NDArray[Any] = np.zeros(0, EVENT)
 
     @property
