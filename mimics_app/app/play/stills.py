@@ -47,7 +47,7 @@ def draw_stills(
         folder: Where frame_00000.png and so on go.
         backend: "auto", "egl", "osmesa" or "window".
         frames: How many.
-        seconds: How long the simulated patient plays.
+        seconds: How long the simulated patient plays, from where the person of the first trial acts [s].
         camera: Entity whose camera is looked through; "": the first.
         video: File of a film (see `video.film_place`) instead of the folder's files, or None.
 
