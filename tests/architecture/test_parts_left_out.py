@@ -27,13 +27,13 @@ SESSION = """
 import json, sys
 from pathlib import Path
 from mimics_app.app.session.build import build_session
-from mimics_app.app.play.frame import Frames
+from mimics_app.app.session.frame import Frames
 from mimics_app.app.play.pace import run_virtual
 from mimics_app.app.settings import RunSettings
 settings = RunSettings(Path(sys.argv[1]), headless=True, seconds=0.5, runs=Path(sys.argv[2]), pictures=0)
 with build_session(settings, live=False) as session:
     run_virtual(session, Frames(session), lambda frames: None)
-    sound = session.sound is not None
+    sound = type(session.sound).__name__ != "NullSound"
     session.end_stages()
     session.finish({})
 print(json.dumps({"sound": sound, "plan": session.scene.methods, "modules": sorted(sys.modules)}))

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import sys
+from collections.abc import Callable
 
-from mimics_app.recording.recorder import Recorder
+from mimics_app.app.session.switched_off import RecorderPort
+from mimics_app.app.terminal.output import tell
 
 __all__ = ["RecorderWatch"]
 
@@ -14,9 +15,11 @@ class RecorderWatch:
 
     Args:
         recorder: Of the session.
+        tell: Says a line to the person.
     """
 
-    def __init__(self, recorder: Recorder) -> None:
+    def __init__(self, recorder: RecorderPort, tell: Callable[[str], None] = tell) -> None:
+        self._tell = tell
         self._recorder = recorder
         self._restarts = 0
         self._away = False
@@ -28,14 +31,10 @@ class RecorderWatch:
         if recorder.restarts != self._restarts:
             self._restarts, self._away = recorder.restarts, True
             held = f"what happens meanwhile is kept for {recorder.holds_s:.0f} s"
-            _say(f"the recorder died and is replaced (number {self._restarts}); {held}")
+            self._tell(f"the recorder died and is replaced (number {self._restarts}); {held}")
         if self._away and recorder.ready:
             self._away = False
-            _say("the recorder is back")
+            self._tell("the recorder is back")
         if recorder.problem != self._problem:
             self._problem = recorder.problem
-            _say(self._problem or "the recorder goes on")
-
-
-def _say(text: str) -> None:
-    sys.stderr.write(f"mimics: {text}\n")
+            self._tell(self._problem or "the recorder goes on")

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import sys
+from collections.abc import Callable
 from typing import Any
 
 from numpy.typing import NDArray
 
+from mimics_app.app.terminal.output import tell
 from mimics_app.contracts.clock import TICKS_PER_SECOND
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.trips import Trip, TripReader
@@ -23,12 +24,16 @@ _PAUSED = "Paused: this computer is too busy. It goes on by itself"
 class SafetyWatch:
     """Remembers what tripped.
 
+    Args:
+        tell: Says a line to the person.
+
     Attributes:
         stop: The newest stop that was latched, None while there was none.
         hold: The newest short hold, None while there was none.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, tell: Callable[[str], None] = tell) -> None:
+        self._tell = tell
         self._reader = TripReader()
         self._holds = 0
         self.stop: Trip | None = None
@@ -39,15 +44,18 @@ class SafetyWatch:
         for trip in self._reader.take(events):
             if trip.latched:
                 self.stop = trip
-                _say(trip, "safety stop")
+                self._say(trip, "safety stop")
             else:
                 self._note_hold(trip)
 
     def _note_hold(self, trip: Trip) -> None:
         self._holds += 1
         if self.hold is None or trip.tick - self.hold.tick > _QUIET_TICKS:
-            _say(trip, f"short hold {self._holds}, it goes on by itself")
+            self._say(trip, f"short hold {self._holds}, it goes on by itself")
         self.hold = trip
+
+    def _say(self, trip: Trip, kind: str) -> None:
+        self._tell(f"{trip.seconds:.3f} s: {kind}: {trip.what}; {trip.advice}")
 
     @staticmethod
     def message(state: int) -> str:
@@ -64,7 +72,3 @@ class SafetyWatch:
         if last is None:
             return answer
         return {**answer, "cause": last.cause.name, "what": last.what, "advice": last.advice, "t_s": last.seconds}
-
-
-def _say(trip: Trip, kind: str) -> None:
-    sys.stderr.write(f"mimics: {trip.seconds:.3f} s: {kind}: {trip.what}; {trip.advice}\n")

@@ -2,33 +2,29 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from pathlib import Path
 from typing import Protocol
 
-import numpy as np
-
 from mimics_app.app.picture.drawn import Drawn
 from mimics_app.app.picture.picture import Picture, picture_quality
-from mimics_app.app.picture.stability_card import stability_card
 from mimics_app.app.picture.video import draw_film
 from mimics_app.app.scenes.catalogue import is_playable
 from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.session.core import SessionCore, open_core
+from mimics_app.app.session.frame import Frames
+from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.settings import RunSettings
-from mimics_app.app.touch.rehearsal import Rehearsal
 from mimics_app.contracts.board import Board
-from mimics_app.contracts.clock import FRAMES_PER_SECOND, TICKS_PER_SECOND
-from mimics_app.contracts.messages import TaskOrders
+from mimics_app.contracts.clock import FRAMES_PER_SECOND
 from mimics_app.rendering.visual.frame_set import render_frames
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen
 from mimics_app.rendering.visual.view import View
-from mimics_app.tasks.cards import count_card, force_card, progress_card, time_card
 from mimics_app.world.scene.file import build_world
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
 __all__ = ["draw_stills"]
-
-_MOST_TICKS = 4000
 
 
 def draw_stills(
@@ -52,7 +48,7 @@ def draw_stills(
         folder: Where frame_00000.png and so on go.
         backend: "auto", "egl", "osmesa" or "window".
         frames: How many.
-        seconds: How long the simulated patient plays.
+        seconds: How long the simulated patient plays, from where the person of the first trial acts [s].
         camera: Entity whose camera is looked through; "": the first.
         video: File of a film (see `video.film_place`) instead of the folder's files, or None.
 
@@ -63,7 +59,20 @@ def draw_stills(
     scene = load_checked_scene(settings.scene)
     if video is not None:
         frames = max(1, round(FRAMES_PER_SECOND * seconds))
-    play = _moments(scene, settings.seed, frames, seconds)
+    with closing(_moments(scene, settings, frames, seconds)) as play:
+        return _draw(play, scene, settings, folder, backend, frames, camera, video)
+
+
+def _draw(
+    play: _Moments,
+    scene: Scene,
+    settings: RunSettings,
+    folder: Path,
+    backend: str,
+    frames: int,
+    camera: str,
+    video: Path | None,
+) -> Drawn:
     quality = picture_quality(scene, settings.profile)
     picture = Picture(open_offscreen(backend, settings.size), scene, play.world, quality, camera)
 
@@ -90,12 +99,15 @@ class _Moments(Protocol):
     def to(self, number: int) -> Board:
         """Bring the world to frame `number` and return its board."""
 
+    def close(self) -> None:
+        """Nothing is drawn any more."""
 
-def _moments(scene: Scene, seed: int, frames: int, seconds: float) -> _Moments:
+
+def _moments(scene: Scene, settings: RunSettings, frames: int, seconds: float) -> _Moments:
     """The scene played, or as it stands where no scenario plays it."""
     if is_playable(scene):
-        return _Play(Rehearsal(scene, seed), frames, seconds)
-    return _Standing(build_world(scene), seed, frames, seconds)
+        return _Played(open_core(prepare_scene(scene, settings)), seconds / frames)
+    return _Standing(build_world(scene), settings.seed, frames, seconds)
 
 
 class _Standing:
@@ -113,36 +125,31 @@ class _Standing:
         self.world.effects.time = self._seconds_per_frame * (number + 1)
         return Board()
 
+    def close(self) -> None:
+        """Nothing is open."""
 
-class _Play:
-    """The scene played up to each frame."""
 
-    def __init__(self, rehearsal: Rehearsal, frames: int, seconds: float) -> None:
-        self._rehearsal = rehearsal
-        self._ticks_per_frame = seconds * TICKS_PER_SECOND / frames
-        self._done = 0
-        rehearsal.advance(1)
+class _Played:
+    """The first trial of the scene, from where the person acts up to each frame."""
+
+    def __init__(self, core: SessionCore, seconds_per_still: float) -> None:
+        self._core = core
+        self._frames = Frames(core)
+        self._frames.play_to_start()
+        self._start = self._frames.number
+        self._frames_per_still = seconds_per_still * FRAMES_PER_SECOND
 
     @property
     def world(self) -> World:
-        return self._rehearsal.world
+        return self._core.world
 
     def to(self, number: int) -> Board:
-        """Play up to frame `number` and return its board."""
-        wanted = round(self._ticks_per_frame * (number + 1))
-        while self._done < wanted:
-            ticks = min(_MOST_TICKS, wanted - self._done)
-            self._rehearsal.advance(ticks)
-            self._done += ticks
-        snapshot = self._rehearsal.haptics.snapshot()
-        self._rehearsal.scenario.apply(TaskOrders(), snapshot)
-        self.world.update()
-        self.world.effects.time = self._done / TICKS_PER_SECOND
-        cards = {
-            "progress": progress_card(snapshot.progress),
-            "contacts": count_card("Wall contacts", snapshot.contacts),
-            "time": time_card(self._done / TICKS_PER_SECOND),
-            "force": force_card(float(np.linalg.norm(snapshot.f_user_world))),
-            "margin": stability_card(snapshot),
-        }
-        return Board(cards)
+        """Play up to still `number` and return its board."""
+        wanted = self._start + round(self._frames_per_still * (number + 1))
+        while self._frames.number < wanted:
+            self._frames.play_on()
+        return self._frames.board
+
+    def close(self) -> None:
+        """Close the device."""
+        self._core.stop()
