@@ -10,8 +10,10 @@ import pytest
 from mimics_app.app.planner.explain import TICK_GROUP, explain_plan
 from mimics_app.app.planner.plan import plan_scene
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.app.touch.rehearsal import Rehearsal, rehearse
-from mimics_app.contracts import ring
+from mimics_app.app.session.core import SessionCore, open_core
+from mimics_app.app.session.frame import Frames
+from mimics_app.app.session.preparation import prepare_scene
+from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.method_table import Row, Table
 from mimics_app.contracts.resources import root
@@ -33,18 +35,25 @@ UNUSED = ("brute force", "golden section", "mesh of 1000", "mesh of 10000", "cap
 
 
 @cache
-def rehearsals() -> dict[str, Rehearsal]:
-    return {name: rehearse(load_checked_scene(root() / "scenes" / f"{name}.json"), ticks=SETTLED) for name in SCENES}
+def cores() -> dict[str, SessionCore]:
+    """Sessions by scene, their bodies at rest."""
+    started = {}
+    for name in SCENES:
+        scene = load_checked_scene(root() / "scenes" / f"{name}.json")
+        started[name] = core = open_core(prepare_scene(scene, RunSettings(scene.path)))
+        Frames(core).play_to_start()
+        for _ in range(SETTLED // TICKS):
+            tick_us(core)
+    return started
 
 
-def tick_us(rehearsal: Rehearsal) -> float:
+def tick_us(core: SessionCore) -> float:
     """Cost of a tick of the compiled loop [us]; nobody looks at the scene meanwhile."""
     clock = MonotonicClock()
     started = clock.now_ns()
-    rehearsal.haptics.advance(TICKS)
+    core.haptics.advance(TICKS)
     cost = (clock.now_ns() - started) * 1e-3 / TICKS
-    ring.drain(rehearsal.memory.sample_words, rehearsal.memory.samples, rehearsal._rows)
-    rehearsal.haptics.events()
+    core.recorder.wait_for_room(TICKS)
     return cost
 
 
@@ -54,8 +63,8 @@ def measured() -> tuple[Table, dict[str, float]]:
     registry, shipped = load_methods(GROUPS), Table.load_shipped()
     parts, wholes = dict[tuple[str, str], float](), dict[str, float]()
     for _ in range(ROUNDS):
-        for name, rehearsal in rehearsals().items():
-            wholes[name] = min(tick_us(rehearsal), wholes.get(name, float("inf")))
+        for name, core in cores().items():
+            wholes[name] = min(tick_us(core), wholes.get(name, float("inf")))
         for group in GROUPS:
             for method in registry.rivals(group):
                 if method.name not in UNUSED:

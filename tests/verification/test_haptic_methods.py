@@ -7,11 +7,11 @@ import math
 import pytest
 
 from mimics_app.contracts.methods import registry
-from mimics_app.rendering.haptic.methods import contact as methods_contact
-from mimics_app.rendering.haptic.methods import friction as methods_friction
-from mimics_app.rendering.haptic.methods import integrators as methods_integrators
-from mimics_app.rendering.haptic.methods import rotation as methods_rotation
-from mimics_app.rendering.haptic.methods.probe import SIZES
+from mimics_app.lab.haptic import contact as methods_contact
+from mimics_app.lab.haptic import friction as methods_friction
+from mimics_app.lab.haptic import integrators as methods_integrators
+from mimics_app.lab.haptic import rotation as methods_rotation
+from mimics_app.lab.haptic.probe import SIZES
 
 DEFAULTS = {
     methods_integrators.GROUP: "semi-implicit, 1 kHz",

@@ -241,7 +241,7 @@ def _shows_models(scene: Scene) -> bool:
 
 
 _PROBE_PX = 640 * 360
-"""Picture in which the methods of `rendering.visual.methods` are measured [px]."""
+"""Picture in which the methods of `lab.visual` are measured [px]."""
 
 WHOLE_TICK, TOUCH, BODIES = "haptic tick", "touching a shape", "bodies, at rest"
 """Parts of `explain` that hold others."""

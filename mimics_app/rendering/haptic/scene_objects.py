@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -54,7 +55,7 @@ from mimics_app.world.meshes.solids import SolidMesh, hull_corners
 from mimics_app.world.scene.placing import pose_of
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["SceneObjects", "check_objects", "mesh_table_of", "objects_of_scene"]
+__all__ = ["SceneObjects", "check_objects", "objects_of_scene"]
 
 Records = NDArray[Any]
 
@@ -115,9 +116,23 @@ class SceneObjects:
     paths: Records
     fields: tuple[str, ...]
 
+    @cached_property
+    def mesh_table(self) -> MeshTable:
+        """Triangles by SHAPE.mesh, and the hulls of those that bodies carry.
+
+        Raises:
+            ValueError: a mesh cannot be touched; `check_objects` tells.
+        """
+        shapes = self.rows.shapes
+        carried = set(shapes["mesh"][(shapes["kind"] == ShapeKind.MESH) & (shapes["body"] != STATIC)].tolist())
+        hulls = {number: hull_corners(self.meshes[number]) for number in carried}
+        return build_mesh_table([(mesh.vertices, mesh.triangles) for mesh in self.meshes], hulls)
+
 
 def objects_of_scene(scene: Scene) -> SceneObjects:
     """The rows of a checked scene; a scene without anything to touch gives empty tables.
+
+    They are worked out once for a scene and integrator that was planned: whoever changes rows takes copies of them.
 
     An object that may neither shift nor turn, and that no effect or wire names, belongs to the static scene: its
     shapes have no body.
@@ -125,6 +140,15 @@ def objects_of_scene(scene: Scene) -> SceneObjects:
     Raises:
         SceneError: something cannot be made; `check` would have told.
     """
+    return scene.derive(("haptic objects", _planned_integrator(scene)), lambda: _gather(scene))
+
+
+def _planned_integrator(scene: Scene) -> str:
+    """Of bodies that leave it open; without a plan the one that keeps a contact without any damper."""
+    return str(scene.methods.get("colliding bodies", {}).get("integrator", "semi_implicit"))
+
+
+def _gather(scene: Scene) -> SceneObjects:
     gathered = _Gathered(scene)
     for entity, thing, pointer in scene.components(HapticObject):
         try:
@@ -136,23 +160,11 @@ def objects_of_scene(scene: Scene) -> SceneObjects:
     return gathered.finish()
 
 
-def mesh_table_of(objects: SceneObjects) -> MeshTable:
-    """Triangles by SHAPE.mesh, and the hulls of those that bodies carry.
-
-    Raises:
-        ValueError: a mesh cannot be touched; `check_objects` tells.
-    """
-    shapes = objects.rows.shapes
-    carried = set(shapes["mesh"][(shapes["kind"] == ShapeKind.MESH) & (shapes["body"] != STATIC)].tolist())
-    hulls = {number: hull_corners(objects.meshes[number]) for number in carried}
-    return build_mesh_table([(mesh.vertices, mesh.triangles) for mesh in objects.meshes], hulls)
-
-
 def check_objects(scene: Scene) -> list[Issue]:
     """Faults of a scene's objects together: bodies too light for their contacts, meshes that cannot be touched."""
     try:
         objects = objects_of_scene(scene)
-        table = mesh_table_of(objects)
+        table = objects.mesh_table
     except SceneError as error:
         return error.issues
     except ValueError as error:
@@ -267,7 +279,8 @@ class _Gathered:
             (thing.sleeps, BodyFlag.SLEEPS),
         ]
         row["flags"] = sum(int(flag) for wanted, flag in flags if wanted)
-        row["integrator"] = _INTEGRATORS[self._integrator_of(thing)]
+        stated = thing.integrator
+        row["integrator"] = _INTEGRATORS[_planned_integrator(self.scene) if stated == "auto" else stated]
         row["spawn"] = 1
         weight = mass_properties_of(self.scene, thing, solids)
         row["mass"], row["centre"], row["inertia"] = weight.mass, weight.centre, weight.inertia
@@ -279,12 +292,6 @@ class _Gathered:
         row["force_aux"], row["torque_aux"] = thing.force_aux, thing.torque_aux
         row["grip"], row["crush_force"] = thing.grip, thing.crush_force
         return row
-
-    def _integrator_of(self, thing: HapticObject) -> str:
-        """As the object says, else as planned; without a plan the one that keeps a contact without any damper."""
-        if thing.integrator != "auto":
-            return thing.integrator
-        return str(self.scene.methods.get("colliding bodies", {}).get("integrator", "semi_implicit"))
 
     def _surface_row(self, surface: TouchSurface, body: int, entity: str) -> Records:
         """A new row of shapes with everything but its kind, place and size."""
