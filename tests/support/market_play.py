@@ -73,7 +73,7 @@ class MarketPlay:
         heights = []
         while play.now_ns < seconds * 1e9 and not play.tasks.done:
             play.step()
-            heights.append(play.haptics.snapshot().poses[1, 1])
+            heights.append(play.haptics.snapshot().poses[0, 1])
             for name, values in kept.items():
                 values.append(play.samples[name].copy())
         play.tasks.end_session(play.now_ns)

@@ -20,8 +20,9 @@ from mimics_app.rendering.haptic.kernels.acting import account, act, cap_wall
 from mimics_app.rendering.haptic.kernels.drive import control, note_arrival
 from mimics_app.rendering.haptic.kernels.jumps import note_jump
 from mimics_app.rendering.haptic.kernels.objects.hand import write_hand
+from mimics_app.rendering.haptic.kernels.objects.published import sum_motions
 from mimics_app.rendering.haptic.kernels.objects.touches import follow_touch, follow_touches
-from mimics_app.rendering.haptic.kernels.rows import write_command, write_inputs, write_objects, write_outputs
+from mimics_app.rendering.haptic.kernels.rows import write_command, write_inputs, write_outputs
 from mimics_app.rendering.haptic.kernels.safety import step_safety
 from mimics_app.rendering.haptic.kernels.sensing import find_motion, size_ball, take_data
 from mimics_app.rendering.haptic.kernels.state import CONTACT_BEGAN
@@ -47,7 +48,6 @@ def _follow_contacts(objects: Any, counts: Any, state: Any, dt: float) -> None:
     began = follow_touches(objects, counts, felt, dt) + (1 if state.contact_change == CONTACT_BEGAN else 0)
     if began > 0:
         state.contacts += began
-        state.contact_tick = state.tick
 
 
 @kernel
@@ -120,6 +120,6 @@ def tick(
     if state.safety != before:
         state.state_changed = 1
     write_command(state, command)
-    write_outputs(state, row)
-    write_objects(objects, scene.objects, row)
+    state.bodies = sum_motions(objects.motion_words, scene.objects.bodies)
+    write_outputs(state, totals, row)
     state.tick += 1
