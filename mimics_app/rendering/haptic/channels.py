@@ -6,15 +6,15 @@ from collections import namedtuple
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numba import from_dtype, types
+from numba import from_dtype, typeof, types
 from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import EVENT, SAMPLE
 from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_LENGTH, INBOX_LENGTH
-from mimics_app.contracts.object_rows import Rows
+from mimics_app.contracts.object_rows import ObjectCapacities, Rows
 from mimics_app.contracts.session_memory import SHARED_ARRAYS, SessionMemory
-from mimics_app.rendering.haptic.kernels.state import STATE, new_state
-from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROW_STACK, ObjectWork
+from mimics_app.rendering.haptic.kernels.state import new_state
+from mimics_app.rendering.haptic.objects import ROW_STACK, ObjectWork, new_object_work
 
 __all__ = ["CHANNELS", "WORK", "Channels", "Work", "channels_of", "new_work"]
 
@@ -75,14 +75,6 @@ def new_work(objects: ObjectWork) -> Work:
     )
 
 
-_WORDS = types.int64[::1]
-_VECTOR = types.float64[::1]
-
-
-def _records(dtype: np.dtype[Any]) -> Any:
-    return from_dtype(dtype)[::1]
-
-
 def _channel_type(name: str) -> Any:
     if name == "rows":
         return ROW_STACK
@@ -93,17 +85,5 @@ def _channel_type(name: str) -> Any:
 CHANNELS = types.NamedTuple([_channel_type(name) for name in _CHANNELS], Channels)  # type: ignore[no-untyped-call]
 """Compiled type of `Channels`, field by field."""
 
-WORK = types.NamedTuple(  # type: ignore[no-untyped-call]
-    [
-        _records(STATE),
-        OBJECT_WORK,
-        _records(SAMPLE),
-        _records(EVENT),
-        _VECTOR,
-        _VECTOR,
-        _VECTOR,
-        _WORDS,
-    ],
-    Work,
-)
-"""Compiled type of `Work`, field by field."""
+WORK = typeof(new_work(new_object_work(ObjectCapacities(1, 1, 1, 1, 1))))  # type: ignore[no-untyped-call]
+"""Compiled type of `Work`; the same for all capacities."""
