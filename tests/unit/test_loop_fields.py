@@ -143,7 +143,10 @@ EDITS = {
         ("    poses: Vec\n", "    squeeze: float\n    poses: Vec\n"),
     ],
     KERNEL: [
-        ("    last = state.ball_radius\n", "    state.squeeze = 2.0 * state.grasp\n    last = state.ball_radius\n")
+        (
+            "    last = state.ball_radius\n",
+            "    state.squeeze = 1.0 + 2.0 * state.grasp\n    last = state.ball_radius\n",
+        )
     ],
 }
 
@@ -180,9 +183,23 @@ unit = dict(zip(columns, units))["squeeze"]
 print(json.dumps([float(message.squeeze), float(run.haptic["squeeze"][0]), unit, hashed.hexdigest()]))
 """
 
+LOOP = """
+import json
+from tests.support.haptic_bench import patient_bench
 
-def test_a_new_number_out_of_the_loop_is_two_files(tmp_path: Path) -> None:
-    """With the table and one kernel edited, a copy of the product has it in snapshot, sample and recording."""
+bench = patient_bench()
+samples = bench.advance(400)
+snapshot = bench.engine.snapshot()
+again = bench.engine.replay_ticks(samples, bench.blocks, bench.row_blocks)
+told = snapshot.squeeze == 1.0 + 2.0 * snapshot.grasp
+kept = bool((samples["squeeze"] == 1.0 + 2.0 * samples["grasp"]).all())
+print(json.dumps([told, kept, bool((samples["squeeze"] == again["squeeze"]).all())]))
+"""
+
+
+@pytest.fixture
+def product(tmp_path: Path) -> Path:
+    """A folder with a copy of the product in which the table and one kernel were edited, and nothing else."""
     shutil.copytree(PACKAGE, tmp_path / "mimics_app", ignore=shutil.ignore_patterns("__pycache__"))
     for file, edits in EDITS.items():
         text = (tmp_path / "mimics_app" / file).read_text()
@@ -190,10 +207,26 @@ def test_a_new_number_out_of_the_loop_is_two_files(tmp_path: Path) -> None:
             assert text.count(before) == 1, before
             text = text.replace(before, after)
         (tmp_path / "mimics_app" / file).write_text(text)
-    (tmp_path / "run").mkdir()
-    environment = os.environ | {"PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
-    command = [sys.executable, "-c", USE, str(tmp_path / "run")]
-    answer = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
-    assert answer.returncode == 0, answer.stderr
-    published, recorded, unit, state_hash = json.loads(answer.stdout)
-    assert (published, recorded, unit) == (7.0, 7.0, "N/m") and len(state_hash) == 64
+    return tmp_path
+
+
+def _answer(product: Path, code: str, *arguments: str) -> Any:
+    environment = os.environ | {"PYTHONPATH": str(product), "NUMBA_CACHE_DIR": str(product / "cache")}
+    command = [sys.executable, "-c", code, *arguments]
+    done = subprocess.run(command, cwd=product, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_a_new_number_out_of_the_loop_is_two_files(product: Path) -> None:
+    """Its row and the kernel that computes it bring it into snapshot, sample and recording, with its unit."""
+    (product / "run").mkdir()
+    published, recorded, unit, state_hash = _answer(product, USE, str(product / "run"))
+    assert (published, recorded, unit) == (8.0, 8.0, "N/m") and len(state_hash) == 64
+
+
+@pytest.mark.slow
+def test_a_new_number_comes_out_of_the_whole_loop_and_is_replayed(product: Path) -> None:
+    """Compiles the loop once more, for a number in it changes every record."""
+    shutil.copytree(PACKAGE.parent / "tests" / "support", product / "tests" / "support")
+    assert _answer(product, LOOP) == [True, True, True]
