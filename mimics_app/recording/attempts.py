@@ -10,24 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import Controller
+from mimics_app.contracts.report_section import TunnelShape
 from mimics_app.recording.columns import whole
 from mimics_app.recording.report_values import number
 from mimics_app.recording.run import Run
 
-__all__ = ["Attempt", "TunnelShape", "find_attempts", "tunnel_shape"]
+__all__ = ["Attempt", "find_attempts", "tunnel_shape"]
 
 _STEPS_PER_PIECE = 24
 _TUNNEL = {"pieces", "centre", "radius", "radius_scale"}
 
 Values = NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True)
-class TunnelShape:
-    """Bisector and radius of a tunnel, sampled along its length: world frame [m], shapes [n, 3] and [n]."""
-
-    bisector_world: Values
-    radius: Values
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ Here is what it shows, as plain values, tables and plots; `templates/report.html
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.report_section import ReportSection
 from mimics_app.contracts.trial_counts import count_trials
 from mimics_app.contracts.trips import TripReader
 from mimics_app.recording.attempts import Attempt, find_attempts
 from mimics_app.recording.plot import Plot
-from mimics_app.recording.report_carry import carry_cards, carry_facts, draw_carry
 from mimics_app.recording.report_figures import draw_lateness, draw_path, draw_states, draw_traces
 from mimics_app.recording.report_governor import governor_tables
 from mimics_app.recording.report_page import render_page
@@ -48,11 +48,10 @@ __all__ = ["Page", "Punctuality", "page_of", "punctuality", "write_report"]
 _OPEN_ATTEMPTS = 3
 _WARM_UP_TICKS = 1000
 _OWN_KEYS = ("format", "version", "versions", "machine", "clock", "plan")
-_TUNNEL_COLOURS = "The path of the robot's top is blue, the bisector of the tunnel red, its walls green."
 _TRIPS = "{}. A stop is latched until a person resets it; a short hold, after a late tick, ends by itself."
 _BADGES = {"clean": "recording complete", "open": "recording not closed"}
-_CARRY_COLOURS = "The path of the empty hand is blue, that of the hand with the thing in it orange, the mark green."
-_HAND_COLOURS = "The path of the robot's top is blue."
+_UNREADABLE = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
+"""What a section meets in facts of a scene that were damaged, or that are not what it thinks."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,37 +175,41 @@ class Page:
     record: Record
 
 
-def write_report(folder: Path) -> Path:
+def write_report(folder: Path, sections: Sequence[ReportSection]) -> Path:
     """Write report.html into a run folder and return where it is.
+
+    Args:
+        folder: Of the run.
+        sections: Of the kinds of task; the first that takes the run tells of its movement.
 
     Raises:
         UsageError: It is no run folder.
         OSError: The folder cannot be written.
     """
-    page = render_page(page_of(Run.open(folder)))
+    page = render_page(page_of(Run.open(folder), sections))
     path = folder / FILES["report"]
     write_atomically(path, page.encode())
     return path
 
 
-def page_of(run: Run) -> Page:
-    """Everything the report of a run shows."""
+def page_of(run: Run, sections: Sequence[ReportSection]) -> Page:
+    """Everything the report of a run shows; `sections` as in `write_report`."""
     attempts = find_attempts(run)
-    carry = carry_facts(run)
-    heading, colours = _heading(carry, attempts)
-    recorded = len(run.haptic) > 0
+    facts = mapping(run.session.get("facts"))
+    section = _section_of(sections, facts, attempts)
+    recorded, listed = len(run.haptic) > 0, list(enumerate(attempts))
     return Page(
         title=f"Report of {_scene_name(run)}",
         status=_BADGES.get(run.status, f"recording {run.status}"),
         tone={"clean": "good", "open": "bad"}.get(run.status, "warn"),
         line=_head_line(run),
         problems=list(judge(run).problems),
-        cards={name: text for name, text in _cards(run, attempts).items() if text != NONE},
+        cards={name: text for name, text in _cards(run, attempts, section).items() if text != NONE},
         counted=bool(mapping(run.summary.get("task"))),
         trials=trials_of(run),
-        heading=heading,
-        colours=colours,
-        movement=[_movement(run, attempt, carry, opened=i < _OPEN_ATTEMPTS) for i, attempt in enumerate(attempts)],
+        heading=section.heading if attempts else "Movement",
+        colours=section.colours if attempts else "",
+        movement=[_movement(run, attempt, (section, facts), opened=i < _OPEN_ATTEMPTS) for i, attempt in listed],
         contacts=contacts_of(run),
         safety=_safety(run) if recorded else None,
         real_time=_real_time(run) if recorded else None,
@@ -238,17 +241,16 @@ def _local_time(utc: Any) -> str:
         return ""
 
 
-def _cards(run: Run, attempts: list[Attempt]) -> dict[str, str]:
+def _cards(run: Run, attempts: list[Attempt], section: ReportSection) -> dict[str, str]:
     task = mapping(run.summary.get("task"))
     felt = [_largest(attempt.samples[attempt.free]["f_user_world"]) for attempt in attempts]
-    carried, tunnel = carry_facts(run) is not None, _has_tunnel(attempts)
     return {
         **_trial_cards(run),
         "score": one(task.get("score")),
         "time": one(task.get("time_s"), "s"),
-        **({name: _card(*figure) for name, figure in carry_cards(task).items()} if carried else {}),
-        "off the straight way" if carried else "path error": one(scaled(task.get("path_error_m"), 1000.0), "mm"),
-        "wall contacts" if tunnel and not carried else "contacts": shown(task.get("contacts")),
+        **{name: _card(*figure) for name, figure in section.tiles(task).items()},
+        section.path_error: one(scaled(task.get("path_error_m"), 1000.0), "mm"),
+        section.contacts: shown(task.get("contacts")),
         "largest force felt": one(max(felt, default=0.0) or None, "N"),
         "smallest stability margin": one(scaled(smallest_margin(run.haptic), 100.0), "%"),
         **_missed_card(run),
@@ -273,10 +275,6 @@ def _trial_cards(run: Run) -> dict[str, str]:
     return {name: f"{completed} of {trials}" for name, (completed, trials) in ended.items() if trials}
 
 
-def _has_tunnel(attempts: list[Attempt]) -> bool:
-    return any(attempt.tunnel is not None for attempt in attempts)
-
-
 def _stops_and_holds(run: Run) -> dict[str, int]:
     """How often a stop was latched, and how often the force was held for late ticks and came back by itself."""
     latched = [trip.latched for trip in TripReader().take(run.events)]
@@ -291,20 +289,20 @@ def _largest(vectors: NDArray[np.float64]) -> float:
     return float(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)).max()) if len(vectors) else 0.0
 
 
-def _heading(carry: Mapping[str, Any] | None, attempts: list[Attempt]) -> tuple[str, str]:
-    """What the movement was, and what its colours mean."""
-    if not attempts:
-        return "Movement", ""
-    if carry is not None:
-        return "Carrying", _CARRY_COLOURS
-    if _has_tunnel(attempts):
-        return "Movement through the tunnel", _TUNNEL_COLOURS
-    return "Movement of the hand", _HAND_COLOURS
+def _section_of(sections: Sequence[ReportSection], facts: Mapping[str, Any], attempts: list[Attempt]) -> ReportSection:
+    """The first section that takes the run; the plain one where none does."""
+    return next((section for section in sections if section.takes(facts, attempts)), ReportSection())
 
 
-def _movement(run: Run, attempt: Attempt, carry: Mapping[str, Any] | None, *, opened: bool) -> Movement:
-    path = draw_path(attempt, run.events) if carry is None else draw_carry(attempt, carry)
-    return Movement(attempt.title, path, draw_traces(attempt, carry), opened)
+def _movement(run: Run, attempt: Attempt, told: tuple[ReportSection, Mapping[str, Any]], *, opened: bool) -> Movement:
+    """Figure and traces of an attempt; without what the section adds where it cannot read the facts of the scene."""
+    section, facts = told
+    try:
+        path, traces = draw_path(section, attempt, facts, run.events), draw_traces(section, attempt, facts)
+    except _UNREADABLE:
+        plain = ReportSection()
+        path, traces = draw_path(plain, attempt, facts, run.events), draw_traces(plain, attempt, facts)
+    return Movement(attempt.title, path, traces, opened)
 
 
 def _safety(run: Run) -> Safety:

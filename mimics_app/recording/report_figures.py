@@ -1,4 +1,4 @@
-"""The drawings of a report: Figure 48 of D2.1 for every attempt, traces over time, lateness, safety states."""
+"""The drawings of a report: the path of every attempt, traces over time, lateness, safety states."""
 
 from __future__ import annotations
 
@@ -9,71 +9,57 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import EventKind, SafetyState
-from mimics_app.recording.attempts import Attempt, TunnelShape
+from mimics_app.contracts.report_section import Marks, ReportSection, Traces, Word, frontal
+from mimics_app.recording.attempts import Attempt
 from mimics_app.recording.columns import whole
 from mimics_app.recording.plot import Axis, Plot, envelope
-from mimics_app.recording.report_carry import carry_lines
 from mimics_app.recording.report_stability import stability_lines
 
 __all__ = ["draw_lateness", "draw_path", "draw_states", "draw_traces"]
 
 Values = NDArray[np.float64]
 
+_MM = 1000.0
 _LEAST_LATENESS_US = 0.1
 _MISS_US = 1000.0
 _AROUND_ROWS = 1000
 
 
-def draw_path(attempt: Attempt, events: NDArray[Any]) -> Plot:
-    """Figure 48 of D2.1: path of the robot blue, bisector red, walls green, in the frontal plane, equal axes.
+def draw_path(section: ReportSection, attempt: Attempt, facts: Mapping[str, Any], events: NDArray[Any]) -> Plot:
+    """Path of the hand in the frontal plane (the world's x, lateral, and y, vertical; axes equal), as a section has it.
 
-    The frontal plane is that of the world's x (lateral) and y (vertical).
+    Where no kind of task says more the beginnings of contacts are marked.
     """
-    path = 1000.0 * attempt.samples["hip_world"][:, :2]
-    walls = [] if attempt.tunnel is None else [1000.0 * side for side in _walls(attempt.tunnel)]
+    behind = section.behind(attempt, facts)
+    path = frontal(attempt)
     free = path[attempt.free] if attempt.free.any() else path
-    x = Axis.of("lateral [mm]", free[:, 0], *[side[:, 0] for side in walls])
-    y = Axis.of("vertical [mm]", free[:, 1], *[side[:, 1] for side in walls])
-    plot = Plot.equal(x, y, f"Path of the robot in the frontal plane, {attempt.title}")
-    if attempt.tunnel is not None:
-        for i, side in enumerate(walls):
-            plot.line(side[:, 0], side[:, 1], "wall", "" if i else "walls of the tunnel")
-        bisector = 1000.0 * attempt.tunnel.bisector_world
-        plot.line(bisector[:, 0], bisector[:, 1], "bisector", "bisector of the tunnel")
-        _name_ends(plot, bisector[:, :2])
-    moved = np.where(attempt.free[:, None], path, np.nan)
-    plot.line(moved[:, 0], moved[:, 1], "robot", "path of the robot")
-    _mark_contacts(plot, attempt, events)
+    x = Axis.of("lateral [mm]", *(_MM * points[:, 0] for points in (free, *(curve.points for curve in behind))))
+    heights = (_MM * points[:, 1] for points in (free, *(curve.points for curve in behind)))
+    y = Axis.of("vertical [mm]", *heights, zero=section.from_floor)
+    plot = Plot.equal(x, y, f"Path of the hand in the frontal plane, {attempt.title}")
+    for curve in (*behind, *section.hand(attempt, facts)):
+        plot.line(_MM * curve.points[:, 0], _MM * curve.points[:, 1], curve.style, curve.label)
+    for word in section.words(attempt, facts):
+        _write_beside(plot, word)
+    marks = section.marks(attempt, facts) or [_contact_marks(section, attempt, events)]
+    for mark in marks:
+        if len(mark.points):
+            plot.points(_MM * mark.points[:, 0], _MM * mark.points[:, 1], mark.style, mark.label, list(mark.hovers))
     return plot
 
 
-def _name_ends(plot: Plot, bisector: Values) -> None:
-    """Write "start" and "goal" before the tunnel's mouths, where neither wall nor path runs."""
+def _write_beside(plot: Plot, word: Word) -> None:
     gap = 0.008 * (plot.x.high - plot.x.low)
-    for name, end, inner in (("start", 0, 1), ("goal", -1, -2)):
-        outward = bisector[end] - bisector[inner]
-        outward = outward / max(float(np.hypot(*outward)), 1e-12)
-        x, y = bisector[end] + gap * outward
-        anchor = "middle" if abs(outward[0]) < 0.3 else "end" if outward[0] < 0.0 else "start"
-        plot.word(float(x), float(y) - 0.5 * gap, name, anchor)
+    outward = word.outward / max(float(np.hypot(*word.outward)), 1e-12)
+    x, y = _MM * word.place + gap * outward
+    anchor = "middle" if abs(outward[0]) < 0.3 else "end" if outward[0] < 0.0 else "start"
+    plot.word(float(x), float(y) - 0.5 * gap, word.text, anchor)
 
 
-def _walls(tunnel: TunnelShape) -> list[Values]:
-    """Outline of a tube in the frontal plane: the bisector moved by its radius to both sides of its projection."""
-    centre = tunnel.bisector_world[:, :2]
-    along = np.gradient(centre, axis=0)
-    length = np.maximum(np.hypot(along[:, 0], along[:, 1]), 1e-12)[:, None]
-    side = np.column_stack([-along[:, 1], along[:, 0]]) / length * tunnel.radius[:, None]
-    return [centre + side, centre - side]
-
-
-def _mark_contacts(plot: Plot, attempt: Attempt, events: NDArray[Any]) -> None:
+def _contact_marks(section: ReportSection, attempt: Attempt, events: NDArray[Any]) -> Marks:
     mine = _contacts_of(attempt, events)
-    if len(mine):
-        where = 1000.0 * mine["position_world"].astype(np.float64)
-        hovers = [f"tick {e['tick']}, {e['force']:.1f} N" for e in mine]
-        what = "contact begins" if attempt.tunnel is None else "wall contact begins"
-        plot.points(where[:, 0], where[:, 1], "contact", what, hovers)
+    hovers = [f"tick {e['tick']}, {e['force']:.1f} N" for e in mine]
+    return Marks(mine["position_world"][:, :2].astype(np.float64), section.contact, hovers)
 
 
 def _contacts_of(attempt: Attempt, events: NDArray[Any]) -> NDArray[Any]:
@@ -82,13 +68,8 @@ def _contacts_of(attempt: Attempt, events: NDArray[Any]) -> NDArray[Any]:
     return events[within & (events["kind"] == EventKind.CONTACT_BEGIN)]
 
 
-def draw_traces(attempt: Attempt, carry: Mapping[str, Any] | None = None) -> list[Plot]:
-    """Force, velocity, distance and stability over time; peaks are kept however long the attempt is.
-
-    Args:
-        attempt: Whose.
-        carry: What the scenario told of the carrying (`report_carry.carry_facts`); None: nothing was carried.
-    """
+def draw_traces(section: ReportSection, attempt: Attempt, facts: Mapping[str, Any]) -> list[Plot]:
+    """Force, velocity, what the section adds, and stability over time; peaks are kept however long the attempt is."""
     samples = attempt.samples
     if len(samples) < 2:
         return []
@@ -96,52 +77,23 @@ def draw_traces(attempt: Attempt, carry: Mapping[str, Any] | None = None) -> lis
         "measured": ("force of the person on the handle", _norm(samples["f_meas"])),
         "felt": ("virtual force on the person", _norm(samples["f_user_world"])),
     }
-    own: list[Plot] = []
-    if carry is not None:
-        own = _carry_traces(attempt, carry)
-    elif attempt.tunnel is not None:
-        own = _tunnel_traces(attempt)
+    speed = {"robot": ("speed of the robot", _norm(samples["v_world"]))}
+    touching = section.touching
     return [
-        _trace_plot(attempt, "force [N]", force),
-        *own,
-        _trace_plot(attempt, "velocity [m/s]", {"robot": ("speed of the robot", _norm(samples["v_world"]))}),
-        *(_trace_plot(attempt, label, lines, only_free=True) for label, lines in stability_lines(attempt).items()),
+        _trace_plot(attempt, "force [N]", force, touching),
+        *_free_plots(attempt, section.traces(attempt, facts), touching),
+        _trace_plot(attempt, "velocity [m/s]", speed, touching),
+        *_free_plots(attempt, stability_lines(attempt), touching),
     ]
 
 
-def _carry_traces(attempt: Attempt, carry: Mapping[str, Any]) -> list[Plot]:
-    return [_trace_plot(attempt, label, lines, only_free=True) for label, lines in carry_lines(attempt, carry).items()]
+def _free_plots(attempt: Attempt, traces: Traces, touching: str) -> list[Plot]:
+    return [_trace_plot(attempt, label, lines, touching, only_free=True) for label, lines in traces.items()]
 
 
-def _tunnel_traces(attempt: Attempt) -> list[Plot]:
-    samples = attempt.samples
-    return [
-        _trace_plot(
-            attempt,
-            "tunnel force [N]",
-            {
-                "tangent": ("along the tunnel (t)", samples["f_tunnel"][:, 0]),
-                "normal": ("normal (n)", samples["f_tunnel"][:, 1]),
-                "binormal": ("binormal (b)", samples["f_tunnel"][:, 2]),
-            },
-            only_free=True,
-        ),
-        _trace_plot(
-            attempt,
-            "from bisector [mm]",
-            {
-                "robot": ("distance of the ball from the bisector", 1000.0 * samples["distance"]),
-                "wall": (
-                    "where the ball meets the wall",
-                    1000.0 * np.maximum(samples["tunnel_radius"] - samples["ball_radius"], 0.0),
-                ),
-            },
-            only_free=True,
-        ),
-    ]
-
-
-def _trace_plot(attempt: Attempt, label: str, lines: dict[str, tuple[str, Values]], *, only_free: bool = False) -> Plot:
+def _trace_plot(
+    attempt: Attempt, label: str, lines: Mapping[str, tuple[str, Values]], touching: str, *, only_free: bool = False
+) -> Plot:
     """Traces around the time the person moved; `only_free` leaves out what means nothing while the robot drives."""
     near = _near_free(attempt)
     t, free = attempt.samples["t"][near], attempt.free[near]
@@ -156,7 +108,7 @@ def _trace_plot(attempt: Attempt, label: str, lines: dict[str, tuple[str, Values
     plot = Plot(x, y, f"{label} over time, {attempt.title}", height=170.0)
     plot.spans(*_stretches(t, ~free), "driven", "driven by the robot")
     touch = free & ((attempt.samples["penetration"][near] > 0.0) | (attempt.samples["touching"][near] > 0.0))
-    plot.spans(*_stretches(t, touch), "touch", "ball in the wall" if attempt.tunnel is not None else "touching")
+    plot.spans(*_stretches(t, touch), "touch", touching)
     for kind, name, when, values in drawn:
         plot.line(when, values, kind, name)
     return plot

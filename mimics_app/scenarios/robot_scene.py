@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -12,9 +13,10 @@ from mimics_app.contracts.scenario_port import Home
 from mimics_app.rendering.haptic.kernels.kinematics import inverse
 from mimics_app.rendering.haptic.scene_block import axis_offset, robot_from_world, scene_from_components
 from mimics_app.world.components.robot import Admittance, Ball, JointPd, Robot, Safety, WorldPd
+from mimics_app.world.scene.placing import pose_of
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["Vec3", "robot_block", "start_at", "triple"]
+__all__ = ["Places", "Vec3", "robot_block", "start_at", "triple"]
 
 Vec3 = tuple[float, float, float]
 
@@ -28,6 +30,22 @@ def robot_block(scene: Scene) -> NDArray[Any]:
         scene.first(Safety),
         scene.first(WorldPd) or scene.first(JointPd),
     )
+
+
+class Places(Mapping[str, Vec3]):
+    """Where the entities of a scene are [m], looked up when asked: a task names few of them."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+
+    def __getitem__(self, entity: str) -> Vec3:
+        return triple(pose_of(self._scene, entity)[0])
+
+    def __iter__(self) -> Iterator[str]:
+        return (entity.id for entity in self._scene.entities)
+
+    def __len__(self) -> int:
+        return len(self._scene.entities)
 
 
 def start_at(scene: Scene, point_world: NDArray[np.float64]) -> tuple[Vec3, Home | None]:

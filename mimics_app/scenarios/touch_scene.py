@@ -16,7 +16,7 @@ from mimics_app.rendering.haptic.scene_block import axis_offset, robot_from_worl
 from mimics_app.rendering.haptic.scene_effects import curve_of_path
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.scenarios.body_nodes import BodyNodes
-from mimics_app.scenarios.robot_scene import robot_block, start_at
+from mimics_app.scenarios.robot_scene import Places, robot_block, start_at
 from mimics_app.world.components.objects import HapticObject, HapticPath, InteractionPoints
 from mimics_app.world.components.robot import Ball, Patient, Robot
 from mimics_app.world.meshes.primitives import tube
@@ -69,7 +69,7 @@ class TouchScene(Scenario):
     @property
     def task_context(self) -> TaskContext:
         joints, home = start_at(self._scene, self._start)
-        return TaskContext(joints, home)
+        return TaskContext(joints, home, self._objects.body_entities, Places(self._scene))
 
     @property
     def via_points_world(self) -> NDArray[np.float64]:

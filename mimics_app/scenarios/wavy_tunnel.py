@@ -15,7 +15,7 @@ from mimics_app.maths.quat import from_matrix
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
 from mimics_app.scenarios.body_nodes import BodyNodes
-from mimics_app.scenarios.robot_scene import robot_block, start_at
+from mimics_app.scenarios.robot_scene import Places, robot_block, start_at
 from mimics_app.world.components.robot import Ball, Robot, Tunnel
 from mimics_app.world.components.systems import HapticSettings
 from mimics_app.world.components.visible import TunnelView
@@ -68,7 +68,8 @@ class WavyTunnel(Scenario):
 
     @property
     def task_context(self) -> TaskContext:
-        return TaskContext(*start_at(self._scene, self._curve.point(0.0)), offers=frozenset({"tunnel"}))
+        start = start_at(self._scene, self._curve.point(0.0))
+        return TaskContext(*start, places=Places(self._scene), offers=frozenset({"tunnel"}))
 
     @property
     def via_points_world(self) -> NDArray[np.float64]:

@@ -5,7 +5,10 @@ from __future__ import annotations
 from mimics_app.contracts.board import Bar, Card, Tone
 from mimics_app.tasks.kinds.carry_spec import GripSpec
 
-__all__ = ["count_card", "force_card", "grasp_card", "progress_card", "state_card", "time_card"]
+__all__ = ["CARDS", "count_card", "force_card", "grasp_card", "progress_card", "state_card", "time_card"]
+
+CARDS = ("progress", "time", "contacts", "force", "score", "state", "trial", "margin")
+"""Cards that every task has; "margin" is the stability monitor's."""
 
 _WITH_BAR = 290.0
 _GRASP_ROOM = 1.4

@@ -5,13 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mimics_app.contracts.errors import Issue, SceneError, nearest
+from mimics_app.tasks.cards import CARDS
 from mimics_app.tasks.check import check_task, object_of_target
 from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.task import DurationGoal, SoundDeed, TaskSpec
 from mimics_app.tasks.trial_file import resolve_trials
-from mimics_app.world.components.registry import register_section
+from mimics_app.world.components.registry import register_check, register_section
 from mimics_app.world.components.robot import Tunnel
-from mimics_app.world.components.visible import Sound
+from mimics_app.world.components.visible import Hud, Sound
 from mimics_app.world.scene.json_text import escape
 
 if TYPE_CHECKING:
@@ -77,4 +78,15 @@ def _check_trial_file(spec: TaskSpec, scene: Scene) -> list[Issue]:
     return []
 
 
+def _check_board(hud: Hud, pointer: str, scene: Scene) -> list[Issue]:
+    """A scene shows cards that there are."""
+    known = [*CARDS, *(card for kind in task_kinds() for card in kind.cards)]
+    return [
+        scene.issue(f"{pointer}/show/{i}", f'"{name}" is not possible here', nearest(name, known))
+        for i, name in enumerate(hud.show)
+        if name not in known
+    ]
+
+
 register_section("task", TaskSpec, check_section)
+register_check("hud", _check_board)

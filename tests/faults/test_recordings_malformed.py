@@ -21,6 +21,7 @@ from mimics_app.recording.report import page_of, write_report
 from mimics_app.recording.run import Run
 from mimics_app.recording.statics import Statics, read_statics, write_statics
 from mimics_app.recording.verdict import Verdict, judge
+from mimics_app.tasks.kinds.registry import report_sections
 from tests.support.recording_mutations import FILES, SEALED, copy_run, mutate
 from tests.support.synthetic_run import write_synthetic_run
 
@@ -37,7 +38,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("whole")
     write_statics(folder, Statics({"paths": np.arange(12.0)}, ("spring",)))
     write_synthetic_run(folder, 0.5)
-    write_report(folder)  # writes the log of the trip, too
+    write_report(folder, report_sections())  # writes the log of the trip, too
     (folder / "report.html").unlink()
     (folder / "manifest.json").unlink()
     recover(folder)
@@ -95,8 +96,8 @@ def _check(whole: Path, folder: Path, seed: int) -> bool:
 def _judged(folder: Path, *, report: bool) -> Verdict:
     verdict = judge(Run.open(folder))
     if report:
-        assert tuple(page_of(Run.open(folder)).problems) == verdict.problems
-        write_report(folder)
+        assert tuple(page_of(Run.open(folder), report_sections()).problems) == verdict.problems
+        write_report(folder, report_sections())
     return verdict
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from mimics_app.contracts.resources import root
+from mimics_app.contracts.trial_counts import count_trials
 from mimics_app.recording.run import Run
 
 SIZE = "20m"
@@ -40,5 +41,5 @@ def test_run_on_a_disk_that_fills_ends_with_6_and_tells_what_is_missing(small_di
     assert run.manifest is not None and run.status == "clean"
     assert len(run.haptic) + run.lost_at_end == answer["ticks"]
     assert any("ticks are missing: the disk is full" in problem for problem in run.problems())
-    assert len(run.trials) == answer["task"]["trials"]
+    assert count_trials(run.trials).as_dict().items() <= answer["task"].items()
     assert not run.disagreements() and not run.damages

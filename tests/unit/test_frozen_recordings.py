@@ -17,6 +17,7 @@ from mimics_app.recording.recover import recover
 from mimics_app.recording.report import page_of, write_report
 from mimics_app.recording.run import Run
 from mimics_app.recording.verdict import judge
+from mimics_app.tasks.kinds.registry import report_sections
 
 FROZEN = sorted((Path(__file__).parents[1] / "data").glob("run_*"))
 COLUMNS = {"tick", "state", "hip_world[0]", "hip_world[1]", "hip_world[2]", "f_user_world[0]", "f_meas[0]", "q[0]"}
@@ -46,8 +47,8 @@ def test_frozen_recording_is_whole(folder: Path) -> None:
 @pytest.mark.parametrize("folder", FROZEN, ids=lambda folder: folder.name)
 def test_frozen_recording_is_reported_and_recovered(folder: Path, tmp_path: Path) -> None:
     copy = Path(shutil.copytree(folder, tmp_path / "run"))
-    assert page_of(Run.open(copy)).title == "Report of pick and place"
-    assert "<h2>Carrying</h2>" in write_report(copy).read_text()
+    assert page_of(Run.open(copy), report_sections()).title == "Report of pick and place"
+    assert "<h2>Carrying</h2>" in write_report(copy, report_sections()).read_text()
     before = Run.open(copy).haptic.tobytes()
     (copy / "manifest.json").unlink()
     assert recover(copy).verdict.status == "recovered"

@@ -22,6 +22,7 @@ from mimics_app.recording.report_tables import contact_rows, trials_of
 from mimics_app.recording.report_values import Seconds, shown
 from mimics_app.recording.run import Run
 from mimics_app.recording.trial_table import TrialTable
+from mimics_app.tasks.kinds.registry import report_sections
 from tests.support.synthetic_run import RADIUS, bisector, samples_of_session, scene_block, write_synthetic_run
 
 
@@ -32,7 +33,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def page(folder: Path) -> str:
-    return write_report(folder).read_text()
+    return write_report(folder, report_sections()).read_text()
 
 
 class _Reader(HTMLParser):
@@ -97,7 +98,7 @@ def test_stops_and_short_holds_are_counted_apart(tmp_path: Path) -> None:
     told += [("state", SafetyState.SAFE_STOP), ("trip", TripCause.STALE_DEVICE)]
     lines = [line % (kind, i, 1000 + i, number) for i, (kind, number) in enumerate(told)]
     (folder / "events.jsonl").write_text("\n".join(lines) + "\n")
-    page = write_report(folder).read_text(encoding="utf-8")
+    page = write_report(folder, report_sections()).read_text(encoding="utf-8")
     assert "<b>1</b><span>safety stops</span>" in page and "<b>1</b><span>short holds</span>" in page
     assert "this computer was too busy: a tick came too late" in page and "look at its line and its power" in page
 
@@ -179,7 +180,7 @@ def test_no_text_of_a_recording_is_markup(tmp_path: Path) -> None:
         file.write(json.dumps({"source": "recorder", "kind": "gap", "after_row": 0, "reason": _SCRIPT}) + "\n")
     trials = (tmp_path / "trials.csv").read_text()
     (tmp_path / "trials.csv").write_text(trials.replace("finished", _SCRIPT).replace("81.25", _SCRIPT))
-    page = write_report(tmp_path).read_text()
+    page = write_report(tmp_path, report_sections()).read_text()
     assert "<script" not in page
     assert page.count("&lt;script&gt;") > 20, "it is shown as text"
 
@@ -189,7 +190,7 @@ def test_the_figure_that_was_markup(tmp_path: Path) -> None:
     manifest = json.loads((tmp_path / "manifest.json").read_text())
     manifest["summary"]["task"] = {"completed": _SCRIPT, "trials": _SCRIPT, "contacts": _SCRIPT}
     (tmp_path / "manifest.json").write_text(json.dumps(manifest))
-    page = write_report(tmp_path).read_text()
+    page = write_report(tmp_path, report_sections()).read_text()
     assert "<script" not in page and "<b>&lt;script&gt;alert(1)&lt;/script&gt;</b>" in page
 
 
@@ -225,7 +226,7 @@ def test_trials_come_first_with_units_and_within_the_page(tmp_path: Path) -> Non
     assert "smoothness (spectral arc length) [–]" in trials.measured[0].names
     assert all(len(table.names) <= 13 and table.names[0] == "trial" for table in trials.measured)
     assert {name.replace("_", " ") for name in names} <= {n for t in trials.measured for n in t.names}, "none is lost"
-    page = write_report(tmp_path).read_text()
+    page = write_report(tmp_path, report_sections()).read_text()
     assert page.index("<h2>Trials") < page.index("<h2>Movement")
 
 
@@ -247,10 +248,10 @@ def test_interrupted_run_is_reported_and_says_so(tmp_path: Path, capsys: pytest.
 
 def test_run_without_anything_is_still_reported(tmp_path: Path) -> None:
     (tmp_path / "session.json").write_text("{")
-    text = write_report(tmp_path).read_text()
+    text = write_report(tmp_path, report_sections()).read_text()
     assert "No tick was recorded" in text and "No trial was finished" in text
     with pytest.raises(UsageError):
-        write_report(tmp_path / "nothing")
+        write_report(tmp_path / "nothing", report_sections())
 
 
 def test_record_command_mends_and_verifies(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

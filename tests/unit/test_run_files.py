@@ -36,6 +36,7 @@ from mimics_app.recording.state_hash import StateHash
 from mimics_app.recording.statics import Statics, write_statics
 from mimics_app.recording.streams import EventStream, ParameterStream, SampleStream, hash_of_files
 from mimics_app.recording.trial_table import TrialTable, read_trials
+from mimics_app.tasks.kinds.registry import report_sections
 from tests.support.recorder_app import fake_samples, push_ticks, scene_block
 
 
@@ -211,7 +212,7 @@ def test_other_columns_are_read_as_far_as_they_are_known(tmp_path: Path) -> None
     absent = set(run.layout.absent)
     assert {"margin", "q[0]"} <= absent and not {"t", "tick", "state"} & absent
     assert any("recorded without" in problem for problem in run.problems())
-    write_report(tmp_path)
+    write_report(tmp_path, report_sections())
     with pytest.raises(PartialDataError, match="other columns"):
         gather(run)
     recover(tmp_path)
@@ -380,7 +381,7 @@ def test_every_file_of_a_run_is_its_users_alone(tmp_path: Path) -> None:
         while_it_runs = {path.name: path.stat().st_mode & 0o777 for path in folder.iterdir()}
         recorder.close({})
         write_statics(folder, Statics({"paths": np.arange(3.0)}, ()))
-        write_report(folder)
+        write_report(folder, report_sections())
         (folder / "manifest.json").unlink()
         with (folder / "events.jsonl").open("ab") as file:
             file.write(b"torn")

@@ -14,6 +14,7 @@ from mimics_app.recording.recorder import Recorder
 from mimics_app.recording.report import write_report
 from mimics_app.recording.run import Run
 from mimics_app.recording.trip_log import MOST_TRIPS, TripLog, complete_trips, read_trip, trip_file
+from mimics_app.tasks.kinds.registry import report_sections
 from tests.support.recorder_app import fake_samples
 from tests.support.synthetic_run import write_synthetic_run
 
@@ -84,7 +85,7 @@ def test_report_names_and_draws_the_trips_of_a_run_that_has_no_logs(tmp_path: Pa
     run = Run.open(folder)
     told = [int(t) for t in run.events["tick"][run.events["kind"] == EventKind.TRIP]]
     assert told, "the run this test is about has a trip"
-    page = write_report(folder).read_text()
+    page = write_report(folder, report_sections()).read_text()
     assert "trips/trip_000.arrows" in page and "Speed before the trip" in page
     found = complete_trips(run)
     assert [tick for tick, _ in found] == told

@@ -234,7 +234,7 @@ def test_paths_are_read(tmp_path, name, text):
         ("p.json", '{"points": [[0,1,2],7]}', r"#/points/1"),
         ("p.json", '{"dots": []}', r"#/points"),
         ("p.json", "[[0,1,", "is not JSON"),
-        ("p.json", "[" * 100_000, "is not JSON"),
+        ("p.json", "[" * 100_000, "nested deeper"),
         ("p.json", "[[1" + "0" * 400 + ",0,0],[1,1,1]]", r"#/0"),
     ],
 )
@@ -247,7 +247,7 @@ def test_bad_paths_are_refused_with_line_or_pointer(tmp_path, name, text, words)
 def test_unreadable_paths_are_refused(tmp_path):
     (tmp_path / "p.csv").write_bytes(b"\xff\xfe\x00\x81")
     for name in ("p.csv", "none.csv"):
-        with pytest.raises(SceneError, match="cannot be read"):
+        with pytest.raises(SceneError, match=r"cannot be read|is no CSV file|no such file"):
             read_path(tmp_path / name)
 
 

@@ -23,8 +23,9 @@ def run(args: argparse.Namespace) -> int:
 
     opened = Run.open(args.folder)
     from mimics_app.recording.report import write_report
+    from mimics_app.tasks.kinds.registry import report_sections
 
-    report = write_report(args.folder)
+    report = write_report(args.folder, report_sections())
     problems = list(judge(opened).problems)
     if args.json:
         from mimics_app.app.terminal.output import write_object

@@ -27,6 +27,7 @@ from mimics_app.contracts.haptic import SafetyState
 from mimics_app.recording.manifest import Manifest
 from mimics_app.recording.report import write_report
 from mimics_app.recording.run_folder import private_files
+from mimics_app.tasks.kinds.registry import report_sections
 
 __all__ = ["play"]
 
@@ -80,7 +81,7 @@ def _report(session: Session, manifest: Manifest) -> tuple[Path | None, bool]:
     if lost:
         sys.stderr.write(f"mimics: {session.folder}: {lost} ticks were not recorded; {manifest.problem}\n")
     try:
-        return write_report(session.folder), not lost
+        return write_report(session.folder, report_sections()), not lost
     except OSError as error:
         sys.stderr.write(f"mimics: the report cannot be written: {error.strerror}; mimics report {session.folder}\n")
         return None, False

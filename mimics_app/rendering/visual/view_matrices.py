@@ -10,7 +10,6 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pyrr import matrix44
 
 __all__ = ["Tangents", "compose_clip_from_view", "compose_look_at"]
 
@@ -41,6 +40,8 @@ def compose_look_at(eye: ArrayLike, target: ArrayLike, up: Sequence[float] = (0.
         raise ValueError(f"no view from {place} towards {towards} with {upwards} up")
     # Its rows are the world's axes as the eye sees them, which for row vectors is eye_from_world; read as columns they
     # are the eye's axes in the world.
+    from pyrr import matrix44
+
     rows = matrix44.create_look_at(place, towards, upwards, dtype=np.float64)
     pose = np.eye(4)
     pose[:3, :3], pose[:3, 3] = rows[:3, :3], place
@@ -60,5 +61,7 @@ def compose_clip_from_view(tangents: Tangents, near: float, far: float) -> F8:
     """
     borders = [near * float(tangent) for tangent in tangents]
     last = min(float(far), near * _ENDLESS)
+    from pyrr import matrix44
+
     rows = matrix44.create_perspective_projection_from_bounds(*borders, near, last, dtype=np.float64)
     return np.ascontiguousarray(rows.T)

@@ -14,6 +14,7 @@ from mimics_app.contracts.errors import Issue, nearest
 from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.tasks.cards import count_card, grasp_card
 from mimics_app.tasks.kinds.carried import Carried, CarriedFrame, Stage
+from mimics_app.tasks.kinds.carry_report import CarrySection
 from mimics_app.tasks.kinds.carry_spec import CarrySpec
 from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, ScorePartSpec, TaskKind, Values
 from mimics_app.tasks.observation import Observation
@@ -152,6 +153,8 @@ class CarryTask(TaskKind):
     )
     targets: ClassVar[tuple[str, ...]] = ("within",)
     completes = "placed"
+    cards: ClassVar[tuple[str, ...]] = ("grasp", "placed", "drops")
+    report = CarrySection()
 
     def takes(self, spec: TaskSpec, offers: frozenset[str]) -> bool:
         return carry_of(spec) is not None

@@ -15,6 +15,7 @@ from msgspec import Meta
 
 from mimics_app.contracts.board import Card
 from mimics_app.contracts.errors import Issue
+from mimics_app.contracts.report_section import ReportSection
 from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.tasks.observation import Observation
 from mimics_app.world.components.bounds import Factor, Figure
@@ -127,8 +128,10 @@ class TaskKind:
         measures: What it measures beside what every task does.
         targets: Numbers of the task that a parameter may change, as `task.NAME`.
         completes: Name among the totals for the count of trials that reached their goal, "" for none.
+        cards: Names of its cards, as `hud.show` of a scene lists them.
         label: Caption of the progress card.
         contacts: Caption of the card that counts contacts.
+        report: What it adds to the report of a run, or None.
     """
 
     name: ClassVar[str]
@@ -138,8 +141,10 @@ class TaskKind:
     measures: ClassVar[tuple[Measure, ...]] = ()
     targets: ClassVar[tuple[str, ...]] = ()
     completes: ClassVar[str] = ""
+    cards: ClassVar[tuple[str, ...]] = ()
     label: ClassVar[str] = "Progress"
     contacts: ClassVar[str] = "Contacts"
+    report: ClassVar[ReportSection | None] = None
 
     def takes(self, spec: TaskSpec, offers: frozenset[str]) -> bool:
         """Whether a task is (also) of this kind: by default where it has this kind's section or one of its goals.

@@ -6,10 +6,11 @@ import sys
 from functools import cache
 from importlib.metadata import entry_points
 
+from mimics_app.contracts.report_section import ReportSection
 from mimics_app.tasks.kinds import carry, tunnel
 from mimics_app.tasks.kinds.kind import TaskKind
 
-__all__ = ["ENTRY_POINT_GROUP", "kind_named", "task_kinds"]
+__all__ = ["ENTRY_POINT_GROUP", "report_sections", "task_kinds"]
 
 ENTRY_POINT_GROUP = "mimics_app.task_kinds"
 
@@ -37,6 +38,6 @@ def task_kinds() -> tuple[TaskKind, ...]:
     return tuple(kinds.values())
 
 
-def kind_named(name: str) -> TaskKind | None:
-    """The kind of that name, or None."""
-    return next((kind for kind in task_kinds() if kind.name == name), None)
+def report_sections() -> tuple[ReportSection, ...]:
+    """What the kinds add to reports, plug-ins first: they know their own runs better than a built-in kind does."""
+    return tuple(kind.report for kind in reversed(task_kinds()) if kind.report is not None)

@@ -12,6 +12,7 @@ from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.tasks.bounds import Share
 from mimics_app.tasks.kinds.kind import KindPlay, TaskKind
+from mimics_app.tasks.kinds.tunnel_report import TunnelSection
 from mimics_app.tasks.observation import Observation
 from mimics_app.world.components.bounds import Seconds
 from mimics_app.world.components.registry import Component
@@ -47,6 +48,7 @@ class TunnelTask(TaskKind):
     goals: ClassVar[tuple[type[Component], ...]] = (ProgressGoal,)
     label = "Tunnel"
     contacts = "Wall contacts"
+    report = TunnelSection()
 
     def takes(self, spec: TaskSpec, offers: frozenset[str]) -> bool:
         return "tunnel" in offers or super().takes(spec, offers)

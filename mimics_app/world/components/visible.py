@@ -163,13 +163,12 @@ class Hud(Component, frozen=True):
     """Figures and bars laid over the picture."""
 
     show: Annotated[
-        tuple[
-            Literal[
-                "progress", "time", "contacts", "force", "score", "state", "trial", "margin", "grasp", "placed", "drops"
-            ],
-            ...,
-        ],
-        Meta(max_length=20, description="What is shown, in order"),
+        tuple[str, ...],
+        Meta(
+            max_length=20,
+            description="Cards shown, in order: progress, time, contacts, force, score, state, trial, margin, and "
+            "those of the kind of task (carry: grasp, placed, drops)",
+        ),
     ] = ("progress", "time", "contacts", "force")
     depth: Annotated[Length, Meta(description="Distance before the eyes [m]")] = 1.0
     force_full: Annotated[PositiveForce, Meta(description="Force that fills the force bar [N]")] = 30.0

@@ -1,0 +1,117 @@
+"""Reach to targets: bring the hand to some entities in turn. A kind of task of its own, with board and report."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Annotated
+
+import numpy as np
+from msgspec import Meta
+
+from mimics_app.contracts.board import Card
+from mimics_app.contracts.errors import nearest
+from mimics_app.contracts.report_section import Marks, ReportSection, frontal
+from mimics_app.tasks.cards import count_card
+from mimics_app.tasks.kinds.kind import KindPlay, Measure, ScorePartSpec, TaskKind
+from mimics_app.world.components.registry import Component
+
+
+class ReachSpec(Component, frozen=True):
+    """Touch targets in the air, one after the other."""
+
+    targets: Annotated[list[str], Meta(min_length=1, max_length=100, description="Ids of the entities, in order")]
+    within: Annotated[float, Meta(gt=0.0, le=1.0, description="This near counts as touched [m]")] = 0.02
+
+
+class AllReached(Component, frozen=True, tag="all_reached", tag_field="kind"):
+    """Every target was touched."""
+
+    hold_s: Annotated[float, Meta(ge=0.0, le=60.0, description="How long ago, at least [s]")] = 0.0
+
+
+class ReachPlay(KindPlay):
+    def __init__(self, spec, places):
+        self.spec, self.places = spec, [places[name] for name in spec.targets]
+        self.begin_attempt()
+
+    def begin_attempt(self):
+        self.reached, self.extra, self.before = 0, 0.0, None
+
+    @property
+    def words(self) -> Mapping[str, str]:
+        return {"target": self.spec.targets[min(self.reached, len(self.places) - 1)]}
+
+    @property
+    def prompt(self) -> str:
+        return "Go to the {target}" if self.reached < len(self.places) else ""
+
+    @property
+    def measures(self):
+        return {"reached": self.reached, "detour_m": self.extra}
+
+    def see(self, seen, settings):
+        if (
+            self.reached < len(self.places)
+            and math.dist(seen.ball_world, self.places[self.reached]) <= self.spec.within
+        ):
+            self.reached, self.before = self.reached + 1, None
+        return replace(seen, progress=self.reached / len(self.places))
+
+    def travel(self, seen, seconds):
+        """Sum up how much longer the path is than the straight lines between the targets."""
+        if self.reached < len(self.places):
+            gap = math.dist(seen.ball_world, self.places[self.reached])
+            if self.before is not None:
+                self.extra += math.dist(seen.ball_world, self.before[0]) - (self.before[1] - gap)
+            self.before = seen.ball_world, gap
+
+    def holds(self, goal, seen):
+        return self.reached == len(self.places)
+
+    def cards(self, seen, finished) -> Mapping[str, Card]:
+        return {"targets": count_card(f"Targets of {len(self.places)}", self.reached)}
+
+
+class ReachSection(ReportSection):
+    """Where the hand was, with its turning points."""
+
+    heading = "Reaching"
+    colours = "The path of the hand is blue; it is marked where it was slowest."
+
+    def takes(self, facts, attempts):
+        return any("reached" in attempt.row for attempt in attempts)
+
+    def tiles(self, task):
+        return {"targets reached": (task.get("reached"), ""), "detour": (task.get("detour_m"), "m")}
+
+    def marks(self, attempt, facts):
+        speed = np.where(attempt.free, np.linalg.norm(attempt.samples["v_world"], axis=1), np.inf)
+        slowest = np.argsort(speed)[:1]
+        return [Marks(frontal(attempt)[slowest], "slowest", [f"{speed[i]:.3f} m/s" for i in slowest])]
+
+
+class ReachKind(TaskKind):
+    name, section, goals, cards, label = "reach", ReachSpec, (AllReached,), ("targets",), "Targets"
+    measures = (
+        Measure(
+            "reached", "reached", "Targets touched.", ScorePartSpec(weight=0, best=9, worst=0), "reached", sums=True
+        ),
+        Measure(
+            "detour_m", "detour", "Path beyond the lines [m].", ScorePartSpec(weight=0, best=0, worst=1), "detour_m"
+        ),
+    )
+    report = ReachSection()
+
+    def check_scene(self, spec, scene):
+        section, known = spec.section("reach"), {entity.id for entity in scene.entities}
+        missing = [(i, name) for i, name in enumerate(section.targets if section else ()) if name not in known]
+        what = 'no entity is called "{}"'
+        return [scene.issue(f"/task/reach/targets/{i}", what.format(name), nearest(name, known)) for i, name in missing]
+
+    def open(self, spec, context, seed):
+        return ReachPlay(spec.section("reach"), context.places)
+
+
+KIND = ReachKind()

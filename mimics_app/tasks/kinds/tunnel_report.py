@@ -1,0 +1,68 @@
+"""A travelled tunnel in the report: Figure 48 of D2.1, and the forces and distances of the tunnel over time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.report_section import Curve, ReportedAttempt, ReportSection, Traces, TunnelShape, Word
+
+__all__ = ["TunnelSection"]
+
+Values = NDArray[np.float64]
+
+
+class TunnelSection(ReportSection):
+    """Path of the robot blue, bisector red, walls green."""
+
+    heading = "Movement through the tunnel"
+    colours = "The path of the robot's top is blue, the bisector of the tunnel red, its walls green."
+    touching = "ball in the wall"
+    contact = "wall contact begins"
+    contacts = "wall contacts"
+
+    def takes(self, facts: Mapping[str, Any], attempts: Sequence[ReportedAttempt]) -> bool:
+        return any(attempt.tunnel is not None for attempt in attempts)
+
+    def behind(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[Curve]:
+        if attempt.tunnel is None:
+            return ()
+        first, second = _walls(attempt.tunnel)
+        bisector = attempt.tunnel.bisector_world[:, :2]
+        walls = [Curve(first, "wall", "walls of the tunnel"), Curve(second, "wall")]
+        return [*walls, Curve(bisector, "bisector", "bisector of the tunnel")]
+
+    def words(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[Word]:
+        """The mouths, named where neither wall nor path runs."""
+        if attempt.tunnel is None:
+            return ()
+        bisector = attempt.tunnel.bisector_world[:, :2]
+        ends = (("start", 0, 1), ("goal", -1, -2))
+        return [Word(name, bisector[end], bisector[end] - bisector[inner]) for name, end, inner in ends]
+
+    def traces(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Traces:
+        samples = attempt.samples
+        room = np.maximum(samples["tunnel_radius"] - samples["ball_radius"], 0.0)
+        return {
+            "tunnel force [N]": {
+                "tangent": ("along the tunnel (t)", samples["f_tunnel"][:, 0]),
+                "normal": ("normal (n)", samples["f_tunnel"][:, 1]),
+                "binormal": ("binormal (b)", samples["f_tunnel"][:, 2]),
+            },
+            "from bisector [mm]": {
+                "robot": ("distance of the ball from the bisector", 1000.0 * samples["distance"]),
+                "wall": ("where the ball meets the wall", 1000.0 * room),
+            },
+        }
+
+
+def _walls(tunnel: TunnelShape) -> tuple[Values, Values]:
+    """Outline of a tube in the frontal plane: the bisector moved by its radius to both sides of its projection."""
+    centre = tunnel.bisector_world[:, :2]
+    along = np.gradient(centre, axis=0)
+    length = np.maximum(np.hypot(along[:, 0], along[:, 1]), 1e-12)[:, None]
+    side = np.column_stack([-along[:, 1], along[:, 0]]) / length * tunnel.radius[:, None]
+    return centre + side, centre - side
