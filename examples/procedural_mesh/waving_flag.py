@@ -12,9 +12,10 @@ from pathlib import Path
 import numpy as np
 
 from mimics_app.rendering.visual.displays.desktop import desktop_views
+from mimics_app.rendering.visual.frame_set import FrameSet, render_frames
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.surfaces.headless import FrameSet, open_offscreen, render_frames
+from mimics_app.rendering.visual.surfaces.headless import open_offscreen
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.environment import Sky
 from mimics_app.world.materials.material import Material

@@ -1,130 +1,44 @@
 """Where the methods are: importing a module of this table registers its groups. No list of methods is kept here."""
 
-# ruff: noqa: F401  to import is to register
-
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
+from importlib import import_module
 
 from mimics_app.contracts.errors import UsageError, nearest
 from mimics_app.contracts.methods import Registry, registry
 
 __all__ = ["GROUPS", "load_methods"]
 
-
-def _tunnel() -> None:
-    import mimics_app.rendering.haptic.methods.tunnel
-
-
-def _admittance() -> None:
-    import mimics_app.rendering.haptic.methods.admittance
-
-
-def _integrators() -> None:
-    import mimics_app.rendering.haptic.methods.integrators
-
-
-def _rotation() -> None:
-    import mimics_app.rendering.haptic.methods.rotation
-
-
-def _contact() -> None:
-    import mimics_app.rendering.haptic.methods.contact
-
-
-def _bodies() -> None:
-    import mimics_app.rendering.haptic.methods.bodies
-
-
-def _friction() -> None:
-    import mimics_app.rendering.haptic.methods.friction
-
-
-def _cull() -> None:
-    import mimics_app.rendering.haptic.methods.cull
-
-
-def _bounding() -> None:
-    import mimics_app.rendering.haptic.methods.bounding
-
-
-def _mesh() -> None:
-    import mimics_app.rendering.haptic.methods.mesh
-
-
-def _sound() -> None:
-    import mimics_app.rendering.audio.methods
-
-
-def _culling() -> None:
-    import mimics_app.rendering.visual.methods.culling
-
-
-def _shadows() -> None:
-    import mimics_app.rendering.visual.methods.shadows
-
-
-def _city() -> None:
-    import mimics_app.rendering.visual.methods.city
-
-
-def _frame() -> None:
-    import mimics_app.rendering.visual.methods.frame
-
-
-def _anti_aliasing() -> None:
-    import mimics_app.rendering.visual.methods.anti_aliasing
-
-
-def _effects() -> None:
-    import mimics_app.rendering.visual.methods.effects
-
-
-def _tick() -> None:
-    import mimics_app.lab.methods_tick
-
-
-def _rate() -> None:
-    import mimics_app.lab.methods_rate
-
-
-def _scheduling() -> None:
-    import mimics_app.lab.methods_scheduling
-
-
-def _reading() -> None:
-    import mimics_app.lab.methods_reading
-
-
-GROUPS: dict[str, Callable[[], None]] = {
-    "integrator": _integrators,
-    "rotation update": _rotation,
-    "contact law": _contact,
-    "box face": _contact,
-    "friction": _friction,
-    "colliding bodies": _bodies,
-    "shape cull": _cull,
-    "bounding geometry": _bounding,
-    "mesh finger": _mesh,
-    "tunnel projection": _tunnel,
-    "tunnel frame": _tunnel,
-    "admittance form": _admittance,
-    "haptic rate": _rate,
-    "loop scheduling": _scheduling,
-    "spatialiser": _sound,
-    "culling": _culling,
-    "occlusion": _city,
-    "level of detail": _city,
-    "sun shadows": _shadows,
-    "frame of nodes": _frame,
-    "frame of triangles": _frame,
-    "anti aliasing": _anti_aliasing,
-    "bloom": _effects,
-    "ambient occlusion": _effects,
-    "model reading": _reading,
-    "haptic tick": _tick,
+GROUPS = {
+    "integrator": "haptic.integrators",
+    "rotation update": "haptic.rotation",
+    "contact law": "haptic.contact",
+    "box face": "haptic.contact",
+    "friction": "haptic.friction",
+    "colliding bodies": "haptic.bodies",
+    "shape cull": "haptic.cull",
+    "bounding geometry": "haptic.bounding",
+    "mesh finger": "haptic.mesh",
+    "tunnel projection": "haptic.tunnel",
+    "tunnel frame": "haptic.tunnel",
+    "admittance form": "haptic.admittance",
+    "haptic rate": "methods_rate",
+    "loop scheduling": "methods_scheduling",
+    "spatialiser": "audio.spatialiser",
+    "culling": "visual.culling",
+    "occlusion": "visual.city",
+    "level of detail": "visual.city",
+    "sun shadows": "visual.shadows",
+    "frame of nodes": "visual.frame",
+    "frame of triangles": "visual.frame",
+    "anti aliasing": "visual.anti_aliasing",
+    "bloom": "visual.effects",
+    "ambient occlusion": "visual.effects",
+    "model reading": "methods_reading",
+    "haptic tick": "methods_tick",
 }
-"""Group -> what imports the module that registers it."""
+"""Group -> the module of this package that registers it."""
 
 
 def load_methods(groups: Iterable[str] | None = None) -> Registry:
@@ -136,5 +50,5 @@ def load_methods(groups: Iterable[str] | None = None) -> Registry:
     for group in GROUPS if groups is None else groups:
         if group not in GROUPS:
             raise UsageError(f'there is no group of methods "{group}"', nearest(group, GROUPS))
-        GROUPS[group]()
+        import_module(f"{__package__}.{GROUPS[group]}")
     return registry

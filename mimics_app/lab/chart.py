@@ -12,8 +12,9 @@ from mimics_app.contracts.machine import describe_machine
 from mimics_app.lab.figure import Figure, no_boundary
 from mimics_app.lab.front import pareto_front
 from mimics_app.lab.measure import Measured, MeasuredGroup
-from mimics_app.lab.scale import Scale, format_number, scale_for
-from mimics_app.lab.svg import SERIES, Label, Panel, document, legend
+from mimics_app.plotting.axis import Axis, format_number
+from mimics_app.plotting.drawing import SERIES, document, legend
+from mimics_app.plotting.panel import Label, Panel
 
 __all__ = ["draw_chart"]
 
@@ -141,21 +142,21 @@ def _unit_for(costs_us: Sequence[float]) -> _Unit:
     return next((unit for unit in (_Unit("ms", 1e6), _Unit("us", 1e3)) if middle_ns >= unit.ns), _Unit("ns", 1.0))
 
 
-def _error_scale(measured: MeasuredGroup) -> Scale:
+def _error_scale(measured: MeasuredGroup) -> Axis:
     unit = measured.group.unit
     errors = [row.error for row in measured.rows]
     if not any(errors):
-        return Scale(f"error [{unit}]: none has any", -1.0, 1.0, at=(0.0,))
+        return Axis(f"error [{unit}]: none has any", -1.0, 1.0, at=(0.0,))
     positive = [max(error, _LEAST_ERROR) for error in errors if 0.0 < error < math.inf]
-    scale = scale_for(f"error [{unit}]", positive, log=True)
+    scale = Axis.around(f"error [{unit}]", positive, log=True)
     low = scale.low / 10.0 if any(error < _LEAST_ERROR for error in errors) else scale.low
     high = scale.high * 10.0 if any(error == math.inf for error in errors) else scale.high
-    return Scale(scale.label, low, high, True)
+    return Axis(scale.label, low, high, True)
 
 
 def _error_panel(measured: MeasuredGroup, front: list[str], width: float, height: float) -> Panel:
     unit = _unit_for([row.cost_us for row in measured.rows])
-    x = scale_for(unit.label, [unit.of(row.cost_us) for row in measured.rows], log=True)
+    x = Axis.around(unit.label, [unit.of(row.cost_us) for row in measured.rows], log=True)
     panel = Panel(6.0, _HEAD, width, height, x, _error_scale(measured))
     if panel.y.log:
         of_front = [row for row in measured.rows if row.method.name in front]
@@ -201,10 +202,10 @@ def _growth_panel(measured: MeasuredGroup, left: float, top: float, width: float
     growing.sort(key=lambda pair: -pair[1].cost_us[-1])
     sizes = [float(size) for _, growth in growing for size in growth.sizes]
     unit = _unit_for([cost for _, growth in growing for cost in growth.cost_us])
-    y = scale_for(unit.label, [unit.of(cost) for _, growth in growing for cost in growth.cost_us], log=True)
+    y = Axis.around(unit.label, [unit.of(cost) for _, growth in growing for cost in growth.cost_us], log=True)
     room = min(_LIST_LINE * (len(growing) + 0.5) / (_PANELS - 60.0), 0.6)
-    y = Scale(y.label, y.low, y.low * (y.high / y.low) ** (1.0 / (1.0 - room)), True)
-    panel = Panel(left, top, width, _PANELS, scale_for(measured.group.work, sizes, log=True), y)
+    y = Axis(y.label, y.low, y.low * (y.high / y.low) ** (1.0 / (1.0 - room)), True)
+    panel = Panel(left, top, width, _PANELS, Axis.around(measured.group.work, sizes, log=True), y)
     for i, (method, growth) in enumerate(growing):
         colour = f"s{i % SERIES}"
         grows = f"{method.name}: cost ∼ n^{format_number(round(growth.exponent, 2))}"

@@ -28,14 +28,14 @@ from mimics_app.contracts.kernel import kernel, typed_kernel
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.contracts.probe import shortest_us
 from mimics_app.contracts.session_memory import Capacities, SessionMemory
+from mimics_app.lab.haptic.body_worlds import heap_of_boxes
+from mimics_app.lab.haptic.touch_probe import DT, RADIUS, STIFFNESS, touch_scene
 from mimics_app.lab.haptic_harness import HarnessRow, run_harnesses
 from mimics_app.lab.haptic_peers import PEERS, ROUNDS, best_us, measure_peer
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.kernels.objects.hand import HAND_FORCE_MEASURED, HAND_LENGTH
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
-from mimics_app.rendering.haptic.methods.body_worlds import heap_of_boxes
-from mimics_app.rendering.haptic.methods.touch_probe import DT, RADIUS, STIFFNESS, touch_scene
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS
 from mimics_app.rendering.haptic.objects import SIMULATE, ObjectWork, new_object_work
 from mimics_app.rendering.haptic.scene_block import scene_from_components

@@ -7,8 +7,9 @@ from typing import Any
 from mimics_app.contracts.machine import describe_machine
 from mimics_app.lab.experiment import Experiment, Outcome, Points
 from mimics_app.lab.figure import Figure
-from mimics_app.lab.scale import format_number, scale_for
-from mimics_app.lab.svg import SERIES, Panel, document, legend, text_width
+from mimics_app.plotting.axis import Axis, format_number
+from mimics_app.plotting.drawing import SERIES, document, legend, text_width
+from mimics_app.plotting.panel import Panel
 
 __all__ = ["draw_outcome"]
 
@@ -66,8 +67,8 @@ def _rows(outcome: Outcome) -> list[dict[str, Any]]:
 
 def _draw(experiment: Experiment, outcome: Outcome, foot: str) -> str:
     series = [outcome.simulated, outcome.exact, *outcome.rules.values()]
-    x = scale_for(experiment.x_label, [p[0] for s in series for p in s], log=experiment.log_x)
-    y = scale_for(experiment.y_label, [p[1] for s in series for p in s], log=experiment.log_y)
+    x = Axis.around(experiment.x_label, [p[0] for s in series for p in s], log=experiment.log_x)
+    y = Axis.around(experiment.y_label, [p[1] for s in series for p in s], log=experiment.log_y)
     entries = _entries(experiment, outcome)
     legends = _wrapped(entries)
     top = _HEAD + _LINE * (len(legends) - 1)

@@ -16,6 +16,10 @@ from mimics_app.recording.columns import ROW, column_names, column_units
 __all__ = ["SampleLayout", "current_layout", "layout_of", "samples_schema"]
 
 
+_EVER = frozenset({"t", "tick", "state", "hip_world", "v_world", "f_user_world", "f_meas", "q", "dq"})
+"""Fields of SAMPLE that every version has recorded."""
+
+
 @dataclass(frozen=True, slots=True)
 class SampleLayout:
     """How the rows of a haptic.arrows become SAMPLE records.
@@ -31,6 +35,11 @@ class SampleLayout:
     width: int
     places: NDArray[np.int64]
     absent: tuple[str, ...]
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """Absent columns without which nothing can be said of a run: those that every version has recorded."""
+        return tuple(name for name in self.absent if name.partition("[")[0] in _EVER)
 
     @property
     def current(self) -> bool:

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from mimics_app.contracts.report_section import ReportSection
 from mimics_app.contracts.trial_counts import count_trials
 from mimics_app.contracts.trips import TripReader
+from mimics_app.plotting.plot import Plot
 from mimics_app.recording.attempts import Attempt, find_attempts
-from mimics_app.recording.plot import Plot
 from mimics_app.recording.report_figures import draw_lateness, draw_path, draw_states, draw_traces
 from mimics_app.recording.report_governor import governor_tables
 from mimics_app.recording.report_page import render_page

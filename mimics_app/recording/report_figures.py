@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import EventKind, SafetyState
 from mimics_app.contracts.report_section import Marks, ReportSection, Traces, Word, frontal
+from mimics_app.plotting.axis import Axis
+from mimics_app.plotting.plot import Plot, envelope
 from mimics_app.recording.attempts import Attempt
 from mimics_app.recording.columns import whole
-from mimics_app.recording.plot import Axis, Plot, envelope
 from mimics_app.recording.report_stability import stability_lines
 
 __all__ = ["draw_lateness", "draw_path", "draw_states", "draw_traces"]

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.recording.plot import Axis, Plot
+from mimics_app.plotting.axis import Axis
+from mimics_app.plotting.plot import Plot
 from mimics_app.recording.report_values import Seconds
 from mimics_app.recording.run import Run
 from mimics_app.recording.trip_log import FOLDER, complete_trips, read_trip

@@ -236,6 +236,13 @@ class Run:
             ended = [] if self.manifest.status == "clean" else [f"the run is {self.manifest.status}"]
         return list(dict.fromkeys([*ended, *self.losses()]))
 
+    def notes(self) -> list[str]:
+        """What a reader should know of a run that is whole, one sentence each."""
+        newer = [name for name in self.layout.absent if name not in self.layout.missing]
+        if not newer or not len(self.haptic):
+            return []
+        return [f"{FILES['haptic']} is of another version: {', '.join(newer)} were not recorded yet"]
+
     def losses(self) -> list[str]:
         """What is missing or damaged, one sentence each, also what `mimics record recover` found before."""
         found = [*self.manifest.lost] if self.manifest else []
@@ -253,8 +260,8 @@ class Run:
         found = _trouble_of(self.folder / name)
         if self._layout_problem and not found:
             found.append(f"{name}: {self._layout_problem}; it is read as this version writes it")
-        if self.layout.absent and len(self.haptic):
-            found.append(f"{name}: recorded without {', '.join(self.layout.absent)}")
+        if self.layout.missing and len(self.haptic):
+            found.append(f"{name}: recorded without {', '.join(self.layout.missing)}")
         found += [f"{name}: {d.length} bytes at {d.offset} are no good block: {d.why}" for d in self.damages]
         found += [f"{gap.ticks} ticks are missing after tick {gap.after_tick}: {gap.why}" for gap in self.gaps]
         if self.lost_at_end:

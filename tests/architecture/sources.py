@@ -11,7 +11,24 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "mimics_app"
 
 _LEFT_OUT = {".git", ".venv", "runs", "build", "dist", "node_modules", "differences"}
-_TEXT = {".py", ".md", ".toml", ".txt", ".sh", ".json", ".cff", ".cfg", ".vert", ".frag", ".glsl", ".comp", ".svg", ""}
+_TEXT = {
+    ".py",
+    ".md",
+    ".toml",
+    ".txt",
+    ".sh",
+    ".json",
+    ".cff",
+    ".cfg",
+    ".vert",
+    ".frag",
+    ".glsl",
+    ".comp",
+    ".svg",
+    ".j2",
+    ".css",
+    "",
+}
 
 
 @cache

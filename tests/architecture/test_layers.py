@@ -40,6 +40,32 @@ PLANTED = {
         "import mimics_app.app.session.session\n",
         "Rooms of the application",
     ),
+    "a device knows the loop that plays it": (
+        "rendering/haptic/devices/planted.py",
+        "import mimics_app.rendering.haptic.loop\n",
+        "Rooms of touch",
+    ),
+    "a law knows the tick that uses it": (
+        "rendering/haptic/kernels/friction.py",
+        "import mimics_app.rendering.haptic.kernels.tick\n",
+        "Kernels of touch",
+    ),
+    "a pass knows the stage that prepares it": (
+        "rendering/visual/passes/planted.py",
+        "import mimics_app.rendering.visual.stages.world_stage\n",
+        "Rooms of the picture",
+    ),
+    "a table of the world knows scenes": (
+        "world/store.py",
+        "import mimics_app.world.scene.scene\n",
+        "Rooms of the world",
+    ),
+    "a probe knows the chart it is drawn in": (
+        "lab/haptic/planted.py",
+        "import mimics_app.lab.chart\n",
+        "Rooms of the laboratory",
+    ),
+    "a new module of touch nobody planned": ("rendering/haptic/planted.py", "", "Rooms of touch"),
     "a new room nobody planned": ("attic/__init__.py", "", "Imports only go down"),
 }
 

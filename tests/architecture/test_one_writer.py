@@ -19,8 +19,7 @@ LOOP_WRITES |= {f"{ring}s" for ring in RINGS} | {f"{ring}_words" for ring in RIN
 """Fields of `SessionMemory` that are written in a tick."""
 
 READERS = {
-    "app/touch/rehearsal.py",
-    "app/touch/bare_play.py",
+    "app/session/switched_off.py",
     "lab/methods_tick.py",
     "lab/stability/measured_lateness.py",
     "recording/recorder.py",

@@ -7,38 +7,20 @@ import re
 import tomllib
 from collections.abc import Iterator
 from functools import cache
+from pathlib import Path
 
 import pytest
 
 from tests.architecture.sources import PACKAGE, ROOT, attributes, imports, modules, repository_files
 
-KERNELS_MAY_IMPORT = (
-    "__future__",
-    "collections.abc",
-    "enum",
-    "math",
-    "typing",
-    "numba",
-    "numpy",
-    "mimics_app.maths",
-    "mimics_app.contracts.atomics",
-    "mimics_app.contracts.borrowed",
-    "mimics_app.contracts.haptic",
-    "mimics_app.contracts.haptic_objects",
-    "mimics_app.contracts.kernel",
-    "mimics_app.contracts.loop_fields",
-    "mimics_app.contracts.loop_ports",
-    "mimics_app.contracts.record_copy",
-    "mimics_app.contracts.ring",
-    "mimics_app.contracts.triple_buffer",
-)
 TIMEKEEPERS = {"contracts/clock.py", "contracts/atomics.py"}
 CLOCKS = re.compile(
     r"(?:^|\.)(?:time\.(?:time|monotonic|perf_counter|process_time|thread_time)(?:_ns)?"
     r"|time\.(?:sleep|localtime|gmtime|strftime|clock_gettime)|datetime\.(?:now|utcnow|today)|date\.today)$"
 )
-IMPORTERS_BY_NAME = {"app/cli.py", "builders/catalogue.py"}
-"""Modules that may import by a string: the command line, for its commands, and the builders, for their own packages."""
+IMPORTERS_BY_NAME = {"app/cli.py", "builders/catalogue.py", "lab/catalogue.py", "lab/stability/catalogue.py"}
+"""Modules that may import by a string: the command line, for its commands; the builders, for their own packages; the
+tables of methods and of experiments, for modules of the laboratory: only what is measured is imported."""
 
 PLATFORM_HOMES = {
     "the shared memory": (
@@ -54,40 +36,6 @@ PLATFORM_HOMES = {
         {"rendering/visual/surfaces/contexts.py", "rendering/visual/surfaces/window.py"},
     ),
 }
-
-
-def _is_kernel(path: str) -> bool:
-    return "kernels" in path.removesuffix(".py").split("/")
-
-
-def _stage(path: str) -> str:
-    """Dotted name of the package around a kernels package, e.g. mimics_app.rendering.haptic."""
-    parts = path.removesuffix(".py").split("/")
-    return ".".join(["mimics_app", *parts[: parts.index("kernels")]])
-
-
-def _file_of(name: str) -> str | None:
-    """The module a dotted name lies in, as a path; the name may end in something the module defines."""
-    parts = name.split(".")[1:]
-    return next((path for path in ("/".join(parts) + ".py", "/".join(parts[:-1]) + ".py") if path in modules()), None)
-
-
-def _strangers(path: str, stage: str, seen: set[str]) -> Iterator[str]:
-    """Imports a kernel must not have. Compiled helpers of its own stage pass when they keep the same rule."""
-    seen.add(path)
-    for line, name in imports(modules()[path]):
-        if any(name == known or name.startswith(known + ".") for known in KERNELS_MAY_IMPORT):
-            continue
-        helper = _file_of(name) if name.startswith(stage + ".") else None
-        if helper is None:
-            yield f"{path}:{line} imports {name}"
-        elif helper not in seen:
-            yield from _strangers(helper, stage, seen)
-
-
-@pytest.mark.parametrize("path", [path for path in modules() if _is_kernel(path)])
-def test_kernels_import_only_what_is_allowed(path: str) -> None:
-    assert not list(_strangers(path, _stage(path), set()))
 
 
 @pytest.mark.parametrize("path", [path for path in modules() if path.endswith("__init__.py")])
@@ -132,6 +80,28 @@ def test_nothing_is_imported_by_a_string() -> None:
         if isinstance(node, ast.Call) and ast.unparse(node.func).endswith(("import_module", "__import__", "exec"))
     ]
     assert not found
+
+
+def _markup_by_hand(tree: ast.Module) -> list[int]:
+    """Lines of texts that hold an element of HTML or SVG."""
+    tag = re.compile(r"<(?:svg|path|circle|rect|figure|html|div|table|tr|td|span|p)[ >]")
+    texts = (node for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str))
+    return [node.lineno for node in texts if tag.search(str(node.value))]
+
+
+def test_markup_is_made_by_the_plotter_and_by_templates() -> None:
+    """Everything else would have to remember to escape."""
+    assert not [f"{path}:{line}" for path, tree in modules().items() for line in _markup_by_hand(tree)]
+    by_hand = {"html.escape", "markupsafe.escape", "xml.sax.saxutils.escape"}
+    assert not [path for path, tree in modules().items() if by_hand & {name for _, name in imports(tree)}]
+    assert _markup_by_hand(ast.parse("f'<td>{name}</td>'"))
+
+
+@pytest.mark.parametrize(
+    "path", [path for path in repository_files() if path.suffix == ".j2"], ids=lambda path: path.stem
+)
+def test_no_template_switches_escaping_off(path: Path) -> None:
+    assert not re.search(r"\|\s*safe\b|autoescape", path.read_text(encoding="utf-8"))
 
 
 @pytest.mark.parametrize("what", PLATFORM_HOMES)

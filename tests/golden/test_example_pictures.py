@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from mimics_app.app.picture.stills import draw_stills
+from mimics_app.app.play.stills import draw_stills
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.resources import root

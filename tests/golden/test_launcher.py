@@ -15,7 +15,7 @@ import pytest
 
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.window_input import GamepadState, InputEvent
-from mimics_app.rendering.visual.figures.launcher import Launcher, ScenarioCard
+from mimics_app.rendering.visual.launcher.launcher import Launcher, ScenarioCard
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from tests.support.xvfb import display
@@ -142,7 +142,7 @@ _PROGRAM = """
 import json, sys
 from tests.golden.test_launcher import CARDS, OPTIONS
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
-from mimics_app.rendering.visual.figures.launcher import Launcher
+from mimics_app.rendering.visual.launcher.launcher import Launcher
 with create_surface("window", (1280, 720), "mimics") as surface:
     launcher = Launcher(surface, CARDS, OPTIONS)
     for _ in range(3000):

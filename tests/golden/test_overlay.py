@@ -14,8 +14,8 @@ from mimics_app.contracts.clock import VirtualClock
 from mimics_app.rendering.visual.displays.desktop import compute_tangents
 from mimics_app.rendering.visual.figures.hud import HUD_ROW, Hud
 from mimics_app.rendering.visual.overlay.frame_graph import draw_frame_graph
+from mimics_app.rendering.visual.overlay.layers import LAYERS, Arrow
 from mimics_app.rendering.visual.overlay.line_set import LineSet, box_lines, circle_lines
-from mimics_app.rendering.visual.overlay.overlay import LAYERS, Arrow
 from mimics_app.rendering.visual.overlay.stage_times import FrameTimes, StageTimes
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings

@@ -8,10 +8,10 @@ from dataclasses import replace
 import pytest
 
 from mimics_app.contracts.methods import registry
-from mimics_app.rendering.visual.methods import city as methods_city
-from mimics_app.rendering.visual.methods import frame as methods_frame
-from mimics_app.rendering.visual.methods import shadows as methods_shadows
-from mimics_app.rendering.visual.methods.probe import differing_pixels, frame_us, show_picture
+from mimics_app.lab.visual import city as methods_city
+from mimics_app.lab.visual import frame as methods_frame
+from mimics_app.lab.visual import shadows as methods_shadows
+from mimics_app.lab.visual.probe import differing_pixels, frame_us, show_picture
 from mimics_app.rendering.visual.settings import RenderSettings
 
 

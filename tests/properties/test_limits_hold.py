@@ -23,8 +23,8 @@ from mimics_app.rendering.haptic.kernels.noise import seed_noise, uniform
 from mimics_app.rendering.haptic.kernels.state import STATE, new_state
 from mimics_app.rendering.haptic.kernels.tick import tick
 from mimics_app.rendering.haptic.kernels.vectors import norm
-from mimics_app.rendering.haptic.no_objects import NO_FIELDS, no_objects
-from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROWS, SIMULATE, load_simulation
+from mimics_app.rendering.haptic.no_objects import NO_FIELDS, load_simulation, no_objects
+from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROWS, SIMULATE
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from tests.support.body_play import Play
 from tests.support.haptic_bench import wavy

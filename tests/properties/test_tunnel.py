@@ -8,9 +8,9 @@ import numpy as np
 from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
+from mimics_app.lab.haptic.tunnel import closest_by_roots
 from mimics_app.maths import bspline
 from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE, TunnelStatus
-from mimics_app.rendering.haptic.methods.tunnel import closest_by_roots
 from mimics_app.rendering.haptic.tunnel import TunnelError, build_tunnel
 from tests.support.tunnels import record_of, walk
 

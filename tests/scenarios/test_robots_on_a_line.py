@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 
 from mimics_app.app.play.device_watch import DeviceWatch
-from mimics_app.app.play.frame import Frames
 from mimics_app.app.play.pace import run_virtual
 from mimics_app.app.play.result import summarise
 from mimics_app.app.session.build import build_session
+from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.clock import VirtualClock

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.lab.visual.box_items import box_items
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.drawing.occlusion import Occluders
-from mimics_app.rendering.visual.methods.box_items import box_items
 from mimics_app.rendering.visual.view import View
 
 F8 = NDArray[np.float64]

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-import msgspec
 import numpy as np
 
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.app.touch.bare_play import BarePlay
 from mimics_app.contracts.messages import Aim, PointerState
 from mimics_app.contracts.resources import root
 from mimics_app.inputs.stage import Inputs
-from mimics_app.world.components.robot import Patient, Robot
+from tests.support.core_play import CorePlay, change_component
 
 SCENE = root() / "scenes" / "pick_and_place.json"
 
@@ -62,22 +60,19 @@ class MarketPlay:
         **patient: Any,
     ) -> None:
         scene = load_checked_scene(SCENE)
-        robot, person = scene.one(Robot)[1], msgspec.structs.replace(scene.one(Patient)[1], preset=preset, **patient)
+        change_component(scene, "patient", preset=preset, **patient)
         if pointer is not None:
-            robot = msgspec.structs.replace(robot, device="pointer")
-        spec: Any = scene.sections["task"]
-        play = BarePlay(scene, spec, robot, person, seed)
+            change_component(scene, "robot", device="pointer")
+        play = CorePlay.of(scene, seed)
+        core = play.core
         if pointer is not None:
-            play.inputs = Inputs([SteadyHand(pointer)])
-        kept: dict[str, list[Any]] = {name: [] for name in keep}
+            core.inputs = Inputs([SteadyHand(pointer)])
         heights = []
-        while play.now_ns < seconds * 1e9 and not play.tasks.done:
+        while core.clock.now_ns() < seconds * 1e9 and not core.tasks.done:
             play.step()
-            heights.append(play.haptics.snapshot().poses[0, 1])
-            for name, values in kept.items():
-                values.append(play.samples[name].copy())
-        play.tasks.end_session(play.now_ns)
-        self.result = play.tasks.result()
-        self.rows = play.tasks.rows
-        self.kept = {name: np.concatenate(values) for name, values in kept.items()}
+            heights.append(core.haptics.snapshot().poses[0, 1])
+        core.stop()
+        self.result = core.tasks.result()
+        self.rows = core.tasks.rows
+        self.kept = {name: play.samples[name] for name in keep}
         self.heights = np.array(heights)

@@ -6,12 +6,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-import msgspec
-
 from mimics_app.app.devices.emulator import EmulatorSettings, open_emulator
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.app.touch.bare_play import BarePlay
-from mimics_app.world.components.robot import Patient, Robot
+from mimics_app.app.session.core import open_core
+from mimics_app.app.session.frame import Frames
+from mimics_app.app.session.preparation import prepare_scene
+from mimics_app.app.settings import RunSettings
+from mimics_app.contracts.clock import VirtualClock
+from tests.support.core_play import change_component
 from tests.support.device_rig import Rig
 from tests.support.market_play import SCENE
 
@@ -44,15 +46,13 @@ def market_rig(name: str) -> Iterator[Rig]:
 def play_on(rig: Rig, seconds: float, wanted: int) -> dict[str, Any]:
     """`task` of a session of pick and place on that robot, until so many apples are placed or its time is over."""
     scene = load_checked_scene(SCENE)
-    robot = msgspec.structs.replace(scene.one(Robot)[1], device=f"{rig.name}:{rig.emulator.address}")
+    change_component(scene, "robot", device=f"{rig.name}:{rig.emulator.address}")
     with rig.attended():
-        play: Any = BarePlay(scene, scene.sections["task"], robot, scene.one(Patient)[1], 7)
-    play.haptics = Lockstep(play.haptics, rig)
-    try:
-        while play.now_ns < seconds * 1e9 and play.tasks.result()["placed"] < wanted:
-            play.step()
-        play.tasks.end_session(play.now_ns)
-        stops = play.haptics.histogram().stops
-    finally:
-        play.haptics.stop()
-    return {**play.tasks.result(), "stops": stops}
+        core: Any = open_core(prepare_scene(scene, RunSettings(SCENE, seed=7)))
+    core.clock, core.haptics = VirtualClock(), Lockstep(core.haptics, rig)
+    with core:
+        frames = Frames(core)
+        while core.clock.now_ns() < seconds * 1e9 and core.tasks.result()["placed"] < wanted:
+            frames.play_on()
+        stops = core.haptics.histogram().stops
+    return {**core.tasks.result(), "stops": stops}

@@ -5,7 +5,10 @@ from __future__ import annotations
 import json
 import math
 import re
+import sys
+from html import unescape
 from pathlib import Path
+from types import ModuleType
 from xml.etree import ElementTree
 
 import pytest
@@ -17,9 +20,9 @@ from mimics_app.lab.experiment import Experiment, Outcome, largest_disagreement
 from mimics_app.lab.figure import write_figure
 from mimics_app.lab.gallery import write_gallery
 from mimics_app.lab.measure import Growth, Measured, MeasuredGroup
-from mimics_app.lab.scale import Scale, format_number, format_ticks, scale_for
 from mimics_app.lab.stability_chart import draw_outcome
-from mimics_app.lab.svg import Label, Panel
+from mimics_app.plotting.axis import Axis, format_number, format_ticks
+from mimics_app.plotting.panel import Label, Panel
 
 KEYS = ["kind", "name", "command", "machine", "rows", "front", "default", "boundary"]
 ROW_KEYS = {"method", "x", "cost_ns", "error", "valid"}
@@ -116,7 +119,7 @@ def test_gallery_shows_every_figure_and_fetches_nothing(chart, tmp_path):
     page = write_gallery(tmp_path).read_text(encoding="utf-8")
     assert page.count("<figure") == page.count("<svg") == 2
     assert page.index("two &lt;words&gt;") < page.index("S99")
-    assert 'mimics lab chart "two' in page.replace("&quot;", '"') and "mimics lab stability S99" in page
+    assert 'mimics lab chart "two' in unescape(page) and "mimics lab stability S99" in page
     assert "no device" in page
     addresses = re.findall(r'(?:src|href|url)\s*[=(]\s*["\']?([^"\')\s>]+)', page)
     assert all(address.startswith("#") for address in addresses)
@@ -124,8 +127,28 @@ def test_gallery_shows_every_figure_and_fetches_nothing(chart, tmp_path):
     assert "prefers-color-scheme: dark" in page and "<script" not in page
 
 
+def _spoilt(value, planted):
+    """The same with another text in the place of every text, but what sorts it."""
+    if isinstance(value, dict):
+        return {key: item if key == "kind" else _spoilt(item, planted) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_spoilt(item, planted) for item in value]
+    return planted if isinstance(value, str) else value
+
+
+def test_gallery_escapes_every_text_of_a_figure(chart, tmp_path):
+    """The files may come from elsewhere."""
+    planted = "<script>alert(1)</script>"
+    for figure in (chart, draw_outcome(*outcome(), 4)):
+        write_figure(figure, tmp_path)
+        file = tmp_path / f"{figure.stem}.json"
+        file.write_text(json.dumps(_spoilt(json.loads(file.read_text(encoding="utf-8")), planted)), encoding="utf-8")
+    page = write_gallery(tmp_path).read_text(encoding="utf-8")
+    assert page.count("&lt;script&gt;") > 10 and "<script" not in page
+
+
 def test_words_keep_off_each_other_and_inside_the_frame():
-    axis = Scale("", 0.0, 1.0)
+    axis = Axis("", 0.0, 1.0)
     panel = Panel(0.0, 0.0, 600.0, 300.0, axis, axis)
     for i in range(8):  # all on one spot, in the corner
         panel.dot(0.97, 0.97 - 0.01 * i, "dot")
@@ -143,7 +166,7 @@ def test_words_keep_off_each_other_and_inside_the_frame():
 
 def test_a_word_beside_a_point_is_held_on_the_side_of_the_point():
     """However wide a font draws it, it does not cover what it names."""
-    axis = Scale("", 0.0, 1.0)
+    axis = Axis("", 0.0, 1.0)
     for x, anchor in ((0.9, "end"), (0.1, "start")):
         panel = Panel(0.0, 0.0, 300.0, 300.0, axis, axis)
         panel.dot(x, 0.5, "dot")
@@ -170,9 +193,9 @@ def test_numbers_along_an_axis_are_written_in_one_way():
 
 def test_scales_have_few_ticks_inside_and_numbers_read_well():
     for low, high in ((1e-16, 1e-2), (3.0, 8.0), (1.0, 900.0), (40.0, 45.0)):
-        scale = scale_for("", [low, high], log=True)
+        scale = Axis.around("", [low, high], log=True)
         ticks = scale.ticks()
-        assert 2 <= len(ticks) <= 12 and all(0.0 <= scale.share(tick) <= 1.0 for tick in ticks)
+        assert 2 <= len(ticks) <= 12 and all(0.0 <= scale.share_within(tick) <= 1.0 for tick in ticks)
         assert scale.low < low and scale.high > high
     assert [format_number(v) for v in (0.0, 12000.0, -0.5, 1e-7, 2.5e-9)] == ["0", "12000", "−0.5", "10⁻⁷", "2.5·10⁻⁹"]
 
@@ -186,7 +209,10 @@ def test_disagreement_is_by_the_exact_value_at_the_same_place():
 
 def _planted_catalogue(monkeypatch, *, passed: bool) -> None:
     experiment, _ = outcome(1.0 if passed else 1.5, passed=passed)
-    monkeypatch.setattr("mimics_app.lab.stability.catalogue._EXPERIMENTS", {"S99": lambda: experiment})
+    module = ModuleType("mimics_app.lab.stability.s99_planted")
+    vars(module)["EXPERIMENT"] = experiment
+    monkeypatch.setitem(sys.modules, module.__name__, module)
+    monkeypatch.setattr("mimics_app.lab.stability.catalogue._MODULES", {"S99": "s99_planted"})
 
 
 @pytest.mark.parametrize(("passed", "code"), [(True, 0), (False, 6)])

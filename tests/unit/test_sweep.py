@@ -16,6 +16,8 @@ from mimics_app.app.sweep.experiments import NAMES, find_experiment
 from mimics_app.app.sweep.patient import travel
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.resources import root
+from mimics_app.lab.stability.catalogue import NAMES as STABILITY
+from mimics_app.lab.stability.catalogue import load_experiment
 from mimics_app.lab.stability.wall_loop import Wall, exact_limit
 from mimics_app.lab.sweep.points import count_points, points_between
 from mimics_app.lab.sweep.spec import Sweep, load_sweep
@@ -139,6 +141,24 @@ def test_patient_is_repeatable_and_actions_change_the_travel():
     helped = travel(scene, "healthy", 3, {"assistance": 1.0}, profile="training", seconds=60.0)
     assert helped["parameter.assistance"] == 1.0 and helped["time_s"] < plain["time_s"]
     assert travel(scene, "healthy", 3, {}, profile="training", seconds=1.0) == {}
+
+
+@pytest.mark.parametrize("name", ["S1", "S5"])
+def test_a_stability_experiment_is_swept_over_its_grid(name, tmp_path, capsys):
+    file = spec(tmp_path, {"points": [2, 3]}, experiment=name)
+    assert main(["sweep", str(file), "--workers", "1", "--out", str(tmp_path / "out.parquet")]) == 0
+    table = pq.read_table(tmp_path / "out.parquet").to_pydict()
+    assert table["passed"] == [True, True]
+    assert table["rows"][0] < table["rows"][1]
+    alone = load_experiment(name).run(3)
+    assert (table["rows"][1], table["disagreement"][1]) == (len(alone.rows), alone.disagreement)
+
+
+def test_every_stability_experiment_can_be_swept():
+    assert set(STABILITY) < set(NAMES)
+    for name in STABILITY:
+        found = find_experiment(name)
+        assert found is not None and found.name == name and "points" in found.parameters
 
 
 def test_list_names_the_experiments_that_a_sweep_file_may_name(tmp_path, capsys):

@@ -16,7 +16,7 @@ from mimics_app.contracts.resources import root
 def played(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Names of the scenes whose loop is played without a picture."""
     names: list[str] = []
-    monkeypatch.setattr("mimics_app.app.touch.rehearsal.rehearse", lambda scene, ticks: names.append(scene.path.name))
+    monkeypatch.setattr("mimics_app.app.commands.warmup._play_start", lambda scene: names.append(scene.path.name))
     return names
 
 
@@ -25,7 +25,7 @@ def test_every_shipped_scene_is_drawn(
 ) -> None:
     drawn: list[str] = []
     monkeypatch.setattr(
-        "mimics_app.app.picture.stills.draw_stills", lambda settings, folder, seconds: drawn.append(settings.scene.name)
+        "mimics_app.app.play.stills.draw_stills", lambda settings, folder, seconds: drawn.append(settings.scene.name)
     )
     assert cli.main(["warmup", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["seconds"] >= 0.0
@@ -41,6 +41,6 @@ def test_where_nothing_draws_the_loops_are_compiled_all_the_same(
     def refuse(*_: Any, **__: Any) -> None:
         raise DeviceError("there is no way to draw")
 
-    monkeypatch.setattr("mimics_app.app.picture.stills.draw_stills", refuse)
+    monkeypatch.setattr("mimics_app.app.play.stills.draw_stills", refuse)
     assert cli.main(["warmup", "--json"]) == 0
     assert played == ["pick_and_place.json", "wavy_tunnel.json"]

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.haptic_objects import STATIC, ShapeKind
+from mimics_app.lab.haptic.contact import restitution_spring_damper
 from mimics_app.maths import quat
-from mimics_app.rendering.haptic.methods.contact import restitution_spring_damper
 from tests.support.body_play import new_play
 
 GRAVITY = (0.0, -9.81, 0.0)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.haptic_objects import ShapeKind
+from mimics_app.lab.haptic.body_worlds import GRAVITY
 from mimics_app.rendering.haptic.mesh_table import build_mesh_table
-from mimics_app.rendering.haptic.methods.body_worlds import GRAVITY
 from tests.support.body_play import new_play
 
 FIRM = {"stiffness": 40_000.0, "damping": 40.0, "friction_static": 0.5, "friction_dynamic": 0.4}

@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mimics_app.lab.haptic.contact import restitution_hunt_crossley, restitution_spring_damper
 from mimics_app.rendering.haptic.kernels.contact_law import (
     hunt_crossley,
     pair_damping,
@@ -21,7 +22,6 @@ from mimics_app.rendering.haptic.kernels.contact_law import (
     spring_damper,
     spring_damper_printed,
 )
-from mimics_app.rendering.haptic.methods.contact import restitution_hunt_crossley, restitution_spring_damper
 from tests.support.contact_play import angle_factor, bounce, energy_of_cycle
 
 K = 2000.0

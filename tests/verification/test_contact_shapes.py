@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mimics_app.lab.haptic.contact import false_force
 from mimics_app.maths import quat
 from mimics_app.rendering.haptic.kernels.contact import (
     cube,
@@ -26,7 +27,6 @@ from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 from mimics_app.rendering.haptic.kernels.integrators import step_free
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe
-from mimics_app.rendering.haptic.methods.contact import false_force
 
 K = 2000.0
 REST = np.zeros(3)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mimics_app.lab.visual.culling import make_probe
 from mimics_app.maths.mat import compose, look_at
 from mimics_app.rendering.visual.drawing.culling import FlatCuller, TreeCuller, make_culler
 from mimics_app.rendering.visual.kernels.bounds import update_bounds
 from mimics_app.rendering.visual.kernels.order import make_keys, sort_by_key
-from mimics_app.rendering.visual.methods.culling import make_probe
 from mimics_app.rendering.visual.view import View, compute_frustum_planes
 from tests.support.boxes import as_items
 

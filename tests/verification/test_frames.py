@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mimics_app.lab.haptic.tunnel import helix, twist_between
 from mimics_app.maths import frames
-from mimics_app.rendering.haptic.methods.tunnel import helix, twist_between
 from tests.support.tunnels import coil, straight, wavy
 
 

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mimics_app.lab.haptic.friction import LAWS, hold
 from mimics_app.rendering.haptic.kernels.contact_records import FRICTION
 from mimics_app.rendering.haptic.kernels.friction import (
     forget_friction,
@@ -19,7 +20,6 @@ from mimics_app.rendering.haptic.kernels.friction import (
     regularised,
     regularised_printed,
 )
-from mimics_app.rendering.haptic.methods.friction import LAWS, hold
 
 MU, NORMAL, THRESHOLD = 0.4, 30.0, 0.01
 G = 9.81

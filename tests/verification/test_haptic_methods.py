@@ -7,16 +7,16 @@ import math
 import pytest
 
 from mimics_app.contracts.methods import registry
+from mimics_app.lab.haptic import contact as methods_contact
+from mimics_app.lab.haptic import friction as methods_friction
+from mimics_app.lab.haptic import integrators as methods_integrators
+from mimics_app.lab.haptic import rotation as methods_rotation
+from mimics_app.lab.haptic.probe import SIZES
 from mimics_app.rendering.haptic.kernels.contact import cube
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.friction import hayward_armstrong
 from mimics_app.rendering.haptic.kernels.integrators import step_semi_implicit
 from mimics_app.rendering.haptic.kernels.rotation import rotate_exponential
-from mimics_app.rendering.haptic.methods import contact as methods_contact
-from mimics_app.rendering.haptic.methods import friction as methods_friction
-from mimics_app.rendering.haptic.methods import integrators as methods_integrators
-from mimics_app.rendering.haptic.methods import rotation as methods_rotation
-from mimics_app.rendering.haptic.methods.probe import SIZES
 
 DEFAULTS = {
     methods_integrators.GROUP: step_semi_implicit,

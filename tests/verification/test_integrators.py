@@ -9,6 +9,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from mimics_app.lab.haptic.integrators import STEPS, contact_error
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.integrators import (
     step_exact,
@@ -19,7 +20,6 @@ from mimics_app.rendering.haptic.kernels.integrators import (
     step_rk4,
     step_semi_implicit,
 )
-from mimics_app.rendering.haptic.methods.integrators import STEPS, contact_error
 
 ALL = (step_explicit, step_semi_implicit, step_implicit, step_midpoint, step_rk4, step_exact)
 

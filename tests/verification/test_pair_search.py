@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.haptic_objects import BodyFlag, ShapeKind
-from mimics_app.rendering.haptic.methods.body_worlds import FREE, heap_of_boxes
+from mimics_app.lab.haptic.body_worlds import FREE, heap_of_boxes
 from tests.support.body_play import new_play
 
 KINDS = {

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.kernel import kernel
+from mimics_app.lab.haptic.rotation import MOMENTS, RATE, angle_between, drift_of, follow_top
 from mimics_app.maths import quat
 from mimics_app.rendering.haptic.kernels.rotation import (
     angular_velocity,
@@ -21,7 +22,6 @@ from mimics_app.rendering.haptic.kernels.rotation import (
     turn_exponential,
     turn_printed,
 )
-from mimics_app.rendering.haptic.methods.rotation import MOMENTS, RATE, angle_between, drift_of, follow_top
 
 ALL = (rotate_printed, rotate_axes, rotate_start, rotate_exponential, rotate_rk4)
 

@@ -11,12 +11,12 @@ import pytest
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.lab import haptic_bench, haptic_peers
+from mimics_app.lab.haptic import bounding as methods_bounding
+from mimics_app.lab.haptic import cull as methods_cull
+from mimics_app.lab.haptic import mesh as methods_mesh
 from mimics_app.lab.haptic_harness import HarnessRow, run_harnesses
 from mimics_app.lab.stability import s10b_rounded_edge
 from mimics_app.rendering.haptic.kernels.objects.cull import find_near, find_near_plain
-from mimics_app.rendering.haptic.methods import bounding as methods_bounding
-from mimics_app.rendering.haptic.methods import cull as methods_cull
-from mimics_app.rendering.haptic.methods import mesh as methods_mesh
 
 
 @pytest.mark.parametrize("number", range(3))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mimics_app.lab.haptic.tunnel import closest_by_roots
 from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE, TunnelStatus
-from mimics_app.rendering.haptic.methods.tunnel import closest_by_roots
 from tests.support.tunnels import afresh, coil, record_of, ring, straight, walk, wavy
 
 K = 1500.0  # N/m

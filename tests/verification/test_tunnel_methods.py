@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.methods import registry
+from mimics_app.lab.haptic.tunnel import FRAME_GROUP, PROJECTION_GROUP, closest_by_roots
 from mimics_app.maths import frames
 from mimics_app.rendering.haptic.kernels.tunnel_projection import track
-from mimics_app.rendering.haptic.methods.tunnel import FRAME_GROUP, PROJECTION_GROUP, closest_by_roots
 from tests.support.tunnels import coil
 
 

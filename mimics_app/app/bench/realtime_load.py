@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from mimics_app.app.picture.picture import Picture, live_quality
-from mimics_app.app.play.frame import Frames
 from mimics_app.app.session.build import build_session, start_loop
+from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.clock import MonotonicClock

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from mimics_app.contracts.errors import DeviceError
 
 if TYPE_CHECKING:
-    from mimics_app.rendering.visual.figures.launcher import ScenarioCard
+    from mimics_app.rendering.visual.launcher.launcher import ScenarioCard
 
 __all__ = ["run"]
 
@@ -64,7 +64,7 @@ def _options() -> dict[str, list[str]]:
 
 def _choose() -> tuple[Path, dict[str, str]] | None:
     from mimics_app.contracts.clock import FRAME_NS, MonotonicClock
-    from mimics_app.rendering.visual.figures.launcher import Launcher
+    from mimics_app.rendering.visual.launcher.launcher import Launcher
     from mimics_app.rendering.visual.surfaces.contexts import create_surface
 
     clock = MonotonicClock()
@@ -84,7 +84,7 @@ def _cards() -> list[ScenarioCard]:
     """One card per shipped scene that is played, scenarios first: its title, words, and picture where it has one."""
     from mimics_app.app.scenes.catalogue import ONLY_LOOKED_AT
     from mimics_app.contracts.resources import root
-    from mimics_app.rendering.visual.figures.launcher import ScenarioCard
+    from mimics_app.rendering.visual.launcher.launcher import ScenarioCard
 
     cards = []
     folder = root() / "scenes"

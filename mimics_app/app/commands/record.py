@@ -43,12 +43,14 @@ def run(args: argparse.Namespace) -> int:
     if args.action == "verify":
         answer["verified"] = opened.manifest is not None and verdict.whole
     answer["problems"] = list(verdict.problems)
+    answer["notes"] = opened.notes()
     if args.json:
         from mimics_app.app.terminal.output import write_object
 
         write_object("record", {"action": args.action, **answer})
     else:
         lines = _verdict(opened, answer["problems"]) if args.action == "verify" else _lines(answer)
+        lines += [("note", note) for note in answer["notes"]]
         sys.stdout.write("".join(f"{name:14} {text}\n" for name, text in lines))
     return 0 if verdict.whole else PartialDataError.exit_code
 

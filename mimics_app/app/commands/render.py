@@ -21,7 +21,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--frames", type=frame_count, default=1, help="how many, spread over --seconds of simulated play"
     )
-    parser.add_argument("--seconds", type=_seconds, default=2.0, help="simulated time played by the patient [s]")
+    parser.add_argument(
+        "--seconds", type=_seconds, default=2.0, help="time played by the simulated patient from the first trial on [s]"
+    )
     parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="of the picture [px]")
     parser.add_argument("--seed", type=random_seed, default=1, help="of the simulated patient")
     parser.add_argument("--profile", choices=PROFILES, default="training", help="quality of the picture")
@@ -37,7 +39,7 @@ def run(args: argparse.Namespace) -> int:
 
     find_scene(args.scene)
     say_if_cold()
-    from mimics_app.app.picture.stills import draw_stills
+    from mimics_app.app.play.stills import draw_stills
     from mimics_app.app.settings import RunSettings
 
     settings = RunSettings(args.scene, seed=args.seed, profile=args.profile, size=args.size)

@@ -6,6 +6,10 @@ import argparse
 import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mimics_app.world.scene.scene import Scene
 
 __all__ = ["add_arguments", "run"]
 
@@ -39,12 +43,11 @@ def run(args: argparse.Namespace) -> int:
 
 def _compile_everything() -> None:
     """Play every shipped scene for a moment and draw it small; where nothing can be drawn, its loop alone."""
-    from mimics_app.app.picture.stills import draw_stills
+    from mimics_app.app.play.stills import draw_stills
     from mimics_app.app.scenes.catalogue import is_playable
     from mimics_app.app.scenes.loading import load_checked_scene
     from mimics_app.app.settings import RunSettings
     from mimics_app.app.terminal.progress import ProgressBar
-    from mimics_app.app.touch.rehearsal import rehearse
     from mimics_app.contracts.errors import DeviceError
     from mimics_app.contracts.resources import root
 
@@ -57,4 +60,15 @@ def _compile_everything() -> None:
             except DeviceError:
                 scene = load_checked_scene(file)
                 if is_playable(scene):
-                    rehearse(scene, round(1000 * _SECONDS))
+                    _play_start(scene)
+
+
+def _play_start(scene: Scene) -> None:
+    """Play a scene up to the start of its first trial, without a picture."""
+    from mimics_app.app.session.core import open_core
+    from mimics_app.app.session.frame import Frames
+    from mimics_app.app.session.preparation import prepare_scene
+    from mimics_app.app.settings import RunSettings
+
+    with open_core(prepare_scene(scene, RunSettings(scene.path))) as core:
+        Frames(core).play_to_start()

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mimics_app.rendering.visual.surfaces.headless import FrameSet
+from mimics_app.rendering.visual.frame_set import FrameSet
 from mimics_app.rendering.visual.surfaces.surface import Surface
 
 __all__ = ["Drawn"]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.haptic import EventKind
 from mimics_app.contracts.messages import HapticSnapshot
 from mimics_app.rendering.visual.figures.hud import Colour
-from mimics_app.rendering.visual.overlay.overlay import Arrow
+from mimics_app.rendering.visual.overlay.layers import Arrow
 
 __all__ = ["ForceArrows"]
 

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from mimics_app.contracts.window_input import InputEvent
-from mimics_app.rendering.visual.overlay.overlay import LAYERS, Layer
-from mimics_app.rendering.visual.renderer import Renderer
+from mimics_app.rendering.visual.overlay.layers import LAYERS, Layer
+
+if TYPE_CHECKING:
+    from mimics_app.rendering.visual.renderer import Renderer
 
 __all__ = ["OVERLAY_KEYS", "toggle_overlay"]
 

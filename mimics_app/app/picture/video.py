@@ -15,9 +15,9 @@ from typing import IO, TYPE_CHECKING, Protocol
 
 from mimics_app.contracts.clock import FRAMES_PER_SECOND
 from mimics_app.contracts.errors import UsageError
+from mimics_app.rendering.visual.frame_set import FrameSet
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.surfaces.frame_reader import FrameReader, ReadFrame
-from mimics_app.rendering.visual.surfaces.headless import FrameSet
 from mimics_app.rendering.visual.surfaces.surface import Size, Surface
 from mimics_app.rendering.visual.view import View
 

@@ -226,7 +226,7 @@ def _emitters_us(table: Table, plan: Plan) -> float | None:
 
 
 _SOURCES_OF_TABLE = 16
-"""Moving sources in the block that the spatialisers are measured by (rendering/audio/methods.py)."""
+"""Moving sources in the block that the spatialisers are measured by (lab/audio/spatialiser.py)."""
 
 
 def _tunnel_us(table: Table) -> float | None:

@@ -130,7 +130,7 @@ def _shows_models(scene: Scene) -> bool:
 
 
 _PROBE_PX = 640 * 360
-"""Picture in which the methods of `rendering.visual.methods` are measured [px]."""
+"""Picture in which the methods of `lab.visual` are measured [px]."""
 
 USES: Mapping[str, Use] = {
     "tunnel projection": Use("closest point of the tunnel's bisector", _has(Tunnel), _named_projection),

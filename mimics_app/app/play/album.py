@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from mimics_app.app.picture.picture import Picture, picture_quality
-from mimics_app.app.play.frame import Frames
+from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.contracts.clock import FRAMES_PER_SECOND
 from mimics_app.contracts.trial_state import TrialState

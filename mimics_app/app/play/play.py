@@ -11,12 +11,12 @@ from pathlib import Path
 from mimics_app.app.picture.picture import Picture, live_quality
 from mimics_app.app.play.album import Album
 from mimics_app.app.play.collector import left_alone
-from mimics_app.app.play.frame import Frames
 from mimics_app.app.play.pace import run_live, run_unseen, run_virtual
 from mimics_app.app.play.progress_line import ProgressLine
 from mimics_app.app.play.result import summarise
 from mimics_app.app.play.summary_lines import summary_lines
 from mimics_app.app.session.build import build_session, start_loop
+from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal import output

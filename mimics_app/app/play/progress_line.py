@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TextIO
 
-from mimics_app.app.play.frame import Frames
+from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.app.terminal.progress import draw_bar
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import sys
+from typing import TYPE_CHECKING
 
-from mimics_app.app.picture.picture import Picture
 from mimics_app.app.planner.plan import settle
 from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.app.scenes.loading import load_checked_scene
@@ -12,8 +12,11 @@ from mimics_app.app.session.session import Session
 from mimics_app.app.touch.haptic_side import HapticSide
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.world.scene.file import build_world
-from mimics_app.world.scene.reload import reload_scene
+from mimics_app.world.scene.reload import apply_scene
 from mimics_app.world.scene.watcher import SceneWatcher
+
+if TYPE_CHECKING:
+    from mimics_app.app.picture.picture import Picture
 
 __all__ = ["SceneReload"]
 
@@ -60,12 +63,12 @@ class SceneReload:
     def _take(self, now_ns: int) -> None:
         session = self._session
         try:
-            candidate = load_checked_scene(session.scene.path)
-            open_scenario(candidate, build_world(candidate))  # in a world of its own: its faults must not end this one
-            side = HapticSide(candidate)
+            scene = load_checked_scene(session.scene.path)
+            open_scenario(scene, build_world(scene))  # in a world of its own: its faults must not end this one
+            side = HapticSide(scene)
             if not side.fits(session.side, session.memory):
-                raise SceneError(Issue(candidate.file, "", _NEW_TABLES, "end the run and start it again"))
-            scene, changes = reload_scene(session.world, session.scene)
+                raise SceneError(Issue(scene.file, "", _NEW_TABLES, "end the run and start it again"))
+            changes = apply_scene(session.world, session.scene, scene)
         except SceneError as error:
             self._say(now_ns, str(error.issues[0]))
             session.recorder.journal("reload", {"taken": False, "issues": [str(issue) for issue in error.issues]})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from mimics_app.app.play.frame import Frames
+from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.contracts.audio_port import AudioReport
 from mimics_app.rendering.haptic.histogram import LatenessReport

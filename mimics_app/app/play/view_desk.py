@@ -6,7 +6,7 @@ import sys
 
 from mimics_app.app.picture.force_arrows import ForceArrows
 from mimics_app.app.picture.overlay_keys import toggle_overlay
-from mimics_app.app.play.frame import Frames
+from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.contracts.errors import MimicsError
 

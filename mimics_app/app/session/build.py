@@ -10,22 +10,16 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from mimics_app.app.session.header import describe_session
-from mimics_app.app.session.person import simulated_person
 from mimics_app.app.session.preparation import Preparation, prepare
 from mimics_app.app.session.session import Session
 from mimics_app.app.session.sound import open_sound
 from mimics_app.app.settings import RunSettings
-from mimics_app.app.touch.device_fit import device_values, fit_context
-from mimics_app.contracts.clock import MonotonicClock, VirtualClock
+from mimics_app.app.touch.device_fit import device_values
 from mimics_app.contracts.session_memory import SessionMemory
-from mimics_app.dsp.stage import NullDsp
-from mimics_app.estimation.stage import NullEstimation
-from mimics_app.inputs.stage import Inputs
 from mimics_app.recording.recorder import Recorder
 from mimics_app.recording.run_folder import create_run_folder
 from mimics_app.recording.statics import write_statics
 from mimics_app.rendering.haptic import scheduler
-from mimics_app.tasks.task_manager import TaskManager
 
 __all__ = ["build_session", "start_loop"]
 
@@ -49,7 +43,7 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
         session = _assemble(parts, stack)
         session.recorder.wait_until_ready()
         session.on_close = stack.pop_all()
-    parts.desk.hand_to(session.recorder.parameters, session.haptics.publish)
+    session.begin()
     return session
 
 
@@ -60,30 +54,10 @@ def _assemble(parts: Preparation, stack: ExitStack) -> Session:
     recorder = _start_recorder(parts, memory, folder)
     stack.callback(recorder.abandon)
     sound = open_sound(parts, memory, folder)
-    if sound is not None:
-        stack.callback(sound.stop)
-    haptics = parts.side.engine(memory, parts.plugin, recipe=parts.settings.recipe)
-    stack.callback(haptics.stop)
-    return Session(
-        settings=parts.settings,
-        live=parts.live,
-        scene=parts.scene,
-        world=parts.world,
-        scenario=parts.scenario,
-        side=parts.side,
-        memory=memory,
-        clock=MonotonicClock() if parts.live else VirtualClock(),
-        desk=parts.desk,
-        haptics=haptics,
-        tasks=_task_manager(parts, recorder),
-        inputs=Inputs([simulated_person(parts.scene, parts.scenario)]),
-        dsp=NullDsp(),
-        estimation=NullEstimation(),
-        learning=parts.learning,
-        recorder=recorder,
-        folder=folder,
-        sound=sound,
-    )
+    stack.callback(sound.stop)
+    session = Session(parts, memory, recorder, sound)
+    stack.callback(session.haptics.stop)
+    return session
 
 
 def _start_recorder(parts: Preparation, memory: SessionMemory, folder: Path) -> Recorder:
@@ -91,11 +65,6 @@ def _start_recorder(parts: Preparation, memory: SessionMemory, folder: Path) -> 
     write_statics(folder, parts.side.statics)
     recorder.start(wait=False)
     return recorder
-
-
-def _task_manager(parts: Preparation, recorder: Recorder) -> TaskManager:
-    context = fit_context(parts.scenario.task_context, parts.plugin)
-    return TaskManager(parts.task, context, parts.settings.seed, on_trial=recorder.trial, on_event=recorder.journal)
 
 
 def start_loop(session: Session) -> str:

@@ -1,25 +1,17 @@
-"""Who is at the run: a person at the window, with mouse, keyboard and gamepad, or a simulated one."""
+"""Who is at the window of a run: a person with mouse, keyboard and gamepad."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from mimics_app.app.session.core import simulated_person
 from mimics_app.app.session.session import Session
-from mimics_app.contracts.scenario_port import Scenario
 from mimics_app.inputs.interaction.plane import FrontalPlane
 from mimics_app.inputs.interaction.pointer import Pointer, PointerSettings
-from mimics_app.inputs.interaction.simulated_patient import SimulatedPatient
 from mimics_app.inputs.stage import Inputs
-from mimics_app.world.components.robot import Ball, Patient, Robot
-from mimics_app.world.scene.scene import Scene
+from mimics_app.world.components.robot import Ball, Robot
 
-__all__ = ["person_inputs", "simulated_person"]
-
-
-def simulated_person(scene: Scene, scenario: Scenario) -> SimulatedPatient:
-    """What a simulated person does with what the scene asks: the run's own, or one on an emulated robot."""
-    patient = scene.first(Patient) or Patient()
-    return SimulatedPatient(intent=patient.intent, follows_way=len(scenario.via_points_world) > 1)
+__all__ = ["person_inputs"]
 
 
 def person_inputs(session: Session) -> Inputs:

@@ -31,7 +31,7 @@ from mimics_app.world.scene.file import build_world
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
-__all__ = ["Preparation", "prepare"]
+__all__ = ["Preparation", "prepare", "prepare_scene"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,7 +78,16 @@ def prepare(settings: RunSettings, *, live: bool) -> Preparation:
         SceneError: the scene or the action file is wrong.
         DeviceError: the robot cannot be had.
     """
-    scene = load_checked_scene(settings.scene)
+    return prepare_scene(load_checked_scene(settings.scene), settings, live=live)
+
+
+def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False) -> Preparation:
+    """As `prepare`, of a checked scene that is there already.
+
+    Raises:
+        SceneError: the action file is wrong.
+        DeviceError: the robot cannot be had.
+    """
     plan = settle(scene, settings.profile)
     world = build_world(scene)
     world.effects.seed = settings.seed

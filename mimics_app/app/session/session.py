@@ -3,70 +3,57 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
 
-from mimics_app.app.cues.sound_stage import SoundStage
-from mimics_app.app.picture.governor import FrameGovernor
-from mimics_app.app.picture.picture import Picture
+from mimics_app.app.session.core import SessionCore
+from mimics_app.app.session.preparation import Preparation
+from mimics_app.app.session.switched_off import SoundPort
 from mimics_app.app.settings import RunSettings
-from mimics_app.app.touch.haptic_side import HapticSide
-from mimics_app.app.touch.parameter_desk import ParameterDesk
+from mimics_app.app.terminal.output import tell
 from mimics_app.contracts.audio_port import AudioReport
-from mimics_app.contracts.clock import Clock
-from mimics_app.contracts.scenario_port import Scenario
 from mimics_app.contracts.session_memory import SessionMemory
-from mimics_app.contracts.stages import Dsp, Estimation, Learning
-from mimics_app.inputs.stage import Inputs
 from mimics_app.recording.manifest import Manifest
 from mimics_app.recording.recorder import Recorder
-from mimics_app.rendering.haptic.engine import HapticEngine
-from mimics_app.tasks.task_manager import TaskManager
-from mimics_app.world.scene.scene import Scene
-from mimics_app.world.world import World
+
+if TYPE_CHECKING:  # a session that draws nothing loads nothing of a picture
+    from mimics_app.app.picture.governor import FrameGovernor
+    from mimics_app.app.picture.picture import Picture
 
 __all__ = ["Session"]
 
 
-@dataclass(slots=True)
-class Session:
+class Session(SessionCore):
     """One run: its scene, its stages, its shared memory, its record.
 
+    Args:
+        parts: What it is made of.
+        memory: Shared with recorder and sound.
+        recorder: Its process is on its way up.
+        sound: Opening.
+
     Attributes:
-        side: What of the scene can be touched, as it was when the loop was built.
-        live: True when the haptic loop runs in real time; False on the virtual clock.
+        folder: Of the run.
         picture: None while nothing is drawn.
-        sound: None in a scene without sound.
         governor: None while no frame has to keep time.
         film: Where its film goes, None while there is none.
         trouble: Why it ends before its time though nobody asked for it, "" while it does not.
         on_close: What must be released if the run ends before `finish`.
     """
 
-    settings: RunSettings
-    live: bool
-    scene: Scene
-    world: World
-    scenario: Scenario
-    side: HapticSide
-    memory: SessionMemory
-    clock: Clock
-    desk: ParameterDesk
-    haptics: HapticEngine
-    tasks: TaskManager
-    inputs: Inputs
-    dsp: Dsp
-    estimation: Estimation
-    learning: Learning
     recorder: Recorder
-    folder: Path
-    sound: SoundStage | None = None
-    picture: Picture | None = None
-    governor: FrameGovernor | None = None
-    film: Path | None = None
-    trouble: str = ""
-    on_close: ExitStack = field(default_factory=ExitStack)
+
+    def __init__(self, parts: Preparation, memory: SessionMemory, recorder: Recorder, sound: SoundPort) -> None:
+        super().__init__(parts, memory, recorder, sound)
+        self.tell = tell
+        self.settings: RunSettings = parts.settings
+        self.folder: Path = recorder.folder
+        self.picture: Picture | None = None
+        self.governor: FrameGovernor | None = None
+        self.film: Path | None = None
+        self.trouble = ""
+        self.on_close = ExitStack()
 
     def show(self, picture: Picture) -> None:
         """Take a picture to draw from now on, into a film where one is wanted."""
@@ -76,15 +63,14 @@ class Session:
 
     def end_stages(self) -> AudioReport | None:
         """Stop touch, picture and sound, in that order; the recorder still runs."""
-        self.tasks.end_session(self.clock.now_ns())
-        self.haptics.stop()
+        self.stop()
         if self.picture is not None:
             self.film = None if self.picture.film is None else self.picture.film.place
             self.picture.close()
             self.picture = None
-        if self.sound is None:
-            return None
         report = self.sound.stop()
+        if report is None:
+            return None
         status = report.status
         self.recorder.journal("audio", {"device": status.device, "sink": status.sink, "hrtf": status.hrtf})
         for row in report.rows:
@@ -98,9 +84,8 @@ class Session:
         self.on_close.pop_all()
         return manifest
 
-    def __enter__(self) -> Session:
-        return self
-
-    def __exit__(self, *exception: object) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         """Release whatever `finish` did not: a run that failed leaves no process and no moving robot behind."""
         self.on_close.close()

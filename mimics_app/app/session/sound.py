@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from mimics_app.app.cues.sound_stage import SoundStage
 from mimics_app.app.session.preparation import Preparation
+from mimics_app.app.session.switched_off import NullSound, SoundPort
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.world.components.systems import AudioSettings
 from mimics_app.world.components.visible import Sound, SoundEmitter
@@ -18,8 +19,8 @@ if TYPE_CHECKING:
 __all__ = ["open_sound"]
 
 
-def open_sound(parts: Preparation, memory: SessionMemory, folder: Path) -> SoundStage | None:
-    """The scene's sound, opening; None, without importing any of it, where there is none.
+def open_sound(parts: Preparation, memory: SessionMemory, folder: Path) -> SoundPort:
+    """The scene's sound, opening; none, without importing any of it, where there is none.
 
     Args:
         parts: Of the session.
@@ -30,7 +31,7 @@ def open_sound(parts: Preparation, memory: SessionMemory, folder: Path) -> Sound
     sounds = scene.components(Sound)
     system = scene.system(AudioSettings) or AudioSettings()
     if not sounds or not system.enabled or wanted == "off":
-        return None
+        return NullSound()
     from mimics_app.rendering.audio.offline import OfflineAudio
     from mimics_app.rendering.audio.process import AudioProcess
     from mimics_app.rendering.audio.scene_sounds import settings_from_components
@@ -45,7 +46,7 @@ def open_sound(parts: Preparation, memory: SessionMemory, folder: Path) -> Sound
         hrtf=_heard_about_the_head(scene, system),
     )
     if chosen is None:
-        return None
+        return NullSound()
     output: AudioOutput = AudioProcess(memory, chosen) if parts.live else OfflineAudio(memory, chosen)
     output.start()
     return SoundStage(output, chosen.cues, chosen.emitters, system.gain)

@@ -2,31 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
+from mimics_app.lab.stability import catalogue
 from mimics_app.lab.sweep.quantity import SweepExperiment
 
 __all__ = ["NAMES", "find_experiment"]
 
-
-def _wall_stability() -> SweepExperiment:
-    from mimics_app.lab.sweep.wall_stability import EXPERIMENT
-
-    return EXPERIMENT
-
-
-def _patient() -> SweepExperiment:
-    from mimics_app.app.sweep.patient import EXPERIMENT
-
-    return EXPERIMENT
-
-
-_EXPERIMENTS: dict[str, Callable[[], SweepExperiment]] = {"wall_stability": _wall_stability, "patient": _patient}
-
-NAMES = tuple(_EXPERIMENTS)
-"""Names of the experiments."""
+NAMES = ("wall_stability", "patient", *catalogue.NAMES)
+"""Names of the experiments: of walls, of patients, and of the stability experiments S1 to S16."""
 
 
 def find_experiment(name: str) -> SweepExperiment | None:
     """The experiment of a name, or None."""
-    return _EXPERIMENTS[name]() if name in _EXPERIMENTS else None
+    if name == "wall_stability":
+        from mimics_app.lab.sweep.wall_stability import EXPERIMENT
+
+        return EXPERIMENT
+    if name == "patient":
+        from mimics_app.app.sweep import patient
+
+        return patient.EXPERIMENT
+    if name in catalogue.NAMES:
+        from mimics_app.lab.sweep.stability_map import stability_map
+
+        return stability_map(name)
+    return None

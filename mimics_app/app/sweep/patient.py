@@ -8,29 +8,26 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
-from mimics_app.app.planner.plan import settle
-from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.app.scenes.finding import find_scene
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.app.settings import PROFILES
-from mimics_app.app.touch.bare_play import BarePlay
-from mimics_app.app.touch.haptic_side import HapticSide
+from mimics_app.app.session.core import open_core
+from mimics_app.app.session.frame import Frames
+from mimics_app.app.session.preparation import prepare_scene
+from mimics_app.app.settings import PROFILES, RunSettings
 from mimics_app.contracts.clock import FRAMES_PER_SECOND
 from mimics_app.contracts.errors import Issue, MimicsError, nearest
 from mimics_app.contracts.messages import TaskAction
 from mimics_app.lab.sweep.quantity import Columns, Quantity, SweepExperiment
-from mimics_app.tasks.actions import build_action_space, fill_defaults
-from mimics_app.tasks.scene_section import task_of
+from mimics_app.learning.action_sequence import ActionSequence, TimedAction
+from mimics_app.tasks.actions import build_action_space
 from mimics_app.tasks.task import MEASURES, BlockSpec, TaskSpec
-from mimics_app.tasks.trial_file import resolve_trials
-from mimics_app.world.components.robot import Patient, Robot
-from mimics_app.world.scene.file import build_world
 from mimics_app.world.scene.scene import Scene
 
 __all__ = ["EXPERIMENT", "travel"]
@@ -49,13 +46,12 @@ def _scene_file(name: str, folder: Path) -> Path:
     return beside.resolve() if os.path.isfile(beside) else find_scene(Path(name))
 
 
-def _task_of(scene: Scene) -> TaskSpec:
-    """The scene's task with its last trial alone."""
-    spec = resolve_trials(task_of(scene), scene.path.parent, scene.root)
-    blocks = [block for block in spec.trials if isinstance(block, BlockSpec)]
+def _last_trial(task: TaskSpec) -> TaskSpec:
+    """A task, its trial file read, with its last trial alone."""
+    blocks = [block for block in task.trials if isinstance(block, BlockSpec)]
     if not blocks:
-        return spec
-    return msgspec.structs.replace(spec, trials=[msgspec.structs.replace(blocks[-1], trials=blocks[-1].trials[-1:])])
+        return task
+    return msgspec.structs.replace(task, trials=[msgspec.structs.replace(blocks[-1], trials=blocks[-1].trials[-1:])])
 
 
 def travel(
@@ -75,18 +71,16 @@ def travel(
         The row of the trial: `outcome`, `time_s`, `path_error_rms_m`, `contacts`, `smoothness`, `score` ...; {} where
         it had not ended in time.
     """
-    settle(scene, profile)
-    patient = scene.first(Patient) or Patient()
-    if preset:
-        patient = msgspec.structs.replace(patient, preset=preset)
-    play = BarePlay(scene, _task_of(scene), scene.first(Robot) or Robot(), patient, seed)
-    first = TaskAction(dict(action), at_trial=0) if action else None
-    for _ in range(round(seconds * FRAMES_PER_SECOND)):
-        play.step(first)
-        first = None
-        if play.tasks.done:
-            break
-    return dict(play.tasks.rows[-1]) if play.tasks.rows else {}
+    settings = RunSettings(scene.path, seed=seed, profile=profile, patient=preset)
+    chosen = [TimedAction(0.0, TaskAction(dict(action), at_trial=0))] if action else []
+    parts = prepare_scene(scene, settings)
+    with open_core(replace(parts, task=_last_trial(parts.task), learning=ActionSequence(chosen))) as core:
+        frames = Frames(core)
+        for _ in range(round(seconds * FRAMES_PER_SECOND)):
+            if frames.play_on().finished:
+                break
+        rows = core.tasks.rows
+    return dict(rows[-1]) if rows else {}
 
 
 def _run(values: Columns, folder: Path) -> Columns:
@@ -126,8 +120,9 @@ def _check(values: Columns, file: Path) -> tuple[list[Issue], str]:
 
 
 def _action_faults(scene: Scene, values: Columns, file: str) -> list[Issue]:
-    desk = HapticSide(scene).desk(open_scenario(scene, build_world(scene)).scene_block())
-    space = build_action_space(fill_defaults(_task_of(scene), desk.value))
+    parts = prepare_scene(scene, RunSettings(scene.path))
+    parts.plugin.close()
+    space = build_action_space(parts.task)
     issues = []
     for name in (name for name in values if name.startswith(_ACTION)):
         pointer, key = f"/parameters/{name}", name.removeprefix(_ACTION)

@@ -17,7 +17,7 @@ from typing import Any, TextIO
 
 from mimics_app.contracts.errors import Issue, told
 
-__all__ = ["errors_of", "finite", "issue_lines", "object_written", "reserved_stdout", "write_object"]
+__all__ = ["errors_of", "finite", "issue_lines", "object_written", "reserved_stdout", "tell", "write_object"]
 
 
 class _ObjectStream:
@@ -63,6 +63,11 @@ def _divert_descriptor(real: TextIO) -> int | None:
     saved = os.dup(1)
     os.dup2(2, 1)
     return saved
+
+
+def tell(text: str) -> None:
+    """Say a line to whoever watches the terminal."""
+    sys.stderr.write(f"mimics: {text}\n")
 
 
 def write_object(command: str, data: Mapping[str, Any], *, schema: str = "", version: int = 1) -> None:

@@ -70,11 +70,12 @@ class HapticSide:
         return ParameterDesk(*self.parameters(block))
 
     def parameters(self, block: NDArray[Any]) -> tuple[NDArray[Any], Rows | None, Names]:
-        """The block with its objects counted, their rows and the names of these; what a desk takes."""
+        """The block with its objects counted, copies of their rows and the names of these; what a desk takes."""
         if not self._some:
             return block, None, {}
         block["objects"] = self._objects.counts[0]
-        return block, self._objects.rows, row_names(self._objects)
+        rows = Rows(*(table.copy() for table in self._objects.rows))
+        return block, rows, row_names(self._objects)
 
     def engine(self, memory: SessionMemory, plugin: DevicePlugin, *, recipe: str = "auto") -> HapticEngine:
         """The loop over that memory and a device."""

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from numpy.typing import NDArray
 
+from mimics_app.app.terminal.output import tell
 from mimics_app.contracts.haptic import EventKind
 
 __all__ = ["LossWatch"]
@@ -18,9 +18,11 @@ class LossWatch:
 
     Args:
         effect_entities: Id of the entity of each row of effects.
+        tell: Says a line to the person.
     """
 
-    def __init__(self, effect_entities: Sequence[str]) -> None:
+    def __init__(self, effect_entities: Sequence[str], tell: Callable[[str], None] = tell) -> None:
+        self._tell = tell
         self._names = effect_entities
         self._pairs = 0
         self._fields: list[str] = []
@@ -40,10 +42,10 @@ class LossWatch:
     def _leave_out(self, pairs: int) -> None:
         if self._pairs == 0:
             what = f"{pairs} pair{'' if pairs == 1 else 's'} of shapes near each other cannot be looked at"
-            sys.stderr.write(f"mimics: {what}: they do not collide; spread the objects, or give them fewer shapes\n")
+            self._tell(f"{what}: they do not collide; spread the objects, or give them fewer shapes")
         self._pairs = max(self._pairs, pairs)
 
     def _put_away(self, row: int) -> None:
         name = self._names[row] if row < len(self._names) else f"effect {row + 1}"
-        sys.stderr.write(f'mimics: the force field of "{name}" gave a number that is not finite: it acts no more\n')
+        self._tell(f'the force field of "{name}" gave a number that is not finite: it acts no more')
         self._fields.append(name)

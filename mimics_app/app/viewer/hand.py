@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mimics_app.app.viewer.handles import axis_under, handle_arrows
 from mimics_app.app.viewer.shown import Shown
-from mimics_app.rendering.visual.overlay.overlay import Arrow
+from mimics_app.rendering.visual.overlay.layers import Arrow
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.raycast import cast_ray
 from mimics_app.world.scene.edit import is_written_in_file, write_translation

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.rendering.visual.figures.hud import Colour
-from mimics_app.rendering.visual.overlay.overlay import Arrow
+from mimics_app.rendering.visual.overlay.layers import Arrow
 from mimics_app.rendering.visual.view import View
 
 __all__ = ["axis_under", "handle_arrows"]

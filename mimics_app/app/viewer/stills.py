@@ -13,7 +13,8 @@ from mimics_app.app.settings import Profile
 from mimics_app.app.viewer.page import draw_caption
 from mimics_app.app.viewer.shown import Shown
 from mimics_app.app.viewer.stage import ViewerStage
-from mimics_app.rendering.visual.surfaces.headless import FrameSet, open_offscreen, save_png
+from mimics_app.rendering.visual.frame_set import FrameSet
+from mimics_app.rendering.visual.surfaces.headless import open_offscreen, save_png
 from mimics_app.rendering.visual.surfaces.surface import Size
 from mimics_app.rendering.visual.view import View
 

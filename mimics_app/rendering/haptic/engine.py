@@ -23,8 +23,8 @@ from mimics_app.rendering.haptic.block_check import check_block
 from mimics_app.rendering.haptic.channels import channels_of, new_work
 from mimics_app.rendering.haptic.histogram import LatenessReport, percentile_us
 from mimics_app.rendering.haptic.loop import advance_ticks, run_live
-from mimics_app.rendering.haptic.no_objects import NO_FIELDS, no_objects
-from mimics_app.rendering.haptic.objects import ObjectWork, load_simulation, new_object_work
+from mimics_app.rendering.haptic.no_objects import NO_FIELDS, load_simulation, no_objects
+from mimics_app.rendering.haptic.objects import ObjectWork, new_object_work
 from mimics_app.rendering.haptic.replay import replay_ticks
 from mimics_app.rendering.haptic.stability_report import StabilityReport, stability_of
 

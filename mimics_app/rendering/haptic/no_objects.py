@@ -1,4 +1,4 @@
-"""What stands in the place of the objects' code where a scene has none."""
+"""The objects' part of the tick: imported where a scene has objects, and what stands in its place where it has none."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from mimics_app.contracts.loop_ports import FIELD, MAX_FIELDS
 from mimics_app.contracts.object_rows import Rows
 from mimics_app.rendering.haptic.objects import SIMULATE, ObjectWork
 
-__all__ = ["NO_FIELDS", "no_field", "no_objects"]
+__all__ = ["NO_FIELDS", "load_simulation", "no_field", "no_objects"]
 
 Vec = NDArray[np.float64]
 Fields = tuple[Callable[..., Any], ...]
@@ -34,3 +34,10 @@ NO_FIELDS: Fields = (no_field,) * MAX_FIELDS
 @typed_kernel(SIMULATE)
 def no_objects(rows: Rows, work: ObjectWork, counts: np.void, hand: Vec, fields: Fields, dt: float, force: Vec) -> None:
     """Nothing is touched: the results of a tick stay as they were made."""
+
+
+def load_simulation() -> Callable[..., Any]:
+    """The objects' part of the tick, imported and compiled when it is first needed."""
+    from mimics_app.rendering.haptic.simulate import simulate_objects
+
+    return simulate_objects

@@ -8,7 +8,6 @@ Every kernel of the objects takes (rows, work, counts, ...), `counts` being SCEN
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -41,7 +40,7 @@ from mimics_app.rendering.haptic.kernels.objects.touches import TOUCH
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 from mimics_app.rendering.haptic.ridge_table import RidgeTable, build_ridge_table
 
-__all__ = ["OBJECT_WORK", "ROWS", "ROW_STACK", "SIMULATE", "ObjectWork", "load_simulation", "new_object_work"]
+__all__ = ["OBJECT_WORK", "ROWS", "ROW_STACK", "SIMULATE", "ObjectWork", "new_object_work"]
 
 Records = NDArray[Any]
 
@@ -133,13 +132,6 @@ class ObjectWork(NamedTuple):
     still: Records
     meshes: MeshTable
     ridges: RidgeTable
-
-
-def load_simulation() -> Callable[..., Any]:
-    """The objects' part of the tick, imported and compiled when it is first needed."""
-    from mimics_app.rendering.haptic.simulate import simulate_objects
-
-    return simulate_objects
 
 
 def new_object_work(capacities: ObjectCapacities, meshes: MeshTable | None = None) -> ObjectWork:

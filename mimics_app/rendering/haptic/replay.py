@@ -15,8 +15,8 @@ from mimics_app.contracts.object_rows import ObjectCapacities, Rows, count_rows,
 from mimics_app.contracts.session_memory import Capacities, SessionMemory
 from mimics_app.rendering.haptic.channels import channels_of, new_work
 from mimics_app.rendering.haptic.loop import replay_recorded
-from mimics_app.rendering.haptic.no_objects import NO_FIELDS, no_objects
-from mimics_app.rendering.haptic.objects import load_simulation, new_object_work
+from mimics_app.rendering.haptic.no_objects import NO_FIELDS, load_simulation, no_objects
+from mimics_app.rendering.haptic.objects import new_object_work
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.object_statics import ObjectStatics

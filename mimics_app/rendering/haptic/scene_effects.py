@@ -12,8 +12,8 @@ from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.haptic import TUNNEL
 from mimics_app.contracts.haptic_objects import EFFECT, STATIC, EffectKind
 from mimics_app.contracts.loop_ports import MAX_FIELDS
+from mimics_app.rendering.haptic.scene_tunnel import built_tunnel
 from mimics_app.rendering.haptic.tunnel import TunnelCurve
-from mimics_app.rendering.haptic.tunnel_source import tunnel_from_component
 from mimics_app.world.components import haptic_effects as effects
 from mimics_app.world.components.object_bodies import rotation_of
 from mimics_app.world.components.object_checks import check_path
@@ -142,7 +142,7 @@ def curve_of_path(scene: Scene, name: str) -> TunnelCurve:
         if entity == name:
             return _curve(path, pointer, scene)
     pointer, tunnel = next((where, found) for entity, found, where in scene.components(Tunnel) if entity == name)
-    return tunnel_from_component(tunnel, scene.origins.locate(pointer).folder, str(scene.path), pointer)[0]
+    return built_tunnel(tunnel, pointer, scene)[0]
 
 
 def check_haptic_path(path: HapticPath, pointer: str, scene: Scene) -> list[Issue]:
@@ -173,7 +173,7 @@ def _curve(path: HapticPath, pointer: str, scene: Scene) -> TunnelCurve:
         basis_functions=path.basis_functions,
         radius=0.0,
     )
-    return tunnel_from_component(tunnel, scene.origins.locate(pointer).folder, str(scene.path), pointer)[0]
+    return built_tunnel(tunnel, pointer, scene)[0]
 
 
 register_check("haptic_path", check_haptic_path)

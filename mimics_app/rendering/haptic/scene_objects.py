@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -54,7 +55,7 @@ from mimics_app.world.meshes.solids import SolidMesh, hull_corners
 from mimics_app.world.scene.placing import pose_of
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["SceneObjects", "check_objects", "mesh_table_of", "objects_of_scene"]
+__all__ = ["SceneObjects", "check_objects", "objects_of_scene"]
 
 Records = NDArray[Any]
 
@@ -112,9 +113,23 @@ class SceneObjects:
     paths: Records
     fields: tuple[str, ...]
 
+    @cached_property
+    def mesh_table(self) -> MeshTable:
+        """Triangles by SHAPE.mesh, and the hulls of those that bodies carry.
+
+        Raises:
+            ValueError: a mesh cannot be touched; `check_objects` tells.
+        """
+        shapes = self.rows.shapes
+        carried = set(shapes["mesh"][(shapes["kind"] == ShapeKind.MESH) & (shapes["body"] != STATIC)].tolist())
+        hulls = {number: hull_corners(self.meshes[number]) for number in carried}
+        return build_mesh_table([(mesh.vertices, mesh.triangles) for mesh in self.meshes], hulls)
+
 
 def objects_of_scene(scene: Scene) -> SceneObjects:
     """The rows of a checked scene; a scene without anything to touch gives empty tables.
+
+    They are worked out once for a scene: whoever changes rows takes copies of them.
 
     An object that may neither shift nor turn, and that no effect or wire names, belongs to the static scene: its
     shapes have no body.
@@ -122,6 +137,10 @@ def objects_of_scene(scene: Scene) -> SceneObjects:
     Raises:
         SceneError: something cannot be made; `check` would have told.
     """
+    return scene.derive("haptic objects", lambda: _gather(scene))
+
+
+def _gather(scene: Scene) -> SceneObjects:
     gathered = _Gathered(scene)
     for entity, thing, pointer in scene.components(HapticObject):
         try:
@@ -133,23 +152,11 @@ def objects_of_scene(scene: Scene) -> SceneObjects:
     return gathered.finish()
 
 
-def mesh_table_of(objects: SceneObjects) -> MeshTable:
-    """Triangles by SHAPE.mesh, and the hulls of those that bodies carry.
-
-    Raises:
-        ValueError: a mesh cannot be touched; `check_objects` tells.
-    """
-    shapes = objects.rows.shapes
-    carried = set(shapes["mesh"][(shapes["kind"] == ShapeKind.MESH) & (shapes["body"] != STATIC)].tolist())
-    hulls = {number: hull_corners(objects.meshes[number]) for number in carried}
-    return build_mesh_table([(mesh.vertices, mesh.triangles) for mesh in objects.meshes], hulls)
-
-
 def check_objects(scene: Scene) -> list[Issue]:
     """Faults of a scene's objects together: bodies too light for their contacts, meshes that cannot be touched."""
     try:
         objects = objects_of_scene(scene)
-        table = mesh_table_of(objects)
+        table = objects.mesh_table
     except SceneError as error:
         return error.issues
     except ValueError as error:

@@ -10,7 +10,7 @@ from mimics_app.world.components.robot import Tunnel
 from mimics_app.world.components.robot_checks import check_tunnel_component
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["check_tunnel", "tunnel_of_scene"]
+__all__ = ["built_tunnel", "check_tunnel", "tunnel_of_scene"]
 
 
 def tunnel_of_scene(scene: Scene) -> tuple[TunnelCurve, float | None]:
@@ -20,7 +20,17 @@ def tunnel_of_scene(scene: Scene) -> tuple[TunnelCurve, float | None]:
         SceneError: the scene has no tunnel, or one that cannot be built.
     """
     _, tunnel, pointer = scene.one(Tunnel)
-    return tunnel_from_component(tunnel, scene.origins.locate(pointer).folder, str(scene.path), pointer)
+    return built_tunnel(tunnel, pointer, scene)
+
+
+def built_tunnel(tunnel: Tunnel, pointer: str, scene: Scene) -> tuple[TunnelCurve, float | None]:
+    """The curve of one tunnel, built once for a scene, and the residual of the recorded path [m] or None.
+
+    Raises:
+        SceneError: it cannot be built.
+    """
+    folder = scene.origins.locate(pointer).folder
+    return scene.derive(("tunnel", pointer), lambda: tunnel_from_component(tunnel, folder, str(scene.path), pointer))
 
 
 def check_tunnel(tunnel: Tunnel, pointer: str, scene: Scene) -> list[Issue]:
@@ -31,7 +41,7 @@ def check_tunnel(tunnel: Tunnel, pointer: str, scene: Scene) -> list[Issue]:
     if check_tunnel_component(tunnel, pointer, scene):
         return []
     try:
-        tunnel_from_component(tunnel, scene.origins.locate(pointer).folder, str(scene.path), pointer)
+        built_tunnel(tunnel, pointer, scene)
     except SceneError as error:
         return [_placed(issue, scene) for issue in error.issues]
     return []

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from mimics_app.contracts.object_rows import ObjectCapacities, count_rows
 from mimics_app.rendering.haptic.object_statics import ObjectStatics
-from mimics_app.rendering.haptic.scene_objects import SceneObjects, mesh_table_of
+from mimics_app.rendering.haptic.scene_objects import SceneObjects
 
 __all__ = ["Names", "fits", "has_objects", "row_names", "statics_of"]
 
@@ -25,7 +25,7 @@ def statics_of(objects: SceneObjects) -> ObjectStatics:
     Raises:
         ValueError: a mesh cannot be touched; `check` would have told.
     """
-    return ObjectStatics(mesh_table_of(objects), objects.paths, objects.fields)
+    return ObjectStatics(objects.mesh_table, objects.paths, objects.fields)
 
 
 def row_names(objects: SceneObjects) -> Names:

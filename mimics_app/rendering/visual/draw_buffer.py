@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mimics_app.rendering.visual.materials.texture_store import SRGB8_ALPHA8
+from mimics_app.rendering.visual.surfaces.raw_gl import SRGB8_ALPHA8
 from mimics_app.rendering.visual.surfaces.surface import Size, release_framebuffer
 
 if TYPE_CHECKING:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from mimics_app.rendering.visual.renderer import Renderer
+if TYPE_CHECKING:
+    from mimics_app.rendering.visual.renderer import Renderer
 
 __all__ = ["PictureStep", "quality_steps"]
 

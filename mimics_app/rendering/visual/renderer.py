@@ -20,22 +20,23 @@ from mimics_app.rendering.visual.lighting import gather_lighting
 from mimics_app.rendering.visual.materials.materials import MaterialStore
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.passes.hud import HudPass, plane_of_views
-from mimics_app.rendering.visual.pictures.picture_stage import PictureStage
 from mimics_app.rendering.visual.settings import QualityChanges, RenderSettings
-from mimics_app.rendering.visual.shadows.shadow_stage import ShadowStage, light_features
+from mimics_app.rendering.visual.stages.picture_stage import PictureStage
+from mimics_app.rendering.visual.stages.shadow_stage import ShadowStage, light_features
+from mimics_app.rendering.visual.stages.world_stage import FrameScene, ViewDraws, WorldStage
 from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
 from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.targets import PictureTarget
 from mimics_app.rendering.visual.view import Rect, View
-from mimics_app.rendering.visual.world_stage import FrameScene, ViewDraws, WorldStage
 from mimics_app.world.world import World
 
 if TYPE_CHECKING:
     import moderngl
 
-    from mimics_app.rendering.visual.effects.effect_stage import EffectStage
-    from mimics_app.rendering.visual.overlay.overlay import Layer, Overlay
+    from mimics_app.rendering.visual.overlay.layers import Layer
+    from mimics_app.rendering.visual.overlay.overlay import Overlay
     from mimics_app.rendering.visual.overlay.stage_times import StageTimes
+    from mimics_app.rendering.visual.stages.effect_stage import EffectStage
 
 __all__ = ["Renderer"]
 
@@ -255,7 +256,7 @@ class Renderer:
         if self.world.effects.empty:
             return None
         if self._effects is None:
-            from mimics_app.rendering.visual.effects.effect_stage import EffectStage
+            from mimics_app.rendering.visual.stages.effect_stage import EffectStage
 
             self._effects = EffectStage(self._surface.ctx, self._shaders, self._longest_texture)
         self._effects.prepare(self.world, lights)

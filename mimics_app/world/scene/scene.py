@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Hashable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TypeVar, overload
+from typing import Any, TypeVar, cast, overload
 
 import msgspec
 
@@ -21,6 +21,7 @@ from mimics_app.world.scene.spec import TransformSpec
 __all__ = ["Scene", "SceneEntity"]
 
 S = TypeVar("S", bound=msgspec.Struct)
+D = TypeVar("D")
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +93,7 @@ class Scene:
     named_files: list[Path] = field(default_factory=list)
     methods: dict[str, str] = field(default_factory=dict)
     read: set[str] = field(default_factory=set)
+    _derived: dict[Hashable, tuple[Any, set[str]]] = field(default_factory=dict)
     _by_id: dict[str, SceneEntity] = field(default_factory=dict)
     _indexed: int = 0
 
@@ -132,6 +134,27 @@ class Scene:
     def unread(self) -> list[str]:
         """Component types of the scene that nothing asked for the values of since `read` was cleared, in order."""
         return sorted({name for entity in self.entities for name in entity.components} - self.read)
+
+    def derive(self, key: Hashable, make: Callable[[], D]) -> D:
+        """What is worked out of the scene once and then handed on: tables of objects, curves, meshes.
+
+        Nobody may change what this returns; who needs a copy makes one. What `make` read counts as read by every
+        caller. A reloaded file is another scene, with nothing worked out yet.
+
+        Args:
+            key: Of what is made.
+            make: Makes it; what it raises is raised, and nothing is kept.
+        """
+        if key not in self._derived:
+            before, self.read = self.read, set()
+            try:
+                made = make()
+            finally:
+                used, self.read = self.read, before | self.read
+            self._derived[key] = made, used
+        found, used = self._derived[key]
+        self.read |= used
+        return cast("D", found)
 
     def first(self, wanted: type[S]) -> S | None:
         """The first component of a type, None where the scene has none: `scene.first(Robot) or Robot()`."""

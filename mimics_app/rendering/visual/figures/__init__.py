@@ -1,3 +1,3 @@
-"""Text and bars over the picture, and the launcher made of them."""
+"""Text and bars over the picture, and the colours of them."""
 
 __all__: list[str] = []

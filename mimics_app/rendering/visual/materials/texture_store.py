@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mimics_app.rendering.visual.materials.picture_arrays import set_sampling, shrunk, unfolded
+from mimics_app.rendering.visual.surfaces.raw_gl import SRGB8_ALPHA8
 from mimics_app.world.materials.material import TextureData
 
 if TYPE_CHECKING:
     import moderngl
 
-__all__ = ["SRGB8_ALPHA8", "TextureStore"]
-
-SRGB8_ALPHA8 = 0x8C43
-"""Internal format of pictures whose colours the sampler decodes."""
+__all__ = ["TextureStore"]
 
 
 class TextureStore:

@@ -8,7 +8,7 @@ import numpy as np
 
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.shadows.shadow_maps import ShadowPlan
-from mimics_app.rendering.visual.shadows.shadow_stage import ShadowStage
+from mimics_app.rendering.visual.stages.shadow_stage import ShadowStage
 
 if TYPE_CHECKING:
     import moderngl

@@ -3,11 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING
 
 from mimics_app.contracts.clock import Clock
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
@@ -18,25 +14,20 @@ from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.overlay.atlas_pass import AtlasPass
 from mimics_app.rendering.visual.overlay.figures import add_bounds, add_lights, add_node_bounds
 from mimics_app.rendering.visual.overlay.frame_graph import draw_frame_graph
+from mimics_app.rendering.visual.overlay.layers import LAYERS, Arrow, Layer
 from mimics_app.rendering.visual.overlay.line_pass import LinePass
 from mimics_app.rendering.visual.overlay.line_set import LineSet
 from mimics_app.rendering.visual.overlay.stage_times import StageTimes
 from mimics_app.rendering.visual.overlay.wire_pass import WirePass
-from mimics_app.rendering.visual.shadows.shadow_stage import ShadowStage
+from mimics_app.rendering.visual.stages.shadow_stage import ShadowStage
+from mimics_app.rendering.visual.stages.world_stage import FrameScene, ViewDraws
 from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
-from mimics_app.rendering.visual.world_stage import FrameScene, ViewDraws
 
 if TYPE_CHECKING:
     import moderngl
 from mimics_app.rendering.visual.figures.palette import INK
 
-__all__ = ["LAYERS", "Arrow", "Layer", "Overlay"]
-
-F8 = NDArray[np.float64]
-
-Layer = Literal["graph", "wires", "bounds", "lights", "forces", "atlas"]
-LAYERS: tuple[Layer, ...] = ("graph", "wires", "bounds", "lights", "forces", "atlas")
-"""In the order of their keys."""
+__all__ = ["Overlay"]
 
 _WORDS: dict[Layer, str] = {
     "graph": "frame graph",
@@ -48,15 +39,6 @@ _WORDS: dict[Layer, str] = {
 }
 _NO_MAPS = "shadow atlas: no map of shadows is drawn"
 _PANEL: Colour = (0.05, 0.06, 0.08, 0.66)
-
-
-@dataclass(frozen=True, eq=False)
-class Arrow:
-    """An arrow of the layer "forces": from a place along a vector, both world [m], float64 [3]."""
-
-    origin: F8
-    vector: F8
-    tint: Colour
 
 
 class Overlay:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from mimics_app.rendering.visual.drawing.frame_buffers import FrameBuffers
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
-from mimics_app.rendering.visual.world_stage import ViewDraws
+from mimics_app.rendering.visual.stages.world_stage import ViewDraws
 
 if TYPE_CHECKING:
     import moderngl

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.shadows.shadow_maps import ShadowPlan
-from mimics_app.rendering.visual.targets import ShadowTarget
+from mimics_app.rendering.visual.shadows.shadow_target import ShadowTarget
 
 if TYPE_CHECKING:
     import moderngl

@@ -10,8 +10,9 @@ from mimics_app.contracts.errors import Issue
 from mimics_app.rendering.visual.lighting import Lighting
 from mimics_app.rendering.visual.materials.picture_arrays import encode_srgb, shrunk
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
-from mimics_app.rendering.visual.materials.texture_store import SRGB8_ALPHA8, TextureStore
+from mimics_app.rendering.visual.materials.texture_store import TextureStore
 from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.surfaces.raw_gl import SRGB8_ALPHA8
 from mimics_app.world.environment import Backdrop
 from mimics_app.world.materials.material import TextureData
 from mimics_app.world.world import World

@@ -1,3 +1,3 @@
-"""Pictures of the world within its picture: mirrors, screens, insets."""
+"""Pictures of the world within its picture: what they are drawn into, and the views of mirrors."""
 
 __all__: list[str] = []

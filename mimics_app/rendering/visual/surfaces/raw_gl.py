@@ -8,11 +8,14 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import moderngl
 
-__all__ = ["ALWAYS", "DECREMENT", "EQUAL", "INCREMENT", "KEEP", "NOT_EQUAL", "RawGL"]
+__all__ = ["ALWAYS", "DECREMENT", "EQUAL", "INCREMENT", "KEEP", "NOT_EQUAL", "SRGB8_ALPHA8", "RawGL"]
 
 ALWAYS, EQUAL, NOT_EQUAL = 0x0207, 0x0202, 0x0205
 KEEP, INCREMENT, DECREMENT = 0x1E00, 0x8507, 0x8508
 """Stencil operations; the counting ones wrap round."""
+
+SRGB8_ALPHA8 = 0x8C43
+"""Internal format of pictures whose colours the sampler decodes."""
 
 _STENCIL_TEST, _DEPTH_CLAMP, _STENCIL_BUFFER_BIT = 0x0B90, 0x864F, 0x0400
 _FRONT, _BACK = 0x0404, 0x0405

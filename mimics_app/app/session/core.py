@@ -1,0 +1,111 @@
+"""The parts every session has, whoever looks at it: what is touched, what plays it, and the stages of Figure 1.
+
+A run adds a recorder, a sound and a picture; a still, a point of a sweep, a warm-up and a test do without.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import TracebackType
+from typing import Self
+
+from mimics_app.app.session.preparation import Preparation
+from mimics_app.app.session.switched_off import NullRecorder, NullSound, RecorderPort, SoundPort
+from mimics_app.app.touch.device_fit import device_values, fit_context
+from mimics_app.app.touch.haptic_side import HapticSide
+from mimics_app.app.touch.parameter_desk import ParameterDesk
+from mimics_app.contracts.clock import Clock, MonotonicClock, VirtualClock
+from mimics_app.contracts.scenario_port import Scenario
+from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.stages import Dsp, Estimation, Learning
+from mimics_app.dsp.stage import NullDsp
+from mimics_app.estimation.stage import NullEstimation
+from mimics_app.inputs.interaction.simulated_patient import SimulatedPatient
+from mimics_app.inputs.stage import Inputs
+from mimics_app.rendering.haptic.engine import HapticEngine
+from mimics_app.tasks.task_manager import TaskManager
+from mimics_app.world.components.robot import Patient
+from mimics_app.world.scene.scene import Scene
+from mimics_app.world.world import World
+
+__all__ = ["SessionCore", "open_core", "simulated_person"]
+
+
+class SessionCore:
+    """One played scene: `Frames` steps it. A context: leaving it stops the loop and closes the device.
+
+    Args:
+        parts: What it is made of; the device's values are fitted to its parameters already.
+        memory: Shared by the loop and whoever reads it.
+        recorder: Of the session, or what stands in its place.
+        sound: Likewise.
+
+    Attributes:
+        side: What of the scene can be touched, as it was when the loop was built.
+        tell: Says a line to the person at it; nobody is, unless it is a run.
+        live: True when the haptic loop runs in real time; False on the virtual clock.
+    """
+
+    def __init__(self, parts: Preparation, memory: SessionMemory, recorder: RecorderPort, sound: SoundPort) -> None:
+        self.scene: Scene = parts.scene
+        self.world: World = parts.world
+        self.scenario: Scenario = parts.scenario
+        self.side: HapticSide = parts.side
+        self.live: bool = parts.live
+        self.memory = memory
+        self.clock: Clock = MonotonicClock() if parts.live else VirtualClock()
+        self.desk: ParameterDesk = parts.desk
+        self.haptics: HapticEngine = parts.side.engine(memory, parts.plugin, recipe=parts.settings.recipe)
+        context, seed = fit_context(parts.scenario.task_context, parts.plugin), parts.settings.seed
+        self.tasks = TaskManager(parts.task, context, seed, on_trial=recorder.trial, on_event=recorder.journal)
+        self.inputs = Inputs([simulated_person(parts.scene, parts.scenario)])
+        self.dsp: Dsp = NullDsp()
+        self.estimation: Estimation = NullEstimation()
+        self.learning: Learning = parts.learning
+        self.recorder = recorder
+        self.tell: Callable[[str], None] = _say_nothing
+        self.sound = sound
+
+    def begin(self) -> None:
+        """Hand the first parameters on: to the recorder that keeps them, then to the loop that obeys them."""
+        self.desk.hand_to(self.recorder.parameters, self.haptics.publish)
+
+    def stop(self) -> None:
+        """End the task and the loop, and close the device."""
+        self.tasks.end_session(self.clock.now_ns())
+        self.haptics.stop()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.stop()
+
+
+def open_core(parts: Preparation, recorder: Callable[[SessionMemory], RecorderPort] = NullRecorder) -> SessionCore:
+    """A session without processes, sound or picture, ready for its first frame.
+
+    Args:
+        parts: What it is made of.
+        recorder: Makes what stands in the recorder's place.
+
+    Raises:
+        DeviceError: the robot cannot be had.
+    """
+    parts.desk.fit(device_values(parts.plugin, parts.scene))
+    memory = parts.side.memory()
+    core = SessionCore(parts, memory, recorder(memory), NullSound())
+    core.begin()
+    return core
+
+
+def _say_nothing(text: str) -> None:
+    """Nobody is there."""
+
+
+def simulated_person(scene: Scene, scenario: Scenario) -> SimulatedPatient:
+    """What a simulated person does with what the scene asks: the run's own, or one on an emulated robot."""
+    patient = scene.first(Patient) or Patient()
+    return SimulatedPatient(intent=patient.intent, follows_way=len(scenario.via_points_world) > 1)

@@ -1,0 +1,125 @@
+"""One frame: D2.1 Figure 1 from left to right."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.app.cues.effect_cues import EffectCues
+from mimics_app.app.picture.stability_card import stability_card
+from mimics_app.app.session.core import SessionCore
+from mimics_app.app.session.recorder_watch import RecorderWatch
+from mimics_app.app.session.safety_watch import SafetyWatch
+from mimics_app.app.touch.loss_watch import LossWatch
+from mimics_app.app.touch.person_inbox import PersonInbox
+from mimics_app.contracts.board import Board
+from mimics_app.contracts.clock import FRAMES_PER_SECOND, TICK_NS, ticks_until_frame
+from mimics_app.contracts.haptic import EVENT
+from mimics_app.contracts.messages import HapticSnapshot, TaskAction, TaskOrders, VRInput
+
+__all__ = ["Frames"]
+
+_LONGEST_START = 20 * FRAMES_PER_SECOND
+"""Frames that the start of a trial takes at most; a robot that has not got there then will not."""
+
+
+class Frames:
+    """Calls every stage once per frame and remembers what the next frame needs.
+
+    Attributes:
+        number: Frames done.
+        orders: What the task wanted in the newest frame.
+        snapshot: The haptic state the newest frame saw.
+        losses: What of the scene's objects is not simulated any more.
+        safety: What stopped or held the loop.
+        events: What had happened in the haptic loop since the frame before, EVENT records.
+    """
+
+    def __init__(self, core: SessionCore) -> None:
+        self._core = core
+        self._inbox = PersonInbox(core.haptics)
+        self._effects = EffectCues(core.world)
+        self._action: TaskAction | None = None
+        self.number = 0
+        self.orders = TaskOrders()
+        self.snapshot: HapticSnapshot | None = None
+        self.losses = LossWatch(core.side.effect_entities, core.tell)
+        self.safety = SafetyWatch(core.tell)
+        self._recorder = RecorderWatch(core.recorder, core.tell)
+        self.events: NDArray[Any] = np.zeros(0, EVENT)
+
+    @property
+    def board(self) -> Board:
+        """What may lie over the picture: the task's board, and the stability of what is touched."""
+        if self.snapshot is None:
+            return self.orders.board
+        return self.orders.board.with_cards({"margin": stability_card(self.snapshot)})
+
+    def play_on(self) -> TaskOrders:
+        """On the virtual clock: the ticks up to the next frame, then that frame; what the task ordered in it."""
+        core = self._core
+        begin, end = ticks_until_frame(self.number), ticks_until_frame(self.number + 1)
+        core.recorder.wait_for_room(end - begin)
+        core.haptics.advance(end - begin)
+        core.clock.sleep_until_ns(end * TICK_NS)
+        self.step()
+        return self.orders
+
+    def play_to_start(self) -> None:
+        """On the virtual clock: play until the person of the first trial acts."""
+        while self.number < _LONGEST_START and not self.play_on().person_may_act:
+            pass
+
+    def step(self) -> None:
+        """Do one frame at the session's present time.
+
+        What the learning system chooses after a frame takes effect in the next one, so that it can go by what the task
+        came to; before the first frame it is asked for what the session begins with.
+        """
+        core = self._core
+        now_ns = core.clock.now_ns()
+        vr = core.inputs.poll(now_ns)
+        features = core.dsp.process(vr.signals, now_ns)
+        state = core.estimation.update(features)
+        if self.number == 0:
+            self._action = core.learning.choose(state, now_ns)
+        snapshot, events = core.haptics.snapshot(), core.haptics.events()
+        self.losses.see(events)
+        self.safety.see(events)
+        self._recorder.look()
+        orders = core.tasks.step(vr, self._action, snapshot, events, now_ns)
+        self._action = core.learning.choose(state, now_ns)
+        self._touch(vr, orders, snapshot)
+        core.scenario.apply(orders, snapshot)
+        core.desk.change(core.scenario.haptic_orders())
+        core.inputs.aim(core.scenario.aim(snapshot))
+        core.world.update()
+        self._effects.step(orders, events, now_ns)
+        core.sound.step(orders, core.world, now_ns)
+        self._journal(snapshot, now_ns)
+        self.number, self.orders, self.snapshot, self.events = self.number + 1, orders, snapshot, events
+
+    def _journal(self, snapshot: HapticSnapshot, now_ns: int) -> None:
+        """What this frame saw: the tick, and where every haptic body was."""
+        line: dict[str, object] = {"frame": self.number, "tick": snapshot.tick, "t_ns": now_ns}
+        bodies = int(self._core.desk.block["objects"]["bodies"][0])
+        if bodies:
+            line["bodies"] = snapshot.poses[:bodies].tolist()
+        self._core.recorder.journal("frame", line)
+
+    def _touch(self, vr: VRInput, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
+        """Hand the task's haptic orders and the person's pointer to the loop."""
+        core = self._core
+        if vr.pointer is not None and vr.pointer.stop:
+            core.haptics.stop_key()
+        haptic = dict(orders.haptic)
+        if "r" in vr.pressed:
+            haptic["resets"] = int(core.desk.block["resets"][0]) + 1
+        core.desk.change(haptic)
+        if orders.view.robot_leads:
+            x, y, z = snapshot.hip_world
+            core.inputs.hold_at((float(x), float(y), float(z)))
+        trial = int(core.desk.block["trial"][0])
+        self._inbox.tell(vr.pointer, trial=trial, may_act=orders.person_may_act)

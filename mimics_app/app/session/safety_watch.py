@@ -1,0 +1,74 @@
+"""Tells each stop and each hold of the haptic loop while a run goes on: what happened, when, and what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from numpy.typing import NDArray
+
+from mimics_app.app.terminal.output import tell
+from mimics_app.contracts.clock import TICKS_PER_SECOND
+from mimics_app.contracts.haptic import SafetyState
+from mimics_app.contracts.trips import Trip, TripReader
+from mimics_app.rendering.haptic.histogram import LatenessReport
+
+__all__ = ["SafetyWatch"]
+
+_QUIET_TICKS = 5 * TICKS_PER_SECOND
+"""A busy machine holds again and again: one line on the terminal in so many ticks is enough."""
+
+_PAUSED = "Paused: this computer is too busy. It goes on by itself"
+
+
+class SafetyWatch:
+    """Remembers what tripped.
+
+    Args:
+        tell: Says a line to the person.
+
+    Attributes:
+        stop: The newest stop that was latched, None while there was none.
+        hold: The newest short hold, None while there was none.
+    """
+
+    def __init__(self, tell: Callable[[str], None] = tell) -> None:
+        self._tell = tell
+        self._reader = TripReader()
+        self._holds = 0
+        self.stop: Trip | None = None
+        self.hold: Trip | None = None
+
+    def see(self, events: NDArray[Any]) -> None:
+        """Take the EVENT records of a frame, oldest first, and tell the trips among them on the terminal."""
+        for trip in self._reader.take(events):
+            if trip.latched:
+                self.stop = trip
+                self._say(trip, "safety stop")
+            else:
+                self._note_hold(trip)
+
+    def _note_hold(self, trip: Trip) -> None:
+        self._holds += 1
+        if self.hold is None or trip.tick - self.hold.tick > _QUIET_TICKS:
+            self._say(trip, f"short hold {self._holds}, it goes on by itself")
+        self.hold = trip
+
+    def _say(self, trip: Trip, kind: str) -> None:
+        self._tell(f"{trip.seconds:.3f} s: {kind}: {trip.what}; {trip.advice}")
+
+    @staticmethod
+    def message(state: int) -> str:
+        """What the person should read over the picture in a SafetyState, "" where the task's own line says enough."""
+        return _PAUSED if state == SafetyState.DEGRADED else ""
+
+    def summary(self, state: int, late: LatenessReport) -> dict[str, Any]:
+        """`safety` of a run's answer: state at the end, stops and holds, and where any was, cause and time of the last.
+
+        A stop says more than a hold, however long ago it was.
+        """
+        answer = {"state": SafetyState(state).name, "stops": late.stops, "holds": late.holds}
+        last = self.stop or self.hold
+        if last is None:
+            return answer
+        return {**answer, "cause": last.cause.name, "what": last.what, "advice": last.advice, "t_s": last.seconds}

@@ -1,0 +1,274 @@
+"""Rival contact laws and rival rules for the face of a box, with their cost and their error.
+
+Importing this module registers them.
+
+- "contact law": a free mass of 0.2 kg bounces on 2 kN/m at 1 ms; error of its restitution against the closed form of a
+  contact that only pushes, the worst of the phases at which a tick may meet the surface.
+- "box face": a point pressed 3 mm into a box slides towards its corner; error is the greatest difference [N] from a
+  force along the normal of the face it came in by.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.haptic.probe import SIZES, reference_us
+from mimics_app.rendering.haptic.kernels.contact import cube, cube_nearest_face, cube_printed
+from mimics_app.rendering.haptic.kernels.contact_law import hunt_crossley, spring_damper, spring_damper_printed
+from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
+from mimics_app.rendering.haptic.kernels.integrators import step_semi_implicit
+
+__all__ = [
+    "BOX_GROUP",
+    "LAWS",
+    "LAW_GROUP",
+    "bounce",
+    "false_force",
+    "restitution_error",
+    "restitution_hunt_crossley",
+    "restitution_spring_damper",
+]
+
+Array = NDArray[np.float64]
+
+LAW_GROUP = "contact law"
+BOX_GROUP = "box face"
+
+LAWS: dict[str, Callable[..., float]] = {
+    "(9) printed": spring_damper_printed,
+    "(9) clamped": spring_damper,
+    "Hunt-Crossley, n = 1": hunt_crossley,
+    "Hunt-Crossley, n = 1.5": hunt_crossley,
+}
+"""The rivals in the order of their numbers in the compiled loops."""
+
+_SOURCES = {
+    "(9) printed": "spring and damper without clamp: pulls on the way out",
+    "(9) clamped": "max(0, k d + b d')",
+    "Hunt-Crossley, n = 1": "max(0, k d + lam d d') (Hunt & Crossley 1975), what 4.3.2 prints",
+    "Hunt-Crossley, n = 1.5": "max(0, k d^1.5 + lam d^1.5 d'): Hertz's sphere with Hunt and Crossley's damper",
+}
+_RANGES = {
+    "(9) printed": "demonstration",
+    "(9) clamped": "(h^2 k + 2 h b) < 4 m; force steps by b v at first touch",
+    "Hunt-Crossley, n = 1": "h^2 k < 4 m; no step at first touch",
+    "Hunt-Crossley, n = 1.5": "stiffness grows with depth: check h^2 k' < 4 m at the greatest depth",
+}
+_NUMBERS = {name: number for number, name in enumerate(LAWS)}
+
+_MASS = 0.2  # [kg]
+_STIFFNESS = 2000.0  # [N/m], or [N/m^n] / sqrt(1 mm) for n = 1.5
+_HERTZ = 2000.0 / math.sqrt(1e-3)  # [N/m^1.5]: as stiff as the others at 1 mm
+_SPEED = 0.1  # [m/s]
+_ZETA = 0.3
+_DAMPING = 2.0 * _ZETA * math.sqrt(_STIFFNESS * _MASS)  # [N s/m]
+_U = 0.5  # lam v0 / k of Hunt and Crossley: about the same restitution as zeta = 0.3
+_DT = 1e-3
+_PHASES = 16
+_MOST_STEPS = 10_000_000
+_CALLS = 20_000
+
+
+@kernel
+def _force(number: int, depth: float, rate: float) -> float:
+    if number == 0:
+        return spring_damper_printed(depth, rate, _STIFFNESS, _DAMPING)
+    if number == 1:
+        return spring_damper(depth, rate, _STIFFNESS, _DAMPING)
+    if number == 2:
+        return hunt_crossley(depth, rate, _STIFFNESS, _U * _STIFFNESS / _SPEED, 1.0)
+    return hunt_crossley(depth, rate, _HERTZ, _U * _HERTZ / _SPEED, 1.5)
+
+
+@kernel
+def _bounce(number: int, outside: float, dt: float) -> float:
+    depth, rate = -outside, _SPEED
+    touched = False
+    for _ in range(_MOST_STEPS):
+        touched = touched or depth > 0.0
+        if touched and depth <= 0.0:
+            break
+        depth, rate = step_semi_implicit(depth, rate, -_force(number, depth, rate), _MASS, 0.0, 0.0, dt)
+    return -rate / _SPEED
+
+
+def bounce(law: str, phase: float = 0.0, dt: float = _DT) -> float:
+    """Restitution, speed after over speed before, of the probe mass under one law and tick dt [s].
+
+    Args:
+        law: Key of `LAWS`.
+        phase: Where between two ticks the surface is met, 0 to 1 (1: just before the next).
+        dt: Tick [s].
+    """
+    return _bounce(_NUMBERS[law], phase * _SPEED * dt, dt)
+
+
+def restitution_spring_damper(zeta: float) -> float:
+    """Closed form of (9) clamped: exp(-2 zeta a), a = arccos(zeta)/sqrt(1 - zeta^2), beyond 1 arccosh and its root."""
+    if zeta == 1.0:
+        return math.exp(-2.0)
+    a = math.acos(zeta) if zeta < 1.0 else math.acosh(zeta)
+    return math.exp(-2.0 * zeta * a / math.sqrt(abs(1.0 - zeta * zeta)))
+
+
+def restitution_hunt_crossley(u: float) -> float:
+    """The e in 0..1 with (1 + e) u = ln((1 + u)/(1 - e u)), for u = lam v0/k > 0, any exponent and mass (bisection)."""
+    low, high = 0.0, min(1.0, (1.0 - 1e-15) / u)
+    for _ in range(200):
+        e = 0.5 * (low + high)
+        if (1.0 + e) * u > math.log((1.0 + u) / (1.0 - e * u)):
+            low = e
+        else:
+            high = e
+    return 0.5 * (low + high)
+
+
+def restitution_error(law: str, dt: float = _DT) -> float:
+    """Worst difference of the restitution from that of a contact that only pushes, over the phases of the touch."""
+    exact = restitution_spring_damper(_ZETA) if law.startswith("(9)") else restitution_hunt_crossley(_U)
+    return max(abs(bounce(law, phase / _PHASES, dt) - exact) for phase in range(_PHASES))
+
+
+@kernel
+def _press(number: int, ticks: int, depth: Array, rate: Array, total: Array) -> None:
+    """One tick after the other of some contacts, their depths moving so that nothing can be taken out of the loop."""
+    for _ in range(ticks):
+        for i in range(depth.shape[0]):
+            total[i] += _force(number, depth[i], rate[i])
+            depth[i] = 1e-3 + 0.5 * (depth[i] - 1e-3)
+
+
+def _law_cost_us(law: str, contacts: int) -> float:
+    ticks = max(1, _CALLS // contacts)
+    depth, rate, total = np.full(contacts, 2e-3), np.full(contacts, 0.01), np.zeros(contacts)
+    return shortest_us(lambda: _press(_NUMBERS[law], ticks, depth, rate, total), ticks)
+
+
+BOXES: dict[str, Callable[..., None]] = {
+    "face of entry": cube,
+    "nearest face": cube_nearest_face,
+    "(14) printed": cube_printed,
+}
+_BOX_SOURCES = {
+    "face of entry": "the face the point came in by, held until it leaves (Figure 27)",
+    "nearest face": "the face with the least depth of every tick",
+    "(14) printed": "min of |HIP'| - dim/2, which inside is the farthest face",
+}
+_BOX_RANGES = {
+    "face of entry": "any path; leaving by another face drops k d at once",
+    "nearest face": "away from edges: turns by a right angle where two faces are equally near",
+    "(14) printed": "demonstration",
+}
+_BOX_NUMBERS = {name: number for number, name in enumerate(BOXES)}
+_EDGES = (0.04, 0.04, 0.04)
+_INWARD = np.array([0.0, 0.0, -0.008])
+
+
+@kernel
+def _touch(number: int, p: Array, v: Array, dimensions: Array, contact: Any) -> None:
+    if number == 0:
+        cube(p, v, dimensions, contact)
+    elif number == 1:
+        cube_nearest_face(p, dimensions, contact)
+    else:
+        cube_printed(p, dimensions, contact)
+
+
+@kernel
+def _slide(number: int, path: Array, v: Array, dimensions: Array, contacts: Any, forces: Array) -> None:
+    contact = contacts[0]
+    for tick in range(path.shape[0]):
+        _touch(number, path[tick], v, dimensions, contact)
+        for i in range(3):
+            forces[tick, i] = _STIFFNESS * contact.depth * contact.normal[i]
+
+
+def _corner_path() -> Array:
+    """In by the top to 3 mm in 1 s, then along x to 0.5 mm from the side: 8 and 4 um a tick."""
+    down = np.linspace(0.025, 0.017, 1001)
+    along = np.linspace(0.015, 0.0195, 1126)
+    path = np.zeros((len(down) + len(along), 3))
+    path[: len(down), 0], path[: len(down), 2] = along[0], down
+    path[len(down) :, 0], path[len(down) :, 2] = along, down[-1]
+    return path
+
+
+def false_force(rule: str) -> float:
+    """Largest difference [N] from the force of Figure 27, parallel to the normal of the entered face, on the slide."""
+    path = _corner_path()
+    forces = np.zeros_like(path)
+    _slide(_BOX_NUMBERS[rule], path, _INWARD, np.array(_EDGES), np.zeros(1, CONTACT), forces)
+    forces[:, 2] -= _STIFFNESS * np.maximum(0.0, 0.5 * _EDGES[2] - path[:, 2])
+    return float(np.max(np.linalg.norm(forces, axis=1)))
+
+
+def _box_cost_us(rule: str) -> float:
+    path = _corner_path()
+    forces, contacts, edges = np.zeros_like(path), np.zeros(1, CONTACT), np.array(_EDGES)
+    return shortest_us(lambda: _slide(_BOX_NUMBERS[rule], path, _INWARD, edges, contacts, forces), len(path))
+
+
+def _register_law(law: str) -> None:
+    registry.register(
+        Method(
+            group=LAW_GROUP,
+            name=law,
+            source=_SOURCES[law],
+            cost=lambda: _law_cost_us(law, 1),
+            error=lambda: restitution_error(law),
+            unit="restitution",
+            valid_range=_RANGES[law],
+            run=LAWS[law],
+            default=LAWS[law] is spring_damper,
+            growth=lambda contacts: _law_cost_us(law, contacts),
+            sizes=SIZES,
+        )
+    )
+
+
+def _register_box(rule: str) -> None:
+    registry.register(
+        Method(
+            group=BOX_GROUP,
+            name=rule,
+            source=_BOX_SOURCES[rule],
+            cost=lambda: _box_cost_us(rule),
+            error=lambda: false_force(rule),
+            unit="N",
+            valid_range=_BOX_RANGES[rule],
+            run=BOXES[rule],
+            default=BOXES[rule] is cube,
+        )
+    )
+
+
+registry.describe(
+    Group(
+        name=LAW_GROUP,
+        what="normal force of a contact; error: restitution of 0.2 kg at 1 ms against a contact that only pushes",
+        unit="restitution",
+        work="contacts",
+        reference=reference_us,
+    )
+)
+registry.describe(
+    Group(
+        name=BOX_GROUP,
+        what="depth and normal in a box of 4 cm; error: false force of a slide to the corner, 3 mm deep on 2 kN/m",
+        unit="N",
+        work="",
+        reference=reference_us,
+    )
+)
+for _name in LAWS:
+    _register_law(_name)
+for _name in BOXES:
+    _register_box(_name)

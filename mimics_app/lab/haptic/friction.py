@@ -1,0 +1,205 @@
+"""Rival friction laws with their cost and the drift of an object they should hold.
+
+Importing this module registers them. Probe: a body of 0.5 kg slides at 0.5 m/s, is stopped by friction of 4 N, and from
+0.5 s on carries a load of 1 N that shakes by 0.5 N at 5 Hz, well inside the cone, for 62 s at 1 ms. The hand on it
+damps with 5 N s/m.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.haptic.probe import SIZES, reference_us
+from mimics_app.rendering.haptic.kernels.contact_records import FRICTION
+from mimics_app.rendering.haptic.kernels.friction import (
+    hayward_armstrong,
+    karnopp,
+    lugre_explicit,
+    lugre_implicit,
+    regularised,
+    regularised_printed,
+)
+
+__all__ = ["GROUP", "LAWS", "Hold", "hold"]
+
+Array = NDArray[np.float64]
+
+GROUP = "friction"
+
+LAWS: dict[str, Callable[..., None]] = {
+    "4.3.2 printed": regularised_printed,
+    "regularised": regularised,
+    "Karnopp": karnopp,
+    "Hayward-Armstrong": hayward_armstrong,
+    "LuGre explicit": lugre_explicit,
+    "LuGre implicit": lugre_implicit,
+}
+"""The rivals in the order of their numbers in the compiled loops."""
+
+_SOURCES = {
+    "4.3.2 printed": "as printed, without the minus sign: drives the body",
+    "regularised": "4.3.2 with its sign: Coulomb with a linear middle of 1 cm/s",
+    "Karnopp": "rest within a band of velocity, where the load is cancelled (Karnopp 1985)",
+    "Hayward-Armstrong": "spring to an anchor dragged at the cone (Hayward & Armstrong 2000)",
+    "LuGre explicit": "bristles (Canudas de Wit, Olsson, Astrom & Lischinsky 1995), explicit Euler",
+    "LuGre implicit": "the same bristles, implicit Euler",
+}
+_RANGES = {
+    "4.3.2 printed": "demonstration",
+    "regularised": "sliding; creeps at v_th F/(mu F_N); h mu F_N < 2 m v_th",
+    "Karnopp": "simulated bodies, whose load is known",
+    "Hayward-Armstrong": "any tick that the anchor's spring is stable in: h^2 k_t < 4 m",
+    "LuGre explicit": "h < 2 g(v)/(s0 |v|)",
+    "LuGre implicit": "h^2 s0 < 4 m; creeps under a shaking load",
+}
+_NUMBERS = {name: number for number, name in enumerate(LAWS)}
+
+_MASS = 0.5  # [kg]
+_NORMAL = 10.0  # [N]
+_MU = 0.4
+_THRESHOLD = 0.01  # [m/s]
+_STRIBECK = 0.01  # [m/s]
+_BRISTLES = 1e5  # [N/m]
+_HAND = 5.0  # [N s/m]
+_SPEED = 0.5  # [m/s]
+_DT = 1e-3
+_LOADED = 500  # tick from which the load acts
+_SETTLED = 2500  # tick from which drift is counted, two seconds later
+_HELD = 60_000  # ticks: whole periods of the shaking load
+_TICKS = _SETTLED + _HELD + 1
+_CALLS = 20_000
+_FAILED = 1.01  # of the cone: what has left it by more holds nothing
+
+
+@dataclass(frozen=True, slots=True)
+class Hold:
+    """What a law makes of an object it should hold.
+
+    Attributes:
+        drift: Distance between its places 2 s and 62 s after the load came on, at equal load [m].
+        cone: Greatest friction force over mu F_N; 1 is on the cone.
+        stop: Where it came to rest before the load came on [m].
+    """
+
+    drift: float
+    cone: float
+    stop: float
+
+
+@kernel
+def _friction(number: int, x: Array, v: Array, load: Array, state: Any, out: Array) -> None:
+    if number == 0:
+        regularised_printed(v, _NORMAL, _MU, _THRESHOLD, out)
+    elif number == 1:
+        regularised(v, _NORMAL, _MU, _THRESHOLD, out)
+    elif number == 2:
+        karnopp(v, load, _NORMAL, _MU, _MU, _THRESHOLD, state, out)
+    elif number == 3:
+        hayward_armstrong(x, _NORMAL, _MU, _BRISTLES, state, out)
+    elif number == 4:
+        lugre_explicit(v, _NORMAL, _MU, _MU, _STRIBECK, _BRISTLES, 0.0, _DT, state, out)
+    else:
+        lugre_implicit(v, _NORMAL, _MU, _MU, _STRIBECK, _BRISTLES, 0.0, _DT, state, out)
+
+
+@kernel
+def _load_at(tick: int) -> float:
+    return 0.0 if tick < _LOADED else 1.0 + 0.5 * math.sin(2.0 * math.pi * 5.0 * _DT * (tick - _LOADED))
+
+
+@kernel
+def _hold(number: int, ticks: int, states: Any, vectors: Array, path: Array) -> float:
+    """Place [m] at every tick into path; returns the greatest friction force [N]."""
+    x, v, load, force = vectors[0], vectors[1], vectors[2], vectors[3]
+    state = states[0]
+    greatest = 0.0
+    for tick in range(ticks):
+        path[tick] = x[0]
+        load[0] = _load_at(tick) - _HAND * v[0]
+        _friction(number, x, v, load, state, force)
+        greatest = max(greatest, abs(force[0]))
+        v[0] += _DT * (load[0] + force[0]) / _MASS
+        if number == 2 and state.sticking:
+            v[0] = 0.0
+        x[0] += _DT * v[0]
+    return greatest
+
+
+def _fresh() -> tuple[NDArray[Any], Array]:
+    """(state, rows of position, velocity, load and force along one axis) of the probe body."""
+    vectors = np.zeros((4, 1))
+    vectors[1, 0] = _SPEED
+    return np.zeros(1, FRICTION), vectors
+
+
+def hold(law: str) -> Hold:
+    """Slide, stop and hold the probe body under one law."""
+    states, vectors = _fresh()
+    path = np.empty(_TICKS)
+    greatest = _hold(_NUMBERS[law], _TICKS, states, vectors, path)
+    drift = abs(path[_SETTLED + _HELD] - path[_SETTLED])
+    return Hold(float(drift), float(greatest / (_MU * _NORMAL)), float(path[_LOADED]))
+
+
+def _error(law: str) -> float:
+    """Drift [m] in 60 s; infinite for a law that left its cone by more than 1 %: it holds nothing."""
+    held = hold(law)
+    return held.drift if held.cone <= _FAILED else math.inf
+
+
+@kernel
+def _slide(number: int, ticks: int, states: Any, x: Array, v: Array, load: Array, out: Array) -> None:
+    for i in range(x.shape[0]):
+        x_i, v_i, load_i, state_i, out_i = x[i], v[i], load[i], states[i], out[i]
+        for _ in range(ticks):
+            v_i[0] -= _DT * 100.0 * x_i[0]  # to and fro at 10 rad/s
+            x_i[0] += _DT * v_i[0]
+            _friction(number, x_i, v_i, load_i, state_i, out_i)
+
+
+def _cost_us(law: str, contacts: int) -> float:
+    ticks = max(1, _CALLS // contacts)
+    x, v, load, out = np.zeros((4, contacts, 2))
+    v[:, 0] = 0.1
+    states = np.zeros(contacts, FRICTION)
+    return shortest_us(lambda: _slide(_NUMBERS[law], ticks, states, x, v, load, out), ticks)
+
+
+def _register(law: str) -> None:
+    registry.register(
+        Method(
+            group=GROUP,
+            name=law,
+            source=_SOURCES[law],
+            cost=lambda: _cost_us(law, 1),
+            error=lambda: _error(law),
+            unit="m",
+            valid_range=_RANGES[law],
+            run=LAWS[law],
+            default=LAWS[law] is hayward_armstrong,
+            growth=lambda contacts: _cost_us(law, contacts),
+            sizes=SIZES,
+        )
+    )
+
+
+registry.describe(
+    Group(
+        name=GROUP,
+        what="friction of one contact in its plane; error: drift in 60 s of an object it should hold",
+        unit="m",
+        work="contacts",
+        reference=reference_us,
+    )
+)
+for _name in LAWS:
+    _register(_name)

@@ -1,0 +1,135 @@
+"""Rivals for where a point behind a triangle mesh rests. Importing this module registers them.
+
+Cost: a slide over a ball of 1000 triangles. Error: false force [N] of a slide to the edge of a block, 3 mm under its
+top on 2 kN/m, against k d straight up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.methods import Group
+from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.haptic.numbered import NumberedRival, register_numbered
+from mimics_app.lab.haptic.probe import reference_us
+from mimics_app.lab.haptic.touch_probe import RADIUS, STIFFNESS, ball_mesh, slide_way
+from mimics_app.rendering.haptic.kernels.objects.desk import DESK
+from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
+    ANYWHERE,
+    closest_on_triangle,
+    closest_triangle,
+    triangle_normal,
+)
+from mimics_app.rendering.haptic.kernels.objects.mesh_walk import probe_mesh
+from mimics_app.rendering.haptic.kernels.objects.records import MEMORY
+from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
+
+__all__ = ["GROUP", "false_slide"]
+
+Array = NDArray[np.float64]
+
+GROUP = "mesh finger"
+
+_ALL = (100, 1000, 10_000, 100_000, 1_000_000)
+_TYPICAL = 1000
+
+
+@kernel
+def _hold_nearest(meshes: MeshTable, mesh: Any, p: Array, brute: bool, out: Array, n: Array, force: Array) -> None:
+    """Push out of the closest triangle of every tick, found through the tree or among all."""
+    if brute:
+        t, best = -1, np.inf
+        for k in range(mesh.first_triangle, mesh.first_triangle + mesh.triangles):
+            closest_on_triangle(meshes.vertices, meshes.corners, k, p, out)
+            square = (p[0] - out[0]) ** 2 + (p[1] - out[1]) ** 2 + (p[2] - out[2]) ** 2
+            if square < best:
+                t, best = k, square
+    else:
+        t = closest_triangle(mesh, meshes.vertices, meshes.corners, meshes.boxes, p, np.inf, ANYWHERE, out)
+    closest_on_triangle(meshes.vertices, meshes.corners, t, p, out)
+    size = triangle_normal(meshes.vertices, meshes.corners, t, n)
+    behind = 0.0
+    for i in range(3):
+        behind += n[i] * (out[i] - p[i]) / size
+    for i in range(3):
+        force[i] = STIFFNESS * (out[i] - p[i]) if behind > 0.0 else 0.0
+
+
+@kernel
+def _slide_finger(
+    number: int, meshes: MeshTable, way: Array, desks: Any, memories: Any, vectors: Array, forces: Array
+) -> None:
+    desk, contact = desks[0], memories[0].contact
+    out, n = vectors[0], vectors[1]
+    for tick in range(way.shape[0]):
+        if number > 0:
+            _hold_nearest(meshes, meshes.rows[0], way[tick], number == 2, out, n, forces[tick])
+            continue
+        for i in range(3):
+            desk.p[i] = way[tick, i]
+        probe_mesh(meshes, 0, desk, contact)
+        for i in range(3):
+            forces[tick, i] = STIFFNESS * contact.depth * contact.normal[i]
+
+
+def _slide(number: int, meshes: MeshTable, way: Array) -> tuple[Array, Callable[[], None]]:
+    forces, vectors = np.zeros_like(way), np.zeros((2, 3))
+    desks, memories = np.zeros(1, DESK), np.zeros(1, MEMORY)
+    return forces, lambda: _slide_finger(number, meshes, way, desks, memories, vectors, forces)
+
+
+def false_slide(number: int) -> float:
+    """Greatest difference [N] from k d straight up, 3 mm under the top of a block of 4 cm to 0.5 mm from its side."""
+    corners = RADIUS * np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+    squares = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+    block = np.array([face for a, b, c, d in squares for face in ((a, b, c), (a, c, d))], np.int32)
+    down, along = np.linspace(0.021, 0.017, 201), np.linspace(0.0, 0.0195, 1951)
+    way = np.zeros((len(down) + len(along), 3))
+    way[:, 1] = 0.003
+    way[: len(down), 2], way[len(down) :, 2], way[len(down) :, 0] = down, down[-1], along
+    forces, run = _slide(number, build_mesh_table([(corners, block)]), way)
+    run()
+    forces[:, 2] -= STIFFNESS * np.maximum(0.0, RADIUS - way[:, 2])
+    return float(np.linalg.norm(forces, axis=1).max())
+
+
+def _finger_us(number: int, triangles: int) -> float:
+    way = slide_way(np.array([0.0, 0.0, RADIUS]))[0]
+    if number == 2:
+        way = way[: max(110, min(len(way), 10_000_000 // triangles))]
+    _, run = _slide(number, build_mesh_table([ball_mesh(triangles)]), way)
+    return shortest_us(run, len(way))
+
+
+register_numbered(
+    Group(
+        name=GROUP,
+        what="where a point behind a mesh rests; error: false force of a slide to an edge, 3 mm deep on 2 kN/m",
+        unit="N",
+        work="triangles",
+        reference=reference_us,
+    ),
+    (
+        NumberedRival(
+            "walk", "a stand-in that walks over the surface, held where it is", "meshes without cuts", probe_mesh, _ALL
+        ),
+        NumberedRival(
+            "closest by tree", "closest triangle of every tick", "turns at edges: demonstration", closest_triangle, _ALL
+        ),
+        NumberedRival(
+            "closest of all",
+            "closest triangle, one by one",
+            "small meshes: demonstration",
+            closest_on_triangle,
+            _ALL[:3],
+        ),
+    ),
+    cost=_finger_us,
+    error=false_slide,
+    typical=_TYPICAL,
+)

@@ -1,0 +1,266 @@
+"""The tunnel's rival methods with their measured cost and error: closest point, and frame along the bisector.
+
+Importing this module registers them. Probes run when asked: each takes well under a second once compiled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache, partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic import MAX_PIECES, TUNNEL
+from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.probe import reference_us, shortest_us
+from mimics_app.lab.haptic.numbered import NumberedRival, register_numbered
+from mimics_app.maths import frames
+from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE
+from mimics_app.rendering.haptic.kernels.tunnel_projection import (
+    project_brute_force,
+    project_golden_section,
+    track,
+    track_one_step,
+)
+from mimics_app.rendering.haptic.tunnel import TunnelCurve, build_tunnel
+
+__all__ = ["FRAME_GROUP", "PROJECTION_GROUP", "closest_by_roots", "helix", "twist_between"]
+
+Array = NDArray[np.float64]
+Helix = tuple[Array, Array, Array, Array, Array]
+
+PROJECTION_GROUP = "tunnel projection"
+FRAME_GROUP = "tunnel frame"
+
+_PIECES = 16
+_SIZES = (6, 12, 24, 48, MAX_PIECES)
+_TICKS = 4000
+_TICKS_OF = (_TICKS, _TICKS, 40, 400)
+"""How far along the path each rival's cost is measured, by its number: the slow ones need less of it."""
+_EVERY = 20
+_HELIX_POINTS = 385  # two turns of a tunnel of 24 pieces, 16 steps each
+_UP = np.array([0.0, 1.0, 0.0])
+
+
+def closest_by_roots(pieces: Array, p: Array) -> tuple[float, float]:
+    """(s, distance [m]) of the closest point by the real roots of the slope of every piece: the slow reference.
+
+    Args:
+        pieces: Cubic pieces, shape [n, 3, 4].
+        p: Point [m], shape [3].
+    """
+    best = (0.0, np.inf)
+    for i, piece in enumerate(pieces):
+        away = piece.copy()
+        away[:, 0] -= p
+        slope = np.sum([np.convolve(away[k], away[k, 1:] * np.arange(1, 4)) for k in range(3)], axis=0)
+        roots = np.roots(slope[::-1])
+        real = roots.real[(np.abs(roots.imag) < 1e-6) & (roots.real > 0.0) & (roots.real < 1.0)]
+        u = np.concatenate([[0.0, 1.0], real])
+        distance = np.linalg.norm(away @ (u ** np.arange(4)[:, None]), axis=0)
+        nearest = int(np.argmin(distance))
+        if distance[nearest] < best[1]:
+            best = (i + float(u[nearest]), float(distance[nearest]))
+    return best
+
+
+@cache
+def _probe_tunnel(pieces: int = _PIECES) -> tuple[TunnelCurve, NDArray[Any], Array]:
+    """A wavy tunnel, its record (shape [1]), and a ball's path in it at 0.3 m/s, shape [4000, 3]."""
+    i = np.arange(pieces + 3)
+    points = np.column_stack([0.03 * i - 0.27, 0.05 * np.sin(0.9 * i), 0.02 * np.cos(0.7 * i)])
+    curve = build_tunnel(points, 0.02)
+    record = np.zeros(1, TUNNEL)
+    curve.fill(record[0])
+    record["radius_scale"] = 1.0
+    arc = 0.5 * curve.length + 0.45 * curve.length * np.sin(0.3e-3 * np.arange(_TICKS) / (0.45 * curve.length))
+    s = curve.parameter_at(arc)
+    _, n, b = curve.frame(s)
+    turn = 2.0 * np.pi * 1.3e-3 * np.arange(_TICKS)
+    path = curve.point(s) + 0.015 * (np.cos(turn)[:, None] * n + np.sin(turn)[:, None] * b)
+    return curve, record, np.ascontiguousarray(path)
+
+
+@kernel
+def _walk(number: int, tunnels: Any, path: Array, states: Any, out: Array) -> None:
+    """The parameter found at every point of a path, by the rival of a number."""
+    for i in range(path.shape[0]):
+        x, y, z = path[i, 0], path[i, 1], path[i, 2]
+        if number == 0:
+            out[i] = track(tunnels[0], x, y, z, states[0])
+        elif number == 1:
+            out[i] = track_one_step(tunnels[0], x, y, z, states[0])
+        elif number == 2:
+            out[i] = project_brute_force(tunnels[0], x, y, z, states[0])
+        else:
+            out[i] = project_golden_section(tunnels[0], x, y, z, states[0])
+
+
+def _projection_us(number: int, pieces: int) -> float:
+    _, record, path = _probe_tunnel(pieces)
+    ticks = _TICKS_OF[number]
+    out = np.empty(ticks)
+    return shortest_us(lambda: _walk(number, record, path[:ticks], np.zeros(1, TUNNEL_STATE), out), ticks)
+
+
+@cache
+def _reference_parameters() -> Array:
+    curve, _, path = _probe_tunnel()
+    return np.array([closest_by_roots(curve.pieces, p)[0] for p in path[::_EVERY]])
+
+
+def _projection_error(number: int) -> float:
+    """Greatest distance between the point found and the closest point along the probe path [m]."""
+    curve, record, path = _probe_tunnel()
+    out = np.empty(len(path))
+    _walk(number, record, path, np.zeros(1, TUNNEL_STATE), out)
+    difference = curve.point(out[::_EVERY]) - curve.point(_reference_parameters())
+    return float(np.max(np.linalg.norm(difference, axis=1)))
+
+
+def helix(count: int, radius: float = 0.1, pitch: float = 0.08, turns: float = 2.0) -> Helix:
+    """Points along a helix about y and their exact frames.
+
+    Returns:
+        (points [m], first and second derivative by the turning angle, unit tangents, rotation-minimising normals that
+        start as the principal normal), each of shape [count, 3]. The last ones lag the principal normal by
+        torsion x arc length (closed form).
+    """
+    angle = np.linspace(0.0, 2.0 * np.pi * turns, count)
+    rise = pitch / (2.0 * np.pi)
+    cos, sin, zero = np.cos(angle), np.sin(angle), np.zeros(count)
+    # About +y with x towards z, the left-handed turn: torsion = -rise / (radius^2 + rise^2).
+    points = np.column_stack([radius * cos, rise * angle, radius * sin])
+    first = np.column_stack([-radius * sin, np.full(count, rise), radius * cos])
+    second = np.column_stack([-radius * cos, zero, -radius * sin])
+    speed = np.hypot(radius, rise)
+    tangents = first / speed
+    principal = second / radius
+    lag = -rise / speed**2 * speed * angle
+    binormal = np.cross(tangents, principal)
+    normals = np.cos(lag)[:, None] * principal - np.sin(lag)[:, None] * binormal
+    return points, first, second, tangents, normals
+
+
+def twist_between(tangents: Array, normals: Array, reference: Array) -> Array:
+    """Angle [rad] in -pi..pi by which normals are turned about the tangents against the reference, shape [m]."""
+    along = np.sum(normals * reference, axis=1)
+    across = np.sum(np.cross(reference, normals) * tangents, axis=1)
+    return np.arctan2(across, along)
+
+
+def _double_reflection(curve: Helix) -> Array:
+    points, _, _, tangents, normals = curve
+    return frames.rotation_minimising_normals(points, tangents, normals[0])
+
+
+def _frenet(curve: Helix) -> Array:
+    return frames.frenet_normals(curve[1], curve[2])
+
+
+def _projected_up(curve: Helix) -> Array:
+    return frames.projected_up_normals(curve[3], _UP)
+
+
+def _frame_error(normals_of: Callable[[Helix], Array]) -> float:
+    """Greatest turn about the tangent against the closed form, both starting alike [rad]."""
+    curve = helix(_HELIX_POINTS)
+    twist = np.unwrap(twist_between(curve[3], normals_of(curve), curve[4]))
+    return float(np.max(np.abs(twist - twist[0])))
+
+
+def _frame_us(normals_of: Callable[[Helix], Array]) -> float:
+    curve = helix(_HELIX_POINTS)
+    return shortest_us(lambda: normals_of(curve), _HELIX_POINTS)
+
+
+register_numbered(
+    Group(
+        name=PROJECTION_GROUP,
+        what="closest point of a wavy tunnel's bisector for a ball that travels it at 0.3 m/s, tick by tick",
+        unit="m",
+        work="pieces of the tunnel",
+        reference=reference_us,
+    ),
+    (
+        NumberedRival(
+            "newton warm",
+            "Newton on the slope of the square distance from the last tick's point; whole search when it is lost",
+            "radius x curvature < 1; stays on its branch where the tunnel crosses or meets itself",
+            track,
+            _SIZES,
+        ),
+        NumberedRival(
+            "newton one step",
+            "one Newton step a tick from the last tick's point; the guards of newton warm",
+            "as newton warm; errs by about the square of a tick's motion over the bend's radius",
+            track_one_step,
+            _SIZES,
+        ),
+        NumberedRival(
+            "brute force",
+            "nearest of 256 points a piece",
+            "any curve; jumps between branches where the tunnel crosses itself",
+            project_brute_force,
+            _SIZES,
+        ),
+        NumberedRival(
+            "golden section",
+            "golden section around the nearest of 8 points a piece (Kiefer 1953)",
+            "any curve; to the square root of machine precision; jumps between branches",
+            project_golden_section,
+            _SIZES,
+        ),
+    ),
+    cost=_projection_us,
+    error=_projection_error,
+    typical=_PIECES,
+)
+registry.describe(
+    Group(
+        name=FRAME_GROUP,
+        what=f"normals along two turns of a helix at {_HELIX_POINTS} points, against the closed form; cost per point",
+        unit="rad",
+        work="",
+        reference=reference_us,
+    )
+)
+for _name, _source, _valid, _run, _normals in (
+    (
+        "double reflection",
+        "rotation-minimising frame (Wang, Juettler, Zheng & Liu 2008)",
+        "any smooth curve; error of order 4 in the step",
+        frames.rotation_minimising_normals,
+        _double_reflection,
+    ),
+    (
+        "frenet",
+        "principal normal (Frenet 1847, Serret 1851)",
+        "curves without inflection or straight part; turns with the torsion",
+        frames.frenet_normals,
+        _frenet,
+    ),
+    (
+        "projected up",
+        "world's up made square to the tangent",
+        "curves that are nowhere vertical",
+        frames.projected_up_normals,
+        _projected_up,
+    ),
+):
+    registry.register(
+        Method(
+            group=FRAME_GROUP,
+            name=_name,
+            source=_source,
+            cost=partial(_frame_us, _normals),
+            error=partial(_frame_error, _normals),
+            unit="rad",
+            valid_range=_valid,
+            run=_run,
+            default=_normals is _double_reflection,
+        )
+    )

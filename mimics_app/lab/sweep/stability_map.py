@@ -1,0 +1,39 @@
+"""The stability experiments S1 to S16 as sweeps run them: how far simulation and theory are apart on finer grids."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from mimics_app.lab.stability.catalogue import load_experiment
+from mimics_app.lab.sweep.quantity import Columns, Quantity, SweepExperiment
+
+__all__ = ["stability_map"]
+
+_FINEST = 64
+"""Points along an axis: a map of two axes has some thousands, which takes minutes."""
+
+
+def stability_map(name: str) -> SweepExperiment:
+    """The sweep experiment of a stability experiment, one whole map for each point of the sweep.
+
+    Args:
+        name: One of `catalogue.NAMES`.
+    """
+    experiment = load_experiment(name)
+
+    def run(values: Columns, folder: Path) -> Columns:
+        outcomes = [experiment.run(points) for points in values["points"]]
+        return {
+            "rows": [len(outcome.rows) for outcome in outcomes],
+            "disagreement": [outcome.disagreement for outcome in outcomes],
+            "passed": [outcome.passed for outcome in outcomes],
+        }
+
+    return SweepExperiment(
+        name=name,
+        what=f"{experiment.title}: {experiment.claim}",
+        parameters={"points": Quantity("int", "", 4, 2, _FINEST)},
+        results={"rows": "int", "disagreement": "float", "passed": "bool"},
+        chunk=1,
+        run=run,
+    )

@@ -1,0 +1,124 @@
+"""What leaving things out of a town's picture saves: hidden bodies, and coarser forms of far ones.
+
+Importing this module registers the rivals. Probe: the shipped city from three places of its streets. Error: share of
+the pixels that differ from the picture in which nothing is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache, partial
+from typing import Any
+
+import numpy as np
+
+from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.probe import reference_us
+from mimics_app.contracts.resources import root
+from mimics_app.lab.visual.probe import differing_pixels, frame_us, show_picture
+from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view_matrices import compose_look_at
+from mimics_app.world.environment import Sky
+from mimics_app.world.gltf.model_world import load_model_world
+from mimics_app.world.world import World
+
+__all__ = ["DETAIL", "OCCLUSION", "city_error", "city_us"]
+
+OCCLUSION, DETAIL = "occlusion", "level of detail"
+
+_FILE = "assets/models/city/city.glb"
+_PLACES = (
+    ((-1.75, 1.7, 330.0), (-1.75, 3.0, 200.0)),
+    ((-1.6, 1.75, 150.0), (-1.0, 3.4, 60.0)),
+    ((8.6, 1.8, 13.4), (-14.0, 5.4, -14.0)),
+)
+"""Eyes and what they look at [m]: along two streets, and over a crossing."""
+
+_SIZE = (640, 360)
+_SIDE, _UP = 0.89, 0.5
+_PLAIN = RenderSettings(msaa=0, shadow_size=0, tone_map="none", fog_density=0.0, shading="plain")
+_FINEST = 4.0
+
+
+@cache
+def _city() -> World:
+    world = load_model_world(root() / _FILE)
+    world.environment = Sky((0.5,) * 3, (0.5,) * 3, (0.5,) * 3, 0.5)
+    sun = world.root.create_child("sun", (40.0, 90.0, 30.0))
+    sun.look_at((0.0, 0.0, 0.0))
+    sun.create_light("directional", intensity=1.0, casts_shadow=0)
+    world.update()
+    return world
+
+
+def _view(number: int) -> View:
+    eye, target = (np.array(point) for point in _PLACES[number % len(_PLACES)])
+    return View(compose_look_at(eye, target), (-_SIDE, _SIDE, -_UP, _UP), (0, 0, *_SIZE), 0.15, 3000.0)
+
+
+def city_us(settings: RenderSettings) -> float:
+    """Cost of a frame of the city [us], the mean over its places."""
+    return frame_us(_city(), _SIZE, settings, _view, len(_PLACES))
+
+
+def city_error(settings: RenderSettings, whole: RenderSettings) -> float:
+    """Share of the pixels that differ from the same places drawn as `whole` says, by more than one level of 255."""
+    apart = []
+    for number in range(len(_PLACES)):
+        one, other = (show_picture(_city(), _SIZE, each, _view(number)) for each in (settings, whole))
+        apart.append(differing_pixels(one, other, level=1))
+    return float(np.mean(apart))
+
+
+def _register(group: str, name: str, source: str, valid: str, whole: RenderSettings, **changes: Any) -> None:
+    settings = replace(whole, **changes)
+    run: Callable[..., Any] = show_picture
+    default = {OCCLUSION: "all", DETAIL: "as authored"}[group]
+    registry.register(
+        Method(
+            group=group,
+            name=name,
+            source=source,
+            cost=partial(city_us, settings),
+            error=partial(city_error, settings, whole),
+            unit="share of pixels",
+            valid_range=valid,
+            run=run,
+            default=name == default,
+        )
+    )
+
+
+registry.describe(
+    Group(
+        name=OCCLUSION,
+        what="a frame of the city from three places; error: share of pixels that differ from nothing hidden",
+        unit="share of pixels",
+        work="",
+        reference=reference_us,
+    )
+)
+registry.describe(
+    Group(
+        name=DETAIL,
+        what="a frame of the city from three places; error: share of pixels that differ from the finest forms",
+        unit="share of pixels",
+        work="",
+        reference=reference_us,
+    )
+)
+_OPEN = replace(_PLAIN, occlusion="off")
+_register(OCCLUSION, "off", "every body in the view is drawn", "any", _OPEN)
+_register(
+    OCCLUSION, "derived", "boxes proven inside opaque meshes hide what is behind", "any", _OPEN, occlusion="derived"
+)
+_register(OCCLUSION, "authored", "boxes their authors wrote hide", "authored models", _OPEN, occlusion="authored")
+_register(OCCLUSION, "all", "both kinds of boxes hide", "any", _OPEN, occlusion="all")
+
+_FINE = replace(_PLAIN, detail=_FINEST)
+_register(DETAIL, "4 times as far", "coarser forms only from four times their distance", "any", _FINE)
+for _times in (2.0, 1.0, 0.5, 0.25):
+    _name = "as authored" if _times == 1.0 else f"{_times:g} times as far"
+    _register(DETAIL, _name, "coarser forms by how much of the picture they cover", "any", _FINE, detail=_times)

@@ -1,0 +1,165 @@
+"""Rival ways to find what is in a view, with their cost and the nodes they lose.
+
+Importing this module registers them. Probe: boxes of 1 m on a square, 10 m apart, on nodes in groups of neighbours, as
+a scene's author hangs them; from the middle a view of 90 degrees reaches 200 m. Nothing moves, so that bounds stand.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.probe import reference_us, shortest_us
+from mimics_app.lab.visual.box_items import box_items
+from mimics_app.maths.mat import compose
+from mimics_app.rendering.visual.drawing.culling import Culler, FlatCuller, TreeCuller
+from mimics_app.rendering.visual.drawing.draw_items import DrawItems
+from mimics_app.rendering.visual.view import View, compute_frustum_planes
+from mimics_app.rendering.visual.view_matrices import compose_look_at
+
+__all__ = ["GROUP", "CullingProbe", "make_probe"]
+
+F8 = NDArray[np.float64]
+I4 = NDArray[np.int32]
+
+GROUP = "culling"
+SIZES = (100, 1000, 10_000, 100_000)
+_NODES = 10_000
+_SPACING = 10.0
+_HALF = 0.5
+_CALLS = 5
+
+
+@dataclass(frozen=True, eq=False)
+class CullingProbe:
+    """A world for culling, without a driver.
+
+    Attributes:
+        items: One box for each node that shows something.
+        parents: Row of each row's parent, int32 [rows].
+        world: T_world_from_node, [rows, 4, 4].
+        centres: Of the boxes' spheres [m], [n, 3].
+        radii: Of the same [m], [n].
+        planes: Of the view, [6, 4].
+    """
+
+    items: DrawItems
+    parents: I4
+    world: F8
+    centres: F8
+    radii: F8
+    planes: F8
+
+    def run(self, culler: Culler) -> set[int]:
+        """Items a culler finds."""
+        out = np.zeros(len(self.centres), np.int32)
+        shown = np.ones(len(self.centres), np.uint8)
+        culler.moved(len(self.centres), self.centres, self.radii)
+        count = culler.cull(self.planes, shown, self.world, self.centres, self.radii, out)
+        return set(out[:count].tolist())
+
+    def seen(self) -> set[int]:
+        """Items of which a corner is inside all planes, by looking at each corner of each."""
+        signs = np.array([[(k >> axis & 1) * 2.0 - 1.0 for axis in range(3)] for k in range(8)])
+        axes = self.world[self.items.rows][:, :3, :3]
+        corners = self.centres[:, None] + np.einsum("nij,kj->nki", axes, _HALF * signs)
+        inside = (corners @ self.planes[:, :3].T + self.planes[:, 3] >= 0.0).all(axis=2).any(axis=1)
+        return set(np.flatnonzero(inside).tolist())
+
+
+def make_probe(nodes: int) -> CullingProbe:
+    """A square world of that many boxes."""
+    side = math.isqrt(nodes - 1) + 1
+    k = np.arange(nodes)
+    places = np.stack([(k % side - 0.5 * side) * _SPACING, 0.0 * k, (k // side - 0.5 * side) * _SPACING], axis=1)
+    block = max(2, math.isqrt(side))
+    group = (k % side) // block + (k // side // block) * (side // block + 1)
+    number = np.unique(group, return_inverse=True)[1]
+    groups = int(number.max()) + 1
+    parents = np.concatenate([[-1], np.zeros(groups), 1 + number]).astype(np.int32)
+    world = np.tile(np.eye(4), (1 + groups + nodes, 1, 1))
+    for i, angle in enumerate(0.7 * k):
+        world[1 + groups + i] = compose(places[i], (0.0, math.sin(angle), 0.0, math.cos(angle)))
+    view = View(compose_look_at((0.0, 1.7, 0.0), (1.0, 1.7, 0.3)), (-1.0, 1.0, -0.6, 0.6), (0, 0, 64, 36), 0.1, 200.0)
+    radii = np.full(nodes, _HALF * math.sqrt(3.0))
+    items = box_items(np.arange(1 + groups, 1 + groups + nodes, dtype=np.int32), np.full((nodes, 3), _HALF))
+    return CullingProbe(items, parents, world, places, radii, compute_frustum_planes(view.clip_from_world))
+
+
+def _flat(probe: CullingProbe) -> Culler:
+    return FlatCuller(probe.items)
+
+
+def _tree(probe: CullingProbe) -> Culler:
+    return TreeCuller(probe.items, probe.parents, probe.world[:, :3, 3])
+
+
+def _flat_tree(probe: CullingProbe) -> Culler:
+    """The scene graph left out: every node hangs on the root, and only space makes groups."""
+    parents = np.where(probe.parents < 0, -1, 0).astype(np.int32)
+    return TreeCuller(probe.items, parents, probe.world[:, :3, 3])
+
+
+def _cost_us(make: Callable[[CullingProbe], Culler], nodes: int) -> float:
+    probe = make_probe(nodes)
+    culler = make(probe)
+    probe.run(culler)
+    out, shown = np.zeros(nodes, np.int32), np.ones(nodes, np.uint8)
+
+    def work() -> None:
+        for _ in range(_CALLS):
+            culler.cull(probe.planes, shown, probe.world, probe.centres, probe.radii, out)
+
+    return shortest_us(work, _CALLS)
+
+
+def _error(make: Callable[[CullingProbe], Culler]) -> float:
+    probe = make_probe(_NODES)
+    return float(len(probe.seen() - probe.run(make(probe))))
+
+
+def _register(name: str, source: str, valid: str, make: Callable[[CullingProbe], Culler], default: bool) -> None:
+    registry.register(
+        Method(
+            group=GROUP,
+            name=name,
+            source=source,
+            cost=lambda: _cost_us(make, _NODES),
+            error=lambda: _error(make),
+            unit="nodes",
+            valid_range=valid,
+            run=make,
+            default=default,
+            growth=lambda nodes: _cost_us(make, nodes),
+            sizes=SIZES,
+        )
+    )
+
+
+registry.describe(
+    Group(
+        name=GROUP,
+        what="nodes of a square world in a view; error: nodes left out though a corner of theirs is inside",
+        unit="nodes",
+        work="nodes",
+        reference=reference_us,
+    )
+)
+_register(
+    "each node", "sphere, then box, of every node against six planes (Assarsson & Moller 2000)", "any", _flat, True
+)
+_register(
+    "scene graph",
+    "boxes about what hangs on a node first, the same tests below",
+    "any; built when nodes come",
+    _tree,
+    False,
+)
+_register(
+    "space alone", "the same without the graph: siblings in groups along a Morton curve", "any", _flat_tree, False
+)

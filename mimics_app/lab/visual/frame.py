@@ -1,0 +1,164 @@
+"""How the cost of a whole frame grows with what is in it: nodes that all move, and triangles.
+
+Importing this module registers the rivals. Probe: a small picture, so that what is told is the cost of finding,
+submitting and shaping what is drawn. Error: share of the pixels that differ from the first rival's picture.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.probe import reference_us
+from mimics_app.lab.visual.probe import Move, differing_pixels, frame_us, show_picture
+from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view_matrices import compose_look_at
+from mimics_app.world.meshes.primitives import box, icosphere
+from mimics_app.world.world import World
+
+__all__ = ["NODES", "TRIANGLES", "ball_world", "node_world"]
+
+NODES, TRIANGLES = "frame of nodes", "frame of triangles"
+
+_SIZE = (128, 72)
+_FRAMES = 4
+_NODE_COUNTS = (100, 1000, 10_000, 100_000)
+_TRIANGLE_COUNTS = (10_000, 100_000, 1_000_000, 10_000_000)
+_TYPICAL = {NODES: 10_000, TRIANGLES: 1_000_000}
+_BALL = 1280
+"""Triangles of a ball in its finest form; the coarser ones have a quarter and a sixteenth."""
+
+_COVERAGES = (4e-3, 4e-4, 0.0)
+_PLAIN = RenderSettings(msaa=0, shadow_size=0, tone_map="none", fog_density=0.0, shading="plain", occlusion="off")
+
+Scene = tuple[World, Move]
+
+
+def _square(count: int, step: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    """Places on a square of the ground about the origin [m], [count, 3]."""
+    k, side = np.arange(count), math.isqrt(max(0, count - 1)) + 1
+    middle = 0.5 * (side - 1)
+    return np.stack([(k % side - middle) * step, 0.0 * k, (k // side - middle) * step], axis=1)
+
+
+def _view_over(width: float) -> View:
+    """From a height at which a square of that width [m] about fills the picture."""
+    eye = np.array([0.0, 0.6 * width, 0.8 * width])
+    pose = compose_look_at(eye, np.zeros(3))
+    return View(pose, (-0.9, 0.9, -0.5, 0.5), (0, 0, *_SIZE), 0.01 * width, 10.0 * width)
+
+
+def node_world(count: int) -> Scene:
+    """Cubes that all turn every frame, seen from above."""
+    world = World()
+    world.meshes["cube"] = box(1.0, 1.0, 1.0)
+    places = _square(count, 2.0)
+    nodes = [world.root.create_child("", tuple(place)) for place in places.tolist()]
+    for node in nodes:
+        world.show(node, [("cube", "default")])
+    world.update()
+    rows = world.transforms.rows(np.array([node.index for node in nodes]))
+    view = _view_over(2.0 * math.sqrt(count))
+
+    def move(frame: int) -> View:
+        turn = 0.1 * frame + 0.37 * np.arange(count)
+        zero = np.zeros(count)
+        world.transforms.set_poses(rows, places, np.stack([zero, np.sin(0.5 * turn), zero, np.cos(0.5 * turn)], -1))
+        world.update()
+        return view
+
+    return world, move
+
+
+def ball_world(count: int) -> Scene:
+    """So many triangles in balls that stand still, with levels of detail, seen from one side."""
+    world = World()
+    for level in range(3):
+        world.meshes[f"ball{level}"] = icosphere(0.5, 3 - level)
+    balls = max(1, round(count / _BALL))
+    for place in _square(balls, 1.2).tolist():
+        forms = [[(f"ball{level}", "default")] for level in range(3)]
+        world.content.add_levels(world.root.create_child("", tuple(place)).index, forms, _COVERAGES)
+    world.update()
+    view = _view_over(1.2 * math.sqrt(balls))
+    return world, lambda _: view
+
+
+def _cost_us(build: Callable[[int], Scene], settings: RenderSettings, count: int) -> float:
+    world, move = build(count)
+    return frame_us(world, _SIZE, settings, move, _FRAMES)
+
+
+def _error(build: Callable[[int], Scene], settings: RenderSettings, first: RenderSettings, count: int) -> float:
+    world, move = build(count)
+    view = move(1)
+    one, other = (show_picture(world, _SIZE, each, view) for each in (settings, first))
+    return differing_pixels(one, other, level=1)
+
+
+def _register(
+    group: str, build: Callable[[int], Scene], sizes: tuple[int, ...], rivals: list[tuple[str, str, RenderSettings]]
+) -> None:
+    typical, first = _TYPICAL[group], rivals[0][2]
+    for name, source, settings in rivals:
+        registry.register(
+            Method(
+                group=group,
+                name=name,
+                source=source,
+                cost=partial(_cost_us, build, settings, typical),
+                error=partial(_error, build, settings, first, typical),
+                unit="share of pixels",
+                valid_range="any",
+                run=show_picture,
+                default=name == rivals[-1][0],
+                growth=partial(_cost_us, build, settings),
+                sizes=sizes,
+            )
+        )
+
+
+registry.describe(
+    Group(
+        name=NODES,
+        what="a frame of 10,000 cubes that all turn; error: share of pixels that differ from each node tested",
+        unit="share of pixels",
+        work="nodes",
+        reference=reference_us,
+    )
+)
+registry.describe(
+    Group(
+        name=TRIANGLES,
+        what="a frame of a million triangles in balls; error: share of pixels that differ from the finest forms",
+        unit="share of pixels",
+        work="triangles",
+        reference=reference_us,
+    )
+)
+_register(
+    NODES,
+    node_world,
+    _NODE_COUNTS,
+    [
+        ("each node", "every node against the view's planes", replace(_PLAIN, culling="flat")),
+        ("scene graph", "groups of the scene graph first", replace(_PLAIN, culling="tree")),
+        ("by number", "each node below some thousand, groups above", replace(_PLAIN, culling="auto")),
+    ],
+)
+_register(
+    TRIANGLES,
+    ball_world,
+    _TRIANGLE_COUNTS,
+    [
+        ("finest forms", "levels change at four times their distance", replace(_PLAIN, detail=4.0)),
+        ("twice as far", "levels change at twice their distance", replace(_PLAIN, detail=2.0)),
+        ("levels of detail", "coarser forms by how much of the picture a body covers", _PLAIN),
+    ],
+)

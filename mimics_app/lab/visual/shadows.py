@@ -1,0 +1,188 @@
+"""Rival ways to the sun's shadows, with the cost of a frame and how far their edges lie from where the ray ends.
+
+Importing this module registers them. Probe: a yard of posts with one that turns, so that no map can be kept, and a
+plate above the floor whose shadow's edges are known. Error: mean distance of an edge from the closed form, along the
+floor and for several heights of the sun, seen at 2.5 mm a pixel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.probe import reference_us
+from mimics_app.lab.visual.probe import frame_us, show_picture
+from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view_matrices import compose_look_at
+from mimics_app.world.environment import Sky
+from mimics_app.world.materials.material import Material
+from mimics_app.world.meshes.primitives import box, plane, sphere
+from mimics_app.world.world import World
+
+__all__ = ["GROUP", "edge_error", "yard_us"]
+
+F8 = NDArray[np.float64]
+
+GROUP = "sun shadows"
+
+_PLAIN = RenderSettings(msaa=0, tone_map="none", fog_density=0.0)
+_SIZE = (640, 120)
+_HALF = 0.8
+"""Half of the floor that is seen from above [m]."""
+
+_HEIGHT, _WIDTH = 0.3, 0.3
+_SLOPES = (0.45, 0.2, -0.31, -0.45)
+"""Along the floor for a metre down, of the sun's rays."""
+
+_YARD_SIZE = (640, 360)
+_POSTS = 144
+_SIZES = (16, 64, 256, 1024)
+_FRAMES = 6
+
+
+@dataclass(frozen=True)
+class _Kind:
+    """A way to make shadows."""
+
+    name: str
+    source: str
+    valid: str
+    changes: dict[str, Any]
+    default: bool = False
+    yardstick: bool = False
+
+
+_MAPS = "depth map of all casters (Williams 1978), 16 looks filtered"
+_KINDS = (
+    _Kind("none", "no shadow: all of the plate's width is wrong", "draft", {"shadow_size": 0}, yardstick=True),
+    _Kind("map 256", _MAPS, "a room", {"shadow_size": 256}),
+    _Kind("map 512", _MAPS, "a room", {"shadow_size": 512}, default=True),
+    _Kind("map 1024", _MAPS, "a room or a yard", {"shadow_size": 1024}),
+    _Kind("map 2048", _MAPS, "a yard", {"shadow_size": 2048}),
+    _Kind(
+        "cascades 2048",
+        "four maps one in another (Engel 2006; Dimitrov 2007) in one atlas",
+        "any width: what is near has the finest map",
+        {"shadow_size": 2048, "shadow_distance": 30.0, "cascades": 4},
+    ),
+    _Kind(
+        "stencil additive",
+        "volumes counted behind what is seen (Crow 1977; Carmack 2000), the sun drawn where none is",
+        "few and simple casters; exact edges",
+        {"shadow_size": 512, "shadows": "stencil_additive"},
+    ),
+    _Kind(
+        "stencil modulative",
+        "the same volumes, the finished picture darkened",
+        "few and simple casters; highlights are darkened too",
+        {"shadow_size": 512, "shadows": "stencil_modulative"},
+    ),
+)
+
+
+def _lit_world(slope: float) -> World:
+    world = World()
+    world.environment = Sky((0.2,) * 3, (0.2,) * 3, (0.2,) * 3, 0.5)
+    for name, colour in (("floor", 0.8), ("body", 0.4)):
+        world.set_material(Material(name, base_colour=(colour, colour, colour, 1.0), roughness=1.0))
+    world.meshes["floor"] = plane(40.0, 40.0)
+    world.root.create_child("floor").create_entity("floor", "floor").subentities[0].casts_shadow = False
+    sun = world.root.create_child("sun", (4.0 * slope, 4.0, 0.0))
+    sun.look_at((0.0, 0.0, 0.0), (0.0, 0.0, -1.0))
+    sun.create_light("directional", intensity=0.6, casts_shadow=1)
+    return world
+
+
+def _plate_world(slope: float) -> World:
+    """A plate from x = -0.3 to 0 above the floor."""
+    world = _lit_world(slope)
+    world.meshes["plate"] = box(_WIDTH, 0.001, _WIDTH)
+    world.root.create_child("plate", (-0.5 * _WIDTH, _HEIGHT, 0.0)).create_entity("plate", "body")
+    world.update()
+    return world
+
+
+def _from_above(distance: float = 2.0) -> View:
+    pose = compose_look_at((0.0, distance, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, -1.0))
+    side = _HALF / distance
+    up = side * _SIZE[1] / _SIZE[0]
+    return View(pose, (-side, side, -up, up), (0, 0, *_SIZE))
+
+
+def _edge_of(row: F8, slope: float) -> float:
+    """Where a row of the picture is halfway between shadow and light on the side the shadow falls to [m]."""
+    half, step = 0.5 * (row.min() + row.max()), -1 if slope > 0.0 else 1
+    last = np.flatnonzero(row < half)[0 if slope > 0.0 else -1]
+    share = (half - row[last]) / (row[last + step] - row[last])
+    return float((last + 0.5 + step * share) * 2.0 * _HALF / len(row) - _HALF)
+
+
+def edge_error(settings: RenderSettings) -> float:
+    """Mean distance of the plate's shadow from where it belongs [m]; the plate's width where there is none."""
+    if not settings.shadow_size:
+        return _WIDTH
+    apart = []
+    for slope in _SLOPES:
+        row = show_picture(_plate_world(slope), _SIZE, settings, _from_above())[_SIZE[1] // 2, :, 0].astype(np.float64)
+        expected = (-_WIDTH if slope > 0.0 else 0.0) - _HEIGHT * slope
+        apart.append(abs(_edge_of(row, slope) - expected))
+    return float(np.mean(apart))
+
+
+def yard_us(settings: RenderSettings, posts: int = _POSTS) -> float:
+    """Cost of a frame of the yard [us], in which one post turns."""
+    world = _lit_world(0.4)
+    world.meshes |= {"post": box(0.2, 1.0, 0.2), "ball": sphere(0.2, 24)}
+    side = int(np.ceil(np.sqrt(posts)))
+    nodes = []
+    for k in range(posts):
+        place = ((k % side - 0.5 * side) * 0.8, 0.5, -(k // side) * 0.8)
+        nodes.append(world.root.create_child(f"post{k}", place))
+        nodes[-1].create_entity("ball" if k % 4 == 0 else "post", "body")
+    pose = compose_look_at((0.0, 3.0, 5.0), (0.0, 0.5, -3.0))
+    view = View(pose, (-0.9, 0.9, -0.5, 0.5), (0, 0, *_YARD_SIZE))
+    world.update()
+
+    def move(frame: int) -> View:
+        nodes[-1].yaw(0.1 + 0.01 * frame)
+        world.update()
+        return view
+
+    return frame_us(world, _YARD_SIZE, settings, move, _FRAMES)
+
+
+registry.describe(
+    Group(
+        name=GROUP,
+        what="a frame of a yard of 144 posts, one turning; error: how far a shadow's edge lies from its ray's end",
+        unit="m of a shadow's edge",
+        work="posts",
+        reference=reference_us,
+    )
+)
+for _kind in _KINDS:
+    _settings = replace(_PLAIN, **_kind.changes)
+    _cost: Callable[[int], float] = partial(yard_us, _settings)
+    registry.register(
+        Method(
+            group=GROUP,
+            name=_kind.name,
+            source=_kind.source,
+            cost=partial(yard_us, _settings),
+            error=partial(edge_error, _settings),
+            unit="m of a shadow's edge",
+            valid_range=_kind.valid,
+            run=show_picture,
+            default=_kind.default,
+            yardstick=_kind.yardstick,
+            growth=_cost,
+            sizes=_SIZES,
+        )
+    )

@@ -1,0 +1,100 @@
+"""A drawing that stands alone: one SVG file with its style sheet inside, light and dark; nothing is fetched."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from markupsafe import Markup
+
+from mimics_app.plotting.marks import circle, cross, element, joined, path, word
+
+__all__ = ["SERIES", "STYLE", "document", "legend", "swatch", "text_width"]
+
+SERIES = 8
+"""Colours for series; further ones begin again."""
+
+STYLE = """
+.lab { --paper: #ffffff; --ink: #1a2230; --soft: #566173; --rule: #dfe4ec; --bad: #b3261e; --front: #1559c9;
+  --s0: #1559c9; --s1: #c2410c; --s2: #1f7a3b; --s3: #7c3aed; --s4: #a16207; --s5: #be185d; --s6: #0e7490;
+  --s7: #4b5563; }
+@media (prefers-color-scheme: dark) { .lab { --paper: #151a22; --ink: #e7ebf2; --soft: #a3aec0; --rule: #303947;
+  --bad: #ff8a80; --front: #74a9ff; --s0: #74a9ff; --s1: #ff9d5c; --s2: #56d37b; --s3: #c19bff; --s4: #e5bf4d;
+  --s5: #ff8ab8; --s6: #4fd0e6; --s7: #a8b3c4; } }
+.lab .paper { fill: var(--paper); } .lab text { fill: var(--soft); font: 12px system-ui, "DejaVu Sans", sans-serif; }
+.lab text.head { fill: var(--ink); font-size: 17px; font-weight: 650; } .lab text.name { fill: var(--ink); }
+.lab text.strong { font-weight: 700; } .lab text.small { font-size: 11px; } .lab text.bad { fill: var(--bad); }
+.lab .grid { stroke: var(--rule); fill: none; } .lab .frame { stroke: var(--soft); fill: none; }
+.lab .lead { stroke: var(--soft); stroke-width: 0.8; fill: none; opacity: 0.7; }
+.lab .line { fill: none; stroke: var(--c, var(--ink)); stroke-width: 2; stroke-linejoin: round; }
+.lab .front { stroke: var(--front); stroke-width: 2.2; fill: none; stroke-dasharray: 1 0; opacity: 0.55; }
+.lab .dashed { stroke-dasharray: 7 5; stroke-width: 1.7; } .lab .dotted { stroke-dasharray: 2 4; stroke-width: 1.7; }
+.lab .dot { fill: var(--c, var(--front)); stroke: var(--paper); stroke-width: 1; }
+.lab .open { fill: var(--paper); stroke: var(--c, var(--soft)); stroke-width: 2; }
+.lab .yardstick { stroke-dasharray: 2.2 2.2; }
+.lab .ring { fill: none; stroke: var(--ink); stroke-width: 1.8; } .lab .cross { stroke: var(--bad); stroke-width: 2.4; }
+.lab .s0 { --c: var(--s0); } .lab .s1 { --c: var(--s1); } .lab .s2 { --c: var(--s2); } .lab .s3 { --c: var(--s3); }
+.lab .s4 { --c: var(--s4); } .lab .s5 { --c: var(--s5); } .lab .s6 { --c: var(--s6); } .lab .s7 { --c: var(--s7); }
+"""
+
+_LETTER = 6.75
+"""About the width of a letter of 12 px [px]."""
+
+
+def text_width(text: str, bold: bool = False) -> float:
+    """About how wide a text of 12 px is drawn [px]."""
+    return _LETTER * (1.09 if bold else 1.0) * len(text)
+
+
+def legend(left: float, top: float, entries: Sequence[tuple[str, str, str]]) -> Markup:
+    """A row of what lines and points mean: (shape "line" | "dot" | "ring" | "cross", classes, words)."""
+    parts: list[Markup] = []
+    for shape, kind, words in entries:
+        parts.append(swatch(shape, kind, left, top))
+        parts.append(word(left + 32, top + 4, words, "small", "start"))
+        left += 32 + text_width(words) * 0.92 + 22
+    return joined(parts)
+
+
+def swatch(shape: str, kind: str, left: float, top: float) -> Markup:
+    """A sample of a line or a mark beside its words; its left end and its middle line [px]."""
+    if shape == "line":
+        return path(kind, f"M{left:g} {top:g}h26")
+    if shape == "cross":
+        return cross(left + 13.0, top)
+    ring = circle("ring", left + 13.0, top, 8.0) if shape == "ring" else Markup()
+    return ring + circle(kind, left + 13.0, top, 4.5)
+
+
+def document(width: float, height: float, title: str, parts: Sequence[Markup], foot: Sequence[str] = ()) -> Markup:
+    """A whole SVG file.
+
+    Args:
+        width: [px].
+        height: [px].
+        title: Above the drawing, and for people who cannot see it.
+        parts: What is drawn.
+        foot: Small lines below the drawing; the last one says how it was made.
+    """
+    kinds = ["small"] * (len(foot) - 1) + ["small made"]
+    lines = [word(14, height - 10 - 15 * (len(foot) - 1 - i), line, kinds[i], "start") for i, line in enumerate(foot)]
+    inside = [
+        Markup("\n"),
+        element("style", Markup(STYLE)),
+        Markup("\n"),
+        element("rect", class_="paper", width=f"{width:g}", height=f"{height:g}"),
+        word(14, 26, title, "head", "start"),
+        *parts,
+        *lines,
+        Markup("\n"),
+    ]
+    size = {"viewBox": f"0 0 {width:g} {height:g}", "width": f"{width:g}", "height": f"{height:g}"}
+    drawing = element(
+        "svg",
+        joined(inside),
+        xmlns="http://www.w3.org/2000/svg",
+        class_="lab",
+        **size,
+        role="img",
+        aria_label=title,
+    )
+    return drawing + Markup("\n")

@@ -1,0 +1,28 @@
+"""Templates of pages: every text is escaped by the template engine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+__all__ = ["load_templates"]
+
+
+def load_templates(folder: Path, **filters: Callable[[Any], str]) -> Environment:
+    """The template engine over a folder, with filters by name; imported here: who writes no page does not need it."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    environment = Environment(
+        loader=FileSystemLoader(folder),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters.update(filters)
+    return environment

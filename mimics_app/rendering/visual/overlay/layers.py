@@ -1,0 +1,28 @@
+"""What the overlay shows: its layers, and the arrows of forces, contacts and handles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.rendering.visual.figures.hud import Colour
+
+__all__ = ["LAYERS", "Arrow", "Layer"]
+
+F8 = NDArray[np.float64]
+
+Layer = Literal["graph", "wires", "bounds", "lights", "forces", "atlas"]
+LAYERS: tuple[Layer, ...] = ("graph", "wires", "bounds", "lights", "forces", "atlas")
+"""In the order of their keys."""
+
+
+@dataclass(frozen=True, eq=False)
+class Arrow:
+    """An arrow of the layer "forces": from a place along a vector, both world [m], float64 [3]."""
+
+    origin: F8
+    vector: F8
+    tint: Colour

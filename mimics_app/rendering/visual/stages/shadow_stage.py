@@ -1,0 +1,151 @@
+"""Shadow maps of a frame from choice to atlas: which there are, what casts into each, and their drawing."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.rendering.visual.drawing.draw_items import DrawItems
+from mimics_app.rendering.visual.drawing.draw_list import DrawList
+from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
+from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
+from mimics_app.rendering.visual.lighting import Lighting, fit_shadow_frustum
+from mimics_app.rendering.visual.passes.shadow import draw_shadows
+from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.shadows.cascades import Cascades
+from mimics_app.rendering.visual.shadows.shadow_maps import (
+    MAX_SPOT_MAPS,
+    ShadowMap,
+    ShadowPlan,
+    fit_spot,
+    lay_out,
+    whole_map,
+)
+from mimics_app.rendering.visual.shadows.shadow_target import ShadowTarget
+from mimics_app.rendering.visual.view import View
+
+if TYPE_CHECKING:
+    import moderngl
+
+__all__ = ["ShadowStage", "light_features"]
+
+
+def light_features(lighting: Lighting, settings: RenderSettings) -> frozenset[str]:
+    """Features of shaders that this light needs (`materials.LIGHT_FEATURES`)."""
+    maps = _sun_maps(lighting, settings)
+    wanted = {
+        "PLACED_LIGHTS": lighting.place_count > 0,
+        "SUN_SHADOW": maps > 0,
+        f"SUN_MAPS_{maps}": maps > 1,
+        "SPOT_SHADOWS": settings.shadow_size > 0 and bool(_spots(lighting)),
+    }
+    return frozenset(feature for feature, has in wanted.items() if has)
+
+
+class ShadowStage:
+    """The atlas and what goes into it.
+
+    Attributes:
+        plan: The maps of the frame.
+        runs: What is drawn into each of its maps; None for one that is still what it was.
+    """
+
+    def __init__(self, ctx: moderngl.Context, size: int) -> None:
+        self._ctx = ctx
+        self._target = ShadowTarget(ctx, size)
+        self.plan = ShadowPlan(1, [], {})
+        self._cascades = Cascades()
+        self.runs: list[list[DrawRun] | None] = []
+        self._drawn: dict[tuple[int, int], _Drawn] = {}
+
+    def resize(self, size: int) -> None:
+        """Give the atlas another width [texel]; 0 leaves it as it is, unused."""
+        if size not in (0, self._target.size):
+            self._target.release()
+            self._target = ShadowTarget(self._ctx, size)
+            self._drawn.clear()
+
+    def prepare(
+        self,
+        lighting: Lighting,
+        views: Sequence[View],
+        listed: DrawList,
+        frame: FrameBuffers,
+        settings: RenderSettings,
+    ) -> None:
+        """Choose the frame's maps and queue what casts into those that have changed."""
+        sun_maps = _sun_maps(lighting, settings)
+        spots = _spots(lighting) if settings.shadow_size else []
+        tile = settings.shadow_size // max(1, math.ceil(math.sqrt(sun_maps + len(spots))))
+        sun: list[ShadowMap] = []
+        if sun_maps and settings.shadow_distance > 0.0:
+            casters = listed.casters(math.inf)
+            distance = settings.shadow_distance
+            sun = self._cascades.fit(lighting.sun_direction, views, casters, distance, sun_maps, tile)
+        elif sun_maps:
+            casters = listed.casters(settings.shadow_reach)
+            frustum = fit_shadow_frustum(lighting.sun_direction, casters.centres, casters.radii, tile)
+            sun = [whole_map(frustum, casters)] if frustum is not None else []
+        every = listed.casters(math.inf) if spots else None
+        cones = {number: fit_spot(lighting.places[number], every, tile) for number in spots if every is not None}
+        self.plan = lay_out(sun, cones)
+        self.runs = [
+            listed.batch_casters(frame, each.casters, each.origin) if self._is_stale(each, listed) else None
+            for each in self.plan.maps
+        ]
+
+    def draw(self, arena: MeshArena, frame: FrameBuffers) -> int:
+        """Fill the atlas and make it what the shaders read; returns the draw calls made."""
+        draws = draw_shadows(self._ctx, arena, frame, self._target, self.plan, self.runs)
+        self._target.bind()
+        return draws
+
+    def bind(self, binding: int) -> None:
+        """Let a shader read the atlas's depths."""
+        self._target.bind(binding)
+
+    def release(self) -> None:
+        """Free the atlas."""
+        self._target.release()
+
+    def _is_stale(self, shadow: ShadowMap, listed: DrawList) -> bool:
+        """True when a map's tile does not hold it already; takes down that it will."""
+        was = self._drawn.get(shadow.tile)
+        now = _Drawn(self.plan.grid, listed.items, shadow.clip_from_world, shadow.casters.items)
+        self._drawn[shadow.tile] = now
+        return (
+            was is None or not was.same(now) or listed.moved is None or bool(listed.moved[shadow.casters.items].any())
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _Drawn:
+    """What a tile holds: how many tiles there were, structure, projection and casters."""
+
+    grid: int
+    items: DrawItems
+    clip: NDArray[np.float64]
+    casters: NDArray[np.int32]
+
+    def same(self, other: _Drawn) -> bool:
+        """True when drawing the other gives the same depths, if nothing has moved."""
+        alike = self.grid == other.grid and self.items is other.items
+        return alike and np.array_equal(self.clip, other.clip) and np.array_equal(self.casters, other.casters)
+
+
+def _sun_maps(lighting: Lighting, settings: RenderSettings) -> int:
+    """How many maps the sun has: one about all casters, or cascades."""
+    if not (lighting.sun_casts_shadow and settings.shadow_size and settings.shadows.startswith("texture")):
+        return 0
+    return settings.cascades if settings.shadow_distance > 0.0 else 1
+
+
+def _spots(lighting: Lighting) -> list[int]:
+    """Numbers of the spot lights that have maps."""
+    casting = [i for i, light in enumerate(lighting.places) if light.kind == "spot" and light.casts_shadow]
+    return casting[:MAX_SPOT_MAPS]

@@ -1,0 +1,133 @@
+"""One assembly and one frame: what is wired once acts in a run, a still, a sweep and a bench alike."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mimics_app.app.bench import realtime_load
+from mimics_app.app.picture.picture import Picture
+from mimics_app.app.play.pace import run_virtual
+from mimics_app.app.play.stills import draw_stills
+from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.session.build import build_session
+from mimics_app.app.session.core import open_core
+from mimics_app.app.session.frame import Frames
+from mimics_app.app.session.preparation import prepare_scene
+from mimics_app.app.settings import RunSettings
+from mimics_app.app.sweep.patient import travel
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.messages import FeatureFrame, TaskAction
+from mimics_app.contracts.resources import root
+from mimics_app.dsp.stage import NullDsp
+
+TUNNEL = root() / "scenes" / "wavy_tunnel.json"
+MARKET = root() / "scenes" / "pick_and_place.json"
+
+
+class CountingDsp(NullDsp):
+    """Counts its frames."""
+
+    frames = 0
+
+    def process(self, signals: Any, now_ns: int) -> FeatureFrame:
+        CountingDsp.frames += 1
+        return super().process(signals, now_ns)
+
+
+def run(folder: Path) -> None:
+    settings = RunSettings(TUNNEL, headless=True, seconds=0.2, runs=folder, sound="off", pictures=0)
+    with build_session(settings, live=False) as session:
+        run_virtual(session, Frames(session), lambda frames: None)
+        session.end_stages()
+        session.finish({})
+
+
+def render(folder: Path) -> None:
+    try:
+        draw_stills(RunSettings(TUNNEL, size=(64, 36)), folder)
+    except DeviceError as error:
+        pytest.skip(str(error))
+
+
+def sweep(folder: Path) -> None:
+    travel(load_checked_scene(TUNNEL), "", 1, {}, profile="training", seconds=0.2)
+
+
+def bench(folder: Path) -> None:
+    try:
+        realtime_load.main("unprivileged", TUNNEL, 0.2)
+    except DeviceError as error:
+        pytest.skip(str(error))
+
+
+@pytest.mark.parametrize("way", [run, render, sweep, bench])
+def test_a_stage_of_the_core_acts_whoever_plays(way: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("mimics_app.app.session.core.NullDsp", CountingDsp)
+    monkeypatch.setattr(realtime_load, "_SIZE", (64, 36))
+    monkeypatch.setattr(CountingDsp, "frames", 0)
+    way(tmp_path)
+    assert CountingDsp.frames > 0
+
+
+class Chooser:
+    """A learning system that chooses another action after every frame."""
+
+    def __init__(self, log: list[str]) -> None:
+        self._log = log
+        self._chosen = 0
+
+    def choose(self, state: Any, now_ns: int) -> TaskAction:
+        self._chosen += 1
+        self._log.append(f"choose {self._chosen}")
+        return TaskAction({"number": float(self._chosen)})
+
+
+def test_learning_chooses_after_the_task_and_for_the_next_frame() -> None:
+    log: list[str] = []
+    parts = prepare_scene(load_checked_scene(TUNNEL), RunSettings(TUNNEL))
+    with open_core(replace(parts, learning=Chooser(log))) as core:
+        task = core.tasks.step
+
+        def step(vr: Any, action: TaskAction, *rest: Any) -> Any:
+            log.append(f"task {action.values['number']:g}")
+            return task(vr, None, *rest)
+
+        core.tasks.step = step  # type: ignore[method-assign,assignment]
+        frames = Frames(core)
+        frames.play_on()
+        frames.play_on()
+    assert log == ["choose 1", "task 1", "choose 2", "task 2", "choose 3"]
+
+
+def test_a_still_shows_the_board_of_the_task(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    boards: list[Any] = []
+    monkeypatch.setattr(Picture, "lay_out", lambda self, board: boards.append(board))
+    try:
+        draw_stills(RunSettings(MARKET, size=(64, 36)), tmp_path, frames=2, seconds=0.5)
+    except DeviceError as error:
+        pytest.skip(str(error))
+    assert {"placed", "drops", "time", "margin"} <= set(boards[-1].cards)
+    assert boards[-1].cards["time"].text == "0.5 s", "the time of the trial, not of its start"
+    assert boards[-1].message
+
+
+def test_a_still_of_a_trial_is_the_frame_a_run_has_there(tmp_path: Path) -> None:
+    """The same seed: where the hand is some frames into the trial does not depend on who plays."""
+    with open_core(prepare_scene(load_checked_scene(TUNNEL), RunSettings(TUNNEL, seed=3))) as core:
+        frames = Frames(core)
+        frames.play_to_start()
+        drawn = frames.number
+        still = frames.snapshot
+    settings = RunSettings(TUNNEL, seed=3, headless=True, runs=tmp_path, sound="off", pictures=0)
+    with build_session(replace(settings, seconds=drawn / 60), live=False) as session:
+        same = Frames(session)
+        run_virtual(session, same, lambda frames: None)
+        session.end_stages()
+        session.finish({})
+    assert same.number == drawn
+    assert still is not None and same.snapshot is not None
+    assert (still.tick, still.hip_world.tobytes()) == (same.snapshot.tick, same.snapshot.hip_world.tobytes())
