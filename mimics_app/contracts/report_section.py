@@ -28,23 +28,27 @@ class TunnelShape:
 
 
 class ReportedAttempt(Protocol):
-    """One attempt at a trial, as a section sees it.
-
-    Attributes:
-        samples: SAMPLE records, shape [n].
-        free: Where the person led, shape [n]; elsewhere the robot was driven.
-        tunnel: The tunnel it went through, None where there is none.
-        row: Its row of trials.csv, {} where it has none.
-    """
+    """One attempt at a trial, as a section sees it."""
 
     @property
-    def samples(self) -> NDArray[Any]: ...
+    def samples(self) -> NDArray[Any]:
+        """SAMPLE records, shape [n]."""
+        ...
+
     @property
-    def free(self) -> NDArray[np.bool_]: ...
+    def free(self) -> NDArray[np.bool_]:
+        """Where the person led, shape [n]; elsewhere the robot was driven."""
+        ...
+
     @property
-    def tunnel(self) -> TunnelShape | None: ...
+    def tunnel(self) -> TunnelShape | None:
+        """The tunnel it went through, None where there is none."""
+        ...
+
     @property
-    def row(self) -> Mapping[str, Any]: ...
+    def row(self) -> Mapping[str, Any]:
+        """Its row of trials.csv, {} where it has none."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)
