@@ -145,7 +145,6 @@ LOOP_FIELDS: tuple[LoopField, ...] = (
     LoopField("penetration", "m", Replay.OUTPUT, "state.tunnel.penetration", reader="tasks"),  # of the ball in the wall
     LoopField("ball_radius", "m", Replay.OUTPUT, reader="scenarios"),
     LoopField("tunnel_radius", "m", Replay.OUTPUT, "state.tunnel.radius"),  # at s, scaled
-    LoopField("contacts", "1", Replay.ABSENT, kind="i8", reader="app"),  # begun since the session's start
     # controller and safety
     LoopField("v_virtual", "m/s", Replay.OUTPUT, size=3),  # velocity of the virtual mass, robot frame
     LoopField("command", _JOINT_RATES, Replay.OUTPUT, size=3),  # joint velocities sent
@@ -196,7 +195,6 @@ class HapticSnapshot:
     distance: float
     penetration: float
     ball_radius: float
-    contacts: int
     ramp: float
     state: int
     cause: int

@@ -23,7 +23,6 @@ def make_snapshot(now_ns: int = 0, **changes: Any) -> HapticSnapshot:
         "t_ns": now_ns,
         "state": int(SafetyState.ACTIVE),
         "cause": int(TripCause.NONE),
-        "contacts": 0,
         "hip_world": np.zeros(3),
         "v_world": np.zeros(3),
         "f_user_world": np.zeros(3),
