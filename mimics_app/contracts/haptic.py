@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from mimics_app.contracts.haptic_objects import OBJECT_COUNTS
+from mimics_app.contracts.loop_fields import LOOP_FIELDS, sample_dtype, snapshot_dtype
 
 __all__ = [
     "EVENT",
@@ -238,115 +239,21 @@ INBOX = np.dtype(
 )
 """What the main thread tells the device plug-in."""
 
-SAMPLE = np.dtype(
-    [
-        ("t", "f8"),  # session time [s] = tick / rate
-        ("tick", "f8"),
-        # inputs, for replay
-        ("q", "f8", (3,)),  # measured joints [m, rad, m]
-        ("dq", "f8", (3,)),  # measured joint velocities [m/s, rad/s, m/s]
-        ("f_meas", "f8", (3,)),  # force of the user on the handle, tool frame r t z [N]
-        ("grasp", "f8"),  # [N]
-        ("buttons", "f8"),  # Button bits
-        ("age", "f8"),  # of the device's data when read [s]
-        ("delay", "f8"),  # from a command to the data that shows it, as the device measures it [s]
-        ("status", "f8"),  # DeviceStatus
-        ("sequence", "f8"),  # SCENE block this tick used
-        ("stop_word", "f8"),  # stop key as this tick saw it
-        ("held", "f8"),  # late-tick class: 0 in time, 1 hold, 2 damp, 3 stop, 4 missed in a row
-        ("period_s", "f8"),  # measured period, mean weighted by length [s]; nominal on a virtual clock
-        # outputs
-        ("hip_world", "f8", (3,)),  # haptic interaction point [m]
-        ("v_world", "f8", (3,)),  # its velocity [m/s]
-        ("f_virt_world", "f8", (3,)),  # virtual force on the user before the limiter [N]
-        ("f_user_world", "f8", (3,)),  # the same after limiter and ramp: what the user feels [N]
-        ("f_shapes", "f8", (3,)),  # part of it that touched shapes make, world [N]
-        ("f_effects", "f8", (3,)),  # part that effects make, world [N]
-        ("f_grip", "f8", (3,)),  # part that the held object makes, world [N]
-        ("touching", "f8"),  # pairs of point and shape in contact
-        ("depth", "f8"),  # of the deepest of them [m]
-        ("touched_shape", "f8"),  # its row, -1: none
-        ("held_body", "f8"),  # row of the held body, -1: none
-        ("bodies", "f8"),  # checksum of the motion of all bodies, 0-2^52
-        ("f_tunnel", "f8", (3,)),  # tunnel force in the tunnel's t, n, b [N]
-        ("s", "f8"),  # tunnel parameter of the closest bisector point [pieces]
-        ("progress", "f8"),  # share of the arc length, 0-1
-        ("distance", "f8"),  # of the ball centre from the bisector [m]
-        ("offset_n", "f8"),  # along the tunnel's n [m]
-        ("offset_b", "f8"),  # along the tunnel's b [m]
-        ("penetration", "f8"),  # of the ball into the wall [m]
-        ("ball_radius", "f8"),  # [m]
-        ("tunnel_radius", "f8"),  # at s, scaled [m]
-        ("v_virtual", "f8", (3,)),  # velocity of the virtual mass, robot frame [m/s]
-        ("command", "f8", (3,)),  # joint velocities sent [m/s, rad/s, m/s]
-        ("f_command", "f8", (3,)),  # force sent, robot frame [N]
-        ("ramp", "f8"),  # soft-start factor 0-1
-        ("state", "f8"),  # SafetyState
-        ("cause", "f8"),  # TripCause
-        ("stiffness_limit", "f8"),  # largest stable stiffness of a contact for this period and delay [N/m]
-        ("margin", "f8"),  # stiffness_limit / stiffness of the wall - 1 [-]; below 0 it may swing up
-        ("energy", "f8"),  # the wall took from the person since the contact began [J]; below 0 it gave
-        ("stiffness_share", "f8"),  # of the authored stiffness of what is touched that is rendered: below 1 capped
-        ("credit", "f8"),  # energy that contacts may still give back [J]; below 0 they have given too much
-        ("passivity", "f8"),  # force that the passivity controller took away [N]
-        ("tank", "f8"),  # energy left for active forces [J]
-        ("tank_share", "f8"),  # of the active forces that the tank can pay, 0-1
-        # timing of the live loop; not part of the state hash
-        ("lateness_ns", "f8"),  # wake-up after the release
-        ("duration_ns", "f8"),  # work of the tick
-    ]
-)
-"""One row per tick; every field float64, so a row is also a float64 vector."""
+SAMPLE = sample_dtype(LOOP_FIELDS)
+"""One row per tick; every field float64, so a row is also a float64 vector. Fields and units: `LOOP_FIELDS`."""
 
-SNAPSHOT = np.dtype(
-    [
-        ("tick", "i8"),
-        ("t_ns", "i8"),  # monotonic time of the tick's release; virtual clock: tick * period
-        ("sequence", "i8"),
-        ("state", "i8"),  # SafetyState
-        ("cause", "i8"),  # TripCause
-        ("contacts", "i8"),  # contacts begun since the session's start
-        ("contact_tick", "i8"),  # tick of the newest contact begin
-        ("hip_world", "f8", (3,)),
-        ("v_world", "f8", (3,)),
-        ("f_user_world", "f8", (3,)),
-        ("f_meas_world", "f8", (3,)),
-        ("q", "f8", (3,)),
-        ("grasp", "f8"),
-        ("ball_radius", "f8"),
-        ("s", "f8"),
-        ("progress", "f8"),
-        ("distance", "f8"),
-        ("penetration", "f8"),
-        ("tunnel_radius", "f8"),
-        ("f_grip", "f8", (3,)),  # these five as in SAMPLE
-        ("touching", "i8"),
-        ("depth", "f8"),
-        ("touched_shape", "i8"),
-        ("held_body", "i8"),
-        ("crushed_body", "i8"),  # the same once it was gripped beyond its crush_force, -1: it was not
-        ("ramp", "f8"),
-        ("period_s", "f8"),  # these four as in SAMPLE
-        ("stiffness_limit", "f8"),
-        ("margin", "f8"),
-        ("energy", "f8"),
-        ("stiffness_share", "f8"),  # these three too
-        ("tank", "f8"),
-        ("tank_share", "f8"),
-    ],
-    align=True,
-)
-"""The newest state. One writer: the haptic loop."""
+SNAPSHOT = snapshot_dtype(LOOP_FIELDS)
+"""The newest state. One writer: the haptic loop. Fields and units: `LOOP_FIELDS`."""
 
 POSE = 7
-"""Columns of a pose beside the snapshot: position xyz [m], quaternion xyzw, world. Row 0: the hand, i + 1: body i."""
+"""Columns of the pose of a body beside the snapshot: position xyz [m], quaternion xyzw, world."""
 
 EVENT = np.dtype(
     [
         ("t_ns", "i8"),
         ("tick", "i8"),
         ("kind", "i4"),  # EventKind
-        ("body_a", "i2"),  # rows of the poses beside the snapshot: 0 is the hand, i + 1 is body i
+        ("body_a", "i2"),  # 0 is the hand, i + 1 is body i
         ("body_b", "i2"),  # likewise; -1: the static scene
         ("material_a", "i2"),
         ("material_b", "i2"),

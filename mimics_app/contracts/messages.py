@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.board import Board
+from mimics_app.contracts.loop_fields import HapticSnapshot
 from mimics_app.contracts.trial_state import TaskView
 
 __all__ = [
@@ -121,46 +122,6 @@ class SoundEvent:
     t_ns: int
     position_world: Vec3 | None = None
     gain: float = 1.0
-
-
-@dataclass(frozen=True, slots=True)
-class HapticSnapshot:
-    """The newest haptic state as the frame sees it; see contracts.haptic.SNAPSHOT for units."""
-
-    tick: int
-    t_ns: int
-    sequence: int
-    state: int
-    cause: int
-    contacts: int
-    contact_tick: int
-    hip_world: NDArray[np.float64]
-    v_world: NDArray[np.float64]
-    f_user_world: NDArray[np.float64]
-    f_meas_world: NDArray[np.float64]
-    q: NDArray[np.float64]
-    grasp: float
-    ball_radius: float
-    s: float
-    progress: float
-    distance: float
-    penetration: float
-    tunnel_radius: float
-    f_grip: NDArray[np.float64]
-    touching: int
-    depth: float
-    touched_shape: int
-    held_body: int
-    crushed_body: int
-    ramp: float
-    period_s: float
-    stiffness_limit: float
-    margin: float
-    energy: float
-    stiffness_share: float
-    tank: float
-    tank_share: float
-    poses: NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,17 +8,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Any
+from operator import attrgetter
+from typing import Annotated, Any, get_type_hints
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from mimics_app.contracts import ring, triple_buffer
 from mimics_app.contracts.haptic import EVENT, INBOX, POSE, SAMPLE, SCENE, SNAPSHOT
 from mimics_app.contracts.object_rows import ROW_DTYPES, ObjectCapacities, Rows
 from mimics_app.contracts.segment import ArraySpec, Segment
 
-__all__ = ["Capacities", "ControlWord", "SessionMemory"]
+__all__ = ["SHARED_ARRAYS", "Capacities", "ControlWord", "SessionMemory", "Shared"]
 
 
 class ControlWord(IntEnum):
@@ -46,47 +47,69 @@ class Capacities:
     lateness_bins: int = 2048
 
 
-class SessionMemory:
-    """The arrays of a session by name.
+@dataclass(frozen=True, slots=True)
+class Shared:
+    """Where an array of a session lies.
 
     Attributes:
-        control: int64 words, see `ControlWord`.
-        scene_words, scenes: triple buffer main -> loop of SCENE records, shape [3].
-        shapes, bodies, effects, points, wires: the tables beside each of the three, shape [3, capacity].
-        inbox_words, inboxes: triple buffer main -> loop of INBOX records, shape [3].
-        snapshot_words, snapshots, poses: triple buffer loop -> main; poses has shape [3, 1 + bodies, 7].
-        audio_words, audio_snapshots: triple buffer loop -> audio of SNAPSHOT records, shape [3].
-        sample_words, samples: ring loop -> recorder of SAMPLE records.
-        main_event_words, main_events; audio_event_words, audio_events; recorder_event_words, recorder_events:
-            rings loop -> each consumer of EVENT records.
-        lateness, duration: int64 histograms written by the loop (see rendering.haptic.histogram).
+        dtype: Of its elements.
+        shape: Numbers, or names of capacities ("events", "objects.bodies").
     """
 
-    control: NDArray[np.int64]
-    scene_words: NDArray[np.int64]
-    scenes: NDArray[Any]
-    shapes: NDArray[Any]
-    bodies: NDArray[Any]
-    effects: NDArray[Any]
-    points: NDArray[Any]
-    wires: NDArray[Any]
-    inbox_words: NDArray[np.int64]
-    inboxes: NDArray[Any]
-    snapshot_words: NDArray[np.int64]
-    snapshots: NDArray[Any]
-    poses: NDArray[np.float64]
-    audio_words: NDArray[np.int64]
-    audio_snapshots: NDArray[Any]
-    sample_words: NDArray[np.int64]
-    samples: NDArray[Any]
-    main_event_words: NDArray[np.int64]
-    main_events: NDArray[Any]
-    audio_event_words: NDArray[np.int64]
-    audio_events: NDArray[Any]
-    recorder_event_words: NDArray[np.int64]
-    recorder_events: NDArray[Any]
-    lateness: NDArray[np.int64]
-    duration: NDArray[np.int64]
+    dtype: DTypeLike
+    shape: tuple[int | str, ...]
+
+    def sizes(self, capacities: Capacities) -> tuple[int, ...]:
+        """The shape in numbers."""
+        return tuple(each if isinstance(each, int) else int(attrgetter(each)(capacities)) for each in self.shape)
+
+
+Words = NDArray[np.int64]
+Records = NDArray[Any]
+
+_Exchange = Annotated[Words, Shared(np.int64, (triple_buffer.WORDS,))]
+_Ends = Annotated[Words, Shared(np.int64, (ring.WORDS,))]
+_Events = Annotated[Records, Shared(EVENT, ("events",))]
+
+
+class SessionMemory:
+    """The arrays of a session by name: this list is all that is said of them."""
+
+    control: Annotated[Words, Shared(np.int64, (80,))]  # see `ControlWord`
+
+    # triple buffer main -> loop: a block of parameters and the tables beside it
+    scene_words: _Exchange
+    scenes: Annotated[Records, Shared(SCENE, (3,))]
+    shapes: Annotated[Records, Shared(ROW_DTYPES["shapes"], (3, "objects.shapes"))]
+    bodies: Annotated[Records, Shared(ROW_DTYPES["bodies"], (3, "objects.bodies"))]
+    effects: Annotated[Records, Shared(ROW_DTYPES["effects"], (3, "objects.effects"))]
+    points: Annotated[Records, Shared(ROW_DTYPES["points"], (3, "objects.points"))]
+    wires: Annotated[Records, Shared(ROW_DTYPES["wires"], (3, "objects.wires"))]
+
+    # triple buffer main -> loop: the pointing device
+    inbox_words: _Exchange
+    inboxes: Annotated[Records, Shared(INBOX, (3,))]
+
+    # triple buffers loop -> main, with the poses of the bodies, and loop -> audio
+    snapshot_words: _Exchange
+    snapshots: Annotated[Records, Shared(SNAPSHOT, (3,))]
+    poses: Annotated[NDArray[np.float64], Shared(np.float64, (3, "objects.bodies", POSE))]
+    audio_words: _Exchange
+    audio_snapshots: Annotated[Records, Shared(SNAPSHOT, (3,))]
+
+    # rings loop -> recorder, and loop -> each consumer of events
+    sample_words: _Ends
+    samples: Annotated[Records, Shared(SAMPLE, ("samples",))]
+    main_event_words: _Ends
+    main_events: _Events
+    audio_event_words: _Ends
+    audio_events: _Events
+    recorder_event_words: _Ends
+    recorder_events: _Events
+
+    # histograms of the loop, see rendering.haptic.histogram
+    lateness: Annotated[Words, Shared(np.int64, ("lateness_bins",))]
+    duration: Annotated[Words, Shared(np.int64, ("lateness_bins",))]
 
     def __init__(self, capacities: Capacities | None = None, segment: Segment | None = None) -> None:
         self.capacities = capacities or Capacities()
@@ -107,29 +130,14 @@ class SessionMemory:
         return SessionMemory, (self.capacities, self.segment)
 
 
+def _shared_arrays() -> dict[str, Shared]:
+    hints = get_type_hints(SessionMemory, include_extras=True)
+    return {name: hint.__metadata__[0] for name, hint in hints.items()}
+
+
+SHARED_ARRAYS: dict[str, Shared] = _shared_arrays()
+"""Every array of a `SessionMemory` by name, in the order in which they lie."""
+
+
 def _specs(capacities: Capacities) -> list[ArraySpec]:
-    exchange = (triple_buffer.WORDS,)
-    head_and_tail = (ring.WORDS,)
-    return [
-        ("control", (80,), np.int64),
-        ("scene_words", exchange, np.int64),
-        ("scenes", (3,), SCENE),
-        *((name, (3, getattr(capacities.objects, name)), dtype) for name, dtype in ROW_DTYPES.items()),
-        ("inbox_words", exchange, np.int64),
-        ("inboxes", (3,), INBOX),
-        ("snapshot_words", exchange, np.int64),
-        ("snapshots", (3,), SNAPSHOT),
-        ("poses", (3, 1 + capacities.objects.bodies, POSE), np.float64),
-        ("audio_words", exchange, np.int64),
-        ("audio_snapshots", (3,), SNAPSHOT),
-        ("sample_words", head_and_tail, np.int64),
-        ("samples", (capacities.samples,), SAMPLE),
-        ("main_event_words", head_and_tail, np.int64),
-        ("main_events", (capacities.events,), EVENT),
-        ("audio_event_words", head_and_tail, np.int64),
-        ("audio_events", (capacities.events,), EVENT),
-        ("recorder_event_words", head_and_tail, np.int64),
-        ("recorder_events", (capacities.events,), EVENT),
-        ("lateness", (capacities.lateness_bins,), np.int64),
-        ("duration", (capacities.lateness_bins,), np.int64),
-    ]
+    return [(name, shared.sizes(capacities), shared.dtype) for name, shared in SHARED_ARRAYS.items()]

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import SAMPLE
+from mimics_app.contracts.loop_fields import LOOP_FIELDS, Replay
 
 __all__ = [
     "INPUT_FIELDS",
@@ -22,89 +23,47 @@ __all__ = [
     "whole",
 ]
 
-_NAMES = SAMPLE.names or ()
+_RECORDED = tuple(field for field in LOOP_FIELDS if field.replay is not Replay.ABSENT)
 
-INPUT_FIELDS = _NAMES[_NAMES.index("q") : _NAMES.index("hip_world")]
+
+def _names_of(replay: Replay) -> tuple[str, ...]:
+    return tuple(field.name for field in _RECORDED if field.replay is replay)
+
+
+INPUT_FIELDS = _names_of(Replay.INPUT)
 """What came from outside at each tick; a replay feeds these in."""
 
-TIMING_FIELDS = ("lateness_ns", "duration_ns")
+TIMING_FIELDS = _names_of(Replay.TIMING)
 """How punctual the live loop was; no part of the state hash, and never compared."""
 
-OUTPUT_FIELDS = _NAMES[_NAMES.index("hip_world") : _NAMES.index(TIMING_FIELDS[0])]
+OUTPUT_FIELDS = _names_of(Replay.OUTPUT)
 """What the tick computed; a replay compares these bit for bit."""
 
 ROW = SAMPLE.itemsize // 8
 """float64 numbers in a sample."""
 
-_JOINTS = ("m", "rad", "m")
-_UNITS: dict[str, str | tuple[str, ...]] = {
-    "t": "s",
-    "tick": "1",
-    "q": _JOINTS,
-    "dq": ("m/s", "rad/s", "m/s"),
-    "f_meas": "N",
-    "grasp": "N",
-    "age": "s",
-    "delay": "s",
-    "period_s": "s",
-    "hip_world": "m",
-    "v_world": "m/s",
-    "f_virt_world": "N",
-    "f_user_world": "N",
-    "f_shapes": "N",
-    "f_effects": "N",
-    "f_grip": "N",
-    "depth": "m",
-    "f_tunnel": "N",
-    "s": "pieces",
-    "distance": "m",
-    "offset_n": "m",
-    "offset_b": "m",
-    "penetration": "m",
-    "ball_radius": "m",
-    "tunnel_radius": "m",
-    "v_virtual": "m/s",
-    "command": ("m/s", "rad/s", "m/s"),
-    "f_command": "N",
-    "stiffness_limit": "N/m",
-    "energy": "J",
-    "credit": "J",
-    "passivity": "N",
-    "tank": "J",
-    "lateness_ns": "ns",
-    "duration_ns": "ns",
-}
-
-
-def _width(name: str) -> int:
-    return int(SAMPLE[name].itemsize // 8)
-
 
 def column_names() -> list[str]:
     """One name per float64 column of a sample, in order: "t", "tick", "q[0]", ..."""
     names: list[str] = []
-    for name in _NAMES:
-        width = _width(name)
-        names += [name] if width == 1 else [f"{name}[{i}]" for i in range(width)]
+    for field in _RECORDED:
+        names += [f"{field.name}[{i}]" for i in range(field.size)] if field.shape else [field.name]
     return names
 
 
 def column_units() -> list[str]:
     """One unit per column, "1" for numbers without dimension."""
-    units: list[str] = []
-    for name in _NAMES:
-        unit = _UNITS.get(name, "1")
-        units += [unit] * _width(name) if isinstance(unit, str) else list(unit)
-    return units
+    return [unit for field in _RECORDED for unit in field.units]
 
 
 def field_columns(fields: tuple[str, ...]) -> NDArray[np.int64]:
     """Indices of the float64 columns of these fields, ascending."""
     columns: list[int] = []
-    for name in _NAMES:
-        if name in fields:
-            start = int(SAMPLE.fields[name][1]) // 8  # type: ignore[index]
-            columns += range(start, start + _width(name))
+    start = 0
+    for field in _RECORDED:
+        if field.name in fields:
+            columns += range(start, start + field.size)
+        start += field.size
     return np.array(columns, np.int64)
 
 

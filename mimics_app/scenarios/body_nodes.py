@@ -32,10 +32,10 @@ class BodyNodes:
         """Put every node where its body is.
 
         Args:
-            poses: Position [m] and quaternion xyzw of the hand, then of the bodies, world, shape [1 + bodies, 7]; a
-                body the loop has not placed yet (a quaternion of zeros) keeps its node where it is.
+            poses: Position [m] and quaternion xyzw of each body, world, shape [bodies, 7]; a body the loop has not
+                placed yet (a quaternion of zeros) keeps its node where it is.
         """
-        for node, pose in zip(self._nodes, poses[1:], strict=False):
+        for node, pose in zip(self._nodes, poses, strict=False):
             if pose[3:7].any():
                 _place(node, pose[:3], pose[3:7])
 

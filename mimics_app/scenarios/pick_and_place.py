@@ -103,13 +103,13 @@ class PickAndPlace(Scenario):
             self._show_obstacles(round(float(count)))
 
     def aim(self, snapshot: HapticSnapshot) -> Aim | None:
-        if not snapshot.poses[self._row + 1, 3:7].any():
+        if not snapshot.poses[self._row, 3:7].any():
             return None
         aim = self._picker.aim(
             Sight(
                 time=snapshot.t_ns * 1e-9,
                 hand=triple(snapshot.hip_world),
-                thing=triple(snapshot.poses[self._row + 1]),
+                thing=triple(snapshot.poses[self._row]),
                 held=snapshot.held_body == self._row,
             )
         )
@@ -126,7 +126,7 @@ class PickAndPlace(Scenario):
         if not self._helps or _HELP not in self._objects.effect_entities:
             return
         carried = np.array(self._mark) + [0.0, 2.0 * self._half_height, 0.0]
-        target = carried if snapshot.held_body == self._row else snapshot.poses[self._row + 1, :3].copy()
+        target = carried if snapshot.held_body == self._row else snapshot.poses[self._row, :3].copy()
         if self._guided_to is None or np.linalg.norm(target - self._guided_to) >= _HELP_STEP:
             self._guided_to = target
 
@@ -154,7 +154,7 @@ class PickAndPlace(Scenario):
             self._picker.within = float(within)
             share = float(within) / self._carry.within
             self._mark_node.set_scale((share, 1.0, share))
-        x, y, z = snapshot.poses[self._row + 1, :3]
+        x, y, z = snapshot.poses[self._row, :3]
         level = float(np.hypot(x - self._mark[0], z - self._mark[2]))
         over = level <= self._picker.within and y > self._mark[1]
         if over != self._reached:

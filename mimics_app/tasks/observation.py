@@ -109,7 +109,7 @@ def observe(snapshot: HapticSnapshot, events: NDArray[Any], now_ns: int, bodies:
         touching=snapshot.penetration > 0.0,
         contacts=contacts,
         grasp=snapshot.grasp,
-        bodies={name: _vector(snapshot.poses[row + 1]) for row, name in enumerate(bodies)},
+        bodies={name: _vector(snapshot.poses[row]) for row, name in enumerate(bodies)},
         held=_name(bodies, snapshot.held_body),
         crushed=_name(bodies, snapshot.crushed_body),
     )

@@ -24,7 +24,9 @@ KERNELS_MAY_IMPORT = (
     "mimics_app.contracts.haptic",
     "mimics_app.contracts.haptic_objects",
     "mimics_app.contracts.kernel",
+    "mimics_app.contracts.loop_fields",
     "mimics_app.contracts.loop_ports",
+    "mimics_app.contracts.record_copy",
     "mimics_app.contracts.ring",
     "mimics_app.contracts.triple_buffer",
 )

@@ -95,7 +95,7 @@ def test_objects_stay_between_the_six_walls():
     """Figure 50; a body may press into a wall of 1500 N/m by what its speed is worth."""
     play = played("free_objects")
     for snapshot in play.snapshots:
-        reach = np.abs(snapshot.poses[1:4, :3] - [0.0, 0.30, 0.0])
+        reach = np.abs(snapshot.poses[:3, :3] - [0.0, 0.30, 0.0])
         assert (reach < np.array([0.21, 0.18, 0.16]) + 0.005).all()
 
 

@@ -60,7 +60,7 @@ def play(folder: Path, hand: np.ndarray, ticks: int, transform: dict[str, Any], 
     engine.advance(ticks)
     samples = np.zeros(len(memory.samples), SAMPLE)
     count = ring.drain(memory.sample_words, memory.samples, samples)
-    return Played(samples[:count], engine.snapshot().poses[1].copy())
+    return Played(samples[:count], engine.snapshot().poses[0].copy())
 
 
 def away() -> np.ndarray:

@@ -70,7 +70,7 @@ class MarketPlay:
         heights = []
         while core.clock.now_ns() < seconds * 1e9 and not core.tasks.done:
             play.step()
-            heights.append(core.haptics.snapshot().poses[1, 1])
+            heights.append(core.haptics.snapshot().poses[0, 1])
         core.stop()
         self.result = core.tasks.result()
         self.rows = core.tasks.rows

@@ -54,10 +54,10 @@ class ScenePlay:
 
     def pose(self, entity: str) -> Any:
         """Pose of the body of an entity in the newest frame: position [m], quaternion xyzw."""
-        return self.snapshots[-1].poses[1 + self.objects.body_entities.index(entity)]
+        return self.snapshots[-1].poses[self.objects.body_entities.index(entity)]
 
     def speed(self, entity: str) -> float:
         """Of the same between the last two frames [m/s]."""
-        row = 1 + self.objects.body_entities.index(entity)
+        row = self.objects.body_entities.index(entity)
         before, after = (snapshot.poses[row, :3] for snapshot in self.snapshots[-2:])
         return float(np.linalg.norm(after - before) * 60.0)

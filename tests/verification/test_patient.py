@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic import Controller, SafetyState
+from mimics_app.contracts.haptic import Controller, EventKind, SafetyState
 from mimics_app.contracts.loop_ports import DATA_LENGTH, INBOX_ACTIVE, INBOX_LENGTH, INBOX_TRIAL
 from mimics_app.rendering.haptic.devices.patients import PRESETS, impairment_of, lay_way, write_arm
 from mimics_app.rendering.haptic.devices.registry import build_device
@@ -32,7 +32,7 @@ def _travel(preset: str, seed: int) -> dict[str, float]:
     return {
         "time": samples.shape[0] / 1000.0,
         "error": float(np.sqrt(np.mean(samples["distance"] ** 2))),
-        "contacts": float(snapshot.contacts),
+        "contacts": float(np.count_nonzero(bench.engine.events()["kind"] == EventKind.CONTACT_BEGIN)),
         "progress": snapshot.progress,
         "state": snapshot.state,
     }

@@ -149,7 +149,6 @@ def test_events_carry_the_tick_they_belong_to():
     assert states[:4] == [SafetyState.INIT, SafetyState.HOMED, SafetyState.READY, SafetyState.ACTIVE]
     taken = [int(e["force"]) for e in events[events["kind"] == EventKind.PARAMETERS]]
     assert taken == [2, 3]  # block 1 was replaced before the first tick
-    assert bench.engine.snapshot().contacts == begins.size
 
 
 def test_heartbeat_and_quit():

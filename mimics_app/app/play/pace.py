@@ -8,11 +8,13 @@ from mimics_app.app.picture.governor import FrameGovernor
 from mimics_app.app.planner.tolerances import tolerances_of
 from mimics_app.app.play.device_watch import DeviceWatch
 from mimics_app.app.play.reload import SceneReload
+from mimics_app.app.play.view_desk import ViewDesk
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.contracts.clock import FRAME_NS
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import SafetyState
+from mimics_app.rendering.visual.quality_steps import quality_steps
 
 __all__ = ["run_live", "run_unseen", "run_virtual"]
 
@@ -41,8 +43,6 @@ def run_live(session: Session, frames: Frames, after_frame: Progress) -> None:
     A haptic loop that ended by itself ends the run too; stopping the session then says why. So does a picture that is
     lost for good.
     """
-    from mimics_app.app.play.view_desk import ViewDesk  # loads the renderer: a run without a window needs none
-
     picture, desk = session.picture, ViewDesk(session)
     reload, watch = SceneReload(session), DeviceWatch(session)
     governor = session.governor = _govern(session)
@@ -71,8 +71,6 @@ def _govern(session: Session) -> FrameGovernor | None:
     """The governor of a live picture; a study fixes all of its quality."""
     if session.picture is None:
         return None
-    from mimics_app.rendering.visual.quality_steps import quality_steps
-
     steps = quality_steps(session.picture.renderer)
     fixed = {step.name for step in steps} if session.settings.profile == "study" else ()
     budget_ms = tolerances_of(session.scene, session.settings.profile)["frame_ms"]

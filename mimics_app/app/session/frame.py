@@ -106,7 +106,7 @@ class Frames:
         line: dict[str, object] = {"frame": self.number, "tick": snapshot.tick, "t_ns": now_ns}
         bodies = int(self._core.desk.block["objects"]["bodies"][0])
         if bodies:
-            line["bodies"] = snapshot.poses[1 : 1 + bodies].tolist()
+            line["bodies"] = snapshot.poses[:bodies].tolist()
         self._core.recorder.journal("frame", line)
 
     def _touch(self, vr: VRInput, orders: TaskOrders, snapshot: HapticSnapshot) -> None:

@@ -40,5 +40,5 @@ def _resting_hand(scene: Scene, scenario: Scenario) -> HapticSnapshot:
     middle = (scene.first(Robot) or Robot()).robot_to_world.translation
     values["hip_world"] = np.array(way[0] if len(way) else middle, np.float64)
     values["ball_radius"] = (scene.first(Ball) or Ball()).radius_max
-    values["poses"] = np.zeros((1 + len(scene.entities), 7))
+    values["poses"] = np.zeros((len(scene.entities), 7))
     return HapticSnapshot(**values)

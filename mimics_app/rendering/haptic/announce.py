@@ -10,6 +10,7 @@ from mimics_app.contracts.ring import push
 from mimics_app.contracts.triple_buffer import back_slot, publish
 from mimics_app.rendering.haptic.channels import Channels, Work
 from mimics_app.rendering.haptic.kernels.objects.published import write_poses
+from mimics_app.rendering.haptic.kernels.rows import write_snapshot
 from mimics_app.rendering.haptic.kernels.state import CONTACT_BEGAN, CONTACT_ENDED
 from mimics_app.rendering.haptic.kernels.vectors import norm
 
@@ -39,49 +40,11 @@ def announce_state(channels: Channels, work: Work, counts: Any, t_ns: int) -> No
         t_ns: When the tick was released.
     """
     slot = back_slot(channels.snapshot_words)
-    _write_snapshot(work.state[0], work.objects.totals[0], t_ns, channels.snapshots[slot])
-    write_poses(work.state[0].hip_world, work.objects.motions, counts.bodies, channels.poses[slot])
+    write_snapshot(work.state[0], work.objects.totals[0], t_ns, channels.snapshots[slot])
+    write_poses(work.objects.motions, counts.bodies, channels.poses[slot])
     channels.audio_snapshots[back_slot(channels.audio_words)] = channels.snapshots[slot]
     publish(channels.snapshot_words)
     publish(channels.audio_words)
-
-
-@kernel
-def _write_snapshot(state: Any, totals: Any, t_ns: int, out: Any) -> None:
-    out.tick = state.tick - 1
-    out.t_ns = t_ns
-    out.sequence = state.sequence
-    out.state = state.safety
-    out.cause = state.cause
-    out.contacts = state.contacts
-    out.contact_tick = state.contact_tick
-    for i in range(3):
-        out.hip_world[i] = state.hip_world[i]
-        out.v_world[i] = state.v_world[i]
-        out.f_user_world[i] = state.f_user_world[i]
-        out.f_meas_world[i] = state.f_meas_world[i]
-        out.f_grip[i] = totals.grip_force[i]
-        out.q[i] = state.q[i]
-    out.grasp = state.grasp
-    out.ball_radius = state.ball_radius
-    out.s = state.tunnel.s
-    out.progress = state.tunnel.progress
-    out.distance = state.tunnel.distance
-    out.penetration = state.tunnel.penetration
-    out.tunnel_radius = state.tunnel.radius
-    out.touching = totals.touching
-    out.depth = totals.depth
-    out.touched_shape = totals.shape
-    out.held_body = totals.held
-    out.crushed_body = totals.crushed
-    out.ramp = state.ramp
-    out.period_s = state.period
-    out.stiffness_limit = state.stiffness_limit
-    out.margin = state.margin
-    out.energy = state.observer.energy
-    out.stiffness_share = state.stiffness_share
-    out.tank = state.acting.tank
-    out.tank_share = state.acting.tank_share
 
 
 class _Outlets(NamedTuple):

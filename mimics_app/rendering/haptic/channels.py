@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from collections import namedtuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numba import from_dtype, types
+from numba import from_dtype, typeof, types
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import EVENT, INBOX, SAMPLE, SCENE, SNAPSHOT
+from mimics_app.contracts.haptic import EVENT, SAMPLE
 from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_LENGTH, INBOX_LENGTH
-from mimics_app.contracts.object_rows import Rows
-from mimics_app.contracts.session_memory import SessionMemory
-from mimics_app.rendering.haptic.kernels.state import STATE, new_state
-from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROW_STACK, ObjectWork
+from mimics_app.contracts.object_rows import ObjectCapacities, Rows
+from mimics_app.contracts.session_memory import SHARED_ARRAYS, SessionMemory
+from mimics_app.rendering.haptic.kernels.state import new_state
+from mimics_app.rendering.haptic.objects import ROW_STACK, ObjectWork, new_object_work
 
 __all__ = ["CHANNELS", "WORK", "Channels", "Work", "channels_of", "new_work"]
 
@@ -21,30 +22,14 @@ Words = NDArray[np.int64]
 Records = NDArray[Any]
 
 
-class Channels(NamedTuple):
-    """Arrays of `SessionMemory` that the loop reads or writes; see there for who owns what."""
+_CHANNELS = ("rows", *(name for name in SHARED_ARRAYS if name not in Rows._fields))
+"""The arrays of a session as the loop takes them: one by one, the tables of objects as one tuple."""
 
-    control: Words
-    scene_words: Words
-    scenes: Records
-    rows: Rows
-    inbox_words: Words
-    inboxes: Records
-    snapshot_words: Words
-    snapshots: Records
-    poses: NDArray[np.float64]
-    audio_words: Words
-    audio_snapshots: Records
-    sample_words: Words
-    samples: Records
-    main_event_words: Words
-    main_events: Records
-    audio_event_words: Words
-    audio_events: Records
-    recorder_event_words: Words
-    recorder_events: Records
-    lateness: Words
-    duration: Words
+if TYPE_CHECKING:
+    Channels = SessionMemory
+else:
+    Channels = namedtuple("Channels", _CHANNELS, module=__name__)
+    Channels.__doc__ = "Arrays of `SessionMemory` that the loop reads or writes; see there for who owns what."
 
 
 class Work(NamedTuple):
@@ -73,7 +58,7 @@ class Work(NamedTuple):
 
 def channels_of(memory: SessionMemory) -> Channels:
     """The channels of a session."""
-    return Channels(**{name: getattr(memory, name) for name in Channels._fields})
+    return Channels(**{name: getattr(memory, name) for name in _CHANNELS})
 
 
 def new_work(objects: ObjectWork) -> Work:
@@ -90,53 +75,15 @@ def new_work(objects: ObjectWork) -> Work:
     )
 
 
-_WORDS = types.int64[::1]
-_VECTOR = types.float64[::1]
+def _channel_type(name: str) -> Any:
+    if name == "rows":
+        return ROW_STACK
+    shared = SHARED_ARRAYS[name]
+    return types.Array(from_dtype(np.dtype(shared.dtype)), len(shared.shape), "C")
 
 
-def _records(dtype: np.dtype[Any]) -> Any:
-    return from_dtype(dtype)[::1]
-
-
-CHANNELS = types.NamedTuple(  # type: ignore[no-untyped-call]
-    [
-        _WORDS,
-        _WORDS,
-        _records(SCENE),
-        ROW_STACK,
-        _WORDS,
-        _records(INBOX),
-        _WORDS,
-        _records(SNAPSHOT),
-        types.float64[:, :, ::1],
-        _WORDS,
-        _records(SNAPSHOT),
-        _WORDS,
-        _records(SAMPLE),
-        _WORDS,
-        _records(EVENT),
-        _WORDS,
-        _records(EVENT),
-        _WORDS,
-        _records(EVENT),
-        _WORDS,
-        _WORDS,
-    ],
-    Channels,
-)
+CHANNELS = types.NamedTuple([_channel_type(name) for name in _CHANNELS], Channels)  # type: ignore[no-untyped-call]
 """Compiled type of `Channels`, field by field."""
 
-WORK = types.NamedTuple(  # type: ignore[no-untyped-call]
-    [
-        _records(STATE),
-        OBJECT_WORK,
-        _records(SAMPLE),
-        _records(EVENT),
-        _VECTOR,
-        _VECTOR,
-        _VECTOR,
-        _WORDS,
-    ],
-    Work,
-)
-"""Compiled type of `Work`, field by field."""
+WORK = typeof(new_work(new_object_work(ObjectCapacities(1, 1, 1, 1, 1))))  # type: ignore[no-untyped-call]
+"""Compiled type of `Work`; the same for all capacities."""

@@ -1,4 +1,4 @@
-"""The vectors a tick leaves: the command to the device and the sample row of the recording."""
+"""The vectors and records a tick leaves: command to the device, sample row of the recording, snapshot for all."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop_fields import LOOP_FIELDS, moves_of
 from mimics_app.contracts.loop_ports import (
     COMMAND_DQ,
     COMMAND_ENABLED,
@@ -22,11 +23,14 @@ from mimics_app.contracts.loop_ports import (
     DATA_GRASP,
     DATA_Q,
 )
-from mimics_app.rendering.haptic.kernels.objects.published import sum_motions
+from mimics_app.contracts.record_copy import field_copier
 
-__all__ = ["write_command", "write_inputs", "write_objects", "write_outputs"]
+__all__ = ["write_command", "write_inputs", "write_outputs", "write_snapshot"]
 
 Vec = NDArray[np.float64]
+
+_copy_outputs = field_copier(moves_of(LOOP_FIELDS, recorded=True))
+_copy_published = field_copier(moves_of(LOOP_FIELDS, recorded=False))
 
 _HOMED = int(SafetyState.HOMED)
 _SAFE_STOP = int(SafetyState.SAFE_STOP)
@@ -65,48 +69,14 @@ def write_inputs(
 
 
 @kernel
-def write_outputs(state: Any, row: Any) -> None:
+def write_outputs(state: Any, totals: Any, row: Any) -> None:
     """The part of the sample row that a replay compares."""
-    for i in range(3):
-        row.hip_world[i] = state.hip_world[i]
-        row.v_world[i] = state.v_world[i]
-        row.f_virt_world[i] = state.f_virt_world[i]
-        row.f_user_world[i] = state.f_user_world[i]
-        row.f_tunnel[i] = state.tunnel.force_tnb[i]
-        row.v_virtual[i] = state.v_virtual[i]
-        row.command[i] = state.command[i]
-        row.f_command[i] = state.f_command[i]
-    row.s = state.tunnel.s
-    row.progress = state.tunnel.progress
-    row.distance = state.tunnel.distance
-    row.offset_n = state.tunnel.offset_n
-    row.offset_b = state.tunnel.offset_b
-    row.penetration = state.tunnel.penetration
-    row.ball_radius = state.ball_radius
-    row.tunnel_radius = state.tunnel.radius
-    row.ramp = state.ramp
-    row.state = float(state.safety)
-    row.cause = float(state.cause)
-    row.stiffness_limit = state.stiffness_limit
-    row.margin = state.margin
-    row.energy = state.observer.energy
-    row.stiffness_share = state.stiffness_share
-    row.credit = state.acting.credit
-    row.passivity = state.acting.passivity
-    row.tank = state.acting.tank
-    row.tank_share = state.acting.tank_share
+    _copy_outputs(state, totals, row)
 
 
 @kernel
-def write_objects(work: Any, counts: Any, row: Any) -> None:
-    """What the objects did in this tick, likewise."""
-    totals = work.totals[0]
-    for i in range(3):
-        row.f_shapes[i] = totals.shape_force[i]
-        row.f_effects[i] = totals.effect_force[i]
-        row.f_grip[i] = totals.grip_force[i]
-    row.touching = float(totals.touching)
-    row.depth = totals.depth
-    row.touched_shape = float(totals.shape)
-    row.held_body = float(totals.held)
-    row.bodies = sum_motions(work.motion_words, counts.bodies)
+def write_snapshot(state: Any, totals: Any, t_ns: int, out: Any) -> None:
+    """The newest state of a tick that was released at `t_ns`, for all who read it while the loop goes on."""
+    out.tick = state.tick - 1
+    out.t_ns = t_ns
+    _copy_published(state, totals, out)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from mimics_app.contracts.loop_fields import LOOP_FIELDS, state_fields
 from mimics_app.rendering.haptic.kernels.acting import ACTING
 from mimics_app.rendering.haptic.kernels.directions import SPAN
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER
@@ -17,10 +18,10 @@ CONTACT_ENDED = 2
 
 STATE = np.dtype(
     [
+        *state_fields(LOOP_FIELDS),  # what also leaves the loop: motion, forces, command, margins
         # safety
         ("tick", "i8"),  # ticks done
         ("safety", "i8"),  # SafetyState
-        ("cause", "i8"),  # TripCause of the stop or the degraded state it is in
         ("resets", "i8"),  # SCENE.resets as last seen
         ("sequence", "i8"),  # SCENE.sequence as last seen
         ("trial", "i8"),  # SCENE.trial as last seen
@@ -29,7 +30,6 @@ STATE = np.dtype(
         ("readable", "i8"),  # 1 while this tick's device data is finite
         ("objects_failed", "i8"),  # 1 where a force or motion of an object is not finite
         ("stale", "i8"),  # 1 while the data is older than stale_warn
-        ("ramp", "f8"),  # soft-start factor 0-1
         ("age", "f8"),  # of the device data [s]
         ("delay", "f8"),  # from a command to the data that shows it, as last measured [s]
         # what changed in this tick
@@ -42,36 +42,23 @@ STATE = np.dtype(
         ("contact_change", "i8"),  # CONTACT_... with the tunnel
         ("margin_lost", "i8"),  # 1: the margin fell below 0
         # motion, last good data
-        ("q", "f8", (3,)),
         ("dq", "f8", (3,)),
         ("f_meas", "f8", (3,)),  # tool frame [N]
-        ("grasp", "f8"),
         ("buttons", "i8"),
         ("hip", "f8", (3,)),  # robot frame [m]
         ("v", "f8", (3,)),  # robot frame [m/s]
-        ("hip_world", "f8", (3,)),
-        ("v_world", "f8", (3,)),
         ("placed", "i8"),  # 1 once last_hip means something
         ("last_hip", "f8", (3,)),  # where the device last said it was, robot frame [m]
-        ("f_meas_world", "f8", (3,)),
         # forces
-        ("ball_radius", "f8"),  # [m]
-        ("f_virt_world", "f8", (3,)),
         ("f_contact", "f8", (3,)),  # what of it comes from contacts, world [N]
         ("f_active", "f8", (3,)),  # what of it the energy tank has to pay [N]
         ("f_wanted", "f8", (3,)),  # what is left of it for the limiter [N]
-        ("f_user_world", "f8", (3,)),
         ("f_user", "f8", (3,)),  # robot frame [N]
         # contact
         ("in_contact", "i8"),
         ("clear_ticks", "i8"),  # ticks in a row without touching
-        ("contacts", "i8"),
-        ("contact_tick", "i8"),
         # stability
         ("period", "f8"),  # measured [s]
-        ("stiffness_limit", "f8"),  # [N/m]
-        ("margin", "f8"),  # [-]
-        ("stiffness_share", "f8"),  # of what is or can be touched that is rendered, 0-1
         ("in_touch", "i8"),  # 1 from a contact's begin until 20 ms without one
         ("capped", "i8"),  # 1 while a contact is rendered softer than authored
         ("observer", OBSERVER),  # of the contacts, since they began
@@ -85,10 +72,7 @@ STATE = np.dtype(
         ("span", SPAN),  # all contacts of this tick as one
         ("least_energy", "f8"),
         # controller
-        ("v_virtual", "f8", (3,)),  # robot frame [m/s]
         ("dq_virtual", "f8", (3,)),
-        ("command", "f8", (3,)),  # joint velocities last sent
-        ("f_command", "f8", (3,)),  # force last sent, robot frame [N]
         ("reference", "f8", (3,)),  # what a force driven device is drawn to, robot frame [m]
         ("arrived", "i8"),  # 1 while a PD controller is at its target
         ("acting", ACTING),

@@ -20,11 +20,11 @@ from mimics_app.rendering.haptic.kernels.acting import account, act, cap_wall
 from mimics_app.rendering.haptic.kernels.drive import control, note_arrival
 from mimics_app.rendering.haptic.kernels.jumps import note_jump
 from mimics_app.rendering.haptic.kernels.objects.hand import write_hand
+from mimics_app.rendering.haptic.kernels.objects.published import sum_motions
 from mimics_app.rendering.haptic.kernels.objects.touches import follow_touch, follow_touches
-from mimics_app.rendering.haptic.kernels.rows import write_command, write_inputs, write_objects, write_outputs
+from mimics_app.rendering.haptic.kernels.rows import write_command, write_inputs, write_outputs
 from mimics_app.rendering.haptic.kernels.safety import step_safety
 from mimics_app.rendering.haptic.kernels.sensing import find_motion, size_ball, take_data
-from mimics_app.rendering.haptic.kernels.state import CONTACT_BEGAN
 from mimics_app.rendering.haptic.kernels.tunnel import restart_tracking, tunnel_force
 from mimics_app.rendering.haptic.kernels.vectors import copy
 from mimics_app.rendering.haptic.kernels.watch import watch_contact, watch_margin
@@ -44,10 +44,7 @@ def _follow_contacts(objects: Any, counts: Any, state: Any, dt: float) -> None:
     """Begin and end of contacts with the tunnel's wall and with objects; only what the user can feel counts."""
     felt = state.safety == _ACTIVE or state.safety == _DEGRADED
     state.contact_change = follow_touch(state, felt and state.tunnel.wall_force > 0.0, felt, dt)
-    began = follow_touches(objects, counts, felt, dt) + (1 if state.contact_change == CONTACT_BEGAN else 0)
-    if began > 0:
-        state.contacts += began
-        state.contact_tick = state.tick
+    follow_touches(objects, counts, felt, dt)
 
 
 @kernel
@@ -120,6 +117,6 @@ def tick(
     if state.safety != before:
         state.state_changed = 1
     write_command(state, command)
-    write_outputs(state, row)
-    write_objects(objects, scene.objects, row)
+    state.bodies = sum_motions(objects.motion_words, scene.objects.bodies)
+    write_outputs(state, totals, row)
     state.tick += 1

@@ -18,18 +18,14 @@ _MASK = (1 << 52) - 1
 
 
 @kernel
-def write_poses(hand_world: NDArray[np.float64], motions: Any, bodies: int, poses: NDArray[np.float64]) -> None:
-    """Fill poses, shape [1 + capacity, 7]: row 0 the hand, row i + 1 body i; rows beyond the bodies are left alone."""
-    for i in range(3):
-        poses[0, i] = hand_world[i]
-        poses[0, 3 + i] = 0.0
-    poses[0, 6] = 1.0
+def write_poses(motions: Any, bodies: int, poses: NDArray[np.float64]) -> None:
+    """Fill poses, shape [capacity, 7], position [m] and quaternion; rows beyond the bodies are left alone."""
     for k in range(bodies):
         motion = motions[k]
         for i in range(3):
-            poses[k + 1, i] = motion.position[i]
+            poses[k, i] = motion.position[i]
         for i in range(4):
-            poses[k + 1, 3 + i] = motion.orientation[i]
+            poses[k, 3 + i] = motion.orientation[i]
 
 
 @kernel

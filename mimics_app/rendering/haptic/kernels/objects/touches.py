@@ -46,14 +46,11 @@ def follow_touch(touch: Any, touching: bool, felt: bool, dt: float) -> int:
 
 
 @kernel
-def follow_touches(work: Any, counts: Any, felt: bool, dt: float) -> int:
-    """Follow the static scene and all bodies for one tick; how many contacts began."""
+def follow_touches(work: Any, counts: Any, felt: bool, dt: float) -> None:
+    """Follow the static scene and all bodies for one tick."""
     if counts.shapes == 0:
-        return 0
-    began = 0
+        return
     for k in range(counts.bodies + 1):
         touch = work.touches[k]
         touching = work.totals[0].static_touching > 0 if k == 0 else work.motions[k - 1].touched == 1
         touch.change = follow_touch(touch, touching, felt, dt)
-        began += 1 if touch.change == CONTACT_BEGAN else 0
-    return began

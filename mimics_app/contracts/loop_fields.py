@@ -1,0 +1,243 @@
+"""The one table of numbers that leave the 1 kHz loop: sample, snapshot, recording and their units are made from it.
+
+A new number is a row here and the kernel that computes it, which writes the field of that name in STATE. The row alone
+adds it to the samples and so to every recording; `reader` adds it to the snapshot, with one typed line in
+`HapticSnapshot` below.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from enum import Enum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = [
+    "LOOP_FIELDS",
+    "HapticSnapshot",
+    "LoopField",
+    "Move",
+    "Replay",
+    "check_snapshot",
+    "moves_of",
+    "sample_dtype",
+    "snapshot_dtype",
+    "state_fields",
+]
+
+Vec = NDArray[np.float64]
+
+Move = tuple[int, tuple[str, ...], str]
+"""Which record is copied from (0: STATE, 1: TOTALS of the objects), where in it, and the field copied to."""
+
+_RECORDS = ("state", "totals")
+_TYPES = {"i8": "int", "f8": "float"}
+
+
+class Replay(Enum):
+    """What a replay does with a column of the recording."""
+
+    CLOCK = "counts the ticks"
+    INPUT = "is fed into the tick again, as the device gave it"
+    OUTPUT = "is compared bit for bit and part of the state hash"
+    TIMING = "tells how punctual the live loop was; left alone"
+    ABSENT = "is not recorded"
+
+
+@dataclass(frozen=True, slots=True)
+class LoopField:
+    """One number, or vector, out of the loop.
+
+    Attributes:
+        name: Of its field in SAMPLE and SNAPSHOT.
+        unit: SI, "1" for a number without dimension; one for each component where they differ.
+        replay: What a replay does with it; OUTPUT and INPUT columns keep their order for ever, new ones go last.
+        source: "state": the field of STATE with this name, which this row makes; "state.tunnel.s", "totals.depth": a
+            field that a kernel declares; "": the loop writes it by itself (kernels.rows, loop).
+        kind: "f8" or "i8", in STATE and SNAPSHOT; samples hold float64 only.
+        size: Components.
+        reader: Package below mimics_app that reads it from the snapshot; "": it is recorded only.
+    """
+
+    name: str
+    unit: str | tuple[str, ...]
+    replay: Replay
+    source: str = "state"
+    kind: str = "f8"
+    size: int = 1
+    reader: str = ""
+
+    def __post_init__(self) -> None:
+        if not all(self.units) or len(self.units) != self.size:
+            raise ValueError(f"{self.name}: {self.unit!r} is no unit for each of {self.size} components")
+        if self.kind not in _TYPES:
+            raise ValueError(f"{self.name}: kind {self.kind!r} is none of {', '.join(_TYPES)}")
+        if self.source and self.source.partition(".")[0] not in _RECORDS:
+            raise ValueError(f"{self.name}: source {self.source!r} begins with none of {', '.join(_RECORDS)}")
+        if self.replay is Replay.ABSENT and not self.reader:
+            raise ValueError(f"{self.name} is neither recorded nor read")
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """One unit per component."""
+        return (self.unit,) * self.size if isinstance(self.unit, str) else self.unit
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Of the field: () for one number."""
+        return () if self.size == 1 else (self.size,)
+
+    @property
+    def move(self) -> Move:
+        """Where the loop keeps it."""
+        record, _, path = self.source.partition(".")
+        return _RECORDS.index(record), tuple(path.split(".")) if path else (self.name,), self.name
+
+
+_JOINTS = ("m", "rad", "m")
+_JOINT_RATES = ("m/s", "rad/s", "m/s")
+
+LOOP_FIELDS: tuple[LoopField, ...] = (
+    LoopField("t", "s", Replay.CLOCK, ""),  # session time = tick / rate
+    LoopField("tick", "1", Replay.CLOCK, "", "i8", reader="app"),
+    LoopField("t_ns", "ns", Replay.ABSENT, "", "i8", reader="rendering.audio"),  # of the tick's release, monotonic
+    # inputs; the snapshot has the last good ones
+    LoopField("q", _JOINTS, Replay.INPUT, size=3, reader="tasks"),  # measured joints
+    LoopField("dq", _JOINT_RATES, Replay.INPUT, "", size=3),
+    LoopField("f_meas", "N", Replay.INPUT, "", size=3),  # force of the user on the handle, tool frame r t z
+    LoopField("grasp", "N", Replay.INPUT, reader="tasks"),
+    LoopField("buttons", "1", Replay.INPUT, ""),  # Button bits
+    LoopField("age", "s", Replay.INPUT, ""),  # of the device's data when read
+    LoopField("delay", "s", Replay.INPUT, ""),  # from a command to the data that shows it, as the device measures it
+    LoopField("status", "1", Replay.INPUT, ""),  # DeviceStatus
+    LoopField("sequence", "1", Replay.INPUT, ""),  # SCENE block this tick used
+    LoopField("stop_word", "1", Replay.INPUT, ""),  # stop key as this tick saw it
+    LoopField("held", "1", Replay.INPUT, ""),  # late-tick class: 0 in time, 1 hold, 2 damp, 3 stop, 4 missed in a row
+    LoopField("period_s", "s", Replay.INPUT, ""),  # measured, mean weighted by length; nominal on a virtual clock
+    # motion and force
+    LoopField("hip_world", "m", Replay.OUTPUT, size=3, reader="tasks"),  # haptic interaction point
+    LoopField("v_world", "m/s", Replay.OUTPUT, size=3, reader="tasks"),  # its velocity
+    LoopField("f_meas_world", "N", Replay.ABSENT, size=3, reader="app"),  # f_meas in the world
+    LoopField("f_virt_world", "N", Replay.OUTPUT, size=3),  # virtual force on the user before the limiter
+    LoopField(
+        "f_user_world", "N", Replay.OUTPUT, size=3, reader="tasks"
+    ),  # after limiter and ramp: what the user feels
+    # objects
+    LoopField("f_shapes", "N", Replay.OUTPUT, "totals.shape_force", size=3),  # part that touched shapes make, world
+    LoopField("f_effects", "N", Replay.OUTPUT, "totals.effect_force", size=3),  # part that effects make, world
+    LoopField("f_grip", "N", Replay.OUTPUT, "totals.grip_force", size=3, reader="app"),  # part of the held object
+    LoopField("touching", "1", Replay.OUTPUT, "totals.touching"),  # pairs of point and shape in contact
+    LoopField("depth", "m", Replay.OUTPUT, "totals.depth"),  # of the deepest of them
+    LoopField("touched_shape", "1", Replay.OUTPUT, "totals.shape"),  # its row, -1: none
+    LoopField("held_body", "1", Replay.OUTPUT, "totals.held", "i8", reader="tasks"),  # its row, -1: none
+    LoopField("crushed_body", "1", Replay.ABSENT, "totals.crushed", "i8", reader="tasks"),  # held beyond crush_force
+    LoopField("bodies", "1", Replay.OUTPUT),  # checksum of the motion of all bodies, 0-2^52
+    # tunnel
+    LoopField("f_tunnel", "N", Replay.OUTPUT, "state.tunnel.force_tnb", size=3),  # in the tunnel's t, n, b
+    LoopField("s", "pieces", Replay.OUTPUT, "state.tunnel.s"),  # parameter of the closest bisector point
+    LoopField("progress", "1", Replay.OUTPUT, "state.tunnel.progress", reader="tasks"),  # share of the arc length, 0-1
+    LoopField("distance", "m", Replay.OUTPUT, "state.tunnel.distance", reader="tasks"),  # of the ball from the bisector
+    LoopField("offset_n", "m", Replay.OUTPUT, "state.tunnel.offset_n"),  # along the tunnel's n
+    LoopField("offset_b", "m", Replay.OUTPUT, "state.tunnel.offset_b"),  # along the tunnel's b
+    LoopField("penetration", "m", Replay.OUTPUT, "state.tunnel.penetration", reader="tasks"),  # of the ball in the wall
+    LoopField("ball_radius", "m", Replay.OUTPUT, reader="scenarios"),
+    LoopField("tunnel_radius", "m", Replay.OUTPUT, "state.tunnel.radius"),  # at s, scaled
+    # controller and safety
+    LoopField("v_virtual", "m/s", Replay.OUTPUT, size=3),  # velocity of the virtual mass, robot frame
+    LoopField("command", _JOINT_RATES, Replay.OUTPUT, size=3),  # joint velocities sent
+    LoopField("f_command", "N", Replay.OUTPUT, size=3),  # force sent, robot frame
+    LoopField("ramp", "1", Replay.OUTPUT, reader="tasks"),  # soft-start factor 0-1
+    LoopField("state", "1", Replay.OUTPUT, "state.safety", "i8", reader="tasks"),  # SafetyState
+    LoopField(
+        "cause", "1", Replay.OUTPUT, kind="i8", reader="tasks"
+    ),  # TripCause of the stop or degraded state it is in
+    # stability
+    LoopField("stiffness_limit", "N/m", Replay.OUTPUT),  # largest stable stiffness of a contact, this period and delay
+    LoopField("margin", "1", Replay.OUTPUT, reader="app"),  # that over the wall's stiffness, less 1; below 0: may swing
+    LoopField("energy", "J", Replay.OUTPUT, "state.observer.energy", reader="app"),  # taken since the contact began
+    LoopField(
+        "stiffness_share", "1", Replay.OUTPUT, reader="app"
+    ),  # of what is or can be touched that is rendered, 0-1
+    LoopField("credit", "J", Replay.OUTPUT, "state.acting.credit"),  # contacts may still give back; < 0: gave too much
+    LoopField("passivity", "N", Replay.OUTPUT, "state.acting.passivity"),  # force the passivity controller took away
+    LoopField("tank", "J", Replay.OUTPUT, "state.acting.tank"),  # energy left for active forces
+    LoopField("tank_share", "1", Replay.OUTPUT, "state.acting.tank_share"),  # of the active forces it can pay, 0-1
+    # the live loop
+    LoopField("lateness_ns", "ns", Replay.TIMING, ""),  # wake-up after the release
+    LoopField("duration_ns", "ns", Replay.TIMING, ""),  # work of the tick
+)
+"""Every number that leaves the loop, recorded columns in the order of the recording."""
+
+
+@dataclass(frozen=True, slots=True)
+class HapticSnapshot:
+    """The newest haptic state as the frame sees it: rows of `LOOP_FIELDS` that have a reader, vectors of shape [3].
+
+    Attributes:
+        poses: Position xyz [m] and quaternion xyzw of each body, world, shape [capacity, 7].
+    """
+
+    tick: int
+    t_ns: int
+    q: Vec
+    grasp: float
+    hip_world: Vec
+    v_world: Vec
+    f_meas_world: Vec
+    f_user_world: Vec
+    f_grip: Vec
+    held_body: int
+    crushed_body: int
+    progress: float
+    distance: float
+    penetration: float
+    ball_radius: float
+    ramp: float
+    state: int
+    cause: int
+    margin: float
+    energy: float
+    stiffness_share: float
+    poses: Vec
+
+
+def check_snapshot(table: Sequence[LoopField], message: type[Any] = HapticSnapshot) -> None:
+    """Hold the typed message against the table.
+
+    Raises:
+        TypeError: A row with a reader has no line of its type in the message, or a line no row.
+    """
+    wanted = {field.name: "Vec" if field.shape else _TYPES[field.kind] for field in table if field.reader}
+    found = {field.name: field.type for field in fields(message) if field.name != "poses"}
+    differing = sorted(name for name in wanted | found if wanted.get(name) != found.get(name))
+    if differing:
+        raise TypeError(f"{message.__name__} and its table differ in {', '.join(differing)}: give each row with a "
+                        "reader one line, int, float or Vec")  # fmt: skip
+
+
+def sample_dtype(table: Sequence[LoopField]) -> np.dtype[Any]:
+    """Of one row per tick; every field float64, so a row is also a float64 vector."""
+    return np.dtype([(field.name, "f8", field.shape) for field in table if field.replay is not Replay.ABSENT])
+
+
+def snapshot_dtype(table: Sequence[LoopField]) -> np.dtype[Any]:
+    """Of the newest state."""
+    return np.dtype([(field.name, field.kind, field.shape) for field in table if field.reader], align=True)
+
+
+def state_fields(table: Sequence[LoopField]) -> list[tuple[Any, ...]]:
+    """Fields of STATE that the table makes: those the kernels write for nobody but the outside."""
+    return [(field.name, field.kind, field.shape) for field in table if field.source == "state"]
+
+
+def moves_of(table: Sequence[LoopField], *, recorded: bool) -> tuple[Move, ...]:
+    """What is copied from the loop's records into a sample's outputs, or into a snapshot."""
+    if recorded:
+        return tuple(field.move for field in table if field.replay is Replay.OUTPUT)
+    return tuple(field.move for field in table if field.reader and field.source)
+
+
+check_snapshot(LOOP_FIELDS)
