@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from mimics_app.contracts.plural import counted
 from mimics_app.contracts.trial_counts import COUNTED_PRACTICE
 
 __all__ = ["summary_lines"]
@@ -39,7 +40,7 @@ def _trials(task: Mapping[str, Any]) -> str:
     trials = task["trials"]
     if trials:
         return "; ".join(
-            [f"{task['completed']} of {_count(trials, 'trial')} finished", *_points_and_time(task, trials)]
+            [f"{task['completed']} of {counted(trials, 'trials')} finished", *_points_and_time(task, trials)]
         )
     under_way = "time_s" in task and not _is_practice(task)
     return "no trial ended" + (f"; {task['time_s']:.1f} s under way" if under_way else "")
@@ -68,7 +69,7 @@ def _practice(task: Mapping[str, Any]) -> list[tuple[str, str]]:
     return [
         (
             "practice",
-            "; ".join([f"{practice['completed']} of {_count(practice['trials'], 'trial')} finished", *figures]),
+            "; ".join([f"{practice['completed']} of {counted(practice['trials'], 'trials')} finished", *figures]),
         )
     ]
 
@@ -79,14 +80,14 @@ def _path(task: Mapping[str, Any]) -> list[tuple[str, str]]:
     if "path_error_m" not in task:
         return [("contacts", _of_practice(task, contacts))]
     error = f"{1e3 * task['path_error_m']:.1f} mm from the way"
-    text = f"{error}, {_count(task['contacts'], 'contact')}" if contacts else error
+    text = f"{error}, {counted(task['contacts'], 'contacts')}" if contacts else error
     return [("path", _of_practice(task, text))]
 
 
 def _carried(task: Mapping[str, Any]) -> str:
     if "drops" not in task:
         return ""
-    parts = [f"{task['placed']} placed", _count(task["drops"], "drop"), _count(task["bruises"], "bruise")]
+    parts = [f"{task['placed']} placed", counted(task["drops"], "drops"), counted(task["bruises"], "bruises")]
     if "grasp_error_n" in task:
         parts.append(f"grip {task['grasp_error_n']:.1f} N from the right force")
     return ", ".join(parts)
@@ -104,9 +105,5 @@ def _safety(safety: Mapping[str, Any]) -> str:
     """Stops and short holds apart, and what the last of them was; "" where there was none."""
     if not safety["stops"] and not safety["holds"]:
         return ""
-    line = f"{_count(safety['stops'], 'stop')}, {_count(safety['holds'], 'short hold')}"
+    line = f"{counted(safety['stops'], 'stops')}, {counted(safety['holds'], 'short holds')}"
     return f"{line}; {safety['what']} ({safety['t_s']:.1f} s)" if "what" in safety else line
-
-
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}{'' if number == 1 else 's'}"
