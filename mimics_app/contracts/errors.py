@@ -15,6 +15,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 
+from mimics_app.contracts.plural import counted
+
 __all__ = [
     "MOST_SOUGHT",
     "MOST_TOLD",
@@ -25,6 +27,8 @@ __all__ = [
     "SafetyStop",
     "SceneError",
     "UsageError",
+    "all_sought",
+    "more_told",
     "nearest",
     "short_text",
     "told",
@@ -77,6 +81,17 @@ def told(issues: Sequence[Issue]) -> tuple[list[Issue], int]:
     return once[:MOST_TOLD], max(len(once) - MOST_TOLD, 0)
 
 
+def all_sought(issues: Sequence[Issue]) -> bool:
+    """Whether these are all the faults there are; of `MOST_SOUGHT` or more some may never have been looked for."""
+    return len(issues) < MOST_SOUGHT
+
+
+def more_told(issues: Sequence[Issue]) -> str:
+    """How many issues there are beside those that are told one by one, in words; "" for none."""
+    more = told(issues)[1]
+    return f"and {'' if all_sought(issues) else 'at least '}{counted(more, 'more errors')}" if more else ""
+
+
 class MimicsError(Exception):
     """Root of every error that is told to a person instead of traced."""
 
@@ -106,8 +121,8 @@ class SceneError(MimicsError):
 
     def __init__(self, issues: Issue | Iterable[Issue]) -> None:
         self._issues = [issues] if isinstance(issues, Issue) else list(issues)
-        first, more = told(self._issues)
-        super().__init__("\n".join([*map(str, first), *([f"and {more} more"] if more else [])]))
+        more = more_told(self._issues)
+        super().__init__("\n".join([*map(str, told(self._issues)[0]), *([more] if more else [])]))
 
     @property
     def issues(self) -> list[Issue]:

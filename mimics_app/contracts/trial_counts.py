@@ -9,13 +9,24 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-__all__ = ["FINISHED", "SESSION_ENDED", "TrialCounts", "count_trials"]
+__all__ = [
+    "COUNTED_PRACTICE",
+    "COUNTED_TRIALS",
+    "COUNTED_UNDER_WAY",
+    "FINISHED",
+    "SESSION_ENDED",
+    "TrialCounts",
+    "count_trials",
+]
 
 FINISHED = "finished"
 """Outcome of an attempt that reached its goal."""
 
 SESSION_ENDED = "session ended"
 """Cause of the row of an attempt that was under way when the session was closed."""
+
+COUNTED_TRIALS, COUNTED_PRACTICE, COUNTED_UNDER_WAY = "trials", "practice", "under way"
+"""What the totals of a session are over (its key `counted`): trials that ended, practice alone, or one under way."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.report_section import ReportSection
-from mimics_app.contracts.trial_counts import count_trials
+from mimics_app.contracts.trial_counts import COUNTED_TRIALS, count_trials
 from mimics_app.contracts.trips import TripReader
 from mimics_app.plotting.plot import Plot
 from mimics_app.recording.attempts import Attempt, find_attempts
@@ -146,7 +146,7 @@ class Page:
         line: When, how long, who and with what, in words.
         problems: What is not as it should be, one sentence each.
         cards: Figures of the run by name.
-        counted: Whether the note on what these figures count belongs there.
+        counted: What these figures are over, as in the summary of the task; "" where there are none.
         trials: None where none ended.
         heading, colours: Of the movement.
         movement: Of each attempt.
@@ -162,7 +162,7 @@ class Page:
     line: list[str]
     problems: list[str]
     cards: dict[str, str]
-    counted: bool
+    counted: str
     trials: Trials | None
     heading: str
     colours: str
@@ -205,7 +205,7 @@ def page_of(run: Run, sections: Sequence[ReportSection]) -> Page:
         line=_head_line(run),
         problems=list(judge(run).problems),
         cards={name: text for name, text in _cards(run, attempts, section).items() if text != NONE},
-        counted=bool(mapping(run.summary.get("task"))),
+        counted=str(task.get("counted", COUNTED_TRIALS)) if (task := mapping(run.summary.get("task"))) else "",
         trials=trials_of(run),
         heading=section.heading if attempts else "Movement",
         colours=section.colours if attempts else "",

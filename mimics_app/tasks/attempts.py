@@ -6,7 +6,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from mimics_app.contracts.trial_counts import FINISHED, SESSION_ENDED, count_trials
+from mimics_app.contracts.trial_counts import (
+    COUNTED_PRACTICE,
+    COUNTED_TRIALS,
+    COUNTED_UNDER_WAY,
+    FINISHED,
+    SESSION_ENDED,
+    count_trials,
+)
 from mimics_app.tasks.kinds.kind import KindPlay
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.score import session_result, trial_points
@@ -130,15 +137,19 @@ class Attempts:
         """Totals of the session: its `TrialCounts`, and the totals of `tasks.score.session_result`.
 
         Those are over travels that came to their goal or their time; practice only where there is nothing else. Where
-        none has ended yet, the one under way, or cut off by the session's end, is measured as it stands.
+        none has ended yet, the one under way, or cut off by the session's end, is measured as it stands. `counted`
+        says which of these it was.
         """
         ended = [row for row in self.rows if row["outcome"] != ABORTED]
         cut_off = [row for row in self.rows if row["cause"] == SESSION_ENDED and row["time_s"] > 0.0]
         if self._open and self.tally is not None:
             cut_off.append(self._row(ABORTED, SESSION_ENDED, {}, now_ns))
-        counted = [row for row in ended if not row["practice"]]
+        trials = [row for row in ended if not row["practice"]]
+        which = COUNTED_TRIALS if trials else COUNTED_PRACTICE if ended else COUNTED_UNDER_WAY
+        totals: dict[str, Any] = session_result(trials or ended or cut_off)
+        if totals:
+            totals["counted"] = which
         counts = count_trials(self.rows)
-        totals = session_result(counted or ended or cut_off)
         return {**counts.as_dict(), **totals, **dict.fromkeys(self._counts, counts.completed)}
 
     def _row(self, outcome: str, cause: str, parameters: Mapping[str, float], now_ns: int) -> Row:

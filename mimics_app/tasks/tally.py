@@ -24,7 +24,7 @@ class Measures:
         time_s: Duration [s].
         path_error_rms_m: Root of the time mean of the squared distance from the task's way [m]; None: it has none.
         path_error_max_m: Largest distance [m]; None likewise.
-        contacts: Contacts begun.
+        contacts: Contacts begun, and the one that lasted when the travel began.
         contact_time_s: Time in contact [s].
         smoothness: SPARC [-], negative; None where nothing moved.
         force_mean_n: Time mean of the force felt [N].
@@ -58,7 +58,7 @@ class Tally:
     def __init__(self, first: Observation, plays: Sequence[KindPlay] = ()) -> None:
         self._plays = tuple(plays)
         self._begin_ns = self._last_ns = first.now_ns
-        self._contacts = 0
+        self._contacts = int(first.touching)
         self._contact_ns = 0
         self._parted_ns = first.now_ns
         self._touching_since_ns = first.now_ns if first.touching else None
@@ -84,7 +84,7 @@ class Tally:
 
     @property
     def contacts(self) -> int:
-        """Contacts begun so far."""
+        """Contacts so far, see `Measures`."""
         return self._contacts
 
     def add(self, seen: Observation) -> None:

@@ -60,11 +60,12 @@ def test_small_file_that_would_take_gigabytes_is_refused_within_the_budget(tmp_p
     path = save(tmp_path, LARGE[name])
     tracemalloc.start()
     try:
-        with pytest.raises(SceneError, match="needs more than 256 MiB"):
+        with pytest.raises(SceneError, match="needs more than 256 MiB") as caught:
             load_gltf(path)
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
+    assert sum("256 MiB" in issue.what for issue in caught.value.issues) == 1, "one fault of the whole file"
     assert peak < MAX_TOTAL_BYTES + ROOM, f"{peak / 2**20:.0f} MiB"
 
 

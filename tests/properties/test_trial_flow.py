@@ -140,6 +140,7 @@ def check_session(player):
         assert orders.view.elapsed_s >= 0.0
     result = player.manager.result()
     practice = result.pop("practice", {"completed": 0, "trials": 0})
+    assert result.pop("counted", "trials") in ("trials", "practice", "under way")
     assert 0 <= practice["completed"] <= practice["trials"] and 0 <= result["completed"] <= result["trials"]
     assert all(math.isfinite(value) for value in result.values())
 

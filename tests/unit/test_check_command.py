@@ -19,8 +19,8 @@ def test_right_files_exit_0_and_say_what_they_hold(tmp_path, capsys):
     files = [write(tmp_path, scene(thing("a"))), write_gltf(tmp_path / "m.gltf", square())]
     assert main(["check", *map(str, files)]) == 0
     told = capsys.readouterr()
-    assert "scene.json: ok (1 entities" in told.out
-    assert "m.gltf: ok (1 nodes" in told.out
+    assert "scene.json: ok (1 entity" in told.out
+    assert "m.gltf: ok (1 node, 1 mesh" in told.out
     assert told.err == ""
 
 
@@ -36,7 +36,7 @@ def test_every_error_of_every_file_is_one_line_and_the_exit_is_3(tmp_path, capsy
     assert len(lines) == 4
     assert 'scene.json#/entities/0/components/bal: unknown component "bal"; did you mean "ball"' in lines[0]
     assert "#/entities/0/components/ball/radius_min: expected a number > 0.0" in lines[1]
-    assert "m.gltf#/nodes/0/mesh: meshes 4 does not exist" in lines[2]
+    assert "m.gltf#/nodes/0/mesh: there is no mesh 4; the file has 1 mesh" in lines[2]
     assert "none.json" in lines[3]
     assert "right.json: ok" in told.out
 

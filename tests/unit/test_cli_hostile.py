@@ -139,5 +139,18 @@ def test_value_beyond_reason_is_refused(arguments: list[str], said: str, capsys:
 
 @pytest.mark.parametrize("name", ["run", "check", "explain"])
 def test_empty_name_of_a_scene_is_a_fault_of_the_file(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """It is the working folder's name."""
     assert cli.main([name, ""]) == 3
-    assert "there is no such scene" in capsys.readouterr().err
+    assert "is a folder" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["run", "check", "explain", "render", "view"])
+def test_what_is_there_but_no_file_is_not_said_to_be_missing(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    os.mkfifo(tmp_path / "f.json")
+    (tmp_path / "d.json").mkdir()
+    assert cli.main([name, str(tmp_path / "f.json")]) == 3
+    assert "f.json: is not a regular file; name a scene file" in capsys.readouterr().err
+    assert cli.main([name, str(tmp_path / "d.json")]) == 3
+    assert "d.json: is a folder; name a scene file" in capsys.readouterr().err

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from mimics_app.app import cli
-from mimics_app.app.installation import probes
+from mimics_app.app.installation import plugins, probes
 from mimics_app.app.installation.plugins import GROUPS, list_plugins
 
 _ENTRY_POINTS = """
@@ -90,6 +90,14 @@ def test_doctor_lists_plug_ins_that_fail(
     said = capsys.readouterr().out
     assert "lost_robot" in said
     assert "No module named 'lab_that_is_lost'" in said
+
+
+def test_doctor_says_that_no_plug_in_is_installed(
+    answers: dict[str, Any], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(plugins, "list_plugins", list)
+    assert cli.main(["doctor"]) == 0
+    assert "Plug-ins\n      none installed\n" in capsys.readouterr().out
 
 
 def test_doctor_without_any_picture_is_a_device_error(

@@ -194,6 +194,23 @@ def test_the_figure_that_was_markup(tmp_path: Path) -> None:
     assert "<script" not in page and "<b>&lt;script&gt;alert(1)&lt;/script&gt;</b>" in page
 
 
+@pytest.mark.parametrize(
+    ("told", "said"),
+    [
+        ({}, "Figures are over trials that reached"),
+        ({"counted": "trials"}, "Figures are over trials that reached"),
+        ({"counted": "practice"}, "figures are those of practice"),
+        ({"counted": "under way"}, "figures are those of the one that was cut off"),
+    ],
+)
+def test_the_note_says_what_the_figures_are_over(tmp_path: Path, told: dict[str, str], said: str) -> None:
+    write_synthetic_run(tmp_path, 2.0)
+    manifest = json.loads((tmp_path / "manifest.json").read_text())
+    manifest["summary"]["task"] = {"completed": 0, "trials": 0, "time_s": 1.0, **told}
+    (tmp_path / "manifest.json").write_text(json.dumps(manifest))
+    assert said in write_report(tmp_path, report_sections()).read_text()
+
+
 def test_trials_come_first_with_units_and_within_the_page(tmp_path: Path) -> None:
     write_synthetic_run(tmp_path, 4.0)
     session = json.loads((tmp_path / "session.json").read_text())

@@ -263,7 +263,7 @@ def test_a_wrong_model_is_told_once_in_its_own_name_and_not_again_where_it_is_us
     write_gltf(tmp_path / "arm.gltf", document)
     parts = [thing(name, mesh={"source": "arm#/nodes/Square"}) for name in "ab"]
     found = faults(write(tmp_path, scene(*parts, assets={"arm": {"uri": "arm.gltf"}})))
-    assert found == ["arm.gltf#/nodes/0/mesh: meshes 7 does not exist; there are 1"]
+    assert found == ["arm.gltf#/nodes/0/mesh: there is no mesh 7; the file has 1 mesh"]
 
 
 def test_an_older_version_is_brought_up_to_date_step_by_step(monkeypatch):

@@ -27,11 +27,21 @@ def test_trials_are_counted_as_in_json_and_practice_apart():
 def test_what_does_not_apply_is_not_told_as_zero():
     said = lines({"completed": 0, "trials": 0, "time_s": 5.0, "contacts": 1})
     assert said["task"] == "no trial ended; 5.0 s under way"
-    assert said["path"] == "1 contact"
+    assert said["contacts"] == "1" and "path" not in said  # there is no way that it could have been touched on
     said = lines({"completed": 0, "trials": 1, "drops": 0, "bruises": 0, "placed": 0, "contacts": 0})
     assert said["task"] == "0 of 1 trial finished"
     assert said["carried"] == "0 placed, 0 drops, 0 bruises"
     assert not any("0.0" in line for line in said.values() if not line.startswith("simulated"))
+
+
+def test_figures_of_practice_are_told_as_those_of_practice():
+    task = {"completed": 0, "trials": 0, "practice": {"completed": 1, "trials": 1}, "counted": "practice"}
+    said = lines({**task, "score": 71.0, "time_s": 8.8, "path_error_m": 0.0092, "contacts": 5})
+    assert said["task"] == "no trial ended"
+    assert said["practice"] == "1 of 1 trial finished; score 71 of 100; time 8.8 s"
+    assert said["path"] == "9.2 mm from the way, 5 contacts (in practice)"
+    under_way = lines({"completed": 0, "trials": 0, "counted": "under way", "time_s": 2.0, "contacts": 1})
+    assert under_way["task"] == "no trial ended; 2.0 s under way"
 
 
 def test_a_live_run_tells_its_late_cycles():

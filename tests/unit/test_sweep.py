@@ -52,7 +52,7 @@ def test_examples_are_right():
         ({"stiffness": {"from": 5.0, "to": 1.0}}, {}, "#/parameters/stiffness/to: is below from"),
         ({"stiffness": {"from": 0.0, "to": 1.0, "scale": "log"}}, {}, "#/parameters/stiffness/scale: equal ratios"),
         ({"stiffness": {"from": 0.0, "too": 1.0}}, {}, "#/parameters/stiffness"),
-        ({"delay_ticks": [0.5]}, {}, "#/parameters/delay_ticks/0: 0.5 is no whole number"),
+        ({"delay_ticks": [0.5]}, {}, "#/parameters/delay_ticks/0: 0.5 must be a whole number"),
         ({"mass": "heavy"}, {}, '#/parameters/mass: "heavy" is no number'),
         ({}, {"experiment": "wal_stability"}, "#/experiment: there is no experiment"),
         ({}, {"sampel": {"points": 3}}, "#/sampel: unknown key"),

@@ -280,6 +280,7 @@ def test_session_ended_in_mid_trial_leaves_its_row():
     for _ in range(60):
         player.step()
     running = player.manager.result()
+    assert running["counted"] == "under way"
     player.manager.end_session(player.now_ns)
     assert player.manager.done
     assert player.manager.rows[0]["cause"] == "session ended"
@@ -291,6 +292,7 @@ def test_practice_is_left_out_of_the_result():
     blocks = [{"name": "practice", "practice": True, "trials": [{}]}, {"name": "main", "trials": [{}]}]
     player = Player(make_manager(task(trials=blocks)), speed=0.5)
     player.until("rest")
+    assert player.manager.result()["counted"] == "practice"
     player.speed = 0.25
     player.until("done")
     slow = player.manager.rows[1]["time_s"]
@@ -298,6 +300,7 @@ def test_practice_is_left_out_of_the_result():
     result = player.manager.result()
     assert (result["completed"], result["trials"]) == (1, 1)
     assert result["practice"] == {"completed": 1, "trials": 1}
+    assert result["counted"] == "trials"
 
 
 def test_trial_cut_off_does_not_dilute_those_that_ended():
@@ -318,7 +321,7 @@ def test_result_has_the_keys_of_the_contract():
     player = Player(make_manager(task()))
     assert list(player.manager.result()) == ["completed", "trials"]
     player.until("done")
-    totals = ["completed", "trials", "score", "time_s", "path_error_m", "contacts", "path_m"]
+    totals = ["completed", "trials", "score", "time_s", "path_error_m", "contacts", "path_m", "counted"]
     assert list(player.manager.result()) == totals
 
 
@@ -333,7 +336,7 @@ def test_a_task_without_a_way_has_no_progress_no_path_error_and_no_score():
     player.until("done")
     (row,) = player.manager.rows
     assert {row[name] for name in ("path_error_rms_m", "path_error_max_m", "progress", "score")} == {None}
-    assert list(player.manager.result()) == ["completed", "trials", "time_s", "contacts", "path_m"]
+    assert list(player.manager.result()) == ["completed", "trials", "time_s", "contacts", "path_m", "counted"]
     board = player.orders[-1].board
     assert board.message == "Finished" and not {"score", "progress"} & set(board.cards)
 

@@ -81,10 +81,10 @@ def test_contact_still_held_counts_up_to_now():
     assert tally.measures().contact_time_s == pytest.approx(0.016, abs=1e-12)
 
 
-def test_contact_from_before_the_travel_is_time_but_no_new_contact():
+def test_contact_that_lasts_into_the_travel_is_counted_once_and_timed_from_its_beginning():
     tally = Tally(frame(100 * MS, penetration=0.001))
     tally.add(frame(116 * MS, (90 * MS, EventKind.CONTACT_BEGIN, 1.0), (110 * MS, EventKind.CONTACT_END, 0.0)))
-    assert (tally.measures().contacts, tally.measures().contact_time_s) == (0, pytest.approx(0.010, abs=1e-12))
+    assert (tally.measures().contacts, tally.measures().contact_time_s) == (1, pytest.approx(0.010, abs=1e-12))
 
 
 def test_contact_whose_end_was_lost_does_not_last_for_ever():

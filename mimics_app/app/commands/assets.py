@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from mimics_app.app.terminal.arguments import real_number, whole_number
+from mimics_app.contracts.plural import counted
 
 __all__ = ["add_arguments", "run"]
 
@@ -77,7 +78,7 @@ def _levels(args: argparse.Namespace) -> int:
         steps = zip(each.triangles, each.errors, each.coverages, strict=True)
         told = ", ".join(f"{n} triangles ({error:.2g} m, from {100.0 * c:.2g} %)" for n, error, c in steps)
         print(f"{each.name}: {told}")
-    print(f"{out}: {len(levels)} meshes have levels")
+    print(f"{out}: levels made for {counted(len(levels), 'meshes')}")
     return 0
 
 

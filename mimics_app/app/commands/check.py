@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from mimics_app.app.terminal.output import errors_of, issue_lines, write_object
 from mimics_app.contracts.errors import DeviceError, Issue, MimicsError
+from mimics_app.contracts.plural import counted
 
 if TYPE_CHECKING:
     from mimics_app.world.scene.scene import Scene
@@ -92,5 +93,5 @@ def _check_devices(scene: Scene) -> None:
 def _lines(finding: dict[str, Any]) -> list[str]:
     if not finding["ok"]:
         return []
-    holds = ", ".join(f"{count} {what}" for what, count in finding["holds"].items())
+    holds = ", ".join(counted(number, what) for what, number in finding["holds"].items())
     return [f"{finding['file']}: ok ({holds})\n", *(f"  {note}\n" for note in finding["notes"])]

@@ -165,9 +165,7 @@ def _lines(findings: dict[str, Any]) -> list[str]:
     scheduler = findings["scheduler"]
     lines.append(_line(scheduler.get("fifo", False), "scheduler", _scheduler_said(scheduler), optional=True))
     lines += ["", "Folders", *_folder_lines(findings)]
-    if findings["plugins"]:
-        lines += ["", "Plug-ins"]
-        lines += [_plugin_line(plugin) for plugin in findings["plugins"]]
+    lines += ["", "Plug-ins", *([_plugin_line(plugin) for plugin in findings["plugins"]] or ["      none installed"])]
     lines += ["", "Scenes can run here." if findings["ready"] else "Scenes cannot run here yet: see the lines with x."]
     return [line.rstrip() for line in lines]
 

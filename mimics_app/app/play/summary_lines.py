@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from mimics_app.contracts.plural import counted
+from mimics_app.contracts.trial_counts import COUNTED_PRACTICE
+
 __all__ = ["summary_lines"]
 
 _STATES = {
@@ -24,8 +27,9 @@ def summary_lines(answer: Mapping[str, Any]) -> list[str]:
     Args:
         answer: The object of `mimics run --json`.
     """
-    lines = [("task", _trials(answer["task"])), *_practice(answer["task"]), ("path", _path(answer["task"]))]
-    lines += [("carried", _carried(answer["task"])), ("touch", _touch(answer)), ("safety", _safety(answer["safety"]))]
+    task = answer["task"]
+    lines = [("task", _trials(task)), *_practice(task), *_path(task), ("carried", _of_practice(task, _carried(task)))]
+    lines += [("touch", _touch(answer)), ("safety", _safety(answer["safety"]))]
     lines += [("run", answer["run_dir"])]
     lines += [("picture", str(picture)) for picture in answer["pictures"]]
     lines += [("film", str(answer.get("video", ""))), ("report", answer["report"])]
@@ -33,32 +37,57 @@ def summary_lines(answer: Mapping[str, Any]) -> list[str]:
 
 
 def _trials(task: Mapping[str, Any]) -> str:
-    trials, mean = task["trials"], "mean " if task["trials"] > 1 else ""
-    parts = [f"{task['completed']} of {_count(trials, 'trial')} finished" if trials else "no trial ended"]
-    if trials and "score" in task:
-        parts.append(f"{mean}score {task['score']:.0f} of 100")
-    if "time_s" in task:
-        parts.append(f"{mean}time {task['time_s']:.1f} s" if trials else f"{task['time_s']:.1f} s under way")
-    return "; ".join(parts)
+    trials = task["trials"]
+    if trials:
+        return "; ".join(
+            [f"{task['completed']} of {counted(trials, 'trials')} finished", *_points_and_time(task, trials)]
+        )
+    under_way = "time_s" in task and not _is_practice(task)
+    return "no trial ended" + (f"; {task['time_s']:.1f} s under way" if under_way else "")
+
+
+def _points_and_time(task: Mapping[str, Any], trials: int) -> list[str]:
+    mean = "mean " if trials > 1 else ""
+    points = [f"{mean}score {task['score']:.0f} of 100"] if "score" in task else []
+    return points + ([f"{mean}time {task['time_s']:.1f} s"] if "time_s" in task else [])
+
+
+def _is_practice(task: Mapping[str, Any]) -> bool:
+    """Whether the figures are those of practice, as no trial has any."""
+    return bool(task.get("counted") == COUNTED_PRACTICE)
+
+
+def _of_practice(task: Mapping[str, Any], text: str) -> str:
+    return f"{text} (in practice)" if text and _is_practice(task) else text
 
 
 def _practice(task: Mapping[str, Any]) -> list[tuple[str, str]]:
     practice = task.get("practice")
     if practice is None:
         return []
-    return [("practice", f"{practice['completed']} of {_count(practice['trials'], 'trial')} finished")]
+    figures = _points_and_time(task, practice["trials"]) if _is_practice(task) else []
+    return [
+        (
+            "practice",
+            "; ".join([f"{practice['completed']} of {counted(practice['trials'], 'trials')} finished", *figures]),
+        )
+    ]
 
 
-def _path(task: Mapping[str, Any]) -> str:
-    error = f"{1e3 * task['path_error_m']:.1f} mm from the way" if "path_error_m" in task else ""
-    contacts = _count(task["contacts"], "contact") if "contacts" in task else ""
-    return ", ".join(part for part in (error, contacts) if part)
+def _path(task: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """The way and the contacts on it; a task without a way has contacts alone."""
+    contacts = str(task.get("contacts", ""))
+    if "path_error_m" not in task:
+        return [("contacts", _of_practice(task, contacts))]
+    error = f"{1e3 * task['path_error_m']:.1f} mm from the way"
+    text = f"{error}, {counted(task['contacts'], 'contacts')}" if contacts else error
+    return [("path", _of_practice(task, text))]
 
 
 def _carried(task: Mapping[str, Any]) -> str:
     if "drops" not in task:
         return ""
-    parts = [f"{task['placed']} placed", _count(task["drops"], "drop"), _count(task["bruises"], "bruise")]
+    parts = [f"{task['placed']} placed", counted(task["drops"], "drops"), counted(task["bruises"], "bruises")]
     if "grasp_error_n" in task:
         parts.append(f"grip {task['grasp_error_n']:.1f} N from the right force")
     return ", ".join(parts)
@@ -76,9 +105,5 @@ def _safety(safety: Mapping[str, Any]) -> str:
     """Stops and short holds apart, and what the last of them was; "" where there was none."""
     if not safety["stops"] and not safety["holds"]:
         return ""
-    line = f"{_count(safety['stops'], 'stop')}, {_count(safety['holds'], 'short hold')}"
+    line = f"{counted(safety['stops'], 'stops')}, {counted(safety['holds'], 'short holds')}"
     return f"{line}; {safety['what']} ({safety['t_s']:.1f} s)" if "what" in safety else line
-
-
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}{'' if number == 1 else 's'}"

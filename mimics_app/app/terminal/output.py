@@ -15,7 +15,7 @@ from contextlib import contextmanager, redirect_stdout, suppress
 from pathlib import PurePath
 from typing import Any, TextIO
 
-from mimics_app.contracts.errors import Issue, told
+from mimics_app.contracts.errors import Issue, all_sought, more_told, told
 
 __all__ = ["errors_of", "finite", "issue_lines", "object_written", "reserved_stdout", "tell", "write_object"]
 
@@ -98,17 +98,22 @@ def object_written() -> bool:
 
 
 def errors_of(issues: Sequence[Issue]) -> dict[str, Any]:
-    """Issues as keys of a JSON object: `errors`, the first of them, and `more_errors`, how many follow, if any."""
+    """Issues as keys of a JSON object: `errors`, the first of them, and `more_errors`, how many follow, if any.
+
+    `more_errors_at_least` is true beside it where not all were looked for.
+    """
     first, more = told(issues)
     rows = [{"file": i.file, "pointer": i.pointer, "what": i.what, "fix": i.fix} for i in first]
-    return {"errors": rows, **({"more_errors": more} if more else {})}
+    counts: dict[str, Any] = {"more_errors": more} if more else {}
+    if more and not all_sought(issues):
+        counts["more_errors_at_least"] = True
+    return {"errors": rows, **counts}
 
 
 def issue_lines(issues: Sequence[Issue]) -> list[str]:
     """Issues as lines for a terminal: the first of them, and the number of the rest."""
-    first, more = told(issues)
-    rest = [f"mimics: and {more} more error{'s' if more > 1 else ''}\n"] if more else []
-    return [f"mimics: {issue}\n" for issue in first] + rest
+    more = more_told(issues)
+    return [f"mimics: {issue}\n" for issue in told(issues)[0]] + ([f"mimics: {more}\n"] if more else [])
 
 
 def finite(value: Any) -> Any:

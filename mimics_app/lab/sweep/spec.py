@@ -141,7 +141,7 @@ def _value_faults(values: Any, quantity: Quantity, pointer: str) -> Iterator[tup
         elif isinstance(value, str):
             yield place, f'"{value}" is no number', ""
         elif quantity.kind == "int" and value != math.floor(value):
-            yield place, f"{value:g} is no whole number", ""
+            yield place, f"{value:g} must be a whole number", ""
         elif not quantity.low <= value <= quantity.high:
             yield place, f"{value:g} is outside {quantity.low:g} to {quantity.high:g} {quantity.unit}".rstrip(), ""
 

@@ -123,7 +123,9 @@ def _rows_of_csv(file: Path, data: bytes) -> list[list[float]]:
     try:
         reader = csv.reader(data.decode("utf-8-sig").splitlines())
         lines = [(i, row) for i, row in enumerate(reader, 1) if any(cell.strip() for cell in row)]
-    except (UnicodeDecodeError, csv.Error) as error:
+    except UnicodeDecodeError as error:
+        raise SceneError(Issue(str(file), "", f"is not UTF-8 text (byte {error.start})", "save it as UTF-8")) from None
+    except csv.Error as error:
         raise SceneError(Issue(str(file), "", f"is no CSV file: {error}")) from None
     columns: Sequence[int] = (0, 1, 2)
     names = [cell.strip().lower() for cell in lines[0][1]] if lines else []
@@ -166,7 +168,7 @@ def _rows_of_json(file: Path, data: bytes) -> list[list[float]]:
             rows.append(numbers)
         else:
             issues.append(
-                Issue(str(file), f"{pointer}/{i}", f"is not a list of three finite numbers within {_FARTHEST:g} m")
+                Issue(str(file), f"{pointer}/{i}", f"must be a list of three finite numbers within {_FARTHEST:g} m")
             )
     if issues:
         raise SceneError(issues[:20])

@@ -162,7 +162,7 @@ def _check_extensions(source: GltfSource) -> None:
     used = source.list(source.json, "extensionsUsed", "")
     for i, name in enumerate(used):
         if not isinstance(name, str):
-            source.fail(f"/extensionsUsed/{i}", f"{name!r:.60} is not a text")
+            source.fail(f"/extensionsUsed/{i}", f"{name!r:.60} must be a text")
     ignored = [name for name in used if name not in SUPPORTED_EXTENSIONS]
     if ignored:
         source.note("extensions not used: " + ", ".join(ignored))

@@ -83,7 +83,7 @@ class GltfMeshes:
             with self._source.collecting():
                 here = f"{place}/primitives/{i}"
                 if not isinstance(primitive, dict):
-                    self._source.fail(here, "is not an object")
+                    self._source.fail(here, "must be an object")
                 part = self._primitive(primitive, here)
                 if part is not None:
                     mesh.primitives.append(part)
@@ -132,7 +132,7 @@ class GltfMeshes:
 
     def _triangles(self, primitive: dict[str, Any], vertices: int, mode: int, place: str) -> U4:
         source = self._source
-        where = f"{place}/indices"
+        where = f"{place}/indices" if "indices" in primitive else place
         if "indices" in primitive:
             indices = self._accessors.integers(primitive["indices"], where)
             highest = int(indices.max())

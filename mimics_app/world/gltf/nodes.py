@@ -288,7 +288,7 @@ class GltfNodes:
             light = None
             with source.collecting():
                 if not isinstance(item, dict):
-                    source.fail(f"{place}/lights/{i}", "is not an object")
+                    source.fail(f"{place}/lights/{i}", "must be an object")
                 light = self._light(item, f"{place}/lights/{i}")
             self.lights.append(light)
 

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from mimics_app.contracts.errors import Issue, SceneError, short_text
+from mimics_app.contracts.plural import counted, singular
 from mimics_app.world.scene.json_text import parse_json
 from mimics_app.world.scene.paths import PathFault, find_file
 from mimics_app.world.scene.source import read_bytes
@@ -72,6 +73,7 @@ class GltfSource:
     files: list[Path] = field(default_factory=list)
     without_pictures: bool = False
     _taken: int = 0
+    _too_much: Issue | None = None
     _noted: int = 0
     _known: set[Issue] = field(default_factory=set)
     _tables: dict[str, list[dict[str, Any]]] = field(default_factory=dict)
@@ -108,7 +110,9 @@ class GltfSource:
         """Count bytes before they are allocated; fails when the file wants too many in all."""
         self._taken += size
         if self._taken > MAX_TOTAL_BYTES:
-            self.fail(pointer, f"the model needs more than {MAX_TOTAL_BYTES // 1024**2} MiB of memory")
+            what = f"the model needs more than {MAX_TOTAL_BYTES // 1024**2} MiB of memory"
+            self._too_much = self._too_much or Issue(self.file, pointer, what)
+            raise SceneError(self._too_much)  # the same for all that is read after it: it is one fault
 
     def external(self, uri: str, pointer: str) -> Path:
         """The file a URI names."""
@@ -128,13 +132,13 @@ class GltfSource:
     def _checked_table(self, name: str) -> list[dict[str, Any]]:
         value = self.json.get(name, [])
         if not isinstance(value, list):
-            self.fail(f"/{name}", "is not a list")
+            self.fail(f"/{name}", "must be a list")
         most = _MORE_ITEMS.get(name, MAX_ITEMS)
         if len(value) > most:
             self.fail(f"/{name}", f"{len(value)} {name} are more than {most}")
         for i, item in enumerate(value):
             if not isinstance(item, dict):
-                self.fail(f"/{name}/{i}", "is not an object")
+                self.fail(f"/{name}/{i}", "must be an object")
         return value
 
     def item(self, name: str, index: Any, pointer: str) -> dict[str, Any]:
@@ -147,28 +151,28 @@ class GltfSource:
         if not isinstance(value, int) or isinstance(value, bool):
             self.fail(pointer, f"{value!r:.40} is not an index into {name}")
         if not 0 <= value < count:
-            self.fail(pointer, f"{name} {value} does not exist; there are {count}")
+            self.fail(pointer, f"there is no {singular(name)} {value}; the file has {counted(count, name)}")
         return value
 
     def object(self, holder: dict[str, Any], key: str, pointer: str) -> dict[str, Any]:
         """An object-valued property, {} where absent."""
         value = holder.get(key, {})
         if not isinstance(value, dict):
-            self.fail(f"{pointer}/{key}", "is not an object")
+            self.fail(f"{pointer}/{key}", "must be an object")
         return value
 
     def list(self, holder: dict[str, Any], key: str, pointer: str) -> list[Any]:
         """A list-valued property, [] where absent."""
         value = holder.get(key, [])
         if not isinstance(value, list):
-            self.fail(f"{pointer}/{key}", "is not a list")
+            self.fail(f"{pointer}/{key}", "must be a list")
         return value
 
     def text(self, holder: dict[str, Any], key: str, pointer: str, default: str = "") -> str:
         """A text-valued property."""
         value = holder.get(key, default)
         if not isinstance(value, str):
-            self.fail(f"{pointer}/{key}", "is not a text")
+            self.fail(f"{pointer}/{key}", "must be a text")
         return value
 
     def whole(self, holder: dict[str, Any], key: str, pointer: str, default: int | None = None, least: int = 0) -> int:
@@ -188,7 +192,7 @@ class GltfSource:
         if not isinstance(value, int | float) or isinstance(value, bool) or not value >= least:
             self.fail(f"{pointer}/{key}", f"{value!r:.40} is not a number" + (f" >= {least:g}" if least > -1e9 else ""))
         if not abs(value) < _GREATEST:
-            self.fail(f"{pointer}/{key}", f"{value!r:.40} is beyond {_GREATEST:g}")
+            self.fail(f"{pointer}/{key}", _fault_of_number(value))
         return float(value)
 
     def vector(self, holder: dict[str, Any], key: str, pointer: str, default: tuple[float, ...]) -> tuple[float, ...]:
@@ -197,11 +201,18 @@ class GltfSource:
         if value is None:
             return default
         if not isinstance(value, list) or len(value) != len(default):
-            self.fail(f"{pointer}/{key}", f"is not a list of {len(default)} numbers")
+            self.fail(f"{pointer}/{key}", f"must be a list of {len(default)} numbers")
         for i, item in enumerate(value):
             if not isinstance(item, int | float) or isinstance(item, bool) or not abs(item) < _GREATEST:
-                self.fail(f"{pointer}/{key}/{i}", f"{item!r:.40} is not a finite number")
+                self.fail(f"{pointer}/{key}/{i}", _fault_of_number(item))
         return tuple(float(item) for item in value)
+
+
+def _fault_of_number(value: Any) -> str:
+    """Why a value is no number that a model can have."""
+    if isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < math.inf:
+        return f"{value!r:.40} is too large; it must be below {_GREATEST:g}"
+    return f"{value!r:.40} is not a finite number"
 
 
 def open_gltf(path: Path, root: Path, file: str) -> GltfSource:
@@ -221,7 +232,7 @@ def open_gltf(path: Path, root: Path, file: str) -> GltfSource:
     if issues:  # values that no reader of this file could hold
         raise SceneError(issues)
     if not isinstance(document, dict):
-        raise SceneError(Issue(file, "", "is not an object"))
+        raise SceneError(Issue(file, "", "must be an object"))
     source = GltfSource(path, file, root, document, binary, files=[path.resolve()])
     _check_version(source)
     return source

@@ -26,7 +26,7 @@ from mimics_app.world.components import (
 from mimics_app.world.components.plugins import register_plugins
 from mimics_app.world.components.struct_reader import is_comment
 from mimics_app.world.scene.checks import check_meaning
-from mimics_app.world.scene.json_text import NOT_FINITE, TORN
+from mimics_app.world.scene.json_text import NOT_FINITE, TOO_LARGE, TORN
 from mimics_app.world.scene.loader import SceneLoader
 from mimics_app.world.scene.paths import find_root
 from mimics_app.world.scene.scene import Scene
@@ -58,7 +58,7 @@ def load_scene(path: Path, root: Path | None = None) -> Scene:
     _stop_after_many(issues, path)
     scene = SceneLoader(sources, folder, issues).load()
     _stop_after_many(issues, path)
-    unusable = [issue for issue in issues if NOT_FINITE in issue.what or issue.what == TORN]
+    unusable = [issue for issue in issues if any(what in issue.what for what in (NOT_FINITE, TOO_LARGE, TORN))]
     above = _with_all_above(unusable)
     issues += [issue for issue in check_meaning(scene) if (issue.file, issue.pointer) not in above]
     if issues:

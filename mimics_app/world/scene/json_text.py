@@ -13,14 +13,17 @@ import numpy as np
 
 from mimics_app.contracts.errors import Issue, SceneError
 
-__all__ = ["MAX_DEPTH", "NOT_FINITE", "TORN", "escape", "parse_json"]
+__all__ = ["MAX_DEPTH", "NOT_FINITE", "TOO_LARGE", "TORN", "escape", "parse_json"]
 
 MAX_DEPTH = 128
 """Deepest nesting of lists and objects; scene and glTF files need about ten."""
 
 
 NOT_FINITE = "is not a finite number"
-"""What is said of NaN, infinities and whole numbers beyond them."""
+"""What is said of NaN and infinities."""
+
+TOO_LARGE = f"is too large; at most {sys.float_info.max:.4g} may be"
+"""What is said of whole numbers beyond the greatest float."""
 
 TORN = "holds half of a character (a lone surrogate)"
 """What is said of a text that no file can hold."""
@@ -139,9 +142,15 @@ def _freed_of_faults(document: Any, file: str) -> tuple[Any, list[Issue]]:
             issues.append(Issue(file, pointer, TORN, "write the character"))
             holder[key] = value.encode("utf-8", "replace").decode()
         elif isinstance(value, int | float) and not abs(value) <= sys.float_info.max:
-            issues.append(Issue(file, pointer, f"{value} {NOT_FINITE}", "write a number"))
+            issues.append(_number_fault(value, file, pointer))
             holder[key] = value if isinstance(value, float) else math.inf if value > 0 else -math.inf
     return whole[0], issues
+
+
+def _number_fault(value: float, file: str, pointer: str) -> Issue:
+    if isinstance(value, int):
+        return Issue(file, pointer, f"{value} {TOO_LARGE}")
+    return Issue(file, pointer, f"{value} {NOT_FINITE}", "write a number")
 
 
 def _key_faults(value: dict[str, Any], file: str, pointer: str) -> list[Issue]:
