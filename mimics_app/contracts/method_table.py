@@ -1,17 +1,19 @@
 """The table of every method's cost and error: shipped with the product, and saved on a machine that measured itself.
 
-{"machine": {...}, "reference_us": {GROUP: us}, "groups": {GROUP: [{"method", "cost_us", "ratio", "error", "unit"}]}}
+{"machine": {...}, "reference_us": {GROUP: us},
+ "groups": {GROUP: [{"method", "cost_us", "ratio", "error", "unit", "settings"}]}}
 """
 
 from __future__ import annotations
 
 import json
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 from mimics_app.contracts import resources
+from mimics_app.contracts.methods import Settings
 
 __all__ = ["Row", "Table", "saved_file", "shipped_file"]
 
@@ -26,6 +28,7 @@ class Row:
         ratio: Cost as a multiple of the group's reference loop in the same run.
         error: In `unit`; infinite where the method fails at what it was measured on.
         unit: Unit of the error.
+        settings: What the product sets to run it, as in `Method.settings`.
     """
 
     method: str
@@ -33,6 +36,7 @@ class Row:
     ratio: float
     error: float
     unit: str
+    settings: Settings = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,4 +131,5 @@ def shipped_file() -> Path:
 
 def _row(data: dict[str, Any]) -> Row:
     error = math.inf if data["error"] is None else float(data["error"])
-    return Row(str(data["method"]), float(data["cost_us"]), float(data["ratio"]), error, str(data["unit"]))
+    cost_us, ratio = float(data["cost_us"]), float(data["ratio"])
+    return Row(str(data["method"]), cost_us, ratio, error, str(data["unit"]), dict(data["settings"]))

@@ -1,16 +1,19 @@
 """The Method registry: every algorithm that has a rival, with its measured cost and its measured error.
 
 A stage registers its rivals beside the code that implements them; the planner chooses the cheapest one inside a
-scene's tolerance; `mimics lab` measures and draws them. The functions registered are the very objects the loop runs.
+scene's tolerance and hands its settings on; `mimics lab` measures and draws them. Probes call the very functions that
+the loop runs. Names are for people: nothing is decided by them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
 
-__all__ = ["Group", "Method", "Registry", "registry"]
+__all__ = ["Group", "Method", "Registry", "Settings", "registry"]
+
+Settings = Mapping[str, object]
+"""What the product sets to run a method: values of JSON by field, in the words of the scene's own settings."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,9 +28,9 @@ class Method:
         error: Probe that returns the measured error in `unit` against a closed form or a brute-force reference.
         unit: Unit of the error, e.g. "m".
         valid_range: One line: where the method may be used.
-        run: The function the product calls.
         default: What the product uses unless a scene or the planner says otherwise; at most one of a group.
-        yardstick: Measured and drawn beside the others, never chosen: the product cannot run it.
+        settings: What makes the product run it; {} where it runs it always. None: the product cannot run it, and it is
+            a yardstick, measured and drawn beside the others but never chosen.
         growth: Probe of the cost [us per call] when the work has a given size; None where it does not grow.
         sizes: Sizes of the work to measure the growth at, ascending; what they count is the group's `work`.
     """
@@ -39,11 +42,15 @@ class Method:
     error: Callable[[], float]
     unit: str
     valid_range: str
-    run: Callable[..., Any]
+    settings: Settings | None
     default: bool = False
-    yardstick: bool = False
     growth: Callable[[int], float] | None = None
     sizes: tuple[int, ...] = ()
+
+    @property
+    def runnable(self) -> bool:
+        """Whether the product can run it; a yardstick otherwise."""
+        return self.settings is not None
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +64,7 @@ class Group:
         work: What a size counts, e.g. "pieces of the tunnel"; "" where the cost does not grow.
         reference: Probe of the group's reference loop [us per call], run right before the rivals so that the ratio
             holds on any machine.
+        few: Why no third rival is measured; "" where there are three.
     """
 
     name: str
@@ -64,6 +72,7 @@ class Group:
     unit: str
     work: str
     reference: Callable[[], float]
+    few: str = ""
 
 
 class Registry:
@@ -85,6 +94,8 @@ class Registry:
         group = self._groups.setdefault(method.group, {})
         if method.default and any(rival.default for rival in group.values()):
             raise ValueError(f'group "{method.group}" has two defaults, the second is "{method.name}"')
+        if method.default and not method.runnable:
+            raise ValueError(f'the product cannot run "{method.name}", the default of group "{method.group}"')
         if method.name in group:
             raise ValueError(f'method "{method.name}" is registered twice in group "{method.group}"')
         group[method.name] = method

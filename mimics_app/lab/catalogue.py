@@ -17,6 +17,7 @@ GROUPS = {
     "box face": "haptic.contact",
     "friction": "haptic.friction",
     "colliding bodies": "haptic.bodies",
+    "resting bodies": "haptic.bodies",
     "shape cull": "haptic.cull",
     "bounding geometry": "haptic.bounding",
     "mesh finger": "haptic.mesh",

@@ -37,7 +37,7 @@ _LEAST_ERROR = 1e-17
 def draw_chart(measured: MeasuredGroup) -> Figure:
     """The figure of a measured group."""
     rows = measured.rows
-    chosen_from = [row for row in rows if not row.method.yardstick]
+    chosen_from = [row for row in rows if row.method.runnable]
     front = [chosen_from[i].method.name for i in pareto_front([(row.cost_us, row.error) for row in chosen_from])]
     machine = str(describe_machine())
     name = measured.group.name
@@ -62,6 +62,7 @@ def draw_chart(measured: MeasuredGroup) -> Figure:
                 {"method": r.method.name, "source": r.method.source, "valid_range": r.method.valid_range} for r in rows
             ],
             "skipped": measured.skipped,
+            "few": measured.group.few,
         },
     )
 
@@ -98,7 +99,8 @@ def _draw(measured: MeasuredGroup, front: list[str], foot: str) -> str:
         panels.append(_growth_panel(measured, 0.56 * _WIDTH + 6.0, _HEAD, 0.44 * _WIDTH - 20.0))
     parts = [legend(20.0, 48.0, _entries(measured)), *(panel.svg() for panel in panels)]
     title = f"{measured.group.name}: cost against error"
-    return document(_WIDTH, _HEAD + high + _FOOT, title, parts, [measured.group.what, foot])
+    what = "; ".join(filter(None, (measured.group.what, measured.group.few)))
+    return document(_WIDTH, _HEAD + high + _FOOT, title, parts, [what, foot])
 
 
 def _entries(measured: MeasuredGroup) -> list[tuple[str, str, str]]:
@@ -108,7 +110,7 @@ def _entries(measured: MeasuredGroup) -> list[tuple[str, str, str]]:
         ("dot", "open", "beaten by another"),
         ("ring", "dot", "default"),
     ]
-    if any(row.method.yardstick for row in measured.rows):
+    if any(not row.method.runnable for row in measured.rows):
         entries.append(("dot", "open yardstick", "yardstick: drawn, never chosen"))
     if any(not math.isfinite(row.error) for row in measured.rows):
         entries.append(("cross", "cross", "fails"))
@@ -191,7 +193,7 @@ def _mark(panel: Panel, row: Measured, unit: _Unit, on_front: bool) -> None:
     error = max(row.error, panel.y.low)
     if method.default:
         panel.dot(cost, error, "ring", hover, _RING)
-    panel.dot(cost, error, "dot" if on_front else "open yardstick" if method.yardstick else "open", hover)
+    panel.dot(cost, error, "dot" if on_front else "open" if method.runnable else "open yardstick", hover)
     exact = " (error 0)" if row.error < panel.y.low else ""
     kind, clear = ("name strong", _RING - 4.0) if method.default else ("name", 0.0)
     panel.label(Label(cost, error, name + exact, kind, clear))

@@ -160,14 +160,14 @@ def fit_exponent(sizes: Sequence[float], costs: Sequence[float]) -> float:
 def to_table(groups: Sequence[MeasuredGroup]) -> Table:
     """The figures as the planner reads them: of what the product can run."""
     return Table(
-        groups={one.group.name: [_table_row(row) for row in one.rows if not row.method.yardstick] for one in groups},
+        groups={one.group.name: [_table_row(row) for row in one.rows if row.method.runnable] for one in groups},
         machine=describe_machine().as_dict(),
         reference_us={one.group.name: one.reference_us for one in groups},
     )
 
 
 def _table_row(row: Measured) -> Row:
-    return Row(row.method.name, row.cost_us, row.ratio, row.error, row.method.unit)
+    return Row(row.method.name, row.cost_us, row.ratio, row.error, row.method.unit, row.method.settings or {})
 
 
 def as_dict(measured: MeasuredGroup) -> dict[str, Any]:
@@ -180,6 +180,7 @@ def as_dict(measured: MeasuredGroup) -> dict[str, Any]:
             "error": row.error,
             "unit": row.method.unit,
             "default": row.method.default,
+            "settings": row.method.settings,
             "exponent": row.growth.exponent if row.growth else None,
             "growth": list(zip(row.growth.sizes, row.growth.cost_us, strict=True)) if row.growth else [],
         }

@@ -117,7 +117,7 @@ for _rate in RATES:
             error=partial(tap_leak, _rate),
             unit="J",
             valid_range=f"stable up to K = 2 b / T: {2 * 5 * _rate:g} N/m with b = 5 N s/m",
-            run=spring_damper,
+            settings={} if _rate == _OURS else None,
             default=_rate == _OURS,
         )
     )

@@ -119,7 +119,7 @@ for _kind in KINDS:
             error=partial(_lost, _kind),
             unit="share of parts",
             valid_range="up to 100 000 of each and 256 MiB in all",
-            run=load_gltf,
+            settings={},
             default=_kind == "meshes",
             growth=partial(_cost_us, _kind),
             sizes=_SIZES,

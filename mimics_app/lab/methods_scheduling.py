@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sys
 import threading
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -147,7 +147,7 @@ for _recipe, _source, _valid in (
             error=lambda recipe=_recipe: measure_recipe(recipe)[0],  # type: ignore[misc]
             unit="us late at the 99th percentile",
             valid_range=_valid,
-            run=partial(HapticEngine, recipe=_recipe),
+            settings={"recipe": _recipe},
             default=_recipe == "fifo",
         )
     )
@@ -160,7 +160,6 @@ registry.register(
         error=lambda: measure_thread()[0],
         unit="us late at the 99th percentile",
         valid_range="demonstration",
-        run=HapticEngine.advance,
-        yardstick=True,
+        settings=None,
     )
 )

@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 from mimics_app.contracts import ring
 from mimics_app.contracts.haptic import INBOX, SAMPLE, Projection
 from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.methods import Group, Method, Settings, registry
 from mimics_app.contracts.probe import shortest_us
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.replay import replay_ticks
 from mimics_app.rendering.haptic.scene_block import scene_from_components
+from mimics_app.rendering.haptic.scene_tunnel import PROJECTIONS
 from mimics_app.rendering.haptic.tunnel import TunnelCurve, build_tunnel
 from mimics_app.world.components.robot import Patient, Robot
 
@@ -117,7 +118,7 @@ def _false_force(projection: Projection | None) -> float:
     return float(np.max(np.linalg.norm(_forces(projection) - _forces(other), axis=1)))
 
 
-def _register(name: str, projection: Projection | None) -> None:
+def _register(name: str, projection: Projection | None, settings: Settings) -> None:
     registry.register(
         Method(
             group=GROUP,
@@ -129,7 +130,7 @@ def _register(name: str, projection: Projection | None) -> None:
             error=partial(_false_force, projection),
             unit="N",
             valid_range="one tunnel, one ball, the simulated robot",
-            run=HapticEngine.advance,
+            settings=settings,
             default=projection is Projection.NEWTON_WARM,
         )
     )
@@ -144,11 +145,6 @@ registry.describe(
         reference=reference_us,
     )
 )
-for _projection in (
-    Projection.NEWTON_WARM,
-    Projection.NEWTON_ONE_STEP,
-    Projection.GOLDEN_SECTION,
-    Projection.BRUTE_FORCE,
-):
-    _register(_projection.name.lower().replace("_", " "), _projection)
-_register(NO_TUNNEL, None)
+for _word, _projection in PROJECTIONS.items():
+    _register(_word, _projection, {"projection": _word})
+_register(NO_TUNNEL, None, {})

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -25,11 +26,17 @@ def robot_block(scene: Scene) -> NDArray[Any]:
     """A SCENE record of the scene's robot, controller, ball and limits, shape [1]."""
     return scene_from_components(
         scene.one(Robot)[1],
-        scene.first(Admittance),
+        _planned(scene.first(Admittance) or Admittance(), scene),
         scene.first(Ball),
         scene.first(Safety),
         scene.first(WorldPd) or scene.first(JointPd),
     )
+
+
+def _planned(admittance: Admittance, scene: Scene) -> Admittance:
+    """Admittance control in the form the planner chose, where the scene leaves it open."""
+    chosen = scene.methods.get("admittance form", {})
+    return msgspec.structs.replace(admittance, **chosen) if admittance.form == "auto" else admittance
 
 
 class Places(Mapping[str, Vec3]):

@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import Projection
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.scenario_port import Scenario, TaskContext
 from mimics_app.maths.quat import from_matrix
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
-from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
+from mimics_app.rendering.haptic.scene_tunnel import PROJECTIONS, tunnel_of_scene
 from mimics_app.scenarios.body_nodes import BodyNodes
 from mimics_app.scenarios.robot_scene import Places, robot_block, start_at
 from mimics_app.world.components.robot import Ball, Robot, Tunnel
@@ -97,7 +96,7 @@ class WavyTunnel(Scenario):
         self._curve.fill(record)
         for name in _FORCES:
             record[name] = getattr(self._tunnel, name)
-        record["projection"] = Projection[self._projection.upper().replace(" ", "_")]
+        record["projection"] = PROJECTIONS[self._projection]
         return block
 
     @property
@@ -106,7 +105,7 @@ class WavyTunnel(Scenario):
         settings = self._scene.system(HapticSettings)
         if settings is not None and settings.projection != "auto":
             return settings.projection
-        return self._scene.methods.get("tunnel projection", "newton warm")
+        return str(self._scene.methods.get("tunnel projection", {}).get("projection", "newton warm"))
 
     def apply(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         self._bodies.follow(snapshot.poses)

@@ -14,7 +14,8 @@ from xml.etree import ElementTree
 import pytest
 
 from mimics_app.app.cli import main
-from mimics_app.contracts.methods import Group, Method
+from mimics_app.contracts.method_table import Table
+from mimics_app.contracts.methods import Group, Method, Registry
 from mimics_app.lab.chart import draw_chart
 from mimics_app.lab.experiment import Experiment, Outcome, largest_disagreement
 from mimics_app.lab.figure import write_figure
@@ -255,3 +256,27 @@ def test_measure_prints_one_object_and_saves_where_it_is_asked_to(monkeypatch, t
     group = answer["groups"]["admittance form"]
     assert {one["method"] for one in group["rows"]} == {"cartesian", "polar", "seed"}
     assert group["reference_us"] > 0.0 and (tmp_path / "methods.json").is_file()
+
+
+def test_shipped_charts_and_the_shipped_table_are_of_one_measurement(monkeypatch, tmp_path):
+    registry, table_file = planted_registry(), tmp_path / "table" / "methods.json"
+    monkeypatch.setattr("mimics_app.lab.catalogue.load_methods", lambda _: registry)
+    monkeypatch.setattr("mimics_app.app.commands.lab._groups", lambda _: ["sums"])
+    monkeypatch.setattr("mimics_app.app.commands.lab._folder", lambda _: tmp_path)
+    monkeypatch.setattr("mimics_app.contracts.method_table.shipped_file", lambda: table_file)
+    Table({}, {}, {}).save(table_file)
+    assert main(["lab", "chart", "sums", "--shipped"]) == 0
+    drawn = json.loads((tmp_path / "sums.json").read_text())["rows"]
+    (row,) = Table.load(table_file).groups["sums"]
+    assert {one["method"]: one["cost_ns"] for one in drawn}[row.method] == pytest.approx(1e3 * row.cost_us)
+    assert (row.method, row.settings) == ("ours", {"way": 1})
+
+
+def planted_registry() -> Registry:
+    """One that runs, and a yardstick."""
+    registry, costs = Registry(), iter((3.0, 5.0, 7.0, 11.0))
+    registry.describe(Group("sums", "adding", "m", "", lambda: 1.0, few="planted"))
+    for name, settings in (("ours", {"way": 1}), ("yardstick", None)):
+        method = Method("sums", name, "planted", lambda: next(costs), lambda: 1e-3, "m", "any", settings)
+        registry.register(method)
+    return registry

@@ -26,7 +26,7 @@ def planted(**methods: Method) -> Registry:
 
 
 def method(name: str, cost: float, error: float, **more: object) -> Method:
-    return Method(GROUP, name, "planted", lambda: cost, lambda: error, "m", "anywhere", sum, **more)  # type: ignore[arg-type]
+    return Method(GROUP, name, "planted", lambda: cost, lambda: error, "m", "anywhere", **{"settings": {}, **more})  # type: ignore[arg-type]
 
 
 def test_front_holds_what_nothing_beats_cheapest_first():
@@ -128,7 +128,7 @@ def test_planted_rival_at_half_the_cost_is_chosen_and_at_ten_times_the_error_dro
 
 
 def test_a_yardstick_is_measured_but_no_table_offers_it():
-    registry = planted(a=method("ours", 2.0, 5e-7), b=method("rival", 1.0, 5e-7, yardstick=True))
+    registry = planted(a=method("ours", 2.0, 5e-7), b=method("rival", 1.0, 5e-7, settings=None))
     assert len(measure(GROUP, registry).rows) == 2
     assert _chosen(registry, 1e-6) == "ours"
 

@@ -8,18 +8,27 @@ from itertools import pairwise
 from pathlib import Path
 from typing import get_args, get_type_hints
 
+import msgspec
 import pytest
 
+from mimics_app.app.picture.methods import with_methods
 from mimics_app.app.planner.explain import OF_OBJECTS, TICK_GROUP, describe_plan, explain_plan
 from mimics_app.app.planner.plan import choose, load_table, plan_scene, settle
 from mimics_app.app.planner.tolerances import BY_PROFILE, FIELD_OF_UNIT, tolerances_of
-from mimics_app.app.planner.uses import USES
+from mimics_app.app.planner.uses import NOT_PLANNED, USES
 from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.settings import PROFILES
-from mimics_app.contracts.haptic import Projection
+from mimics_app.contracts.haptic import AdmittanceForm, Projection
+from mimics_app.contracts.haptic_objects import ObjectIntegrator
 from mimics_app.contracts.method_table import Row, Table
 from mimics_app.contracts.resources import root
+from mimics_app.lab.catalogue import GROUPS, load_methods
+from mimics_app.rendering.haptic.scene_objects import objects_of_scene
+from mimics_app.rendering.haptic.scene_tunnel import PROJECTIONS
+from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.scenarios.robot_scene import robot_block
+from mimics_app.world.components.objects import HapticObject
 from mimics_app.world.components.systems import HapticSettings, Tolerances
 from mimics_app.world.scene.file import build_world
 
@@ -36,22 +45,36 @@ PART_KEYS = [
     "too_dear",
     "more_ms",
     "note",
+    "within",
+    "tick_us",
 ]
 
 
-def row(method: str, cost_us: float, error: float, unit: str) -> Row:
-    return Row(method, cost_us, cost_us, error, unit)
+def row(method: str, cost_us: float, error: float, unit: str, **settings: object) -> Row:
+    return Row(method, cost_us, cost_us, error, unit, settings)
+
+
+def projection(word: str, cost_us: float, error: float) -> Row:
+    return row(word, cost_us, error, "m", projection=word)
 
 
 def planted(**changed: list[Row]) -> Table:
     """Two methods a group: a quick one that is wrong by 1e-4 of the unit (200 us), a slow one by 1e-9 (10 us)."""
     groups = {
-        "tunnel projection": [row("newton one step", 1.0, 1e-4, "m"), row("newton warm", 2.0, 1e-9, "m")],
-        "tunnel frame": [row("frenet", 1.0, 1.5, "rad"), row("double reflection", 2.0, 1e-9, "rad")],
-        "admittance form": [row("seed", 1.0, 2.0, "N"), row("cartesian", 2.0, 1e-9, "N")],
+        "tunnel projection": [projection("newton one step", 1.0, 1e-4), projection("newton warm", 2.0, 1e-9)],
+        "tunnel frame": [row("double reflection", 2.0, 1e-9, "rad")],
+        "admittance form": [
+            row("seed", 0.5, 2.0, "N", form="seed"),
+            row("polar", 1.0, 2e-3, "N", form="polar"),
+            row("cartesian", 2.0, 1e-9, "N", form="cartesian"),
+        ],
+        "colliding bodies": [
+            row("exact drag", 1.0, 0.05, "restitution", integrator="exact_drag"),
+            row("semi-implicit", 2.0, 0.018, "restitution", integrator="semi_implicit"),
+        ],
         "spatialiser": [
-            row("stereo", 10.0, 200.0, "us of interaural delay"),
-            row("hrtf", 40.0, 10.0, "us of interaural delay"),
+            row("stereo", 10.0, 200.0, "us of interaural delay", hrtf=False),
+            row("hrtf", 40.0, 10.0, "us of interaural delay", hrtf=True),
         ],
     }
     return Table({**groups, **{name.replace("_", " "): rows for name, rows in changed.items()}}, {}, {})
@@ -60,6 +83,14 @@ def planted(**changed: list[Row]) -> Table:
 @pytest.fixture
 def scene():
     return load_checked_scene(SCENE)
+
+
+def leave_open(scene) -> None:
+    """The form of the admittance and the integrator are the planner's, and there is a body that moves."""
+    for entity in scene.entities:
+        if "admittance" in entity.components:
+            entity.components["admittance"] = msgspec.structs.replace(entity.components["admittance"], form="auto")
+    scene.entities[0].components["haptic_object"] = HapticObject(stiffness=1000.0, damping=5.0)
 
 
 def accepting(scene, **tolerances: float):
@@ -93,7 +124,7 @@ def test_the_order_of_the_table_decides_nothing():
     assert choose(rivals, 1e-6).method == "c"
 
 
-LOOSE = {"force_N": 10.0, "position_m": 1e-3, "angle_rad": 1e-2, "itd_us": 700.0, "frame_ms": 17.0}
+LOOSE = {"force_N": 10.0, "restitution": 0.1, "position_m": 1e-3, "angle_rad": 1e-2, "itd_us": 700.0, "frame_ms": 17.0}
 
 
 @pytest.mark.parametrize(
@@ -101,11 +132,13 @@ LOOSE = {"force_N": 10.0, "position_m": 1e-3, "angle_rad": 1e-2, "itd_us": 700.0
     [
         ("position_m", 1e-6, {"tunnel projection": "newton warm"}),
         ("itd_us", 50.0, {"spatialiser": "hrtf"}),
-        ("force_N", 1e-3, {}),  # the form is the scene's own word
+        ("force_N", 1e-3, {"admittance form": "cartesian"}),
+        ("restitution", 0.02, {"colliding bodies": "semi-implicit"}),
         ("frame_ms", 1.0, {}),
     ],
 )
 def test_tightening_one_tolerance_moves_exactly_the_methods_that_must_move(scene, field, value, moved):
+    leave_open(scene)
     loose = plan_scene(accepting(scene, **LOOSE), "draft", planted()).methods
     assert loose["tunnel projection"] == "newton one step" and loose["spatialiser"] == "stereo"
     tight = plan_scene(accepting(scene, **{**LOOSE, field: value}), "draft", planted()).methods
@@ -123,17 +156,99 @@ def test_scene_wins_over_planner_and_is_told(scene):
 def test_a_method_the_scene_names_runs_although_the_table_lacks_it(scene):
     scene.systems["haptic"] = HapticSettings(projection="brute force")
     plan = plan_scene(scene, "training", planted())
-    assert plan.methods["tunnel projection"] == "brute force"
+    assert plan.settings["tunnel projection"] == {"projection": "brute force"}
     json.dumps(describe_plan(scene, plan))
 
 
 @pytest.mark.parametrize("name", ["newton one step", "newton warm"])
 def test_what_is_chosen_is_what_runs(scene, name, monkeypatch):
-    table = planted(tunnel_projection=[row(name, 1.0, 1e-12, "m"), row("golden section", 2.0, 1e-12, "m")])
+    table = planted(tunnel_projection=[projection(name, 1.0, 1e-12), projection("golden section", 2.0, 1e-12)])
     monkeypatch.setattr("mimics_app.app.planner.plan.load_table", lambda: (table, "planted"))
     settle(scene, "study")
     block = open_scenario(scene, build_world(scene)).scene_block()
-    assert Projection(block[0]["tunnel"]["projection"]) is Projection[name.upper().replace(" ", "_")]
+    assert Projection(block[0]["tunnel"]["projection"]) is PROJECTIONS[name]
+
+
+def renamed(table: Table) -> Table:
+    """The same figures and settings under names that nobody ever wrote."""
+    groups = {
+        group: [replace(r, method=f"no. {k}") for k, r in enumerate(rows)] for group, rows in table.groups.items()
+    }
+    return replace(table, groups=groups)
+
+
+@pytest.mark.parametrize("name", ["wavy_tunnel", "pick_and_place", "city_walk"])
+@pytest.mark.parametrize("profile", PROFILES)
+def test_the_product_runs_the_same_under_other_names_of_the_methods(name, profile):
+    table = Table.load_shipped()
+    scene = load_checked_scene(root() / "scenes" / f"{name}.json")
+    ours, theirs = (plan_scene(scene, profile, each, 640 * 360) for each in (table, renamed(table)))
+    assert ours.settings == theirs.settings and ours.methods != theirs.methods
+    assert with_methods(RenderSettings(), ours.settings) == with_methods(RenderSettings(), theirs.settings)
+    parts = describe_plan(scene, ours)["parts"], describe_plan(scene, theirs)["parts"]
+    assert [part["tick_us"] for part in parts[0]] == [part["tick_us"] for part in parts[1]]
+
+
+@pytest.mark.parametrize("word", PROJECTIONS)
+def test_a_renamed_projection_runs_as_its_settings_say(scene, word, monkeypatch):
+    table = planted(tunnel_projection=[row("anything", 1.0, 1e-12, "m", projection=word)])
+    monkeypatch.setattr("mimics_app.app.planner.plan.load_table", lambda: (table, "planted"))
+    settle(scene, "study")
+    block = open_scenario(scene, build_world(scene)).scene_block()
+    assert Projection(block[0]["tunnel"]["projection"]) is PROJECTIONS[word]
+
+
+@pytest.mark.parametrize(("word", "form"), [("polar", AdmittanceForm.POLAR), ("cartesian", AdmittanceForm.CARTESIAN)])
+def test_the_form_that_is_chosen_is_what_runs(scene, word, form, monkeypatch):
+    leave_open(scene)
+    table = planted(admittance_form=[row("anything", 1.0, 1e-12, "N", form=word)])
+    monkeypatch.setattr("mimics_app.app.planner.plan.load_table", lambda: (table, "planted"))
+    settle(scene, "study")
+    assert robot_block(scene)[0]["form"] == form
+
+
+@pytest.mark.parametrize("word", ["exact_drag", "semi_implicit"])
+def test_the_integrator_that_is_chosen_is_what_runs(word):
+    """Also where the rows were worked out once already, before there was a plan."""
+    scene = load_checked_scene(root() / "scenes" / "examples" / "free_objects.json")
+    scene.methods = {"colliding bodies": {"integrator": word}}
+    bodies = objects_of_scene(scene).rows.bodies
+    assert len(bodies) and set(bodies["integrator"]) == {ObjectIntegrator[word.upper()]}
+
+
+def test_an_integrator_that_needs_more_damping_is_never_chosen_by_itself(scene):
+    """exact_drag keeps a contact of 1000 N/m still only with b > k h/2: at 0.1 N s/m it would gain energy."""
+    leave_open(scene)
+    scene.entities[0].components["haptic_object"] = HapticObject(stiffness=1000.0, damping=0.1)
+    plan = plan_scene(accepting(scene, restitution=1.0), "draft", planted())
+    assert plan.settings["colliding bodies"] == {"integrator": "semi_implicit"}
+
+
+def test_the_printed_form_runs_only_where_a_scene_asks_for_it(scene):
+    leave_open(scene)
+    assert plan_scene(accepting(scene, force_N=100.0), "draft", planted()).methods["admittance form"] == "polar"
+
+
+def test_the_planner_knows_every_group_with_two_rivals_that_run():
+    registry = load_methods()
+    rivals = {
+        group: [method for method in registry.rivals(group) if method.runnable]
+        for group in registry.groups()
+        if group in GROUPS
+    }
+    assert {group for group, some in rivals.items() if len(some) > 1} == (
+        {group for group in USES if len(rivals[group]) > 1} | set(NOT_PLANNED)
+    )
+    assert not set(USES) & set(NOT_PLANNED) and set(USES) <= set(rivals)
+
+
+def test_the_shipped_table_has_the_rivals_that_run_and_their_settings():
+    """But `2 samples`: the driver it was measured with takes 4 for them."""
+    registry, table = load_methods(), Table.load_shipped()
+    for group, rows in table.groups.items():
+        runnable = {method.name: method.settings for method in registry.rivals(group) if method.runnable}
+        runnable.pop("2 samples", None)
+        assert {r.method: r.settings for r in rows} == runnable, group
 
 
 def test_without_a_plan_the_tunnel_runs_the_tracked_newton(scene):
@@ -152,10 +267,15 @@ def test_shipped_table_draft_and_study_choose_differently(scene):
 
 def test_shipped_table_knows_every_method_a_scene_may_name():
     groups = Table.load_shipped().groups
+
+    def stated(group: str, field: str) -> set[object]:
+        return {r.settings[field] for r in groups[group]}
+
     names = get_args(get_args(get_type_hints(HapticSettings, include_extras=True)["projection"])[0])
-    assert set(names) - {"auto"} == {r.method for r in groups["tunnel projection"]}
-    assert {"cartesian", "polar", "seed"} <= {r.method for r in groups["admittance form"]}
-    assert {"hrtf", "stereo"} <= {r.method for r in groups["spatialiser"]}
+    assert set(names) - {"auto"} == set(PROJECTIONS) == stated("tunnel projection", "projection")
+    assert {"cartesian", "polar", "seed"} == stated("admittance form", "form")
+    assert {"semi_implicit", "explicit", "exact_drag", "implicit_midpoint"} == stated("colliding bodies", "integrator")
+    assert {True, False} == stated("spatialiser", "hrtf")
     assert {*OF_OBJECTS, TICK_GROUP} <= set(groups)
     for group in USES:
         assert len({FIELD_OF_UNIT[r.unit] for r in groups[group]}) == 1, group
@@ -224,6 +344,35 @@ def test_saved_table_stands_before_the_shipped_one_and_is_named(monkeypatch):
     assert table.groups["spatialiser"] == Table.load_shipped().groups["spatialiser"]
     monkeypatch.setattr(Table, "load_saved", classmethod(lambda cls: None))
     assert load_table()[1] == "shipped"
+
+
+def test_a_table_saved_before_methods_had_settings_is_passed_over(tmp_path, monkeypatch):
+    old = {"method": "newton warm", "cost_us": 1.0, "ratio": 1.0, "error": 0.0, "unit": "m"}
+    file = tmp_path / "saved.json"
+    file.write_text(json.dumps({"machine": {}, "reference_us": {}, "groups": {"tunnel projection": [old]}}))
+    monkeypatch.setattr("mimics_app.contracts.method_table.saved_file", lambda: file)
+    assert load_table()[1] == "shipped"
+
+
+@pytest.mark.parametrize(
+    ("name", "wanted"),
+    [
+        ("wavy_tunnel", {"haptic tick, all of it", "motion of the virtual mass", "direction of sounds"}),
+        (
+            "pick_and_place",
+            {"force of a contact", "friction of a contact", "bodies that move and collide", "bodies, at rest", "grip"}
+            | {"motion of the virtual mass", "turning of bodies", "touching a shape", "direction of sounds"},
+        ),
+        ("examples/springs_and_magnets", {"effects and force fields", "motion of the virtual mass"}),
+        ("examples/surfaces", {"force of a contact", "friction of a contact", "touching a shape"}),
+    ],
+)
+def test_every_part_that_runs_is_listed(name, wanted):
+    scene = load_checked_scene(root() / "scenes" / f"{name}.json")
+    parts = describe_plan(scene, plan_scene(scene, "training", Table.load_shipped()))["parts"]
+    assert wanted <= {part["part"] for part in parts}
+    alone = {part["group"] for part in parts if "no rival" in part["note"]}
+    assert alone <= {"friction", "rotation update", "tunnel frame", ""}
 
 
 def test_tolerance_of_zero_is_refused_with_its_place(tmp_path: Path):

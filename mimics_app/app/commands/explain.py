@@ -61,7 +61,7 @@ def _say(answer: dict[str, Any], plan: Plan) -> None:
     overruled = {choice.group: choice.planner.method for choice in plan.choices if choice.planner is not None}
     for part in answer["parts"]:
         error = _error_of(part)
-        print(f"runs      {part['part']}: {part['method']}, {_cost_of(part)}{error}")
+        print(f"runs      {part['part']}: {part['method']}, {_cost_of(part)}{_whole_of(part)}{error}")
         if part["note"]:
             print(f"          {part['note']}")
         if part["group"] in overruled:
@@ -71,6 +71,9 @@ def _say(answer: dict[str, Any], plan: Plan) -> None:
             print(f"          cheaper but refused: {refused['method']}, error {refused['error']:.2g} {part['unit']}")
         if part["too_dear"]:
             print(f"          better but too dear: {_too_dear(part['too_dear'], part['unit'])}")
+    told = [part["tick_us"] for part in answer["parts"] if part["tick_us"] is not None]
+    if told:
+        print(f"in all    a tick of the haptic loop, bodies at rest: {_time_of(sum(told))}")
     for left in answer["left_out"]:
         saved = "" if left["saved_us"] is None else f" ({_time_of(left['saved_us'])} saved)"
         print(f"not used  {left['part']}: {left['why']}{saved}")
@@ -82,6 +85,14 @@ def _cost_of(part: dict[str, Any]) -> str:
         return "not in the table"
     more = part["more_ms"]
     return _time_of(part["cost_us"]) if more is None else f"{more:.3g} ms a frame more than the cheapest"
+
+
+def _whole_of(part: dict[str, Any]) -> str:
+    """Which other part's cost holds it, or what a tick pays for all of them."""
+    if part["within"]:
+        return f" (part of: {part['within']})"
+    paid = part["tick_us"]
+    return f" each, {_time_of(paid)} a tick" if paid is not None and paid > part["cost_us"] else ""
 
 
 def _time_of(us: float) -> str:

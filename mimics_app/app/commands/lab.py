@@ -33,7 +33,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--shipped",
         action="store_true",
-        help="renew what the product ships with, in a checkout: of measure its table, else docs/charts",
+        help="renew what the product ships with, in a checkout: of measure its table, of chart the table and "
+        "docs/charts from one measurement, of stability docs/charts",
     )
     parser.add_argument(
         "--rounds",
@@ -109,13 +110,9 @@ def _measure(groups: list[str], rounds: int) -> list[MeasuredGroup]:
 def _show_table(args: argparse.Namespace, measured: list[MeasuredGroup]) -> int:
     from mimics_app.app.terminal import output
     from mimics_app.contracts.machine import describe_machine
-    from mimics_app.contracts.method_table import Table, shipped_file
-    from mimics_app.lab.measure import as_dict, to_table
+    from mimics_app.lab.measure import as_dict
 
-    saved = None
-    if args.save or args.shipped:
-        newer, older = to_table(measured), Table.load_shipped() if args.shipped else Table.load_saved()
-        saved = (older.with_groups(newer) if older else newer).save(shipped_file() if args.shipped else None)
+    saved = _save_table(measured, shipped=args.shipped) if args.save or args.shipped else None
     if args.json:
         groups = {one.group.name: as_dict(one) for one in measured}
         output.write_object("lab", {"machine": describe_machine().as_dict(), "groups": groups, "saved": saved})
@@ -126,6 +123,15 @@ def _show_table(args: argparse.Namespace, measured: list[MeasuredGroup]) -> int:
     if args.save or args.shipped:
         print(f"saved in {saved}" if saved else "not saved: no folder of this user can be written")
     return 0
+
+
+def _save_table(measured: list[MeasuredGroup], *, shipped: bool) -> Path | None:
+    """Put the figures of these groups into the shipped table, or into this machine's own; where it is."""
+    from mimics_app.contracts.method_table import Table, shipped_file
+    from mimics_app.lab.measure import to_table
+
+    newer, older = to_table(measured), Table.load_shipped() if shipped else Table.load_saved()
+    return (older.with_groups(newer) if older else newer).save(shipped_file() if shipped else None)
 
 
 def _say_group(one: MeasuredGroup) -> None:
@@ -143,6 +149,8 @@ def _say_group(one: MeasuredGroup) -> None:
 def _chart(args: argparse.Namespace, measured: list[MeasuredGroup]) -> int:
     from mimics_app.lab.chart import draw_chart
 
+    if args.shipped:  # charts and the planner's table are of one measurement
+        _save_table(measured, shipped=True)
     return _write(args, [draw_chart(one) for one in measured])
 
 

@@ -1,51 +1,39 @@
-"""What the renderer is told of the methods that were chosen for a picture."""
+"""What the renderer is set to by the methods that were chosen for a picture."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, get_args
+from typing import Any
 
-from mimics_app.rendering.visual.settings import Occlusion, RenderSettings
+from mimics_app.contracts.methods import Settings
+from mimics_app.rendering.visual.settings import RenderSettings
 
 __all__ = ["with_methods"]
 
+_FIELDS: Mapping[str, tuple[str, ...]] = {
+    "anti aliasing": ("msaa", "fxaa"),
+    "sun shadows": ("shadows", "shadow_size"),
+    "ambient occlusion": ("ambient_occlusion",),
+    "bloom": ("bloom",),
+    "occlusion": ("occlusion",),
+    "level of detail": ("detail",),
+}
+"""Fields of the renderer's settings that the methods of a group may set; how cascades are placed is the scene's."""
 
-def with_methods(settings: RenderSettings, methods: Mapping[str, str]) -> RenderSettings:
+
+def with_methods(settings: RenderSettings, methods: Mapping[str, Settings]) -> RenderSettings:
     """Settings in which each group's method is the one that was chosen.
 
     Args:
         settings: What the scene asks for.
-        methods: Method by group of the laboratory; groups of something else than the picture are passed over.
+        methods: Settings of the chosen method by group of the laboratory; groups of something else than the picture are
+            passed over, and a method that says nothing of a field leaves it to the scene.
     """
-    changes: dict[str, Any] = {}
-    if "anti aliasing" in methods:
-        changes |= _edges(methods["anti aliasing"])
-    if "sun shadows" in methods:
-        changes |= _shadows(methods["sun shadows"])
-    if methods.get("ambient occlusion") == "none":
-        changes["ambient_occlusion"] = 0.0
-    if methods.get("bloom") == "none":
-        changes["bloom"] = 0.0
-    if methods.get("occlusion") in get_args(Occlusion):
-        changes["occlusion"] = methods["occlusion"]
-    if "level of detail" in methods:
-        changes["detail"] = _detail(methods["level of detail"])
+    changes: dict[str, Any] = {
+        field: methods[group][field]
+        for group, fields in _FIELDS.items()
+        for field in fields
+        if field in methods.get(group, {})
+    }
     return replace(settings, **changes)
-
-
-def _edges(method: str) -> dict[str, Any]:
-    """From "none", "filter", "4 samples" or "4 samples, filter"."""
-    samples = method.split()[0]
-    return {"msaa": int(samples) if samples.isdigit() else 0, "fxaa": method.endswith("filter")}
-
-
-def _shadows(method: str) -> dict[str, Any]:
-    """From "map 512", "cascades 2048" or "stencil additive"; whether maps darken the picture is the scene's to say."""
-    kind, how = method.split()
-    return {"shadows": f"stencil_{how}"} if kind == "stencil" else {"shadow_size": int(how)}
-
-
-def _detail(method: str) -> float:
-    """From "as authored" or "2 times as far"."""
-    return 1.0 if method == "as authored" else float(method.split()[0])

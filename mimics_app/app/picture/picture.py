@@ -74,7 +74,7 @@ def picture_quality(scene: Scene, profile: Profile, pixels: int = 0) -> RenderSe
         fog_density=visual.fog_density,
         profile=profile,
     )
-    return with_methods(wanted, plan_scene(scene, profile, pixels=pixels).methods)
+    return with_methods(wanted, plan_scene(scene, profile, pixels=pixels).settings)
 
 
 class Picture:

@@ -10,10 +10,20 @@ from typing import Any
 import msgspec
 
 from mimics_app.app.planner.plan import Choice, Dearer, Plan
-from mimics_app.app.planner.uses import USES, shadow_distance_of, visual_of
+from mimics_app.app.planner.uses import (
+    TOUCH,
+    USES,
+    WHOLE_TICK,
+    grips,
+    points_of,
+    shadow_distance_of,
+    touched_shape,
+    visual_of,
+)
 from mimics_app.contracts.method_table import Row, Table
+from mimics_app.contracts.methods import Settings
 from mimics_app.world.components.effects import Billboard, Particles, Projector
-from mimics_app.world.components.objects import HapticObject, HapticWalls
+from mimics_app.world.components.objects import ForceField, HapticEffect, HapticObject, HapticPath, HapticWalls
 from mimics_app.world.components.pictures import Inset, Mirror, Screen
 from mimics_app.world.components.robot import Tunnel
 from mimics_app.world.components.visible import LightComponent, Sound, SoundEmitter
@@ -24,7 +34,11 @@ __all__ = ["OF_OBJECTS", "TICK_GROUP", "LeftOut", "Part", "describe_plan", "expl
 TICK_GROUP = "haptic tick"
 """Group of the table that holds the whole tick, by the projection in it."""
 
-_NO_TUNNEL = "no tunnel"
+_SHAPES = "bounding geometry"
+_OF_TICK = ("resting bodies",)
+"""Groups whose cost adds to that of the whole tick."""
+
+_IN_TICK = "device, kinematics, controller, safety limits, passivity controller, stability margin and records in it"
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +58,9 @@ class Part:
             would take longer than with the cheapest, and what there was for it; None where time does not decide.
         more_ms: What a frame takes longer than with the cheapest [ms]; None where no frame has to keep time.
         note: How it is used, where the method's name does not say; "" for nothing.
+        within: The part whose cost holds this one's; "" where it stands for itself.
+        tick_us: What it adds to a tick of the haptic loop [us]; None where it is held by another part, or is no part of
+            the loop. Their sum is the cost of the whole tick.
     """
 
     part: str
@@ -57,6 +74,8 @@ class Part:
     too_dear: dict[str, Any] | None = None
     more_ms: float | None = None
     note: str = ""
+    within: str = ""
+    tick_us: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,8 +126,19 @@ def _part(scene: Scene, choice: Choice, plan: Plan) -> Part:
         next_cheaper=None if refused is None else {"method": refused.method, "error": refused.error},
         too_dear=None if dearer is None else _too_dear(dearer),
         more_ms=choice.more_ms if timed else None,
-        note=_seen_to(scene) if choice.taken.method.startswith("cascades") else "",
+        note=_note(scene, choice, plan),
+        within=USES[choice.group].within,
+        tick_us=taken.cost_us * USES[choice.group].count(scene) if choice.group in _OF_TICK else None,
     )
+
+
+def _note(scene: Scene, choice: Choice, plan: Plan) -> str:
+    if choice.taken.settings.get("cascaded"):
+        return _seen_to(scene)
+    return _ALONE if len(plan.table.groups[choice.group]) == 1 else ""
+
+
+_ALONE = "no rival that the product can run"
 
 
 def _seen_to(scene: Scene) -> str:
@@ -130,20 +160,39 @@ def _tick_parts(scene: Scene, plan: Plan) -> list[Part]:
     """The whole haptic tick, where the table has it and somebody plays the scene."""
     if scene.scenario == _NOBODY:
         return []
-    method = plan.methods.get("tunnel projection", _NO_TUNNEL) if scene.has(Tunnel) else _NO_TUNNEL
-    row = _row(plan.table, TICK_GROUP, method)
+    row = _tick_row(plan.table, plan.settings.get("tunnel projection", {}))
     if row is None:
         return []
-    what = "haptic tick without its objects" if _has_objects(scene) else "haptic tick, all of it"
-    return [Part(what, TICK_GROUP, method, row.cost_us, None, "", None, None)]
+    some = _has_objects(scene)
+    what = f"{WHOLE_TICK} without its objects" if some else f"{WHOLE_TICK}, all of it"
+    part = Part(what, TICK_GROUP, row.method, row.cost_us, None, "", None, None, note=_IN_TICK, tick_us=row.cost_us)
+    return [part, *(_touch_parts(scene, plan) if some else []), *_parts_without_figures(scene)]
+
+
+def _parts_without_figures(scene: Scene) -> list[Part]:
+    """What runs in the loop without a rival, so that the table has no figures of it."""
+    acting = sum(scene.has(kind) for kind in (HapticEffect, ForceField, HapticPath))
+    running = [("effects and force fields", "every tick, each", acting), ("grip", "between fingers", grips(scene))]
+    return [Part(what, "", how, None, None, "", None, None, note=_ALONE) for what, how, some in running if some]
+
+
+def _touch_parts(scene: Scene, plan: Plan) -> list[Part]:
+    """Touching a shape with each point of contact: found, felt, with its law and friction."""
+    rows = plan.table.groups.get(_SHAPES, [])
+    row = next((row for row in rows if row.settings["shape"] == touched_shape(scene)), None)
+    if row is None:
+        return []
+    whole = row.cost_us * points_of(scene)
+    return [Part(TOUCH, _SHAPES, row.method, row.cost_us, None, "", None, None, tick_us=whole)]
 
 
 def _has_objects(scene: Scene) -> bool:
     return scene.has(HapticObject) or scene.has(HapticWalls)
 
 
-def _row(table: Table, group: str, method: str) -> Row | None:
-    return next((row for row in table.groups.get(group, []) if row.method == method), None)
+def _tick_row(table: Table, settings: Settings) -> Row | None:
+    """The whole tick with this projection of a tunnel; {}: without a tunnel."""
+    return next((row for row in table.groups.get(TICK_GROUP, []) if row.settings == settings), None)
 
 
 def _left_out(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None]) -> list[LeftOut]:
@@ -151,7 +200,7 @@ def _left_out(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None]) -
     table = plan.table
     absent: list[tuple[type[msgspec.Struct], str, str, float | None]] = [
         (Sound, "sound process, per block of 5 ms", "no entity has a sound", _cheapest(table, "spatialiser")),
-        (SoundEmitter, "sound emitters", "no entity has a sound_emitter", _emitters_us(table, plan)),
+        (SoundEmitter, "sound emitters", "no entity has a sound_emitter", _emitters_us(plan)),
         (Billboard, "billboards, per frame", "no entity has a billboard", None),
         (Particles, "particles, per frame", "no entity has particles", None),
         (Projector, "decals and slides, per frame", "no entity has a projector", None),
@@ -185,7 +234,7 @@ def _filters_left_out(scene: Scene, plan: Plan) -> list[LeftOut]:
         )
         if not used
     ]
-    if not plan.methods.get("anti aliasing", "filter").endswith("filter"):
+    if not plan.settings.get("anti aliasing", {"fxaa": True})["fxaa"]:
         left.append(LeftOut("filter of edges, per frame", "see smooth edges above: another way runs, or none", None))
     return left
 
@@ -218,11 +267,10 @@ def _cheapest(table: Table, group: str) -> float | None:
     return min(costs, default=None)
 
 
-def _emitters_us(table: Table, plan: Plan) -> float | None:
+def _emitters_us(plan: Plan) -> float | None:
     """Sources share one block: nothing is mixed for one that is not there."""
-    method = plan.methods.get("spatialiser")
-    row = None if method is None else _row(table, "spatialiser", method)
-    return None if row is None else row.cost_us / _SOURCES_OF_TABLE
+    chosen = next((choice.taken for choice in plan.choices if choice.group == "spatialiser"), None)
+    return None if chosen is None or math.isnan(chosen.cost_us) else chosen.cost_us / _SOURCES_OF_TABLE
 
 
 _SOURCES_OF_TABLE = 16
@@ -231,8 +279,8 @@ _SOURCES_OF_TABLE = 16
 
 def _tunnel_us(table: Table) -> float | None:
     """What the whole tick costs more with a tunnel, and the projection at least."""
-    bare, least = _row(table, TICK_GROUP, _NO_TUNNEL), _cheapest(table, "tunnel projection")
-    whole = [row.cost_us for row in table.groups.get(TICK_GROUP, []) if row.method != _NO_TUNNEL]
+    bare, least = _tick_row(table, {}), _cheapest(table, "tunnel projection")
+    whole = [row.cost_us for row in table.groups.get(TICK_GROUP, []) if row.settings]
     if bare is None or least is None or not whole:
         return least
     return max(min(whole) - bare.cost_us, least)

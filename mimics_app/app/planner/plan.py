@@ -5,7 +5,7 @@ what is missed least. A study gives up no accuracy for time.
 
 It reads a table of figures and measures nothing, so a plan is the same on every machine and at every start: the shipped
 table (`assets/methods.json`), or the one a person saved on this machine with `mimics lab measure --save`. What it
-chooses is what runs: `settle` writes it into the scene before anything is built from it.
+chooses are settings, and they are what runs: `settle` writes them into the scene before anything is built from it.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from mimics_app.app.planner.tolerances import FIELD_OF_UNIT, tolerances_of
 from mimics_app.app.planner.uses import USES, Use
 from mimics_app.app.settings import Profile
 from mimics_app.contracts.method_table import Row, Table
+from mimics_app.contracts.methods import Settings
 from mimics_app.world.scene.scene import Scene
 
 __all__ = ["ROOM", "Choice", "Dearer", "Plan", "choose", "load_table", "plan_scene", "settle"]
@@ -89,8 +90,13 @@ class Plan:
 
     @property
     def methods(self) -> dict[str, str]:
-        """Name of the method that runs, by group."""
+        """Name of the method that runs, by group: for people."""
         return {choice.group: choice.taken.method for choice in self.choices}
+
+    @property
+    def settings(self) -> dict[str, Settings]:
+        """Settings of the method that runs, by group: what the product is set to."""
+        return {choice.group: choice.taken.settings for choice in self.choices}
 
     @property
     def without_picture(self) -> Plan:
@@ -168,13 +174,11 @@ class _Budget:
 def _choice(
     scene: Scene, group: str, use: Use, rows: Sequence[Row], tolerances: Mapping[str, float], budget: _Budget
 ) -> Choice:
-    rivals = [row for row in rows if use.allowed(scene, row.method)] or list(rows)
+    rivals = [row for row in rows if use.allowed(scene, row.settings)] or list(rows)
     tolerance = tolerances[FIELD_OF_UNIT[rows[0].unit]]
     best, wanted = choose(rivals, tolerance, budget.most_us), choose(rivals, tolerance)
     named = use.named(scene)
-    taken = next((row for row in rows if row.method == named), best) if named else best
-    if named and taken.method != named:  # it runs all the same, whatever this table knows of it
-        taken = Row(named, math.nan, math.nan, math.nan, rows[0].unit)
+    taken = best if named is None else _row_of(named, rows)
     cheaper = [rival for rival in rivals if rival.cost_us < taken.cost_us and not rival.error <= tolerance]
     return Choice(
         group=group,
@@ -183,9 +187,18 @@ def _choice(
         tolerance=tolerance,
         refused=max(cheaper, key=lambda rival: rival.cost_us, default=None),
         planner=None if best == taken else best,
-        dearer=None if named or wanted == best else Dearer(wanted, budget.more_ms(wanted, rivals), budget.room_ms),
-        more_ms=budget.more_ms(taken, rows if named else rivals),
+        dearer=None
+        if named is not None or wanted == best
+        else Dearer(wanted, budget.more_ms(wanted, rivals), budget.room_ms),
+        more_ms=budget.more_ms(taken, rivals if named is None else rows),
     )
+
+
+def _row_of(named: Settings, rows: Sequence[Row]) -> Row:
+    """The row of what a scene names; without figures where the table knows none: it runs all the same."""
+    told = ", ".join(f"{field} {value}" for field, value in named.items())
+    unknown = Row(told, math.nan, math.nan, math.nan, rows[0].unit, named)
+    return next((row for row in rows if row.settings == named), unknown)
 
 
 def settle(scene: Scene, profile: Profile) -> Plan:
@@ -194,5 +207,5 @@ def settle(scene: Scene, profile: Profile) -> Plan:
     What a live picture gives up for time is chosen when it is opened, as that depends on who draws it.
     """
     plan = plan_scene(scene, profile)
-    scene.methods = plan.methods
+    scene.methods = plan.settings
     return plan

@@ -17,6 +17,7 @@ BY_PROFILE: Mapping[Profile, Mapping[str, float]] = {
         "force_N": 0.5,
         "position_m": 1e-3,
         "angle_rad": 2e-2,
+        "restitution": 0.03,
         "itd_us": 700.0,
         "frame_ms": 34.0,
         "edge_px": 0.5,
@@ -28,6 +29,7 @@ BY_PROFILE: Mapping[Profile, Mapping[str, float]] = {
         "force_N": 0.05,
         "position_m": 1e-6,
         "angle_rad": 1e-3,
+        "restitution": 0.02,
         "itd_us": 40.0,
         "frame_ms": 17.0,
         "edge_px": 0.1,
@@ -39,6 +41,7 @@ BY_PROFILE: Mapping[Profile, Mapping[str, float]] = {
         "force_N": 1e-3,
         "position_m": 1e-8,
         "angle_rad": 1e-4,
+        "restitution": 0.02,
         "itd_us": 30.0,
         "frame_ms": 17.0,
         "edge_px": 0.1,
@@ -49,7 +52,8 @@ BY_PROFILE: Mapping[Profile, Mapping[str, float]] = {
 }
 """By profile and field of `systems.tolerances`.
 
-draft       what a hand does not notice while a scene is made: 0.5 N, 1 mm, one degree; sounds need no direction
+draft       what a hand does not notice while a scene is made: 0.5 N, 1 mm, one degree; a bounce is right to a thirtieth
+            of the speed, which no stricter profile can better by much at 1 kHz; sounds need no direction
             (700 us is the whole width of a head); every second refresh of a 60 Hz screen; edges fall as they fall,
             and glow and darker corners may be missing altogether
 training    a tenth of what a hand or the robot's encoder (10 um) tells apart; sounds come from where they are; edges
@@ -62,6 +66,7 @@ FIELD_OF_UNIT: Mapping[str, str] = {
     "N": "force_N",
     "m": "position_m",
     "rad": "angle_rad",
+    "restitution": "restitution",
     "us of interaural delay": "itd_us",
     "ms": "frame_ms",
     "px": "edge_px",

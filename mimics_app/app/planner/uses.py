@@ -4,24 +4,44 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import TypeVar
 
 import msgspec
 
-from mimics_app.world.components.robot import Admittance, Tunnel
+from mimics_app.contracts.methods import Settings
+from mimics_app.world.components.haptic_shapes import TouchSurface, surface_of
+from mimics_app.world.components.objects import HapticObject, HapticWalls, InteractionPoints
+from mimics_app.world.components.robot import Admittance, Robot, Tunnel
 from mimics_app.world.components.systems import AudioSettings, HapticSettings, VisualSettings
 from mimics_app.world.components.visible import CameraComponent, LightComponent, MeshComponent, Sound
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.scene.spread import ENOUGH, spread_of_casters
 
-__all__ = ["USES", "Use", "shadow_distance_of", "visual_of"]
+__all__ = [
+    "BODIES",
+    "NOT_PLANNED",
+    "TOUCH",
+    "USES",
+    "WHOLE_TICK",
+    "Use",
+    "grips",
+    "points_of",
+    "shadow_distance_of",
+    "touched_shape",
+    "visual_of",
+]
 
 
-def _anything(scene: Scene, method: str) -> bool:
+def _anything(scene: Scene, settings: Settings) -> bool:
     return True
 
 
-def _nothing_named(scene: Scene) -> str:
-    return ""
+def _one(scene: Scene) -> int:
+    return 1
+
+
+def _nothing_named(scene: Scene) -> Settings | None:
+    return None
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,17 +51,21 @@ class Use:
     Attributes:
         what: In words.
         used: Whether a scene has a use for it.
-        named: The method a scene names; "" where it leaves the choice to the planner.
-        allowed: Whether a method is one the planner may take for a scene that names none.
+        named: Settings of the method a scene names; None where it leaves the choice to the planner.
+        allowed: Whether the planner may take a method, by its settings, for a scene that names none.
         pixels: Of the frame its costs were measured at [px], where they grow with the picture and are borne by the
             frame's budget; 0 where they are not.
+        within: The part of `explain` whose cost holds this one's already; "" where it stands for itself.
+        count: How many times a scene pays its cost in a tick, of a group of the haptic loop.
     """
 
     what: str
     used: Callable[[Scene], bool]
-    named: Callable[[Scene], str] = _nothing_named
-    allowed: Callable[[Scene, str], bool] = _anything
+    named: Callable[[Scene], Settings | None] = _nothing_named
+    allowed: Callable[[Scene, Settings], bool] = _anything
     pixels: int = 0
+    within: str = ""
+    count: Callable[[Scene], int] = _one
 
 
 def visual_of(scene: Scene) -> VisualSettings:
@@ -68,25 +92,111 @@ def shadow_distance_of(scene: Scene) -> float:
     return 0.0 if spread <= _ONE_MAP else 2.0 * min(spread, ENOUGH)
 
 
+def _can_be_touched(scene: Scene) -> bool:
+    return scene.has(HapticObject) or scene.has(HapticWalls)
+
+
 def _has(kind: type[msgspec.Struct]) -> Callable[[Scene], bool]:
     return lambda scene: scene.has(kind)
 
 
-def _named_projection(scene: Scene) -> str:
+def _named_projection(scene: Scene) -> Settings | None:
     haptic = scene.systems.get("haptic")
-    return haptic.projection if isinstance(haptic, HapticSettings) and haptic.projection != "auto" else ""
+    if not isinstance(haptic, HapticSettings) or haptic.projection == "auto":
+        return None
+    return {"projection": haptic.projection}
 
 
-def _named_form(scene: Scene) -> str:
-    found = scene.components(Admittance)
-    return found[0][1].form if found else Admittance().form
+def _uses_admittance(scene: Scene) -> bool:
+    """Whether there is a robot; one that is told forces instead has no virtual mass, which its driver tells later."""
+    return scene.has(Admittance) or scene.has(Robot)
 
 
-def _named_spatialiser(scene: Scene) -> str:
+def _named_form(scene: Scene) -> Settings | None:
+    form = (scene.first(Admittance) or Admittance()).form
+    return None if form == "auto" else {"form": form}
+
+
+def _may_run_form(scene: Scene, settings: Settings) -> bool:
+    """The printed form invents a force on whatever moves and turns: a scene has to ask for it."""
+    return settings.get("form") != "seed"
+
+
+S = TypeVar("S", bound=msgspec.Struct)
+
+
+def _all(scene: Scene, kind: type[S]) -> list[S]:
+    """Components of a type, looked at without a note that something makes use of them."""
+    return [one for entity in scene.entities for one in entity.components.values() if isinstance(one, kind)]
+
+
+def points_of(scene: Scene) -> int:
+    """How many points of the hand touch."""
+    return sum(len(one.points) for one in _all(scene, InteractionPoints)) or 1
+
+
+def grips(scene: Scene) -> bool:
+    """Whether fingers can hold something."""
+    return any(thing.grip for thing in _all(scene, HapticObject))
+
+
+def touched_shape(scene: Scene) -> str:
+    """The scene's word for the first shape that can be touched: what touching is told by."""
+    for thing in _all(scene, HapticObject):
+        if thing.shapes:
+            return str(thing.shapes[0].__struct_config__.tag)
+    return "cube"
+
+
+def _surfaces(scene: Scene) -> list[TouchSurface]:
+    """What a scene says of each surface that can be touched, defaults filled in."""
+    found = [surface_of(walls) for walls in _all(scene, HapticWalls)]
+    for thing in _all(scene, HapticObject):
+        found += [surface_of(solid, thing) for solid in thing.shapes] or [surface_of(thing)]
+    return found
+
+
+def _named_law(scene: Scene) -> Settings | None:
+    """The law is how a surface is to feel, and stands in the scene; of several the first's."""
+    first = _surfaces(scene)[0]
+    return {"law": first.law} | ({"exponent": first.exponent} if first.law == "hunt_crossley" else {})
+
+
+def _has_friction(scene: Scene) -> bool:
+    return any(surface.friction_static for surface in _surfaces(scene))
+
+
+def _moving(scene: Scene) -> list[HapticObject]:
+    return [thing for thing in _all(scene, HapticObject) if thing.enable_translation or thing.enable_rotation]
+
+
+def _named_integrator(scene: Scene) -> Settings | None:
+    stated = [thing.integrator for thing in _moving(scene) if thing.integrator != "auto"]
+    return {"integrator": stated[0]} if len(stated) == len(_moving(scene)) else None
+
+
+def _named_rest(scene: Scene) -> Settings:
+    return {"sleeps": all(thing.sleeps for thing in _moving(scene))}
+
+
+_TICK_S = 1e-3
+
+
+def _may_integrate(scene: Scene, settings: Settings) -> bool:
+    """Integrators that move a body by its old velocity too keep a contact only with b > k h (chart "integrator")."""
+    if settings.get("integrator") == "semi_implicit":
+        return True
+    return all(
+        surface.law == "spring_damper" and (surface.damping or 0.0) > (surface.stiffness or 0.0) * _TICK_S
+        for surface in _surfaces(scene)
+    )
+
+
+def _named_spatialiser(scene: Scene) -> Settings | None:
     audio = scene.systems.get("audio")
     if not isinstance(audio, AudioSettings) or audio.hrtf == "auto":
-        return ""
-    return "hrtf" if audio.hrtf else "stereo"
+        return None
+    return {"hrtf": audio.hrtf}
 
 
 def _has_sun_shadow(scene: Scene) -> bool:
@@ -96,33 +206,34 @@ def _has_sun_shadow(scene: Scene) -> bool:
     return any(light.casts_shadow and light.kind == "directional" for light in lights)
 
 
-def _named_shadows(scene: Scene) -> str:
+_VOLUMES = ("stencil_additive", "stencil_modulative")
+"""Kinds of shadow without a map."""
+
+
+def _named_shadows(scene: Scene) -> Settings | None:
     visual = visual_of(scene)
-    if visual.shadows.startswith("stencil"):
-        return visual.shadows.replace("_", " ")
+    if visual.shadows in _VOLUMES:
+        return {"shadows": visual.shadows}
     if visual.shadow_size == "auto":
-        return ""
-    return f"{'cascades' if shadow_distance_of(scene) else 'map'} {visual.shadow_size}"
+        return None
+    return {"cascaded": shadow_distance_of(scene) > 0.0, "shadow_size": visual.shadow_size}
 
 
-def _may_shadow(scene: Scene, method: str) -> bool:
+def _may_shadow(scene: Scene, settings: Settings) -> bool:
     """A distance asks for cascades, a named kind for maps. Darkening the picture is a look: never chosen for speed."""
-    visual, kind = visual_of(scene), method.split()[0]
-    if shadow_distance_of(scene):
-        return kind == "cascades"
-    return kind == "map" or (visual.shadows == "auto" and method == "stencil additive")
+    if "cascaded" in settings:
+        return settings["cascaded"] == (shadow_distance_of(scene) > 0.0)
+    may_be_volumes = shadow_distance_of(scene) == 0.0 and visual_of(scene).shadows == "auto"
+    return may_be_volumes and settings.get("shadows") == "stencil_additive"
 
 
-def _named_edges(scene: Scene) -> str:
+def _named_edges(scene: Scene) -> Settings | None:
     visual = visual_of(scene)
     if visual.anti_aliasing in ("none", "filter"):
-        return str(visual.anti_aliasing)
+        return {"msaa": 0, "fxaa": visual.anti_aliasing == "filter"}
     if visual.anti_aliasing == "auto" and visual.samples == "auto":
-        return ""
-    samples = 4 if visual.samples == "auto" else visual.samples
-    words = [f"{samples} samples"] if samples else []
-    words += ["filter"] if visual.anti_aliasing == "both" else []
-    return ", ".join(words) or "none"
+        return None
+    return {"msaa": 4 if visual.samples == "auto" else visual.samples, "fxaa": visual.anti_aliasing == "both"}
 
 
 def _shows_models(scene: Scene) -> bool:
@@ -132,10 +243,30 @@ def _shows_models(scene: Scene) -> bool:
 _PROBE_PX = 640 * 360
 """Picture in which the methods of `lab.visual` are measured [px]."""
 
+WHOLE_TICK, TOUCH, BODIES = "haptic tick", "touching a shape", "bodies, at rest"
+"""Parts of `explain` that hold others."""
+
 USES: Mapping[str, Use] = {
-    "tunnel projection": Use("closest point of the tunnel's bisector", _has(Tunnel), _named_projection),
-    "tunnel frame": Use("frame carried along the bisector", _has(Tunnel), lambda _: "double reflection"),
-    "admittance form": Use("motion of the virtual mass", _has(Tunnel), _named_form),
+    "tunnel projection": Use(
+        "closest point of the tunnel's bisector", _has(Tunnel), _named_projection, within=WHOLE_TICK
+    ),
+    "tunnel frame": Use("frame carried along the bisector", _has(Tunnel), within=WHOLE_TICK),
+    "admittance form": Use(
+        "motion of the virtual mass", _uses_admittance, _named_form, _may_run_form, within=WHOLE_TICK
+    ),
+    "contact law": Use("force of a contact", _can_be_touched, _named_law, within=TOUCH),
+    "friction": Use("friction of a contact", _has_friction, within=TOUCH),
+    "colliding bodies": Use(
+        "bodies that move and collide",
+        lambda scene: bool(_moving(scene)),
+        _named_integrator,
+        _may_integrate,
+        within=BODIES,
+    ),
+    "rotation update": Use(
+        "turning of bodies", lambda scene: any(thing.enable_rotation for thing in _moving(scene)), within=BODIES
+    ),
+    "resting bodies": Use(BODIES, lambda scene: bool(_moving(scene)), _named_rest, count=lambda s: len(_moving(s))),
     "spatialiser": Use("direction of sounds", _has(Sound), _named_spatialiser),
     "occlusion": Use("bodies hidden behind others", _shows_models),
     "level of detail": Use("coarser forms of far bodies", _shows_models),
@@ -148,5 +279,17 @@ USES: Mapping[str, Use] = {
 }
 """Groups the planner knows, by name; those that share the frame's budget from what is missed most to what least.
 
-A method named for every scene alike is one the compiled tick has no rival of.
+Some have one method that the product can run: nothing is chosen there, and `explain` says so beside its cost.
 """
+
+NOT_PLANNED: Mapping[str, str] = {
+    "integrator": 'the integrators of bodies on one wall alone; "colliding bodies" chooses among all a body can have',
+    "bounding geometry": "what a thing is shaped like is its author's to say",
+    "culling": "which is quicker changes with what is in view: the renderer counts the items of each scene",
+    "frame of nodes": "culling, measured in whole frames",
+    "frame of triangles": "level of detail, measured in whole frames",
+    "loop scheduling": "the first recipe that the system grants runs",
+    "model reading": "kinds of files, not rivals",
+    "haptic tick": "the whole, by the tunnel projection that is chosen",
+}
+"""Groups with several methods that the product can run, but nothing for the planner to choose: why."""

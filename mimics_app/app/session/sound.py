@@ -54,4 +54,6 @@ def open_sound(parts: Preparation, memory: SessionMemory, folder: Path) -> Sound
 
 def _heard_about_the_head(scene: Scene, system: AudioSettings) -> bool:
     """Whether sounds are placed about the head: as the scene says, else as planned."""
-    return scene.methods.get("spatialiser", "hrtf") == "hrtf" if system.hrtf == "auto" else system.hrtf
+    if system.hrtf != "auto":
+        return system.hrtf
+    return bool(scene.methods.get("spatialiser", {}).get("hrtf", True))

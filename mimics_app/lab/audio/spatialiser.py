@@ -126,7 +126,7 @@ for _name, _hrtf, _source, _valid in (
             error=partial(measure_delay_error_us, _hrtf),
             unit=_UNIT,
             valid_range=_valid,
-            run=partial(render_offline, hrtf=_hrtf),
+            settings={"hrtf": _hrtf},
             default=_hrtf,
             growth=partial(measure_block_us, _hrtf, 60),
             sizes=_SIZES,
@@ -141,8 +141,7 @@ registry.register(
         error=_sphere_delay_error_us,
         unit=_UNIT,
         valid_range="headphones, sources in front in the plane of the ears",
-        run=add_at_sphere,
-        yardstick=True,
+        settings=None,
         growth=_measure_sphere_us,
         sizes=_SIZES,
     )

@@ -23,7 +23,8 @@ GROUP = "admittance form"
 
 _D1 = 0.46
 _MASS = 3.0
-_DT = 1e-6
+_DT = 1e-3
+"""The loop's tick [s]: a form's false force grows with it."""
 _FREE = 1e9
 _CALLS = 20_000
 
@@ -77,7 +78,7 @@ def _register(form: AdmittanceForm) -> None:
             error=lambda: false_force(form),
             unit="N",
             valid_range="r > 0" if form is not AdmittanceForm.SEED else "demonstration: no rotation, or no speed",
-            run=admit,
+            settings={"form": form.name.lower()},
             default=form is AdmittanceForm.CARTESIAN,
         )
     )

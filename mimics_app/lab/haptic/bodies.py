@@ -11,20 +11,21 @@ the error of 1 ms is below what a hand can tell of a bounce, and a stiffer conta
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 
-from mimics_app.contracts.haptic_objects import ObjectIntegrator
+from mimics_app.contracts.haptic_objects import BodyFlag, ObjectIntegrator
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import shortest_us
-from mimics_app.lab.haptic.body_worlds import new_world, rest_on_floor
+from mimics_app.lab.haptic.body_worlds import BodyWorld, new_world, rest_on_floor
 from mimics_app.lab.haptic.contact import restitution_spring_damper
 from mimics_app.lab.haptic.probe import SIZES, reference_us
-from mimics_app.rendering.haptic.kernels.objects.collisions import collide_bodies
 
-__all__ = ["GROUP", "WAYS", "bounce_error", "step_us"]
+__all__ = ["GROUP", "REST_GROUP", "WAYS", "bounce_error", "rest_drift", "rest_us", "step_us"]
 
 GROUP = "colliding bodies"
+REST_GROUP = "resting bodies"
 
 _MASS, _STIFFNESS, _ZETA, _SPEED = 0.2, 2000.0, 0.3, 0.3
 _PHASES = 8
@@ -95,6 +96,48 @@ def step_us(way: str, bodies: int) -> float:
     return shortest_us(lambda: world.run(ticks * steps), ticks)
 
 
+def _rest(bodies: int, *, sleeps: bool) -> BodyWorld:
+    """Boxes that have lain on a floor for a second."""
+    world = rest_on_floor(bodies)
+    if sleeps:
+        world.rows.bodies["flags"][:bodies] |= int(BodyFlag.SLEEPS)
+        world.change()
+    world.run(2 * _SETTLE)
+    return world
+
+
+def rest_us(bodies: int, *, sleeps: bool) -> float:
+    """What so many boxes at rest on a floor add to a tick [us]."""
+    world, ticks = _rest(bodies, sleeps=sleeps), max(20, _TICKS // bodies)
+    return shortest_us(lambda: world.run(ticks), ticks)
+
+
+def rest_drift(*, sleeps: bool) -> float:
+    """How far a box at rest moves in another second [m]."""
+    world = _rest(1, sleeps=sleeps)
+    before = world.motions[0]["position"].copy()
+    world.run(1000)
+    return float(np.linalg.norm(world.motions[0]["position"] - before))
+
+
+def _register_rest(name: str, source: str, *, sleeps: bool) -> None:
+    registry.register(
+        Method(
+            group=REST_GROUP,
+            name=name,
+            source=source,
+            cost=partial(rest_us, 1, sleeps=sleeps),
+            error=partial(rest_drift, sleeps=sleeps),
+            unit="m",
+            valid_range="any",
+            settings={"sleeps": sleeps},
+            default=sleeps,
+            growth=partial(rest_us, sleeps=sleeps),
+            sizes=SIZES,
+        )
+    )
+
+
 def _register(way: str) -> None:
     registry.register(
         Method(
@@ -105,9 +148,8 @@ def _register(way: str) -> None:
             error=lambda: bounce_error(way),
             unit="restitution",
             valid_range=_RANGES[way],
-            run=collide_bodies,
+            settings={"integrator": WAYS[way][0].name.lower()} if WAYS[way][1] == 1 else None,
             default=way == "semi-implicit",
-            yardstick=WAYS[way][1] > 1,
             growth=lambda bodies: step_us(way, bodies),
             sizes=SIZES,
         )
@@ -123,5 +165,17 @@ registry.describe(
         reference=reference_us,
     )
 )
+registry.describe(
+    Group(
+        name=REST_GROUP,
+        what="a tick of boxes that lie on a floor; error: how far one moves in a second",
+        unit="m",
+        work="moving bodies",
+        reference=reference_us,
+        few="a body at rest is worked on or it is not",
+    )
+)
+_register_rest("asleep", "left out of the work until something touches it", sleeps=True)
+_register_rest("awake", "contacts, friction and motion of every tick", sleeps=False)
 for _way in WAYS:
     _register(_way)

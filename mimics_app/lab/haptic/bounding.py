@@ -42,6 +42,16 @@ _BOUNDS: dict[str, tuple[ShapeKind, int, str]] = {
 }
 
 
+_SHAPES = {
+    ShapeKind.SPHERE: "sphere",
+    ShapeKind.CAPSULE: "capsule",
+    ShapeKind.CYLINDER: "cylinder",
+    ShapeKind.BOX: "cube",
+    ShapeKind.MESH: "mesh",
+}
+"""A scene's word for each kind of shape."""
+
+
 def _cost_us(kind: ShapeKind, triangles: int, count: int) -> float:
     return touch_scene(kind, count, triangles).cost_us()
 
@@ -65,7 +75,7 @@ for _name, (_kind, _triangles, _source) in _BOUNDS.items():
             error=partial(false_force, _kind, _triangles),
             unit="N",
             valid_range="what the thing is shaped like",
-            run=touch_scene,
+            settings={"shape": _SHAPES[_kind]},
             default=_name == "sphere",
             growth=partial(_cost_us, _kind, _triangles),
             sizes=_COUNTS if not _triangles else _MESH_COUNTS,

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.methods import Group, Method, Settings, registry
 from mimics_app.contracts.probe import shortest_us
 from mimics_app.lab.haptic.probe import SIZES, reference_us
 from mimics_app.rendering.haptic.kernels.contact import cube, cube_nearest_face, cube_printed
@@ -62,6 +62,14 @@ _RANGES = {
     "Hunt-Crossley, n = 1": "h^2 k < 4 m; no step at first touch",
     "Hunt-Crossley, n = 1.5": "stiffness grows with depth: check h^2 k' < 4 m at the greatest depth",
 }
+_LAW_SETTINGS: dict[str, Settings | None] = {
+    "(9) printed": None,
+    "(9) clamped": {"law": "spring_damper"},
+    "Hunt-Crossley, n = 1": {"law": "hunt_crossley", "exponent": 1.0},
+    "Hunt-Crossley, n = 1.5": {"law": "hunt_crossley", "exponent": 1.5},
+}
+"""As a surface of a scene states them; a law that pulls cannot be asked for."""
+
 _NUMBERS = {name: number for number, name in enumerate(LAWS)}
 
 _MASS = 0.2  # [kg]
@@ -226,7 +234,7 @@ def _register_law(law: str) -> None:
             error=lambda: restitution_error(law),
             unit="restitution",
             valid_range=_RANGES[law],
-            run=LAWS[law],
+            settings=_LAW_SETTINGS[law],
             default=LAWS[law] is spring_damper,
             growth=lambda contacts: _law_cost_us(law, contacts),
             sizes=SIZES,
@@ -244,7 +252,7 @@ def _register_box(rule: str) -> None:
             error=lambda: false_force(rule),
             unit="N",
             valid_range=_BOX_RANGES[rule],
-            run=BOXES[rule],
+            settings={} if BOXES[rule] is cube else None,
             default=BOXES[rule] is cube,
         )
     )

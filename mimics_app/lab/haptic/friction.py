@@ -184,7 +184,7 @@ def _register(law: str) -> None:
             error=lambda: _error(law),
             unit="m",
             valid_range=_RANGES[law],
-            run=LAWS[law],
+            settings={} if LAWS[law] is hayward_armstrong else None,
             default=LAWS[law] is hayward_armstrong,
             growth=lambda contacts: _cost_us(law, contacts),
             sizes=SIZES,

@@ -60,6 +60,10 @@ _RANGES = {
     "rk4": "any force law that may be asked four times; h w < 2.8",
     "exact": "linear contact, b and k known and constant within the step; any step",
 }
+_SETTINGS = {"explicit": {"integrator": "explicit"}, "semi-implicit": {"integrator": "semi_implicit"}}
+"""At one step a tick. The closed forms need the contact inside the step: the loop holds its force for the tick, so that
+an object's implicit midpoint and exact drag are other methods than these (group "colliding bodies")."""
+
 _NUMBERS = {name: number for number, name in enumerate(STEPS)}
 
 _MASS = 0.2  # [kg]
@@ -134,7 +138,7 @@ def _register(name: str, steps: int) -> None:
             error=lambda: contact_error(name, steps),
             unit="m",
             valid_range=_RANGES[name],
-            run=STEPS[name],
+            settings=_SETTINGS.get(name) if steps == 1 else None,
             default=name == "semi-implicit" and steps == 1,
             growth=(lambda bodies: _cost_us(name, steps, bodies)) if steps == 1 else None,
             sizes=SIZES if steps == 1 else (),

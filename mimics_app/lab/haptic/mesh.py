@@ -116,16 +116,14 @@ register_numbered(
     ),
     (
         NumberedRival(
-            "walk", "a stand-in that walks over the surface, held where it is", "meshes without cuts", probe_mesh, _ALL
+            "walk", "a stand-in that walks over the surface, held where it is", "meshes without cuts", {}, _ALL
         ),
-        NumberedRival(
-            "closest by tree", "closest triangle of every tick", "turns at edges: demonstration", closest_triangle, _ALL
-        ),
+        NumberedRival("closest by tree", "closest triangle of every tick", "turns at edges: demonstration", None, _ALL),
         NumberedRival(
             "closest of all",
             "closest triangle, one by one",
             "small meshes: demonstration",
-            closest_on_triangle,
+            None,
             _ALL[:3],
         ),
     ),

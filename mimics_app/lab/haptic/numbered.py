@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
-from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.methods import Group, Method, Settings, registry
 
 __all__ = ["NumberedRival", "register_numbered"]
 
@@ -17,16 +16,15 @@ class NumberedRival:
     """One of them; its number is its place in the list.
 
     Attributes:
-        name, source, valid_range, run, yardstick: As in `Method`.
+        name, source, valid_range, settings: As in `Method`.
         sizes: Of the work at which its growth is measured, ascending.
     """
 
     name: str
     source: str
     valid_range: str
-    run: Callable[..., Any]
+    settings: Settings | None
     sizes: tuple[int, ...]
-    yardstick: bool = False
 
 
 def register_numbered(
@@ -56,9 +54,8 @@ def register_numbered(
                 error=partial(error, number),
                 unit=group.unit,
                 valid_range=rival.valid_range,
-                run=rival.run,
+                settings=rival.settings,
                 default=number == 0,
-                yardstick=rival.yardstick,
                 growth=partial(cost, number),
                 sizes=rival.sizes,
             )

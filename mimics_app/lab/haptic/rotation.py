@@ -176,7 +176,7 @@ def _register(name: str) -> None:
             error=lambda: drift_of(name).angle,
             unit="rad",
             valid_range=_RANGES[name],
-            run=UPDATES[name],
+            settings={} if UPDATES[name] is rotate_exponential else None,
             default=UPDATES[name] is rotate_exponential,
             growth=lambda bodies: _cost_us(name, bodies),
             sizes=SIZES,

@@ -190,28 +190,28 @@ register_numbered(
             "newton warm",
             "Newton on the slope of the square distance from the last tick's point; whole search when it is lost",
             "radius x curvature < 1; stays on its branch where the tunnel crosses or meets itself",
-            track,
+            {"projection": "newton warm"},
             _SIZES,
         ),
         NumberedRival(
             "newton one step",
             "one Newton step a tick from the last tick's point; the guards of newton warm",
             "as newton warm; errs by about the square of a tick's motion over the bend's radius",
-            track_one_step,
+            {"projection": "newton one step"},
             _SIZES,
         ),
         NumberedRival(
             "brute force",
             "nearest of 256 points a piece",
             "any curve; jumps between branches where the tunnel crosses itself",
-            project_brute_force,
+            {"projection": "brute force"},
             _SIZES,
         ),
         NumberedRival(
             "golden section",
             "golden section around the nearest of 8 points a piece (Kiefer 1953)",
             "any curve; to the square root of machine precision; jumps between branches",
-            project_golden_section,
+            {"projection": "golden section"},
             _SIZES,
         ),
     ),
@@ -228,26 +228,26 @@ registry.describe(
         reference=reference_us,
     )
 )
-for _name, _source, _valid, _run, _normals in (
+for _name, _source, _valid, _settings, _normals in (
     (
         "double reflection",
         "rotation-minimising frame (Wang, Juettler, Zheng & Liu 2008)",
         "any smooth curve; error of order 4 in the step",
-        frames.rotation_minimising_normals,
+        {},
         _double_reflection,
     ),
     (
         "frenet",
         "principal normal (Frenet 1847, Serret 1851)",
         "curves without inflection or straight part; turns with the torsion",
-        frames.frenet_normals,
+        None,
         _frenet,
     ),
     (
         "projected up",
         "world's up made square to the tangent",
         "curves that are nowhere vertical",
-        frames.projected_up_normals,
+        None,
         _projected_up,
     ),
 ):
@@ -260,7 +260,7 @@ for _name, _source, _valid, _run, _normals in (
             error=partial(_frame_error, _normals),
             unit="rad",
             valid_range=_valid,
-            run=_run,
+            settings=_settings,
             default=_normals is _double_reflection,
         )
     )

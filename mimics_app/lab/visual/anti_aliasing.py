@@ -8,12 +8,13 @@ over the pixels it cuts. Both in a picture of the first driver that answers with
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import reference_us, shortest_us
 from mimics_app.rendering.visual.renderer import Renderer
@@ -26,7 +27,7 @@ from mimics_app.world.materials.material import Material
 from mimics_app.world.meshes.primitives import box, plane
 from mimics_app.world.world import World
 
-__all__ = ["ANGLES", "GROUP", "edge_error"]
+__all__ = ["ANGLES", "GROUP", "edge_error", "given_samples"]
 
 F8 = NDArray[np.float64]
 
@@ -103,7 +104,23 @@ def _straight(size: tuple[int, int]) -> View:
     return View(compose_look_at((0.0, 0.0, 1.0), (0.0, 0.0, 0.0)), (-0.5, 0.5, -high, high), (0, 0, *size))
 
 
+def given_samples(samples: int) -> int:
+    """Samples a pixel that the driver really takes when it is asked for so many: an edge shows one level more.
+
+    Raises:
+        DeviceError: there is no way to draw without a display.
+    """
+    with open_offscreen("auto", _EDGE) as surface:
+        renderer = Renderer(surface, _card(ANGLES[3]), replace(_PLAIN, msaa=samples))
+        renderer.draw([_straight(_EDGE)])
+        levels = np.unique(read_pixels(surface)[..., 0])
+        renderer.release()
+    return len(levels) - 1
+
+
 def _cost_us(settings: RenderSettings) -> float:
+    if settings.msaa and (given := given_samples(settings.msaa)) != settings.msaa:
+        raise DeviceError(f"the driver takes {given} samples a pixel where {settings.msaa} are asked for", "")
     with open_offscreen("auto", _FRAME) as surface:
         renderer, views = Renderer(surface, _boxes(), settings), [_straight(_FRAME)]
         renderer.draw_finished(views)
@@ -118,17 +135,16 @@ def _cost_us(settings: RenderSettings) -> float:
 
 
 def _register(name: str, source: str, settings: RenderSettings, *, default: bool = False) -> None:
-    run: Callable[[], RenderSettings] = lambda: settings  # noqa: E731  what the renderer is given
     registry.register(
         Method(
             group=GROUP,
             name=name,
             source=source,
-            cost=lambda: _cost_us(settings),
-            error=lambda: edge_error(settings),
+            cost=partial(_cost_us, settings),
+            error=partial(edge_error, settings),
             unit="px",
             valid_range="any; samples as many as the driver has",
-            run=run,
+            settings={"msaa": settings.msaa, "fxaa": settings.fxaa},
             default=default,
         )
     )

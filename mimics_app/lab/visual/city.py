@@ -6,7 +6,6 @@ the pixels that differ from the picture in which nothing is left out.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, partial
 from typing import Any
@@ -74,8 +73,7 @@ def city_error(settings: RenderSettings, whole: RenderSettings) -> float:
 
 def _register(group: str, name: str, source: str, valid: str, whole: RenderSettings, **changes: Any) -> None:
     settings = replace(whole, **changes)
-    run: Callable[..., Any] = show_picture
-    default = {OCCLUSION: "all", DETAIL: "as authored"}[group]
+    default, field = {OCCLUSION: ("all", "occlusion"), DETAIL: ("as authored", "detail")}[group]
     registry.register(
         Method(
             group=group,
@@ -85,7 +83,7 @@ def _register(group: str, name: str, source: str, valid: str, whole: RenderSetti
             error=partial(city_error, settings, whole),
             unit="share of pixels",
             valid_range=valid,
-            run=run,
+            settings={field: getattr(settings, field)},
             default=name == default,
         )
     )

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.methods import Group, Method, Settings, registry
 from mimics_app.contracts.probe import reference_us, shortest_us
 from mimics_app.lab.visual.box_items import box_items
 from mimics_app.maths.mat import compose
@@ -123,7 +123,15 @@ def _error(make: Callable[[CullingProbe], Culler]) -> float:
     return float(len(probe.seen() - probe.run(make(probe))))
 
 
-def _register(name: str, source: str, valid: str, make: Callable[[CullingProbe], Culler], default: bool) -> None:
+def _register(
+    name: str,
+    source: str,
+    valid: str,
+    make: Callable[[CullingProbe], Culler],
+    settings: Settings | None,
+    *,
+    default: bool = False,
+) -> None:
     registry.register(
         Method(
             group=GROUP,
@@ -133,7 +141,7 @@ def _register(name: str, source: str, valid: str, make: Callable[[CullingProbe],
             error=lambda: _error(make),
             unit="nodes",
             valid_range=valid,
-            run=make,
+            settings=settings,
             default=default,
             growth=lambda nodes: _cost_us(make, nodes),
             sizes=SIZES,
@@ -151,15 +159,18 @@ registry.describe(
     )
 )
 _register(
-    "each node", "sphere, then box, of every node against six planes (Assarsson & Moller 2000)", "any", _flat, True
+    "each node",
+    "sphere, then box, of every node against six planes (Assarsson & Moller 2000)",
+    "any",
+    _flat,
+    {"culling": "flat"},
+    default=True,
 )
 _register(
     "scene graph",
     "boxes about what hangs on a node first, the same tests below",
     "any; built when nodes come",
     _tree,
-    False,
+    {"culling": "tree"},
 )
-_register(
-    "space alone", "the same without the graph: siblings in groups along a Morton curve", "any", _flat_tree, False
-)
+_register("space alone", "the same without the graph: siblings in groups along a Morton curve", "any", _flat_tree, None)

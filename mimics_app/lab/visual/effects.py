@@ -14,7 +14,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.methods import Group, Method, Settings, registry
 from mimics_app.contracts.probe import reference_us
 from mimics_app.lab.visual.probe import frame_us, show_picture
 from mimics_app.rendering.visual.settings import RenderSettings
@@ -102,8 +102,14 @@ def corner_error(settings: RenderSettings) -> float:
 
 
 def _register(
-    group: str, name: str, source: str, settings: RenderSettings, error: Callable[[RenderSettings], float]
+    group: str,
+    name: str,
+    source: str,
+    settings: RenderSettings,
+    error: Callable[[RenderSettings], float],
+    wanted: Settings,
 ) -> None:
+    """`wanted` leaves the effect out, or says nothing: how strong it is is the scene's to say."""
     registry.register(
         Method(
             group=group,
@@ -113,7 +119,7 @@ def _register(
             error=partial(error, settings),
             unit="of the effect",
             valid_range="any",
-            run=show_picture,
+            settings=wanted,
             default=name == "none",
         )
     )
@@ -126,6 +132,7 @@ registry.describe(
         unit="of the effect",
         work="",
         reference=reference_us,
+        few="how many copies, or places, is compiled into the shader: there is the effect and its absence",
     )
 )
 registry.describe(
@@ -135,17 +142,24 @@ registry.describe(
         unit="of the effect",
         work="",
         reference=reference_us,
+        few="how many copies, or places, is compiled into the shader: there is the effect and its absence",
     )
 )
-_register(GLOW, "none", "light stays where it is seen", _PLAIN, glow_error)
+_register(GLOW, "none", "light stays where it is seen", _PLAIN, glow_error, {"bloom": 0.0})
 _register(
-    GLOW, "six copies", "a share of the light in six copies of half the size", replace(_PLAIN, bloom=_SHARE), glow_error
+    GLOW,
+    "six copies",
+    "a share of the light in six copies of half the size",
+    replace(_PLAIN, bloom=_SHARE),
+    glow_error,
+    {},
 )
-_register(CORNERS, "none", "all of the sky arrives everywhere", _PLAIN, corner_error)
+_register(CORNERS, "none", "all of the sky arrives everywhere", _PLAIN, corner_error, {"ambient_occlusion": 0.0})
 _register(
     CORNERS,
     "eight places",
     "depth at eight places about each, at half the size (McGuire et al. 2012)",
     replace(_PLAIN, ambient_occlusion=1.0),
     corner_error,
+    {},
 )

@@ -31,6 +31,8 @@ _FRAMES = 4
 _NODE_COUNTS = (100, 1000, 10_000, 100_000)
 _TRIANGLE_COUNTS = (10_000, 100_000, 1_000_000, 10_000_000)
 _TYPICAL = {NODES: 10_000, TRIANGLES: 1_000_000}
+_FIELD = {NODES: "culling", TRIANGLES: "detail"}
+"""What of the renderer's settings the rivals differ in."""
 _BALL = 1280
 """Triangles of a ball in its finest form; the coarser ones have a quarter and a sixteenth."""
 
@@ -116,7 +118,7 @@ def _register(
                 error=partial(_error, build, settings, first, typical),
                 unit="share of pixels",
                 valid_range="any",
-                run=show_picture,
+                settings={_FIELD[group]: getattr(settings, _FIELD[group])},
                 default=name == rivals[-1][0],
                 growth=partial(_cost_us, build, settings),
                 sizes=sizes,

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.methods import Group, Method, Settings, registry
 from mimics_app.contracts.probe import reference_us
 from mimics_app.lab.visual.probe import frame_us, show_picture
 from mimics_app.rendering.visual.settings import RenderSettings
@@ -55,34 +55,37 @@ class _Kind:
     source: str
     valid: str
     changes: dict[str, Any]
+    settings: Settings | None
     default: bool = False
-    yardstick: bool = False
 
 
 _MAPS = "depth map of all casters (Williams 1978), 16 looks filtered"
 _KINDS = (
-    _Kind("none", "no shadow: all of the plate's width is wrong", "draft", {"shadow_size": 0}, yardstick=True),
-    _Kind("map 256", _MAPS, "a room", {"shadow_size": 256}),
-    _Kind("map 512", _MAPS, "a room", {"shadow_size": 512}, default=True),
-    _Kind("map 1024", _MAPS, "a room or a yard", {"shadow_size": 1024}),
-    _Kind("map 2048", _MAPS, "a yard", {"shadow_size": 2048}),
+    _Kind("none", "no shadow: all of the plate's width is wrong", "draft", {"shadow_size": 0}, None),
+    _Kind("map 256", _MAPS, "a room", {"shadow_size": 256}, {"cascaded": False, "shadow_size": 256}),
+    _Kind("map 512", _MAPS, "a room", {"shadow_size": 512}, {"cascaded": False, "shadow_size": 512}, default=True),
+    _Kind("map 1024", _MAPS, "a room or a yard", {"shadow_size": 1024}, {"cascaded": False, "shadow_size": 1024}),
+    _Kind("map 2048", _MAPS, "a yard", {"shadow_size": 2048}, {"cascaded": False, "shadow_size": 2048}),
     _Kind(
         "cascades 2048",
         "four maps one in another (Engel 2006; Dimitrov 2007) in one atlas",
         "any width: what is near has the finest map",
         {"shadow_size": 2048, "shadow_distance": 30.0, "cascades": 4},
+        {"cascaded": True, "shadow_size": 2048},
     ),
     _Kind(
         "stencil additive",
         "volumes counted behind what is seen (Crow 1977; Carmack 2000), the sun drawn where none is",
         "few and simple casters; exact edges",
         {"shadow_size": 512, "shadows": "stencil_additive"},
+        {"shadows": "stencil_additive"},
     ),
     _Kind(
         "stencil modulative",
         "the same volumes, the finished picture darkened",
         "few and simple casters; highlights are darkened too",
         {"shadow_size": 512, "shadows": "stencil_modulative"},
+        {"shadows": "stencil_modulative"},
     ),
 )
 
@@ -179,9 +182,8 @@ for _kind in _KINDS:
             error=partial(edge_error, _settings),
             unit="m of a shadow's edge",
             valid_range=_kind.valid,
-            run=show_picture,
+            settings=_kind.settings,
             default=_kind.default,
-            yardstick=_kind.yardstick,
             growth=_cost,
             sizes=_SIZES,
         )

@@ -32,7 +32,12 @@ __all__ = [
 Block = NDArray[Any]
 Vec = NDArray[np.float64]
 
-_FORMS = {"seed": AdmittanceForm.SEED, "polar": AdmittanceForm.POLAR, "cartesian": AdmittanceForm.CARTESIAN}
+_FORMS = {
+    "auto": AdmittanceForm.CARTESIAN,  # without a plan: the one without false force
+    "seed": AdmittanceForm.SEED,
+    "polar": AdmittanceForm.POLAR,
+    "cartesian": AdmittanceForm.CARTESIAN,
+}
 _NS = 1_000_000_000
 _CAP = {"cap": 1, "warn": 0}
 

@@ -62,6 +62,9 @@ Records = NDArray[Any]
 _TICK_S = 1e-3
 """Tick of the haptic loop that masses are checked for [s]."""
 
+_INTEGRATORS = {each.name.lower(): each for each in ObjectIntegrator}
+"""By the word of `haptic_object.integrator`."""
+
 _LAWS = {"spring_damper": ForceLaw.SPRING_DAMPER, "hunt_crossley": ForceLaw.HUNT_CROSSLEY}
 _HALF = float(np.sqrt(0.5))
 _SIDE_TURNS = {
@@ -129,7 +132,7 @@ class SceneObjects:
 def objects_of_scene(scene: Scene) -> SceneObjects:
     """The rows of a checked scene; a scene without anything to touch gives empty tables.
 
-    They are worked out once for a scene: whoever changes rows takes copies of them.
+    They are worked out once for a scene and integrator that was planned: whoever changes rows takes copies of them.
 
     An object that may neither shift nor turn, and that no effect or wire names, belongs to the static scene: its
     shapes have no body.
@@ -137,7 +140,12 @@ def objects_of_scene(scene: Scene) -> SceneObjects:
     Raises:
         SceneError: something cannot be made; `check` would have told.
     """
-    return scene.derive("haptic objects", lambda: _gather(scene))
+    return scene.derive(("haptic objects", _planned_integrator(scene)), lambda: _gather(scene))
+
+
+def _planned_integrator(scene: Scene) -> str:
+    """Of bodies that leave it open; without a plan the one that keeps a contact without any damper."""
+    return str(scene.methods.get("colliding bodies", {}).get("integrator", "semi_implicit"))
 
 
 def _gather(scene: Scene) -> SceneObjects:
@@ -271,7 +279,8 @@ class _Gathered:
             (thing.sleeps, BodyFlag.SLEEPS),
         ]
         row["flags"] = sum(int(flag) for wanted, flag in flags if wanted)
-        row["integrator"] = ObjectIntegrator[thing.integrator.upper()]
+        stated = thing.integrator
+        row["integrator"] = _INTEGRATORS[_planned_integrator(self.scene) if stated == "auto" else stated]
         row["spawn"] = 1
         weight = mass_properties_of(self.scene, thing, solids)
         row["mass"], row["centre"], row["inertia"] = weight.mass, weight.centre, weight.inertia

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.haptic import Projection
 from mimics_app.rendering.haptic.tunnel import TunnelCurve
 from mimics_app.rendering.haptic.tunnel_source import tunnel_from_component
 from mimics_app.world.components.registry import register_check
@@ -10,7 +13,15 @@ from mimics_app.world.components.robot import Tunnel
 from mimics_app.world.components.robot_checks import check_tunnel_component
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["built_tunnel", "check_tunnel", "tunnel_of_scene"]
+__all__ = ["PROJECTIONS", "built_tunnel", "check_tunnel", "tunnel_of_scene"]
+
+PROJECTIONS: Mapping[str, Projection] = {
+    "newton warm": Projection.NEWTON_WARM,
+    "newton one step": Projection.NEWTON_ONE_STEP,
+    "golden section": Projection.GOLDEN_SECTION,
+    "brute force": Projection.BRUTE_FORCE,
+}
+"""What runs, by the word of `systems.haptic.projection`."""
 
 
 def tunnel_of_scene(scene: Scene) -> tuple[TunnelCurve, float | None]:

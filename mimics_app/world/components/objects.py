@@ -51,7 +51,7 @@ Row = tuple[float, float, float]
 Rows = tuple[Row, Row, Row]
 """Without bounds: msgspec 0.22 cannot free a bounded number beside a tuple. `object_checks` looks at them."""
 
-Integrator = Literal["semi_implicit", "explicit", "exact_drag", "implicit_midpoint"]
+Integrator = Literal["auto", "semi_implicit", "explicit", "exact_drag", "implicit_midpoint"]
 
 
 @component("haptic_object")
@@ -92,7 +92,9 @@ class HapticObject(TouchSurface, frozen=True):
     )
     force_aux: Annotated[Vector, Meta(description="Steady part of F_aux [N]; wires add to it")] = (0.0, 0.0, 0.0)
     torque_aux: Annotated[Vector, Meta(description="Steady part of T_aux [N m]; wires add to it")] = (0.0, 0.0, 0.0)
-    integrator: Annotated[Integrator, Meta(description="How its translation is advanced")] = "semi_implicit"
+    integrator: Annotated[
+        Integrator, Meta(description="How its translation is advanced; auto: the planner (mimics explain)")
+    ] = "auto"
     sleeps: Annotated[bool, Meta(description="May be left out of the work while nothing moves it")] = True
     grip: Annotated[bool, Meta(description="Fingers can hold it")] = False
     crush_force: Annotated[NotNegative, Meta(description="Grip force that bruises it [N]; 0: none does")] = 0.0

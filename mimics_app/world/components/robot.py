@@ -161,9 +161,12 @@ class Admittance(Component, frozen=True):
     max_acceleration: Annotated[Acceleration, Meta(description="Of the virtual mass [m/s^2]")] = 20.0
     max_velocity: Annotated[Speed, Meta(description="Of the command [m/s]")] = 0.8
     form: Annotated[
-        Literal["cartesian", "polar", "seed"],
-        Meta(description="Cartesian, polar with coupling terms, or as printed in D2.1 per axis"),
-    ] = "cartesian"
+        Literal["auto", "cartesian", "polar", "seed"],
+        Meta(
+            description="Cartesian, polar with coupling terms, or as printed in D2.1 per axis; "
+            "auto: the planner (mimics explain), which never takes the printed one"
+        ),
+    ] = "auto"
 
 
 @component("impedance")

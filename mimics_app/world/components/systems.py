@@ -91,6 +91,9 @@ class Tolerances(Component, frozen=True):
     force_N: Annotated[_Limit | None, Meta(description="Of a force on the hand [N]")] = None  # noqa: N815  the unit
     position_m: Annotated[_Limit | None, Meta(description="Of a point that is touched, or its path [m]")] = None
     angle_rad: Annotated[_Limit | None, Meta(description="Of a direction or frame [rad]")] = None
+    restitution: Annotated[
+        _Limit | None, Meta(description="Of the share of its speed that a body keeps when it bounces")
+    ] = None
     itd_us: Annotated[_Limit | None, Meta(description="Of the delay of a sound between the ears [us]")] = None
     frame_ms: Annotated[_Limit | None, Meta(description="Longest a frame of the picture may take [ms]")] = None
     edge_px: Annotated[_Limit | None, Meta(description="Of the share of a pixel that an edge covers [px]")] = None

@@ -10,6 +10,7 @@ from typing import Any, TypeVar, cast, overload
 import msgspec
 
 from mimics_app.contracts.errors import Issue, SceneError, nearest
+from mimics_app.contracts.methods import Settings
 from mimics_app.world.components.registry import component_types
 from mimics_app.world.materials.material import Material
 from mimics_app.world.materials.technique import TechniqueSpec
@@ -66,7 +67,8 @@ class Scene:
         sections: Registered sections, decoded ("task"), by name.
         files: Every file read, the scene file first.
         named_files: Those that components name, in the order they were asked for.
-        methods: What the planner chose where the files leave the choice to it, by group of methods; {} before it ran.
+        methods: Settings the planner chose where the files leave the choice to it, by group of methods; {} before it
+            ran.
         notes: What was left out of models or repaired, for people.
         read: Names of the component types that something asked for the values of, since it was last cleared.
     """
@@ -91,7 +93,7 @@ class Scene:
     files: list[Path] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     named_files: list[Path] = field(default_factory=list)
-    methods: dict[str, str] = field(default_factory=dict)
+    methods: dict[str, Settings] = field(default_factory=dict)
     read: set[str] = field(default_factory=set)
     _derived: dict[Hashable, tuple[Any, set[str]]] = field(default_factory=dict)
     _by_id: dict[str, SceneEntity] = field(default_factory=dict)
