@@ -2,7 +2,7 @@
 
 MimicsError                 what happened, and what to do
 |- UsageError         2     a command or an argument that cannot be
-|- SceneError         3     a scene, glTF, texture or action file; carries every issue found, not only the first
+|- SceneError         3     a scene, glTF, texture or action file, or no run folder; carries every issue found
 |- DeviceError        4     a device, display or sound output that cannot be had
 |- SafetyStop         5     the haptic loop latched SAFE_STOP or E_STOP
 `- PartialDataError   6     a recording that ends early or does not agree with itself
@@ -115,7 +115,7 @@ class UsageError(MimicsError):
 
 
 class SceneError(MimicsError):
-    """A file that describes the world is wrong. All faults found are carried at once."""
+    """A file that describes the world is wrong, or a folder is no run folder. All faults found are carried at once."""
 
     exit_code = 3
 

@@ -152,7 +152,7 @@ def decode_parameters(data: bytes | memoryview, schema: Any | None = None) -> Bl
             return Block(seq, first, record)
         rows = unpack_rows(content[dtype.itemsize :], record[0]["objects"], _row_dtypes(schema.metadata[b"rows"]))
     except (KeyError, IndexError, TypeError, AttributeError, OverflowError, RecursionError, struct.error) as error:
-        raise ValueError(f"no parameter block: {error!r}") from error
+        raise ValueError("its content is no parameter block") from error
     return Block(seq, first, record, rows)
 
 
@@ -213,4 +213,4 @@ def _decode(data: bytes | memoryview, schema: Any) -> tuple[Any, int, int, int]:
         _NUMBERS.pack(seq, first)  # they are 64 bits long
         return message.batch, seq, first, int(metadata[b"crc"], 16)
     except (*_BROKEN, KeyError, TypeError, ValueError, struct.error) as error:
-        raise ValueError(f"no whole block: {error}") from error
+        raise ValueError("it is cut off or overwritten") from error

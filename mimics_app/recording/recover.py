@@ -5,6 +5,7 @@ What cannot be mended, because the disk is full or the folder may not be written
 
 from __future__ import annotations
 
+import filecmp
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -43,7 +44,7 @@ class Recovery:
     """What `recover` did.
 
     Attributes:
-        mended: Names of the files that were written anew; () where there was nothing to mend.
+        mended: Names of the files whose content changed; () where there was nothing to mend.
         verdict: On the run as it is now: what is lost, damaged or could not be written.
     """
 
@@ -58,7 +59,7 @@ def recover(folder: Path) -> Recovery:
     the file under its name with `.damaged`. A run that was closed and has nothing to mend is left as it is.
 
     Raises:
-        UsageError: It is no run folder.
+        SceneError: It is no run folder.
     """
     before = Run.open(folder)
     mended: list[str] = []
@@ -71,15 +72,20 @@ def recover(folder: Path) -> Recovery:
             FILES["manifest"], lambda where: _seal(where, before, [*losses, *unwritten]), folder, mended, unwritten
         )
     verdict = judge(Run.open(folder))
-    verdict = replace(verdict, problems=tuple(dict.fromkeys([*verdict.problems, *unwritten])))
+    verdict = replace(
+        verdict,
+        problems=tuple(dict.fromkeys([*verdict.problems, *unwritten])),
+        fresh=tuple(dict.fromkeys([*verdict.fresh, *unwritten])),
+    )
     return Recovery(tuple(mended), verdict)
 
 
-def _attempt(name: str, mend: Callable[[Path], bool], folder: Path, mended: list[str], unwritten: list[str]) -> None:
-    """Mend one file and note whether it was written, or why it could not be."""
+def _attempt(
+    name: str, mend: Callable[[Path], list[str]], folder: Path, mended: list[str], unwritten: list[str]
+) -> None:
+    """Mend one file and note which were written, or why it could not be."""
     try:
-        if mend(folder):
-            mended.append(name)
+        mended += mend(folder)
     except OSError as error:
         unwritten.append(f"{name} cannot be mended: {error.strerror or error}")
 
@@ -89,7 +95,7 @@ def _lost_manifest(run: Run) -> list[str]:
     return ["what the application said at the end of the run cannot be read"] if damaged else []
 
 
-def _seal(folder: Path, before: Run, losses: list[str]) -> bool:
+def _seal(folder: Path, before: Run, losses: list[str]) -> list[str]:
     """Write the manifest of what there is now; what the one before said about the end of the run is kept."""
     run = Run(folder)
     complete_trips(run)
@@ -114,7 +120,7 @@ def _seal(folder: Path, before: Run, losses: list[str]) -> bool:
     if before.manifest is None and os.path.lexists(path):
         _put_aside(path)
     write_manifest(folder, manifest)
-    return True
+    return [FILES["manifest"]]
 
 
 def _put_aside(path: Path) -> None:
@@ -134,7 +140,7 @@ def _replace(path: Path, content: bytes, *, keep: bool) -> None:
     write_atomically(path, content)
 
 
-def _mend_haptic(folder: Path) -> bool:
+def _mend_haptic(folder: Path) -> list[str]:
     """Write haptic.arrows and its sidecar anew in one pass; an hour of it never is in memory at once."""
     path = folder / FILES["haptic"]
     layout, _ = layout_of(read_schema(path))
@@ -146,11 +152,27 @@ def _mend_haptic(folder: Path) -> bool:
         file.append(END_OF_STREAM)
     finally:
         file.close()
-    if os.path.lexists(path) and (damages or not path.is_file()):
-        _put_aside(path)
-    scratch.replace(path)
-    _replace(folder / FILES["index"], np.array(index, INDEX_ROW).tobytes(), keep=False)
-    return True
+    mended = []
+    if _is_own_file(path) and filecmp.cmp(scratch, path, shallow=False):
+        scratch.unlink()
+    else:
+        if os.path.lexists(path) and (damages or not path.is_file()):
+            _put_aside(path)
+        scratch.replace(path)
+        mended.append(FILES["haptic"])
+    return mended + _write_if_other(folder / FILES["index"], np.array(index, INDEX_ROW).tobytes(), keep=False)
+
+
+def _is_own_file(path: Path) -> bool:
+    return path.is_file() and not path.is_symlink()
+
+
+def _write_if_other(path: Path, content: bytes, *, keep: bool) -> list[str]:
+    """`_replace` what is not so yet; the name of the file where it was written."""
+    if _is_own_file(path) and _read_if_any(path) == content:
+        return []
+    _replace(path, content, keep=keep)
+    return [path.name]
 
 
 def _copy_blocks(path: Path, file: AppendFile, layout: SampleLayout) -> tuple[list[tuple[int, int, int]], list[Damage]]:
@@ -174,38 +196,33 @@ def _copy_blocks(path: Path, file: AppendFile, layout: SampleLayout) -> tuple[li
     return index, damages
 
 
-def _mend_parameters(folder: Path) -> bool:
+def _mend_parameters(folder: Path) -> list[str]:
     path = folder / FILES["parameters"]
     schema = read_schema(path) or parameters_schema()
     data = _read_if_any(path)
     pieces = list(scan_stream(path, lambda part: decode_parameters(part, schema), schema))
     good = [data[piece.offset : piece.offset + piece.length] for piece in pieces if isinstance(piece, Found)]
     damaged = any(isinstance(piece, Damage) for piece in pieces)
-    _replace(path, b"".join([schema_bytes(schema), *good, END_OF_STREAM]), keep=damaged)
-    return True
+    return _write_if_other(path, b"".join([schema_bytes(schema), *good, END_OF_STREAM]), keep=damaged)
 
 
-def _mend_events(folder: Path) -> bool:
+def _mend_events(folder: Path) -> list[str]:
     path = folder / FILES["events"]
-    content = _read_if_any(path)
-    good, bad = split_lines(content)
+    good, bad = split_lines(_read_if_any(path))
     text = b"".join(line + b"\n" for line, _ in good)
-    if text == content and path.is_file():
-        return False
-    _replace(path, text, keep=bad > 0)
-    return True
+    return _write_if_other(path, text, keep=bad > 0)
 
 
-def _mend_trials(folder: Path) -> bool:
+def _mend_trials(folder: Path) -> list[str]:
     path = folder / FILES["trials"]
     rows: list[dict[str, Any]] = []
     bad = 0
     if path.is_file():
         rows, bad = read_table(path)
         if not bad:
-            return False
+            return []
     _replace(path, table_text(rows), keep=bad > 0)
-    return True
+    return [path.name]
 
 
 def _read_if_any(path: Path) -> bytes:
@@ -215,7 +232,7 @@ def _read_if_any(path: Path) -> bytes:
         return b""
 
 
-_MENDERS: dict[str, Callable[[Path], bool]] = {
+_MENDERS: dict[str, Callable[[Path], list[str]]] = {
     "haptic": _mend_haptic,
     "parameters": _mend_parameters,
     "events": _mend_events,

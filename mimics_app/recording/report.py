@@ -183,7 +183,7 @@ def write_report(folder: Path, sections: Sequence[ReportSection]) -> Path:
         sections: Of the kinds of task; the first that takes the run tells of its movement.
 
     Raises:
-        UsageError: It is no run folder.
+        SceneError: It is no run folder.
         OSError: The folder cannot be written.
     """
     page = render_page(page_of(Run.open(folder), sections))
@@ -221,6 +221,9 @@ def page_of(run: Run, sections: Sequence[ReportSection]) -> Page:
 
 def _scene_name(run: Run) -> str:
     scene = run.session.get("scene", "a run")
+    title = mapping(scene).get("title")
+    if isinstance(title, str) and title.strip():
+        return title
     return shown(scene.get("name", "a run") if isinstance(scene, Mapping) else scene).replace("_", " ")
 
 
@@ -253,16 +256,22 @@ def _cards(run: Run, attempts: list[Attempt], section: ReportSection) -> dict[st
         section.contacts: shown(task.get("contacts")),
         "largest force felt": one(max(felt, default=0.0) or None, "N"),
         "smallest stability margin": one(scaled(smallest_margin(run.haptic), 100.0), "%"),
-        **_missed_card(run),
+        **_late_card(run),
         **{name: shown(number) for name, number in _stops_and_holds(run).items()},
     }
 
 
-def _missed_card(run: Run) -> dict[str, str]:
+def _late_card(run: Run) -> dict[str, str]:
     real_time = punctuality(run.haptic)
     if real_time is None:
         return {}
-    return {f"ticks missed of {thousands(real_time.ticks)}": thousands(real_time.missed)}
+    of = f"{thousands(real_time.ticks)}{_counted_after(real_time, run)}"
+    return {f"late control cycles of {of}": thousands(real_time.missed)}
+
+
+def _counted_after(result: Punctuality, run: Run) -> str:
+    """That the first second was left out, in words; of a run of two or less all is counted."""
+    return " after the first second" if result.ticks < len(run.haptic) else ""
 
 
 def _trial_cards(run: Run) -> dict[str, str]:
@@ -324,13 +333,14 @@ def _real_time(run: Run) -> RealTime:
     if result is None:
         return RealTime(None, None)
     scheduler = run.lines_of("app", "scheduler")
+    after = _counted_after(result, run)
     recipe = run.summary.get("recipe") or (scheduler[-1].get("recipe") if scheduler else None)
     rows = [
         ("scheduling recipe", recipe),
         *((f"lateness {name} [µs]", number) for name, number in result.marks().items()),
-        ("ticks that ended more than 1 ms late", result.missed),
-        ("share of all ticks", result.missed / result.ticks),
-        ("ticks after the first second", result.ticks),
+        (f"late control cycles{after} (ended more than 1 ms after their release)", result.missed),
+        ("share of late control cycles", result.missed / result.ticks),
+        (f"control cycles{after}", result.ticks),
     ]
     return RealTime(draw_lateness(run.haptic[_WARM_UP_TICKS:], result.marks()), Table(["", "value"], rows))
 

@@ -45,8 +45,13 @@ def _contacts(run: Run) -> list[tuple[str, float]]:
 
 
 def stability_lines(attempt: Attempt) -> dict[str, dict[str, tuple[str, Values]]]:
-    """The traces of an attempt: label of the axis -> kind of line -> its name and values, shape [n]."""
+    """The traces of an attempt: label of the axis -> kind of line -> its name and values, shape [n].
+
+    {} where nothing was touched: the margin and the energy are those of a contact.
+    """
     samples = attempt.samples
+    if not _touching(samples).any():
+        return {}
     return {
         "stability margin [%]": {
             "margin": ("how much stiffer the wall might be", 100.0 * np.minimum(samples["margin"], _MOST_SHOWN)),

@@ -12,6 +12,8 @@ NONE = "–"
 """What stands for a value that there is not."""
 
 _DEEPEST = 12
+_LEAST = 1e-9
+"""Figures of less than this, in their unit, are shown as 0."""
 
 
 class Seconds(float):
@@ -55,7 +57,7 @@ def shown(item: Any, depth: int = 0) -> str:
     if isinstance(item, Seconds):
         return f"{item:.3f}"
     if isinstance(item, float):
-        return f"{item:.4g}"
+        return _figure(item)
     if depth > _DEEPEST:
         return "…"
     if isinstance(item, Mapping):
@@ -63,6 +65,13 @@ def shown(item: Any, depth: int = 0) -> str:
     if isinstance(item, (list, tuple)):
         return ", ".join(shown(part, depth + 1) for part in item)
     return str(item)
+
+
+def _figure(value: float) -> str:
+    """Four digits that count; 0 for what is no more than rounding of a computation, and no exponent up to 1e7."""
+    if abs(value) < _LEAST:
+        return "0"
+    return f"{value:.0f}" if 1e4 <= abs(value) < 1e7 else f"{value:.4g}"
 
 
 def thousands(count: int) -> str:

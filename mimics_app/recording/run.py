@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.clock import TICKS_PER_SECOND
+from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.haptic import SAMPLE
 from mimics_app.contracts.object_rows import Rows
 from mimics_app.contracts.regular_file import open_regular
@@ -31,7 +32,7 @@ from mimics_app.recording.session_header import read_session
 from mimics_app.recording.state_hash import StateHash
 from mimics_app.recording.trial_table import read_table
 
-__all__ = ["Gap", "Run", "find_gaps"]
+__all__ = ["Gap", "Run", "ending", "find_gaps"]
 
 _UNKNOWN = "rows are missing"
 _NOMINAL_PERIOD_S = 1e-3
@@ -75,10 +76,11 @@ class Run:
         """Open a run folder, also one that was never closed, is damaged, or is of another version.
 
         Raises:
-            UsageError: It is no run folder.
+            SceneError: It is no run folder.
         """
         if not any(os.path.lexists(folder / FILES[key]) for key in _MARKS):
-            raise UsageError(f"{folder} is no run folder", "give a folder that holds session.json and haptic.arrows")
+            fix = "give a folder that holds session.json and haptic.arrows"
+            raise SceneError(Issue(str(folder), "", "this is no run folder", fix))
         return cls(folder)
 
     @property
@@ -153,6 +155,11 @@ class Run:
         """Tick of the last event of the loop, 0 where there is none."""
         return int(self.events["tick"].max()) if len(self.events) else 0
 
+    @property
+    def comparable_end(self) -> int:
+        """Tick before which all events and rows are there: a run that was cut off may lack some of its last ones."""
+        return self.end_of_ticks if self.status == "clean" else min(self.end_of_ticks, self.last_event_tick)
+
     @cached_property
     def _trials(self) -> tuple[list[dict[str, Any]], int, str]:
         return _read_or_say(self.folder / FILES["trials"], read_table)
@@ -216,6 +223,17 @@ class Run:
             return max(0, self.manifest.rows + self.manifest.dropped.get("samples", 0) - there)
         return sum(line.get("rows", 0) for line in self.lines_of("recorder", "gap") if line["after_row"] >= there)
 
+    def _seen_after_end(self) -> int:
+        """Ticks after the last row that lines of events.jsonl show to have passed, 0 unless more than `lost_at_end`.
+
+        It is for a run without a manifest, which would know how many rows there were.
+        """
+        if self.manifest:
+            return 0
+        latest = max((tick for line in self.lines if isinstance(tick := line.get("tick"), int)), default=-1)
+        seen = latest + 1 - self.end_of_ticks
+        return seen if seen > self.lost_at_end else 0
+
     @property
     def needs_mending(self) -> bool:
         """Whether `mimics record recover` has something to do: nobody closed it, or parts of it cannot be read."""
@@ -233,7 +251,7 @@ class Run:
             reason = self._manifest_problem
             ended = [f"{FILES['manifest']} cannot be read: {reason}" if reason else "the run was never closed"]
         else:
-            ended = [] if self.manifest.status == "clean" else [f"the run is {self.manifest.status}"]
+            ended = [] if self.manifest.status == "clean" else [ending(self.manifest.status)]
         return list(dict.fromkeys([*ended, *self.losses()]))
 
     def notes(self) -> list[str]:
@@ -264,7 +282,10 @@ class Run:
             found.append(f"{name}: recorded without {', '.join(self.layout.missing)}")
         found += [f"{name}: {d.length} bytes at {d.offset} are no good block: {d.why}" for d in self.damages]
         found += [f"{gap.ticks} ticks are missing after tick {gap.after_tick}: {gap.why}" for gap in self.gaps]
-        if self.lost_at_end:
+        if ticks := self._seen_after_end():
+            seconds = ticks / TICKS_PER_SECOND
+            found.append(f"at least {ticks} ticks ({seconds:.3f} s) after tick {self.end_of_ticks - 1} are missing")
+        elif self.lost_at_end:
             why = f": {self.manifest.problem}" if self.manifest and self.manifest.problem else ""
             found.append(f"the last {self.lost_at_end} ticks are missing{why}")
         return found
@@ -295,14 +316,22 @@ class Run:
         if self.manifest is None:
             return []
         now = hash_files(self.folder)
-        found = [
-            f"{name} {'is missing' if name not in now else 'was changed after the run was closed'}"
-            for name, sealed in self.manifest.files.items()
-            if now.get(name) != sealed
-        ]
+        found: list[str] = []
+        for name in (name for name, sealed in self.manifest.files.items() if now.get(name) != sealed):
+            if name in now:
+                found.append(f"{name} was changed after the run was closed")
+            elif os.path.lexists(self.folder / name):  # a pipe, a folder: it is not missing
+                found += _trouble_of(self.folder / name) or [f"{name} cannot be read"]
+            else:
+                found.append(f"{name} is missing")
         if self.layout.current and self.state_hash() != self.manifest.state_hash:
             found.append("the state hash of the files is not that of the manifest")
         return found
+
+
+def ending(status: str) -> str:
+    """The sentence that says how a run ended which was not closed as usual."""
+    return f"the run is {status}"
 
 
 def find_gaps(ticks: NDArray[np.float64], numbers: NDArray[Any], known: Mapping[int, str]) -> list[Gap]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mimics_app.recording.run import Run
+from mimics_app.recording.run import Run, ending
 
 __all__ = ["Verdict", "judge"]
 
@@ -16,15 +16,29 @@ class Verdict:
     Attributes:
         status: "clean", "interrupted", "recovered", or "open" where nobody closed it.
         problems: One sentence each; () for a whole run.
+        fresh: Those of them that its manifest did not state when it was sealed.
     """
 
     status: str
     problems: tuple[str, ...]
+    fresh: tuple[str, ...]
 
     @property
     def whole(self) -> bool:
         """Whether nothing is missing, damaged or changed."""
         return not self.problems
+
+    @property
+    def word(self) -> str:
+        """The run in one word: "verified", "damaged", "not verified", or how it ended where all losses were stated."""
+        if self.status == "open":
+            return "not verified"
+        return "damaged" if self.fresh else "verified" if self.whole else self.status
+
+    @property
+    def losses(self) -> tuple[str, ...]:
+        """The problems without the sentence that only names the status."""
+        return tuple(sentence for sentence in self.problems if sentence != ending(self.status))
 
 
 def judge(run: Run) -> Verdict:
@@ -33,4 +47,6 @@ def judge(run: Run) -> Verdict:
     trouble = run.manifest.problem if run.manifest else ""
     if trouble and not any(trouble in sentence for sentence in found):
         found.append(trouble)
-    return Verdict(run.status, tuple(dict.fromkeys(found)))
+    problems = tuple(dict.fromkeys(found))
+    stated = {ending(run.status), trouble, *(run.manifest.lost if run.manifest else ())}
+    return Verdict(run.status, problems, tuple(sentence for sentence in problems if sentence not in stated))

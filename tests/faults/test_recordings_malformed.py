@@ -210,6 +210,71 @@ def test_rows_cut_off_a_closed_run_are_counted_and_stay_counted(whole: Path, tmp
     assert "the last 150 ticks are missing" in recover(folder).verdict.problems
 
 
+def test_cut_end_of_an_open_run_is_counted_in_ticks_and_seconds(whole: Path, tmp_path: Path) -> None:
+    """The events tell how far it went; what is wrong with the bytes is told in words, not in those of a library."""
+    folder = copy_run(whole, tmp_path / "run")
+    (folder / "manifest.json").unlink()
+    _seq, offset, _length = np.fromfile(folder / "haptic.arrows.idx", np.int64).reshape(-1, 3)[4].tolist()
+    os.truncate(folder / "haptic.arrows", offset + 4000)
+    with (folder / "events.jsonl").open("a") as file:
+        file.write('{"source":"app","kind":"frame","frame":30,"tick":1499}\n')
+    losses = recover(folder).verdict.problems
+    assert "at least 1300 ticks (1.300 s) after tick 199 are missing" in losses
+    assert f"haptic.arrows: 4000 bytes at {offset} are no good block: it is cut off or overwritten" in losses
+    assert len(losses) == 3, "the third: the run is recovered"
+    assert judge(Run.open(folder)).problems == losses
+
+
+def _lines(capsys: pytest.CaptureFixture[str], *arguments: str) -> list[list[str]]:
+    assert main(["record", *arguments]) == 6
+    return [line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines()]
+
+
+def test_what_cannot_be_recovered_is_told_alike(
+    whole: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = copy_run(whole, tmp_path / "run")
+    session = json.loads((folder / "session.json").read_text())
+    (folder / "session.json").write_text(json.dumps({**session, "clock": 5}))
+    verified = _lines(capsys, "verify", str(folder))
+    recovered = _lines(capsys, "recover", str(folder))
+    assert recovered[0] == verified[0] == ["damaged", f"{folder}: 2 findings"]
+    assert recovered[1] == ["mended", "nothing: what is lost or damaged cannot be recovered, it stays as it is"]
+    assert recovered[2:] == verified[1:] and len(recovered[2:]) == 2
+
+
+def test_recovered_run_is_not_damaged_until_it_is_again(
+    whole: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its losses are known; one bit of the events leaves the other files as they are."""
+    folder = copy_run(whole, tmp_path / "run")
+    path, haptic = folder / "events.jsonl", (folder / "haptic.arrows").stat()
+    path.write_bytes(path.read_bytes().replace(b'"force"', b'"forcf"', 1))
+    recovered = _lines(capsys, "recover", str(folder))
+    assert recovered[1] == ["mended", "events.jsonl, manifest.json"]
+    assert (folder / "haptic.arrows").stat().st_mtime_ns == haptic.st_mtime_ns
+    losses = len(recovered) - 2
+    verified = _lines(capsys, "verify", str(folder))
+    assert verified[0] == recovered[0] == ["recovered", f"{folder}: {losses} losses; what is left is as it was sealed"]
+    assert verified[1:] == recovered[2:] and all(name == "problem" for name, _ in verified[1:])
+    with (folder / "trials.csv").open("a") as file:
+        file.write("x")
+    assert _lines(capsys, "verify", str(folder))[0][0] == "damaged"
+
+
+def test_pipe_in_the_place_of_a_file_is_not_missing_too(whole: Path, tmp_path: Path) -> None:
+    folder = copy_run(whole, tmp_path / "run")
+    for name in ("haptic.arrows", "haptic.arrows.idx"):
+        (folder / name).unlink()
+        os.mkfifo(folder / name)
+    with _patience():
+        problems = judge(Run.open(folder)).problems
+    for name in ("haptic.arrows", "haptic.arrows.idx"):
+        assert [problem for problem in problems if problem.startswith(f"{name} ")] == [
+            f"{name} cannot be read: not a regular file (a pipe, a socket or a device)"
+        ]
+
+
 def test_nothing_outside_the_folder_is_written(whole: Path, tmp_path: Path) -> None:
     """A run folder from elsewhere whose files are links: they are replaced, never followed for writing."""
     folder = copy_run(whole, tmp_path / "run")

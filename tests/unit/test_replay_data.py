@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import os
+import sys
 import zlib
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from mimics_app.app.cli import main
 from mimics_app.contracts.errors import PartialDataError
-from mimics_app.contracts.haptic import EVENT, SAMPLE
+from mimics_app.contracts.haptic import EVENT, SAMPLE, EventKind
 from mimics_app.recording.arrow_format import decode_samples, encode_samples
 from mimics_app.recording.columns import INPUT_FIELDS, OUTPUT_FIELDS
+from mimics_app.recording.event_log import encode_event
+from mimics_app.recording.recover import recover
 from mimics_app.recording.replay import ReplayData, compare, compare_events, gather
 from mimics_app.recording.run import Run
 from mimics_app.recording.state_hash import StateHash
@@ -168,3 +174,26 @@ def test_checksum_is_crc32_of_the_rows() -> None:
     rows = samples.view("<f8").reshape(3, -1)
     data = np.array([7, 350], "<i8").tobytes() + rows[:, 0].tobytes() + rows[:, 1:].tobytes()
     assert int(message.custom_metadata[b"crc"], 16) == zlib.crc32(data)
+
+
+@pytest.mark.parametrize(("until", "said"), [(400, "its 1 events from tick 400 on are not compared"), (TICKS, "")])
+def test_events_are_compared_up_to_the_last_row(
+    tmp_path: Path, until: int, said: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A run whose rows were cut off and recovered still has the events after them: no difference, and said so."""
+    folder = _write_run(tmp_path)
+    events = np.zeros(3, EVENT)
+    events["tick"], events["kind"] = [5, 300, 700], EventKind.CONTACT_BEGIN
+    lines = b"".join(encode_event(event, number) + b"\n" for number, event in enumerate(events))
+    (folder / "events.jsonl").write_bytes(lines)
+    if until < TICKS:
+        _seq, offset, _length = np.fromfile(folder / "haptic.arrows.idx", np.int64).reshape(-1, 3)[until // 50].tolist()
+        os.truncate(folder / "haptic.arrows", offset + 100)
+    recover(folder)
+    again = SimpleNamespace(samples=gather(Run.open(folder)).samples, events=events[events["tick"] < until])
+    tick = SimpleNamespace(replay_run=lambda *_: again)  # the compiled one is not what is tested
+    monkeypatch.setitem(sys.modules, "mimics_app.rendering.haptic.replay", tick)
+    monkeypatch.setattr("mimics_app.app.terminal.first_start.say_if_cold", lambda: None)
+    assert main(["replay", str(folder)]) == 0
+    told = capsys.readouterr().out
+    assert f"{until} ticks replayed, every output and 2 events equal" in told and said in told

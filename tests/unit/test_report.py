@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -12,14 +13,15 @@ import numpy as np
 import pytest
 
 from mimics_app.app.cli import main
-from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.haptic import SafetyState, TripCause
 from mimics_app.plotting.axis import Axis, nice_ticks
 from mimics_app.plotting.plot import Plot, envelope
 from mimics_app.recording.attempts import find_attempts, tunnel_shape
-from mimics_app.recording.report import punctuality, write_report
-from mimics_app.recording.report_tables import contact_rows, trials_of
-from mimics_app.recording.report_values import Seconds, shown
+from mimics_app.recording.report import page_of, punctuality, write_report
+from mimics_app.recording.report_stability import stability_lines
+from mimics_app.recording.report_tables import contact_rows, plan_tables, trials_of
+from mimics_app.recording.report_values import Seconds, shown, thousands
 from mimics_app.recording.run import Run
 from mimics_app.recording.trial_table import TrialTable
 from mimics_app.tasks.kinds.registry import report_sections
@@ -78,7 +80,7 @@ def test_page_holds_every_part(page: str) -> None:
         "<h2>Trials</h2>", "path error rms [mm]", "Contacts: touch, picture and sound", "first frame",
         "sound after [ms]",
         "Safety", "E_STOP", "safety stops: 1, short holds: 0", "the stop key was pressed", "reset it when it is safe",
-        "recording complete", "Real time", "p99.9", "fifo", "ticks that ended more than 1 ms late",
+        "recording complete", "Real time", "p99.9", "fifo", "late control cycles after the first second",
         "Settings", "settings.safety.force_limit", "scene.hash",
         "200 values",
         "The whole scene", "moderate", "tunnel projection", "Left out",
@@ -258,7 +260,7 @@ def test_run_without_anything_is_still_reported(tmp_path: Path) -> None:
     (tmp_path / "session.json").write_text("{")
     text = write_report(tmp_path, report_sections()).read_text()
     assert "No tick was recorded" in text and "No trial was finished" in text
-    with pytest.raises(UsageError):
+    with pytest.raises(SceneError):
         write_report(tmp_path / "nothing", report_sections())
 
 
@@ -294,6 +296,51 @@ def test_verify_gives_a_verdict_and_does_not_describe(tmp_path: Path, capsys: py
     write_synthetic_run(tmp_path / "open", 2.0, closed=False)
     assert main(["record", "verify", str(tmp_path / "open")]) == 6
     assert capsys.readouterr().out.startswith("not verified")
+
+
+def test_title_of_the_scene_is_the_title_of_its_report(tmp_path: Path) -> None:
+    write_synthetic_run(tmp_path, 2.0)
+    session = json.loads((tmp_path / "session.json").read_text())
+    session["scene"]["title"] = "Along the bisector only"
+    (tmp_path / "session.json").write_text(json.dumps(session))
+    assert page_of(Run.open(tmp_path), report_sections()).title == "Report of Along the bisector only"
+
+
+def test_figures_are_no_rounding_noise_and_large_ones_have_no_exponent() -> None:
+    assert (shown(9.006e-15), shown(-3e-16), shown(2e-9)) == ("0", "0", "2e-09")
+    assert (shown(10_370.4), shown(-12_000.0), shown(1.5e9)) == ("10370", "-12000", "1.5e+09")
+    parts = [{"part": "shadow", "cost_us": 10_370.0}, {"part": "tunnel", "cost_us": 0.31}, {"part": "sky"}]
+    tables = plan_tables({"parts": parts, "left_out": [{"part": "skin", "saved_us": 1500.0}]})
+    assert [row[3] for row in tables["Methods"].rows] == ["10.4 ms", "0.310 µs", None]
+    assert tables["Left out"].rows[0][2] == "1.5 ms"
+
+
+def test_stability_is_drawn_only_where_something_was_touched(folder: Path) -> None:
+    attempt = find_attempts(Run.open(folder))[0]
+    assert set(stability_lines(attempt)) == {"stability margin [%]", "energy [mJ]"}
+    samples = attempt.samples.copy()
+    samples["penetration"], samples["touching"] = 0.0, 0.0
+    assert stability_lines(replace(attempt, samples=samples)) == {}
+
+
+def test_late_control_cycles_are_those_after_the_first_second(tmp_path: Path) -> None:
+    """The word of the terminal; a run of two seconds or less leaves none out, and does not say that it does."""
+    for seconds, after in ((4.0, " after the first second"), (2.0, "")):
+        folder = tmp_path / str(seconds)
+        folder.mkdir()
+        page = page_of(Run.open(write_synthetic_run(folder, seconds)), report_sections())
+        counted = thousands(3000 if after else 2000)
+        assert f"late control cycles of {counted}{after}" in page.cards
+        assert page.real_time is not None and page.real_time.table is not None
+        assert f"control cycles{after}" in [row[0] for row in page.real_time.table.rows]
+        assert not any("missed" in name for name in page.cards)
+
+
+def test_info_tells_the_length_of_the_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It lasted as long as its ticks, the last one included."""
+    write_synthetic_run(tmp_path, 2.0)
+    assert main(["record", "info", "--json", str(tmp_path)]) == 0
+    assert json.loads(capsys.readouterr().out)["seconds"] == 2.0
 
 
 # the plots

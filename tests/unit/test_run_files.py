@@ -15,7 +15,7 @@ import pyarrow as pa
 import pytest
 
 from mimics_app.contracts import ring
-from mimics_app.contracts.errors import PartialDataError, UsageError
+from mimics_app.contracts.errors import PartialDataError, SceneError, UsageError
 from mimics_app.contracts.haptic import EVENT, SAMPLE, SCENE, EventKind
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.recording import append_file, columns, run_folder
@@ -225,7 +225,7 @@ def test_stream_without_our_columns_is_named(tmp_path: Path) -> None:
     with pa.ipc.new_stream(tmp_path / "haptic.arrows", schema) as writer:
         writer.write_batch(pa.record_batch([pa.array([1.0])], schema=schema))
     assert any("what its columns are cannot be read" in problem for problem in Run.open(tmp_path).problems())
-    with pytest.raises(UsageError, match="no run folder"):
+    with pytest.raises(SceneError, match="no run folder"):
         Run.open(tmp_path.parent / "nothing")
 
 

@@ -8,10 +8,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from mimics_app.contracts.clock import TICKS_PER_SECOND
 from mimics_app.contracts.errors import PartialDataError
 
 if TYPE_CHECKING:
     from mimics_app.recording.run import Run
+    from mimics_app.recording.verdict import Verdict
 
 __all__ = ["add_arguments", "run"]
 
@@ -42,6 +44,7 @@ def run(args: argparse.Namespace) -> int:
     answer = {**_describe(opened), **mended}
     if args.action == "verify":
         answer["verified"] = opened.manifest is not None and verdict.whole
+    answer["verdict"] = verdict.word
     answer["problems"] = list(verdict.problems)
     answer["notes"] = opened.notes()
     if args.json:
@@ -49,7 +52,7 @@ def run(args: argparse.Namespace) -> int:
 
         write_object("record", {"action": args.action, **answer})
     else:
-        lines = _verdict(opened, answer["problems"]) if args.action == "verify" else _lines(answer)
+        lines = _info(answer) if args.action == "info" else _told(opened, verdict, answer.get("mended"))
         lines += [("note", note) for note in answer["notes"]]
         sys.stdout.write("".join(f"{name:14} {text}\n" for name, text in lines))
     return 0 if verdict.whole else PartialDataError.exit_code
@@ -60,7 +63,7 @@ def _describe(opened: Run) -> dict[str, Any]:
     return {
         "run_dir": str(opened.folder),
         "status": opened.status,
-        "seconds": float(rows["t"][-1]) if len(rows) else 0.0,
+        "seconds": opened.end_of_ticks / TICKS_PER_SECOND,
         "ticks": len(rows),
         "events": len(opened.events),
         "trials": len(opened.trials),
@@ -70,20 +73,36 @@ def _describe(opened: Run) -> dict[str, Any]:
     }
 
 
-def _verdict(opened: Run, wrong: list[str]) -> list[tuple[str, str]]:
-    """What `verify` found: that everything is as it was sealed, or each thing that is not."""
+def _told(opened: Run, verdict: Verdict, mended: list[str] | None) -> list[tuple[str, str]]:
+    """The verdict in one line, alike for `verify` and `recover`; what was mended; each thing that is not whole."""
+    lines = [(verdict.word, f"{opened.folder}: {_verdict(opened, verdict)}")]
+    if mended is not None:
+        lines.append(("mended", ", ".join(mended) or _nothing(verdict)))
+    return lines + [("problem", sentence) for sentence in verdict.losses]
+
+
+def _verdict(opened: Run, verdict: Verdict) -> str:
     if opened.manifest is None:
-        fix = f"mimics record recover {opened.folder} seals what is good"
-        return [("not verified", f"{opened.folder}: nothing seals it; {fix}"), *(("problem", one) for one in wrong)]
-    if wrong:
-        return [("damaged", f"{opened.folder}: {len(wrong)} findings"), *(("problem", one) for one in wrong)]
+        return f"nothing seals it; mimics record recover {opened.folder} seals what is good"
+    if verdict.fresh:
+        return _count(len(verdict.losses), "finding")
+    if not verdict.whole:
+        return _count(len(verdict.losses), "loss", "es") + "; what is left is as it was sealed"
     files = len(opened.manifest.files)
-    sealed = f"{files} files and the state hash are as they were sealed"
-    return [("verified", f"{opened.folder}: {sealed}, {len(opened.haptic)} ticks without a gap")]
+    return f"{files} files and the state hash are as they were sealed, {len(opened.haptic)} ticks without a gap"
 
 
-def _lines(answer: dict[str, Any]) -> list[tuple[str, str]]:
+def _nothing(verdict: Verdict) -> str:
+    """Why nothing was mended."""
+    if not verdict.losses:
+        return "nothing: there is nothing to recover"
+    return "nothing: what is lost or damaged cannot be recovered, it stays as it is"
+
+
+def _count(number: int, what: str, ending: str = "s") -> str:
+    return f"{number or 'no'} {what}{'' if number == 1 else ending}"
+
+
+def _info(answer: dict[str, Any]) -> list[tuple[str, str]]:
     plain = [(name, str(item)) for name, item in answer.items() if not isinstance(item, list)]
-    if "mended" in answer:
-        plain.append(("mended", ", ".join(answer["mended"]) or "nothing: there is nothing to recover"))
     return plain + [("problem", problem) for problem in answer["problems"]]

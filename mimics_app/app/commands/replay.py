@@ -36,16 +36,23 @@ def run(args: argparse.Namespace) -> int:
 
         statics = ObjectStatics.from_arrays(data.statics.arrays, data.statics.fields)
     replayed = replay_run(data.samples, data.blocks, data.rows, statics)
-    end = recorded.end_of_ticks if recorded.status == "clean" else recorded.last_event_tick
+    end = recorded.comparable_end
     difference = compare(data.samples, replayed.samples) or compare_events(recorded.events, replayed.events, end)
     if difference is not None:
         raise PartialDataError(
             f"{args.run_folder} replays differently: {difference}",
             "its inputs were changed, or another version or machine recorded it",
         )
-    ticks, events = len(data.samples), len(recorded.events)
+    ticks, events = len(data.samples), int((recorded.events["tick"] < end).sum())
+    left = len(recorded.events) - events
     if args.json:
-        output.write_object("replay", {"run_dir": args.run_folder, "ticks": ticks, "events": events, "equal": True})
+        answer = {"ticks": ticks, "events": events, "events_not_compared": left, "equal": True}
+        output.write_object("replay", {"run_dir": args.run_folder, **answer})
     else:
-        print(f"{ticks} ticks replayed, every output and {events} events equal bit for bit")
+        print(f"{ticks} ticks replayed, every output and {events} events equal bit for bit{_left_out(left, end)}")
     return 0
+
+
+def _left_out(events: int, end: int) -> str:
+    """What is not compared of a run that was cut off."""
+    return f"; the run was cut off: its {events} events from tick {end} on are not compared" if events else ""

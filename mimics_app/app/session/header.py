@@ -20,7 +20,13 @@ def describe_session(parts: Preparation) -> dict[str, Any]:
     """Scene, seed, who moved it, limits, settings, plan: as plain objects of JSON."""
     scene, settings = parts.scene, parts.settings
     return {
-        "scene": {"name": scene.name, "file": str(scene.path), "hash": scene.hash, "document": scene.document},
+        "scene": {
+            "name": scene.name,
+            "title": scene.title,
+            "file": str(scene.path),
+            "hash": scene.hash,
+            "document": scene.document,
+        },
         "seed": settings.seed,
         "profile": settings.profile,
         "live": parts.live,
