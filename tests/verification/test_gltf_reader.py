@@ -265,7 +265,7 @@ def test_a_chain_of_two_hundred_nodes_is_read_and_walked(tmp_path):
 
 
 EXPECTED = {
-    "IncorrectVertexArrays/Cube.gltf": ["#/meshes/1/primitives/0/indices: 35 corners are not a multiple of three"],
+    "IncorrectVertexArrays/Cube.gltf": ["#/meshes/1/primitives/0: 35 corners are not a multiple of three"],
     "SchemaFailures/sceneWrongType.gltf": [
         "#/scene: 'hello' is not an index into scenes",
         '#/buffers/0/uri: no file "BoxTextured0.bin"',
