@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import EventKind, SafetyState
+from mimics_app.contracts.plural import counted
 from mimics_app.contracts.trips import TripReader
-from mimics_app.recording.report_values import Seconds, counted, mapping, number, scaled
+from mimics_app.recording.report_values import Seconds, mapping, number, scaled
 from mimics_app.recording.run import Run
 
 __all__ = [
@@ -241,7 +242,7 @@ def contacts_of(run: Run) -> Contacts | None:
     taken = [f" {what} after {words}" for name, what in _TAKEN if (words := _median_and_most(rows, name))]
     names = [name for name in rows[0] if name != "tick"]
     return Contacts(
-        words=counted(len(rows), "contact") + (":" + ";".join(taken) if taken else "") + ".",
+        words=counted(len(rows), "contacts") + (":" + ";".join(taken) if taken else "") + ".",
         table=Table(names, _cells(rows[:_MOST_ROWS], names)),
         folded=len(rows) > _SHORT,
         most=_MOST_ROWS if len(rows) > _MOST_ROWS else 0,
@@ -277,7 +278,7 @@ def state_table(run: Run) -> Table | None:
 def _loss(event: Any) -> str:
     amount = _whole(event["force"])
     if event["kind"] == EventKind.LEFT_OUT:
-        return f"{counted(amount, 'pair')} of shapes near each other, for want of room"
+        return f"{counted(amount, 'pairs')} of shapes near each other, for want of room"
     return f"the force field of effect {amount + 1}: it gave a number that is not finite"
 
 

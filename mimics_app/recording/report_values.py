@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-__all__ = ["NONE", "Seconds", "counted", "mapping", "number", "one", "scaled", "shown", "thousands"]
+__all__ = ["NONE", "Seconds", "mapping", "number", "one", "scaled", "shown", "thousands"]
 
 NONE = "–"
 """What stands for a value that there is not."""
@@ -77,8 +77,3 @@ def _figure(value: float) -> str:
 def thousands(count: int) -> str:
     """A count with thin spaces between its thousands."""
     return f"{count:,}".replace(",", "\u2009")
-
-
-def counted(count: int, what: str, ending: str = "s") -> str:
-    """A count and what is counted, in the plural where it is not one."""
-    return f"{count} {what}{'' if count == 1 else ending}"

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from mimics_app.contracts.clock import TICKS_PER_SECOND
 from mimics_app.contracts.errors import PartialDataError
+from mimics_app.contracts.plural import counted
 
 if TYPE_CHECKING:
     from mimics_app.recording.run import Run
@@ -85,9 +86,10 @@ def _verdict(opened: Run, verdict: Verdict) -> str:
     if opened.manifest is None:
         return f"nothing seals it; mimics record recover {opened.folder} seals what is good"
     if verdict.fresh:
-        return _count(len(verdict.losses), "finding")
+        return counted(len(verdict.losses), "findings")
     if not verdict.whole:
-        return _count(len(verdict.losses), "loss", "es") + "; what is left is as it was sealed"
+        lost = counted(len(verdict.losses), "losses") if verdict.losses else "no losses"
+        return f"{lost}; what is left is as it was sealed"
     files = len(opened.manifest.files)
     return f"{files} files and the state hash are as they were sealed, {len(opened.haptic)} ticks without a gap"
 
@@ -97,10 +99,6 @@ def _nothing(verdict: Verdict) -> str:
     if not verdict.losses:
         return "nothing: there is nothing to recover"
     return "nothing: what is lost or damaged cannot be recovered, it stays as it is"
-
-
-def _count(number: int, what: str, ending: str = "s") -> str:
-    return f"{number or 'no'} {what}{'' if number == 1 else ending}"
 
 
 def _info(answer: dict[str, Any]) -> list[tuple[str, str]]:
