@@ -6,7 +6,7 @@ import argparse
 from dataclasses import fields
 from pathlib import Path
 
-from mimics_app.app.settings import PROFILES, RECIPES, SOUNDS, RunSettings
+from mimics_app.app.settings import PROFILES, QUALITIES, RECIPES, SOUNDS, RunSettings
 from mimics_app.app.terminal.arguments import picture_size, positive_time, random_seed, whole_number
 
 __all__ = ["add_arguments", "run"]
@@ -25,6 +25,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seconds", type=positive_time, help="end after this much simulated time [s]")
     parser.add_argument("--seed", type=random_seed, default=1, help="of trial order, patient and sensor noise")
     parser.add_argument("--profile", choices=PROFILES, default="training", help="quality profile")
+    parser.add_argument(
+        "--quality",
+        choices=QUALITIES,
+        default="auto",
+        help="auto holds the frame time; full draws all the scene asks for",
+    )
     parser.add_argument("--device", default="", help="driven by, instead of the scene's robot (see mimics devices)")
     parser.add_argument("--recording", type=Path, metavar="RUN", help="run folder that --device replay plays")
     parser.add_argument(

@@ -18,6 +18,7 @@ from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import SceneError, nearest
 from mimics_app.contracts.input_port import Ray
+from mimics_app.contracts.stage_timer import UNTIMED, StageTimer
 from mimics_app.rendering.visual.displays.desktop import desktop_views
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT
 from mimics_app.rendering.visual.frame_stats import FrameStats
@@ -91,6 +92,7 @@ class Picture:
         surface: Where it is drawn.
         renderer: What draws it.
         film: Gets every frame that is shown; None: there is no film.
+        stats: What the frame drawn last cost; None before the first.
 
     Raises:
         SceneError: the scene has no camera, or none of that name.
@@ -103,6 +105,7 @@ class Picture:
         self._wanted = camera
         self.renderer = Renderer(surface, world, settings)
         self.film: Film | None = None
+        self.stats: FrameStats | None = None
         self._software = draws_in_software(surface)
         self.show(scene, world)
 
@@ -126,10 +129,22 @@ class Picture:
 
     def draw(self, board: Board) -> FrameStats:
         """Draw one frame with a board over it."""
-        self.lay_out(board)
-        stats = self.renderer.draw(self.views)
+        with self.timer.stage("board"):
+            self.lay_out(board)
+        self.stats = self.renderer.draw(self.views)
         self.tell_issues()
-        return stats
+        return self.stats
+
+    def begin_frame(self) -> StageTimer:
+        """Where the times of the stages go that come before the picture; the frame begins with them."""
+        if self.renderer.times is not None:
+            self.renderer.times.begin()
+        return self.timer
+
+    @property
+    def timer(self) -> StageTimer:
+        """Where the times of a frame's stages go."""
+        return self.renderer.times or UNTIMED
 
     def show_frame(self, board: Board, clock: Clock) -> int:
         """Draw one frame, bring it to the glass, and tell when its work was done [ns].
@@ -164,14 +179,17 @@ class Picture:
     def _show(self, board: Board, clock: Clock) -> int:
         if self._software:
             self.draw(board)
-            self.surface.swap()
+            with self.timer.stage("swap"):
+                self.surface.swap()
             done_ns = clock.now_ns()
             self._take_to_film(done_ns)
             return done_ns
-        self.lay_out(board)
-        self.renderer.draw_finished(self.views)
+        with self.timer.stage("board"):
+            self.lay_out(board)
+        self.stats = self.renderer.draw_finished(self.views)
         done_ns = clock.now_ns()
-        self.surface.swap()
+        with self.timer.stage("swap"):
+            self.surface.swap()
         self._take_to_film(done_ns)
         self.tell_issues()
         return done_ns

@@ -50,7 +50,10 @@ def run_live(session: Session, frames: Frames, after_frame: Progress) -> None:
     due = session.clock.now_ns()
     while session.clock.now_ns() < limit and session.haptics.running and not _left(session):
         begun_ns = session.clock.now_ns()
-        reload.look()
+        if picture is not None:
+            frames.timer = picture.begin_frame()
+        with frames.timer.stage("reload"):
+            reload.look()
         frames.step()
         trouble = watch.look()
         if picture is not None and governor is not None:
@@ -68,12 +71,13 @@ def run_live(session: Session, frames: Frames, after_frame: Progress) -> None:
 
 
 def _govern(session: Session) -> FrameGovernor | None:
-    """The governor of a live picture; a study fixes all of its quality."""
+    """The governor of a live picture; a study fixes all of its quality, and so may a person."""
     if session.picture is None:
         return None
     steps = quality_steps(session.picture.renderer)
-    fixed = {step.name for step in steps} if session.settings.profile == "study" else ()
-    budget_ms = tolerances_of(session.scene, session.settings.profile)["frame_ms"]
+    settings = session.settings
+    fixed = {step.name for step in steps} if settings.profile == "study" or settings.quality == "full" else ()
+    budget_ms = tolerances_of(session.scene, settings.profile)["frame_ms"]
     return FrameGovernor(steps, budget_ms, fixed=fixed, log=session.recorder.journal)
 
 

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 
-from mimics_app.app.picture.picture import Picture, live_quality
+from mimics_app.app.picture.picture import Picture, live_quality, picture_quality
 from mimics_app.app.play.album import Album
 from mimics_app.app.play.collector import left_alone
 from mimics_app.app.play.pace import run_live, run_unseen, run_virtual
@@ -27,9 +27,10 @@ from mimics_app.contracts.haptic import SafetyState
 from mimics_app.recording.manifest import Manifest
 from mimics_app.recording.report import write_report
 from mimics_app.recording.run_folder import private_files
+from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.tasks.kinds.registry import report_sections
 
-__all__ = ["play"]
+__all__ = ["open_picture", "play"]
 
 _STOPS = (SafetyState.SAFE_STOP.name, SafetyState.E_STOP.name)
 
@@ -103,13 +104,19 @@ def _play_in_window(session: Session, frames: Frames) -> None:
     from mimics_app.rendering.visual.surfaces.contexts import create_surface
 
     start_loop(session)
-    surface = create_surface("window", session.settings.size, session.scene.name)
-    quality = live_quality(session.scene, session.settings.profile, surface)
-    session.recorder.journal("quality", asdict(quality))
-    session.show(Picture(surface, session.scene, session.world, quality))
+    open_picture(session, create_surface("window", session.settings.size, session.scene.name))
     session.inputs = person_inputs(session)
     with left_alone():
         run_live(session, frames, lambda _: None)
+
+
+def open_picture(session: Session, surface: Surface) -> None:
+    """Draw the session on a surface from now on, as well as its settings say."""
+    settings, scene = session.settings, session.scene
+    best = settings.quality == "full"
+    quality = picture_quality(scene, settings.profile) if best else live_quality(scene, settings.profile, surface)
+    session.recorder.journal("quality", asdict(quality))
+    session.show(Picture(surface, scene, session.world, quality))
 
 
 def _play_headless(session: Session, frames: Frames) -> list[Path]:
