@@ -1,8 +1,8 @@
 """The load of `mimics bench frame`: a live session with everything on, timed by frames, in a process of its own.
 
 Touch at 1 kHz with the simulated robot and person on the real clock, the picture, sound into a file, the recorder.
-First whole frames are timed, without looking inside them; then the stages one by one, each waited for, which makes frames
-somewhat longer.
+First whole frames are timed, without looking inside them; then the stages one by one, each waited for, which makes
+frames somewhat longer.
 """
 
 from __future__ import annotations
