@@ -40,6 +40,8 @@ class RunSettings:
         video: File of a film, or folder for every frame as PNG, or None.
         action: File of task actions to replay, or None.
         runs: Folder the run folder is made in.
+        participant: Code of the person, for results over time; "": none.
+        journey: File that hears how far the start has come and what the person chose on the page of results, or None.
         recipe: Scheduler of the live haptic loop, one of RECIPES.
     """
 
@@ -59,3 +61,5 @@ class RunSettings:
     action: Path | None = None
     runs: Path = field(default_factory=lambda: Path("runs"))
     recipe: str = "auto"
+    participant: str = ""
+    journey: Path | None = None

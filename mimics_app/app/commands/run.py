@@ -50,6 +50,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--action", type=Path, metavar="FILE", help="replay task actions from a JSON file")
     parser.add_argument("--runs", type=Path, default=Path("runs"), metavar="DIR", help="where the run folder is made")
+    parser.add_argument(
+        "--participant", default="", metavar="CODE", help="of the person, never a name: results over time go by it"
+    )
+    parser.add_argument("--journey", type=Path, metavar="FILE", help=argparse.SUPPRESS)
     parser.add_argument("--recipe", choices=RECIPES, default="auto", help="scheduler of the live haptic loop")
 
 
@@ -59,10 +63,26 @@ def run(args: argparse.Namespace) -> int:
 
     _find_what_is_named(args)
     say_if_cold()
+    settings = RunSettings(**{field.name: getattr(args, field.name) for field in fields(RunSettings)})
+    if _is_for_a_person(settings) and not args.json:
+        from mimics_app.app.play.journey import play_through
+
+        code, other = play_through(settings)
+        if not other:
+            return code
+        from mimics_app.app.commands.launch import run as launch
+
+        return launch(args)
     from mimics_app.app.play.play import play
 
-    settings = RunSettings(**{field.name: getattr(args, field.name) for field in fields(RunSettings)})
     return play(settings, as_json=args.json)
+
+
+def _is_for_a_person(settings: RunSettings) -> bool:
+    """Whether somebody sits at a window and will want to know what it came to; a script says when it ends."""
+    from mimics_app.app.terminal.display import has_display
+
+    return not settings.headless and has_display() and settings.seconds is None and settings.journey is None
 
 
 def _find_what_is_named(args: argparse.Namespace) -> None:

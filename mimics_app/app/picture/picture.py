@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from mimics_app.app.picture.board import draw_board
+from mimics_app.app.picture.board import OPERATORS_CARDS, draw_board
+from mimics_app.app.picture.key_page import Keys, draw_keys
 from mimics_app.app.picture.lost_picture import draw_or_recover
 from mimics_app.app.picture.methods import with_methods
 from mimics_app.app.picture.video import Film
@@ -92,6 +93,7 @@ class Picture:
         surface: Where it is drawn.
         renderer: What draws it.
         film: Gets every frame that is shown; None: there is no film.
+        keys: A page of keys that covers the middle; () for none.
         stats: What the frame drawn last cost; None before the first.
 
     Raises:
@@ -105,6 +107,7 @@ class Picture:
         self._wanted = camera
         self.renderer = Renderer(surface, world, settings)
         self.film: Film | None = None
+        self.keys: Keys = ()
         self.stats: FrameStats | None = None
         self._software = draws_in_software(surface)
         self.show(scene, world)
@@ -211,7 +214,11 @@ class Picture:
         if self._board is None:
             hud.clear()
         else:
-            draw_board(hud, board, self._board.show, self._board.force_full)
+            operator = self.renderer.shows("forces")
+            show = [name for name in self._board.show if operator or name not in OPERATORS_CARDS]
+            draw_board(hud, board, show, self._board.force_full)
+        if self.keys:
+            draw_keys(hud, self.keys)
 
     def ray(self, right: float, up: float) -> Ray | None:
         """The ray through a place of the window, each coordinate in [-1, 1]."""
@@ -228,12 +235,13 @@ class Picture:
             self.film.forget()
             self.film.finish()
 
-    def close(self) -> None:
-        """Finish the film, and free everything, the surface included."""
+    def close(self, *, keep_surface: bool = False) -> None:
+        """Finish the film, and free everything, the surface included unless somebody else draws on it next."""
         if self.film is not None:
             self.film.finish()
         self.renderer.release()
-        self.surface.close()
+        if not keep_surface:
+            self.surface.close()
 
 
 def _triple(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> tuple[float, float, float]:
