@@ -49,7 +49,7 @@ def open_sound(parts: Preparation, memory: SessionMemory, folder: Path) -> Sound
         return NullSound()
     output: AudioOutput = AudioProcess(memory, chosen) if parts.live else OfflineAudio(memory, chosen)
     output.start()
-    return SoundStage(output, chosen.cues, chosen.emitters, system.gain)
+    return SoundStage(output, memory, chosen, system.gain)
 
 
 def _heard_about_the_head(scene: Scene, system: AudioSettings) -> bool:

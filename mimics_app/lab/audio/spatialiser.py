@@ -8,12 +8,14 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.audio_port import Heard
 from mimics_app.contracts.clock import MonotonicClock, VirtualClock
 from mimics_app.contracts.messages import SoundEvent
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import reference_us, shortest_us
+from mimics_app.contracts.sound_scene import BANDS
 from mimics_app.rendering.audio.bank import SoundBank
-from mimics_app.rendering.audio.engine import open_loopback
+from mimics_app.rendering.audio.engine import open_mixer
 from mimics_app.rendering.audio.offline import render_offline
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
 from mimics_app.rendering.audio.spherical_head import add_at_sphere
@@ -37,20 +39,39 @@ _CLICK = {"tick": SoundSpec(recipe="tick")}
 def measure_block_us(hrtf: bool, blocks: int = 200, sources: int = _SOURCES) -> float:
     """Cost of a 5 ms block with moving sources [us], median."""
     specs = {"rub": SoundSpec(recipe="scrape")}
-    settings = AudioSettings(sounds=specs, contact="", scrape="", hrtf=hrtf)
-    mixer = open_loopback(settings, SoundBank(specs, _RATE), VirtualClock(), None, latency=0, origin_ns=0).mixer
-    assert mixer is not None
-    handles = [mixer.start("rub", 0, (1.0, 0.0, 0.0), 0.1) for _ in range(sources)]
+    settings = AudioSettings(sounds=specs, triggers={}, scrape="", hrtf=hrtf)
+    mixer = open_mixer(settings, SoundBank(specs, _RATE), VirtualClock(), latency=0, origin_ns=0)
+    handles = np.array([mixer.start("rub", 0, (1.0, 0.0, 0.0), 0.1).handle for _ in range(sources)])
     clock, costs = MonotonicClock(), []
     for block in range(blocks):
-        for k, handle in enumerate(handles):
-            angle = 0.01 * block + k
-            mixer.move(handle, (math.sin(angle), 0.0, -math.cos(angle)))
+        angle = 0.01 * block + np.arange(sources)
+        mixer.hear(heard_around(handles, np.stack((np.sin(angle), 0.0 * angle, -np.cos(angle)), axis=1)))
         begin = clock.now_ns()
         mixer.render(_BLOCK)
         costs.append((clock.now_ns() - begin) * 1e-3)
     mixer.close()
     return float(np.median(costs))
+
+
+def heard_around(handles: NDArray[np.int64], places: NDArray[np.float64]) -> Heard:
+    """A head at the origin that looks along -z, and sounds around it, shape [n, 3] [m]."""
+    count = len(handles)
+    still, axis = np.zeros((count, 3)), np.tile((0.0, 0.0, -1.0), (count, 1))
+    return Heard(
+        t_ns=0,
+        head_position=np.zeros(3),
+        head_velocity=np.zeros(3),
+        head_forward=np.array((0.0, 0.0, -1.0)),
+        head_up=np.array((0.0, 1.0, 0.0)),
+        room_level=0.0,
+        room_time=1.0,
+        handles=handles,
+        position=places,
+        velocity=still,
+        forward=axis,
+        gain=np.full(count, 0.1),
+        passes=np.ones((count, BANDS)),
+    )
 
 
 def measure_delay_error_us(hrtf: bool) -> float:

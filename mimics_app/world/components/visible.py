@@ -135,9 +135,16 @@ class Sound(Component, frozen=True):
         default_factory=dict
     )
     trigger: Annotated[
-        Literal["contact", "contact_end", "impact", "goal", "start", "step"] | None,
-        Meta(description="What starts it without a task: touching or leaving the wall, the goal, a trial's start"),
+        Annotated[str, Meta(pattern="^[a-z][a-z0-9_]{0,39}$")] | None,
+        Meta(
+            description="Kind of event that starts it by itself: contact, contact_end, impact (of the haptic loop), "
+            "goal, start (of the task), step and others (of avatars and scenarios)",
+        ),
     ] = None
+    material: Annotated[
+        str,
+        Meta(pattern="^[a-z0-9_]{0,40}$", description="Of the event: this sound goes before one for every material"),
+    ] = ""
     gain: Annotated[float, Meta(ge=0, le=4, description="Linear factor, 1 = as recorded")] = 1.0
     full_level: Annotated[
         PositiveForce,
