@@ -139,6 +139,10 @@ def open_mixer(settings: AudioSettings, bank: SoundBank, clock: Clock, latency: 
         DeviceError: There is no library for it.
         SceneError: The head it is to take cannot be used.
     """
+    if settings.mixer == "spectral":
+        from mimics_app.rendering.audio.spectral.mixer import SpectralMixer
+
+        return SpectralMixer(bank, settings, Timing(origin_ns, latency))
     library = load_library(settings)
     pipeline = measure_pipeline(library, settings.rate, settings.hrtf)
     context = OpenALContext(library, settings.rate, settings.hrtf, settings.sources, loopback=True)

@@ -85,6 +85,10 @@ def _spec(sound: Sound, asset_path: Callable[[str], Path]) -> SoundSpec:
         gain=sound.gain,
         pitch=sound.parameters.get("pitch", 1.0),
         full_force=sound.full_level,
+        priority=sound.priority,
+        reverb=sound.reverb,
+        bus=sound.bus,
+        spatial=sound.spatial,
     )
 
 
@@ -96,4 +100,9 @@ def _emitter_spec(sound: SoundSpec, emitter: SoundEmitter) -> SoundSpec:
         reference_distance=emitter.reference_distance,
         max_distance=emitter.max_distance,
         rolloff=emitter.rolloff,
+        distance_model=emitter.distance_model,
+        cone_inner=emitter.cone_inner,
+        cone_outer=emitter.cone_outer,
+        cone_gain=emitter.cone_gain,
+        doppler=emitter.doppler,
     )

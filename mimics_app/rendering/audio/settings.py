@@ -94,7 +94,7 @@ class AudioSettings:
         file: Wave file of the sink "file", and of the fallback when there is no device; None: dropped then.
         sounds: Sounds of the scene by the name that `SoundEvent.sound` uses.
         triggers: Sound by what starts it: "contact", "contact_end" and "impact" come from the haptic loop, any
-            other kind ("goal", "start", "step") from the frame; "step/grass" is for one material and goes before "step".
+            other kind ("goal", "start", "step") from the frame; "step/grass" is for one material and goes first.
         scrape: Looping sound of sliding along a wall, or "" for none.
         emitters: Sounds that play from entities, in the order of the rows of SOUND_SCENE.
         buses: Groups of sounds by name; "main" is always there.
