@@ -12,36 +12,134 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.messages import SoundEvent
 
-__all__ = ["AudioOutput", "AudioReport", "AudioStatus", "Mixer", "SoundRow", "percentiles_ms"]
+__all__ = [
+    "AudioOutput",
+    "AudioReport",
+    "AudioStatus",
+    "Heard",
+    "Mixer",
+    "SoundRow",
+    "Start",
+    "Timing",
+    "frame_at",
+    "percentiles_ms",
+]
 
 Vec3 = tuple[float, float, float]
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Heard:
+    """The listener and every sound that moves, as arrays: what a mixer goes by from the next block on. World, SI.
+
+    Attributes:
+        t_ns: Session time it is of.
+        head_position: [m], shape [3].
+        head_velocity: [m/s], shape [3].
+        head_forward: Unit vector, shape [3].
+        head_up: Unit vector, shape [3].
+        room_level: Linear level of the reverberation where the head is; 0: none.
+        room_time: Time in which it falls by 60 dB [s].
+        handles: Of the sounds, shape [n]; one that has ended is passed over.
+        position: [m], shape [n, 3]; a row that is not finite stays where it was.
+        velocity: [m/s], shape [n, 3].
+        forward: Axis of the sound's cone, unit vectors, shape [n, 3].
+        gain: Linear, shape [n].
+        passes: Linear share that obstacles let through, by band, shape [n, BANDS].
+    """
+
+    t_ns: int
+    head_position: Floats
+    head_velocity: Floats
+    head_forward: Floats
+    head_up: Floats
+    room_level: float
+    room_time: float
+    handles: NDArray[np.int64]
+    position: Floats
+    velocity: Floats
+    forward: Floats
+    gain: Floats
+    passes: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """Where a sound was put: handle (0: refused), frame of its start (-1: the device decides), and whether too late."""
+
+    handle: int
+    frame: int
+    late: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Timing:
+    """How session time and frames meet.
+
+    Attributes:
+        origin_ns: Session time of frame 0.
+        latency: Frames from an event's time to the start of its sound, the same for all.
+        pipeline: Frames from the start of a sound to its first sample in the mix, the mixer's own constant.
+    """
+
+    origin_ns: int = 0
+    latency: int = 0
+    pipeline: int = 0
+
+
+def frame_at(t_ns: int, origin_ns: int, rate: int) -> int:
+    """The frame nearest to a time, in integers so that no session is too long for it."""
+    return ((t_ns - origin_ns) * rate + 500_000_000) // 1_000_000_000
 
 
 class Mixer(Protocol):
-    """Starts, moves and mixes sounds by name. World positions [m], linear gains, session times."""
+    """Starts, moves and mixes sounds by name. World positions [m], linear gains, session times.
 
-    def start(self, sound: str, t_ns: int, position_world: Vec3 | None, gain: float) -> int:
-        """Start a sound at t_ns plus the mixer's constant latency, at once when that has passed; return its handle."""
+    Attributes:
+        rate: Samples per second.
+        channels: Of what it mixes.
+        position: Frames mixed so far.
+        refused: Sounds that found every voice busy with louder ones.
+        timing: How session time and frames meet.
+    """
+
+    rate: int
+    channels: int
+    position: int
+    refused: int
+    timing: Timing
+
+    def start(self, sound: str, t_ns: int, position_world: Vec3 | None, gain: float) -> Start:
+        """Start a sound at t_ns plus the mixer's constant latency, at once when that has passed."""
         ...
 
-    def move(self, handle: int, position_world: Vec3) -> None:
-        """Move a sound; nothing happens when it has ended."""
+    def first_sample(self, start: Start, submitted_ns: int) -> tuple[int, int]:
+        """Frame of a sound's first sample (-1: only the device knows) and the session time by which it is heard."""
         ...
 
-    def gain(self, handle: int, value: float) -> None:
-        """Set the linear gain of a sound."""
+    def hear(self, heard: Heard) -> None:
+        """Take the newest snapshot of the listener and of the sounds that move."""
         ...
 
     def stop(self, handle: int) -> None:
-        """Fade a sound out and end it, without a click."""
+        """Fade a sound out and end it, without a click; nothing happens when it has ended."""
         ...
 
-    def listener(self, position_world: Vec3, forward_world: Vec3, up_world: Vec3) -> None:
-        """Place the listener's head."""
+    def master(self, value: float) -> None:
+        """Set the linear gain of everything."""
         ...
 
     def render(self, frames: int) -> NDArray[np.float32]:
-        """Mix the next frames, shape [frames, 2]; shape [0, 2] when a live device draws its own."""
+        """Mix the next frames, shape [frames, channels]; shape [0, channels] when a live device draws its own."""
+        ...
+
+    def connected(self) -> bool:
+        """False once the device has gone (unplugged, server stopped)."""
+        ...
+
+    def close(self) -> None:
+        """Give the device back."""
         ...
 
 
@@ -54,6 +152,8 @@ class AudioStatus:
         sink: Where the sound goes: "device", "file" or "null".
         hrtf: True when the head-related filters are on.
         rate: Samples per second of the mix.
+        mixer: Which one mixes: "openal" or "spectral", "" where nothing does.
+        channels: Of the mix.
         latency_ms: From an event's time to the sample of its sound, as set (file) or as the buffers say (device).
         notice: One line for the person when it is not what was asked for, else "".
     """
@@ -64,6 +164,8 @@ class AudioStatus:
     rate: int
     latency_ms: float
     notice: str = ""
+    mixer: str = ""
+    channels: int = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,6 +248,8 @@ class AudioReport:
             "device": self.status.device,
             "sink": self.status.sink,
             "hrtf": self.status.hrtf,
+            "mixer": self.status.mixer,
+            "channels": self.status.channels,
             "rate": self.status.rate,
             "notice": self.status.notice,
             "file": self.file,
@@ -191,14 +295,6 @@ class AudioOutput(Protocol):
 
     def play(self, event: SoundEvent) -> None:
         """Start a sound of the task; never waits."""
-        ...
-
-    def listener(self, position_world: Vec3, forward_world: Vec3, up_world: Vec3) -> None:
-        """Place the listener's head; never waits."""
-        ...
-
-    def emitter(self, sound: str, position_world: Vec3, gain: float = 1.0) -> None:
-        """Let a looping sound play from a place: started when first named, then moved; never waits."""
         ...
 
     def master(self, gain: float) -> None:

@@ -19,6 +19,7 @@ __all__ = [
     "PointerState",
     "SignalBlock",
     "SoundEvent",
+    "SoundTrigger",
     "TaskAction",
     "TaskOrders",
     "UserState",
@@ -122,6 +123,25 @@ class SoundEvent:
     t_ns: int
     position_world: Vec3 | None = None
     gain: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class SoundTrigger:
+    """Something that happened and may have a sound: which one, the scene says by kind and material.
+
+    Attributes:
+        kind: Such as "step", "kick", "goal"; those of the haptic loop go their own way.
+        t_ns: When, on the session's clock.
+        position_world: Where [m], or None to play it at the listener.
+        material: What of, such as "grass"; "" where it does not matter.
+        strength: Linear factor on the sound's level, 1 = as authored.
+    """
+
+    kind: str
+    t_ns: int
+    position_world: Vec3 | None = None
+    material: str = ""
+    strength: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)

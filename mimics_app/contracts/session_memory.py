@@ -18,6 +18,7 @@ from mimics_app.contracts import ring, triple_buffer
 from mimics_app.contracts.haptic import EVENT, INBOX, POSE, SAMPLE, SCENE, SNAPSHOT
 from mimics_app.contracts.object_rows import ROW_DTYPES, ObjectCapacities, Rows
 from mimics_app.contracts.segment import ArraySpec, Segment
+from mimics_app.contracts.sound_scene import SOUND_SCENE
 
 __all__ = ["SHARED_ARRAYS", "Capacities", "ControlWord", "SessionMemory", "Shared"]
 
@@ -97,6 +98,10 @@ class SessionMemory:
     audio_words: _Exchange
     audio_snapshots: Annotated[Records, Shared(SNAPSHOT, (3,))]
 
+    # triple buffer main -> audio: the head and the emitters
+    sound_scene_words: _Exchange
+    sound_scenes: Annotated[Records, Shared(SOUND_SCENE, (3,))]
+
     # rings loop -> recorder, and loop -> each consumer of events
     sample_words: _Ends
     samples: Annotated[Records, Shared(SAMPLE, ("samples",))]
@@ -118,7 +123,8 @@ class SessionMemory:
         self.segment = segment or Segment.for_arrays(specs)
         self.__dict__.update(self.segment.arrays(specs))
         if fresh:
-            for words in (self.scene_words, self.inbox_words, self.snapshot_words, self.audio_words):
+            exchanges = (self.scene_words, self.inbox_words, self.snapshot_words, self.audio_words)
+            for words in (*exchanges, self.sound_scene_words):
                 triple_buffer.initialise(words)
 
     @property

@@ -21,7 +21,7 @@ from mimics_app.rendering.audio import openal_library
 from mimics_app.rendering.audio.live_latency import private_pulse_server, pulse_missing
 from mimics_app.rendering.audio.process import AudioProcess
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
-from tests.support.audio_scene import RATE, contact, first_sounding, push
+from tests.support.audio_scene import RATE, contact, first_sounding, place, push
 
 ROOT = Path(__file__).resolve().parents[2]
 TICK = {"tick": SoundSpec(recipe="tick")}
@@ -71,7 +71,7 @@ def read_mix(path) -> np.ndarray:
 def test_contacts_and_orders_stand_at_their_sample_in_the_file(tmp_path, started):
     memory = SessionMemory()
     push(memory, np.zeros_like(contact(0)))
-    audio = started(memory, sink="file", file=tmp_path / "a.wav", sounds=TICK, contact="tick", scrape="")
+    audio = started(memory, sink="file", file=tmp_path / "a.wav", sounds=TICK, triggers={"contact": "tick"}, scrape="")
     status = audio.wait_ready(PATIENCE_S)
     assert (status.device, status.sink, status.rate, status.notice) == ("loopback", "file", RATE, "")
     times = []
@@ -80,9 +80,8 @@ def test_contacts_and_orders_stand_at_their_sample_in_the_file(tmp_path, started
         times.append(time.monotonic_ns())
         push(memory, contact(times[-1]))
     audio.play(SoundEvent("tick", time.monotonic_ns() + 50_000_000))
-    audio.emitter("tick", (0.0, 1.0, 0.0), 0.0)
     audio.master(1.0)
-    audio.listener((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0))
+    place(memory, 0)
     time.sleep(0.2)
     report = audio.stop()
     assert not report.crashed
@@ -211,7 +210,7 @@ def test_killed_child_hangs_nobody_and_its_file_reads_to_the_last_block(tmp_path
     assert wait_until(lambda: not audio.alive)
     for k in range(100):
         audio.play(SoundEvent("goal", 0))
-        audio.listener((float(k), 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0))
+        place(memory, k)
     status = audio.ready
     assert status is not None
     assert status.notice == "the audio process has ended: sound is dropped; picture and touch run on"

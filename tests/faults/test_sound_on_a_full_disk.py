@@ -45,7 +45,9 @@ def test_wave_file_on_a_full_disk_stays_valid_and_gives_room_back(tmp_path: Path
 
 def test_session_goes_on_without_sound_when_the_disk_is_full(tmp_path: Path) -> None:
     tick = {"tick": SoundSpec(recipe="tick")}
-    settings = AudioSettings(sounds=tick, contact="tick", scrape="", sink="file", file=tmp_path / "sound.wav")
+    settings = AudioSettings(
+        sounds=tick, triggers={"contact": "tick"}, scrape="", sink="file", file=tmp_path / "sound.wav"
+    )
     audio = OfflineAudio(SessionMemory(Capacities()), settings)
     audio.start()
     with largest_file(LIMIT):

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.contracts import ring
+from mimics_app.contracts import ring, triple_buffer
 from mimics_app.contracts.haptic import EVENT, EventKind
 from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.sound_scene import SOUND_SCENE, fill_defaults
 
 RATE = 48_000
 
@@ -31,3 +32,17 @@ def first_sounding(mix: np.ndarray, begin: int) -> int:
     """Frame of the first sample that is not exactly zero, from `begin` on; -1: none."""
     sounding = np.flatnonzero(np.abs(mix[begin:]).max(axis=1) > 0.0)
     return begin + int(sounding[0]) if len(sounding) else -1
+
+
+def place(memory: SessionMemory, t_ns: int, emitters=(), **head) -> None:
+    """Do what the frame does with head and emitters, (place, gain) each; `head` names fields of SOUND_SCENE."""
+    scene = np.zeros(1, SOUND_SCENE)
+    fill_defaults(scene)
+    scene["t_ns"] = t_ns
+    for name, value in head.items():
+        scene[name] = value
+    for row, (position, gain) in enumerate(emitters):
+        scene["position"][0, row], scene["gain"][0, row] = position, gain
+    slot = triple_buffer.back_slot(memory.sound_scene_words)
+    memory.sound_scenes[slot : slot + 1] = scene
+    triple_buffer.publish(memory.sound_scene_words)

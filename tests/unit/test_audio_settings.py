@@ -35,7 +35,8 @@ def test_scene_sounds_become_settings():
         sink="null",
     )
     assert settings is not None
-    assert (settings.contact, settings.scrape, dict(settings.cues)) == ("wall_touch", "rub", {"goal": "chime"})
+    assert dict(settings.triggers) == {"contact": "wall_touch", "goal": "chime"}
+    assert settings.scrape == "rub"
     assert settings.sounds["wall_touch"] == SoundSpec(recipe="contact", gain=0.8, full_force=20.0)
     assert settings.sounds["chime"].pitch == 0.5
     assert settings.sounds["cloud"] == SoundSpec(file=Path("rain.wav"), gain=0.5, loop=True, max_distance=9.0)
@@ -72,8 +73,8 @@ def test_a_bank_names_every_file_it_cannot_read(tmp_path):
     [
         ({"sink": "file"}, "needs a file"),
         ({"period": 1024}, "20 ms"),
-        ({"contact": "thud"}, '"thud"'),
-        ({"cues": {"goal": "bell"}}, '"bell"'),
+        ({"triggers": {"contact": "thud"}}, '"thud"'),
+        ({"scrape": "bell"}, '"bell"'),
         ({"emitters": ("sea",)}, '"sea"'),
     ],
 )

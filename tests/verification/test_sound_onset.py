@@ -14,7 +14,7 @@ from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.rendering.audio.offline import OfflineAudio, render_offline
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
 from mimics_app.rendering.audio.wav_file import WavWriter
-from tests.support.audio_scene import RATE, contact, first_sounding, push
+from tests.support.audio_scene import RATE, contact, first_sounding, place, push
 
 TICK = {"tick": SoundSpec(recipe="tick")}
 AHEAD = (0.0, 0.0, -1.0)
@@ -118,7 +118,7 @@ def run_offline(folder, contacts, seconds=2.0, frame_ns=16_666_667, **changes):
     settings = AudioSettings(sink="file", file=folder / "session.wav", **changes)
     audio = OfflineAudio(memory, settings)
     audio.start()
-    audio.listener((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0))
+    place(memory, 0)
     waiting = sorted(contacts, key=lambda event: int(event["t_ns"][0]))
     for now in range(frame_ns, round(seconds * 1e9), frame_ns):
         while waiting and waiting[0]["t_ns"][0] <= now:
@@ -131,7 +131,9 @@ def run_offline(folder, contacts, seconds=2.0, frame_ns=16_666_667, **changes):
 
 def test_contacts_of_a_headless_session_stand_at_their_sample_in_the_file(tmp_path):
     times = [t + 5_000_000 for t in scattered_times(20)]
-    report = run_offline(tmp_path, [contact(t) for t in times], 5.5, sounds=TICK, contact="tick", scrape="")
+    report = run_offline(
+        tmp_path, [contact(t) for t in times], 5.5, sounds=TICK, triggers={"contact": "tick"}, scrape=""
+    )
     assert [row.t_ns for row in report.rows] == times
     assert not any(row.late for row in report.rows)
     mix = read_file(report.file)
@@ -170,7 +172,7 @@ def test_contact_level_reaches_the_file(tmp_path):
 
 def test_rub_sounds_while_the_wall_is_pressed_and_the_hand_slides(tmp_path):
     memory = SessionMemory()
-    audio = OfflineAudio(memory, AudioSettings(sink="file", file=tmp_path / "rub.wav", contact="", hrtf=False))
+    audio = OfflineAudio(memory, AudioSettings(sink="file", file=tmp_path / "rub.wav", triggers={}, hrtf=False))
     audio.start()
     for now in range(16_000_000, 1_500_000_000, 16_000_000):
         slot = triple_buffer.back_slot(memory.audio_words)
@@ -205,23 +207,21 @@ def high_band_peak(samples: np.ndarray) -> float:
 def test_stopping_a_sounding_voice_does_not_click(tmp_path, hrtf):
     from mimics_app.contracts.clock import VirtualClock
     from mimics_app.rendering.audio.bank import SoundBank
-    from mimics_app.rendering.audio.engine import open_loopback
+    from mimics_app.rendering.audio.engine import open_mixer
 
     tone = (0.25 * np.sin(2 * np.pi * 200 * np.arange(RATE) / RATE)).astype(np.float32)
     writer = WavWriter(tmp_path / "tone.wav", RATE)
     writer.append(np.repeat(tone[:, None], 2, axis=1))
     writer.close()
     specs = {"tone": SoundSpec(file=tmp_path / "tone.wav", loop=True)}
-    settings = AudioSettings(sounds=specs, contact="", scrape="", hrtf=hrtf)
-    engine = open_loopback(settings, SoundBank(specs, RATE), VirtualClock(), None, latency=0, origin_ns=0)
-    mixer = engine.mixer
-    assert mixer is not None
-    handle = mixer.start("tone", 0, AHEAD, 1.0)
+    settings = AudioSettings(sounds=specs, triggers={}, scrape="", hrtf=hrtf)
+    mixer = open_mixer(settings, SoundBank(specs, RATE), VirtualClock(), latency=0, origin_ns=0)
+    handle = mixer.start("tone", 0, AHEAD, 1.0).handle
     mixer.render(RATE // 2)
     before = mixer.render(4860)  # ends inside a period of the tone, not at its zero
     mixer.stop(handle)
     after = mixer.render(4800)
-    again = mixer.start("tone", 0, AHEAD, 1.0)
+    again = mixer.start("tone", 0, AHEAD, 1.0).handle
     mixer.close()
     assert again != handle
     assert np.abs(after[-960:]).max() == 0.0
@@ -230,15 +230,15 @@ def test_stopping_a_sounding_voice_does_not_click(tmp_path, hrtf):
 
 
 def test_emitter_follows_its_place_its_gain_and_the_master(tmp_path):
-    sounds = {"sea": SoundSpec(recipe="scrape")}
-    settings = AudioSettings(sink="file", file=tmp_path / "sea.wav", sounds=sounds, contact="", scrape="")
-    audio = OfflineAudio(SessionMemory(), settings)
+    sounds, memory = {"sea": SoundSpec(recipe="scrape")}, SessionMemory()
+    settings = AudioSettings(
+        sink="file", file=tmp_path / "sea.wav", sounds=sounds, triggers={}, scrape="", emitters=("sea",)
+    )
+    audio = OfflineAudio(memory, settings)
     audio.start()
     plan = [(-1.0, 0.5, 1.0), (1.0, 0.5, 1.0), (1.0, 0.5, 0.5), (1.0, 0.0, 1.0)]
     for second, (x, gain, master) in enumerate(plan, 1):
-        place = (x, 0.0, 0.0)
-        audio.emitter("sea", place, gain)
-        audio.emitter("unheard of", place, gain)
+        place(memory, (second - 1) * 1_000_000_000, [((x, 0.0, 0.0), gain)])
         audio.master(master)
         audio.advance(second * 1_000_000_000)
     mix = read_file(audio.stop().file)

@@ -165,18 +165,26 @@ def _measure_methods(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _measure_audio(args: argparse.Namespace) -> dict[str, Any]:
-    """Contact to sample through a private PulseAudio null sink; says what is missing where there is none."""
-    from mimics_app.rendering.audio.live_latency import measure_live_latency, pulse_missing
+    """Cost and accuracy of the mixers beside the peers, contact to sample through a private PulseAudio null sink."""
+    from mimics_app.lab.audio_bench import measure_audio
 
-    missing = pulse_missing()
-    return {"skipped": missing} if missing else measure_live_latency(min(args.seconds, _ALL_SECONDS))
+    return measure_audio(_say, min(args.seconds, _ALL_SECONDS), _peers())
+
+
+def _say(what: str) -> None:
+    sys.stderr.write(f"{what}\n")
+
+
+def _peers() -> Path | None:
+    """Folder of the peers' harnesses, None where PEERS names none."""
+    return Path(os.environ["PEERS"]) if os.environ.get("PEERS") else None
 
 
 def _measure_haptic(_: argparse.Namespace) -> dict[str, Any]:
     """Shapes, meshes and bodies against a reference loop and the peers; PEERS names a folder with further ones."""
     from mimics_app.lab.haptic_bench import measure_haptic
 
-    return measure_haptic(_say, Path(os.environ["PEERS"]) if os.environ.get("PEERS") else None)
+    return measure_haptic(_say, _peers())
 
 
 def _measure_frame(args: argparse.Namespace) -> dict[str, Any]:
@@ -186,10 +194,6 @@ def _measure_frame(args: argparse.Namespace) -> dict[str, Any]:
     seconds = min(args.seconds, _FRAME_SECONDS) if args.what == "all" else args.seconds
     scenes = [Path(name) for name in args.names]
     return measure_frames(scenes, args.size, args.surface, seconds, _say)
-
-
-def _say(what: str) -> None:
-    sys.stderr.write(f"{what}\n")
 
 
 _MEASURES = {

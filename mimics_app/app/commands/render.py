@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mimics_app.app.settings import PROFILES
 from mimics_app.app.terminal.arguments import frame_count, picture_size, random_seed, real_number
+
+if TYPE_CHECKING:
+    from mimics_app.app.settings import RunSettings
 
 __all__ = ["add_arguments", "run"]
 
@@ -28,6 +32,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=random_seed, default=1, help="of the simulated patient")
     parser.add_argument("--profile", choices=PROFILES, default="training", help="quality of the picture")
     parser.add_argument("--video", type=Path, metavar="FILE", help="film of --seconds instead, e.g. out.mp4 (ffmpeg)")
+    parser.add_argument(
+        "--audio", type=Path, metavar="FILE", help="sound of --seconds of play instead of pictures, as FILE.wav"
+    )
     parser.add_argument("--output", type=Path, default=Path("."), metavar="DIR", help="folder of the PNG files")
 
 
@@ -39,10 +46,13 @@ def run(args: argparse.Namespace) -> int:
 
     find_scene(args.scene)
     say_if_cold()
-    from mimics_app.app.play.stills import draw_stills
     from mimics_app.app.settings import RunSettings
 
     settings = RunSettings(args.scene, seed=args.seed, profile=args.profile, size=args.size)
+    if args.audio is not None:
+        return _hear(args, settings)
+    from mimics_app.app.play.stills import draw_stills
+
     drawn = draw_stills(
         settings,
         args.output,
@@ -59,4 +69,18 @@ def run(args: argparse.Namespace) -> int:
     print(f"{drawn.backend}: {drawn.gl}, {drawn.ms_median:.1f} ms a frame")
     for file in drawn.files:
         print(file)
+    return 0
+
+
+def _hear(args: argparse.Namespace, settings: RunSettings) -> int:
+    """Write the sound of the play."""
+    from mimics_app.app.play.heard import write_sound
+    from mimics_app.app.terminal import output
+
+    report = write_sound(settings, args.audio, args.seconds)
+    if args.json:
+        output.write_object("render", {"files": [report.file], **report.summary()})
+        return 0
+    print(f"{report.status.mixer} mixer, {report.status.channels} channels, {len(report.rows)} sounds")
+    print(report.file)
     return 0

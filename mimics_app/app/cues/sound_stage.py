@@ -1,19 +1,26 @@
-"""Sound as the frame drives it: the listener's head, sounds that play from places, cues of the task, orders."""
+"""Sound as the frame drives it: head and emitters go into the session's memory, triggers and orders to the output."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.app.cues.cue_watch import CueWatch
+from mimics_app.contracts import triple_buffer
 from mimics_app.contracts.audio_port import AudioOutput, AudioReport
-from mimics_app.contracts.messages import SoundEvent, TaskOrders
+from mimics_app.contracts.messages import SoundEvent, SoundTrigger, TaskOrders
+from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.sound_scene import SOUND_SCENE, fill_defaults
+from mimics_app.rendering.audio.settings import AudioSettings
 from mimics_app.world.world import World
 
 __all__ = ["SoundStage"]
+
+_JUMP = 50.0
+"""Faster than this a thing was put elsewhere and did not move [m/s]."""
 
 
 class SoundStage:
@@ -21,31 +28,36 @@ class SoundStage:
 
     Args:
         output: Opened already.
-        cues: Sound by trigger ("start", "goal").
-        emitters: Entities whose sound plays from where they are.
+        memory: Where the mixer looks for head and emitters.
+        settings: Which sound a trigger starts, and whose sound plays from where it is.
         gain: Of everything, from the scene; the task's own gain multiplies it.
     """
 
-    def __init__(self, output: AudioOutput, cues: Mapping[str, str], emitters: tuple[str, ...], gain: float) -> None:
+    def __init__(self, output: AudioOutput, memory: SessionMemory, settings: AudioSettings, gain: float) -> None:
         self.output = output
-        self._cues = cues
-        self._emitters = emitters
+        self._memory = memory
+        self._settings = settings
         self._gain = gain
         self._watch = CueWatch()
         self._notice = ""
+        self._now = np.zeros(1, SOUND_SCENE)
+        fill_defaults(self._now)
+        self._placed = False
         output.master(gain)
 
-    def step(self, orders: TaskOrders, world: World, now_ns: int) -> None:
+    def step(self, orders: TaskOrders, world: World, now_ns: int, triggers: Sequence[SoundTrigger] = ()) -> None:
         """One frame at session time `now_ns`; never waits."""
-        self._place(world)
+        self._place(world, now_ns)
         gain = orders.audio.get("gain")
         if isinstance(gain, int | float):
             self.output.master(self._gain * float(gain))
-        cue = self._cues.get(self._watch.look(orders) or "")
-        if cue is not None:
-            self.output.play(SoundEvent(cue, now_ns))
-        for sound in orders.sounds:
-            self.output.play(sound)
+        cue = self._watch.look(orders)
+        for trigger in (*triggers, *([SoundTrigger(cue, now_ns)] if cue else [])):
+            sound = self._settings.sound_of(trigger.kind, trigger.material)
+            if sound:
+                self.output.play(SoundEvent(sound, trigger.t_ns, trigger.position_world, trigger.strength))
+        for order in orders.sounds:
+            self.output.play(order)
         self.output.advance(now_ns)
         self._tell_notice()
 
@@ -53,14 +65,24 @@ class SoundStage:
         """End the sound."""
         return self.output.stop()
 
-    def _place(self, world: World) -> None:
-        """Head at the camera; emitters where their entities are."""
+    def _place(self, world: World, now_ns: int) -> None:
+        """Head at the camera; emitters where their entities are; velocities from the frame before."""
+        now, before = self._now, self._now.copy()
+        now["t_ns"] = now_ns
         if world.cameras:
             pose = world.cameras[0].world_from_eye
-            self.output.listener(_triple(pose[:3, 3]), _triple(-pose[:3, 2]), _triple(pose[:3, 1]))
-        for name in self._emitters:
+            now["head_position"], now["head_forward"], now["head_up"] = pose[:3, 3], -pose[:3, 2], pose[:3, 1]
+        for row, name in enumerate(self._settings.emitters):
             if name in world:
-                self.output.emitter(name, _triple(world.find(name).world_matrix()[:3, 3]))
+                pose = world.find(name).world_matrix()
+                now["position"][0, row], now["forward"][0, row], now["gain"][0, row] = pose[:3, 3], -pose[:3, 2], 1.0
+        span = (now_ns - int(before["t_ns"][0])) * 1e-9
+        for place, velocity in (("head_position", "head_velocity"), ("position", "velocity")):
+            now[velocity] = _velocities(now[place] - before[place], span if self._placed else 0.0)
+        self._placed = True
+        slot = triple_buffer.back_slot(self._memory.sound_scene_words)
+        self._memory.sound_scenes[slot : slot + 1] = now
+        triple_buffer.publish(self._memory.sound_scene_words)
 
     def _tell_notice(self) -> None:
         """One line when sound is not, or no longer, what was asked for."""
@@ -71,5 +93,10 @@ class SoundStage:
                 sys.stderr.write(f"mimics: {self._notice}\n")
 
 
-def _triple(values: NDArray[np.float64]) -> tuple[float, float, float]:
-    return float(values[0]), float(values[1]), float(values[2])
+def _velocities(moved: NDArray[np.float64], span: float) -> NDArray[np.float64]:
+    """Velocities [m/s] of what moved so far [m], shape [.., 3], in a time [s]; 0 for what jumped or is new."""
+    if span <= 0.0:
+        return np.zeros_like(moved)
+    velocity = moved / span
+    speed = np.linalg.norm(velocity, axis=-1, keepdims=True)
+    return np.where(speed < _JUMP, velocity, 0.0)

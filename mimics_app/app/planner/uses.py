@@ -24,6 +24,7 @@ __all__ = [
     "USES",
     "WHOLE_TICK",
     "Use",
+    "audio_of",
     "grips",
     "points_of",
     "shadow_distance_of",
@@ -192,11 +193,28 @@ def _may_integrate(scene: Scene, settings: Settings) -> bool:
     )
 
 
-def _named_spatialiser(scene: Scene) -> Settings | None:
+def audio_of(scene: Scene) -> AudioSettings:
+    """What the scene says of its sound; what it leaves out is as in a scene that says nothing."""
     audio = scene.systems.get("audio")
-    if not isinstance(audio, AudioSettings) or audio.hrtf == "auto":
+    return audio if isinstance(audio, AudioSettings) else AudioSettings()
+
+
+def _named_spatialiser(scene: Scene) -> Settings | None:
+    audio = audio_of(scene)
+    if audio.hrtf == "auto" or audio.mixer == "auto":
         return None
-    return {"hrtf": audio.hrtf}
+    return {"hrtf": audio.hrtf, "mixer": audio.mixer}
+
+
+def _may_spatialise(scene: Scene, settings: Settings) -> bool:
+    """What the scene says of one of the two holds, and what only one mixer can do asks for it."""
+    audio = audio_of(scene)
+    only_spectral = audio.sofa is not None or (audio.hrtf is False and audio.speakers != "stereo")
+    return (
+        (audio.hrtf == "auto" or settings.get("hrtf") == audio.hrtf)
+        and (audio.mixer == "auto" or settings.get("mixer") == audio.mixer)
+        and (not only_spectral or settings.get("mixer") == "spectral")
+    )
 
 
 def _has_sun_shadow(scene: Scene) -> bool:
@@ -267,7 +285,7 @@ USES: Mapping[str, Use] = {
         "turning of bodies", lambda scene: any(thing.enable_rotation for thing in _moving(scene)), within=BODIES
     ),
     "resting bodies": Use(BODIES, lambda scene: bool(_moving(scene)), _named_rest, count=lambda s: len(_moving(s))),
-    "spatialiser": Use("direction of sounds", _has(Sound), _named_spatialiser),
+    "spatialiser": Use("direction of sounds", _has(Sound), _named_spatialiser, _may_spatialise),
     "occlusion": Use("bodies hidden behind others", _shows_models),
     "level of detail": Use("coarser forms of far bodies", _shows_models),
     "sun shadows": Use("shadows of the sun", _has_sun_shadow, _named_shadows, _may_shadow, _PROBE_PX),

@@ -11,21 +11,24 @@ from mimics_app.app.session.switched_off import NullSound, SoundPort
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.world.components.systems import AudioSettings
 from mimics_app.world.components.visible import Sound, SoundEmitter
-from mimics_app.world.scene.scene import Scene
 
 if TYPE_CHECKING:
     from mimics_app.contracts.audio_port import AudioOutput
 
 __all__ = ["open_sound"]
 
+_MOST_OPENAL = 200
+"""Voices that the library takes beside its spare ones."""
 
-def open_sound(parts: Preparation, memory: SessionMemory, folder: Path) -> SoundPort:
+
+def open_sound(parts: Preparation, memory: SessionMemory, folder: Path, file: Path | None = None) -> SoundPort:
     """The scene's sound, opening; none, without importing any of it, where there is none.
 
     Args:
         parts: Of the session.
         memory: Where the loop leaves what is to be heard.
         folder: Of the run; sound.wav goes there where no device plays.
+        file: Instead of it.
     """
     scene, wanted = parts.scene, parts.settings.sound
     sounds = scene.components(Sound)
@@ -36,24 +39,24 @@ def open_sound(parts: Preparation, memory: SessionMemory, folder: Path) -> Sound
     from mimics_app.rendering.audio.process import AudioProcess
     from mimics_app.rendering.audio.scene_sounds import settings_from_components
 
+    method = scene.methods.get("spatialiser", {})
+    spectral = (method.get("mixer") if system.mixer == "auto" else system.mixer) == "spectral"
     chosen = settings_from_components(
         sounds,
         scene.components(SoundEmitter),
         lambda name: scene.assets[name].path,
         str(scene.path),
         sink="file" if wanted == "file" or not parts.live else "device",
-        file=folder / "sound.wav",
-        hrtf=_heard_about_the_head(scene, system),
+        file=file or folder / "sound.wav",
+        hrtf=bool(method.get("hrtf", True)) if system.hrtf == "auto" else system.hrtf,
+        mixer="spectral" if spectral else "openal",
+        speakers=system.speakers,
+        sofa=None if system.sofa is None else scene.assets[system.sofa].path,
+        head_width=system.head_width,
+        voices=system.voices if spectral else min(system.voices, _MOST_OPENAL),
     )
     if chosen is None:
         return NullSound()
     output: AudioOutput = AudioProcess(memory, chosen) if parts.live else OfflineAudio(memory, chosen)
     output.start()
-    return SoundStage(output, chosen.cues, chosen.emitters, system.gain)
-
-
-def _heard_about_the_head(scene: Scene, system: AudioSettings) -> bool:
-    """Whether sounds are placed about the head: as the scene says, else as planned."""
-    if system.hrtf != "auto":
-        return system.hrtf
-    return bool(scene.methods.get("spatialiser", {}).get("hrtf", True))
+    return SoundStage(output, memory, chosen, system.gain)

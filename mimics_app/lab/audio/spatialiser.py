@@ -1,4 +1,4 @@
-"""The rivals of sound, measured: head-related filters, a rigid sphere for a head, and stereo panning."""
+"""The rivals of sound, measured: two mixers with head-related filters, a rigid sphere for a head, and panning."""
 
 from __future__ import annotations
 
@@ -8,17 +8,32 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.audio_port import Heard
 from mimics_app.contracts.clock import MonotonicClock, VirtualClock
 from mimics_app.contracts.messages import SoundEvent
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import reference_us, shortest_us
+from mimics_app.contracts.sound_scene import BANDS
+from mimics_app.lab.audio.hearing import HearingErrors, compare
+from mimics_app.lab.audio.rendered import render_clicks
 from mimics_app.rendering.audio.bank import SoundBank
-from mimics_app.rendering.audio.engine import open_loopback
+from mimics_app.rendering.audio.engine import open_mixer
 from mimics_app.rendering.audio.offline import render_offline
-from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
+from mimics_app.rendering.audio.settings import AudioSettings, MixerName, SoundSpec
+from mimics_app.rendering.audio.spectral.computed_head import compute_head
+from mimics_app.rendering.audio.spectral.head import HeadResponses
+from mimics_app.rendering.audio.spectral.head_table import TAPS, build_head_table
 from mimics_app.rendering.audio.spherical_head import add_at_sphere
 
-__all__ = ["GROUP", "KEMAR_DELAYS_US", "interaural_delay_us", "measure_block_us", "measure_delay_error_us"]
+__all__ = [
+    "GROUP",
+    "KEMAR_DELAYS_US",
+    "heard_around",
+    "interaural_delay_us",
+    "measure_block_us",
+    "measure_delay_error_us",
+    "own_head_errors",
+]
 
 GROUP = "spatialiser"
 
@@ -31,32 +46,71 @@ _BLOCK = 240
 _SOURCES = 16
 _SIZES = (4, 8, 16, 32)
 _UNIT = "us of interaural delay"
+_WIDTH = 0.152  # of the computed head [m], as by default
 _CLICK = {"tick": SoundSpec(recipe="tick")}
 
 
-def measure_block_us(hrtf: bool, blocks: int = 200, sources: int = _SOURCES) -> float:
+def measure_block_us(hrtf: bool, blocks: int = 200, sources: int = _SOURCES, mixer: MixerName = "openal") -> float:
     """Cost of a 5 ms block with moving sources [us], median."""
     specs = {"rub": SoundSpec(recipe="scrape")}
-    settings = AudioSettings(sounds=specs, contact="", scrape="", hrtf=hrtf)
-    mixer = open_loopback(settings, SoundBank(specs, _RATE), VirtualClock(), None, latency=0, origin_ns=0).mixer
-    assert mixer is not None
-    handles = [mixer.start("rub", 0, (1.0, 0.0, 0.0), 0.1) for _ in range(sources)]
+    settings = AudioSettings(sounds=specs, triggers={}, scrape="", hrtf=hrtf, mixer=mixer, voices=max(32, sources))
+    opened = open_mixer(settings, SoundBank(specs, _RATE), VirtualClock(), latency=0, origin_ns=0)
+    handles = np.array([opened.start("rub", 0, (1.0, 0.0, 0.0), 0.1).handle for _ in range(sources)])
     clock, costs = MonotonicClock(), []
     for block in range(blocks):
-        for k, handle in enumerate(handles):
-            angle = 0.01 * block + k
-            mixer.move(handle, (math.sin(angle), 0.0, -math.cos(angle)))
+        angle = 0.01 * block + np.arange(sources)
+        opened.hear(heard_around(handles, np.stack((np.sin(angle), 0.0 * angle, -np.cos(angle)), axis=1)))
         begin = clock.now_ns()
-        mixer.render(_BLOCK)
+        opened.render(_BLOCK)
         costs.append((clock.now_ns() - begin) * 1e-3)
-    mixer.close()
+    opened.close()
     return float(np.median(costs))
+
+
+def heard_around(handles: NDArray[np.int64], places: NDArray[np.float64]) -> Heard:
+    """A head at the origin that looks along -z, and sounds around it, shape [n, 3] [m]."""
+    count = len(handles)
+    still, axis = np.zeros((count, 3)), np.tile((0.0, 0.0, -1.0), (count, 1))
+    return Heard(
+        t_ns=0,
+        head_position=np.zeros(3),
+        head_velocity=np.zeros(3),
+        head_forward=np.array((0.0, 0.0, -1.0)),
+        head_up=np.array((0.0, 1.0, 0.0)),
+        room_level=0.0,
+        room_time=1.0,
+        handles=handles,
+        position=places,
+        velocity=still,
+        forward=axis,
+        gain=np.full(count, 0.1),
+        passes=np.ones((count, BANDS)),
+    )
 
 
 def measure_delay_error_us(hrtf: bool) -> float:
     """Median error of the delay between the ears against the measured head [us], sources in the plane of the ears."""
     errors = [abs(_rendered_delay_us(hrtf, azimuth) - delay) for azimuth, delay in KEMAR_DELAYS_US.items()]
     return float(np.median(errors))
+
+
+def measure_own_head_error_us(taps: int = TAPS) -> float:
+    """Median error of the delay between the ears of the spectral mixer against the head it is given [us].
+
+    Args:
+        taps: Kept of each response.
+    """
+    return own_head_errors(taps).itd_median
+
+
+def own_head_errors(taps: int = TAPS) -> HearingErrors:
+    """Errors of the spectral mixer against the computed head, at every tenth of its directions."""
+    head = compute_head(_WIDTH)
+    some = HeadResponses(head.directions[::10], head.responses[::10], head.rate, head.name)
+    if taps == TAPS:
+        return compare(render_clicks(some.directions), _RATE, some, render_clicks)
+    table = build_head_table(head, _RATE, taps)
+    return compare(render_clicks(some.directions, table=table), _RATE, some)
 
 
 def interaural_delay_us(near: NDArray[np.float64], far: NDArray[np.float64], rate: int) -> float:
@@ -107,14 +161,15 @@ def _sphere_delay_error_us() -> float:
 registry.describe(
     Group(
         name=GROUP,
-        what=f"a block of 5 ms with {_SOURCES} moving sources; error: delay between the ears against a measured head",
+        what=f"a block of 5 ms with {_SOURCES} moving sources; error: delay between the ears against the head it "
+        "renders (of OpenAL, which does not give its own, and of panning: against KEMAR)",
         unit=_UNIT,
         work="moving sources",
         reference=reference_us,
     )
 )
 for _name, _hrtf, _source, _valid in (
-    ("hrtf", True, "OpenAL Soft, measured head, 32 taps", "headphones"),
+    ("hrtf", True, "OpenAL Soft, measured head, 32 taps, delays of whole samples", "headphones"),
     ("stereo", False, "OpenAL Soft, panning of level only", "loudspeakers, and headphones without direction"),
 ):
     registry.register(
@@ -126,12 +181,41 @@ for _name, _hrtf, _source, _valid in (
             error=partial(measure_delay_error_us, _hrtf),
             unit=_UNIT,
             valid_range=_valid,
-            settings={"hrtf": _hrtf},
+            settings={"hrtf": _hrtf, "mixer": "openal"},
             default=_hrtf,
             growth=partial(measure_block_us, _hrtf, 60),
             sizes=_SIZES,
         )
     )
+for _taps in (32, 64, TAPS):
+    registry.register(
+        Method(
+            group=GROUP,
+            name="spectral" if _taps == TAPS else f"spectral, {_taps} taps",
+            source=f"own, blocks of spectra, minimum phase of {_taps} taps and exact delay, compiled",
+            cost=partial(measure_block_us, True, 120, mixer="spectral"),
+            error=partial(measure_own_head_error_us, _taps),
+            unit=_UNIT,
+            valid_range="headphones, any head in SOFA",
+            settings={"hrtf": True, "mixer": "spectral"} if _taps == TAPS else None,
+            growth=partial(measure_block_us, True, 60, mixer="spectral") if _taps == TAPS else None,
+            sizes=(*_SIZES, 64, 128, 256) if _taps == TAPS else (),
+        )
+    )
+registry.register(
+    Method(
+        group=GROUP,
+        name="spectral, panned",
+        source="own, blocks of spectra, power shared by two loudspeakers (Pulkki 1997), compiled",
+        cost=partial(measure_block_us, False, 120, mixer="spectral"),
+        error=partial(measure_delay_error_us, False),
+        unit=_UNIT,
+        valid_range="loudspeakers: stereo, 5.1, 7.1, harmonics",
+        settings={"hrtf": False, "mixer": "spectral"},
+        growth=partial(measure_block_us, False, 60, mixer="spectral"),
+        sizes=_SIZES,
+    )
+)
 registry.register(
     Method(
         group=GROUP,

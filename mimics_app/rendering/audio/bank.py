@@ -27,10 +27,19 @@ _BORDERS = tuple(sqrt(a * b) for a, b in zip(synth.CONTACT_SPEEDS, synth.CONTACT
 
 @dataclass(frozen=True, slots=True)
 class Sound:
-    """One channel of samples, shape [n], and how it is placed."""
+    """One channel of samples and how it is placed.
+
+    Attributes:
+        samples: Shape [n].
+        spec: How it is placed.
+        cell: Which ears hear it where it is not spatial: 0 both, 1 left, 2 right.
+        other: Name of the sound that is its second channel, None where there is none.
+    """
 
     samples: NDArray[np.float32]
     spec: SoundSpec
+    cell: int = 0
+    other: str | None = None
 
 
 def _goal(rate: int) -> NDArray[np.float32]:

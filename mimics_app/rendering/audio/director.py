@@ -1,30 +1,37 @@
-"""Decides what sounds: contact events of the loop, orders of the task and the newest wall pressure become voices."""
+"""Decides what sounds: events of the loop, orders of the task, wall pressure and emitters become voices."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts import ring, triple_buffer
-from mimics_app.contracts.audio_port import SoundRow
+from mimics_app.contracts.audio_port import Heard, Mixer, SoundRow
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.haptic import EVENT, EventKind
 from mimics_app.contracts.messages import SoundEvent
 from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.sound_scene import BANDS, SOUND_SCENE, fill_defaults
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.contact_law import ContactGate, contact_gain, scrape_gain
-from mimics_app.rendering.audio.openal_mixer import OpenALMixer
 from mimics_app.rendering.audio.settings import AudioSettings
 
-__all__ = ["SoundDirector"]
+__all__ = ["TOUCHES", "SoundDirector"]
 
 Vec3 = tuple[float, float, float]
 
 _STALE_NS = 100_000_000
-_AUDIBLE_CHANGE = 0.02
+
+TOUCHES: Mapping[int, str] = {
+    EventKind.CONTACT_BEGIN: "contact",
+    EventKind.CONTACT_END: "contact_end",
+    EventKind.IMPACT: "impact",
+}
+"""Events of the haptic loop that are triggers, by their name in the settings."""
 
 
 class SoundDirector:
@@ -37,7 +44,7 @@ class SoundDirector:
     """
 
     def __init__(
-        self, memory: SessionMemory, mixer: OpenALMixer, bank: SoundBank, settings: AudioSettings, clock: Clock
+        self, memory: SessionMemory, mixer: Mixer, bank: SoundBank, settings: AudioSettings, clock: Clock
     ) -> None:
         self.rows: list[SoundRow] = []
         self.merged = 0
@@ -47,10 +54,11 @@ class SoundDirector:
         self._bank = bank
         self._settings = settings
         self._clock = clock
-        self._begin_gate = ContactGate()
-        self._end_gate = ContactGate()
-        self._impact_gate = ContactGate()
-        self._emitters: dict[str, tuple[int, float]] = {}
+        self._gates = {kind: ContactGate() for kind in TOUCHES}
+        self._handles = np.zeros(len(settings.emitters) + 1, np.int64)  # of the emitters, and of the rub of the wall
+        self._scene = np.zeros(1, SOUND_SCENE)
+        fill_defaults(self._scene)
+        self._rub = np.zeros(7)  # place, velocity, level
         self._drained = np.zeros(256, EVENT)
 
     def take_contacts(self) -> None:
@@ -66,12 +74,9 @@ class SoundDirector:
         now = self._clock.now_ns()
         for event in events:
             kind = int(event["kind"])
-            if kind == EventKind.CONTACT_BEGIN and self._settings.contact:
-                self._play_contact(event, self._settings.contact, self._begin_gate, "contact", now)
-            elif kind == EventKind.CONTACT_END and self._settings.contact_end:
-                self._play_contact(event, self._settings.contact_end, self._end_gate, "contact_end", now)
-            elif kind == EventKind.IMPACT and self._settings.impact:
-                self._play_contact(event, self._settings.impact, self._impact_gate, "impact", now)
+            sound = self._settings.sound_of(TOUCHES[kind]) if kind in TOUCHES else ""
+            if sound:
+                self._play_contact(event, sound, self._gates[kind], TOUCHES[kind], now)
 
     def play_order(self, order: SoundEvent) -> None:
         """Start a sound the task asked for; a name the bank does not know is ignored, the app has refused it before."""
@@ -93,36 +98,58 @@ class SoundDirector:
             sound = self._bank.variant(name, speed, len(self.rows))
             self._start(cause, sound, t_ns, int(event["tick"]), _finite_place(event["position_world"]), level)
 
-    def set_emitter(self, sound: str, t_ns: int, place: Vec3, gain: float) -> None:
-        """Let a looping sound play from a place: started when first named, then moved and its gain followed."""
-        known = self._emitters.get(sound)
-        if known is None:
-            if gain > 0.0 and sound in self._bank:
-                self._emitters[sound] = (self._mixer.start(sound, t_ns, place, gain), gain)
-            return
-        handle, before = known
-        if abs(gain - before) > _AUDIBLE_CHANGE * (gain + before):
-            self._mixer.gain(handle, gain)
-            self._emitters[sound] = (handle, gain)
-        if gain > 0.0:
-            self._mixer.move(handle, place)
+    def listen(self) -> None:
+        """Hand the newest snapshot to the mixer, if there is one: the frame's head and emitters, the loop's rub."""
+        slot, fresh = triple_buffer.acquire(self._memory.sound_scene_words)
+        if fresh:
+            self._scene[:] = self._memory.sound_scenes[slot : slot + 1]
+        pressed = bool(self._settings.scrape) and self._feel_pressure()
+        if fresh or pressed:
+            self._mixer.hear(self._heard())
 
-    def follow_pressure(self) -> None:
-        """Let the rub of the wall follow the newest haptic snapshot."""
-        if not self._settings.scrape:
-            return
+    def _feel_pressure(self) -> bool:
+        """Let the rub of the wall follow the newest haptic snapshot; whether there is a new one."""
         slot, fresh = triple_buffer.acquire(self._memory.audio_words)
         if not fresh:
-            return
+            return False
         snapshot = self._memory.audio_snapshots[slot]
         pressed = float(np.linalg.norm(snapshot["f_user_world"])) if snapshot["penetration"] > 0.0 else 0.0
-        level = scrape_gain(float(np.linalg.norm(snapshot["v_world"])), pressed)
-        place = _finite_place(snapshot["hip_world"])
-        if place is not None:
-            self.set_emitter(self._settings.scrape, int(snapshot["t_ns"]), place, level)
+        place, velocity = snapshot["hip_world"], snapshot["v_world"]
+        if not (np.isfinite(place).all() and np.isfinite(velocity).all()):
+            return False
+        self._rub[:3], self._rub[3:6] = place, velocity
+        self._rub[6] = scrape_gain(float(np.linalg.norm(velocity)), pressed)
+        return True
+
+    def _heard(self) -> Heard:
+        """The snapshot as the mixer takes it; a sound that is named for the first time is started."""
+        scene, count = self._scene[0], len(self._settings.emitters)
+        position = np.vstack((scene["position"][:count], self._rub[:3]))
+        velocity = np.vstack((scene["velocity"][:count], self._rub[3:6]))
+        gain = np.append(scene["gain"][:count], self._rub[6])
+        for row, name in enumerate((*self._settings.emitters, self._settings.scrape)):
+            if name and self._handles[row] == 0 and gain[row] > 0.0 and np.isfinite(position[row]).all():
+                x, y, z = (float(value) for value in position[row])
+                t_ns = min(int(scene["t_ns"]), self._clock.now_ns())
+                self._handles[row] = self._mixer.start(name, t_ns, (x, y, z), float(gain[row])).handle
+        return Heard(
+            t_ns=int(scene["t_ns"]),
+            head_position=scene["head_position"],
+            head_velocity=scene["head_velocity"],
+            head_forward=scene["head_forward"],
+            head_up=scene["head_up"],
+            room_level=float(scene["room_level"]),
+            room_time=float(scene["room_time"]),
+            handles=self._handles,
+            position=position,
+            velocity=velocity,
+            forward=np.vstack((scene["forward"][:count], (0.0, 0.0, -1.0))),
+            gain=gain,
+            passes=np.vstack((scene["passes"][:count], np.ones(BANDS))),
+        )
 
     def _start(self, cause: str, sound: str, t_ns: int, tick: int, place: Vec3 | None, gain: float) -> None:
-        start = self._mixer.place(sound, t_ns, place, gain)
+        start = self._mixer.start(sound, t_ns, place, gain)
         if start.handle == 0:
             return
         submitted = self._clock.now_ns()

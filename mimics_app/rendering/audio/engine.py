@@ -12,17 +12,17 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from mimics_app.contracts.audio_port import AudioStatus
+from mimics_app.contracts.audio_port import AudioStatus, Mixer, Timing
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import DeviceError, SceneError
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.openal_context import OpenALContext, measure_pipeline
 from mimics_app.rendering.audio.openal_library import load_library
-from mimics_app.rendering.audio.openal_mixer import OpenALMixer, Timing
+from mimics_app.rendering.audio.openal_mixer import OpenALMixer
 from mimics_app.rendering.audio.settings import AudioSettings
 from mimics_app.rendering.audio.wav_file import WavWriter
 
-__all__ = ["Engine", "fall_back", "open_engine", "open_loopback"]
+__all__ = ["Engine", "fall_back", "open_engine", "open_engine_in_step", "open_mixer"]
 
 _SILENT = AudioStatus(device="none", sink="null", hrtf=False, rate=0, latency_ms=0.0)
 
@@ -38,7 +38,7 @@ class Engine:
     """
 
     def __init__(
-        self, status: AudioStatus, bank: SoundBank | None, mixer: OpenALMixer | None, writer: WavWriter | None
+        self, status: AudioStatus, bank: SoundBank | None, mixer: Mixer | None, writer: WavWriter | None
     ) -> None:
         self.status = status
         self.bank = bank
@@ -80,7 +80,8 @@ class Engine:
 def open_engine(settings: AudioSettings, clock: Clock) -> Engine:
     """The output of a live session, down the ladder; never raises for a missing library or device."""
     try:
-        load_library(settings)
+        if settings.mixer == "openal":
+            load_library(settings)
         bank = SoundBank(settings.sounds, settings.rate)
     except DeviceError as error:
         return _dropped(f"{error.what}: sound is dropped; picture and touch run on ({error.fix})")
@@ -100,7 +101,7 @@ def fall_back(settings: AudioSettings, bank: SoundBank, clock: Clock, why: str) 
         return _dropped(f"{why}: sound is dropped; picture and touch run on")
     try:
         # A block of slack, a block to fill, and a millisecond for the tick's own work before its event is in the ring.
-        engine = open_loopback(settings, bank, clock, settings.file, 2 * settings.block + settings.rate // 1000)
+        engine = open_engine_in_step(settings, bank, clock, settings.file, 2 * settings.block + settings.rate // 1000)
     except (DeviceError, OSError) as error:
         return _dropped(f"{why or 'no sound file'} ({error}): sound is dropped; picture and touch run on")
     if why:
@@ -109,7 +110,7 @@ def fall_back(settings: AudioSettings, bank: SoundBank, clock: Clock, why: str) 
     return engine
 
 
-def open_loopback(
+def open_engine_in_step(
     settings: AudioSettings,
     bank: SoundBank,
     clock: Clock,
@@ -117,16 +118,40 @@ def open_loopback(
     latency: int,
     origin_ns: int | None = None,
 ) -> Engine:
-    """A loopback whose sounds start `latency` frames after their events, written to `file` where one is given."""
+    """A mixer that renders on demand, whose sounds start `latency` frames after their events, into `file` or nowhere.
+
+    Raises:
+        DeviceError: No library for the mixer that is asked for.
+        OSError: The file cannot be written.
+    """
+    origin = clock.now_ns() if origin_ns is None else origin_ns
+    mixer = open_mixer(settings, bank, clock, latency, origin)
+    writer = WavWriter(file, mixer.rate, mixer.channels) if file is not None else None
+    latency_ms = (latency + mixer.timing.pipeline) / mixer.rate * 1e3
+    sink = "file" if writer else "null"
+    return Engine(_status(settings, mixer, "loopback", sink, latency_ms), bank, mixer, writer)
+
+
+def open_mixer(settings: AudioSettings, bank: SoundBank, clock: Clock, latency: int, origin_ns: int) -> Mixer:
+    """The mixer the settings name, rendering on demand.
+
+    Raises:
+        DeviceError: There is no library for it.
+        SceneError: The head it is to take cannot be used.
+    """
+    if settings.mixer == "spectral":
+        from mimics_app.rendering.audio.spectral.mixer import SpectralMixer
+
+        return SpectralMixer(bank, settings, Timing(origin_ns, latency))
     library = load_library(settings)
     pipeline = measure_pipeline(library, settings.rate, settings.hrtf)
     context = OpenALContext(library, settings.rate, settings.hrtf, settings.sources, loopback=True)
-    timing = Timing(clock.now_ns() if origin_ns is None else origin_ns, latency, pipeline)
-    mixer = OpenALMixer(context, bank, settings, clock, timing)
-    writer = WavWriter(file, context.rate) if file is not None else None
-    latency_ms = (latency + pipeline) / context.rate * 1e3
-    status = AudioStatus("loopback", "file" if writer else "null", context.hrtf, context.rate, latency_ms)
-    return Engine(status, bank, mixer, writer)
+    return OpenALMixer(context, bank, settings, clock, Timing(origin_ns, latency, pipeline))
+
+
+def _status(settings: AudioSettings, mixer: Mixer, device: str, sink: str, latency_ms: float) -> AudioStatus:
+    hrtf = mixer.context.hrtf if isinstance(mixer, OpenALMixer) else settings.hrtf
+    return AudioStatus(device, sink, hrtf, mixer.rate, latency_ms, mixer=settings.mixer, channels=mixer.channels)
 
 
 def _open_device(settings: AudioSettings, bank: SoundBank, clock: Clock) -> Engine:
@@ -135,8 +160,7 @@ def _open_device(settings: AudioSettings, bank: SoundBank, clock: Clock) -> Engi
     pipeline = measure_pipeline(library, context.rate, context.hrtf)
     mixer = OpenALMixer(context, bank, settings, clock, Timing(clock.now_ns(), 0, pipeline))
     latency_ms = context.buffered_ms(settings.period) + pipeline / context.rate * 1e3
-    status = AudioStatus(context.name, "device", context.hrtf, context.rate, latency_ms)
-    return Engine(status, bank, mixer, None)
+    return Engine(_status(settings, mixer, context.name, "device", latency_ms), bank, mixer, None)
 
 
 def _dropped(notice: str) -> Engine:

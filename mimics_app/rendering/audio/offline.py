@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.audio_port import AudioReport, AudioStatus
+from mimics_app.contracts.audio_port import AudioReport, AudioStatus, Heard, Mixer, frame_at
 from mimics_app.contracts.clock import VirtualClock
 from mimics_app.contracts.errors import DeviceError, MimicsError, nearest
 from mimics_app.contracts.messages import SoundEvent
@@ -17,10 +17,8 @@ from mimics_app.contracts.ring import DROPPED
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.director import SoundDirector
-from mimics_app.rendering.audio.engine import Engine, open_loopback
-from mimics_app.rendering.audio.openal_library import load_library
-from mimics_app.rendering.audio.openal_mixer import OpenALMixer, frame_at
-from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
+from mimics_app.rendering.audio.engine import Engine, open_engine_in_step, open_mixer
+from mimics_app.rendering.audio.settings import AudioSettings, MixerName, SoundSpec
 
 __all__ = ["OfflineAudio", "render_offline"]
 
@@ -54,9 +52,8 @@ class OfflineAudio:
         """Open the loopback and the file; a missing library leaves the session without sound, and says so."""
         settings = self._settings
         try:
-            load_library(settings)
             bank = SoundBank(settings.sounds, settings.rate)
-            engine = open_loopback(settings, bank, self._clock, settings.file, latency=0, origin_ns=0)
+            engine = open_engine_in_step(settings, bank, self._clock, settings.file, latency=0, origin_ns=0)
         except (DeviceError, OSError) as error:
             notice = f"{error}: sound is dropped; picture and touch run on"
             self._status = AudioStatus("none", "null", hrtf=False, rate=0, latency_ms=0.0, notice=notice)
@@ -77,16 +74,6 @@ class OfflineAudio:
         if self._director is not None:
             self._director.play_order(event)
 
-    def listener(self, position_world: Vec3, forward_world: Vec3, up_world: Vec3) -> None:
-        """Place the listener's head."""
-        if self._mixer is not None:
-            self._mixer.listener(position_world, forward_world, up_world)
-
-    def emitter(self, sound: str, position_world: Vec3, gain: float = 1.0) -> None:
-        """Let a looping sound play from a place: started when first named, then moved."""
-        if self._director is not None:
-            self._director.set_emitter(sound, self._clock.now_ns(), position_world, gain)
-
     def master(self, gain: float) -> None:
         """Set the linear gain of everything."""
         if self._mixer is not None:
@@ -98,8 +85,8 @@ class OfflineAudio:
         if self._engine is None or self._director is None or self._mixer is None:
             return
         self._director.take_contacts()
-        self._director.follow_pressure()
-        self._render(self._engine, frame_at(now_ns, 0, self._mixer.context.rate))
+        self._director.listen()
+        self._render(self._engine, frame_at(now_ns, 0, self._mixer.rate))
 
     def stop(self) -> AudioReport:
         """Let the last sounds ring out, close the file and return what was done."""
@@ -108,7 +95,7 @@ class OfflineAudio:
         return self._report
 
     @property
-    def _mixer(self) -> OpenALMixer | None:
+    def _mixer(self) -> Mixer | None:
         return None if self._engine is None else self._engine.mixer
 
     def _render(self, engine: Engine, frame: int) -> None:
@@ -128,7 +115,7 @@ class OfflineAudio:
         if engine is None or director is None or mixer is None or engine.writer is None:
             return AudioReport(self._status or silent)
         director.take_contacts()
-        self._render(engine, mixer.position + round(_TAIL_S * mixer.context.rate))
+        self._render(engine, mixer.position + round(_TAIL_S * mixer.rate))
         engine.close()
         return AudioReport(
             engine.status,
@@ -151,6 +138,7 @@ def render_offline(
     *,
     hrtf: bool = True,
     rate: int = 48_000,
+    mixer: MixerName = "openal",
 ) -> tuple[NDArray[np.float32], list[int]]:
     """Render a list of events on a clock that starts at 0.
 
@@ -161,6 +149,7 @@ def render_offline(
         listener: Position [m], forward and up of the head; None: at the origin, looking along -z.
         hrtf: Head-related filters.
         rate: Samples per second.
+        mixer: Which one.
 
     Returns:
         The mix, shape [n, 2], not limited to full scale, and for every event the frame of its first sample:
@@ -170,22 +159,23 @@ def render_offline(
         DeviceError: No OpenAL library.
         KeyError: An event names a sound that is not among `sounds`.
     """
-    settings = AudioSettings(sounds=sounds, contact="", scrape="", hrtf=hrtf, rate=rate, voices=64)
-    load_library(settings)
-    engine = open_loopback(settings, SoundBank(sounds, rate), VirtualClock(), None, latency=0, origin_ns=0)
-    mixer = engine.mixer
-    assert mixer is not None
+    settings = AudioSettings(sounds=sounds, triggers={}, scrape="", hrtf=hrtf, rate=rate, voices=64, mixer=mixer)
+    opened = open_mixer(settings, SoundBank(sounds, rate), VirtualClock(), latency=0, origin_ns=0)
     try:
         if listener is not None:
-            mixer.listener(*listener)
-        return _render_events(mixer, events, round(seconds * rate))
+            opened.hear(_head_alone(listener))
+        return _render_events(opened, events, round(seconds * rate))
     finally:
-        mixer.close()
+        opened.close()
 
 
-def _render_events(
-    mixer: OpenALMixer, events: Sequence[SoundEvent], frames: int
-) -> tuple[NDArray[np.float32], list[int]]:
+def _head_alone(pose: Pose) -> Heard:
+    position, forward, up = (np.asarray(each, np.float64) for each in pose)
+    none, some = np.zeros((0, 3)), np.zeros(0)
+    return Heard(0, position, np.zeros(3), forward, up, 0.0, 1.0, np.zeros(0, np.int64), none, none, none, some, none)
+
+
+def _render_events(mixer: Mixer, events: Sequence[SoundEvent], frames: int) -> tuple[NDArray[np.float32], list[int]]:
     """Hand each event to the mixer one block before it is due, so that voices are busy only while they sound."""
     order = sorted(range(len(events)), key=lambda k: events[k].t_ns)
     onsets = [-1] * len(events)
@@ -194,9 +184,9 @@ def _render_events(
     following: Any = next(waiting, None)
     while mixer.position < frames:
         end = min(mixer.position + _BLOCK, frames)
-        while following is not None and frame_at(events[following].t_ns, 0, mixer.context.rate) < end:
+        while following is not None and frame_at(events[following].t_ns, 0, mixer.rate) < end:
             event = events[following]
-            start = mixer.place(event.sound, event.t_ns, event.position_world, event.gain)
+            start = mixer.start(event.sound, event.t_ns, event.position_world, event.gain)
             if start.handle:
                 onsets[following] = mixer.first_sample(start, event.t_ns)[0]
             following = next(waiting, None)

@@ -49,6 +49,11 @@ class ALC:
 class AL:
     """Numbers of al.h and alext.h that are used here."""
 
+    CONE_INNER_ANGLE = 0x1001
+    CONE_OUTER_ANGLE = 0x1002
+    DIRECTION = 0x1005
+    VELOCITY = 0x1006
+    CONE_OUTER_GAIN = 0x1022
     SOURCE_RELATIVE = 0x202
     POSITION = 0x1004
     LOOPING = 0x1007

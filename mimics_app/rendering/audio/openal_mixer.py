@@ -14,24 +14,27 @@ import heapq
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
+from math import degrees
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.audio_port import Heard, Start, Timing, frame_at
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.rendering.audio.bank import Sound, SoundBank
 from mimics_app.rendering.audio.openal_context import OpenALContext
 from mimics_app.rendering.audio.openal_library import AL
-from mimics_app.rendering.audio.settings import AudioSettings
+from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
 
-__all__ = ["OpenALMixer", "Start", "Timing", "frame_at"]
+__all__ = ["OpenALMixer"]
 
 Vec3 = tuple[float, float, float]
 
 _FADE_FRAMES = 960
 _SHORTEST_RAMP = 64
+_AUDIBLE_CHANGE = 0.02
 _AHEAD: Vec3 = (0.0, 0.0, -1.0)
 
 
@@ -52,47 +55,19 @@ class _Voice:
     end: int | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Start:
-    """Where a sound was put: handle (0: refused), frame of its start (-1: the device decides), and whether too late."""
-
-    handle: int
-    frame: int
-    late: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Timing:
-    """How session time and frames meet.
-
-    Attributes:
-        origin_ns: Session time of frame 0.
-        latency: Frames from an event's time to the start of its sound, the same for all (loopback).
-        pipeline: Frames from the start of a sound to its first sample in the mix (10 with HRTF, see measure_pipeline).
-    """
-
-    origin_ns: int = 0
-    latency: int = 0
-    pipeline: int = 0
-
-
-def frame_at(t_ns: int, origin_ns: int, rate: int) -> int:
-    """The frame nearest to a time, in integers so that no session is too long for it."""
-    return ((t_ns - origin_ns) * rate + 500_000_000) // 1_000_000_000
-
-
 class OpenALMixer:
     """See contracts.audio_port.Mixer.
 
     Attributes:
-        position: Frames rendered so far (loopback).
-        refused: Sounds that found every voice busy with louder ones.
+        context: What it plays into.
     """
 
     def __init__(
         self, context: OpenALContext, bank: SoundBank, settings: AudioSettings, clock: Clock, timing: Timing
     ) -> None:
         self.context = context
+        self.rate = context.rate
+        self.channels = 2
         self.timing = timing
         self.position = 0
         self.refused = 0
@@ -114,12 +89,8 @@ class OpenALMixer:
             context.close()
             raise
 
-    def start(self, sound: str, t_ns: int, position_world: Vec3 | None, gain: float) -> int:
-        """Start a sound; return its handle, 0 when no voice was free for it. KeyError: no such sound."""
-        return self.place(sound, t_ns, position_world, gain).handle
-
-    def place(self, sound: str, t_ns: int, position_world: Vec3 | None, gain: float) -> Start:
-        """Like `start`, and say where the sound was put."""
+    def start(self, sound: str, t_ns: int, position_world: Vec3 | None, gain: float) -> Start:
+        """Start a sound; its handle is 0 when no voice was free for it. KeyError: no such sound."""
         content = self._bank[sound]
         voice = self._find_voice(content.spec.gain * gain)
         if voice is None:
@@ -147,30 +118,37 @@ class OpenALMixer:
         frame = start.frame + self.timing.pipeline
         return frame, self.timing.origin_ns + frame * 1_000_000_000 // self.context.rate
 
-    def move(self, handle: int, position_world: Vec3) -> None:
-        """Move a sound; nothing happens when it has ended."""
-        voice = self._by_handle.get(handle)
-        if voice is not None:
-            self._change(self._call.alSource3f, voice.source, AL.POSITION, *position_world)
+    def hear(self, heard: Heard) -> None:
+        """Place the head and move the sounds; gains are ramped by the library over one mix.
 
-    def gain(self, handle: int, value: float) -> None:
-        """Set the linear gain of a sound; the library ramps to it over one mix."""
-        voice = self._by_handle.get(handle)
-        if voice is not None and voice.state != _State.FADING:
-            voice.gain = voice.authored * value
-            self._change(self._call.alSourcef, voice.source, AL.GAIN, voice.gain)
+        Of what obstacles let through only the middle band is used, as the level.
+        """
+        orientation = (ctypes.c_float * 6)(*heard.head_forward, *heard.head_up)
+        call = self._call
+        self._change(call.alListener3f, AL.POSITION, *heard.head_position)
+        self._change(call.alListener3f, AL.VELOCITY, *heard.head_velocity)
+        self._change(call.alListenerfv, AL.ORIENTATION, orientation)
+        for row, handle in enumerate(heard.handles):
+            voice = self._by_handle.get(int(handle))
+            if voice is None or voice.state == _State.FADING:
+                continue
+            self._set_gain(voice, voice.authored * float(heard.gain[row] * heard.passes[row, 1]))
+            if np.isfinite(heard.position[row]).all() and np.isfinite(heard.velocity[row]).all():
+                self._change(call.alSource3f, voice.source, AL.POSITION, *heard.position[row])
+                self._change(call.alSource3f, voice.source, AL.VELOCITY, *heard.velocity[row])
+                self._change(call.alSource3f, voice.source, AL.DIRECTION, *heard.forward[row])
+
+    def _set_gain(self, voice: _Voice, gain: float) -> None:
+        """Change the gain of a voice, where the ear can tell."""
+        if abs(gain - voice.gain) > _AUDIBLE_CHANGE * (gain + voice.gain):
+            voice.gain = gain
+            self._change(self._call.alSourcef, voice.source, AL.GAIN, gain)
 
     def stop(self, handle: int) -> None:
         """Fade a sound out; its voice is free again once that is heard."""
         voice = self._by_handle.get(handle)
         if voice is not None:
             self._fade(voice)
-
-    def listener(self, position_world: Vec3, forward_world: Vec3, up_world: Vec3) -> None:
-        """Place the listener's head [m, unit vectors]."""
-        orientation = (ctypes.c_float * 6)(*forward_world, *up_world)
-        self._change(self._call.alListener3f, AL.POSITION, *position_world)
-        self._change(self._call.alListenerfv, AL.ORIENTATION, orientation)
 
     def master(self, value: float) -> None:
         """Set the linear gain of everything."""
@@ -193,6 +171,10 @@ class OpenALMixer:
             done += piece
             self.position += piece
         return out
+
+    def connected(self) -> bool:
+        """False once the device has gone."""
+        return self.context.connected
 
     def close(self) -> None:
         """Give the device back."""
@@ -228,7 +210,15 @@ class OpenALMixer:
         call.alSourcef(source, AL.MAX_DISTANCE, max(sound.spec.max_distance, sound.spec.reference_distance))
         call.alSourcef(source, AL.ROLLOFF_FACTOR, sound.spec.rolloff)
         call.alSourcef(source, AL.GAIN, voice.gain)
+        self._aim(source, sound.spec)
         self._library.check(f'prepare the sound "{name}"')
+
+    def _aim(self, source: int, spec: SoundSpec) -> None:
+        """At rest, and loud where its cone is."""
+        self._call.alSource3f(source, AL.VELOCITY, 0.0, 0.0, 0.0)
+        self._call.alSourcef(source, AL.CONE_INNER_ANGLE, degrees(spec.cone_inner))
+        self._call.alSourcef(source, AL.CONE_OUTER_ANGLE, degrees(spec.cone_outer))
+        self._call.alSourcef(source, AL.CONE_OUTER_GAIN, spec.cone_gain)
 
     def _play(self, voice: _Voice, frame: int, sound: Sound) -> None:
         self._call.alSourcePlay(voice.source)

@@ -1,7 +1,8 @@
 """The audio process as the app sees it: started, told things, and closed, without ever waiting for it inside a frame.
 
-Contacts do not pass through here: the child reads them from shared memory itself. Orders travel through a pipe whose
-writing end never blocks; a message is smaller than PIPE_BUF, so the kernel takes it whole or not at all.
+Contacts and the places of head and emitters do not pass through here: the child reads them from shared memory. Orders
+travel through a pipe whose writing end never blocks; a message is smaller than PIPE_BUF, so the kernel takes it whole
+or not at all.
 """
 
 from __future__ import annotations
@@ -23,8 +24,6 @@ if TYPE_CHECKING:
 
 __all__ = ["AudioProcess"]
 
-Vec3 = tuple[float, float, float]
-
 _SILENT = AudioStatus(device="none", sink="null", hrtf=False, rate=0, latency_ms=0.0)
 
 
@@ -43,7 +42,6 @@ class AudioProcess:
         self._status: AudioStatus | None = None
         self._report: AudioReport | None = None
         self._orders_dropped = 0
-        self._pose: tuple[Vec3, Vec3, Vec3] | None = None
         self._given_up = False
         self._hung_up = False
 
@@ -108,16 +106,6 @@ class AudioProcess:
             raise MimicsError(f'no sound "{event.sound}"', nearest(event.sound, self._settings.sounds))
         if not self._tell("play", event):
             self._orders_dropped += 1
-
-    def listener(self, position_world: Vec3, forward_world: Vec3, up_world: Vec3) -> None:
-        """Place the listener's head; never waits. The same pose twice is sent once."""
-        pose = (position_world, forward_world, up_world)
-        if pose != self._pose and self._tell("listener", pose):
-            self._pose = pose
-
-    def emitter(self, sound: str, position_world: Vec3, gain: float = 1.0) -> None:
-        """Let a looping sound play from a place: started when first named, then moved; never waits."""
-        self._tell("emitter", (sound, position_world, gain))
 
     def master(self, gain: float) -> None:
         """Set the linear gain of everything; never waits."""

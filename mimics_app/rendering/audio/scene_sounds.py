@@ -47,17 +47,19 @@ def settings_from_components(
     specs = {name: _spec(sound, asset_path) for name, sound, _ in sounds}
     for name, emitter, _ in emitters:
         specs[name] = _emitter_spec(specs[emitter.sound], emitter)
-    triggers = {sound.trigger: name for name, sound, _ in sounds if sound.trigger is not None}
+    triggers = {_trigger(sound): name for name, sound, _ in sounds if sound.trigger is not None}
     return AudioSettings(
         sounds=specs,
-        contact=triggers.pop("contact", ""),
-        contact_end=triggers.pop("contact_end", ""),
-        impact=triggers.pop("impact", ""),
+        triggers=triggers,
         scrape=next((name for name, sound, _ in sounds if sound.synth == "scrape"), ""),
-        cues={str(trigger): name for trigger, name in triggers.items()},
         emitters=tuple(name for name, emitter, _ in emitters if emitter.autoplay),
         **changes,
     )
+
+
+def _trigger(sound: Sound) -> str:
+    """As in `AudioSettings.triggers`."""
+    return f"{sound.trigger}/{sound.material}" if sound.material else str(sound.trigger)
 
 
 def _faults(sound: Sound, pointer: str, scene_file: str) -> list[Issue]:
@@ -83,6 +85,10 @@ def _spec(sound: Sound, asset_path: Callable[[str], Path]) -> SoundSpec:
         gain=sound.gain,
         pitch=sound.parameters.get("pitch", 1.0),
         full_force=sound.full_level,
+        priority=sound.priority,
+        reverb=sound.reverb,
+        bus=sound.bus,
+        spatial=sound.spatial,
     )
 
 
@@ -94,4 +100,9 @@ def _emitter_spec(sound: SoundSpec, emitter: SoundEmitter) -> SoundSpec:
         reference_distance=emitter.reference_distance,
         max_distance=emitter.max_distance,
         rolloff=emitter.rolloff,
+        distance_model=emitter.distance_model,
+        cone_inner=emitter.cone_inner,
+        cone_outer=emitter.cone_outer,
+        cone_gain=emitter.cone_gain,
+        doppler=emitter.doppler,
     )

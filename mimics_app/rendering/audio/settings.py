@@ -4,12 +4,35 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import pi
 from pathlib import Path
 from typing import Literal
 
-__all__ = ["AudioSettings", "Sink", "SoundSpec"]
+__all__ = ["LAYOUTS", "AudioSettings", "BusSpec", "MixerName", "Sink", "SoundSpec", "Speakers"]
 
 Sink = Literal["device", "file", "null"]
+MixerName = Literal["openal", "spectral"]
+Speakers = Literal["stereo", "5.1", "7.1", "ambisonic"]
+
+LAYOUTS: Mapping[Speakers, int] = {"stereo": 2, "5.1": 6, "7.1": 8, "ambisonic": 16}
+"""Channels by arrangement; ambisonic: third order, ACN, SN3D."""
+
+_MOST_VOICES = 4096
+
+
+@dataclass(frozen=True, slots=True)
+class BusSpec:
+    """A group of sounds that are loud together.
+
+    Attributes:
+        gain: Linear.
+        ducks: Other buses this one turns down while it sounds.
+        duck_gain: Linear factor on those, 0.25: by 12 dB.
+    """
+
+    gain: float = 1.0
+    ducks: tuple[str, ...] = ()
+    duck_gain: float = 0.25
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +50,15 @@ class SoundSpec:
         reference_distance: Distance [m] at which it is as loud as authored; half as loud at twice the distance.
         max_distance: Distance [m] beyond which it gets no quieter.
         rolloff: Factor on the fall with distance; 0: none, 1: natural.
+        distance_model: "inverse" (6 dB per doubling), "linear" (to nothing at max_distance) or "exponential".
+        cone_inner: Full angle around its axis in which it is as loud as authored [rad].
+        cone_outer: Full angle beyond which it has `cone_gain` [rad].
+        cone_gain: Linear gain behind the cone.
+        doppler: Factor on the change of pitch by motion; 0: none, 1: natural.
+        priority: Factor on its level when voices are short: the quietest by it gives way.
+        reverb: Linear share that the room answers.
+        bus: Name of its group.
+        spatial: False for music and binaural recordings, which play as they are, two channels where they have two.
     """
 
     recipe: str = ""
@@ -38,6 +70,15 @@ class SoundSpec:
     reference_distance: float = 1.0
     max_distance: float = 50.0
     rolloff: float = 1.0
+    distance_model: Literal["inverse", "linear", "exponential"] = "inverse"
+    cone_inner: float = 2.0 * pi
+    cone_outer: float = 2.0 * pi
+    cone_gain: float = 1.0
+    doppler: float = 1.0
+    priority: float = 1.0
+    reverb: float = 1.0
+    bus: str = "main"
+    spatial: bool = True
 
 
 def _default_sounds() -> dict[str, SoundSpec]:
@@ -52,13 +93,16 @@ class AudioSettings:
         sink: "device" (falls back to a file or to nothing), "file", or "null": no process, no sound.
         file: Wave file of the sink "file", and of the fallback when there is no device; None: dropped then.
         sounds: Sounds of the scene by the name that `SoundEvent.sound` uses.
-        contact: Sound of a contact, or "" for silent contacts.
-        contact_end: Sound of letting go, or "".
-        impact: Sound of a body that hits another or the scene, or "".
+        triggers: Sound by what starts it: "contact", "contact_end" and "impact" come from the haptic loop, any
+            other kind ("goal", "start", "step") from the frame; "step/grass" is for one material and goes first.
         scrape: Looping sound of sliding along a wall, or "" for none.
-        cues: Sounds of other triggers by their name ("goal", "start", "step"); the app plays them.
-        emitters: Looping sounds that begin with the scene; the app places them with `AudioOutput.emitter`.
+        emitters: Sounds that play from entities, in the order of the rows of SOUND_SCENE.
+        buses: Groups of sounds by name; "main" is always there.
+        mixer: "openal", or "spectral": exact between the ears and the same to the sample on any machine.
         hrtf: Head-related filters; switch off for loudspeakers.
+        speakers: Arrangement of the loudspeakers where `hrtf` is off; beyond stereo only "spectral" has them.
+        sofa: SOFA file of a measured head; None: a computed one of `head_width`. Of "spectral" only.
+        head_width: Between the ears of the computed head [m].
         rate: Samples per second asked for.
         period: Frames per period of a live device, two periods queued; 128 or 256 keep contact to sound below 20 ms.
         block: Frames per block of a file.
@@ -74,13 +118,15 @@ class AudioSettings:
     sink: Sink = "device"
     file: Path | None = None
     sounds: Mapping[str, SoundSpec] = field(default_factory=_default_sounds)
-    contact: str = "contact"
-    contact_end: str = ""
-    impact: str = ""
+    triggers: Mapping[str, str] = field(default_factory=lambda: {"contact": "contact"})
     scrape: str = "scrape"
-    cues: Mapping[str, str] = field(default_factory=dict)
     emitters: tuple[str, ...] = ()
+    buses: Mapping[str, BusSpec] = field(default_factory=dict)
+    mixer: MixerName = "openal"
     hrtf: bool = True
+    speakers: Speakers = "stereo"
+    sofa: Path | None = None
+    head_width: float = 0.152
     rate: int = 48_000
     period: int = 128
     block: int = 240
@@ -91,6 +137,15 @@ class AudioSettings:
     driver: str = ""
     library: str = ""
     environment: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def channels(self) -> int:
+        """Of the mix."""
+        return 2 if self.hrtf else LAYOUTS[self.speakers]
+
+    def sound_of(self, kind: str, material: str = "") -> str:
+        """Sound that a trigger starts, "" for none; one for its material goes before one for all."""
+        return self.triggers.get(f"{kind}/{material}", "") or self.triggers.get(kind, "")
 
     @property
     def sources(self) -> int:
@@ -104,10 +159,11 @@ class AudioSettings:
             raise ValueError(
                 f"a period of {self.period} frames is not between 64 and 512: the 20 ms bound would be lost"
             )
-        if not 1 <= self.voices <= 200:
-            raise ValueError(f"{self.voices} voices are not between 1 and 200")
-        for name in filter(
-            None, (self.contact, self.contact_end, self.impact, self.scrape, *self.cues.values(), *self.emitters)
-        ):
+        most = _MOST_VOICES if self.mixer == "spectral" else 200
+        if not 1 <= self.voices <= most:
+            raise ValueError(f"{self.voices} voices are not between 1 and {most}")
+        if self.channels != 2 and self.mixer == "openal":
+            raise ValueError(f'the mixer "openal" has two channels, not those of {self.speakers}: take "spectral"')
+        for name in filter(None, (self.scrape, *self.triggers.values(), *self.emitters)):
             if name not in self.sounds:
                 raise ValueError(f'sound "{name}" is used but not among the sounds: {", ".join(self.sounds)}')

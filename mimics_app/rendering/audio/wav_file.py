@@ -24,7 +24,7 @@ _GIVEN_BACK = 2 << 20
 
 
 class WavWriter:
-    """Two channels of 16 bit, valid at every moment.
+    """Channels of 16 bit, valid at every moment.
 
     After each block the sizes in the header are written again, so the file can be read to its last block; a kill
     between the two writes leaves one block behind the end, which readers skip.
@@ -34,23 +34,25 @@ class WavWriter:
         clipped: Samples that passed the knee of full scale and were softened.
     """
 
-    def __init__(self, path: Path, rate: int) -> None:
+    def __init__(self, path: Path, rate: int, channels: int = 2) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         self.path = path
         self.rate = rate
+        self.channels = channels
+        self._width = 2 * channels
         self.frames = 0
         self.clipped = 0
         self._file = path.open("wb", buffering=0)
-        self._file.write(_header(rate, 0))
+        self._file.write(_header(rate, channels))
 
     def append(self, block: NDArray[np.float32]) -> None:
-        """Write frames, shape [n, 2], full scale 1; past 4 GiB nothing more is written.
+        """Write frames, shape [n, channels], full scale 1; past 4 GiB nothing more is written.
 
         Raises:
             OSError: The disk is full or failed. The file is closed; what it loses of its end gives the recording, which
                 has the same disk, room to be sealed.
         """
-        if (self.frames + len(block)) * 4 > _LARGEST_DATA:
+        if (self.frames + len(block)) * self._width > _LARGEST_DATA:
             return
         soft, clipped = soften_peaks(block)
         self.clipped += clipped
@@ -67,16 +69,16 @@ class WavWriter:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     def _write_sizes(self) -> None:
-        size = self.frames * 4
+        size = self.frames * self._width
         for place, value in ((4, _HEADER_SIZE - 8 + size), (40, size)):
             self._file.seek(place)
             self._file.write(struct.pack("<I", value))
         self._file.seek(_HEADER_SIZE + size)
 
     def _give_way(self) -> None:
-        self.frames = max(0, self.frames - _GIVEN_BACK // 4)
+        self.frames = max(0, self.frames - _GIVEN_BACK // self._width)
         with suppress(OSError):
-            self._file.truncate(_HEADER_SIZE + self.frames * 4)
+            self._file.truncate(_HEADER_SIZE + self.frames * self._width)
             self._write_sizes()
         self._file.close()
 
@@ -126,11 +128,11 @@ def read_wav(path: Path, rate: int) -> NDArray[np.float32]:
     return _resample(mono, file_rate, rate).astype(np.float32)
 
 
-def _header(rate: int, size: int) -> bytes:
-    return struct.pack(
-        "<4sI4s4sIHHIIHH4sI",
-        *(b"RIFF", _HEADER_SIZE - 8 + size, b"WAVE", b"fmt ", 16, _PCM, 2, rate, rate * 4, 4, 16, b"data", size),
-    )
+def _header(rate: int, channels: int) -> bytes:
+    """Of a file without samples."""
+    width = 2 * channels
+    layout = (16, _PCM, channels, rate, rate * width, width, 16)
+    return struct.pack("<4sI4s4sIHHIIHH4sI", b"RIFF", _HEADER_SIZE - 8, b"WAVE", b"fmt ", *layout, b"data", 0)
 
 
 def _chunks(raw: bytes) -> dict[bytes, bytes]:

@@ -14,14 +14,13 @@ from typing import Any
 
 from mimics_app.contracts import ring
 from mimics_app.contracts.atomics import scratch
-from mimics_app.contracts.audio_port import AudioReport, AudioStatus
+from mimics_app.contracts.audio_port import AudioReport, AudioStatus, frame_at
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.session_memory import ControlWord, SessionMemory
 from mimics_app.rendering.audio.director import SoundDirector
 from mimics_app.rendering.audio.engine import fall_back, open_engine
 from mimics_app.rendering.audio.kernels import wait_for_records
-from mimics_app.rendering.audio.openal_mixer import frame_at
 from mimics_app.rendering.audio.settings import AudioSettings
 
 __all__ = ["FIFO_PRIORITY", "ask_for_fifo", "run"]
@@ -134,7 +133,7 @@ class _LiveSession:
     def _listen(self) -> None:
         if self._director is not None:
             self._director.take_contacts()
-            self._director.follow_pressure()
+            self._director.listen()
         else:
             words = self._memory.audio_event_words
             ring.release(words, ring.waiting(words))
@@ -177,7 +176,7 @@ class _LiveSession:
         if mixer is None or self.engine.live:
             return
         block = self._settings.block
-        elapsed = frame_at(self._clock.now_ns(), mixer.timing.origin_ns, mixer.context.rate) // block
+        elapsed = frame_at(self._clock.now_ns(), mixer.timing.origin_ns, mixer.rate) // block
         self.engine.render_to((elapsed + 2) * block, block)
 
     def _read_orders(self) -> None:
@@ -197,11 +196,6 @@ class _LiveSession:
             return
         elif what == "play":
             self._director.play_order(content)
-        elif what == "emitter":
-            sound, place, gain = content
-            self._director.set_emitter(sound, self._clock.now_ns(), place, gain)
-        elif what == "listener":
-            mixer.listener(*content)
         elif what == "master":
             mixer.master(content)
 
@@ -211,7 +205,7 @@ class _LiveSession:
         if now < self._check_ns or self.engine.mixer is None or not self.engine.live:
             return
         self._check_ns = now + _CHECK_DEVICE_NS
-        if not self.engine.mixer.context.connected:
+        if not self.engine.mixer.connected():
             self._replace_output("the audio device is gone")
 
     def _replace_output(self, why: str) -> None:

@@ -77,6 +77,23 @@ class AudioSettings(Component, frozen=True):
         bool | Literal["auto"],
         Meta(description="Place sounds about the head (headphones); auto: as systems.tolerances.itd_us asks"),
     ] = "auto"
+    mixer: Annotated[
+        Literal["auto", "openal", "spectral"],
+        Meta(
+            description="Which one mixes; spectral is exact between the ears; auto: as systems.tolerances.itd_us asks"
+        ),
+    ] = "auto"
+    speakers: Annotated[
+        Literal["stereo", "5.1", "7.1", "ambisonic"],
+        Meta(description="Loudspeakers where hrtf is false; beyond stereo the spectral mixer; ambisonic: third order"),
+    ] = "stereo"
+    sofa: Annotated[
+        str | None, Meta(description="Of the scene's `assets`, a .sofa file: the person's own head (spectral)")
+    ] = None
+    head_width: Annotated[
+        float, Meta(ge=0.1, le=0.25, description="Between the ears of the computed head [m] (spectral)")
+    ] = 0.152
+    voices: Annotated[int, Meta(ge=1, le=4096, description="Most sounds at once; openal has 200 at most")] = 64
     gain: Annotated[float, Meta(ge=0, le=4, description="Of everything, linear")] = 1.0
 
 

@@ -11,6 +11,7 @@ import msgspec
 from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
+from mimics_app.contracts.sound_scene import MAX_EMITTERS
 from mimics_app.world.components.bounds import Extent, Factor, FarPoint, Figure, Length, Light, PositiveForce
 from mimics_app.world.components.registry import Component, component, register_check, register_limit
 from mimics_app.world.components.shapes import RingShape, Shape
@@ -27,7 +28,10 @@ __all__ = [
     "LightComponent",
     "MeshComponent",
     "Sound",
+    "SoundBus",
     "SoundEmitter",
+    "SoundObstacle",
+    "SoundRoom",
     "TunnelView",
 ]
 
@@ -135,14 +139,29 @@ class Sound(Component, frozen=True):
         default_factory=dict
     )
     trigger: Annotated[
-        Literal["contact", "contact_end", "impact", "goal", "start", "step"] | None,
-        Meta(description="What starts it without a task: touching or leaving the wall, the goal, a trial's start"),
+        Annotated[str, Meta(pattern="^[a-z][a-z0-9_]{0,39}$")] | None,
+        Meta(
+            description="Kind of event that starts it by itself: contact, contact_end, impact (of the haptic loop), "
+            "goal, start (of the task), step and others (of avatars and scenarios)",
+        ),
     ] = None
+    material: Annotated[
+        str,
+        Meta(pattern="^[a-z0-9_]{0,40}$", description="Of the event: this sound goes before one for every material"),
+    ] = ""
     gain: Annotated[float, Meta(ge=0, le=4, description="Linear factor, 1 = as recorded")] = 1.0
     full_level: Annotated[
         PositiveForce,
         Meta(description="Contact force that gives `gain` [N]; softer contacts are quieter in proportion"),
     ] = 10.0
+    bus: Annotated[str, Meta(max_length=40, description='Id of an entity with a `sound_bus`, or "main"')] = "main"
+    priority: Annotated[
+        float, Meta(ge=0, le=100, description="Factor on its level when voices are short: the quietest gives way")
+    ] = 1.0
+    reverb: Annotated[float, Meta(ge=0, le=4, description="Linear share that a room answers")] = 1.0
+    spatial: Annotated[
+        bool, Meta(description="False: music and binaural recordings, which play as they are, in two channels")
+    ] = True
 
 
 @component("sound_emitter")
@@ -156,6 +175,49 @@ class SoundEmitter(Component, frozen=True):
     reference_distance: Annotated[Length, Meta(description="Where `gain` holds [m]")] = 1.0
     max_distance: Annotated[Length, Meta(description="Beyond it the level falls no further [m]")] = 50.0
     rolloff: Annotated[Factor, Meta(description="0: no fall with distance, 1: natural")] = 1.0
+    distance_model: Annotated[
+        Literal["inverse", "linear", "exponential"],
+        Meta(description="inverse: 6 dB per doubling; linear: to nothing at max_distance; exponential: d^-rolloff"),
+    ] = "inverse"
+    cone_inner: Annotated[float, Meta(ge=0, le=6.2832, description="Full angle about -z of full level [rad]")] = 6.2832
+    cone_outer: Annotated[float, Meta(ge=0, le=6.2832, description="Full angle where `cone_gain` begins [rad]")] = (
+        6.2832
+    )
+    cone_gain: Annotated[float, Meta(ge=0, le=1, description="Linear gain behind the cone")] = 1.0
+    doppler: Annotated[float, Meta(ge=0, le=10, description="Factor on the change of pitch by motion, 1: natural")] = (
+        1.0
+    )
+
+
+@component("sound_bus")
+class SoundBus(Component, frozen=True):
+    """A group of sounds; its name is the entity's id."""
+
+    gain: Annotated[float, Meta(ge=0, le=4, description="Linear factor")] = 1.0
+    ducks: Annotated[
+        tuple[str, ...], Meta(max_length=16, description='Ids of buses (or "main") turned down while this one sounds')
+    ] = ()
+    duck_gain: Annotated[float, Meta(ge=0, le=1, description="Linear factor on those; 0.25: by 12 dB")] = 0.25
+
+
+@component("sound_room")
+class SoundRoom(Component, frozen=True):
+    """A box about the entity in which sound comes back from the walls; who is outside hears nothing of it."""
+
+    size: Annotated[tuple[Length, Length, Length], Meta(description="Edges of the box [m]")]
+    time: Annotated[float, Meta(ge=0.05, le=20, description="In which the answer falls by 60 dB [s]")] = 0.8
+    level: Annotated[float, Meta(ge=0, le=2, description="Linear level of the answer")] = 0.2
+    border: Annotated[Length, Meta(description="Over which it fades in from the walls inwards [m]")] = 1.0
+
+
+@component("sound_obstacle")
+class SoundObstacle(Component, frozen=True):
+    """A box about the entity that sound goes through dampened (mass law) and around (diffraction at its edges)."""
+
+    size: Annotated[tuple[Length, Length, Length], Meta(description="Edges of the box [m]")]
+    surface_mass: Annotated[
+        float, Meta(gt=0, le=10000, description="Of the wall [kg/m^2]: a pane 10, plasterboard 20, brick 200")
+    ] = 20.0
 
 
 @component("hud")
@@ -233,11 +295,25 @@ def _check_sound(sound: Sound, pointer: str, scene: Scene) -> list[Issue]:
         issues.append(scene.issue(pointer, "needs either an asset or a synth recipe", "give exactly one of the two"))
     if sound.asset is not None:
         issues += scene.check_asset(f"{pointer}/asset", sound.asset, "sound")
+    if sound.bus != "main":
+        issues += scene.check_entity_with(SoundBus, f"{pointer}/bus", sound.bus)
     return issues
 
 
+def _check_sound_bus(bus: SoundBus, pointer: str, scene: Scene) -> list[Issue]:
+    others = [(number, name) for number, name in enumerate(bus.ducks) if name != "main"]
+    return [
+        issue
+        for number, name in others
+        for issue in scene.check_entity_with(SoundBus, f"{pointer}/ducks/{number}", name)
+    ]
+
+
 def _check_sound_emitter(emitter: SoundEmitter, pointer: str, scene: Scene) -> list[Issue]:
-    return scene.check_entity_with(Sound, f"{pointer}/sound", emitter.sound)
+    issues = scene.check_entity_with(Sound, f"{pointer}/sound", emitter.sound)
+    if emitter.cone_inner > emitter.cone_outer:
+        issues.append(scene.issue(f"{pointer}/cone_inner", f"{emitter.cone_inner:g} rad is not inside cone_outer"))
+    return issues
 
 
 def _check_tunnel_view(view: TunnelView, pointer: str, scene: Scene) -> list[Issue]:
@@ -247,12 +323,16 @@ def _check_tunnel_view(view: TunnelView, pointer: str, scene: Scene) -> list[Iss
     return issues
 
 
-for _name in ("light", "camera", "sound", "sound_emitter", "hud", "tunnel_view", "environment"):
+_COUNTED = ("light", "camera", "sound", "hud", "tunnel_view", "environment", "sound_room", "sound_obstacle")
+for _name in _COUNTED:
     register_limit(_name, 1000)
+register_limit("sound_emitter", MAX_EMITTERS)
+register_limit("sound_bus", 16)
 register_check("mesh", _check_mesh)
 register_check("light", _check_light)
 register_check("camera", _check_camera)
 register_check("environment", _check_environment)
 register_check("sound", _check_sound)
 register_check("sound_emitter", _check_sound_emitter)
+register_check("sound_bus", _check_sound_bus)
 register_check("tunnel_view", _check_tunnel_view)

@@ -21,7 +21,7 @@ from mimics_app.world.scene.spec import AssetSpec
 
 __all__ = ["AssetKind", "ModelPart", "SceneAsset", "find_in_model", "read_asset"]
 
-AssetKind = Literal["model", "picture", "sound", "path"]
+AssetKind = Literal["model", "picture", "sound", "head", "path"]
 
 _KINDS: dict[str, AssetKind] = {
     ".glb": "model",
@@ -30,6 +30,9 @@ _KINDS: dict[str, AssetKind] = {
     ".jpg": "picture",
     ".jpeg": "picture",
     ".wav": "sound",
+    ".ogg": "sound",
+    ".flac": "sound",
+    ".sofa": "head",
     ".csv": "path",
     ".json": "path",
 }

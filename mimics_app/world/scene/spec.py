@@ -95,7 +95,7 @@ class EntitySpec(Component, frozen=True):
 
 
 class AssetSpec(Component, frozen=True):
-    """A file the scene uses: .glb .gltf (model), .png .jpg (picture), .wav (sound), .csv .json (path)."""
+    """A file the scene uses: model (.glb .gltf), picture (.png .jpg), sound (.wav .ogg .flac), head (.sofa), path."""
 
     uri: Annotated[str, Meta(description="Relative to this file, inside the scene's folder; mimics:... is shipped")]
     srgb: Annotated[bool, Meta(description="Picture: colours are sRGB encoded")] = True

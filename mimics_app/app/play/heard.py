@@ -1,0 +1,43 @@
+"""The sound of a scene as a wave file: the scene is played on the virtual clock, without recorder or picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from mimics_app.app.session.core import open_core
+from mimics_app.app.session.frame import Frames
+from mimics_app.app.session.preparation import prepare
+from mimics_app.app.session.sound import open_sound
+from mimics_app.app.settings import RunSettings
+from mimics_app.contracts.audio_port import AudioReport
+from mimics_app.contracts.clock import FRAMES_PER_SECOND
+from mimics_app.contracts.errors import Issue, SceneError, UsageError
+
+__all__ = ["write_sound"]
+
+
+def write_sound(settings: RunSettings, file: Path, seconds: float) -> AudioReport:
+    """Play a scene and write what is heard from its very start on; the same bytes every time.
+
+    Args:
+        settings: Scene, seed and profile; the rest is not used.
+        file: Wave file.
+        seconds: How long the simulated patient plays, from where the person of the first trial acts [s].
+
+    Raises:
+        SceneError: the scene is wrong, or has no sound.
+        UsageError: the file cannot be written.
+    """
+    parts = prepare(settings, live=False)
+    with open_core(parts) as core:
+        core.sound = open_sound(parts, core.memory, file.parent, file)
+        frames = Frames(core)
+        frames.play_to_start()
+        for _ in range(round(seconds * FRAMES_PER_SECOND)):
+            frames.play_on()
+        report = core.sound.stop()
+    if report is None:
+        raise SceneError(Issue(str(parts.scene.path), "", "no entity has a sound", "add a `sound` component"))
+    if not report.file:
+        raise UsageError(f"{file}: {report.status.notice}", "name a file that can be written")
+    return report

@@ -1,0 +1,122 @@
+"""`mimics bench audio`: what mixing costs and loses, beside the peers, and contact to sample on a live device.
+
+Costs are of a block of 5 ms of moving sources, medians, the mixers by turns in one run; `reference_ns` is that of a
+loop timed in the same run. Accuracy is against a head: the one in a SOFA file where the environment variable
+MIMICS_SOFA or a Debian package (libmysofa1) gives one, and the computed one. PEERS names a folder with
+`audio/hrtf_accuracy.py`.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.probe import reference_us
+from mimics_app.lab.audio.hearing import compare
+from mimics_app.lab.audio.rendered import render_clicks
+from mimics_app.lab.audio.spatialiser import measure_block_us, own_head_errors
+from mimics_app.rendering.audio.live_latency import measure_live_latency, pulse_missing
+from mimics_app.rendering.audio.spectral.sofa import read_sofa
+
+__all__ = ["find_measured_head", "measure_audio"]
+
+_VOICES = (1, 16, 64, 192, 256)
+_MOST_OPENAL = 200
+_BLOCKS = 80
+_KEMAR = Path("/usr/share/libmysofa/MIT_KEMAR_normal_pinna.sofa")  # of Debian's libmysofa1: 710 directions, 512 taps
+_RATE = 48_000
+_PEER_LIMIT_S = 600.0
+
+Tell = Callable[[str], None]
+
+
+def find_measured_head() -> Path | None:
+    """A measured head in SOFA, where there is one on this machine."""
+    named = os.environ.get("MIMICS_SOFA")
+    path = Path(named) if named else _KEMAR
+    return path if path.is_file() else None
+
+
+def measure_audio(tell: Tell, seconds: float, peers: Path | None) -> dict[str, Any]:
+    """Everything.
+
+    Args:
+        tell: Says what is measured now.
+        seconds: Length of the live measurement.
+        peers: Folder with the peers' harnesses, None for none.
+    """
+    answer: dict[str, Any] = {"reference_ns": round(1e3 * reference_us(), 1), "rows": _cost_rows(tell)}
+    answer["accuracy"] = _accuracy_rows(tell)
+    tell("contact to sample, live")
+    missing = pulse_missing()
+    answer.update({"skipped": missing} if missing else measure_live_latency(seconds))
+    if peers is not None:
+        tell("peers")
+        answer["peers"] = _peers_accuracy(peers)
+    return answer
+
+
+def _cost_rows(tell: Tell) -> list[dict[str, Any]]:
+    rows = []
+    for hrtf, work in ((True, "hrtf, all moving"), (False, "stereo, all moving")):
+        for voices in _VOICES:
+            tell(f"{work}: {voices} voices")
+            ours = measure_block_us(hrtf, _BLOCKS, voices, mixer="spectral")
+            row: dict[str, Any] = {"work": work, "voices": voices, "us_per_block": ours}
+            if voices <= _MOST_OPENAL:
+                row |= {"peer": "OpenAL Soft", "peer_us": measure_block_us(hrtf, _BLOCKS, voices)}
+            rows.append(row)
+    return rows
+
+
+def _accuracy_rows(tell: Tell) -> list[dict[str, Any]]:
+    tell("accuracy against the computed head")
+    rows: list[dict[str, Any]] = [{"method": "spectral, computed head", **own_head_errors().as_dict()}]
+    path = find_measured_head()
+    if path is None:
+        return rows
+    tell(f"accuracy against {path.stem}")
+    head = read_sofa(path)
+
+    def ours(directions: Any) -> Any:
+        return render_clicks(directions, sofa=path)
+
+    def openal(directions: Any) -> Any:
+        return render_clicks(directions, "openal")
+
+    for method, render in (("spectral", ours), ("openal, its own head", openal)):
+        errors = compare(render(head.directions), _RATE, head, render)
+        rows.append({"method": f"{method}, against {path.stem}", **errors.as_dict()})
+    return rows
+
+
+def _peers_accuracy(peers: Path) -> dict[str, Any]:
+    """What the peers' own harness says of the libraries it finds.
+
+    Raises:
+        DeviceError: It failed.
+    """
+    script = peers / "audio" / "hrtf_accuracy.py"
+    if not script.is_file():
+        return {"skipped": f"no {script}"}
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "out.json"
+        done = subprocess.run(
+            [sys.executable, str(script), str(out)],
+            cwd=script.parent,
+            capture_output=True,
+            text=True,
+            timeout=_PEER_LIMIT_S,
+            check=False,
+        )
+        if done.returncode != 0:
+            raise DeviceError(f"{script}: {done.stderr.strip().splitlines()[-1:]}", "see what it needs in its README")
+        answer: dict[str, Any] = json.loads(out.read_text("utf-8"))
+        return answer

@@ -1,0 +1,50 @@
+"""Groups of sounds: a gain each, and one that turns others down while it sounds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import exp
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.rendering.audio.settings import BusSpec
+
+__all__ = ["Buses"]
+
+_DOWN_S = 0.05
+"""Time constant of turning down [s]: before the first syllable is over."""
+
+_UP_S = 0.4
+"""Time constant of coming back [s], slow enough not to pump between words."""
+
+
+class Buses:
+    """Gains of all groups, block by block.
+
+    Args:
+        specs: By name; "main" is added.
+        rate: Samples per second.
+    """
+
+    def __init__(self, specs: Mapping[str, BusSpec], rate: int) -> None:
+        self._specs = {"main": BusSpec(), **specs}
+        self._names = list(self._specs)
+        self._rate = rate
+        self._ducked = np.ones(len(self._names))
+
+    def row_of(self, name: str) -> int:
+        """Row of a group; that of "main" for one that is not known."""
+        return self._names.index(name) if name in self._specs else 0
+
+    def gains(self, sounding: NDArray[np.int64], frames: int) -> NDArray[np.float64]:
+        """Linear gain of each group for a block in which the groups `sounding` have a voice, shape [groups]."""
+        wanted = np.ones(len(self._names))
+        for row in set(sounding.tolist()):
+            spec = self._specs[self._names[row]]
+            for name in spec.ducks:
+                wanted[self.row_of(name)] = min(wanted[self.row_of(name)], spec.duck_gain)
+        span = frames / self._rate
+        share = np.where(wanted < self._ducked, 1.0 - exp(-span / _DOWN_S), 1.0 - exp(-span / _UP_S))
+        self._ducked += share * (wanted - self._ducked)
+        return self._ducked * np.array([spec.gain for spec in self._specs.values()])

@@ -1,0 +1,144 @@
+"""Cells of the grid of directions: filled from the nearest measured ones the first time a sound comes from there."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.audio.spectral.mix_kernels import BINS
+
+__all__ = ["Cells", "add_blended", "cell_of", "fill_cell", "find_nearest"]
+
+Floats = NDArray[np.float32]
+Numbers = NDArray[np.float64]
+Words = NDArray[np.int64]
+
+NEIGHBOURS = 4
+"""Measured directions that a cell is blended from."""
+
+_LOW_BINS = 33  # of SIZE: up to 3 kHz at 48 kHz, where the weight has fallen to 1/256
+_REACH = 36  # samples on each side among which the peak is sought first
+_COARSE = 3  # samples between them: a wave of 1.5 kHz is ten times as long
+_STEPS = 6  # of Newton's method, which doubles the digits each time
+
+
+class Cells(NamedTuple):
+    """Responses by direction.
+
+    Attributes:
+        filled: 1 for each cell that holds one, shape [cells].
+        rows: First cell of each degree of elevation, and the number of all, shape [182].
+        directions: Measured, unit vectors, shape [n, 3].
+        measured: Spectra of those, a cell each, shape [n, 4 * BINS].
+        spectra: Of the cells, [cells * 4 * BINS].
+        halves: Half the delay of the left ear behind the right that the spectra themselves have [samples], [cells].
+        weights: Of the low bins where that delay is sought, shape [_LOW_BINS].
+    """
+
+    filled: Words
+    rows: Words
+    directions: Numbers
+    measured: Floats
+    spectra: Floats
+    halves: Numbers
+    weights: Numbers
+
+
+@kernel
+def find_nearest(point: Numbers, directions: Numbers, index: Words, weight: Numbers) -> None:
+    """The nearest directions and their shares, which fall with the square of the angle; one that is met has all."""
+    weight[:] = np.inf
+    for n in range(directions.shape[0]):
+        gap = 0.0
+        for axis in range(3):
+            gap += (point[axis] - directions[n, axis]) ** 2
+        place = index.shape[0]
+        while place > 0 and gap < weight[place - 1]:
+            place -= 1
+        if place < index.shape[0]:
+            for k in range(index.shape[0] - 1, place, -1):
+                weight[k], index[k] = weight[k - 1], index[k - 1]
+            weight[place], index[place] = gap, n
+    if weight[0] < 1e-10:
+        weight[:] = 0.0
+        weight[0] = 1.0
+        return
+    total = 0.0
+    for k in range(weight.shape[0]):
+        weight[k] = 1.0 / weight[k]
+        total += weight[k]
+    weight[:] = weight / total
+
+
+@kernel
+def add_blended(points: Numbers, directions: Numbers, values: Numbers, field: Numbers) -> None:
+    """Add to `field`, shape [m], the values of the directions nearest to each point."""
+    index, weight = np.zeros(NEIGHBOURS, np.int64), np.zeros(NEIGHBOURS)
+    for m in range(points.shape[0]):
+        find_nearest(points[m], directions, index, weight)
+        for k in range(NEIGHBOURS):
+            field[m] += weight[k] * values[index[k]]
+
+
+@kernel
+def cell_of(azimuth: float, elevation: float, rows: Words) -> int:
+    """Cell of the grid nearest to a direction; azimuth to the right from ahead, elevation upwards [rad]."""
+    degree = int(np.rint(np.degrees(elevation))) + 90
+    count = rows[degree + 1] - rows[degree]
+    return rows[degree] + int(np.rint((azimuth + np.pi) / (2.0 * np.pi) * count)) % count
+
+
+@kernel
+def fill_cell(cell: int, azimuth: float, elevation: float, cells: Cells) -> None:
+    """Blend the response of a cell, where it is not there yet, about the middle of the cell a direction is in."""
+    if cells.filled[cell] != 0:
+        return
+    degree = int(np.rint(np.degrees(elevation)))
+    count = cells.rows[degree + 91] - cells.rows[degree + 90]
+    middle = np.rint((azimuth + np.pi) / (2.0 * np.pi) * count) / count * 2.0 * np.pi - np.pi
+    up = np.radians(float(degree))
+    index, weight, point = np.zeros(NEIGHBOURS, np.int64), np.zeros(NEIGHBOURS), np.zeros(3)
+    point[0], point[1], point[2] = np.cos(up) * np.sin(middle), np.sin(up), -np.cos(up) * np.cos(middle)
+    find_nearest(point, cells.directions, index, weight)
+    width = 4 * BINS
+    spectra = cells.spectra[cell * width : (cell + 1) * width]
+    for i in range(width):
+        total = np.float32(0.0)
+        for k in range(NEIGHBOURS):
+            total += np.float32(weight[k]) * cells.measured[index[k], i]
+        spectra[i] = total
+    cells.halves[cell] = 0.5 * _own_delay(spectra, cells.weights)
+    cells.filled[cell] = 1
+
+
+@kernel
+def _own_delay(spectra: Floats, weights: Numbers) -> float:
+    """Delay of the left ear behind the right [samples]: the peak of the correlation of the low bins."""
+    delay, most = 0.0, -np.inf
+    for whole in range(-_REACH, _REACH + 1, _COARSE):
+        height = _correlation(spectra, weights, float(whole))[0]
+        if height > most:
+            delay, most = float(whole), height
+    for _ in range(_STEPS):
+        _, slope, bend = _correlation(spectra, weights, delay)
+        if bend < 0.0:
+            delay -= slope / bend
+    return delay
+
+
+@kernel
+def _correlation(spectra: Floats, weights: Numbers, delay: float) -> tuple[float, float, float]:
+    """Correlation of the ears at a delay [samples], its slope and its bend."""
+    step = np.pi / (BINS - 1)
+    height, slope, bend = 0.0, 0.0, 0.0
+    for k in range(1, _LOW_BINS):
+        a, b, c, d = spectra[k], spectra[BINS + k], spectra[2 * BINS + k], spectra[3 * BINS + k]
+        re, im = a * c + b * d, b * c - a * d  # left times the conjugate of right
+        u, w = np.cos(step * k * delay), np.sin(step * k * delay)
+        height += weights[k] * (re * u - im * w)
+        slope -= weights[k] * step * k * (re * w + im * u)
+        bend -= weights[k] * (step * k) ** 2 * (re * u - im * w)
+    return height, slope, bend

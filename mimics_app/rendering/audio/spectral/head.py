@@ -1,0 +1,64 @@
+"""Responses of a head's ears by direction, wherever they come from.
+
+Directions are in the frame of the head: x to the right, y up, -z ahead; unit vectors.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["HeadResponses", "delays_between_ears", "directions_from_angles"]
+
+Floats = NDArray[np.float64]
+
+LOW_PASS = 1500.0
+"""Above it the ear does not use the delay of the waves themselves [Hz]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class HeadResponses:
+    """Impulse responses.
+
+    Attributes:
+        directions: To the source, shape [n, 3].
+        responses: Left and right ear, shape [n, 2, taps].
+        rate: Samples per second.
+        name: For people.
+    """
+
+    directions: Floats
+    responses: Floats
+    rate: float
+    name: str
+
+
+def directions_from_angles(azimuth: Floats, elevation: Floats) -> Floats:
+    """Unit vectors, shape [n, 3], from azimuth to the right and elevation upwards [rad], shape [n]."""
+    level = np.cos(elevation)
+    return np.stack((level * np.sin(azimuth), np.sin(elevation), -level * np.cos(azimuth)), axis=-1)
+
+
+def delays_between_ears(responses: Floats, rate: float) -> Floats:
+    """How much later the left ear hears [s], by correlation below 1.5 kHz, shape [n] of responses [n, 2, taps].
+
+    The peak is sought at an eighth of a sample and set by the parabola through its neighbours: to 0.1 us.
+    """
+    count = 1 << int(np.ceil(np.log2(2 * responses.shape[-1])))
+    fine = 8
+    delays = np.zeros(len(responses))
+    for begin in range(0, len(responses), 64):
+        spectra = np.fft.rfft(responses[begin : begin + 64], count)
+        frequency = np.fft.rfftfreq(count, 1.0 / rate)
+        cross = spectra[:, 0] * np.conj(spectra[:, 1]) / (1.0 + (frequency / LOW_PASS) ** 8)
+        most = int(1.2e-3 * rate * fine)
+        correlation = np.roll(np.fft.irfft(cross, count * fine), most, axis=-1)[:, : 2 * most + 1]
+        peak = np.clip(np.argmax(correlation, axis=-1), 1, 2 * most - 1)
+        row = np.arange(len(peak))
+        before, top, after = (correlation[row, peak + k] for k in (-1, 0, 1))
+        bend = before - 2.0 * top + after
+        share = np.divide(0.5 * (before - after), bend, out=np.zeros_like(bend), where=bend != 0.0)
+        delays[begin : begin + 64] = (peak + share - most) / (rate * fine)
+    return delays

@@ -1,0 +1,226 @@
+"""The mixer in spectra: named sounds in, each at its exact frame, with a whole response per voice and ear.
+
+A block is at most 5 ms. Each voice is transformed once; direction, distance, air, obstacles and gain are one product
+per bin and ear; what changed is crossfaded over the block, so nothing clicks. The same calls give the same bytes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.audio_port import Heard, Start, Timing, frame_at
+from mimics_app.rendering.audio.bank import SoundBank
+from mimics_app.rendering.audio.settings import AudioSettings
+from mimics_app.rendering.audio.spectral.buses import Buses
+from mimics_app.rendering.audio.spectral.head_choice import head_table
+from mimics_app.rendering.audio.spectral.head_table import (
+    BASE_DELAY,
+    DELAYS_PER_SAMPLE,
+    HeadTable,
+    half_delay_rows,
+)
+from mimics_app.rendering.audio.spectral.loudspeakers import Loudspeakers
+from mimics_app.rendering.audio.spectral.mix_kernels import BINS, BLOCK, SIZE, mix_for_ears, mix_for_speakers
+from mimics_app.rendering.audio.spectral.room import Room
+from mimics_app.rendering.audio.spectral.steer_kernels import Head, steer
+from mimics_app.rendering.audio.spectral.voice_store import State, VoiceStore, pack_bank
+
+__all__ = ["SpectralMixer"]
+
+Vec3 = tuple[float, float, float]
+Floats = NDArray[np.float32]
+
+_SPARE = 16
+"""Rows beyond the voices asked for, where stolen ones fade out."""
+
+
+class SpectralMixer:
+    """See contracts.audio_port.Mixer.
+
+    Args:
+        bank: The sounds.
+        settings: Voices, head or loudspeakers, buses.
+        timing: Its `pipeline` is set to this mixer's own.
+        table: Of the head; None: of the one that the settings name.
+    """
+
+    def __init__(
+        self, bank: SoundBank, settings: AudioSettings, timing: Timing, table: HeadTable | None = None
+    ) -> None:
+        self.rate = settings.rate
+        self.channels = settings.channels
+        self.position = 0
+        self.refused = 0
+        self.timing = Timing(timing.origin_ns, timing.latency, BASE_DELAY)
+        self._limit = settings.voices
+        self._sounds = bank
+        self._bank, self._rows = pack_bank(bank)
+        self._table = table or head_table(settings)
+        self._speakers = None if settings.hrtf else Loudspeakers(settings.speakers)
+        self._store = VoiceStore(settings.voices + _SPARE, 0 if settings.hrtf else self.channels)
+        self._buses = Buses(settings.buses, settings.rate)
+        self._room = Room(settings.rate, self.channels)
+        self._master, self._master_now = 1.0, 1.0
+        steps = np.array([DELAYS_PER_SAMPLE, half_delay_rows(self.rate)], np.int64)
+        self._head = Head(np.zeros(3), np.zeros(3), np.eye(3), self._table.delays, self._table.cells, steps)
+        sums = (3, 4 * BINS) if settings.hrtf else (2, self.channels * 2 * BINS)
+        self._sums = np.zeros(sums, np.float32)
+
+    def start(self, sound: str, t_ns: int, position_world: Vec3 | None, gain: float) -> Start:
+        """Start a sound; its handle is 0 when no voice was free for it. KeyError: no such sound."""
+        content, row = self._sounds[sound], self._rows[sound]
+        wanted = frame_at(t_ns, self.timing.origin_ns, self.rate) + self.timing.latency
+        frame = max(wanted, self.position)
+        place = position_world if position_world is not None and np.isfinite(position_world).all() else None
+        relative = -1 if place is not None and content.spec.spatial else content.cell
+        voice = self._room_for(content.spec.gain * gain * content.spec.priority)
+        if voice is None:
+            self.refused += 1
+            return Start(0, -1, late=False)
+        handle = self._store.take(voice, row, content.spec, relative, frame)
+        self._store.gain[voice] = gain
+        self._store.bus[voice] = self._buses.row_of(content.spec.bus)
+        self._store.places.position[voice] = place or (0.0, 0.0, 0.0)
+        if content.other is not None:  # the second channel of a recording
+            self._start_other(content.other, frame, gain)
+        return Start(handle, frame, late=frame > wanted)
+
+    def first_sample(self, start: Start, submitted_ns: int) -> tuple[int, int]:
+        """Frame at which the middle of the head hears a sound first, and the session time of it."""
+        del submitted_ns  # known without it
+        frame = start.frame + self.timing.pipeline
+        return frame, self.timing.origin_ns + frame * 1_000_000_000 // self.rate
+
+    def hear(self, heard: Heard) -> None:
+        """Place the head and move the sounds, from the next block on."""
+        head, places = self._head, self._store.places
+        if np.isfinite(heard.head_position).all() and np.isfinite(heard.head_velocity).all():
+            head.position[:], head.velocity[:] = heard.head_position, heard.head_velocity
+        head.axes[0] = np.cross(heard.head_forward, heard.head_up)
+        head.axes[1], head.axes[2] = heard.head_up, -heard.head_forward
+        self._room.set(heard.room_level, heard.room_time)
+        known = self._store.rows_of(heard.handles)
+        told = known >= 0
+        rows = known[told]
+        self._store.gain[rows], places.passes[rows] = heard.gain[told], heard.passes[told]
+        told &= np.isfinite(heard.position).all(axis=1) & np.isfinite(heard.velocity).all(axis=1)
+        rows = known[told]
+        places.position[rows], places.velocity[rows] = heard.position[told], heard.velocity[told]
+        places.forward[rows] = heard.forward[told]
+
+    def stop(self, handle: int) -> None:
+        """Fade a sound out over the next block; one that has not begun does not begin."""
+        voice = self._store.row_of(handle)
+        if voice is not None:
+            self._fade(voice)
+
+    def master(self, value: float) -> None:
+        """Set the linear gain of everything; ramped over the next block."""
+        self._master = float(value)
+
+    def render(self, frames: int) -> Floats:
+        """Mix the next frames, shape [frames, channels], not limited to full scale."""
+        out = np.zeros((frames, self.channels), np.float32)
+        pieces = -(-frames // BLOCK)
+        for piece in range(pieces):
+            begin, end = piece * frames // pieces, (piece + 1) * frames // pieces
+            self._mix(out[begin:end])
+        return out
+
+    def connected(self) -> bool:
+        """There is no device that could go."""
+        return True
+
+    def close(self) -> None:
+        """Nothing is open."""
+
+    def _start_other(self, name: str, frame: int, gain: float) -> None:
+        voice = self._store.free_row()
+        if voice is None:
+            return
+        sound = self._sounds[name]
+        self._store.take(voice, self._rows[name], sound.spec, sound.cell, frame)
+        self._store.gain[voice], self._store.bus[voice] = gain, self._buses.row_of(sound.spec.bus)
+
+    def _room_for(self, level: float) -> int | None:
+        """A free row; when the limit is reached, the sound that is heard least gives way, if it is quieter."""
+        busy = self._store.busy()
+        if len(busy) >= self._limit:
+            store = self._store
+            waiting = store.state[busy] == State.SCHEDULED
+            loud = np.where(waiting, store.authored[busy] * store.gain[busy], store.places.heard[busy])
+            loud = loud * store.priority[busy]
+            quietest = int(np.argmin(loud))
+            if loud[quietest] >= level:
+                return None
+            self._fade(int(busy[quietest]))
+        return self._store.free_row()
+
+    def _fade(self, voice: int) -> None:
+        if self._store.state[voice] == State.SCHEDULED:
+            self._store.free(np.array([voice]))
+        elif self._store.state[voice] == State.PLAYING:
+            self._store.state[voice] = State.FADING
+
+    def _mix(self, out: Floats) -> None:
+        """One block, at most BLOCK frames."""
+        frames, store = len(out), self._store
+        rows = store.begin_block(self.position, frames)
+        if len(rows):
+            self._steer(rows, frames)
+            out += self._filtered(rows, frames)
+        self._room.add(self._for_room(rows, frames), out)
+        store.end_block(rows, self._bank)
+        self._apply_master(out)
+        self.position += frames
+
+    def _steer(self, rows: NDArray[np.int64], frames: int) -> None:
+        store = self._store
+        fading = store.state[rows] == State.FADING
+        level = store.authored[rows] * store.gain[rows] * self._buses.gains(store.bus[rows], frames)[store.bus[rows]]
+        store.places.level[rows] = np.where(fading, 0.0, level)
+        steer(rows, store.places, store.voices, self._head)
+        if self._speakers is not None:
+            self._speakers.pan(rows, store.places, store.voices)
+
+    def _filtered(self, rows: NDArray[np.int64], frames: int) -> Floats:
+        """The block of all voices, shape [frames, channels]."""
+        sums = self._sums
+        sums[:] = 0.0
+        mix = mix_for_speakers if self._speakers is not None else mix_for_ears
+        mix(self._store.voices, rows, self._bank, self._table.tables, frames, sums)
+        parts = sums.reshape(len(sums), self.channels, 2, BINS)
+        spectra = parts[:, :, 0] + np.complex64(1j) * parts[:, :, 1]
+        time = np.fft.irfft(spectra, SIZE).astype(np.float32)[:, :, SIZE - frames :]
+        rise = _rise(frames)
+        mixed = time[-2] * (1.0 - rise) + time[-1] * rise
+        if len(time) == 3:
+            mixed += time[0]
+        return np.ascontiguousarray(mixed.T)
+
+    def _for_room(self, rows: NDArray[np.int64], frames: int) -> Floats | None:
+        """What is sent into the room, one channel; None where there is none to answer."""
+        if not self._room.sounds or len(rows) == 0:
+            return None
+        store = self._store
+        world = rows[store.places.relative[rows] < 0]
+        sent = (store.places.heard[world] * store.reverb[world]).astype(np.float32)
+        return np.asarray(sent @ store.voices.history[world, SIZE - frames :], np.float32)
+
+    def _apply_master(self, out: Floats) -> None:
+        if self._master == self._master_now == 1.0:
+            return
+        rise = _rise(len(out))[:, None]
+        out *= np.float32(self._master_now) * (1.0 - rise) + np.float32(self._master) * rise
+        self._master_now = self._master
+
+
+_RISES: dict[int, Floats] = {}
+
+
+def _rise(frames: int) -> Floats:
+    """From 0 to 1 without a corner, shape [frames]."""
+    if frames not in _RISES:
+        _RISES[frames] = (0.5 - 0.5 * np.cos(np.pi * (np.arange(frames) + 0.5) / frames)).astype(np.float32)
+    return _RISES[frames]

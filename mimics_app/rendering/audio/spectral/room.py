@@ -1,0 +1,104 @@
+"""The answer of a room: eight delays that feed each other through an orthogonal matrix (Jot & Chaigne 1991)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+
+__all__ = ["Room"]
+
+Floats = NDArray[np.float32]
+Words = NDArray[np.int64]
+
+_LINES_MS = (23.3, 27.1, 31.7, 35.9, 39.1, 43.7, 47.3, 53.9)
+"""Delays [ms], without a common divisor in samples: echoes of a room of 8 to 18 m."""
+
+_DAMPING = 0.35
+"""Share of the last sample in what a line hands on: high tones fall about three times as fast as low ones."""
+
+
+class Room:
+    """Reverberation of everything that is sent into it.
+
+    Args:
+        rate: Samples per second.
+        channels: Each gets lines of its own, so that nothing stands between two loudspeakers.
+    """
+
+    def __init__(self, rate: int, channels: int) -> None:
+        self._rate = rate
+        self._lengths = np.array([int(ms * 1e-3 * rate) | 1 for ms in _LINES_MS], np.int64)
+        self._lines = np.zeros((len(_LINES_MS), int(self._lengths.max())), np.float32)
+        self._place = np.zeros(1, np.int64)
+        self._last = np.zeros(len(_LINES_MS), np.float32)
+        self._level, self._level_now = 0.0, 0.0
+        self._feedback = np.zeros(len(_LINES_MS), np.float32)
+        self._spread = _signs(channels)
+        self.set(0.0, 1.0)
+
+    @property
+    def sounds(self) -> bool:
+        """Whether anything is heard of it."""
+        return max(self._level, self._level_now) > 0.0
+
+    def set(self, level: float, seconds: float) -> None:
+        """Linear level of the answer, and the time in which it falls by 60 dB [s]."""
+        self._level = float(level)
+        self._feedback[:] = 10.0 ** (-3.0 * self._lengths / (self._rate * max(seconds, 0.05)))
+
+    def add(self, sent: Floats | None, out: Floats) -> None:
+        """Add the answer to a block to the mix.
+
+        Args:
+            sent: The block, one channel; None for silence.
+            out: Shape [frames, channels].
+        """
+        if not self.sounds:
+            return
+        silent = np.zeros(len(out), np.float32) if sent is None else sent
+        gains = np.array((self._level_now, self._level), np.float32)
+        _answer(silent, self._lines, self._lengths, self._place, self._last, self._feedback, self._spread, gains, out)
+        self._level_now = self._level
+
+
+def _signs(channels: int) -> Floats:
+    """Rows of a Hadamard matrix: channels that share every line and have nothing in common, shape [channels, lines]."""
+    lines = len(_LINES_MS)
+    signs = [[(-1.0) ** (line & channel).bit_count() for line in range(lines)] for channel in range(channels)]
+    return (np.array(signs) / np.sqrt(lines)).astype(np.float32)
+
+
+@kernel
+def _answer(
+    sent: Floats,
+    lines: Floats,
+    lengths: Words,
+    place: Words,
+    last: Floats,
+    feedback: Floats,
+    spread: Floats,
+    gains: Floats,
+    out: Floats,
+) -> None:
+    """A block of the feedback delay network; the matrix is 1 - 2/n of all ones (Householder)."""
+    count, frames = lines.shape[0], sent.shape[0]
+    heard = np.zeros(count, np.float32)
+    damping, share = np.float32(_DAMPING), np.float32(2.0 / count)
+    for i in range(frames):
+        total = np.float32(0.0)
+        for line in range(count):
+            tap = lines[line, (place[0] + i) % lengths[line]]
+            last[line] += (np.float32(1.0) - damping) * (tap - last[line])
+            heard[line] = last[line] * feedback[line]
+            total += heard[line]
+        level = gains[0] + (gains[1] - gains[0]) * np.float32((i + 1) / frames)
+        for line in range(count):
+            lines[line, (place[0] + i) % lengths[line]] = sent[i] + heard[line] - share * total
+        for channel in range(out.shape[1]):
+            answer = np.float32(0.0)
+            for line in range(count):
+                answer += spread[channel, line] * heard[line]
+            out[i, channel] += level * answer
+    place[0] += frames

@@ -1,0 +1,125 @@
+"""Measured heads from SOFA files (AES69, convention SimpleFreeFieldHRIR), refused with the reason where unusable."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.rendering.audio.spectral.head import HeadResponses, directions_from_angles
+
+__all__ = ["read_sofa"]
+
+Floats = NDArray[np.float64]
+
+_RATES = (8_000.0, 384_000.0)
+_TAPS = (16, 16_384)
+_FEWEST = 12
+"""Directions below which a head says too little of what is between them."""
+
+_MOST = 100_000
+_LARGEST_BYTES = 1 << 30
+_WIDEST_GAP = np.radians(45.0)
+"""From a direction in the plane of the ears to the nearest measured one."""
+
+
+def read_sofa(path: Path) -> HeadResponses:
+    """The responses of a SOFA file.
+
+    Raises:
+        SceneError: Missing, damaged, of another convention, or values that no head has; the reason and what to do.
+    """
+    import h5py
+
+    try:
+        if path.stat().st_size > _LARGEST_BYTES:
+            raise _refused(path, "is larger than 1 GB", "a head of 50,000 directions has a tenth of that")
+        with h5py.File(path, "r") as file:
+            _check_convention(path, file)
+            arrays = {name: _array(path, file, name) for name in ("Data.IR", "SourcePosition", "Data.SamplingRate")}
+            angles = _angles(path, file["SourcePosition"], arrays["SourcePosition"])
+    except OSError as error:
+        text = "cannot be read" if path.exists() else "does not exist"
+        raise _refused(
+            path, f"{text}, or is no SOFA file ({_short(error)})", "take another, or copy it again"
+        ) from error
+    responses, rate = arrays["Data.IR"], float(arrays["Data.SamplingRate"].reshape(-1)[0])
+    _check_responses(path, responses, len(angles), rate)
+    directions = directions_from_angles(angles[:, 0], angles[:, 1])
+    _check_coverage(path, directions)
+    return HeadResponses(directions, responses, rate, path.stem)
+
+
+def _refused(path: Path, what: str, fix: str) -> SceneError:
+    return SceneError(Issue(str(path), "", what, fix))
+
+
+def _short(error: OSError) -> str:
+    return str(error).split("(")[0].strip()[:80] or "no reason given"
+
+
+def _text(value: object) -> str:
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+
+
+def _check_convention(path: Path, file: Any) -> None:
+    convention = _text(file.attrs.get("SOFAConventions", ""))
+    if convention not in ("SimpleFreeFieldHRIR", "SimpleFreeFieldSOS"):
+        told = f'is of the convention "{convention}"' if convention else "names no SOFA convention"
+        raise _refused(path, told, "a head is SimpleFreeFieldHRIR")
+    if "Data.IR" not in file:
+        raise _refused(path, "has no impulse responses (Data.IR)", "export it as SimpleFreeFieldHRIR")
+
+
+def _array(path: Path, file: Any, name: str) -> Floats:
+    """A variable as numbers.
+
+    Raises:
+        SceneError: It is missing or no numbers.
+    """
+    if name not in file:
+        raise _refused(path, f"has no {name}", "export it again")
+    try:
+        return np.asarray(file[name][()], np.float64)
+    except (TypeError, ValueError) as error:
+        raise _refused(path, f"{name} holds no numbers", "export it again") from error
+
+
+def _angles(path: Path, variable: Any, position: Floats) -> Floats:
+    """Azimuth to the right and elevation [rad], shape [n, 2], of spherical (degrees, leftwards) or cartesian places."""
+    if position.ndim != 2 or position.shape[1] != 3 or not np.isfinite(position).all():
+        raise _refused(path, "SourcePosition is not three finite numbers for each direction", "export it again")
+    if _text(variable.attrs.get("Type", "spherical")) == "cartesian":  # x ahead, y left, z up
+        x, y, z = position.T
+        return np.stack((np.arctan2(-y, x), np.arctan2(z, np.hypot(x, y))), axis=1)
+    return np.radians(np.stack((-position[:, 0], np.clip(position[:, 1], -90.0, 90.0)), axis=1))
+
+
+def _check_responses(path: Path, responses: Floats, directions: int, rate: float) -> None:
+    if not (np.isfinite(rate) and _RATES[0] <= rate <= _RATES[1]):
+        raise _refused(path, f"has a sampling rate of {rate:g} Hz", "heads are measured at 44,100 or 48,000 Hz")
+    if responses.ndim != 3 or responses.shape[1] != 2:
+        raise _refused(path, f"Data.IR has the shape {responses.shape}", "a head has two receivers, its ears")
+    if len(responses) != directions or not _FEWEST <= directions <= _MOST:
+        raise _refused(path, f"{len(responses)} responses for {directions} directions", f"at least {_FEWEST} of each")
+    if not _TAPS[0] <= responses.shape[2] <= _TAPS[1]:
+        raise _refused(path, f"responses of {responses.shape[2]} samples", "between 16 and 16,384")
+    if not np.isfinite(responses).all():
+        raise _refused(path, "holds values that are not finite", "measure or export it again")
+    energy = (responses**2).sum(axis=2)
+    if energy.min() < 1e-9 * energy.max():
+        at = int(np.argmin(energy.min(axis=1)))
+        raise _refused(path, f"is silent in an ear in direction {at}", "measure or export it again")
+
+
+def _check_coverage(path: Path, directions: Floats) -> None:
+    """Directions all around, or a sound would come from where nobody put it."""
+    azimuth = np.radians(np.arange(0.0, 360.0, 15.0))
+    ring = directions_from_angles(azimuth, np.zeros_like(azimuth))
+    gap = np.arccos(np.clip((ring @ directions.T).max(axis=1), -1.0, 1.0))
+    if gap.max() > _WIDEST_GAP:
+        where = np.degrees(azimuth[int(np.argmax(gap))])
+        raise _refused(path, f"has no direction near {where:g} degrees to the right", "a whole head is needed")

@@ -1,0 +1,150 @@
+"""The voices of the spectral mixer: which are free, which sound, and what each was started with."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.rendering.audio.bank import SoundBank
+from mimics_app.rendering.audio.settings import SoundSpec
+from mimics_app.rendering.audio.spectral.mix_kernels import BINS, SIZE, Bank, Voices
+from mimics_app.rendering.audio.spectral.steer_kernels import CONE, EXPONENTIAL, INVERSE, LINEAR, Places
+
+__all__ = ["State", "VoiceStore", "pack_bank"]
+
+_MODELS = {"inverse": INVERSE, "linear": LINEAR, "exponential": EXPONENTIAL}
+
+
+class State(IntEnum):
+    """Of a voice."""
+
+    FREE = 0
+    SCHEDULED = 1
+    PLAYING = 2
+    FADING = 3
+
+
+def pack_bank(bank: SoundBank) -> tuple[Bank, dict[str, int]]:
+    """All sounds as one array, and the row of each by name."""
+    names = list(bank.sounds)
+    sounds = [bank.sounds[name] for name in names]
+    length = np.array([len(sound.samples) for sound in sounds], np.int64)
+    begin = np.concatenate(([0], np.cumsum(length)[:-1])).astype(np.int64)
+    loops = np.array([int(sound.spec.loop) for sound in sounds], np.int64)
+    samples = np.concatenate([sound.samples for sound in sounds]) if sounds else np.zeros(0, np.float32)
+    return Bank(samples.astype(np.float32), begin, length, loops), {name: row for row, name in enumerate(names)}
+
+
+class VoiceStore:
+    """Rows of voices.
+
+    Args:
+        count: How many rows.
+        channels: Of loudspeakers or harmonics; 0 for headphones.
+
+    Attributes:
+        state: Of each, shape [count].
+        begin: Frame at which it starts.
+        handle: By which it is told things.
+        authored: Gain of the sound itself.
+        gain: Gain it was told.
+        bus: Row of its group.
+        priority: Factor on its level when voices are short.
+        reverb: Share that the room answers.
+        voices: As the mixing kernels take them.
+        places: As the steering kernel takes them.
+    """
+
+    def __init__(self, count: int, channels: int) -> None:
+        self.state = np.zeros(count, np.int64)
+        self.begin = np.zeros(count, np.int64)
+        self.handle = np.zeros(count, np.int64)
+        self.authored, self.gain, self.priority, self.reverb = (np.zeros(count) for _ in range(4))
+        self.bus = np.zeros(count, np.int64)
+        self._row_of: dict[int, int] = {}
+        self._handles = 0
+        words = [np.zeros(count, np.int64) for _ in range(5)]
+        self.voices = Voices(
+            sound=words[0],
+            wait=words[1],
+            cursor=np.zeros(count),
+            pitch=np.ones((count, 2)),
+            cell=words[2],
+            half=words[3],
+            bands=np.zeros((count, 3), np.float32),
+            changed=words[4],
+            history=np.zeros((count, SIZE), np.float32),
+            response=np.zeros((count, (2 if channels else 4) * BINS), np.float32),
+            pan=np.zeros((count, 2, channels), np.float32),
+        )
+        self.places = Places(
+            relative=np.full(count, -1, np.int64),
+            position=np.zeros((count, 3)),
+            velocity=np.zeros((count, 3)),
+            forward=np.zeros((count, 3)),
+            level=np.zeros(count),
+            passes=np.ones((count, 3)),
+            model=np.zeros(count, np.int64),
+            fall=np.ones((count, 3)),
+            cone=np.zeros((count, CONE)),
+            doppler=np.zeros(count),
+            heard=np.zeros(count),
+            direction=np.zeros((count, 3)),
+        )
+
+    def row_of(self, handle: int) -> int | None:
+        """Row of a voice that has not ended."""
+        return self._row_of.get(handle)
+
+    def rows_of(self, handles: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Rows of voices, -1 for one that has ended, shape [n]."""
+        find = self._row_of.get
+        return np.array([find(handle, -1) for handle in handles.tolist()], np.int64)
+
+    def free_row(self) -> int | None:
+        """A row that is free, None where there is none."""
+        rows = np.flatnonzero(self.state == State.FREE)
+        return int(rows[0]) if len(rows) else None
+
+    def busy(self) -> NDArray[np.int64]:
+        """Rows that sound or will, but for those that are fading out."""
+        return np.flatnonzero((self.state == State.SCHEDULED) | (self.state == State.PLAYING))
+
+    def take(self, row: int, sound: int, spec: SoundSpec, relative: int, frame: int) -> int:
+        """Give a row to a sound that starts at a frame; return its handle."""
+        self._handles += 1
+        self._row_of[self._handles] = row
+        self.state[row], self.begin[row], self.handle[row] = State.SCHEDULED, frame, self._handles
+        self.authored[row], self.priority[row], self.reverb[row] = spec.gain, spec.priority, spec.reverb
+        voices, places = self.voices, self.places
+        voices.sound[row], voices.cursor[row], voices.wait[row] = sound, 0.0, 0
+        voices.history[row], voices.changed[row] = 0.0, 2
+        voices.pitch[row] = 1.0
+        places.relative[row], places.velocity[row], places.forward[row] = relative, 0.0, (0.0, 0.0, -1.0)
+        places.passes[row], places.doppler[row] = 1.0, spec.doppler
+        places.model[row] = _MODELS[spec.distance_model]
+        places.fall[row] = (spec.reference_distance, spec.max_distance, spec.rolloff)
+        places.cone[row] = (0.5 * spec.cone_inner, min(pi, 0.5 * spec.cone_outer), spec.cone_gain)
+        return self._handles
+
+    def free(self, rows: NDArray[np.int64]) -> None:
+        """Give rows back."""
+        for row in rows:
+            self._row_of.pop(int(self.handle[row]), None)
+        self.state[rows] = State.FREE
+
+    def begin_block(self, position: int, frames: int) -> NDArray[np.int64]:
+        """Rows that sound in the block of `frames` from `position` on; those that start in it are set to wait."""
+        due = np.flatnonzero((self.state == State.SCHEDULED) & (self.begin < position + frames))
+        self.voices.wait[due] = np.maximum(0, self.begin[due] - position)
+        self.state[due] = State.PLAYING
+        return np.flatnonzero(self.state >= State.PLAYING)
+
+    def end_block(self, rows: NDArray[np.int64], bank: Bank) -> None:
+        """Free what has faded out, and what has ended and rung out."""
+        sound = self.voices.sound[rows]
+        over = (bank.loops[sound] == 0) & (self.voices.cursor[rows] >= bank.length[sound] + SIZE)
+        self.free(rows[over | (self.state[rows] == State.FADING)])
