@@ -118,7 +118,8 @@ class World:
         if gone.size:
             self.content.drop(gone)
             self.effects.remove(gone.tolist())
-            self._forget_meshes(self.motion.remove(gone.tolist()))
+            for index in gone.tolist():
+                self.forget_motion(index)
         self.motion.pose(self.transforms)
         computed = self.transforms.update()
         self.motion.follow(self.transforms)
@@ -180,6 +181,13 @@ class World:
         """The buffers of a mesh that somebody opened; None for one that stays as it is."""
         return self._mesh_buffers.get(name)
 
+    def forget_motion(self, index: int) -> None:
+        """Have the model of a node play nothing and its body bend no more; meshes that were its own go with it."""
+        gone = self.motion.remove([index])
+        for name in gone:
+            self.meshes.pop(name, None)
+        self.meshes_published += bool(gone)
+
     def mesh_bounds(self, name: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Corners of the box about a mesh in its node's frame, as it is bent now [m], [3] each."""
         body = self.motion.body_of.get(name)
@@ -216,11 +224,6 @@ class World:
         self.meshes[name] = mesh
         self._mesh_revisions[name] = self.mesh_revision(name) + 1
         self.meshes_published += 1
-
-    def _forget_meshes(self, names: Sequence[str]) -> None:
-        for name in names:
-            self.meshes.pop(name, None)
-        self.meshes_published += bool(names)
 
     def _attached(self, indices: Any) -> list[int]:
         return [index for index in indices.tolist() if not self.graph.is_detached(index)]

@@ -46,8 +46,18 @@ class SoundStage:
             self.output.play(SoundEvent(cue, now_ns))
         for sound in orders.sounds:
             self.output.play(sound)
+        self._play_events(world, now_ns)
         self.output.advance(now_ns)
         self._tell_notice()
+
+    def _play_events(self, world: World, now_ns: int) -> None:
+        """What the clips of models passed in this frame, such as feet that touch the ground: where it happened."""
+        for index, event in world.motion.happened:
+            sound = self._cues.get(f"{event.kind}.{event.material}") or self._cues.get(event.kind)
+            if sound is not None:
+                self.output.play(
+                    SoundEvent(sound, now_ns, _triple(_place_of(world, index, event.node)), event.strength)
+                )
 
     def stop(self) -> AudioReport:
         """End the sound."""
@@ -69,6 +79,12 @@ class SoundStage:
             self._notice = status.notice
             if self._notice:
                 sys.stderr.write(f"mimics: {self._notice}\n")
+
+
+def _place_of(world: World, index: int, node: str) -> NDArray[np.float64]:
+    """Where a node of a model is, or the model itself, world [m]."""
+    name = f"{world.graph.name(index)}/{node}"
+    return world.graph.world_matrix(world.graph.find(name) if node and name in world else index)[:3, 3]
 
 
 def _triple(values: NDArray[np.float64]) -> tuple[float, float, float]:

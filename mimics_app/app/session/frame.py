@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.app.cues.effect_cues import EffectCues
+from mimics_app.app.cues.motion_cues import MotionCues
 from mimics_app.app.picture.stability_card import stability_card
 from mimics_app.app.session.core import SessionCore
 from mimics_app.app.session.recorder_watch import RecorderWatch
@@ -41,6 +42,7 @@ class Frames:
         self._core = core
         self._inbox = PersonInbox(core.haptics)
         self._effects = EffectCues(core.world)
+        self._motion = MotionCues(core.world)
         self._action: TaskAction | None = None
         self.number = 0
         self.orders = TaskOrders()
@@ -95,6 +97,7 @@ class Frames:
         core.scenario.apply(orders, snapshot)
         core.desk.change(core.scenario.haptic_orders())
         core.inputs.aim(core.scenario.aim(snapshot))
+        self._motion.step(orders, events, now_ns)
         core.world.update()
         self._effects.step(orders, events, now_ns)
         core.sound.step(orders, core.world, now_ns)

@@ -75,6 +75,7 @@ class Animator:
     Attributes:
         clips: By name.
         layers: Lowest first; what is faded out leaves by itself.
+        directors: Called with the seconds before each step: they decide what plays.
         steps: Called in order after the clips: reaching, looking, blinking, what a tracker says.
         pose: As of the last step.
         events: What the clips passed in the last step.
@@ -85,6 +86,8 @@ class Animator:
         self.rig = rig
         self.clips: Mapping[str, Clip] = {clip.name: clip for clip in clips}
         self.layers: list[Layer] = []
+        self.directors: list[Callable[[float], None]] = []
+        self._ground: list[Layer] = []
         self.steps: list[PoseStep] = []
         self.pose = rig.rest.copy()
         self.events: list[ClipEvent] = []
@@ -92,6 +95,11 @@ class Animator:
         self._rows: I4 = np.zeros(0, np.int32)
         self._order = -1
         self._begun = False
+
+    def reset(self) -> None:
+        """Do nothing any more: no layer, no director, no step."""
+        for what in (self.layers, self.directors, self.steps, self._ground):
+            what.clear()
 
     def play(
         self,
@@ -140,6 +148,29 @@ class Animator:
         self.moves = True
         return layer
 
+    def change(self, name: str, fade: float, speed: float = 1.0, loop: bool = True) -> Layer:
+        """Have another clip play in place of the one below all others.
+
+        The old one goes on below the new until that has come up whole, so that nothing of the rest pose is seen.
+
+        Args:
+            name: Of the clip.
+            fade: In which it comes up [s].
+            speed: As `play`.
+            loop: As `play`.
+
+        Raises:
+            KeyError: there is no such clip.
+        """
+        self._ground = [layer for layer in self._ground if layer in self.layers]
+        for layer in self._ground:
+            layer.retire(fade)
+        layer = self.play(name, speed=speed, loop=loop, fade=fade if self._ground else 0.0)
+        self.layers.remove(layer)
+        self.layers.insert(len(self._ground), layer)
+        self._ground.append(layer)
+        return layer
+
     def stop(self, fade: float = 0.0) -> None:
         """Fade out all that plays, at once or within a time [s]."""
         for layer in self.layers:
@@ -147,6 +178,8 @@ class Animator:
 
     def step(self, seconds: float) -> None:
         """Let time go by and work out the pose."""
+        for direct in self.directors:
+            direct(seconds)
         self.events = [event for layer in self.layers for event in layer.step(seconds)]
         self.layers = [layer for layer in self.layers if not layer.gone]
         self.pose.take(self.rig.rest)

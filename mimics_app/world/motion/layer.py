@@ -56,6 +56,9 @@ class Layer:
         self.mask: F8 = np.ones(len(rest.translations)) if mask is None else mask
         self.at = 0.0
         self._goal, self._rate = weight, 0.0
+        self._left = math.inf
+        self._way = (0.0, 0.0)
+        self._way = (0.0, 0.0)
         self._morph_first = morph_first
         self._cursors = np.zeros(len(clip.tracks), np.int32)
         self._touched = np.zeros((len(rest.translations), 4), np.uint8)
@@ -72,23 +75,30 @@ class Layer:
     @property
     def gone(self) -> bool:
         """Whether it was faded out and has nothing to say any more."""
-        return self._goal <= 0.0 and self.weight <= 0.0
+        return (self._goal <= 0.0 and self.weight <= 0.0) or self._left <= 0.0
 
     def fade(self, weight: float, seconds: float) -> None:
         """Let the weight go to another within a time [s]."""
         self._goal = weight
         self._rate = abs(weight - self.weight) / seconds if seconds > 0.0 else math.inf
 
+    def retire(self, seconds: float) -> None:
+        """Leave when another layer has come up over this one, in so many seconds."""
+        self._left = min(self._left, seconds)
+
     def step(self, seconds: float) -> list[ClipEvent]:
         """Let time go by; returns the events of the clip that were passed."""
+        self._left -= abs(seconds)
         way = self._goal - self.weight
         if way:
             reach = self._rate * abs(seconds)
             self.weight = self._goal if abs(way) <= reach else self.weight + math.copysign(reach, way)
         before = self.at
+        self._way = (before, before)
         after, duration = before + seconds * self.speed, self.clip.duration
         if after == before:
             return []  # held where it is, be it at the very end
+        self._way = (before, after)
         if self.loop and duration > 0.0:
             self.at = after % duration
         else:
@@ -100,6 +110,30 @@ class Layer:
         clip = self.clip
         given = (clip.tracks, clip.times, clip.values, at, self._cursors, self._morph_first, self._scratch)
         sample_clip(*given, *out.arrays, self._touched)
+
+    def moves(self, slot: int) -> bool:
+        """Whether the clip says where a slot is."""
+        return bool(self._touched[slot, 0])
+
+    def travel(self, slot: int, scratch: Pose) -> F8:
+        """How far the clip carried a slot in the last step, ends of a loop joined [m], [3].
+
+        Args:
+            slot: One that it moves.
+            scratch: Is overwritten.
+        """
+        before, after = self._way
+        duration = self.clip.duration
+        turns = math.floor(after / duration) - math.floor(before / duration) if self.loop and duration > 0.0 else 0
+        reached = after % duration if turns else min(max(after, 0.0), duration)
+        way = self._place(slot, reached, scratch) - self._place(slot, before, scratch)
+        if turns:
+            way += turns * (self._place(slot, duration, scratch) - self._place(slot, 0.0, scratch))
+        return way
+
+    def _place(self, slot: int, at: float, scratch: Pose) -> F8:
+        self.sample(at, scratch)
+        return scratch.translations[slot].copy()
 
     def apply(self, pose: Pose) -> None:
         """Lay it over a pose."""
