@@ -88,7 +88,7 @@ def test_every_degenerate_case_has_a_name(asked: list[float], limb: tuple[float,
 
 
 def test_the_elbow_is_smooth_across_both_reach_limits() -> None:
-    """Movement of the elbow per movement of the target: unbounded with a hard limit, and 5 at most with the soft one."""
+    """Movement of the elbow per movement of the target: unbounded with a hard limit, 5 at most with the soft one."""
     for start, end in ((0.45, 0.70), (0.001, 0.12)):
         away = np.arange(start, end, 1e-5)
         gains = {}
@@ -255,8 +255,9 @@ def test_standing_as_calibrated_is_the_rest_pose_for_any_person(tmp_path: Path) 
     UpperBody(rig, bones, lambda: standing, fit)(animator.pose, 0.0)
     chain, rest = Chain(rig), Chain(rig)
     chain.follow(animator.pose)
-    for name in ("head", "neck", "leftHand", "rightHand", "hips"):
-        assert np.allclose(chain.places[rig.slot(name)], rest.places[rig.slot(name)], atol=1e-6), name
+    # Arms that hang straight lie in the zone in which a reach gives way: at most soft / e of their length.
+    for name, near in (("head", 1e-6), ("neck", 1e-6), ("hips", 1e-6), ("leftHand", 0.008), ("rightHand", 0.008)):
+        assert np.allclose(chain.places[rig.slot(name)], rest.places[rig.slot(name)], atol=near), name
     with pytest.raises(ValueError, match="both hands"):
         calibrate(rig, bones, Trackers(standing.head))
 

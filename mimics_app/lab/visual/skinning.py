@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -281,6 +281,6 @@ for _name, _source, _bend in (
     ("palette in half floats", "as much as a texture of 16 bits keeps of a matrix", _in_halves),
     ("weights in bytes", "as many files keep them, rounded one by one", _in_bytes),
 ):
-    _register(_name, _source, "any", _bend, lambda vertices, bend=_bend: _cost_of_call(bend, "linear", vertices), None)
+    _register(_name, _source, "any", _bend, partial(_cost_of_call, _bend, "linear"), None)
 _mixing("linear", "mean of matrices (glTF 2.0 3.7.3); the ring closed form cos(angle / 2)", default=True)
 _mixing("dual", "mean of dual quaternions (Kavan et al. 2008)")

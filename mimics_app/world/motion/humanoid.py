@@ -52,7 +52,7 @@ _WORDS: Mapping[str, tuple[str, ...]] = {
     "Eye": ("eye",),
 }
 _PREFIX = re.compile(
-    r"^(?:mixamorig\d*[:_]?|bip0?01[ _]?|def[-_]|org[-_]|j_(?:bip|sec|adj)_|armature[|_/])", re.IGNORECASE
+    r"^(?:mixamorig\d*[:_]?|bip0?01[ _]?|def[-_]|org[-_]|j_(?:bip|sec|adj)_(?:c_)?|armature[|_/])", re.IGNORECASE
 )
 _SIDE = (
     re.compile(r"^(?P<side>left|right)[ _.-]?(?P<rest>.+)$", re.IGNORECASE),
