@@ -113,6 +113,24 @@ def test_root_motion_moves_the_model_and_joins_the_ends_of_a_loop(tmp_path: Path
         assert np.allclose(animator.pose.translations[animator.rig.slot("joint0")], 0.0)
 
 
+def test_what_is_far_moves_in_larger_steps_and_loses_no_time(tmp_path: Path) -> None:
+    path = write_gltf(tmp_path / "bar.gltf", _lively(bar()).document())
+    worlds = [load_model_world(path) for _ in range(2)]
+    revisions = []
+    for world, away in zip(worlds, (5.0, 40.0), strict=True):
+        (animator,) = world.motion.animators.values()
+        animator.play("bow", loop=False)
+        world.motion.eye_world = np.array([0.0, 0.0, away])
+        (body,) = world.motion.bodies.values()
+        before = body.revision
+        for number in range(1, 61):
+            world.motion.time = number / 60.0
+            world.update()
+        revisions.append(body.revision - before)
+        assert animator.layers[0].at == pytest.approx(1.0, abs=1.0 / 15.0)
+    assert revisions[0] == 60 and 14 <= revisions[1] <= 17
+
+
 def _scene(tmp_path: Path, components: dict[str, Any], more: list[Any] = []) -> Path:  # noqa: B006
     write_gltf(tmp_path / "bar.gltf", _lively(bar()).document())
     entity = {"id": "bar", "components": {"mesh": {"source": "bar"}, **components}}

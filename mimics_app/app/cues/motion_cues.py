@@ -45,6 +45,8 @@ class MotionCues:
         """
         motion = self._world.motion
         motion.time = now_ns * 1e-9
+        cameras = self._world.cameras
+        motion.eye_world = cameras[0].node.world_matrix()[:3, 3] if cameras and motion.animators else None
         begins, self._state = orders.view.state is not self._state, orders.view.state
         if not motion.machines:
             return
