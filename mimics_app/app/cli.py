@@ -26,6 +26,7 @@ COMMANDS: dict[str, str] = {
     "run": "run a scene: in a window, or headless with the simulated patient",
     "render": "draw frames of a scene to PNG files",
     "view": "look at a model or a scene from all sides; draw contact sheets",
+    "avatar": "say which joints of a person's model are which",
     "check": "validate scene files and report every error",
     "schema": "print the JSON Schema of scene files",
     "explain": "say what a scene runs, by which methods, at which cost and error",

@@ -36,6 +36,9 @@ GROUPS = {
     "anti aliasing": "visual.anti_aliasing",
     "bloom": "visual.effects",
     "ambient occlusion": "visual.effects",
+    "skinning": "visual.skinning",
+    "joint mixing": "visual.skinning",
+    "limb reach": "visual.reach",
     "model reading": "methods_reading",
     "haptic tick": "methods_tick",
 }

@@ -35,7 +35,7 @@ def world_extent(world: World, node: int | None = None) -> Extent | None:
             continue
         if node is not None and not hierarchy.is_inside(int(listed.entity[number]), node):
             continue
-        low, high = mesh.bounds
+        low, high = world.mesh_bounds(listed.mesh[number])
         matrix = world.transforms.world[listed.row[number]]
         corners = (low + _CORNERS * (high - low)) @ matrix[:3, :3].T + matrix[:3, 3]
         least, greatest = np.minimum(least, corners.min(axis=0)), np.maximum(greatest, corners.max(axis=0))

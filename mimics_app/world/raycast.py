@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.world.meshes.mesh import MeshData
 from mimics_app.world.world import World
 
 __all__ = ["RayHit", "cast_ray", "meet_triangles"]
@@ -51,9 +50,10 @@ def cast_ray(world: World, origin: F8, direction: F8) -> list[RayHit]:
         if mesh is None or not mesh.indices.size:
             continue
         matrix = world.transforms.world[listed.row[part]]
-        if not _passes_sphere(matrix, mesh, origin, direction):
+        if not _passes_sphere(matrix, world.mesh_bounds(listed.mesh[part]), origin, direction):
             continue
-        met = _meet_mesh(matrix, mesh, origin, direction)
+        corners = world.mesh_positions(listed.mesh[part])[mesh.indices.reshape(-1, 3)]
+        met = _meet_mesh(matrix, corners, origin, direction)
         if met is not None:
             triangle, distance = met
             hits.append(RayHit(int(listed.entity[part]), part, triangle, distance, origin + distance * direction))
@@ -85,21 +85,20 @@ def meet_triangles(origin: F8, direction: F8, corners: F8) -> F8:
     return np.where(met, distance, np.inf)
 
 
-def _meet_mesh(matrix: F8, mesh: MeshData, origin: F8, direction: F8) -> tuple[int, float] | None:
+def _meet_mesh(matrix: F8, corners: F8, origin: F8, direction: F8) -> tuple[int, float] | None:
     """The nearest triangle and its distance; None for a miss or a body that is squashed flat."""
     if abs(np.linalg.det(matrix[:3, :3])) < np.finfo(np.float64).tiny:
         return None
     inverse = np.linalg.inv(matrix[:3, :3])
-    corners = mesh.positions.astype(np.float64)[mesh.indices.reshape(-1, 3)]
     distances = meet_triangles(inverse @ (origin - matrix[:3, 3]), inverse @ direction, corners)
     nearest = int(np.argmin(distances))
     return (nearest, float(distances[nearest])) if np.isfinite(distances[nearest]) else None
 
 
-def _passes_sphere(matrix: F8, mesh: MeshData, origin: F8, direction: F8) -> bool:
-    """Whether the ray comes near enough to meet the mesh at all."""
-    centre = matrix[:3, :3] @ mesh.centre + matrix[:3, 3]
-    radius = mesh.radius * float(np.linalg.norm(matrix[:3, :3]))
+def _passes_sphere(matrix: F8, box: tuple[F8, F8], origin: F8, direction: F8) -> bool:
+    """Whether the ray comes near enough to meet what is in a box at all."""
+    centre = matrix[:3, :3] @ (0.5 * (box[0] + box[1])) + matrix[:3, 3]
+    radius = 0.5 * float(np.linalg.norm(box[1] - box[0]) * np.linalg.norm(matrix[:3, :3]))
     length = float(np.linalg.norm(direction))
     away = centre - origin
     along = float(away @ direction) / length

@@ -157,6 +157,19 @@ class TransformTable:
             raise ValueError(f"pose {wrong} of {len(rows)} is not finite, or its rotation is zero")
         self._touched = True
 
+    def set_scales(self, rows: NDArray[np.integer], scales: NDArray[np.floating]) -> None:
+        """Set local scales, [n, 3], in one pass; nothing is set when a number is wrong.
+
+        Raises:
+            ValueError: a number is not finite, or a shape does not fit.
+        """
+        values = np.asarray(scales, np.float64).reshape(-1, 3)
+        if len(rows) != len(values) or not np.isfinite(values).all():
+            raise ValueError(f"{len(rows)} rows, {len(values)} scales, all of which must be finite")
+        self._scales[rows] = values
+        self._dirty[rows] = 1
+        self._touched = True
+
     def set_visible(self, index: int, *, visible: bool) -> None:
         """Switch one node, and what hangs on it, on or off."""
         self._set_one(self._visible, index, visible)

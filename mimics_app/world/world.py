@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from mimics_app.contracts.errors import nearest
 from mimics_app.world.camera import Camera
 from mimics_app.world.content import Content
@@ -18,6 +21,7 @@ from mimics_app.world.materials.material import Material, TextureData
 from mimics_app.world.materials.technique import TechniqueSpec
 from mimics_app.world.meshes.mesh import MeshData
 from mimics_app.world.meshes.mesh_buffer import MeshBuffer
+from mimics_app.world.motion.motion import Motion
 from mimics_app.world.render_list import RenderList
 from mimics_app.world.scene_node import SceneNode
 from mimics_app.world.transforms import TransformTable
@@ -35,6 +39,7 @@ class World:
         graph: Structure, names and transforms.
         content: What the nodes carry.
         effects: Billboards, particles and projectors on nodes, and the time they go by.
+        motion: Models that play clips and bodies that bend, and the time they go by.
         meshes: By key; replace one with `replace_mesh` or change it through `open_mesh`, so that renderers see it.
         meshes_published: How often one was replaced or changed.
         materials: By key; change one with `set_material`.
@@ -48,6 +53,7 @@ class World:
         self.graph = SceneGraph()
         self.content = Content()
         self.effects = Effects(self.graph)
+        self.motion = Motion()
         self.meshes: dict[str, MeshData] = {}
         self.materials: dict[str, Material] = {DEFAULT_MATERIAL: Material(DEFAULT_MATERIAL)}
         self.textures: dict[str, TextureData] = {}
@@ -112,7 +118,11 @@ class World:
         if gone.size:
             self.content.drop(gone)
             self.effects.remove(gone.tolist())
+            for index in gone.tolist():
+                self.forget_motion(index)
+        self.motion.pose(self.transforms)
         computed = self.transforms.update()
+        self.motion.follow(self.transforms)
         moved = self._order != self.transforms.revision
         self._order = self.transforms.revision
         self._render_list = self.content.refresh(self._render_list, self.transforms, moved=moved)
@@ -170,6 +180,27 @@ class World:
     def opened_mesh(self, name: str) -> MeshBuffer | None:
         """The buffers of a mesh that somebody opened; None for one that stays as it is."""
         return self._mesh_buffers.get(name)
+
+    def forget_motion(self, index: int) -> None:
+        """Have the model of a node play nothing and its body bend no more; meshes that were its own go with it."""
+        gone = self.motion.remove([index])
+        for name in gone:
+            self.meshes.pop(name, None)
+        self.meshes_published += bool(gone)
+
+    def mesh_bounds(self, name: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Corners of the box about a mesh in its node's frame, as it is bent now [m], [3] each."""
+        body = self.motion.body_of.get(name)
+        return self.meshes[name].bounds if body is None else body.bounds
+
+    def mesh_positions(self, name: str) -> NDArray[np.float64]:
+        """Vertices of a mesh in its node's frame, as it is bent now [m], float64 [n, 3]."""
+        mesh, body = self.meshes[name], self.motion.body_of.get(name)
+        if body is None:
+            return mesh.positions.astype(np.float64)
+        from mimics_app.world.motion.posing import posed_positions
+
+        return posed_positions(mesh, body)
 
     def set_material(self, material: Material) -> None:
         """Add a material, or change the one of that name."""

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from mimics_app.app.bench.render_workloads import open_workload
 from mimics_app.app.cli import main
 from mimics_app.maths.mat import look_at
 from mimics_app.rendering.visual.renderer import Renderer
@@ -21,7 +22,8 @@ from mimics_app.world.meshes.mesh import MeshData
 from mimics_app.world.meshes.primitives import box, sphere
 from mimics_app.world.world import World
 from tests.golden.drawing import draw_offscreen
-from tests.support.gltf_maker import glb, square
+from tests.support.gltf_maker import glb, square, write_gltf
+from tests.support.skin_maker import add_clip, bar, turn
 
 SIZE = (160, 90)
 PLAIN = RenderSettings(msaa=0, shadow_size=0, tone_map="none", fog_density=0.0, shading="plain")
@@ -152,7 +154,7 @@ def test_plain_shading_is_the_closed_form():
     ("arguments", "says"),
     [
         (["bench", "render"], "workload"),
-        (["bench", "render", "crowd", "--data", "."], "skinned"),
+        (["bench", "render", "crowd", "--data", "nowhere"], "character.glb"),
         (["bench", "render", "city", "--data", "nowhere"], "city.glb"),
         (["bench", "render", "city", "--data", ".", "--opt", "quick"], "quick"),
     ],
@@ -160,6 +162,20 @@ def test_plain_shading_is_the_closed_form():
 def test_what_cannot_be_measured_is_one_line(arguments, says, capsys):
     assert main(arguments) == 2
     assert says in capsys.readouterr().err
+
+
+def test_a_crowd_walks_each_at_its_own_phase(tmp_path):
+    """Of nine people on three lines every one is bent otherwise than the others, and once a frame."""
+    maker = bar()
+    add_clip(maker, "walk", [(2, "rotation", [0.0, 1.0], [turn("z", 0), turn("z", 60)], "LINEAR")])
+    write_gltf(tmp_path / "character.glb", maker.document())
+    crowd = open_workload("crowd", tmp_path, 9)
+    crowd.update(3)
+    bodies = list(crowd.world.motion.bodies.values())
+    assert len({body.rows.tobytes() for body in bodies}) == len(bodies) == 9
+    before = [body.revision for body in bodies]
+    crowd.update(4)
+    assert [body.revision for body in bodies] == [revision + 1 for revision in before]
 
 
 def test_the_bench_prints_its_line(tmp_path, capsys):

@@ -38,6 +38,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "shadow1024": {"shadow_size": 1024},
     "scale75": {"scale": 0.75},
     "noaa": {"msaa": 0, "fxaa": False},
+    "feedback": {"skinning": "feedback"},
     "osmesa": {},
 }
 """Words of `--opt` and what they change in the settings."""

@@ -1,7 +1,8 @@
 """The workloads of `mimics bench render`, the same closed formulas for every renderer that is compared.
 
-city: walking down a street, 1.4 m a frame. nodes: cubes under groups, every one of which moves every frame. walk: the
-product's own city as its scene shows it, with shadows, sky and all materials, at the pace of a person.
+city: walking down a street, 1.4 m a frame. nodes: cubes under groups, every one of which moves every frame. crowd:
+people who walk on the spot, each at its own phase. walk: the product's own city as its scene shows it, with shadows,
+sky and all materials, at the pace of a person.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from mimics_app.world.gltf.model_world import load_model_world, read_model
 from mimics_app.world.scene.file import build_world
 from mimics_app.world.world import World
 
-__all__ = ["WORKLOADS", "City", "Nodes", "Walk", "Workload", "open_workload"]
+__all__ = ["WORKLOADS", "City", "Crowd", "Nodes", "Walk", "Workload", "open_workload"]
 
 F8 = NDArray[np.float64]
 
@@ -40,8 +41,9 @@ _BACKGROUND = (0.5, 0.6, 0.7)
 """Display values."""
 
 WORKLOADS = ("city", "nodes", "crowd", "walk")
-_FILES = {"city": "city.glb", "nodes": "cube.glb"}
+_FILES = {"city": "city.glb", "nodes": "cube.glb", "crowd": "character.glb"}
 _DEFAULT_NODES = 10_000
+_DEFAULT_PEOPLE = 20
 
 
 class Workload(ABC):
@@ -185,6 +187,34 @@ class Nodes(Workload):
         return _Poses(np.concatenate([groups, cubes]), turns)
 
 
+class Crowd(Workload):
+    """Skinned characters in rows, each at its own phase of one looped clip."""
+
+    def __init__(self, file: Path, count: int) -> None:
+        world = World()
+        prefab = read_model(file)
+        side = math.ceil(math.sqrt(count))
+        k = np.arange(count)
+        places = np.stack([(k % side - 0.5 * (side - 1)) * 1.3, 0.0 * k, -(k // side) * 1.5 + 2.0], -1)
+        self._layers = []
+        for number, place in enumerate(places):
+            person = world.root.create_child(f"person {number}", place)
+            prefab.instantiate(world, person)
+            animator = world.motion.animators[person.index]
+            self._layers.append(animator.play(next(iter(animator.clips)), speed=0.0))
+        world.update()
+        light_up(world)
+        super().__init__(world, count)
+
+    def update(self, frame: int) -> None:
+        for number, layer in enumerate(self._layers):
+            layer.at = (frame / 60.0 + 0.137 * number) % 1.0
+        self.world.update()
+
+    def eye(self, frame: int) -> tuple[F8, F8]:
+        return np.array([0.0, 3.5, 11.0]), np.array([0.0, 0.8, 0.0])
+
+
 def _grid(k: NDArray[np.integer], across: int, step: float, heights: F8) -> F8:
     """Places of things on squares of `across` each, `step` [m] apart, about the origin, [n, 3]."""
     side, j = math.isqrt(across), k % across
@@ -229,10 +259,6 @@ def open_workload(name: str, folder: Path | None, count: int) -> Workload:
     """
     if name == "walk":
         return Walk()
-    if name not in _FILES:
-        raise UsageError(
-            f'the workload "{name}" needs skinned characters, which are not drawn yet', "measure city, nodes or walk"
-        )
     if folder is None:
         raise UsageError("the folder of the workloads is not known", "name it by --data or RENDER_DATA")
     file = folder / _FILES[name]
@@ -241,6 +267,8 @@ def open_workload(name: str, folder: Path | None, count: int) -> Workload:
             world = load_model_world(file)
             light_up(world)
             return City(world, len(world.transforms))
+        if name == "crowd":
+            return Crowd(file, count or _DEFAULT_PEOPLE)
         return Nodes(file, count or _DEFAULT_NODES)
     except SceneError as error:
         if file.is_file():

@@ -36,6 +36,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--caption", action="store_true", help="of --headless: name and notes over the picture")
     parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="of the picture [px]")
+    parser.add_argument("--clip", default="", metavar="NAME", help="of a model that moves: the clip that plays")
+    parser.add_argument("--at", type=float, metavar="S", help="hold the clip at this time [s]")
+    parser.add_argument(
+        "--vertices", type=Path, metavar="NPZ", help="write every drawn vertex in the world, after morphs and skins"
+    )
     parser.add_argument("--up", choices=("y", "z"), default="y", help="which axis of a mesh file is up")
     parser.add_argument(
         "--camera", default="", metavar="ENTITY", help="where to begin; else the scene's first, or all seen"
@@ -53,11 +58,12 @@ def run(args: argparse.Namespace) -> int:
     """
     if (args.file is None) == (args.sheet is None):
         raise UsageError("give one file to look at, or --sheet FOLDER", "see mimics view --help")
+    _check_clip(args)
     headless = args.headless or args.output is not None
     if (args.frames > 1 or args.video is not None) and not headless:
         raise UsageError("--frames and --video are of --headless", "add --output turn.png")
-    args.output = args.output or Path("view.png")
     if args.sheet is not None:
+        args.output = args.output or Path("view.png")
         return _draw_sheet(args)
     if args.file.suffix.lower() in (".json", ""):
         from mimics_app.app.scenes.finding import find_scene
@@ -66,10 +72,35 @@ def run(args: argparse.Namespace) -> int:
     from mimics_app.app.terminal.display import has_display
     from mimics_app.app.viewer.shown import open_shown
 
-    if not (headless or has_display()):
+    if not (headless or args.vertices is not None or has_display()):
         raise DeviceError("no display for a window", "add --output picture.png")
     shown = open_shown(args.file, args.up)
+    if args.clip:
+        from mimics_app.app.viewer.playing import play_clip
+
+        play_clip(shown, args.clip, args.at or 0.0, speed=1.0 if args.at is None else 0.0)
+    if args.vertices is not None and args.output is None and not args.headless:
+        return _write(args, shown)
     return _draw(args, shown) if headless else _look(args, shown)
+
+
+def _check_clip(args: argparse.Namespace) -> None:
+    """Refuse a time without a clip, and one that is none."""
+    if args.at is not None and not args.clip:
+        raise UsageError("--at is a time of a clip", "name it with --clip NAME")
+    if args.at is not None and not 0.0 <= args.at < float("inf"):
+        raise UsageError(f"--at {args.at:g} is no time of a clip", "give seconds from 0")
+    if args.sheet is not None and (args.clip or args.vertices is not None):
+        raise UsageError("--clip and --vertices are of one file", "name it instead of --sheet")
+
+
+def _write(args: argparse.Namespace, shown: Shown) -> int:
+    """Write the vertices and draw nothing."""
+    from mimics_app.app.viewer.playing import write_vertices
+
+    count = write_vertices(shown, args.vertices)
+    _answer(args, {**_describe(shown), "vertices": count, "files": [str(args.vertices)]})
+    return 0
 
 
 def _look(args: argparse.Namespace, shown: Shown) -> int:
@@ -85,9 +116,15 @@ def _look(args: argparse.Namespace, shown: Shown) -> int:
 def _draw(args: argparse.Namespace, shown: Shown) -> int:
     from mimics_app.app.viewer.stills import draw_turntable
 
+    files = []
+    if args.vertices is not None:
+        from mimics_app.app.viewer.playing import write_vertices
+
+        write_vertices(shown, args.vertices)
+        files.append(str(args.vertices))
     drawn = draw_turntable(
         shown,
-        args.output,
+        args.output or Path("view.png"),
         args.size,
         frames=args.frames,
         backend=args.backend,
@@ -96,7 +133,8 @@ def _draw(args: argparse.Namespace, shown: Shown) -> int:
         caption=args.caption,
         video=args.video,
     )
-    _answer(args, {**_describe(shown), **drawn.as_dict()})
+    told = drawn.as_dict()
+    _answer(args, {**_describe(shown), **told, "files": [*told["files"], *files]})
     return 0
 
 
@@ -118,7 +156,9 @@ def _draw_sheet(args: argparse.Namespace) -> int:
 
 
 def _describe(shown: Shown) -> dict[str, Any]:
-    return {"title": shown.title, "holds": shown.size, "notes": shown.notes}
+    from mimics_app.app.viewer.playing import clips_of
+
+    return {"title": shown.title, "holds": shown.size, "clips": clips_of(shown), "notes": shown.notes}
 
 
 def _answer(args: argparse.Namespace, answer: dict[str, Any]) -> None:
@@ -129,6 +169,8 @@ def _answer(args: argparse.Namespace, answer: dict[str, Any]) -> None:
         return
     if "title" in answer:
         print(f"{answer['title']}: {answer['holds']}")
+        if answer["clips"]:
+            print(f"clips {', '.join(answer['clips'])}")
         for note in answer["notes"]:
             print(f"note {note}")
     for file in [*answer["files"], *answer.get("saved", [])]:

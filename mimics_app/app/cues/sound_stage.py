@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.app.cues.cue_watch import CueWatch
+from mimics_app.app.cues.motion_triggers import motion_triggers
 from mimics_app.contracts import triple_buffer
 from mimics_app.contracts.audio_port import AudioOutput, AudioReport
 from mimics_app.contracts.messages import SoundEvent, SoundTrigger, TaskOrders
@@ -52,7 +53,8 @@ class SoundStage:
         if isinstance(gain, int | float):
             self.output.master(self._gain * float(gain))
         cue = self._watch.look(orders)
-        for trigger in (*triggers, *([SoundTrigger(cue, now_ns)] if cue else [])):
+        moved = motion_triggers(world, now_ns)
+        for trigger in (*triggers, *moved, *([SoundTrigger(cue, now_ns)] if cue else [])):
             sound = self._settings.sound_of(trigger.kind, trigger.material)
             if sound:
                 self.output.play(SoundEvent(sound, trigger.t_ns, trigger.position_world, trigger.strength))

@@ -18,6 +18,7 @@ _FIELDS: Mapping[str, tuple[str, ...]] = {
     "bloom": ("bloom",),
     "occlusion": ("occlusion",),
     "level of detail": ("detail",),
+    "skinning": ("skinning",),
 }
 """Fields of the renderer's settings that the methods of a group may set; how cascades are placed is the scene's."""
 

@@ -9,6 +9,7 @@ from typing import TypeVar
 import msgspec
 
 from mimics_app.contracts.methods import Settings
+from mimics_app.world.components.animation import Animation, Avatar
 from mimics_app.world.components.haptic_shapes import TouchSurface, surface_of
 from mimics_app.world.components.objects import HapticObject, HapticWalls, InteractionPoints
 from mimics_app.world.components.robot import Admittance, Robot, Tunnel
@@ -254,6 +255,15 @@ def _named_edges(scene: Scene) -> Settings | None:
     return {"msaa": 4 if visual.samples == "auto" else visual.samples, "fxaa": visual.anti_aliasing == "both"}
 
 
+def _bends(scene: Scene) -> bool:
+    return scene.has(Animation) or scene.has(Avatar)
+
+
+def _named_skinning(scene: Scene) -> Settings | None:
+    by = visual_of(scene).skinning
+    return None if by == "auto" else {"skinning": by}
+
+
 def _shows_models(scene: Scene) -> bool:
     return any(mesh.source for _, mesh, _ in scene.components(MeshComponent))
 
@@ -288,6 +298,7 @@ USES: Mapping[str, Use] = {
     "spatialiser": Use("direction of sounds", _has(Sound), _named_spatialiser, _may_spatialise),
     "occlusion": Use("bodies hidden behind others", _shows_models),
     "level of detail": Use("coarser forms of far bodies", _shows_models),
+    "skinning": Use("bodies that follow joints", _bends, _named_skinning),
     "sun shadows": Use("shadows of the sun", _has_sun_shadow, _named_shadows, _may_shadow, _PROBE_PX),
     "anti aliasing": Use("anti-aliasing", _has(CameraComponent), _named_edges, pixels=_PROBE_PX),
     "ambient occlusion": Use(
@@ -303,6 +314,7 @@ Some have one method that the product can run: nothing is chosen there, and `exp
 NOT_PLANNED: Mapping[str, str] = {
     "integrator": 'the integrators of bodies on one wall alone; "colliding bodies" chooses among all a body can have',
     "bounding geometry": "what a thing is shaped like is its author's to say",
+    "joint mixing": "how a body is to bend is a look: the scene's `animation.skinning` says it",
     "culling": "which is quicker changes with what is in view: the renderer counts the items of each scene",
     "frame of nodes": "culling, measured in whole frames",
     "frame of triangles": "level of detail, measured in whole frames",

@@ -122,7 +122,8 @@ class _Standing:
 
     def to(self, number: int) -> Board:
         """Let the time of frame `number` come."""
-        self.world.effects.time = self._seconds_per_frame * (number + 1)
+        self.world.effects.time = self.world.motion.time = self._seconds_per_frame * (number + 1)
+        self.world.update()
         return Board()
 
     def close(self) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.app.cues.effect_cues import EffectCues
+from mimics_app.app.cues.motion_cues import MotionCues
 from mimics_app.app.picture.stability_card import stability_card
 from mimics_app.app.session.core import SessionCore
 from mimics_app.app.session.recorder_watch import RecorderWatch
@@ -43,6 +44,7 @@ class Frames:
         self._core = core
         self._inbox = PersonInbox(core.haptics)
         self._effects = EffectCues(core.world)
+        self._motion = MotionCues(core.world)
         self._action: TaskAction | None = None
         self.timer = UNTIMED
         self.number = 0
@@ -104,6 +106,7 @@ class Frames:
             core.parameter_store.change(core.scenario.haptic_orders())
             core.inputs.aim(core.scenario.aim(snapshot))
         with stage("world update"):
+            self._motion.step(orders, events, now_ns)
             core.world.update()
         with stage("sound"):
             self._effects.step(orders, events, now_ns)

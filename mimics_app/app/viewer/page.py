@@ -22,6 +22,7 @@ KEYS: tuple[tuple[str, str], ...] = (
     ("X  Y  Z", "move along one axis; again: freely"),
     ("Ctrl + Z", "put back where it was"),
     ("Ctrl + S", "save moved things to the scene file"),
+    ("N   P   Space", "next clip, the one before;  hold it"),
     ("G   L", "floor;  studio light or the model's own"),
     ("F1 - F6", "frame graph, wireframe, bounds, lights, forces, shadow atlas"),
     ("F11   F12", "full screen;  picture to a PNG file"),

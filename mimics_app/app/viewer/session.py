@@ -57,6 +57,7 @@ class ViewerSession:
         self._watcher = SceneWatcher(shown.files)
         self._keys_shown = self._left = self._alarm = self._marked = self._warned = False
         self._message, self._message_until_ns = "", 0
+        self._clip = ""
         self.pictures: list[Path] = []
         self.saved: list[Path] = []
         self.backend = self._surface.backend
@@ -113,9 +114,9 @@ class ViewerSession:
 
     def _pass_time(self, seconds: float) -> None:
         """Let particles fly; a scene without them is drawn only when something else changes."""
-        effects = self._viewport.shown.world.effects
-        effects.time = seconds
-        self._controls.dirty = self._controls.dirty or bool(effects.emitters)
+        effects, motion = self._viewport.shown.world.effects, self._viewport.shown.world.motion
+        effects.time = motion.time = seconds
+        self._controls.dirty = self._controls.dirty or bool(effects.emitters) or motion.alive
 
     def _mark_chosen(self) -> None:
         """Have a box drawn about what is chosen; there is no overlay before something is."""
@@ -143,7 +144,31 @@ class ViewerSession:
             "l": self._toggle_lights,
             "f12": self._take_picture,
             "ctrl+s": self._save,
+            "n": lambda: self._next_clip(1),
+            "p": lambda: self._next_clip(-1),
+            "space": self._hold,
         }
+
+    def _next_clip(self, step: int) -> None:
+        """Play the next clip of the model or the one before; between the last and the first it rests."""
+        from mimics_app.app.viewer.playing import clips_of, play_clip
+
+        names = ["", *clips_of(self._viewport.shown)]
+        if len(names) == 1:
+            self._say("nothing moves in it")
+            return
+        self._clip = names[(names.index(self._clip) + step) % len(names)] if self._clip in names else names[1]
+        play_clip(self._viewport.shown, self._clip)
+        self._say(f'clip "{self._clip}"' if self._clip else "at rest")
+
+    def _hold(self) -> None:
+        """Hold what plays, or let it go on."""
+        layers = [layer for animator in self._viewport.shown.world.motion.animators.values() for layer in animator.layers]
+        held = any(layer.speed != 0.0 for layer in layers)
+        for layer in layers:
+            layer.speed = 0.0 if held else 1.0
+        if layers:
+            self._say("held" if held else "goes on")
 
     def _toggle_keys(self) -> None:
         self._keys_shown = not self._keys_shown

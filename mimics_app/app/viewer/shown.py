@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.world.extent import Extent, world_extent
 from mimics_app.world.gltf.model_world import read_model
+from mimics_app.world.gltf.prefab import ModelPrefab
 from mimics_app.world.meshes.mesh_file import MESH_SUFFIXES, add_mesh_file
 from mimics_app.world.scene_node import SceneNode
 from mimics_app.world.world import World
@@ -40,6 +41,7 @@ class Shown:
         stand: What a model hangs on; None for a scene.
         notes: What was left out, repaired or is not shown, for people.
         files: Every file it was read from.
+        model: The glTF file, or None for anything else.
     """
 
     path: Path
@@ -48,6 +50,16 @@ class Shown:
     stand: SceneNode | None = None
     notes: list[str] = field(default_factory=list)
     files: list[Path] = field(default_factory=list)
+    model: ModelPrefab | None = None
+
+    def mesh_name(self, key: str) -> str:
+        """What the model calls a mesh of the world; its key where it has no name there."""
+        return (self.model.mesh_name(key) if self.model is not None else "") or key
+
+    def node_name(self, entity: int) -> str:
+        """What the model calls the node of an entity; in a scene the name of the node in the world."""
+        name = self.world.graph.name(entity)
+        return name if self.stand is None else name.removeprefix(f"{self.stand.name}/")
 
     @property
     def title(self) -> str:
@@ -101,7 +113,7 @@ def open_shown(path: Path, up: Up = "y") -> Shown:
     if suffix in _GLTF_SUFFIXES:
         model = read_model(path, without_pictures=True)
         model.instantiate(world, stand)
-        shown.files, shown.notes = model.document.files, [*model.document.notes, *_still(model.document.raw)]
+        shown.files, shown.notes, shown.model = model.document.files, list(model.document.notes), model
     else:
         add_mesh_file(world, stand, path)
         shown.notes = [f"a {suffix[1:].upper()} file names no unit: taken as metres"]
@@ -119,13 +131,6 @@ def _open_scene(path: Path) -> Shown:
     rest(scene, world)
     world.effects.trigger("start")
     return Shown(scene.path, world, scene, None, list(scene.notes), list(scene.files))
-
-
-def _still(document: dict[str, object]) -> list[str]:
-    """What moves in a glTF file and is shown at rest."""
-    counted = [(word, document.get(f"{word}s")) for word in ("animation", "skin")]
-    there = [_count(len(value), word) for word, value in counted if isinstance(value, list) and value]
-    return [f"shown in its rest pose: {' and '.join(there)} not played"] if there else []
 
 
 def _count(number: int, word: str) -> str:

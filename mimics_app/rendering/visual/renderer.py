@@ -33,6 +33,8 @@ from mimics_app.world.world import World
 if TYPE_CHECKING:
     import moderngl
 
+    from mimics_app.rendering.visual.drawing.feedback import FeedbackSkinning
+    from mimics_app.rendering.visual.drawing.skinning import ProcessorSkinning
     from mimics_app.rendering.visual.overlay.layers import Layer
     from mimics_app.rendering.visual.overlay.overlay import Overlay
     from mimics_app.rendering.visual.overlay.stage_times import StageTimes
@@ -90,6 +92,7 @@ class Renderer:
         self._materials = MaterialStore(ctx, self._shaders, has)
         self._list = DrawList(self._arena, self._materials)
         self._frame = FrameBuffers(ctx)
+        self._skinning: ProcessorSkinning | FeedbackSkinning | None = None
         self._picture = PictureTarget(surface, self._shaders, self.settings)
         self._shadows = ShadowStage(ctx, self.settings.shadow_size)
         self._world = WorldStage(ctx, self._shaders, self._arena, self._frame, self.settings, has.texture_size)
@@ -180,6 +183,8 @@ class Renderer:
             part.release()
         if self._effects is not None:
             self._effects.release()
+        if self._skinning is not None:
+            self._skinning.release()
 
     def _measure(self, views: Sequence[View], *, finish: bool) -> FrameStats:
         if not views:
@@ -239,10 +244,25 @@ class Renderer:
         places = [self._picture.rectangle(view.rectangle) for view in views]
         drawn = [self._batch(scene, view, number, places[number]) for number, view in enumerate(views)]
         drawn = self._pictures.queue(self.world, drawn, partial(self._batch, scene), self.settings.mirror_scale)
+        self._bend()
         self._frame.upload(self._arena)
         if scene.effects is not None:
             scene.effects.upload()
         return drawn
+
+    def _bend(self) -> None:
+        """Have the bodies that are drawn bend; nothing is loaded for a world in which none does."""
+        if not self.world.motion.bodies:
+            return
+        if self._skinning is None and self.settings.skinning == "feedback":
+            from mimics_app.rendering.visual.drawing.feedback import FeedbackSkinning
+
+            self._skinning = FeedbackSkinning(self._surface.ctx, self._shaders, self._arena)
+        elif self._skinning is None:
+            from mimics_app.rendering.visual.drawing.skinning import ProcessorSkinning
+
+            self._skinning = ProcessorSkinning(self._arena)
+        self._skinning.bend(self.world, self._list.drawn_meshes())
 
     def _prepare(self, views: Sequence[View]) -> FrameScene:
         """Take over the world, and queue what casts shadows."""

@@ -8,12 +8,15 @@ from typing import Literal, TypedDict
 from mimics_app.contracts.errors import UsageError
 from mimics_app.world.materials.technique import Profile
 
-__all__ = ["Culling", "Occlusion", "QualityChanges", "RenderSettings", "Shading", "ShadowKind"]
+__all__ = ["BendBy", "Culling", "Occlusion", "QualityChanges", "RenderSettings", "Shading", "ShadowKind"]
 
 Shading = Literal["full", "plain"]
 """Which techniques draw opaque surfaces: each material's own, or for all that can be the cheapest lit one, whose light
 is worked out per vertex in display values."""
 
+
+BendBy = Literal["processor", "feedback"]
+"""Who bends what follows joints: compiled loops, or the driver by a shader whose vertices are fed back."""
 
 Culling = Literal["auto", "flat", "tree"]
 """How the items in a view are found: each tested by itself, groups of the scene graph first, or by their number."""
@@ -56,6 +59,7 @@ class RenderSettings:
         profile: What it is drawn for; techniques that are not for it give way to their fallbacks.
         occlusion: Which boxes may hide what is behind them; the picture is the same with any found ones and none.
         culling: How the items in a view are found; the picture is the same.
+        skinning: Who bends what follows joints; the picture is the same.
         timer: True asks the driver how long it drew, where it can tell.
     """
 
@@ -81,6 +85,7 @@ class RenderSettings:
     profile: Profile = "training"
     occlusion: Occlusion = "all"
     culling: Culling = "auto"
+    skinning: BendBy = "processor"
     timer: bool = False
 
     def __post_init__(self) -> None:

@@ -35,6 +35,10 @@ class VisualSettings(Component, frozen=True):
         Literal["auto", 0, 2, 4, 8],
         Meta(description="Of multisample anti-aliasing; 0: none; auto: 4 where `anti_aliasing` asks for them"),
     ] = "auto"
+    skinning: Annotated[
+        Literal["auto", "processor", "feedback"],
+        Meta(description="Who bends bodies that follow joints: the processor or a shader; auto: the planner"),
+    ] = "auto"
     exposure: Annotated[float, Meta(gt=0, le=64, description="Factor on all light before the tone map")] = 1.0
     tone_map: Annotated[
         Literal["neutral", "none"],

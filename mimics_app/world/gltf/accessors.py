@@ -19,6 +19,7 @@ MAX_ELEMENTS = 50_000_000
 _TYPES = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
 _SIZES = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 _INDEX_TYPES = (np.uint8, np.uint16, np.uint32)
+_FLOAT = 5126
 
 Array = NDArray[Any]
 
@@ -55,6 +56,24 @@ class GltfAccessors:
         if values.dtype == np.uint32:
             return values.reshape(-1)
         return self._as(np.uint32, place, lambda: values.reshape(-1).astype(np.uint32))
+
+    def whole_numbers(self, index: object, pointer: str, *shapes: str) -> NDArray[np.uint16]:
+        """An accessor of unsigned bytes or shorts that count something, uint16 [n, components]."""
+        place = self._require(index, pointer, shapes)
+        values = self._read(place, pointer)
+        if values.dtype.type not in _INDEX_TYPES[:2]:
+            self._source.fail(f"/accessors/{place}/componentType", "must be unsigned bytes or shorts")
+        if values.dtype == np.uint16:
+            return values
+        return self._as(np.uint16, place, lambda: values.astype(np.uint16))
+
+    def shares(self, index: object, pointer: str, *shapes: str) -> NDArray[np.float32]:
+        """An accessor of numbers from 0 to 1, float or normalised integers, float32 [n, components]."""
+        place = self._require(index, pointer, shapes)
+        accessor = self._source.table("accessors")[place]
+        if accessor.get("componentType") != _FLOAT and accessor.get("normalized") is not True:
+            self._source.fail(f"/accessors/{place}/normalized", "integers that are shares must be normalised")
+        return self.floats(index, pointer, *shapes)
 
     def count(self, index: object, pointer: str) -> int:
         """Elements of an accessor, unread."""

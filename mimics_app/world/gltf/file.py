@@ -1,7 +1,7 @@
-"""glTF 2.0 files: static content read by our own reader, which believes nothing in them.
+"""glTF 2.0 files: read by our own reader, which believes nothing in them.
 
 GLB and .gltf, data URIs and files beside it, sparse and strided accessors, normalised integers, metallic-roughness
-materials, cameras, lights, and components in `extras.mimics`. Skins, clips and morph targets stay in `raw`.
+materials, cameras, lights, skins, clips, morph targets, and components in `extras.mimics`.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mimics_app.contracts.errors import nearest
 from mimics_app.world.gltf.accessors import GltfAccessors
@@ -23,6 +23,10 @@ from mimics_app.world.gltf.nodes import GltfCamera, GltfLight, GltfNode, GltfNod
 from mimics_app.world.gltf.references import check_references
 from mimics_app.world.gltf.source import GltfError, GltfSource, open_gltf
 from mimics_app.world.materials.material import Material, TextureData
+
+if TYPE_CHECKING:
+    from mimics_app.world.gltf.skins import GltfSkin
+    from mimics_app.world.motion.clip import Clip
 
 __all__ = ["SUPPORTED_EXTENSIONS", "GltfDocument", "GltfError", "load_gltf"]
 
@@ -53,7 +57,9 @@ class GltfDocument:
         textures: Those the materials use.
         cameras: In file order; None where it is of a kind that is not used.
         lights: In file order.
-        raw: The whole JSON: skins, animations, extensions.
+        skins: In file order; a node's `skin` is an index.
+        clips: Its animations, in file order; their targets are nodes.
+        raw: The whole JSON, extensions included.
         notes: What was left out or repaired, for people.
         files: Every file read, its own first.
     """
@@ -66,6 +72,8 @@ class GltfDocument:
     textures: dict[str, TextureData]
     cameras: list[GltfCamera | None]
     lights: list[GltfLight | None]
+    skins: list[GltfSkin]
+    clips: list[Clip]
     raw: dict[str, Any]
     notes: list[str]
     files: list[Path]
@@ -93,6 +101,19 @@ class GltfDocument:
             KeyError: there is none (the message names the nearest), or there are several.
         """
         return _find(name, self._mesh_names, "mesh")
+
+    @property
+    def moves(self) -> bool:
+        """Whether anything in it moves or bends: whoever puts it into a world has to see to that."""
+        return bool(self.clips or self.skins or any(mesh.morphs for mesh in self.meshes))
+
+    def bends(self, index: int) -> bool:
+        """Whether the mesh of a node follows joints or has morph targets."""
+        node = self.nodes[index]
+        if node.mesh is None:
+            return False
+        parts = [part.mesh for part in self.meshes[node.mesh].primitives]
+        return any(mesh.morphs or (node.skin is not None and mesh.weights is not None) for mesh in parts)
 
     def subtree(self, index: int) -> Iterator[int]:
         """Indices of a node and everything below it, parents first."""
@@ -133,10 +154,15 @@ def _read(source: GltfSource) -> GltfDocument:
     images = GltfImages(source, buffers)
     materials = GltfMaterials(source, images).read_all()
     images.check_files()
-    meshes = GltfMeshes(source, GltfAccessors(source, buffers), materials).read_all()
-    tree = GltfNodes(source, [mesh.farthest for mesh in meshes])
+    accessors = GltfAccessors(source, buffers)
+    meshes = GltfMeshes(source, accessors, materials).read_all()
+    tree = GltfNodes(source, [mesh.farthest for mesh in meshes], [mesh.morphs for mesh in meshes])
     tree.read_all()
     roots = tree.roots()
+    skins, clips = (
+        _read_skins(source, accessors, tree.nodes, meshes),
+        _read_clips(source, accessors, tree.nodes, meshes),
+    )
     if source.issues:
         raise GltfError(source.issues)
     _note_names(source, tree.nodes)
@@ -149,10 +175,34 @@ def _read(source: GltfSource) -> GltfDocument:
         images.textures,
         tree.cameras,
         tree.lights,
+        skins,
+        clips,
         source.json,
         source.notes,
         list(dict.fromkeys(source.files)),
     )
+
+
+def _read_skins(
+    source: GltfSource, accessors: GltfAccessors, nodes: list[GltfNode], meshes: list[GltfMesh]
+) -> list[GltfSkin]:
+    if not source.table("skins"):
+        return []
+    from mimics_app.world.gltf.skins import GltfSkins, check_bound_nodes
+
+    skins = GltfSkins(source, accessors).read_all()
+    check_bound_nodes(source, nodes, meshes, skins)
+    return skins
+
+
+def _read_clips(
+    source: GltfSource, accessors: GltfAccessors, nodes: list[GltfNode], meshes: list[GltfMesh]
+) -> list[Clip]:
+    if not source.table("animations"):
+        return []
+    from mimics_app.world.gltf.clips import GltfClips
+
+    return GltfClips(source, accessors, nodes, meshes).read_all()
 
 
 def _check_extensions(source: GltfSource) -> None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.world.gltf.accessors import GltfAccessors
+from mimics_app.world.gltf.deforms import GltfDeforms
 from mimics_app.world.gltf.materials import GltfMaterial
 from mimics_app.world.gltf.source import MAX_ITEMS, GltfSource
 from mimics_app.world.meshes.mesh import FARTHEST, MeshData, compute_normals
@@ -24,18 +25,31 @@ U4 = NDArray[np.uint32]
 
 @dataclass(frozen=True, eq=False)
 class GltfPrimitive:
-    """One drawable part: `material` is an index into the file's materials, or None for the default one."""
+    """One drawable part.
+
+    Attributes:
+        mesh: Its triangles, with what makes them bend.
+        material: Index into the file's materials, or None for the default one.
+        pointer: Where it stands in the file.
+    """
 
     mesh: MeshData
     material: int | None
+    pointer: str = ""
 
 
 @dataclass(frozen=True, eq=False)
 class GltfMesh:
-    """A mesh of the file, with its name ("" for none) and its drawable parts."""
+    """A mesh of the file, with its name ("" for none), its drawable parts, and the weights of their morph targets."""
 
     name: str
     primitives: list[GltfPrimitive]
+    morph_weights: tuple[float, ...] = ()
+
+    @property
+    def morphs(self) -> int:
+        """How many morph targets it has."""
+        return len(self.primitives[0].mesh.morphs) if self.primitives else 0
 
     @property
     def farthest(self) -> float:
@@ -59,6 +73,7 @@ class GltfMeshes:
         self._source = source
         self._accessors = accessors
         self._materials = materials
+        self._deforms = GltfDeforms(source, accessors)
         self._primitives = 0
 
     def read_all(self) -> list[GltfMesh]:
@@ -87,7 +102,8 @@ class GltfMeshes:
                 part = self._primitive(primitive, here)
                 if part is not None:
                     mesh.primitives.append(part)
-        return mesh
+        named = self._deforms.named(item, mesh.primitives, place)
+        return replace(mesh, primitives=named, morph_weights=self._deforms.weights(item, named, place))
 
     def _primitive(self, primitive: dict[str, Any], place: str) -> GltfPrimitive | None:
         source = self._source
@@ -102,7 +118,7 @@ class GltfMeshes:
         material = None
         if "material" in primitive:
             material = source.index(primitive["material"], len(self._materials), "materials", f"{place}/material")
-        return GltfPrimitive(self._geometry(primitive, attributes, mode, material, place), material)
+        return GltfPrimitive(self._geometry(primitive, attributes, mode, material, place), material, place)
 
     def _geometry(
         self, primitive: dict[str, Any], attributes: dict[str, Any], mode: int, material: int | None, place: str
@@ -119,16 +135,20 @@ class GltfMeshes:
         if colours is not None and colours.shape[1] == 3:
             source.take(16 * len(colours), place)
             colours = np.concatenate([colours, np.ones((len(colours), 1), np.float32)], axis=1)
+        weights = self._deforms.vertex_weights(attributes, here, len(positions))
+        morphs = self._deforms.morphs(primitive, place, len(positions))
         if normals is None:  # flat normals (glTF 2.0 3.7.2.1): no vertex may be shared between triangles
             source.take(corners.size * _FLAT_CORNER_BYTES, place)
             positions = positions[corners]
             uvs = None if uvs is None else uvs[corners]
             colours = None if colours is None else colours[corners]
+            weights = None if weights is None else weights.taken(corners)
+            morphs = tuple(morph.taken(corners) for morph in morphs)
             corners = np.arange(corners.size, dtype=np.uint32)
             normals = _flat_normals(positions)
         else:
             normals = self._unit(normals, place)
-        return MeshData(positions, normals, corners, uvs, colours).validated()
+        return MeshData(positions, normals, corners, uvs, colours, weights, morphs).validated()
 
     def _triangles(self, primitive: dict[str, Any], vertices: int, mode: int, place: str) -> U4:
         source = self._source

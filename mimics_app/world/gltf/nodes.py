@@ -43,7 +43,8 @@ class GltfNode:
         scale: May be negative.
         children: Indices.
         parent: Index, or None.
-        mesh, camera, light: Indices into the file's lists, or None.
+        mesh, camera, light, skin: Indices into the file's lists, or None.
+        morph_weights: Of the mesh's morph targets, in place of the mesh's own; () where the node says nothing.
         visible: From KHR_node_visibility.
         occluder: Centre and size [m] of `extras.mimics.occluder`, a box inside the body that hides what is behind it.
         levels: Nodes shown in its place when it is small, ever coarser (MSFT_lod).
@@ -61,6 +62,8 @@ class GltfNode:
     mesh: int | None = None
     camera: int | None = None
     light: int | None = None
+    skin: int | None = None
+    morph_weights: tuple[float, ...] = ()
     visible: bool = True
     levels: list[int] = field(default_factory=list)
     coverages: list[float] = field(default_factory=list)
@@ -98,11 +101,13 @@ class GltfNodes:
     Args:
         source: The file.
         farthest: Of each mesh, how far it reaches from its own origin [m].
+        morphs: Morph targets of each mesh.
     """
 
-    def __init__(self, source: GltfSource, farthest: list[float]) -> None:
+    def __init__(self, source: GltfSource, farthest: list[float], morphs: list[int]) -> None:
         self._source = source
         self._farthest = farthest
+        self._morphs = morphs
         self.nodes: list[GltfNode] = []
         self.cameras: list[GltfCamera | None] = []
         self.lights: list[GltfLight | None] = []
@@ -147,6 +152,11 @@ class GltfNodes:
         where = f"{place}/extensions/KHR_lights_punctual/light"
         if "mesh" in item:
             node.mesh = source.index(item["mesh"], len(self._farthest), "meshes", f"{place}/mesh")
+        if "skin" in item:
+            node.skin = source.index(item["skin"], len(source.table("skins")), "skins", f"{place}/skin")
+        if node.mesh is not None and "weights" in item:
+            count = self._morphs[node.mesh]
+            node.morph_weights = source.vector(item, "weights", place, (0.0,) * count)
         if "camera" in item:
             node.camera = source.index(item["camera"], len(self.cameras), "cameras", f"{place}/camera")
         if "light" in punctual:

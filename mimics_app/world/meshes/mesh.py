@@ -8,6 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.world.meshes.deform import MorphTarget, VertexWeights
+
 __all__ = ["FARTHEST", "MeshData", "compute_normals"]
 
 FARTHEST = 1e15
@@ -30,6 +32,8 @@ class MeshData:
         indices: Three per triangle, uint32 [m].
         uvs: Texture coordinates, (0, 0) the first texel of the first row (top left), float32 [n, 2], or None.
         colours: Linear RGBA per vertex, multiplied with the material's base colour, float32 [n, 4], or None.
+        weights: Joints that its vertices follow, or None.
+        morphs: What may be added to it.
     """
 
     positions: F4
@@ -37,6 +41,8 @@ class MeshData:
     indices: U4
     uvs: F4 | None = None
     colours: F4 | None = None
+    weights: VertexWeights | None = None
+    morphs: tuple[MorphTarget, ...] = ()
 
     def validated(self) -> MeshData:
         """The mesh with contiguous arrays of the exact types.
@@ -58,7 +64,14 @@ class MeshData:
             indices,
             None if self.uvs is None else _attribute("uvs", self.uvs, (count, 2)),
             None if self.colours is None else _attribute("colours", self.colours, (count, 4)),
+            self.weights,
+            self.morphs,
         )
+
+    @property
+    def deforms(self) -> bool:
+        """Whether it bends: it follows joints or has morph targets."""
+        return self.weights is not None or bool(self.morphs)
 
     @property
     def triangle_count(self) -> int:

@@ -7,6 +7,7 @@ from collections.abc import Container
 
 import numpy as np
 
+from mimics_app.world.components.animation import Animation, Avatar
 from mimics_app.world.components.effects import Billboard, Particles, Projector
 from mimics_app.world.components.pictures import Inset, Mirror, Screen
 from mimics_app.world.components.shapes import Shape
@@ -27,6 +28,7 @@ __all__ = [
     "light_up",
     "load_library",
     "place",
+    "set_in_motion",
     "shape_key",
     "show_live_pictures",
     "show_mesh",
@@ -48,8 +50,18 @@ def build(scene: Scene) -> World:
         if entity.in_model:
             finish_model_node(world, scene, entity)
     turn_to_targets(world, scene)
+    for entity in scene.entities:
+        set_in_motion(world, scene, entity)
     world.update()
     return world
+
+
+def set_in_motion(world: World, scene: Scene, entity: SceneEntity) -> None:
+    """Have the model of an entity do what its components say; nothing is loaded for one that says nothing."""
+    if any(isinstance(component, Animation | Avatar) for component in entity.components.values()):
+        from mimics_app.world.scene.moving import set_moving
+
+        set_moving(world, scene, entity)
 
 
 def load_library(world: World, scene: Scene) -> None:

@@ -13,6 +13,7 @@ from mimics_app.world.scene.build import (
     light_up,
     load_library,
     place,
+    set_in_motion,
     show_live_pictures,
     show_mesh,
     turn_to_targets,
@@ -149,6 +150,7 @@ def _refresh(world: World, scene: Scene, entity: SceneEntity, types: set[str]) -
         place(node, entity.transform)
     if types & _SHOWN:
         world.content.drop_bodies(index)
+        world.forget_motion(node.index)
         mesh = entity.components.get("mesh")
         if isinstance(mesh, MeshComponent):
             show_mesh(world, scene, node, mesh)
@@ -162,10 +164,17 @@ def _refresh(world: World, scene: Scene, entity: SceneEntity, types: set[str]) -
         camera = entity.components.get("camera")
         if isinstance(camera, CameraComponent):
             node.create_camera(camera.vertical_fov, camera.near, camera.far)
+    _refresh_living(world, scene, entity, types)
+
+
+def _refresh_living(world: World, scene: Scene, entity: SceneEntity, types: set[str]) -> None:
+    """What shows the world itself, what moves by itself, and effects."""
     if types & {*_SHOWN, "inset"}:
         show_live_pictures(world, entity)
+    if types & {*_SHOWN, "animation", "avatar"}:
+        set_in_motion(world, scene, entity)
     if types & {"billboard", "particles", "projector"}:
-        _refresh_effects(world, entity, node.index)
+        _refresh_effects(world, entity, world.find(entity.id).index)
 
 
 def _refresh_effects(world: World, entity: SceneEntity, index: int) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
@@ -78,14 +79,19 @@ class DrawItems:
 
     def rebound(self, world: World, names: Sequence[str]) -> Flags:
         """Take over the bounds of meshes whose numbers changed; returns which items show one of them, [n]."""
-        numbers = np.array([self.mesh_names.index(name) for name in names if name in self.mesh_names], np.int32)
+        known = self._numbers
+        numbers = np.array([known[name] for name in names if name in known], np.int32)
         local, half = _bounds(world, [self.mesh_names[number] for number in numbers])
-        touched = np.zeros(len(self.meshes), np.bool_)
-        for number, sphere, size in zip(numbers, local, half, strict=True):
-            of_mesh = self.meshes == number
-            self.local[of_mesh], self.half[of_mesh] = sphere, size
-            touched |= of_mesh
+        line = np.full(len(self.mesh_names), -1, np.int32)
+        line[numbers] = np.arange(len(numbers))
+        lines = line[self.meshes]
+        touched: Flags = lines >= 0
+        self.local[touched], self.half[touched] = local[lines[touched]], half[lines[touched]]
         return touched
+
+    @cached_property
+    def _numbers(self) -> dict[str, int]:
+        return _numbers(self.mesh_names)
 
 
 def list_items(world: World, arena: MeshArena, materials: MaterialStore) -> DrawItems:
@@ -169,9 +175,14 @@ def _bounds(world: World, names: Sequence[str]) -> tuple[F8, F8]:
     local, half = np.zeros((len(names), 4)), np.zeros((len(names), 3))
     for i, name in enumerate(names):
         mesh = world.meshes.get(name)
-        if mesh is not None:
-            least, greatest = mesh.bounds
-            local[i, :3], local[i, 3], half[i] = mesh.centre, mesh.radius, 0.5 * (greatest - least)
+        if mesh is None:
+            continue
+        least, greatest = world.mesh_bounds(name)
+        half[i] = 0.5 * (greatest - least)
+        if name in world.motion.body_of:
+            local[i, :3], local[i, 3] = 0.5 * (least + greatest), np.linalg.norm(half[i])
+        else:
+            local[i, :3], local[i, 3] = mesh.centre, mesh.radius
     return local, half
 
 

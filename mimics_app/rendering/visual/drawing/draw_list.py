@@ -73,6 +73,7 @@ class DrawList:
         radii: Of the same [m], float64 [n].
         tally: What became of the items since the last update.
         moved: Which items moved or changed their shape in the last update, [n]; None where that cannot be told.
+        used: Which items are drawn in this frame, in whatever view or shadow, [n].
         fates: The same of each one, 0 where no view has it, `HIDDEN` or `DRAWN`, uint8 [n]; None where nobody asks.
     """
 
@@ -86,6 +87,7 @@ class DrawList:
         self._updates = 0
         self._world: F8 = np.zeros((0, 4, 4))
         self._casters: dict[float, Casters] = {}
+        self._bent: dict[str, int] = {}
         self.fates: NDArray[np.uint8] | None = None
 
     def update(
@@ -126,6 +128,7 @@ class DrawList:
             self._casters.clear()
         self._culler.moved(moved, self.centres, self.radii)
         self.fates = np.zeros(len(self.items.rows), np.uint8) if fates else None
+        self.used[:] = False
 
     def _move(self, world: World, *, everything: bool) -> int:
         """Bring the spheres to where their nodes are; returns how many items moved or changed their shape."""
@@ -133,15 +136,25 @@ class DrawList:
         self._updates = transforms.updates
         missed = everything or transforms.updates > last + 1
         changed = transforms.changed if transforms.updates > last else np.zeros_like(transforms.changed)
-        if self._arena.rewritten:
-            reshaped = items.rebound(world, self._arena.rewritten)
+        rewritten = [*self._arena.rewritten, *self._newly_bent(world)]
+        if rewritten:
+            reshaped = items.rebound(world, rewritten)
             changed = changed.copy()
             changed[items.rows[reshaped]] = 1
         self.moved = None if missed else changed[items.rows] > 0
-        if not (missed or transforms.updates > last or self._arena.rewritten):
+        if not (missed or transforms.updates > last or rewritten):
             return 0
         bounds = (items.local, self.centres, self.radii, self._mirrored)
         return int(update_bounds(items.rows, self._world, changed, missed, *bounds))
+
+    def _newly_bent(self, world: World) -> list[str]:
+        """Meshes that bend otherwise than when this was asked last."""
+        bodies = world.motion.body_of
+        if not bodies:
+            return []
+        revisions = {name: body.revision for name, body in bodies.items()}
+        before, self._bent = self._bent, revisions
+        return [name for name, revision in revisions.items() if before.get(name) != revision]
 
     def casters(self, longest: float) -> Casters:
         """What casts shadows, and the spheres a shadow map has to hold.
@@ -163,6 +176,7 @@ class DrawList:
     def batch_casters(self, frame: FrameBuffers, casters: Casters, origin: F8) -> list[DrawRun]:
         """Queue the shadow pass: instances relative to `origin` [m], grouped by state and mesh."""
         count = len(casters.items)
+        self.used[casters.items] = True
         self._picked[:count] = casters.items
         self._order.sort(self._picked, count, origin, self.centres, self.radii, self._mirrored, shadow=True)
         return frame.add(self._picked, count, origin, self.items, self._world, self._mirrored, shadow=True)
@@ -193,6 +207,7 @@ class DrawList:
             spheres = (self.centres, self.radii)
             count = self._occlusion.remove_hidden(picked, seen, view, size, samples, items, self._world, *spheres)
         self._remember(count, DRAWN)
+        self.used[picked[:count]] = True
         self.tally.count(int(shown.sum()), seen, count, self._culler.tests - before)
         blended = self._split(count)
         solid = count - len(blended)
@@ -218,6 +233,11 @@ class DrawList:
         count = cull_flat(planes, asked, items.rows, self._world, self.centres, self.radii, items.half, met)
         self._order.sort(met, count, view.eye_world, self.centres, self.radii, self._mirrored)
         return frame.add(met, count, view.eye_world, items, self._world, self._mirrored)
+
+    def drawn_meshes(self) -> list[str]:
+        """Keys of the meshes that are drawn in this frame, in whatever view or shadow."""
+        names = self.items.mesh_names
+        return [names[number] for number in np.unique(self.items.meshes[self.used]).tolist()]
 
     def _remember(self, count: int, fate: int) -> None:
         """Take down the better fate of items that are picked."""
@@ -247,6 +267,7 @@ class DrawList:
         count = len(items.rows)
         self.centres, self.radii = np.zeros((count, 3)), np.zeros(count)
         self._shown = np.zeros(count, np.uint8)
+        self.used = np.zeros(count, np.bool_)
         self._mirrored = np.zeros(count, np.uint8)
         self._picked = np.zeros(count, np.int32)
         self._opaque = 0

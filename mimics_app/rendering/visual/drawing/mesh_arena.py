@@ -72,6 +72,7 @@ class MeshArena:
         solids: Meshes that have a box inside.
         rewritten: Meshes whose numbers changed in the last update, their places in the buffers staying.
         uploaded: Bytes of vertices and indices sent in the last update.
+        rebuilt: How often all of it was made anew, so that what others wrote is lost.
     """
 
     def __init__(self, ctx: moderngl.Context) -> None:
@@ -80,6 +81,7 @@ class MeshArena:
         self.solids: dict[str, Solid] = {}
         self.rewritten: list[str] = []
         self.uploaded = 0
+        self.rebuilt = 0
         self._solid = False
         self._seen: dict[str, tuple[int, int]] = {}
         self._held: tuple[int, list[str], list[MeshData]] = (0, [], [])
@@ -137,6 +139,16 @@ class MeshArena:
         if rows.nbytes:
             self._instances.orphan()
             self._instances.write(rows)
+
+    def write_bent(self, name: str, packed: NDArray[np.float32]) -> None:
+        """Put the vertices of a mesh as they are bent in this frame, float32 [n, 8], where its own lie."""
+        self._vertices.write(packed, offset=self.ranges[name].base_vertex * _VERTEX.itemsize)
+        self.uploaded += packed.nbytes
+
+    @property
+    def vertices(self) -> moderngl.Buffer:
+        """The buffer all vertices lie in; another one after meshes came or went."""
+        return self._vertices
 
     def vertex_array(self, shader: ShaderProgram, *, wide: bool = False) -> moderngl.VertexArray:
         """The arena as a program reads it, by 16-bit or 32-bit indices; made again when the program was reloaded."""
@@ -197,6 +209,7 @@ class MeshArena:
 
     def _rebuild(self, meshes: dict[str, MeshData]) -> None:
         self.ranges, base_vertex = {}, 0
+        self.rebuilt += 1
         first = {False: 0, True: 0}
         for name, mesh in meshes.items():
             wide, count = len(mesh.positions) > _SHORT_VERTICES, mesh.indices.size
@@ -235,7 +248,12 @@ class MeshArena:
 
 def _find_solids(world: World) -> dict[str, Solid]:
     """Boxes inside those of the world's meshes that are not changed all the time, of the largest first."""
-    still = [name for name in world.meshes if world.mesh_revision(name) <= 1 and world.opened_mesh(name) is None]
+    bending = world.motion.body_of
+    still = [
+        name
+        for name in world.meshes
+        if world.mesh_revision(name) <= 1 and world.opened_mesh(name) is None and name not in bending
+    ]
     largest = sorted(still, key=lambda name: -world.meshes[name].radius)[:_MOST_SOLIDS]
     found = {name: find_solid(world.meshes[name]) for name in largest}
     return {name: solid for name, solid in found.items() if solid is not None}

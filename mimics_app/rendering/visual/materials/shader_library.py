@@ -28,11 +28,16 @@ _DRIVER_LINES = (
 _VERSION = "#version 430 core"
 
 
+_Key = tuple[str, str, tuple[str, ...], tuple[str, ...]]
+"""Vertex shader, fragment shader or "", defines, outputs that are fed back."""
+
+
 @dataclass(eq=False)
 class ShaderProgram:
     """A compiled program that a reload may replace.
 
     Attributes:
+        varyings: Outputs that go into a buffer; () for a program that draws.
         program: The newest program that compiled.
         revision: Counts replacements; vertex arrays made for an older revision are to be made anew.
         files: Every file read for it.
@@ -41,6 +46,7 @@ class ShaderProgram:
     vertex: str
     fragment: str
     defines: tuple[str, ...]
+    varyings: tuple[str, ...]
     program: moderngl.Program
     revision: int = 0
     files: dict[Path, int] = field(default_factory=dict)
@@ -54,6 +60,11 @@ class ShaderProgram:
         """Give a float uniform its value."""
         uniform: Any = self.program[name]
         uniform.value = value
+
+    def set_array(self, name: str, values: NDArray[np.float32]) -> None:
+        """Give an array of uniforms its values, float32."""
+        uniform: Any = self.program[name]
+        uniform.write(np.ascontiguousarray(values, np.float32))
 
     def set_numbers(self, name: str, values: Sequence[float]) -> None:
         """Give a vector uniform its value."""
@@ -75,7 +86,7 @@ class ShaderLibrary:
     def __init__(self, ctx: moderngl.Context, folder: Path | None = None) -> None:
         self._ctx = ctx
         self.folder = folder or resources.root() / "shaders"
-        self._programs: dict[tuple[str, str, tuple[str, ...]], ShaderProgram] = {}
+        self._programs: dict[_Key, ShaderProgram] = {}
         self.replaced = 0
 
     def program(self, vertex: str, fragment: str, defines: tuple[str, ...] = ()) -> ShaderProgram:
@@ -89,7 +100,22 @@ class ShaderLibrary:
         Raises:
             SceneError: a file is missing or does not compile.
         """
-        key = (vertex, fragment, defines)
+        return self._find((vertex, fragment, defines, ()))
+
+    def feedback(self, vertex: str, varyings: tuple[str, ...], defines: tuple[str, ...] = ()) -> ShaderProgram:
+        """The program of a vertex shader alone, whose outputs go into a buffer instead of a picture.
+
+        Args:
+            vertex: Path below the shaders folder.
+            varyings: Outputs in the order they lie in the buffer.
+            defines: Names that are `#define`d.
+
+        Raises:
+            SceneError: a file is missing or does not compile.
+        """
+        return self._find((vertex, "", defines, varyings))
+
+    def _find(self, key: _Key) -> ShaderProgram:
         if key not in self._programs:
             program, files = self._compile(*key)
             self._programs[key] = ShaderProgram(*key, program, files=files)
@@ -118,13 +144,14 @@ class ShaderLibrary:
         return issues
 
     def _compile(
-        self, vertex: str, fragment: str, defines: tuple[str, ...]
+        self, vertex: str, fragment: str, defines: tuple[str, ...], varyings: tuple[str, ...]
     ) -> tuple[moderngl.Program, dict[Path, int]]:
         import moderngl
 
-        sources = [_Source(self.folder, name, defines) for name in (vertex, fragment)]
+        sources = [_Source(self.folder, name, defines) for name in (vertex, fragment) if name]
+        pixels = sources[1].text if fragment else None
         try:
-            program = self._ctx.program(vertex_shader=sources[0].text, fragment_shader=sources[1].text)
+            program = self._ctx.program(vertex_shader=sources[0].text, fragment_shader=pixels, varyings=varyings)
         except moderngl.Error as error:
             raise SceneError(_read_driver_log(str(error), sources)) from error
         _ = self._ctx.error

@@ -1,0 +1,43 @@
+"""`mimics avatar import FILE`: which joints of a person's model are which, and what of it was guessed."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from mimics_app.contracts.errors import Issue, SceneError
+
+__all__ = ["add_arguments", "run"]
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `mimics avatar`."""
+    parser.epilog = "Names as VRM, Mixamo, Blender and Unreal have them are known; others are guessed from their place."
+    parser.add_argument("action", choices=("import",), help="what to do: say how the joints are understood")
+    parser.add_argument("file", type=Path, help=".glb or .gltf model of a person")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Say which joints are which; 3 when a joint that is needed is missing.
+
+    Raises:
+        SceneError: the file is wrong, or nothing in it has a skeleton.
+    """
+    from mimics_app.world.gltf.model_world import load_model_world
+    from mimics_app.world.motion.humanoid import find_humanoid, report_lines
+
+    world = load_model_world(args.file)
+    animators = list(world.motion.animators.values())
+    if not animators:
+        raise SceneError(Issue(str(args.file), "/skins", "nothing in it moves: it has neither a skin nor a clip"))
+    found = find_humanoid(animators[0].rig)
+    clips = list(animators[0].clips)
+    if args.json:
+        from mimics_app.app.terminal.output import write_object
+
+        told = {"file": str(args.file), "bones": found.names, "guessed": found.guesses, "missing": list(found.missing)}
+        write_object("avatar", {**told, "clips": clips, "morphs": sorted(set(animators[0].rig.morph_names) - {""})})
+    else:
+        for line in report_lines(found, [f"clips: {', '.join(clips)}"] if clips else []):
+            print(line)
+    return 0 if found.complete else SceneError.exit_code

@@ -1,0 +1,85 @@
+"""What of a model moves in the viewer: a clip by its name at a time, and every vertex where it is drawn."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.app.viewer.shown import Shown
+from mimics_app.contracts.errors import Issue, SceneError, UsageError
+from mimics_app.world.motion.animator import Animator
+
+__all__ = ["animators_of", "clips_of", "play_clip", "write_vertices"]
+
+
+def animators_of(shown: Shown) -> list[Animator]:
+    """What plays clips in what is shown."""
+    return [animator for animator in shown.world.motion.animators.values() if animator.clips]
+
+
+def clips_of(shown: Shown) -> list[str]:
+    """Names of the clips of what is shown, in the order of the files."""
+    return list(dict.fromkeys(name for animator in animators_of(shown) for name in animator.clips))
+
+
+def play_clip(shown: Shown, name: str, at: float = 0.0, *, speed: float = 1.0) -> None:
+    """Play a clip in every model that has it, in place of what played; "" puts all to rest.
+
+    Args:
+        shown: What is shown; its world is updated.
+        name: Of the clip.
+        at: Where in it to begin [s].
+        speed: Seconds of the clip in a second; 0 holds it.
+
+    Raises:
+        SceneError: nothing that is shown has such a clip; the message names those there are.
+    """
+    playing = animators_of(shown)
+    if name and not any(name in animator.clips for animator in playing):
+        known = clips_of(shown)
+        hint = "clips: " + ", ".join(f'"{each}"' for each in known) if known else "there is nothing that moves in it"
+        raise SceneError(Issue(str(shown.path), "/animations", f'has no clip "{name}"', hint))
+    for animator in playing:
+        animator.layers.clear()
+        animator.moves = True
+        if name in animator.clips:
+            animator.play(name, at=at, speed=speed)
+    shown.world.update()
+
+
+def write_vertices(shown: Shown, path: Path) -> int:
+    """Write where every vertex is that is drawn; returns how many.
+
+    The file holds `positions`, float64 [n, 3], in the world after morphs and skins [m], and of each vertex `mesh` and
+    `node`, their names in the model. Of several levels of detail the finest counts.
+
+    Raises:
+        UsageError: the file cannot be written.
+    """
+    world, listed = shown.world, shown.world.subentities()
+    stand = None if shown.stand is None else shown.stand.index
+    places: list[NDArray[np.float64]] = [np.zeros((0, 3))]
+    meshes, nodes = list[str](), list[str]()
+    for number in np.flatnonzero((listed.visible != 0) & (listed.level == 0)).tolist():
+        key, entity = listed.mesh[number], int(listed.entity[number])
+        if stand is not None and not world.graph.hierarchy.is_inside(entity, stand):
+            continue
+        local = world.mesh_positions(key)
+        matrix = world.transforms.world[listed.row[number]]
+        places.append(local @ matrix[:3, :3].T + matrix[:3, 3])
+        meshes += [shown.mesh_name(key)] * len(local)
+        nodes += [shown.node_name(entity)] * len(local)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open("wb") as file:
+            np.savez(
+                file,
+                positions=np.concatenate(places),
+                mesh=np.array(meshes, dtype=np.str_),
+                node=np.array(nodes, dtype=np.str_),
+            )
+    except OSError as error:
+        raise UsageError(f"{path} cannot be written: {error.strerror}", "name another file") from error
+    return len(meshes)

@@ -1,0 +1,123 @@
+"""Rival ways for a limb of two bones to reach a point, with their cost and how far the hand stays away.
+
+Importing this module registers them. Probe: arms of 0.30 and 0.27 m whose targets lie anywhere below the zone in which
+the reach gives way; the elbow points to a pole.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.methods import Group, Method, Settings, registry
+from mimics_app.contracts.probe import reference_us, shortest_us
+from mimics_app.world.motion.kernels.iterative import reach_by_descent, reach_by_fabrik
+from mimics_app.world.motion.kernels.two_bone import reach_two_bones
+
+__all__ = ["GROUP", "arms", "elbow_gain"]
+
+F8 = NDArray[np.float64]
+
+GROUP = "limb reach"
+UPPER, LOWER, SOFT = 0.30, 0.27, 0.03
+_ARMS = 10_000
+_STEP = 1e-5
+"""Of a target that is drawn across the reach limit [m]."""
+
+Solve = Callable[[F8, F8, F8], None]
+"""Elbow and hand of asked limbs, into out."""
+
+
+def arms(count: int) -> tuple[F8, F8]:
+    """Shoulder, target and pole [m], [n, 9], and figures of limbs, [n, 4]."""
+    rng = np.random.default_rng(1)
+    shoulder, way = rng.normal(size=(count, 3)), rng.normal(size=(count, 3))
+    way /= np.linalg.norm(way, axis=1, keepdims=True)
+    longest, shortest = UPPER + LOWER, UPPER - LOWER
+    reach = rng.uniform(shortest + SOFT * longest + 1e-3, (1.0 - SOFT) * longest - 1e-3, (count, 1))
+    asked = np.concatenate([shoulder, shoulder + reach * way, shoulder + rng.normal(size=(count, 3))], axis=1)
+    return asked, np.tile([UPPER, LOWER, SOFT, np.inf], (count, 1))
+
+
+def _closed(asked: F8, limbs: F8, out: F8) -> None:
+    reach_two_bones(asked, limbs, np.zeros((len(asked), 7)), out, np.zeros(len(asked), np.int32))
+
+
+def _hard(asked: F8, limbs: F8, out: F8) -> None:
+    stiff = limbs.copy()
+    stiff[:, 2] = 0.0
+    _closed(asked, stiff, out)
+
+
+def _fabrik(asked: F8, limbs: F8, out: F8) -> None:
+    reach_by_fabrik(asked, limbs, 1e-3, 10, out)
+
+
+def _fabrik_long(asked: F8, limbs: F8, out: F8) -> None:
+    reach_by_fabrik(asked, limbs, 1e-6, 200, out)
+
+
+def _descent(asked: F8, limbs: F8, out: F8) -> None:
+    reach_by_descent(asked, limbs, 1e-3, 10, out)
+
+
+def elbow_gain(solve: Solve) -> float:
+    """How much farther than its target an elbow moves at most while the target is drawn across the reach limit."""
+    away = np.arange(0.8 * (UPPER + LOWER), 1.1 * (UPPER + LOWER), _STEP)
+    asked, limbs = np.zeros((len(away), 9)), np.tile([UPPER, LOWER, SOFT, np.inf], (len(away), 1))
+    asked[:, 3], asked[:, 7] = away, -1.0
+    out = np.zeros((len(away), 6))
+    solve(asked, limbs, out)
+    return float(np.linalg.norm(np.diff(out[:, :3], axis=0), axis=1).max() / _STEP)
+
+
+def _cost_us(solve: Solve) -> float:
+    asked, limbs = arms(_ARMS)
+    out = np.zeros((_ARMS, 6))
+    return shortest_us(lambda: solve(asked, limbs, out), _ARMS)
+
+
+def _error(solve: Solve) -> float:
+    asked, limbs = arms(_ARMS)
+    out = np.zeros((_ARMS, 6))
+    solve(asked, limbs, out)
+    return float(np.linalg.norm(out[:, 3:] - asked[:, 3:6], axis=1).max())
+
+
+def _register(
+    name: str, source: str, valid: str, solve: Solve, settings: Settings | None = None, *, default: bool = False
+) -> None:
+    gain = elbow_gain(solve)
+    registry.register(
+        Method(
+            group=GROUP,
+            name=name,
+            source=source,
+            cost=lambda: _cost_us(solve),
+            error=lambda: _error(solve),
+            unit="m",
+            valid_range=f"{valid}; at the reach limit the elbow moves {gain:.3g} times as far as the target",
+            settings=settings,
+            default=default,
+        )
+    )
+
+
+registry.describe(
+    Group(
+        name=GROUP,
+        what="an arm that reaches for a point within its reach; error: how far the hand stays away",
+        unit="m",
+        work="",
+        reference=reference_us,
+    )
+)
+_register(
+    "closed form", "law of cosines, soft reach, pole plane kept from step to step", "any", _closed, {}, default=True
+)
+_register("closed form, hard limit", "the same clamped at full stretch", "below full stretch", _hard)
+_register("FABRIK, 10 rounds", "Aristidou & Lasenby 2011, to 1 mm", "no unequal bones near the inner limit", _fabrik)
+_register("FABRIK, 200 rounds", "the same, to 1 um", "as above", _fabrik_long)
+_register("coordinate descent, 10 rounds", "Wang & Chen 1991, to 1 mm", "slow near full stretch", _descent)

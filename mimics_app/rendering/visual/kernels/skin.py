@@ -1,0 +1,146 @@
+"""Vertices bent by joints and morph targets, on the processor: positions and normals, as a plain stream."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+
+__all__ = ["morph_vertices", "skin_dual", "skin_linear"]
+
+F4 = NDArray[np.float32]
+F8 = NDArray[np.float64]
+U2 = NDArray[np.uint16]
+
+
+@kernel
+def morph_vertices(base: F4, deltas: F4, weights: F4, out: F4) -> None:
+    """Set out = base + sum of weighted deltas.
+
+    Args:
+        base: Positions or normals, [n, 3].
+        deltas: Of all targets, [targets, n, 3].
+        weights: [targets].
+        out: Written, [n, 3].
+    """
+    for v in range(base.shape[0]):
+        for i in range(3):
+            out[v, i] = base[v, i]
+    for t in range(weights.shape[0]):
+        share = weights[t]
+        if share == 0.0:
+            continue
+        for v in range(base.shape[0]):
+            for i in range(3):
+                out[v, i] += share * deltas[t, v, i]
+
+
+@kernel
+def _store_normal(x: float, y: float, z: float, v: int, out: F4) -> None:
+    length = math.sqrt(x * x + y * y + z * z)
+    scale = 1.0 / length if length > 0.0 else 0.0
+    out[v, 3], out[v, 4], out[v, 5] = x * scale, y * scale, z * scale
+
+
+@kernel
+def skin_linear(positions: F4, normals: F4, joints: U2, weights: F4, rows: F4, stretched: bool, out: F4) -> None:
+    """Mix the matrices of each vertex's joints (glTF 2.0 3.7.3).
+
+    Args:
+        positions: As modelled, morphs added [m], [n, 3].
+        normals: Likewise, [n, 3].
+        joints: Numbers of joints, the heaviest first, [n, influences].
+        weights: Theirs, together 1, [n, influences].
+        rows: Palette, [joints, 3, 4].
+        stretched: True takes normals along by the cofactors, as what is stretched needs.
+        out: Position and normal are written, the rest is left; [n, 8].
+    """
+    m = np.empty((3, 4), np.float32)
+    for v in range(positions.shape[0]):
+        share = weights[v, 0]
+        j = joints[v, 0]
+        for r in range(3):
+            for c in range(4):
+                m[r, c] = share * rows[j, r, c]
+        for k in range(1, joints.shape[1]):
+            share = weights[v, k]
+            if share <= 0.0:
+                break
+            j = joints[v, k]
+            for r in range(3):
+                for c in range(4):
+                    m[r, c] += share * rows[j, r, c]
+        x, y, z = positions[v, 0], positions[v, 1], positions[v, 2]
+        a, b, c_ = normals[v, 0], normals[v, 1], normals[v, 2]
+        for r in range(3):
+            out[v, r] = m[r, 0] * x + m[r, 1] * y + m[r, 2] * z + m[r, 3]
+        if stretched:
+            nx = (m[1, 1] * m[2, 2] - m[1, 2] * m[2, 1]) * a + (m[1, 2] * m[2, 0] - m[1, 0] * m[2, 2]) * b
+            nx += (m[1, 0] * m[2, 1] - m[1, 1] * m[2, 0]) * c_
+            ny = (m[2, 1] * m[0, 2] - m[2, 2] * m[0, 1]) * a + (m[2, 2] * m[0, 0] - m[2, 0] * m[0, 2]) * b
+            ny += (m[2, 0] * m[0, 1] - m[2, 1] * m[0, 0]) * c_
+            nz = (m[0, 1] * m[1, 2] - m[0, 2] * m[1, 1]) * a + (m[0, 2] * m[1, 0] - m[0, 0] * m[1, 2]) * b
+            nz += (m[0, 0] * m[1, 1] - m[0, 1] * m[1, 0]) * c_
+            _store_normal(nx, ny, nz, v, out)
+        else:
+            nx = m[0, 0] * a + m[0, 1] * b + m[0, 2] * c_
+            ny = m[1, 0] * a + m[1, 1] * b + m[1, 2] * c_
+            nz = m[2, 0] * a + m[2, 1] * b + m[2, 2] * c_
+            _store_normal(nx, ny, nz, v, out)
+
+
+@kernel
+def _turn(q: F8, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """A vector turned by a unit quaternion."""
+    tx = 2.0 * (q[1] * z - q[2] * y)
+    ty = 2.0 * (q[2] * x - q[0] * z)
+    tz = 2.0 * (q[0] * y - q[1] * x)
+    return (
+        x + q[3] * tx + q[1] * tz - q[2] * ty,
+        y + q[3] * ty + q[2] * tx - q[0] * tz,
+        z + q[3] * tz + q[0] * ty - q[1] * tx,
+    )
+
+
+@kernel
+def skin_dual(positions: F4, normals: F4, joints: U2, weights: F4, duals: F4, out: F4) -> None:
+    """Mix the dual quaternions of each vertex's joints, all on the side of the heaviest one (Kavan et al. 2008).
+
+    Args:
+        positions: As modelled, morphs added [m], [n, 3].
+        normals: Likewise, [n, 3].
+        joints: Numbers of joints, the heaviest first, [n, influences].
+        weights: Theirs, together 1, [n, influences].
+        duals: Palette: real part, dual part, xyzw each; [joints, 8].
+        out: Position and normal are written, the rest is left; [n, 8].
+    """
+    d = np.empty(8)
+    for v in range(positions.shape[0]):
+        heaviest = joints[v, 0]
+        for i in range(8):
+            d[i] = weights[v, 0] * duals[heaviest, i]
+        for k in range(1, joints.shape[1]):
+            share = float(weights[v, k])
+            if share <= 0.0:
+                break
+            j = joints[v, k]
+            side = 0.0
+            for i in range(4):
+                side += duals[heaviest, i] * duals[j, i]
+            if side < 0.0:
+                share = -share
+            for i in range(8):
+                d[i] += share * duals[j, i]
+        scale = 1.0 / math.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + d[3] * d[3])
+        for i in range(8):
+            d[i] *= scale
+        x, y, z = _turn(d, positions[v, 0], positions[v, 1], positions[v, 2])
+        # The shift is 2 (dual) (real)*; what of the dual part is along the real one falls out of it.
+        out[v, 0] = x + 2.0 * (d[3] * d[4] - d[7] * d[0] + d[1] * d[6] - d[2] * d[5])
+        out[v, 1] = y + 2.0 * (d[3] * d[5] - d[7] * d[1] + d[2] * d[4] - d[0] * d[6])
+        out[v, 2] = z + 2.0 * (d[3] * d[6] - d[7] * d[2] + d[0] * d[5] - d[1] * d[4])
+        nx, ny, nz = _turn(d, normals[v, 0], normals[v, 1], normals[v, 2])
+        _store_normal(nx, ny, nz, v, out)

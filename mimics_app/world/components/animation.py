@@ -1,0 +1,191 @@
+"""Component types of what moves by itself: the clips of a model, what starts them, and where its head and hands go.
+
+Units are SI, angles radians.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import msgspec
+from msgspec import Meta
+
+from mimics_app.contracts.errors import Issue, nearest
+from mimics_app.world.components.bounds import Name, Seconds
+from mimics_app.world.components.registry import Component, component, register_check, register_limit
+from mimics_app.world.components.visible import MeshComponent
+from mimics_app.world.scene.assets import find_in_model
+
+if TYPE_CHECKING:
+    from mimics_app.world.gltf.file import GltfDocument
+    from mimics_app.world.scene.scene import Scene
+
+__all__ = ["Animation", "AnimationLayer", "AnimationState", "AnimationTransition", "Avatar", "MotionCause", "Reach"]
+
+MotionCause = Literal[
+    "approach", "ready", "start", "goal", "timeout", "aborted", "rest", "done", "contact", "contact_end", "impact"
+]
+"""What may change what a model does: the states of a trial, and touches."""
+
+Share = Annotated[float, Meta(ge=0, le=1)]
+Rate = Annotated[float, Meta(ge=-100, le=100)]
+Names = Annotated[tuple[Name, ...], Meta(max_length=1000)]
+
+
+class AnimationLayer(Component, frozen=True):
+    """A clip that is laid over what is below it."""
+
+    clip: Annotated[Name, Meta(description="Name of a clip of the model")]
+    weight: Annotated[Share, Meta(description="Share of it")] = 1.0
+    speed: Annotated[Rate, Meta(description="Seconds of the clip in a second; negative: backwards")] = 1.0
+    loop: Annotated[bool, Meta(description="Begins again at its end; false: its last frame is held")] = True
+    at: Annotated[Seconds, Meta(description="Where in the clip it begins [s]")] = 0.0
+    mask: Annotated[
+        Names, Meta(description="Nodes of the model it moves, with all that hang on them; absent: all")
+    ] = ()
+    additive: Annotated[bool, Meta(description="What it differs from its first frame is added to what is below")] = (
+        False
+    )
+
+
+class AnimationState(Component, frozen=True):
+    """What a model does until something else is to be done."""
+
+    clip: Annotated[Name, Meta(description="Name of a clip of the model")]
+    speed: Annotated[Rate, Meta(description="Seconds of the clip in a second")] = 1.0
+    loop: Annotated[bool, Meta(description="Begins again at its end")] = True
+    next: Annotated[Name | None, Meta(description="State that follows when a clip that does not loop has ended")] = None
+    fade: Annotated[Seconds, Meta(description="In which it goes over to the next state [s]")] = 0.25
+
+
+class AnimationTransition(Component, frozen=True, rename={"source": "from", "target": "to"}):
+    """What makes a model do something else."""
+
+    target: Annotated[Name, Meta(description="State that begins")]
+    on: Annotated[MotionCause, Meta(description="What happens: a trial's new state, or a touch")]
+    source: Annotated[Name | None, Meta(description="State in which it counts; absent: any")] = None
+    fade: Annotated[Seconds, Meta(description="In which one goes over to the other [s]")] = 0.25
+
+
+@component("animation")
+class Animation(Component, frozen=True):
+    """What the model of the same entity does: layers of clips, or states and what leads from one to the other."""
+
+    layers: Annotated[
+        tuple[AnimationLayer, ...], Meta(max_length=32, description="Clips that play, lowest first; over the states")
+    ] = ()
+    states: Annotated[dict[str, AnimationState], Meta(max_length=100, description="What it may do, by name")] = (
+        msgspec.field(default_factory=dict)
+    )
+    start: Annotated[Name | None, Meta(description="State it begins with; absent: the first")] = None
+    transitions: Annotated[
+        tuple[AnimationTransition, ...], Meta(max_length=200, description="What leads from state to state")
+    ] = ()
+    root_motion: Annotated[
+        Name | None,
+        Meta(description="Node whose way over the ground moves the entity itself; absent: clips play on the spot"),
+    ] = None
+    skinning: Annotated[
+        Literal["linear", "dual"],
+        Meta(description="linear: as glTF says; dual: dual quaternions, which keep the volume of what is twisted"),
+    ] = "linear"
+
+
+class Reach(Component, frozen=True):
+    """A limb that reaches for something."""
+
+    limb: Annotated[
+        Literal["left_arm", "right_arm", "left_leg", "right_leg"], Meta(description="Which of the skeleton")
+    ]
+    target: Annotated[Name, Meta(description="Entity its hand or foot goes to")]
+    weight: Annotated[Share, Meta(description="Share of it over what the clips say")] = 1.0
+    soft: Annotated[
+        float, Meta(ge=0, le=0.5, description="Share of the limb's length before full reach in which it gives way")
+    ] = 0.03
+
+
+@component("avatar")
+class Avatar(Component, frozen=True):
+    """A person: the model of the same entity has a skeleton with the usual names, or names that can be mapped to it."""
+
+    look_at: Annotated[Name | None, Meta(description='Entity the head turns to; "camera": the first camera')] = None
+    look_limit: Annotated[float, Meta(ge=0, le=3.2, description="Farthest the head turns [rad]")] = 1.2
+    reach: Annotated[tuple[Reach, ...], Meta(max_length=4, description="Limbs that reach for something")] = ()
+    blink: Annotated[bool, Meta(description="By the morph target of that name, every few seconds")] = True
+    breathe: Annotated[bool, Meta(description="By the morph target of that name, a quarter of a hertz")] = True
+
+
+def _model_of(pointer: str, scene: Scene) -> GltfDocument | None:
+    """The model that the same entity shows; None where it is wrong or missing, which is told elsewhere."""
+    entity = next((each for each in scene.entities if pointer.startswith(f"{each.pointer}/")), None)
+    mesh = None if entity is None else entity.components.get("mesh")
+    if not isinstance(mesh, MeshComponent) or mesh.source is None:
+        return None
+    try:
+        return find_in_model(scene.assets, mesh.source).model
+    except KeyError:
+        return None
+
+
+def _check_animation(animation: Animation, pointer: str, scene: Scene) -> list[Issue]:
+    model = _model_of(pointer, scene)
+    if model is None:
+        return [
+            scene.issue(pointer, "the entity shows no model whose clips could play", 'give it a "mesh" with a "source"')
+        ]
+    clips = [clip.name for clip in model.clips]
+    nodes = [node.name for node in model.nodes if node.name]
+    told = [(f"{pointer}/layers/{i}", layer.clip) for i, layer in enumerate(animation.layers)]
+    told += [(f"{pointer}/states/{name}", state.clip) for name, state in animation.states.items()]
+    issues = [
+        scene.issue(
+            f"{where}/clip", f'the model has no clip "{clip}"', nearest(clip, clips) if clips else "it has none"
+        )
+        for where, clip in told
+        if clip not in clips
+    ]
+    masks = [
+        (f"{pointer}/layers/{i}/mask/{k}", node)
+        for i, layer in enumerate(animation.layers)
+        for k, node in enumerate(layer.mask)
+    ]
+    masks += [] if animation.root_motion is None else [(f"{pointer}/root_motion", animation.root_motion)]
+    issues += [
+        scene.issue(where, f'the model has no node "{node}"', nearest(node, nodes) if nodes else "")
+        for where, node in masks
+        if node not in nodes
+    ]
+    return issues + _check_states(animation, pointer, scene)
+
+
+def _check_states(animation: Animation, pointer: str, scene: Scene) -> list[Issue]:
+    told = [(f"{pointer}/start", animation.start)]
+    told += [(f"{pointer}/states/{name}/next", state.next) for name, state in animation.states.items()]
+    for i, transition in enumerate(animation.transitions):
+        told += [
+            (f"{pointer}/transitions/{i}/to", transition.target),
+            (f"{pointer}/transitions/{i}/from", transition.source),
+        ]
+    known = animation.states
+    return [
+        scene.issue(where, f'there is no state "{name}"', nearest(name, known) if known else "give `states`")
+        for where, name in told
+        if name is not None and name not in known
+    ]
+
+
+def _check_avatar(avatar: Avatar, pointer: str, scene: Scene) -> list[Issue]:
+    issues: list[Issue] = []
+    if _model_of(pointer, scene) is None:
+        issues.append(scene.issue(pointer, "the entity shows no model", 'give it a "mesh" with a "source"'))
+    if avatar.look_at not in (None, "camera"):
+        issues += scene.check_entity(f"{pointer}/look_at", str(avatar.look_at))
+    for i, reach in enumerate(avatar.reach):
+        issues += scene.check_entity(f"{pointer}/reach/{i}/target", reach.target)
+    return issues
+
+
+register_limit("animation", 1000)
+register_limit("avatar", 1000)
+register_check("animation", _check_animation)
+register_check("avatar", _check_avatar)

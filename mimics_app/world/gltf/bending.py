@@ -1,0 +1,145 @@
+"""From the nodes of a glTF file to what moves them: an animator for an instance, and bodies that follow its joints."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.world.gltf.file import GltfDocument
+from mimics_app.world.gltf.nodes import GltfNode
+from mimics_app.world.meshes.mesh import MeshData
+from mimics_app.world.motion.animator import Animator, Rig
+from mimics_app.world.motion.pose import Pose
+from mimics_app.world.motion.skinned_body import SkinnedBody, bind
+from mimics_app.world.scene_node import SceneNode
+
+__all__ = ["bind_body", "make_animator", "missing_joints", "unbent_meshes"]
+
+F8 = NDArray[np.float64]
+Made = Mapping[int, SceneNode]
+"""Nodes of the world by number of the node of the file, parents first."""
+
+
+def unbent_meshes(model: GltfDocument) -> set[int]:
+    """Meshes that a node shows as they are; those that no node shows count, too."""
+    nodes = model.nodes
+    bending = [node for index, node in enumerate(nodes) if model.bends(index)]
+    levels = {level for node in bending for level in node.levels}
+    bent = {node.mesh for node in bending} | {nodes[level].mesh for level in levels}
+    shown = {node.mesh for i, node in enumerate(nodes) if i not in levels and not model.bends(i)}
+    return {mesh for mesh in range(len(model.meshes)) if mesh in shown or mesh not in bent}
+
+
+def missing_joints(model: GltfDocument, made: Made) -> list[int]:
+    """Nodes that bodies of an instance follow, and what these hang on, that the part shown does not hold itself."""
+    skins = {model.nodes[index].skin for index in made if model.bends(index)}
+    wanted: dict[int, None] = {}
+    for skin in skins:
+        for joint in model.skins[skin].joints if skin is not None else ():
+            way, at = list[int](), joint
+            while at not in made and at not in wanted:
+                way.append(at)
+                above = model.nodes[at].parent
+                if above is None:
+                    break
+                at = above
+            wanted |= dict.fromkeys(reversed(way))
+    return list(wanted)
+
+
+def make_animator(model: GltfDocument, made: Made, placed: int | None) -> Animator | None:
+    """What plays the clips of an instance; None for a model in which nothing bends or moves.
+
+    Args:
+        model: The file.
+        made: Its nodes in the world.
+        placed: A node of the file that stands where the scene put it, and which clips therefore leave alone.
+    """
+    slots = [index for index in made if index != placed]
+    if not (model.clips or any(model.bends(index) for index in made)):
+        return None
+    slots = slots if placed is None or not model.bends(placed) else [placed, *slots]
+    number = {index: slot for slot, index in enumerate(slots)}
+    slot_of = np.full(len(model.nodes), -1, np.int32)
+    slot_of[slots] = np.arange(len(slots))
+    if placed is not None:
+        slot_of[placed] = -1
+    nodes = [model.nodes[index] for index in slots]
+    first, names = _morph_slots(model, nodes)
+    rest = Pose(
+        np.array([node.translation for node in nodes]).reshape(-1, 3),
+        np.array([node.rotation for node in nodes]).reshape(-1, 4),
+        np.array([node.scale for node in nodes]).reshape(-1, 3),
+        _morph_weights(model, nodes),
+    )
+    parents = [number.get(-1 if node.parent is None else node.parent, -1) for node in nodes]
+    entities = np.array([made[index].index for index in slots], np.int32)
+    fixed = int(bool(slots) and slots[0] == placed)
+    rig = Rig(tuple(node.name for node in nodes), entities, np.array(parents, np.int32), rest, first, names, fixed)
+    clips = [clip.aimed(slot_of) for clip in model.clips]
+    return Animator(rig, [clip for clip in clips if len(clip.tracks)])
+
+
+def bind_body(
+    model: GltfDocument, index: int, made: Made, animator: Animator, key: Callable[[int, int], str]
+) -> SkinnedBody:
+    """The body of a node that bends.
+
+    Args:
+        model: The file.
+        index: The node.
+        made: All nodes of the instance.
+        animator: Of the instance, whose pose holds the morph weights.
+        key: Name in the world of (mesh, primitive).
+    """
+    node, entity = model.nodes[index], made[index].index
+    numbers = [node.mesh, *(model.nodes[level].mesh for level in node.levels)]
+    meshes = {
+        key(mesh, k): part.mesh
+        for mesh in numbers
+        if mesh is not None
+        for k, part in enumerate(model.meshes[mesh].primitives)
+    }
+    binding = None
+    if node.skin is not None:
+        skin = model.skins[node.skin]
+        joints = np.array([made[joint].index for joint in skin.joints], np.int32)
+        if _turned_over(skin.inverse_bind, skin.joints, made, made[index]):
+            meshes = {name: _other_way_round(mesh) for name, mesh in meshes.items()}
+        binding = bind(joints, skin.inverse_bind, list(meshes.values()))
+    slot = int(np.flatnonzero(animator.rig.entities == entity)[0])
+    first, end = animator.rig.morph_first[slot : slot + 2].tolist()
+    return SkinnedBody(entity, meshes, binding, animator.pose.morphs[first:end], "linear")
+
+
+def _morph_slots(model: GltfDocument, nodes: list[GltfNode]) -> tuple[NDArray[np.int32], tuple[str, ...]]:
+    counts = [0 if node.mesh is None else model.meshes[node.mesh].morphs for node in nodes]
+    names: list[str] = []
+    for node in nodes:
+        if node.mesh is not None and model.meshes[node.mesh].primitives:
+            names += [morph.name for morph in model.meshes[node.mesh].primitives[0].mesh.morphs]
+    return np.concatenate([[0], np.cumsum(counts)]).astype(np.int32), tuple(names)
+
+
+def _morph_weights(model: GltfDocument, nodes: list[GltfNode]) -> F8:
+    found: list[float] = []
+    for node in nodes:
+        if node.mesh is not None:
+            found += node.morph_weights or model.meshes[node.mesh].morph_weights
+    return np.array(found, np.float64)
+
+
+def _turned_over(inverse_bind: F8, joints: tuple[int, ...], made: Made, body: SceneNode) -> bool:
+    """Whether joints mirror the mesh and its node does not, or the other way round.
+
+    Which side of a triangle is outside is told by the node, which has no say where the vertices of a skin are.
+    """
+    turned = np.linalg.det(made[joints[0]].world_matrix()[:3, :3] @ inverse_bind[0, :3, :3])
+    return bool(turned * np.linalg.det(body.world_matrix()[:3, :3]) < 0.0)
+
+
+def _other_way_round(mesh: MeshData) -> MeshData:
+    return replace(mesh, indices=np.ascontiguousarray(mesh.indices.reshape(-1, 3)[:, ::-1]).reshape(-1))

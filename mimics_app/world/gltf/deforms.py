@@ -1,0 +1,142 @@
+"""What makes the primitives of a glTF file bend: joints and weights of their vertices, and morph targets."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.world.gltf.accessors import GltfAccessors
+from mimics_app.world.gltf.source import GltfSource
+from mimics_app.world.meshes.deform import MorphTarget, VertexWeights
+
+if TYPE_CHECKING:
+    from mimics_app.world.gltf.meshes import GltfPrimitive
+
+__all__ = ["MAX_INFLUENCES", "MAX_MORPHS", "GltfDeforms"]
+
+MAX_INFLUENCES = 16
+"""Most joints of a vertex: JOINTS_0 to JOINTS_3."""
+
+MAX_MORPHS = 256
+"""Most morph targets of a mesh."""
+
+_UNNORMALISED = 1e-3
+"""How far a vertex's weights may add up beside 1 before it is told; bytes are as far as 2e-3 by rounding alone."""
+
+_SET = 4
+"""Influences of one pair of attributes."""
+
+
+class GltfDeforms:
+    """Reads JOINTS_n, WEIGHTS_n and targets of primitives."""
+
+    def __init__(self, source: GltfSource, accessors: GltfAccessors) -> None:
+        self._source = source
+        self._accessors = accessors
+
+    def vertex_weights(self, attributes: dict[str, Any], place: str, vertices: int) -> VertexWeights | None:
+        """What the vertices of a primitive follow, weights scaled to add up to 1; None where it says nothing.
+
+        Args:
+            attributes: Of the primitive.
+            place: Pointer to them.
+            vertices: How many it has.
+        """
+        sets = [n for n in range(MAX_INFLUENCES // _SET) if f"JOINTS_{n}" in attributes]
+        if f"JOINTS_{MAX_INFLUENCES // _SET}" in attributes:
+            self._source.fail(f"{place}/JOINTS_{MAX_INFLUENCES // _SET}", f"more than {MAX_INFLUENCES} joints a vertex")
+        if not sets:
+            return None
+        self._source.take(12 * _SET * len(sets) * vertices, place)
+        joints = np.concatenate([self._joints(attributes, n, place, vertices) for n in sets], axis=1)
+        weights = np.concatenate([self._weights(attributes, n, place, vertices) for n in sets], axis=1)
+        return self._scaled(joints, weights.astype(np.float64), f"{place}/WEIGHTS_0")
+
+    def morphs(self, primitive: dict[str, Any], place: str, vertices: int) -> tuple[MorphTarget, ...]:
+        """The morph targets of a primitive, without names."""
+        found = []
+        targets = self._source.list(primitive, "targets", place)
+        if len(targets) > MAX_MORPHS:
+            self._source.fail(f"{place}/targets", f"{len(targets)} morph targets are more than {MAX_MORPHS}")
+        for number, target in enumerate(targets):
+            here = f"{place}/targets/{number}"
+            if not isinstance(target, dict):
+                self._source.fail(here, "must be an object")
+            positions = self._shift(target, "POSITION", here, vertices)
+            if positions is None:
+                self._source.take(12 * vertices, here)
+                positions = np.zeros((vertices, 3), np.float32)
+            found.append(MorphTarget("", positions, self._shift(target, "NORMAL", here, vertices)))
+        return tuple(found)
+
+    def weights(self, mesh: dict[str, Any], primitives: list[GltfPrimitive], place: str) -> tuple[float, ...]:
+        """Weights of a mesh's morph targets at rest; 0 where it says nothing."""
+        counts = {len(each.mesh.morphs) for each in primitives}
+        if len(counts) > 1:
+            self._source.fail(f"{place}/primitives", "its primitives have different numbers of morph targets")
+        count = counts.pop() if counts else 0
+        return self._source.vector(mesh, "weights", place, (0.0,) * count) if count else ()
+
+    def named(self, mesh: dict[str, Any], primitives: list[GltfPrimitive], place: str) -> list[GltfPrimitive]:
+        """The primitives with the names that `extras.targetNames` gives their targets, as modellers write them."""
+        extras = mesh.get("extras")
+        names = extras.get("targetNames") if isinstance(extras, dict) else None
+        if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+            return primitives
+        result = []
+        for each in primitives:
+            morphs = tuple(
+                replace(morph, name=names[k] if k < len(names) else "") for k, morph in enumerate(each.mesh.morphs)
+            )
+            result.append(replace(each, mesh=replace(each.mesh, morphs=morphs)) if morphs else each)
+        return result
+
+    def _joints(self, attributes: dict[str, Any], number: int, place: str, vertices: int) -> NDArray[np.uint16]:
+        name = f"JOINTS_{number}"
+        values = self._accessors.whole_numbers(attributes[name], f"{place}/{name}", "VEC4")
+        self._check_count(len(values), vertices, f"{place}/{name}")
+        return values
+
+    def _weights(self, attributes: dict[str, Any], number: int, place: str, vertices: int) -> NDArray[np.float32]:
+        name = f"WEIGHTS_{number}"
+        if name not in attributes:
+            self._source.fail(place, f"has JOINTS_{number} and no {name}")
+        values = self._accessors.shares(attributes[name], f"{place}/{name}", "VEC4")
+        self._check_count(len(values), vertices, f"{place}/{name}")
+        if values.min(initial=0.0) < 0.0:
+            vertex = int(np.flatnonzero((values < 0.0).any(axis=1))[0])
+            self._source.fail(f"{place}/{name}", f"vertex {vertex} has a negative weight")
+        return values
+
+    def _check_count(self, found: int, vertices: int, pointer: str) -> None:
+        if found != vertices:
+            self._source.fail(pointer, f"has {found} elements, POSITION has {vertices}")
+
+    def _scaled(self, joints: NDArray[np.uint16], weights: NDArray[np.float64], pointer: str) -> VertexWeights:
+        """Heaviest first, columns that nobody needs left out, each vertex's weights together 1."""
+        sums = weights.sum(axis=1)
+        without = np.flatnonzero(sums <= 0.0)
+        if without.size:
+            what = f"vertex {int(without[0])} follows no joint: all its weights are 0 ({without.size} such vertices)"
+            self._source.fail(pointer, what, "bind every vertex to a joint")
+        off = np.abs(sums - 1.0) > _UNNORMALISED
+        if off.any():
+            worst = float(sums[np.argmax(np.abs(sums - 1.0))])
+            note = f"{pointer}: weights of {int(off.sum())} vertices did not add up to 1 (worst {worst:.3g})"
+            self._source.note(f"{note} and were scaled")
+        order = np.argsort(-weights, axis=1, kind="stable")
+        needed = max(1, int((weights > 0.0).sum(axis=1).max()))
+        order = order[:, :needed]
+        scaled = np.take_along_axis(weights, order, axis=1) / sums[:, None]
+        numbers = np.where(scaled > 0.0, np.take_along_axis(joints, order, axis=1), 0).astype(np.uint16)
+        return VertexWeights(np.ascontiguousarray(numbers), np.ascontiguousarray(scaled, np.float32))
+
+    def _shift(self, target: dict[str, Any], name: str, place: str, vertices: int) -> NDArray[np.float32] | None:
+        if name not in target:
+            return None
+        values = self._accessors.floats(target[name], f"{place}/{name}", "VEC3")
+        self._check_count(len(values), vertices, f"{place}/{name}")
+        return values

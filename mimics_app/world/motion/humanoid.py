@@ -1,0 +1,182 @@
+"""The bones of a person by the names of VRM 1.0, found in the skeletons of others by how these call theirs.
+
+A name is taken apart into words: side, part, number. What Mixamo, Blender, Unreal, 3ds Max Biped and VRM 0 say is
+known; bones that no name tells are guessed from where they hang, and every guess is told.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from mimics_app.world.motion.animator import Rig
+
+__all__ = ["BONES", "NEEDED", "HumanoidMap", "find_humanoid", "parent_bone", "report_lines"]
+
+_CENTRE = ("hips", "spine", "chest", "upperChest", "neck", "head")
+_ARM = ("Shoulder", "UpperArm", "LowerArm", "Hand")
+_LEG = ("UpperLeg", "LowerLeg", "Foot", "Toes")
+_SIDES = ("left", "right")
+
+BONES: tuple[str, ...] = (
+    *_CENTRE,
+    *(f"{side}{part}" for side in _SIDES for part in (*_ARM, *_LEG)),
+    *(f"{side}Eye" for side in _SIDES),
+)
+"""Bones that are found; fingers keep the names they have."""
+
+NEEDED: tuple[str, ...] = (
+    "hips",
+    "spine",
+    "head",
+    *(f"{side}{part}" for side in _SIDES for part in ("UpperArm", "LowerArm", "Hand", "UpperLeg", "LowerLeg", "Foot")),
+)
+"""Without one of these a skeleton is no person's."""
+
+_WORDS: Mapping[str, tuple[str, ...]] = {
+    "hips": ("hips", "hip", "pelvis"),
+    "spine": ("spine", "spine0", "spine01", "abdomen"),
+    "chest": ("chest", "spine1", "spine02", "spine2", "torso"),
+    "upperChest": ("upperchest", "spine3", "spine03"),
+    "neck": ("neck", "neck01", "neck1"),
+    "head": ("head",),
+    "Shoulder": ("shoulder", "clavicle", "collar"),
+    "UpperArm": ("upperarm", "arm", "uparm"),
+    "LowerArm": ("lowerarm", "forearm", "elbow"),
+    "Hand": ("hand", "wrist"),
+    "UpperLeg": ("upperleg", "upleg", "thigh", "leg1"),
+    "LowerLeg": ("lowerleg", "leg", "calf", "shin", "shank", "knee"),
+    "Foot": ("foot", "ankle"),
+    "Toes": ("toes", "toe", "toebase", "ball"),
+    "Eye": ("eye",),
+}
+_PREFIX = re.compile(
+    r"^(?:mixamorig\d*[:_]?|bip0?01[ _]?|def[-_]|org[-_]|j_(?:bip|sec|adj)_(?:c_)?|armature[|_/])", re.IGNORECASE
+)
+_SIDE = (
+    re.compile(r"^(?P<side>left|right)[ _.-]?(?P<rest>.+)$", re.IGNORECASE),
+    re.compile(r"^(?P<rest>.+?)[ _.-]?(?P<side>left|right)$", re.IGNORECASE),
+    re.compile(r"^(?P<side>[LR])[ _.](?P<rest>.+)$", re.IGNORECASE),
+    re.compile(r"^(?P<rest>.+)[ _.-](?P<side>[LR])(?:[ _.]?0*\d+)?$", re.IGNORECASE),
+    re.compile(r"^(?P<side>[lr])(?P<rest>[A-Z].+)$"),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class HumanoidMap:
+    """Where the bones of a person are in a model.
+
+    Attributes:
+        slots: Slot of each bone that was found.
+        names: What the model calls them.
+        guesses: What was not told by a name, for people: one line each.
+        missing: Bones of `NEEDED` that are not there.
+    """
+
+    slots: dict[str, int] = field(default_factory=dict)
+    names: dict[str, str] = field(default_factory=dict)
+    guesses: list[str] = field(default_factory=list)
+    missing: tuple[str, ...] = ()
+
+    @property
+    def complete(self) -> bool:
+        """Whether it is a person's."""
+        return not self.missing
+
+    def limb(self, limb: str) -> tuple[int, int, int]:
+        """Slots of a limb: "left_arm", "right_leg" and so on.
+
+        Raises:
+            KeyError: one of its bones is missing.
+        """
+        side, _, part = limb.partition("_")
+        bones = ("UpperArm", "LowerArm", "Hand") if part == "arm" else ("UpperLeg", "LowerLeg", "Foot")
+        upper, lower, end = (self.slots[f"{side}{bone}"] for bone in bones)
+        return upper, lower, end
+
+
+def find_humanoid(rig: Rig) -> HumanoidMap:
+    """Look for a person's bones among the nodes of a model."""
+    found = HumanoidMap()
+    for slot, name in enumerate(rig.names):
+        bone = _bone_of(name)
+        if bone is not None and bone not in found.slots:
+            found.slots[bone], found.names[bone] = slot, name
+    _settle_spine(rig, found)
+    _guess(rig, found)
+    missing = tuple(bone for bone in NEEDED if bone not in found.slots)
+    return HumanoidMap(found.slots, found.names, found.guesses, missing)
+
+
+def parent_bone(bone: str) -> str | None:
+    """The bone that a bone hangs on, hips: on none."""
+    if bone in _CENTRE:
+        return _CENTRE[_CENTRE.index(bone) - 1] if bone != "hips" else None
+    side = "left" if bone.startswith("left") else "right"
+    part = bone.removeprefix(side)
+    for chain, above in ((_ARM, "upperChest"), (_LEG, "hips")):
+        if part in chain:
+            place = chain.index(part)
+            return above if place == 0 else f"{side}{chain[place - 1]}"
+    return "head"
+
+
+def _bone_of(name: str) -> str | None:
+    """What a name says; None for whatever is no bone that is looked for."""
+    bare = _PREFIX.sub("", name)
+    side, rest = "", bare
+    for pattern in _SIDE:
+        match = pattern.match(bare)
+        if match:
+            side, rest = ("left" if match["side"][0] in "lL" else "right"), match["rest"]
+            break
+    word = re.sub(r"[ _.\-]", "", _PREFIX.sub("", rest)).lower()
+    for part, words in _WORDS.items():
+        if word in words and (part in _CENTRE) == (side == ""):
+            return part if not side else f"{side}{part}"
+    return None
+
+
+def _settle_spine(rig: Rig, found: HumanoidMap) -> None:
+    """Name what lies between hips and neck after its place, as files count their vertebrae from different ends."""
+    top = found.slots.get("neck", found.slots.get("head", -1))
+    hips = found.slots.get("hips", -1)
+    if top < 0 or hips < 0:
+        return
+    between, at = list[int](), int(rig.parents[top])
+    while at not in (-1, hips):
+        between.insert(0, at)
+        at = int(rig.parents[at])
+    if at != hips or not between:
+        return
+    for bone in ("spine", "chest", "upperChest"):
+        found.slots.pop(bone, None)
+        found.names.pop(bone, None)
+    chosen = between if len(between) <= 3 else [between[0], between[len(between) // 2], between[-1]]
+    for bone, slot in zip(("spine", "chest", "upperChest"), chosen, strict=False):
+        found.slots[bone], found.names[bone] = slot, rig.names[slot]
+    if len(between) > 3:
+        found.guesses.append(f"{len(between)} vertebrae: spine, chest and upperChest are the first, a middle, the last")
+
+
+def _guess(rig: Rig, found: HumanoidMap) -> None:
+    """Fill gaps in limbs by the chain between two bones that are known."""
+    for side in _SIDES:
+        for parts in (_ARM, _LEG):
+            for before, wanted, after in zip(parts, parts[1:], parts[2:], strict=False):
+                bones = [f"{side}{part}" for part in (before, wanted, after)]
+                if bones[1] in found.slots or bones[0] not in found.slots or bones[2] not in found.slots:
+                    continue
+                at = int(rig.parents[found.slots[bones[2]]])
+                if at not in (-1, found.slots[bones[0]]):
+                    found.slots[bones[1]], found.names[bones[1]] = at, rig.names[at]
+                    found.guesses.append(f'{bones[1]}: "{rig.names[at]}", which lies between {bones[0]} and {bones[2]}')
+
+
+def report_lines(found: HumanoidMap, extra: Sequence[str] = ()) -> list[str]:
+    """What was found, guessed and missed, a line each."""
+    lines = [f'{bone}: "{found.names[bone]}"' for bone in BONES if bone in found.names]
+    lines += [f"guessed: {guess}" for guess in found.guesses]
+    lines += [f"missing: {bone}" for bone in found.missing]
+    return [*lines, *extra]

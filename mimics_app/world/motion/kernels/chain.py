@@ -1,0 +1,81 @@
+"""Poses followed along the skeleton: where each joint is and how it is turned, and back to its own frame."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.maths.quat import multiply, normalise, rotate
+
+__all__ = ["arc", "follow_chain", "follow_one", "localise"]
+
+F8 = NDArray[np.float64]
+I4 = NDArray[np.int32]
+
+
+@kernel
+def follow_one(slot: int, parents: I4, local_t: F8, local_r: F8, local_s: F8, t: F8, r: F8, s: F8) -> None:
+    """Place and turn of one slot in the frame of the model, out of those of its parent."""
+    above = parents[slot]
+    if above < 0:
+        t[slot], r[slot], s[slot] = local_t[slot], local_r[slot], local_s[slot]
+        return
+    shift = np.empty(3)
+    for i in range(3):
+        shift[i] = s[above, i] * local_t[slot, i]
+    rotate(r[above], shift, shift)
+    for i in range(3):
+        t[slot, i] = t[above, i] + shift[i]
+        s[slot, i] = s[above, i] * local_s[slot, i]
+    multiply(r[above], local_r[slot], r[slot])
+    normalise(r[slot], r[slot])
+
+
+@kernel
+def follow_chain(parents: I4, local_t: F8, local_r: F8, local_s: F8, t: F8, r: F8, s: F8) -> None:
+    """Place and turn of every slot in the frame of the model.
+
+    Scales are multiplied along each axis, which is exact for the same scale along all three, as skeletons have it.
+
+    Args:
+        parents: Slot each hangs on, below its own, -1: none; [slots].
+        local_t: Local translations [m], [slots, 3].
+        local_r: Local rotations xyzw, [slots, 4].
+        local_s: Local scales, [slots, 3].
+        t: Places in the model [m], written, [slots, 3].
+        r: Rotations there, written, [slots, 4].
+        s: Scales there, written, [slots, 3].
+    """
+    for slot in range(parents.shape[0]):
+        follow_one(slot, parents, local_t, local_r, local_s, t, r, s)
+
+
+@kernel
+def localise(slot: int, wanted: F8, parents: I4, r: F8, local_r: F8) -> None:
+    """Set the local rotation of a slot so that it is turned as wanted in the model; that of its parent is known."""
+    above = parents[slot]
+    r[slot] = wanted
+    if above < 0:
+        local_r[slot] = wanted
+        return
+    back = np.empty(4)
+    back[0], back[1], back[2], back[3] = -r[above, 0], -r[above, 1], -r[above, 2], r[above, 3]
+    multiply(back, wanted, local_r[slot])
+    normalise(local_r[slot], local_r[slot])
+
+
+@kernel
+def arc(a: F8, b: F8, out: F8) -> None:
+    """Set out = the shortest turn that brings direction a to b, of any lengths; half a turn where they are opposed."""
+    x, y, z = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+    lengths = np.sqrt((a[0] ** 2 + a[1] ** 2 + a[2] ** 2) * (b[0] ** 2 + b[1] ** 2 + b[2] ** 2))
+    w = lengths + a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    if w <= 1e-12 * lengths:  # opposed: about any axis at right angles
+        if abs(a[0]) < abs(a[1]):
+            x, y, z = 0.0, a[2], -a[1]
+        else:
+            x, y, z = -a[2], 0.0, a[0]
+        w = 0.0
+    out[0], out[1], out[2], out[3] = x, y, z, w
+    normalise(out, out)

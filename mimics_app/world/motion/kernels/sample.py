@@ -1,0 +1,195 @@
+"""Keys of a clip to the pose at a time (glTF 2.0, appendix C), and poses laid over each other."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.maths.quat import multiply, normalise, slerp
+
+__all__ = ["blend_pose", "sample_clip"]
+
+F4 = NDArray[np.float32]
+F8 = NDArray[np.float64]
+I4 = NDArray[np.int32]
+U1 = NDArray[np.uint8]
+
+_STEP, _LINEAR, _CUBIC = 0, 1, 2
+_ROTATION, _SCALE, _WEIGHTS = 1, 2, 3
+
+
+@kernel
+def _find_key(times: F4, first: int, keys: int, at: float, near: int) -> int:
+    """Number of the last key at or before a time, -1: before the first; looked for from the last one found."""
+    k = min(max(near, 0), keys - 1)
+    while k + 1 < keys and times[first + k + 1] <= at:
+        k += 1
+    while k >= 0 and times[first + k] > at:
+        k -= 1
+    return k
+
+
+@kernel
+def _between(
+    kind: int, width: int, here: int, after: int, t: float, span: float, turns: bool, values: F4, out: F8
+) -> None:
+    """The value at a share t of the way between two keys whose values begin at `here` and `after`."""
+    if kind == _LINEAR and turns:
+        a, b = np.empty(4), np.empty(4)
+        for i in range(4):
+            a[i], b[i] = values[here + i], values[after + i]
+        slerp(a, b, t, out[:4])
+        return
+    if kind == _LINEAR:
+        for i in range(width):
+            out[i] = (1.0 - t) * values[here + i] + t * values[after + i]
+        return
+    t2, t3 = t * t, t * t * t
+    for i in range(width):
+        value, tangent = values[here + width + i], values[here + 2 * width + i]
+        value_after, tangent_after = values[after + width + i], values[after + i]
+        out[i] = (2.0 * t3 - 3.0 * t2 + 1.0) * value + span * (t3 - 2.0 * t2 + t) * tangent
+        out[i] += (3.0 * t2 - 2.0 * t3) * value_after + span * (t3 - t2) * tangent_after
+
+
+@kernel
+def _value_at(times: F4, values: F4, track: I4, at: float, near: int, out: F8) -> int:
+    """The value of one track at a time, held before its first and after its last key; returns the key it is at."""
+    kind, first, keys, start, width = track[2], track[3], track[4], track[5], track[6]
+    turns = track[1] == _ROTATION
+    size = 3 * width if kind == _CUBIC else width
+    k = _find_key(times, first, keys, at, near)
+    if kind != _STEP and 0 <= k < keys - 1:
+        begins = float(times[first + k])
+        span = float(times[first + k + 1]) - begins
+        here = start + k * size
+        _between(kind, width, here, here + size, (at - begins) / span, span, turns, values, out)
+    else:
+        held = start + max(k, 0) * size + (width if kind == _CUBIC else 0)
+        for i in range(width):
+            out[i] = values[held + i]
+    if turns:
+        normalise(out[:4], out[:4])
+    return k
+
+
+@kernel
+def sample_clip(
+    tracks: I4,
+    times: F4,
+    values: F4,
+    at: float,
+    cursors: I4,
+    morph_first: I4,
+    scratch: F8,
+    translations: F8,
+    rotations: F8,
+    scales: F8,
+    morphs: F8,
+    touched: U1,
+) -> None:
+    """Write what a clip says at a time into the slots it moves; other slots are left as they are.
+
+    Args:
+        tracks: Slot, path, interpolation, first key, keys, first value, width; [tracks, 7].
+        times: Of all keys [s].
+        values: Of all keys.
+        at: Time in the clip [s].
+        cursors: Key each track was at when it was asked last, kept between calls, [tracks].
+        morph_first: First morph weight of each slot, [slots + 1].
+        scratch: For one value, at least as long as the widest.
+        translations: Local [m], [slots, 3].
+        rotations: Local, unit xyzw, [slots, 4].
+        scales: Local, [slots, 3].
+        morphs: Weights of all slots, one after the other.
+        touched: 1 where the clip said something, by slot and path, [slots, 4].
+    """
+    for k in range(tracks.shape[0]):
+        slot, path, width = tracks[k, 0], tracks[k, 1], tracks[k, 6]
+        cursors[k] = _value_at(times, values, tracks[k], at, cursors[k], scratch)
+        touched[slot, path] = 1
+        for i in range(width):
+            if path == 0:
+                translations[slot, i] = scratch[i]
+            elif path == _ROTATION:
+                rotations[slot, i] = scratch[i]
+            elif path == _SCALE:
+                scales[slot, i] = scratch[i]
+            elif morph_first[slot] + i < morph_first[slot + 1]:
+                morphs[morph_first[slot] + i] = scratch[i]
+
+
+@kernel
+def _add_turn(rotation: F8, reference: F8, sampled: F8, share: float) -> None:
+    """Turn by a share of the way from a reference to what is sampled, in the joint's own frame."""
+    delta, back, still = np.empty(4), np.empty(4), np.zeros(4)
+    still[3] = 1.0
+    back[0], back[1], back[2], back[3] = -reference[0], -reference[1], -reference[2], reference[3]
+    multiply(back, sampled, delta)
+    slerp(still, delta, share, delta)
+    multiply(rotation, delta, rotation)
+    normalise(rotation, rotation)
+
+
+@kernel
+def blend_pose(
+    weight: float,
+    additive: bool,
+    mask: F8,
+    touched: U1,
+    morph_first: I4,
+    from_translations: F8,
+    from_rotations: F8,
+    from_scales: F8,
+    from_morphs: F8,
+    reference_translations: F8,
+    reference_rotations: F8,
+    reference_scales: F8,
+    reference_morphs: F8,
+    translations: F8,
+    rotations: F8,
+    scales: F8,
+    morphs: F8,
+) -> None:
+    """Lay a sampled pose over a pose, where it says something: in its place by a share, or added to it.
+
+    Args:
+        weight: 0 to 1.
+        additive: True adds what the sample differs from the reference.
+        mask: Share of the weight for each slot, [slots].
+        touched: Where the sample says something, [slots, 4].
+        morph_first: First morph weight of each slot, [slots + 1].
+        from_translations: The sample, as are the next three; [slots, 3].
+        from_rotations: [slots, 4].
+        from_scales: [slots, 3].
+        from_morphs: [weights].
+        reference_translations: What an additive sample is compared to, as are the next three.
+        reference_rotations: [slots, 4].
+        reference_scales: [slots, 3].
+        reference_morphs: [weights].
+        translations: The pose, changed, as are the next three.
+        rotations: [slots, 4].
+        scales: [slots, 3].
+        morphs: [weights].
+    """
+    for slot in range(mask.shape[0]):
+        share = weight * mask[slot]
+        if share <= 0.0:
+            continue
+        if touched[slot, 1]:
+            if additive:
+                _add_turn(rotations[slot], reference_rotations[slot], from_rotations[slot], share)
+            else:
+                slerp(rotations[slot], from_rotations[slot], share, rotations[slot])
+        for i in range(3):
+            if touched[slot, 0]:
+                base = reference_translations[slot, i] if additive else translations[slot, i]
+                translations[slot, i] += share * (from_translations[slot, i] - base)
+            if touched[slot, 2]:
+                base = reference_scales[slot, i] if additive else scales[slot, i]
+                scales[slot, i] += share * (from_scales[slot, i] - base)
+        if touched[slot, 3]:
+            for m in range(morph_first[slot], morph_first[slot + 1]):
+                base = reference_morphs[m] if additive else morphs[m]
+                morphs[m] += share * (from_morphs[m] - base)

@@ -1,0 +1,308 @@
+"""The upper body out of what trackers know: head, and hands where they are tracked. One compiled pass for a person.
+
+In order: yaw of the chest from head and hands with a dead zone and a greatest rate, place of the neck below the head,
+spine bent so that the neck is there, head exactly as tracked, collar bones that give when an arm is nearly stretched,
+arms in closed form, and the roll of each wrist spread along its forearm.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.maths.quat import multiply, normalise, rotate, rotate_back, slerp
+from mimics_app.world.motion.kernels.chain import arc, follow_one, localise
+from mimics_app.world.motion.kernels.two_bone import reach_two_bones
+
+__all__ = ["BONES", "STATE", "solve_upper_body"]
+
+F8 = NDArray[np.float64]
+I4 = NDArray[np.int32]
+
+BONES = 14
+"""Slots asked for: hips, spine, chest, upper chest, neck, head, then shoulder, upper arm, lower arm, hand of each side;
+-1 where there is none (of spine, chest, upper chest, shoulders)."""
+
+STATE = 16
+"""Numbers kept from step to step: yaw of the chest [rad], 1 once it is known, and seven of each arm's reach."""
+
+_HIPS, _SPINE, _CHEST, _UPPER, _NECK, _HEAD, _LEFT, _RIGHT = 0, 1, 2, 3, 4, 5, 6, 10
+_HEAD_SHARE = 0.6
+"""Of the chest's direction that the head tells; the hands tell the rest."""
+_DEAD = math.radians(12.0)
+"""The head turns this far before the chest follows."""
+_YAW_RATE = math.radians(240.0)
+"""Fastest the chest turns [rad/s]."""
+_HIPS_SHARE = 0.35
+"""Of the chest's yaw that the hips take."""
+_NECK_SHARE = 0.45
+"""Of the way from chest to head that the neck turns."""
+_GIVES_FROM, _MOST_COLLAR = 0.9, math.radians(30.0)
+"""Reach, in lengths of the arm, from which the collar bone follows, and how far at most."""
+_ROLL_SHARE = 0.5
+"""Of the roll of the wrist that the forearm takes."""
+_ARM_SOFT = 0.03
+
+
+@kernel
+def _azimuth(x: float, z: float) -> float:
+    """Direction over the ground about the vertical, 0: along +z."""
+    return math.atan2(x, z)
+
+
+@kernel
+def _wrap(angle: float) -> float:
+    return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
+
+
+@kernel
+def _about_y(angle: float, out: F8) -> None:
+    out[0], out[1], out[2], out[3] = 0.0, math.sin(0.5 * angle), 0.0, math.cos(0.5 * angle)
+
+
+@kernel
+def _chest_yaw(head: F8, hands: F8, tracked: I4, middle: F8, seconds: float, state: F8) -> float:
+    """Where the chest is turned, as head and hands tell, no faster than a chest turns."""
+    ahead = np.array((0.0, 0.0, 1.0))
+    rotate(head[3:], ahead, ahead)
+    wanted = _azimuth(ahead[0], ahead[2])
+    count, x, z = 0, 0.0, 0.0
+    for side in range(2):
+        if tracked[side]:
+            x, z, count = x + hands[side, 0] - middle[0], z + hands[side, 2] - middle[2], count + 1
+    # Hands before the body tell its direction, hands beside or behind it do not.
+    if count and math.hypot(x, z) > 0.15 * count:
+        off = _wrap(_azimuth(x, z) - wanted)
+        if abs(off) < 0.6 * math.pi:
+            wanted += (1.0 - _HEAD_SHARE) * off
+    if state[1] == 0.0:
+        state[0], state[1] = wanted, 1.0
+        return wanted
+    off = _wrap(wanted - state[0])
+    move = math.copysign(max(abs(off) - _DEAD, 0.0), off)
+    most = _YAW_RATE * seconds
+    state[0] = _wrap(state[0] + min(max(move, -most), most))
+    return state[0]
+
+
+@kernel
+def _turn_in_model(slot: int, turn: F8, rest_r: F8, parents: I4, t: F8, r: F8, s: F8, lt: F8, lr: F8, ls: F8) -> None:
+    """Turn a slot by a rotation of the model's frame from how it rests, and take over where it is now."""
+    wanted = np.empty(4)
+    multiply(turn, rest_r[slot], wanted)
+    follow_one(slot, parents, lt, lr, ls, t, r, s)
+    localise(slot, wanted, parents, r, lr)
+
+
+@kernel
+def _bend_spine(
+    bones: I4, yaw: float, bend: F8, rest_r: F8, parents: I4, t: F8, r: F8, s: F8, lt: F8, lr: F8, ls: F8
+) -> None:
+    """Hips take some of the yaw, and spine, chest and upper chest the rest and the bend, in even steps."""
+    turn, leaned, part, still = np.empty(4), np.empty(4), np.empty(4), np.zeros(4)
+    still[3] = 1.0
+    levels = 0
+    for k in range(_SPINE, _NECK):
+        levels += bones[k] >= 0
+    _about_y(_HIPS_SHARE * yaw, turn)
+    _turn_in_model(bones[_HIPS], turn, rest_r, parents, t, r, s, lt, lr, ls)
+    level = 0
+    for k in range(_SPINE, _NECK):
+        if bones[k] < 0:
+            continue
+        level += 1
+        share = level / levels
+        _about_y((_HIPS_SHARE + (1.0 - _HIPS_SHARE) * share) * yaw, turn)
+        slerp(still, bend, share, part)
+        multiply(part, turn, leaned)
+        _turn_in_model(bones[k], leaned, rest_r, parents, t, r, s, lt, lr, ls)
+
+
+@kernel
+def _chain_to_head(bones: I4, last: int, parents: I4, t: F8, r: F8, s: F8, lt: F8, lr: F8, ls: F8) -> None:
+    for k in range(_HIPS, last + 1):
+        if bones[k] >= 0:
+            follow_one(bones[k], parents, lt, lr, ls, t, r, s)
+
+
+@kernel
+def _give_shoulder(
+    slot: int, arm: int, target: F8, length: float, parents: I4, t: F8, r: F8, s: F8, lt: F8, lr: F8, ls: F8
+) -> None:
+    """Turn a collar bone towards what is nearly out of reach."""
+    now, wanted, turn, turned = np.empty(3), np.empty(3), np.empty(4), np.empty(4)
+    away = 0.0
+    for i in range(3):
+        away += (target[i] - t[arm, i]) ** 2
+        now[i], wanted[i] = t[arm, i] - t[slot, i], target[i] - t[slot, i]
+    share = min(max((math.sqrt(away) / length - _GIVES_FROM) / 0.3, 0.0), 1.0)
+    if share <= 0.0:
+        return
+    arc(now, wanted, turn)
+    angle = 2.0 * math.acos(min(1.0, abs(turn[3])))
+    if angle < 1e-9:
+        return
+    still = np.zeros(4)
+    still[3] = 1.0
+    # Smooth where it begins: the square of the share.
+    slerp(still, turn, min(share * share, _MOST_COLLAR / angle), turn)
+    multiply(turn, r[slot], turned)
+    localise(slot, turned, parents, r, lr)
+    follow_one(arm, parents, lt, lr, ls, t, r, s)
+
+
+@kernel
+def _twist_of(q: F8, axis: F8) -> float:
+    """How far a rotation turns about an axis (swing and twist), -pi to pi [rad]."""
+    along = q[0] * axis[0] + q[1] * axis[1] + q[2] * axis[2]
+    return _wrap(2.0 * math.atan2(along, q[3]))
+
+
+@kernel
+def _reach_arm(
+    bones: I4, first: int, side: float, hand: F8, yaw: float, seconds: float, rate: float, state: F8,
+    rest_r: F8, parents: I4, t: F8, r: F8, s: F8, lt: F8, lr: F8, ls: F8,
+) -> int:  # fmt: skip
+    """One arm: collar bone, elbow, hand; the roll of the wrist goes half into the forearm."""
+    collar, upper, lower, end = bones[first], bones[first + 1], bones[first + 2], bones[first + 3]
+    for k in range(4):
+        if bones[first + k] >= 0:
+            follow_one(bones[first + k], parents, lt, lr, ls, t, r, s)
+    a = b = 0.0
+    for i in range(3):
+        a, b = a + (t[lower, i] - t[upper, i]) ** 2, b + (t[end, i] - t[lower, i]) ** 2
+    a, b = math.sqrt(a), math.sqrt(b)
+    if collar >= 0:
+        _give_shoulder(collar, upper, hand[:3], a + b, parents, t, r, s, lt, lr, ls)
+    pole, turn = np.empty(3), np.empty(4)
+    pole[0], pole[1], pole[2] = 0.45 * side, -0.8, -0.5
+    _about_y(yaw, turn)
+    rotate(turn, pole, pole)
+    asked, limb, out, case = np.empty((1, 9)), np.empty((1, 4)), np.zeros((1, 6)), np.zeros(1, np.int32)
+    for i in range(3):
+        asked[0, i], asked[0, 3 + i], asked[0, 6 + i] = t[upper, i], hand[i], t[upper, i] + pole[i]
+    limb[0, 0], limb[0, 1], limb[0, 2], limb[0, 3] = a, b, _ARM_SOFT, rate * seconds if seconds > 0.0 else math.inf
+    reach_two_bones(asked, limb, state.reshape(1, 7), out, case)
+    now, wanted, turned = np.empty(3), np.empty(3), np.empty(4)
+    for i in range(3):
+        now[i], wanted[i] = t[lower, i] - t[upper, i], out[0, i] - t[upper, i]
+    arc(now, wanted, turn)
+    multiply(turn, r[upper], turned)
+    localise(upper, turned, parents, r, lr)
+    follow_one(lower, parents, lt, lr, ls, t, r, s)
+    follow_one(end, parents, lt, lr, ls, t, r, s)
+    for i in range(3):
+        now[i], wanted[i] = t[end, i] - t[lower, i], out[0, 3 + i] - t[lower, i]
+    arc(now, wanted, turn)
+    multiply(turn, r[lower], turned)
+    localise(lower, turned, parents, r, lr)
+    _roll(lower, end, hand[3:], wanted, rest_r, parents, t, r, s, lt, lr, ls)
+    return case[0]
+
+
+@kernel
+def _roll(
+    lower: int, end: int, hand: F8, axis: F8, rest_r: F8, parents: I4, t: F8, r: F8, s: F8, lt: F8, lr: F8, ls: F8
+) -> None:
+    """Give the forearm its share of the wrist's roll, then turn the hand exactly as it is tracked."""
+    length = math.sqrt(axis[0] ** 2 + axis[1] ** 2 + axis[2] ** 2)
+    wanted, relative, back, turn, turned = np.empty(4), np.empty(4), np.empty(4), np.empty(4), np.empty(4)
+    multiply(hand, rest_r[end], wanted)
+    follow_one(end, parents, lt, lr, ls, t, r, s)
+    back[0], back[1], back[2], back[3] = -r[end, 0], -r[end, 1], -r[end, 2], r[end, 3]
+    multiply(wanted, back, relative)
+    if length > 0.0:
+        for i in range(3):
+            axis[i] /= length
+        half = 0.5 * _ROLL_SHARE * _twist_of(relative, axis)
+        turn[0], turn[1], turn[2] = math.sin(half) * axis[0], math.sin(half) * axis[1], math.sin(half) * axis[2]
+        turn[3] = math.cos(half)
+        multiply(turn, r[lower], turned)
+        localise(lower, turned, parents, r, lr)
+    follow_one(end, parents, lt, lr, ls, t, r, s)
+    localise(end, wanted, parents, r, lr)
+
+
+@kernel
+def solve_upper_body(
+    bones: I4,
+    head: F8,
+    hands: F8,
+    tracked: I4,
+    seconds: float,
+    swivel_rate: float,
+    parents: I4,
+    rest_t: F8,
+    rest_r: F8,
+    local_t: F8,
+    local_r: F8,
+    local_s: F8,
+    t: F8,
+    r: F8,
+    s: F8,
+    state: F8,
+) -> None:
+    """Pose hips, spine, neck, head and both arms after the trackers.
+
+    Rotations of trackers are told from how the bone rests: none as the calibrated person stands.
+
+    Args:
+        bones: Slots, see `BONES`; int32 [14].
+        head: Place of the head joint [m] and rotation xyzw in the model's frame, [7].
+        hands: The same of the left and the right wrist, [2, 7].
+        tracked: 1 where a hand is, int32 [2]; an arm that is not stays as the pose has it.
+        seconds: Since the last step [s].
+        swivel_rate: Fastest an elbow swings [rad/s].
+        parents: Slot each slot hangs on, [slots].
+        rest_t: Places at rest in the model's frame [m], [slots, 3].
+        rest_r: Rotations at rest there, [slots, 4].
+        local_t: The pose: local translations [m], the hips' changed, [slots, 3].
+        local_r: Local rotations, changed, [slots, 4].
+        local_s: Local scales, [slots, 3].
+        t: Working space, [slots, 3].
+        r: Working space, [slots, 4].
+        s: Working space, [slots, 3].
+        state: Kept from step to step, [STATE].
+    """
+    neck, top = bones[_NECK], bones[_HEAD]
+    yaw = _chest_yaw(head, hands, tracked, head[:3], seconds, state)
+    chest_turn, neck_turn, place = np.empty(4), np.empty(4), np.empty(3)
+    _about_y(yaw, chest_turn)
+    # Where the neck is does not depend on the bend of the spine: between the chest's yaw and the head.
+    slerp(chest_turn, head[3:], _NECK_SHARE, neck_turn)
+    for i in range(3):
+        place[i] = rest_t[top, i] - rest_t[neck, i]
+    rotate(neck_turn, place, place)
+    upright, leaned, bend = np.empty(3), np.empty(3), np.empty(4)
+    for i in range(3):
+        place[i] = head[i] - place[i]
+        upright[i] = rest_t[neck, i] - rest_t[bones[_HIPS], i]
+        leaned[i] = place[i] - rest_t[bones[_HIPS], i]
+    rotate(chest_turn, upright, upright)
+    arc(upright, leaned, bend)
+    _bend_spine(bones, yaw, bend, rest_r, parents, t, r, s, local_t, local_r, local_s)
+    _chain_to_head(bones, _NECK, parents, t, r, s, local_t, local_r, local_s)
+    # What the bend leaves over the hips make up: they sink when the person crouches.
+    hips = bones[_HIPS]
+    above = parents[hips]
+    for i in range(3):
+        place[i] -= t[neck, i]
+    if above >= 0:
+        rotate_back(r[above], place, place)
+    for i in range(3):
+        local_t[hips, i] += place[i] / (s[above, i] if above >= 0 else 1.0)
+    _chain_to_head(bones, _NECK, parents, t, r, s, local_t, local_r, local_s)
+    _turn_in_model(neck, neck_turn, rest_r, parents, t, r, s, local_t, local_r, local_s)
+    normalise(head[3:], head[3:])
+    _turn_in_model(top, head[3:], rest_r, parents, t, r, s, local_t, local_r, local_s)
+    for side in range(2):
+        if tracked[side]:
+            first, sign = (_LEFT, 1.0) if side == 0 else (_RIGHT, -1.0)
+            kept = state[2 + 7 * side : 9 + 7 * side]
+            _reach_arm(
+                bones, first, sign, hands[side], yaw, seconds, swivel_rate, kept,
+                rest_r, parents, t, r, s, local_t, local_r, local_s,
+            )  # fmt: skip

@@ -1,0 +1,64 @@
+"""Where the vertices of a body that bends are, in double precision: for rays, for files, to check the quick ways."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.world.meshes.deform import VertexWeights
+from mimics_app.world.meshes.mesh import MeshData
+from mimics_app.world.motion.skinned_body import SkinnedBody
+
+__all__ = ["mix_duals", "mix_matrices", "posed_positions"]
+
+F8 = NDArray[np.float64]
+
+
+def posed_positions(mesh: MeshData, body: SkinnedBody) -> F8:
+    """Positions of a mesh as its body bends it now, in the frame of its node [m], [n, 3]."""
+    positions = mesh.positions.astype(np.float64)
+    for share, morph in zip(body.weights.tolist(), mesh.morphs, strict=True):
+        positions += share * morph.positions
+    if body.binding is None or mesh.weights is None:
+        return positions
+    if body.method == "dual":
+        return mix_duals(positions, mesh.weights, body.duals.astype(np.float64))
+    return mix_matrices(positions, mesh.weights, body.rows.astype(np.float64))
+
+
+def mix_matrices(positions: F8, weights: VertexWeights, rows: F8) -> F8:
+    """Vertices moved by the mean of their joints' matrices, weights and joints per vertex; [n, 3].
+
+    Args:
+        positions: [n, 3].
+        weights: Of the vertices.
+        rows: Three rows of each joint's matrix, [joints, 3, 4].
+    """
+    moved = np.zeros_like(positions)
+    for k in range(weights.influences):
+        matrices, share = rows[weights.joints[:, k]], weights.weights[:, k].astype(np.float64)
+        each = np.einsum("nij,nj->ni", matrices[:, :, :3], positions) + matrices[:, :, 3]
+        moved += share[:, None] * each
+    return moved
+
+
+def mix_duals(positions: F8, weights: VertexWeights, duals: F8) -> F8:
+    """Vertices moved by the mean of their joints' dual quaternions (Kavan et al. 2008); [n, 3].
+
+    Args:
+        positions: [n, 3].
+        weights: Of the vertices.
+        duals: Real and dual part of each joint's motion, xyzw each, [joints, 8].
+    """
+    heaviest = duals[weights.joints[:, 0]]
+    mixed = np.zeros_like(heaviest)
+    for k in range(weights.influences):
+        each = duals[weights.joints[:, k]]
+        side = np.where(np.einsum("ni,ni->n", heaviest[:, :4], each[:, :4]) < 0.0, -1.0, 1.0)
+        mixed += (side * weights.weights[:, k])[:, None] * each
+    mixed /= np.linalg.norm(mixed[:, :4], axis=1, keepdims=True)
+    axis, w, dual, dual_w = mixed[:, :3], mixed[:, 3:4], mixed[:, 4:7], mixed[:, 7:]
+    turn = 2.0 * np.cross(axis, positions)
+    turned = positions + w * turn + np.cross(axis, turn)
+    shifted: F8 = turned + 2.0 * (w * dual - dual_w * axis + np.cross(axis, dual))
+    return shifted

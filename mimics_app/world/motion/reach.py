@@ -1,0 +1,130 @@
+"""A limb of a model that reaches for a point: what its two joints are turned by, blended over what clips say."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from enum import IntFlag
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.maths.quat import multiply, slerp
+from mimics_app.world.motion.animator import Rig
+from mimics_app.world.motion.kernels.chain import arc, follow_chain, follow_one, localise
+from mimics_app.world.motion.kernels.two_bone import reach_two_bones
+from mimics_app.world.motion.pose import Pose
+
+__all__ = ["SWIVEL_RATE", "Chain", "LimbReach", "ReachCase"]
+
+F8 = NDArray[np.float64]
+
+SWIVEL_RATE = math.radians(720.0)
+"""Fastest an elbow swings about the line from shoulder to hand [rad/s]."""
+
+
+class ReachCase(IntFlag):
+    """What is special about a reach; none of it is an error."""
+
+    PLAIN = 0
+    AT_SHOULDER = 1  # no direction: the last one is kept
+    TOO_FAR = 2
+    TOO_NEAR = 4  # bones of unequal lengths
+    ON_POLE = 8  # the pole tells no side: the last one is kept
+    NO_LENGTH = 16
+    NOT_FINITE = 32  # elbow and hand stay where they were
+    TURNING = 64  # the elbow follows the pole as fast as it may
+
+
+class Chain:
+    """Where the joints of a model are in its own frame, worked out anew for each pose.
+
+    Attributes:
+        places: [m], [slots, 3].
+        turns: xyzw, [slots, 4].
+        scales: [slots, 3].
+    """
+
+    def __init__(self, rig: Rig) -> None:
+        self.rig = rig
+        count = len(rig.names)
+        self.places: F8 = np.zeros((count, 3))
+        self.turns: F8 = np.zeros((count, 4))
+        self.scales: F8 = np.ones((count, 3))
+        self.follow(rig.rest)
+
+    def follow(self, pose: Pose) -> None:
+        """Take over a pose."""
+        local = (pose.translations, pose.rotations, pose.scales)
+        follow_chain(self.rig.parents, *local, self.places, self.turns, self.scales)
+
+    def follow_slot(self, pose: Pose, slot: int) -> None:
+        """Take over one slot whose parent is right already."""
+        local = (pose.translations, pose.rotations, pose.scales)
+        follow_one(slot, self.rig.parents, *local, self.places, self.turns, self.scales)
+
+
+class LimbReach:
+    """Has a limb of two bones reach for a point in the frame of the model; a step of an animator.
+
+    Args:
+        rig: The model's nodes.
+        joints: Slots of shoulder, elbow and hand, or of hip, knee and foot.
+        target: Gives the point [m], or None while there is nothing to reach for.
+        pole: Gives a point the elbow points to [m], from the place of the shoulder.
+        weight: 0 to 1: share over what the clips say.
+        soft: Share of the limb's length in which the reach gives way.
+
+    Attributes:
+        weight: See above; change it as you like.
+        case: What was special in the last step.
+    """
+
+    def __init__(
+        self,
+        rig: Rig,
+        joints: tuple[int, int, int],
+        target: Callable[[], F8 | None],
+        pole: Callable[[F8], F8],
+        *,
+        weight: float = 1.0,
+        soft: float = 0.03,
+    ) -> None:
+        self._rig, self._joints = rig, joints
+        self._target, self._pole = target, pole
+        self._chain = Chain(rig)
+        self.weight, self._soft = weight, soft
+        self._asked, self._limb = np.zeros((1, 9)), np.zeros((1, 4))
+        self._state, self._out, self._cases = np.zeros((1, 7)), np.zeros((1, 6)), np.zeros(1, np.int32)
+        self.case = ReachCase.PLAIN
+
+    def __call__(self, pose: Pose, seconds: float) -> None:
+        target = self._target()
+        if target is None or self.weight <= 0.0:
+            return
+        upper, lower, end = self._joints
+        chain = self._chain
+        chain.follow(pose)
+        shoulder, elbow, hand = (chain.places[slot] for slot in self._joints)
+        self._asked[0] = np.concatenate([shoulder, target, self._pole(shoulder)])
+        lengths = np.linalg.norm(elbow - shoulder), np.linalg.norm(hand - elbow)
+        self._limb[0] = (*lengths, self._soft, SWIVEL_RATE * abs(seconds) if seconds else math.inf)
+        reach_two_bones(self._asked, self._limb, self._state, self._out, self._cases)
+        self.case = ReachCase(int(self._cases[0]))
+        if self.case & (ReachCase.NO_LENGTH | ReachCase.NOT_FINITE):
+            return
+        before = pose.rotations[[upper, lower]].copy()
+        self._aim(pose, upper, elbow - shoulder, self._out[0, :3] - self._asked[0, :3])
+        for slot in (lower, end):
+            chain.follow_slot(pose, slot)
+        self._aim(pose, lower, chain.places[end] - chain.places[lower], self._out[0, 3:] - self._out[0, :3])
+        if self.weight < 1.0:
+            for slot, old in zip((upper, lower), before, strict=True):
+                slerp(old, pose.rotations[slot].copy(), self.weight, pose.rotations[slot])
+
+    def _aim(self, pose: Pose, slot: int, now: F8, wanted: F8) -> None:
+        """Turn a joint so that what points along `now` points along `wanted`."""
+        turn, turned = np.empty(4), np.empty(4)
+        arc(np.ascontiguousarray(now), np.ascontiguousarray(wanted), turn)
+        multiply(turn, self._chain.turns[slot], turned)
+        localise(slot, turned, self._rig.parents, self._chain.turns, pose.rotations)

@@ -1,0 +1,50 @@
+"""The way a clip walks over the ground taken from a joint and given to what the model stands on."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.maths.quat import rotate
+from mimics_app.world.motion.animator import Animator
+from mimics_app.world.motion.pose import Pose
+from mimics_app.world.transforms import TransformTable
+
+__all__ = ["RootMotion"]
+
+F8 = NDArray[np.float64]
+
+
+class RootMotion:
+    """Keeps a joint above its place at rest and moves the model instead; the last step of an animator.
+
+    Args:
+        animator: Whose layers walk.
+        slot: The joint.
+        transforms: Of the world.
+        entity: Index of what the model stands on.
+
+    Attributes:
+        way: How far the model went in the last step, in its own frame [m], [3].
+    """
+
+    def __init__(self, animator: Animator, slot: int, transforms: TransformTable, entity: int) -> None:
+        self._animator, self._slot = animator, slot
+        self._transforms, self._entity = transforms, entity
+        self._scratch = animator.rig.rest.copy()
+        self.way: F8 = np.zeros(3)
+
+    def __call__(self, pose: Pose, seconds: float) -> None:
+        way, share = np.zeros(3), 0.0
+        for layer in self._animator.layers:
+            if layer.weight > 0.0 and layer.moves(self._slot) and not layer.additive:
+                way = (1.0 - layer.weight) * way + layer.weight * layer.travel(self._slot, self._scratch)
+                share = max(share, layer.weight)
+        way[1] = 0.0
+        rest = self._animator.rig.rest.translations[self._slot]
+        pose.translations[self._slot, [0, 2]] = rest[[0, 2]]
+        self.way = way
+        if share > 0.0 and way.any():
+            moved, table, index = np.empty(3), self._transforms, self._entity
+            rotate(table.rotation(index), way * table.scale(index), moved)
+            table.set_translation(index, table.translation(index) + moved)

@@ -1,0 +1,157 @@
+"""A mesh that bends: its joints and morph weights as of this frame, and the box they keep it in."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.world.meshes.mesh import MeshData
+from mimics_app.world.motion.kernels.palette import bound_joints, write_palette
+from mimics_app.world.transforms import TransformTable
+
+__all__ = ["Binding", "SkinnedBody", "Skinning", "bind"]
+
+F4 = NDArray[np.float32]
+F8 = NDArray[np.float64]
+I4 = NDArray[np.int32]
+
+Skinning = Literal["linear", "dual"]
+"""How the joints of a vertex are mixed: their matrices (as glTF 2.0 says), or their dual quaternions, which keep the
+volume of what is twisted (Kavan et al. 2008)."""
+
+_STRETCHED = 2e-3
+"""Error of a product of two axes of a joint from which it is no rotation: singular values 1e-3 beside 1."""
+
+_BULGE = 0.12
+"""How far mixed dual quaternions may carry a vertex out of the box about its joints' boxes, of that box's size."""
+
+
+@dataclass(frozen=True, eq=False)
+class Binding:
+    """A skin as entities of a world.
+
+    Attributes:
+        joints: Entity index of each joint, int32 [joints].
+        inverse_bind: T_joint_from_mesh at rest, float64 [joints, 4, 4].
+        boxes: About the vertices that follow each joint, as modelled [m], float64 [joints, 2, 3].
+    """
+
+    joints: I4
+    inverse_bind: F8
+    boxes: F8
+
+
+def bind(joints: I4, inverse_bind: F8, meshes: Sequence[MeshData]) -> Binding:
+    """A skin and the boxes about what of some meshes follows each of its joints."""
+    boxes = np.empty((len(joints), 2, 3))
+    boxes[:, 0], boxes[:, 1] = np.inf, -np.inf
+    for mesh in meshes:
+        if mesh.weights is None:
+            continue
+        for k in range(mesh.weights.influences):
+            follows = mesh.weights.weights[:, k] > 0.0
+            numbers, places = mesh.weights.joints[follows, k], mesh.positions[follows].astype(np.float64)
+            np.minimum.at(boxes[:, 0], numbers, places)
+            np.maximum.at(boxes[:, 1], numbers, places)
+    return Binding(np.ascontiguousarray(joints, np.int32), np.ascontiguousarray(inverse_bind), boxes)
+
+
+class SkinnedBody:
+    """One body that bends; all its meshes follow the same joints.
+
+    Args:
+        entity: Index of the node that carries it.
+        meshes: Its meshes by key in the world.
+        binding: What it follows; None for a body that only has morph targets.
+        morphs: Weights of its morph targets; a view of the model's pose, [targets].
+        skinning: How joints are mixed where nothing stretches; where something does, matrices are.
+
+    Attributes:
+        rows: Palette in the frame of the node, three rows of a matrix each, float32 [joints, 3, 4].
+        duals: The same as dual quaternions, float32 [joints, 8].
+        weights: Of its morph targets in this frame, float32 [targets].
+        stretched: Whether a joint stretches in this frame, so that matrices are mixed.
+        bounds: Corners of the box about it in the frame of the node [m].
+        revision: Changes whenever it bends.
+    """
+
+    def __init__(
+        self, entity: int, meshes: dict[str, MeshData], binding: Binding | None, morphs: F8, skinning: Skinning
+    ) -> None:
+        self.entity = entity
+        self.meshes = meshes
+        self.binding = binding
+        self.skinning = skinning
+        joints = 0 if binding is None else len(binding.joints)
+        self.rows: F4 = np.zeros((joints, 3, 4), np.float32)
+        self.duals: F4 = np.zeros((joints, 8), np.float32)
+        self.weights: F4 = np.zeros(len(morphs), np.float32)
+        self.stretched = False
+        self.revision = 0
+        self._morphs = morphs
+        self._grown = _growth(list(meshes.values()))
+        self._least, self._greatest = np.zeros(3), np.zeros(3)
+        self._order = -1
+        self._joint_rows: I4 = np.zeros(joints, np.int32)
+
+    @property
+    def method(self) -> Skinning:
+        """How its joints are mixed in this frame."""
+        return "linear" if self.stretched else self.skinning
+
+    @property
+    def bounds(self) -> tuple[F8, F8]:
+        """Corners of the box about it in the frame of its node [m], [3] each."""
+        return self._least, self._greatest
+
+    def follow(self, transforms: TransformTable) -> None:
+        """Take over where its joints are now."""
+        bent = self.revision == 0 or not np.array_equal(self.weights, self._morphs.astype(np.float32))
+        if self.binding is not None:
+            if self._order != transforms.revision:
+                self._order, bent = transforms.revision, True
+                self._joint_rows = transforms.rows(self.binding.joints)
+            row = transforms.row(self.entity)
+            bent = bent or bool(transforms.changed[row]) or bool(transforms.changed[self._joint_rows].any())
+            if bent:
+                self._write(row, transforms.world)
+        if bent:
+            self.weights[:] = self._morphs
+            self._bound()
+            self.revision += 1
+
+    def _write(self, row: int, world: F8) -> None:
+        assert self.binding is not None
+        given = (self._joint_rows, row, world, self.binding.inverse_bind)
+        worst = write_palette(*given, self.rows, self.duals)
+        if worst >= 0.0:
+            self.stretched = worst > _STRETCHED
+
+    def _bound(self) -> None:
+        grown = self._grown * max(1.0, float(np.abs(self.weights).max(initial=0.0)))
+        if self.binding is None:
+            corners = [mesh.bounds for mesh in self.meshes.values()]
+            self._least = np.min([corner[0] for corner in corners], axis=0) - grown
+            self._greatest = np.max([corner[1] for corner in corners], axis=0) + grown
+            return
+        least, greatest = np.empty(3), np.empty(3)
+        bound_joints(self.rows, self.binding.boxes, grown, least, greatest)
+        if self.method == "dual":
+            bulge = _BULGE * float((greatest - least).max())
+            least, greatest = least - bulge, greatest + bulge
+        self._least, self._greatest = least, greatest
+
+
+def _growth(meshes: Sequence[MeshData]) -> F8:
+    """What morph targets at weight 1 may add on each side [m], with room for single precision, [3]."""
+    grown, size = np.zeros(3), 0.0
+    for mesh in meshes:
+        if mesh.morphs:
+            added = np.sum([np.abs(morph.positions.astype(np.float64)) for morph in mesh.morphs], axis=0)
+            grown = np.maximum(grown, added.max(axis=0, initial=0.0))
+        size = max(size, float(np.abs(mesh.bounds).max()))
+    return grown + 1e-5 * size

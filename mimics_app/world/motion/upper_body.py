@@ -1,0 +1,232 @@
+"""A person's upper body out of head and hand trackers, and a second person who does the same: mirrored, or later."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.maths.quat import slerp
+from mimics_app.world.motion.animator import Animator, Rig
+from mimics_app.world.motion.humanoid import HumanoidMap
+from mimics_app.world.motion.kernels.upper_body import STATE, solve_upper_body
+from mimics_app.world.motion.pose import Pose
+from mimics_app.world.motion.reach import SWIVEL_RATE, Chain
+from mimics_app.world.motion.retarget import Retarget
+
+__all__ = ["Calibration", "DelayedTwin", "Trackers", "UpperBody", "calibrate"]
+
+F8 = NDArray[np.float64]
+
+_WANTED = (
+    *("hips", "spine", "chest", "upperChest", "neck", "head"),
+    *("leftShoulder", "leftUpperArm", "leftLowerArm", "leftHand"),
+    *("rightShoulder", "rightUpperArm", "rightLowerArm", "rightHand"),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Trackers:
+    """What trackers say at one time, each place [m] and rotation xyzw, [7]; None where nothing is tracked.
+
+    Attributes:
+        head, left, right: Of the head and of both wrists.
+    """
+
+    head: F8
+    left: F8 | None = None
+    right: F8 | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """How what trackers say becomes what bones of a model do.
+
+    Attributes:
+        scale: Of places: the model's height of the head over the person's.
+        offsets: Place of each joint in its tracker's own frame [m, of the person], [3, 3]: head, left, right.
+        turns: Rotation of each tracker as the person stood, inverted, xyzw, [3, 4].
+        origin: Of the trackers' room in the model's frame, below the person's head as it stood [m], [3].
+        arm: The model's span over the person's, after `scale`: 1 where both are built alike.
+    """
+
+    scale: float
+    offsets: F8
+    turns: F8
+    origin: F8
+    arm: float
+
+
+def calibrate(rig: Rig, bones: HumanoidMap, standing: Trackers) -> Calibration:
+    """Fit trackers to a model from one moment in which the person stands like it rests: straight, arms at the sides.
+
+    Args:
+        rig: The model's nodes.
+        bones: Its bones.
+        standing: What trackers said then; head and both hands.
+
+    Raises:
+        ValueError: a hand is not tracked, or the person has no height.
+    """
+    if standing.left is None or standing.right is None:
+        raise ValueError("calibration needs both hands: stand straight with both trackers on")
+    rest = Chain(rig)
+    head = rest.places[bones.slots["head"]]
+    ground = min(rest.places[bones.slots[f"{side}Foot"], 1] for side in ("left", "right"))
+    height = float(standing.head[1])
+    if not height > 0.3:
+        raise ValueError(f"a head {height:.2f} m above the floor is no standing person's")
+    scale = float(head[1] - min(ground, 0.0)) / height
+    seen = (standing.head, standing.left, standing.right)
+    turns = np.array([_inverse(each[3:]) for each in seen])
+    span = float(np.linalg.norm(standing.left[:3] - standing.right[:3])) * scale
+    own = float(np.linalg.norm(rest.places[bones.slots["leftHand"]] - rest.places[bones.slots["rightHand"]]))
+    origin = np.array([head[0] - scale * standing.head[0], 0.0, head[2] - scale * standing.head[2]])
+    offsets = np.zeros((3, 3))
+    arm = own / span if span > 0.1 else 1.0
+    for k, name in enumerate(("head", "leftHand", "rightHand")):
+        joint = rest.places[bones.slots[name]]
+        seen_at = origin + scale * seen[k][:3]
+        stretched = seen_at if k == 0 else head + arm * (seen_at - head)
+        offsets[k] = _turned(_inverse(seen[k][3:]), joint - stretched)
+    return Calibration(scale, offsets, turns, origin, arm)
+
+
+class UpperBody:
+    """Poses a model after trackers; a step of an animator.
+
+    Args:
+        rig: The model's nodes.
+        bones: Its bones.
+        source: Gives the newest trackers in the model's room, or None while there are none.
+        calibration: From `calibrate`; None: trackers say where the joints are, turned from how they rest.
+
+    Attributes:
+        weight: Share over what the clips say, 0 to 1.
+    """
+
+    def __init__(
+        self,
+        rig: Rig,
+        bones: HumanoidMap,
+        source: Callable[[], Trackers | None],
+        calibration: Calibration | None = None,
+    ) -> None:
+        self._rig, self._source, self._calibration = rig, source, calibration
+        self._bones = np.array([bones.slots.get(name, -1) for name in _WANTED], np.int32)
+        self._rest, self._work = Chain(rig), Chain(rig)
+        self._state = np.zeros(STATE)
+        self._head, self._hands, self._tracked = np.zeros(7), np.zeros((2, 7)), np.zeros(2, np.int32)
+        self.weight = 1.0
+
+    def __call__(self, pose: Pose, seconds: float) -> None:
+        told = self._source()
+        if told is None or self.weight <= 0.0:
+            return
+        before = pose.copy() if self.weight < 1.0 else None
+        self._head[:] = self._joint(told.head, 0)
+        for side, hand in enumerate((told.left, told.right)):
+            self._tracked[side] = hand is not None
+            if hand is not None:
+                self._hands[side] = self._joint(hand, 1 + side)
+        work, rest = self._work, self._rest
+        solve_upper_body(
+            self._bones,
+            self._head,
+            self._hands,
+            self._tracked,
+            abs(seconds),
+            SWIVEL_RATE,
+            self._rig.parents,
+            rest.places,
+            rest.turns,
+            *pose.arrays[:3],
+            work.places,
+            work.turns,
+            work.scales,
+            self._state,
+        )
+        if before is not None:
+            self._blend(before, pose)
+
+    def _joint(self, told: F8, which: int) -> F8:
+        """Place and rotation of a joint out of what its tracker says."""
+        fit = self._calibration
+        if fit is None:
+            return told
+        place = fit.origin + fit.scale * told[:3]
+        if which:
+            head = self._head[:3]
+            place = head + fit.arm * (place - head)
+        return np.concatenate([place + _turned(told[3:], fit.offsets[which]), _product(told[3:], fit.turns[which])])
+
+    def _blend(self, before: Pose, pose: Pose) -> None:
+        for slot in self._bones[self._bones >= 0].tolist():
+            slerp(before.rotations[slot], pose.rotations[slot].copy(), self.weight, pose.rotations[slot])
+            step = pose.translations[slot] - before.translations[slot]
+            pose.translations[slot] = before.translations[slot] + self.weight * step
+
+
+class DelayedTwin:
+    """A second person whose joints turn as the first one's do: at once or later, as they are or mirrored.
+
+    Joints are followed, not hands: bodies of other proportions do the same movement.
+
+    Args:
+        source: Whose joints are followed; it is stepped before the twin.
+        bones: Of both, the source's first.
+        twin: Who follows; this is a step of it.
+        mirrored: Left does what right does, as in a mirror.
+        delay: How much later [s].
+    """
+
+    def __init__(
+        self,
+        source: Animator,
+        bones: tuple[HumanoidMap, HumanoidMap],
+        twin: Animator,
+        *,
+        mirrored: bool = False,
+        delay: float = 0.0,
+    ) -> None:
+        self._source, self.delay = source, delay
+        self._retarget = Retarget(source.rig, bones[0], twin.rig, bones[1], mirrored=mirrored)
+        self._line: deque[tuple[float, F8, F8]] = deque()
+        self._now = 0.0
+
+    def __call__(self, pose: Pose, seconds: float) -> None:
+        self._now += abs(seconds)
+        came = self._source.pose
+        self._line.append((self._now, came.rotations.copy(), came.translations.copy()))
+        while len(self._line) > 2 and self._line[1][0] <= self._now - self.delay:
+            self._line.popleft()
+        rotations, translations = self._at(self._now - self.delay)
+        self._retarget.apply(rotations, translations, pose)
+
+    def _at(self, time: float) -> tuple[F8, F8]:
+        """What the source's joints were at a time, between the two steps about it; the oldest before that."""
+        first = self._line[0]
+        if len(self._line) == 1 or time <= first[0]:
+            return first[1], first[2]
+        second = self._line[1]
+        share = min(1.0, (time - first[0]) / max(second[0] - first[0], 1e-12))
+        between = np.empty_like(first[1])
+        for slot in range(len(between)):
+            slerp(first[1][slot], second[1][slot], share, between[slot])
+        return between, (1.0 - share) * first[2] + share * second[2]
+
+
+def _inverse(q: F8) -> F8:
+    return np.array([-q[0], -q[1], -q[2], q[3]])
+
+
+def _turned(q: F8, v: F8) -> F8:
+    turn = 2.0 * np.cross(q[:3], v)
+    return np.asarray(v + q[3] * turn + np.cross(q[:3], turn))
+
+
+def _product(a: F8, b: F8) -> F8:
+    return np.append(a[3] * b[:3] + b[3] * a[:3] + np.cross(a[:3], b[:3]), a[3] * b[3] - a[:3] @ b[:3])

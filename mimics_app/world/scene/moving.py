@@ -1,0 +1,133 @@
+"""What a scene says of how its models move, set up in the world: clips, states, heads that turn, limbs that reach."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import SceneError
+from mimics_app.world.components.animation import Animation, Avatar, Reach
+from mimics_app.world.scene.scene import Scene, SceneEntity
+from mimics_app.world.scene_node import SceneNode
+from mimics_app.world.world import World
+
+if TYPE_CHECKING:
+    from mimics_app.world.motion.animator import Animator
+    from mimics_app.world.motion.humanoid import HumanoidMap
+
+__all__ = ["set_moving"]
+
+F8 = NDArray[np.float64]
+
+
+def set_moving(world: World, scene: Scene, entity: SceneEntity) -> None:
+    """Have the model of an entity do what its components say, in place of what it did before.
+
+    Raises:
+        SceneError: the model has no skeleton of a person, and the components ask for one.
+    """
+    node = world.find(entity.id)
+    animator = world.motion.animators.get(node.index)
+    asked = [each for each in entity.components.values() if isinstance(each, Animation | Avatar)]
+    if animator is None or not asked:
+        return
+    scene.read.update(name for name, each in entity.components.items() if isinstance(each, Animation | Avatar))
+    animator.reset()
+    animator.moves = True
+    for component in asked:
+        if isinstance(component, Animation):
+            _animate(world, node, animator, component)
+    for component in asked:
+        if isinstance(component, Avatar):
+            _enliven(world, scene, entity, animator, component)
+
+
+def _animate(world: World, node: SceneNode, animator: Animator, wanted: Animation) -> None:
+    from mimics_app.world.motion.animator import mask_of
+    from mimics_app.world.motion.machine import State, StateMachine, Transition
+    from mimics_app.world.motion.root_motion import RootMotion
+
+    world.motion.machines.pop(node.index, None)
+    if wanted.states:
+        states = {
+            name: State(state.clip, state.speed, state.loop, state.next, state.fade)
+            for name, state in wanted.states.items()
+        }
+        transitions = [Transition(each.target, each.on, each.source, each.fade) for each in wanted.transitions]
+        world.motion.machines[node.index] = StateMachine(animator, states, transitions, wanted.start or "")
+    for layer in wanted.layers:
+        animator.play(
+            layer.clip,
+            at=layer.at,
+            speed=layer.speed,
+            loop=layer.loop,
+            weight=layer.weight,
+            mask=mask_of(animator.rig, layer.mask) if layer.mask else None,
+            additive=layer.additive,
+        )
+    for body in world.motion.bodies.values():
+        if world.graph.hierarchy.is_inside(body.entity, node.index):
+            body.skinning = wanted.skinning
+    if wanted.root_motion is not None:
+        slot = animator.rig.slot(wanted.root_motion)
+        animator.steps.append(RootMotion(animator, slot, world.transforms, node.index))
+
+
+def _enliven(world: World, scene: Scene, entity: SceneEntity, animator: Animator, wanted: Avatar) -> None:
+    from mimics_app.world.motion.humanoid import find_humanoid
+    from mimics_app.world.motion.looking import Blink, Breath, LookAt, find_morphs
+
+    seed = zlib.crc32(entity.id.encode())
+    rig = animator.rig
+    for kind, wish, words in ((Blink, wanted.blink, ("blink",)), (Breath, wanted.breathe, ("breathe", "breath"))):
+        slots = find_morphs(rig, *words) if wish else []
+        if slots:
+            animator.steps.append(kind(slots, seed))
+    if wanted.look_at is None and not wanted.reach:
+        return
+    bones = find_humanoid(rig)
+    node = world.find(entity.id)
+    if bones.missing:
+        what = f"the model is no person's: it has no {', '.join(bones.missing)}"
+        raise SceneError(scene.issue(f"{entity.pointer}/components/avatar", what, "see mimics avatar import"))
+    for reach in wanted.reach:
+        animator.steps.append(_reaching(world, node, animator, bones, reach))
+    if wanted.look_at is not None:
+        place = _place_of(world, node, wanted.look_at)
+        animator.steps.append(LookAt(rig, bones, place, wanted.look_limit))
+
+
+def _reaching(
+    world: World, node: SceneNode, animator: Animator, bones: HumanoidMap, wanted: Reach
+) -> Callable[..., None]:
+    from mimics_app.world.motion.reach import LimbReach
+
+    side = 1.0 if wanted.limb.startswith("left") else -1.0
+    # Elbows point behind, below and outside, knees ahead: so people hold them.
+    towards = np.array([0.45 * side, -0.8, -0.5] if wanted.limb.endswith("arm") else [0.1 * side, 0.0, 1.0])
+    return LimbReach(
+        animator.rig,
+        bones.limb(wanted.limb),
+        _place_of(world, node, wanted.target),
+        lambda shoulder: np.asarray(shoulder + towards),
+        weight=wanted.weight,
+        soft=wanted.soft,
+    )
+
+
+def _place_of(world: World, node: SceneNode, target: str) -> Callable[[], F8 | None]:
+    """Where an entity, or the first camera, is in the frame of a model, asked anew each time."""
+
+    def place() -> F8 | None:
+        seen = world.cameras[0].node if target == "camera" and world.cameras else None
+        aim = seen if seen is not None else world.find(target) if target in world else None
+        if aim is None:
+            return None
+        inside = np.linalg.inv(node.world_matrix()) @ aim.world_matrix()[:, 3]
+        return np.asarray(inside[:3])
+
+    return place
