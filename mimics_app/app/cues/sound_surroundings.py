@@ -1,0 +1,70 @@
+"""What lies between the listener and the sounds of a scene, and the room the listener is in, frame by frame."""
+
+from __future__ import annotations
+
+from math import exp
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.rendering.audio.obstacles import Box, passes_of
+from mimics_app.world.components.visible import SoundObstacle, SoundRoom
+from mimics_app.world.scene.scene import Scene
+from mimics_app.world.world import World
+
+__all__ = ["SoundSurroundings"]
+
+Floats = NDArray[np.float64]
+
+_RAMP_S = 0.03
+"""Time constant with which an obstacle takes effect [s]: nothing snaps behind an edge."""
+
+
+class SoundSurroundings:
+    """Obstacles and rooms of a scene.
+
+    Args:
+        scene: Whose components they are.
+        emitters: How many sounds play from places.
+    """
+
+    def __init__(self, scene: Scene, emitters: int) -> None:
+        self._obstacles = [(name, obstacle) for name, obstacle, _ in scene.components(SoundObstacle)]
+        self._rooms = [(name, room) for name, room, _ in scene.components(SoundRoom)]
+        self._passes = np.ones((emitters, 3))
+        self._fresh = True
+
+    def passes(self, world: World, head: Floats, sources: Floats, span: float) -> Floats:
+        """Linear share of each source that comes through, by band, ramped over the time since the last frame [s].
+
+        Args:
+            world: Where the obstacles are now.
+            head: Position of the listener [m], shape [3].
+            sources: Positions [m], shape [n, 3].
+            span: [s].
+        """
+        boxes = [
+            Box(world.find(name).world_matrix(), 0.5 * np.array(obstacle.size), obstacle.surface_mass)
+            for name, obstacle in self._obstacles
+            if name in world
+        ]
+        if boxes:
+            wanted = np.array([passes_of(head, source, boxes) for source in sources]).reshape(-1, 3)
+            self._passes += (wanted - self._passes) * (1.0 if self._fresh else 1.0 - exp(-span / _RAMP_S))
+            self._fresh = False
+        return self._passes
+
+    def room(self, world: World, head: Floats) -> tuple[float, float]:
+        """Level and time [s] of the answer where the listener is; the loudest room counts."""
+        heard = [(_inside(world, name, room, head) * room.level, room.time) for name, room in self._rooms]
+        return max(heard, default=(0.0, 1.0))
+
+
+def _inside(world: World, name: str, room: SoundRoom, head: Floats) -> float:
+    """1 well inside a room, falling to 0 at its walls and outside."""
+    if name not in world:
+        return 0.0
+    pose = world.find(name).world_matrix()
+    local = np.linalg.solve(pose, np.append(head, 1.0))[:3]
+    depth = float((0.5 * np.array(room.size) - np.abs(local)).min())
+    return float(np.clip(depth / room.border, 0.0, 1.0))
