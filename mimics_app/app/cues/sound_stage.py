@@ -31,7 +31,7 @@ class SoundStage:
         output: Opened already.
         memory: Where the mixer looks for head and emitters.
         settings: Which sound a trigger starts, and whose sound plays from where it is.
-        surroundings: Obstacles and rooms.
+        surroundings: Obstacles, rooms and walkers.
         gain: Of everything, from the scene; the task's own gain multiplies it.
     """
 
@@ -62,7 +62,8 @@ class SoundStage:
         if isinstance(gain, int | float):
             self.output.master(self._gain * float(gain))
         cue = self._watch.look(orders)
-        for trigger in (*triggers, *([SoundTrigger(cue, now_ns)] if cue else [])):
+        own = [SoundTrigger(cue, now_ns)] if cue else []
+        for trigger in (*triggers, *own, *self._surroundings.steps(world, now_ns)):
             sound = self._settings.sound_of(trigger.kind, trigger.material)
             if sound:
                 self.output.play(SoundEvent(sound, trigger.t_ns, trigger.position_world, trigger.strength))

@@ -1,4 +1,4 @@
-"""What lies between the listener and the sounds of a scene, and the room the listener is in, frame by frame."""
+"""What of a scene sounds by itself, what lies between it and the listener, and the listener's room, frame by frame."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ from math import exp
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.app.cues.gait_clock import GaitClock
+from mimics_app.contracts.messages import SoundTrigger
 from mimics_app.rendering.audio.obstacles import Box, passes_of
-from mimics_app.world.components.visible import SoundObstacle, SoundRoom
+from mimics_app.world.components.visible import SoundObstacle, SoundRoom, Walker
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
@@ -21,7 +23,7 @@ _RAMP_S = 0.03
 
 
 class SoundSurroundings:
-    """Obstacles and rooms of a scene.
+    """Obstacles, rooms and walkers of a scene.
 
     Args:
         scene: Whose components they are.
@@ -31,6 +33,9 @@ class SoundSurroundings:
     def __init__(self, scene: Scene, emitters: int) -> None:
         self._obstacles = [(name, obstacle) for name, obstacle, _ in scene.components(SoundObstacle)]
         self._rooms = [(name, room) for name, room, _ in scene.components(SoundRoom)]
+        self._walkers = [
+            (name, GaitClock(walker.material, walker.strength)) for name, walker, _ in scene.components(Walker)
+        ]
         self._passes = np.ones((emitters, 3))
         self._fresh = True
 
@@ -53,6 +58,15 @@ class SoundSurroundings:
             self._passes += (wanted - self._passes) * (1.0 if self._fresh else 1.0 - exp(-span / _RAMP_S))
             self._fresh = False
         return self._passes
+
+    def steps(self, world: World, now_ns: int) -> list[SoundTrigger]:
+        """Heel contacts of the scene's walkers since the last frame."""
+        triggers: list[SoundTrigger] = []
+        for name, gait in self._walkers:
+            if name in world:
+                x, y, z = (float(value) for value in world.find(name).world_matrix()[:3, 3])
+                triggers += gait.step(now_ns, (x, y, z))
+        return triggers
 
     def room(self, world: World, head: Floats) -> tuple[float, float]:
         """Level and time [s] of the answer where the listener is; the loudest room counts."""

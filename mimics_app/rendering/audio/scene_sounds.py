@@ -94,6 +94,8 @@ def _spec(sound: Sound, asset_path: Callable[[str], Path]) -> SoundSpec:
         reverb=sound.reverb,
         bus=sound.bus,
         spatial=sound.spatial,
+        reference_distance=sound.reference_distance,
+        max_distance=sound.max_distance,
     )
 
 
