@@ -73,14 +73,14 @@ def test_common_forms_are_read(tmp_path, kind, bits, extensible):
         data = b"".join(int(v).to_bytes(bits // 8, "little", signed=True) for v in whole)
     (tmp_path / "a.wav").write_bytes(wav_bytes(kind, bits, 2, data, extensible=extensible))
     tolerance = 2.0 / 2 ** (min(bits, 24) - 1)  # one step of rounding, one of scale; float32 has 24 bits
-    np.testing.assert_allclose(read_wav(tmp_path / "a.wav", RATE), mono, atol=tolerance)
+    np.testing.assert_allclose(read_wav(tmp_path / "a.wav", RATE).mean(axis=1), mono, atol=tolerance)
 
 
 @pytest.mark.parametrize("rate", [44_100, 22_050, 96_000])
 def test_other_rates_keep_pitch_and_level(tmp_path, rate):
     data = np.rint(tone(0.5, rate) * 32767).astype("<i2").tobytes()
     (tmp_path / "a.wav").write_bytes(wav_bytes(1, 16, 1, data, rate))
-    read = read_wav(tmp_path / "a.wav", RATE)
+    read = read_wav(tmp_path / "a.wav", RATE).mean(axis=1)
     assert len(read) == RATE // 2
     inner = slice(RATE // 10, RATE * 4 // 10)
     # the ends ring where the tone begins and ends abruptly; inside, a band-limited tone is kept

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from mimics_app.app.cues.cue_watch import CueWatch
 from mimics_app.app.cues.motion_triggers import motion_triggers
+from mimics_app.app.cues.sound_surroundings import SoundSurroundings
 from mimics_app.contracts import triple_buffer
 from mimics_app.contracts.audio_port import AudioOutput, AudioReport
 from mimics_app.contracts.messages import SoundEvent, SoundTrigger, TaskOrders
@@ -31,13 +32,22 @@ class SoundStage:
         output: Opened already.
         memory: Where the mixer looks for head and emitters.
         settings: Which sound a trigger starts, and whose sound plays from where it is.
+        surroundings: Obstacles, rooms and walkers.
         gain: Of everything, from the scene; the task's own gain multiplies it.
     """
 
-    def __init__(self, output: AudioOutput, memory: SessionMemory, settings: AudioSettings, gain: float) -> None:
+    def __init__(
+        self,
+        output: AudioOutput,
+        memory: SessionMemory,
+        settings: AudioSettings,
+        surroundings: SoundSurroundings,
+        gain: float,
+    ) -> None:
         self.output = output
         self._memory = memory
         self._settings = settings
+        self._surroundings = surroundings
         self._gain = gain
         self._watch = CueWatch()
         self._notice = ""
@@ -53,8 +63,9 @@ class SoundStage:
         if isinstance(gain, int | float):
             self.output.master(self._gain * float(gain))
         cue = self._watch.look(orders)
-        moved = motion_triggers(world, now_ns)
-        for trigger in (*triggers, *moved, *([SoundTrigger(cue, now_ns)] if cue else [])):
+        own = [SoundTrigger(cue, now_ns)] if cue else []
+        moved = (*motion_triggers(world, now_ns), *self._surroundings.steps(world, now_ns))
+        for trigger in (*triggers, *own, *moved):
             sound = self._settings.sound_of(trigger.kind, trigger.material)
             if sound:
                 self.output.play(SoundEvent(sound, trigger.t_ns, trigger.position_world, trigger.strength))
@@ -81,6 +92,9 @@ class SoundStage:
         span = (now_ns - int(before["t_ns"][0])) * 1e-9
         for place, velocity in (("head_position", "head_velocity"), ("position", "velocity")):
             now[velocity] = _velocities(now[place] - before[place], span if self._placed else 0.0)
+        count, head = len(self._settings.emitters), now["head_position"][0]
+        now["passes"][0, :count] = self._surroundings.passes(world, head, now["position"][0, :count], span)
+        now["room_level"], now["room_time"] = self._surroundings.room(world, head)
         self._placed = True
         slot = triple_buffer.back_slot(self._memory.sound_scene_words)
         self._memory.sound_scenes[slot : slot + 1] = now

@@ -6,11 +6,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mimics_app.app.cues.sound_stage import SoundStage
+from mimics_app.app.cues.sound_surroundings import SoundSurroundings
 from mimics_app.app.session.preparation import Preparation
 from mimics_app.app.session.switched_off import NullSound, SoundPort
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.world.components.systems import AudioSettings
-from mimics_app.world.components.visible import Sound, SoundEmitter
+from mimics_app.world.components.visible import Sound, SoundBus, SoundEmitter
 
 if TYPE_CHECKING:
     from mimics_app.contracts.audio_port import AudioOutput
@@ -38,6 +39,7 @@ def open_sound(parts: Preparation, memory: SessionMemory, folder: Path, file: Pa
     from mimics_app.rendering.audio.offline import OfflineAudio
     from mimics_app.rendering.audio.process import AudioProcess
     from mimics_app.rendering.audio.scene_sounds import settings_from_components
+    from mimics_app.rendering.audio.settings import BusSpec
 
     method = scene.methods.get("spatialiser", {})
     spectral = (method.get("mixer") if system.mixer == "auto" else system.mixer) == "spectral"
@@ -53,10 +55,11 @@ def open_sound(parts: Preparation, memory: SessionMemory, folder: Path, file: Pa
         speakers=system.speakers,
         sofa=None if system.sofa is None else scene.assets[system.sofa].path,
         head_width=system.head_width,
+        buses={name: BusSpec(bus.gain, bus.ducks, bus.duck_gain) for name, bus, _ in scene.components(SoundBus)},
         voices=system.voices if spectral else min(system.voices, _MOST_OPENAL),
     )
     if chosen is None:
         return NullSound()
     output: AudioOutput = AudioProcess(memory, chosen) if parts.live else OfflineAudio(memory, chosen)
     output.start()
-    return SoundStage(output, memory, chosen, system.gain)
+    return SoundStage(output, memory, chosen, SoundSurroundings(scene, len(chosen.emitters)), system.gain)

@@ -163,7 +163,9 @@ class ViewerSession:
 
     def _hold(self) -> None:
         """Hold what plays, or let it go on."""
-        layers = [layer for animator in self._viewport.shown.world.motion.animators.values() for layer in animator.layers]
+        layers = [
+            layer for animator in self._viewport.shown.world.motion.animators.values() for layer in animator.layers
+        ]
         held = any(layer.speed != 0.0 for layer in layers)
         for layer in layers:
             layer.speed = 0.0 if held else 1.0

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from math import sqrt
 from pathlib import Path
 
@@ -12,11 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import Issue, SceneError, nearest
-from mimics_app.rendering.audio import synth
+from mimics_app.rendering.audio import synth, synth_scene
 from mimics_app.rendering.audio.settings import SoundSpec
-from mimics_app.rendering.audio.wav_file import WavWriter, read_wav
+from mimics_app.rendering.audio.sound_file import read_sound
+from mimics_app.rendering.audio.wav_file import WavWriter
 
-__all__ = ["FAMILIES", "RECIPES", "Sound", "SoundBank", "write_sounds"]
+__all__ = ["FAMILIES", "RECIPES", "TAKES", "Sound", "SoundBank", "write_sounds"]
 
 CONTACT_TAKES = 3
 """Strike points a contact is synthesised for, taken in turn so that no two neighbours are the same recording."""
@@ -54,10 +56,28 @@ def _trial_end(rate: int) -> NDArray[np.float32]:
     return synth.synthesise_chord((783.99, 523.25), 0.14, 0.8, rate, peak=0.4)
 
 
-FAMILIES = {"contact": synth.synthesise_contact, "knock": synth.synthesise_knock}
+def _struck(material: str) -> Callable[[float, int, int], NDArray[np.float32]]:
+    """A family of what is struck, by its modes."""
+    return partial(synth.synthesise_struck, synth_scene.MATERIALS[material])
+
+
+FAMILIES: Mapping[str, Callable[[float, int, int], NDArray[np.float32]]] = {
+    "contact": synth.synthesise_contact,
+    "knock": synth.synthesise_knock,
+    **{name: _struck(name) for name in ("cup", "apple", "table", "tap")},
+    **{f"stub_{name}": _struck(name) for name in ("wall", "kerb", "box")},
+}
 """Recipes with a sound for every speed step and take."""
 
-RECIPES = {
+TAKES: Mapping[str, Callable[[int, int], NDArray[np.float32]]] = {
+    f"step_{surface}": partial(synth_scene.synthesise_step, surface) for surface in synth_scene.SURFACES
+}
+"""Recipes with a sound for every take, whatever the speed."""
+
+LOOPS = ("scrape", "crowd", "wind")
+"""Recipes that repeat without a seam."""
+
+RECIPES: Mapping[str, Callable[[int], NDArray[np.float32]]] = {
     "goal": _goal,
     "start": _start,
     "trial_end": _trial_end,
@@ -65,6 +85,13 @@ RECIPES = {
     "scrape": synth.synthesise_scrape,
     "grip": synth.synthesise_grip,
     "slip": synth.synthesise_slip,
+    "kick": synth_scene.synthesise_kick,
+    "crowd": synth_scene.synthesise_crowd,
+    "score": synth_scene.synthesise_score,
+    "wind": synth_scene.synthesise_wind,
+    "ui_yes": partial(synth_scene.synthesise_tone, (660.0, 880.0)),
+    "ui_no": partial(synth_scene.synthesise_tone, (330.0, 262.0)),
+    "ui_hint": partial(synth_scene.synthesise_tone, (587.0,)),
 }
 """Recipes with one sound each."""
 
@@ -76,6 +103,7 @@ class SoundBank:
         self.rate = rate
         self.sounds: dict[str, Sound] = {}
         self._families: set[str] = set()
+        self._takes: set[str] = set()
         issues: list[Issue] = []
         for name, spec in specs.items():
             try:
@@ -93,6 +121,8 @@ class SoundBank:
 
     def variant(self, name: str, speed: float, turn: int) -> str:
         """Name of the sound for an impact speed [m/s]; `turn` counts contacts and chooses the take."""
+        if name in self._takes:
+            return f"{name}:{turn % synth_scene.STEP_TAKES}"
         if name not in self._families:
             return name
         return f"{name}:{bisect_left(_BORDERS, speed)}:{turn % CONTACT_TAKES}"
@@ -106,14 +136,29 @@ class SoundBank:
                     self._put(f"{name}:{step}:{take}", strike(speed, take, rate), spec)
             self.sounds[name] = self.sounds[f"{name}:{len(synth.CONTACT_SPEEDS) // 2}:0"]
             self._families.add(name)
+        elif spec.recipe in TAKES:
+            for take in range(synth_scene.STEP_TAKES):
+                self._put(f"{name}:{take}", TAKES[spec.recipe](take, rate), spec)
+            self.sounds[name] = self.sounds[f"{name}:0"]
+            self._takes.add(name)
         elif spec.file is not None:
-            self._put(name, read_wav(spec.file, self.rate), spec)
+            self._put_file(name, spec.file, spec)
         elif spec.recipe in RECIPES:
-            looping = spec.loop or spec.recipe == "scrape"
+            looping = spec.loop or spec.recipe in LOOPS
             self._put(name, RECIPES[spec.recipe](rate), replace(spec, loop=looping))
         else:
-            known = nearest(spec.recipe, [*RECIPES, *FAMILIES])
+            known = nearest(spec.recipe, [*RECIPES, *FAMILIES, *TAKES])
             raise SceneError(Issue("", f"/sounds/{name}/recipe", f'no recipe "{spec.recipe}"', known))
+
+    def _put_file(self, name: str, file: Path, spec: SoundSpec) -> None:
+        """A file; the channels of one that is not spatial stay apart: left and right."""
+        channels = read_sound(file, self.rate)
+        if spec.spatial or channels.shape[1] == 1:
+            self._put(name, np.ascontiguousarray(channels.mean(axis=1)), spec)
+            return
+        second = f"{name}:right"
+        self.sounds[name] = Sound(np.ascontiguousarray(channels[:, 0]), spec, 1, second)
+        self.sounds[second] = Sound(np.ascontiguousarray(channels[:, 1]), spec, 2)
 
     def _put(self, name: str, samples: NDArray[np.float32], spec: SoundSpec) -> None:
         self.sounds[name] = Sound(samples, spec)

@@ -26,6 +26,9 @@ Vec3 = tuple[float, float, float]
 
 _STALE_NS = 100_000_000
 
+_ORDER_SPEED = 0.3
+"""Impact speed of what is ordered with a gain of 1 [m/s]: of sounds that have steps of speed."""
+
 TOUCHES: Mapping[int, str] = {
     EventKind.CONTACT_BEGIN: "contact",
     EventKind.CONTACT_END: "contact_end",
@@ -85,7 +88,8 @@ class SoundDirector:
         if self._clock.now_ns() - order.t_ns > 10 * _STALE_NS:
             self.stale += 1
             return
-        self._start("order", order.sound, order.t_ns, -1, order.position_world, order.gain)
+        sound = self._bank.variant(order.sound, _ORDER_SPEED * order.gain, len(self.rows))
+        self._start("order", sound, order.t_ns, -1, order.position_world, order.gain)
 
     def _play_contact(self, event: NDArray[Any], name: str, gate: ContactGate, cause: str, now: int) -> None:
         t_ns, speed = int(event["t_ns"]), abs(float(event["speed"]))

@@ -17,7 +17,7 @@ from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import DeviceError, SceneError
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.openal_context import OpenALContext, measure_pipeline
-from mimics_app.rendering.audio.openal_library import load_library
+from mimics_app.rendering.audio.openal_library import OpenALLibrary, load_library
 from mimics_app.rendering.audio.openal_mixer import OpenALMixer
 from mimics_app.rendering.audio.settings import AudioSettings
 from mimics_app.rendering.audio.wav_file import WavWriter
@@ -156,11 +156,33 @@ def _status(settings: AudioSettings, mixer: Mixer, device: str, sink: str, laten
 
 def _open_device(settings: AudioSettings, bank: SoundBank, clock: Clock) -> Engine:
     library = load_library(settings)
+    if settings.mixer == "spectral":
+        return _open_stream(settings, bank, clock, library)
     context = OpenALContext(library, settings.rate, settings.hrtf, settings.sources, loopback=False)
     pipeline = measure_pipeline(library, context.rate, context.hrtf)
     mixer = OpenALMixer(context, bank, settings, clock, Timing(clock.now_ns(), 0, pipeline))
     latency_ms = context.buffered_ms(settings.period) + pipeline / context.rate * 1e3
     return Engine(_status(settings, mixer, context.name, "device", latency_ms), bank, mixer, None)
+
+
+def _open_stream(settings: AudioSettings, bank: SoundBank, clock: Clock, library: OpenALLibrary) -> Engine:
+    """The spectral mixer on a live device."""
+    from mimics_app.rendering.audio.spectral.mixer import SpectralMixer
+    from mimics_app.rendering.audio.streamed_mixer import LIVE_LATENCY, StreamedMixer
+
+    context = OpenALContext(library, settings.rate, False, 1, loopback=False)
+    try:
+        if context.rate != settings.rate:
+            raise DeviceError(f"the device runs at {context.rate} Hz, not at {settings.rate}")
+        warmed = SpectralMixer(bank, settings, Timing())
+        warmed.start(next(iter(bank.sounds)), 0, (0.0, 0.0, -1.0), 0.0)
+        warmed.render(settings.block)  # compiles, or loads, before the device waits for it
+        mixer = StreamedMixer(SpectralMixer(bank, settings, Timing()), context, clock, settings.period)
+    except DeviceError:
+        context.close()
+        raise
+    latency = (LIVE_LATENCY + mixer.timing.pipeline) / mixer.rate * 1e3 + context.buffered_ms(settings.period)
+    return Engine(_status(settings, mixer, context.name, "device", latency), bank, mixer, None)
 
 
 def _dropped(notice: str) -> Engine:

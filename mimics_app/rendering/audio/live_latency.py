@@ -29,7 +29,7 @@ from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import EVENT, EventKind
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.rendering.audio.process import AudioProcess
-from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
+from mimics_app.rendering.audio.settings import AudioSettings, MixerName, SoundSpec
 from mimics_app.rendering.audio.worker import FIFO_PRIORITY, ask_for_fifo
 
 __all__ = ["handed_out_ns", "match_onsets", "measure_live_latency", "private_pulse_server", "pulse_missing"]
@@ -61,13 +61,16 @@ def pulse_missing() -> str:
     return f"no {' and '.join(missing)}: apt-get install pulseaudio pulseaudio-utils" if missing else ""
 
 
-def measure_live_latency(seconds: float = 10.0, period: int = 128, seed: int = 1) -> dict[str, Any]:
+def measure_live_latency(
+    seconds: float = 10.0, period: int = 128, seed: int = 1, mixer: MixerName = "openal"
+) -> dict[str, Any]:
     """Contacts pushed into a session's ring as the haptic loop does, heard at the monitor of a null sink.
 
     Args:
         seconds: Length of the measurement, about four contacts a second.
         period: Frames per period of the device, see AudioSettings.
         seed: Of the random times of the contacts.
+        mixer: Which one plays.
 
     Returns:
         `events` pushed, `played` by the mixer, `heard` at the monitor, `stale` ones that were read too late to be
@@ -82,7 +85,7 @@ def measure_live_latency(seconds: float = 10.0, period: int = 128, seed: int = 1
     if why:
         raise DeviceError(why)
     with private_pulse_server() as environment, _Recorder(environment) as recorder:
-        pushed, report = _play_contacts(environment, seconds, period, seed)
+        pushed, report = _play_contacts(environment, seconds, period, seed, mixer)
     latencies = match_onsets(pushed, recorder.onsets())
     status = report.status
     figures = {"latency_ms": percentiles_ms(latencies), "modelled_ms": dict(report.latency_ms())}
@@ -93,6 +96,7 @@ def measure_live_latency(seconds: float = 10.0, period: int = 128, seed: int = 1
         "stale": report.stale,
         **{name: _rounded(values) for name, values in figures.items() if values["p50"] is not None},
         "buffers_ms": round(status.latency_ms, 2),
+        "mixer": status.mixer,
         "device": status.device,
         "sink": status.sink,
         "hrtf": status.hrtf,
@@ -228,17 +232,18 @@ def handed_out_ns(frames: Int64, ends: Int64, arrivals_ns: Int64) -> Int64:
 
 
 def _play_contacts(
-    environment: dict[str, str], seconds: float, period: int, seed: int
+    environment: dict[str, str], seconds: float, period: int, seed: int, mixer: MixerName
 ) -> tuple[list[int], AudioReport]:
     clock = MonotonicClock()
     memory = SessionMemory()
     sounds = {"contact": SoundSpec(recipe="tick")}
-    audio = AudioProcess(
-        memory, AudioSettings(sounds=sounds, scrape="", period=period, driver="pulse", environment=environment)
+    settings = AudioSettings(
+        sounds=sounds, scrape="", mixer=mixer, period=period, driver="pulse", environment=environment
     )
+    audio = AudioProcess(memory, settings)
     audio.start()
     try:
-        status = audio.wait_ready(30.0)
+        status = audio.wait_ready(60.0)
         if status.sink != "device":
             raise DeviceError(f"no live device on the private PulseAudio server: {status.notice}")
         clock.sleep_until_ns(clock.now_ns() + 700_000_000)  # the stream's buffers settle

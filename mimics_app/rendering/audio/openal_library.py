@@ -60,12 +60,16 @@ class AL:
     BUFFER = 0x1009
     GAIN = 0x100A
     ORIENTATION = 0x100F
+    SOURCE_STATE = 0x1010
     PLAYING = 0x1012
+    BUFFERS_PROCESSED = 0x1016
+    DIRECT_CHANNELS = 0x1033
     STOPPED = 0x1014
     REFERENCE_DISTANCE = 0x1020
     ROLLOFF_FACTOR = 0x1021
     MAX_DISTANCE = 0x1023
     FORMAT_MONO_FLOAT32 = 0x10010
+    FORMAT_STEREO_FLOAT32 = 0x10011
     VERSION = 0xB002
     INVERSE_DISTANCE_CLAMPED = 0xD002
 
@@ -104,6 +108,8 @@ _SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
     "alSourcei": (None, [_uint, _int, _int]),
     "alGetSourcei": (None, [_uint, _int, ctypes.POINTER(_int)]),
     "alSourcePlay": (None, [_uint]),
+    "alSourceQueueBuffers": (None, [_uint, _int, ctypes.POINTER(_uint)]),
+    "alSourceUnqueueBuffers": (None, [_uint, _int, ctypes.POINTER(_uint)]),
     "alSourceStop": (None, [_uint]),
     "alListener3f": (None, [_int, _float, _float, _float]),
     "alListenerf": (None, [_int, _float]),

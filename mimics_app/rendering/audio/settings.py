@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import pi
 from pathlib import Path
 from typing import Literal
 
@@ -71,8 +70,8 @@ class SoundSpec:
     max_distance: float = 50.0
     rolloff: float = 1.0
     distance_model: Literal["inverse", "linear", "exponential"] = "inverse"
-    cone_inner: float = 2.0 * pi
-    cone_outer: float = 2.0 * pi
+    cone_inner: float = 6.2832
+    cone_outer: float = 6.2832
     cone_gain: float = 1.0
     doppler: float = 1.0
     priority: float = 1.0

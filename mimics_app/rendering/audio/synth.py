@@ -20,6 +20,7 @@ __all__ = [
     "synthesise_knock",
     "synthesise_scrape",
     "synthesise_slip",
+    "synthesise_struck",
     "synthesise_tick",
 ]
 
@@ -62,6 +63,7 @@ _PAT_MODES = ((170.0, 0.045, 1.0), (310.0, 0.035, 0.8), (560.0, 0.024, 0.45), (9
 _PULSE_AT_ONE = 0.00026
 _PULSE_EXPONENT = 0.37
 _LOUDNESS_WINDOW_S = 0.05
+_HIGHEST = 0.88  # of a sample, -1.1 dBFS: what dies at once would pass full scale at that loudness
 
 
 def synthesise_contact(speed: float, take: int = 0, rate: int = 48_000) -> Samples:
@@ -75,6 +77,13 @@ def synthesise_contact(speed: float, take: int = 0, rate: int = 48_000) -> Sampl
 def synthesise_knock(speed: float, take: int = 0, rate: int = 48_000) -> Samples:
     """Something set down or fallen on a board, as `synthesise_contact`."""
     return _strike(_WOOD_MODES, speed, take, rate)
+
+
+def synthesise_struck(
+    modes: tuple[tuple[float, float, float], ...], speed: float, take: int = 0, rate: int = 48_000
+) -> Samples:
+    """Anything that is struck, by its modes: frequency [Hz], time to fall by 60 dB [s], weight."""
+    return _strike(modes, speed, take, rate)
 
 
 def synthesise_grip(rate: int = 48_000) -> Samples:
@@ -116,7 +125,8 @@ def _strike(modes: tuple[tuple[float, float, float], ...], speed: float, take: i
     knock = np.convolve(response, pulse)[:length]
     knock *= _fade_out(length, int(0.02 * rate))
     window = int(_LOUDNESS_WINDOW_S * rate)
-    return _finish(knock / np.sqrt(np.mean(knock[:window] ** 2)) * CONTACT_RMS, peak=None)
+    knock *= CONTACT_RMS / np.sqrt(np.mean(knock[:window] ** 2))
+    return _finish(knock * min(1.0, _HIGHEST / np.abs(knock).max()), peak=None)
 
 
 def synthesise_chord(

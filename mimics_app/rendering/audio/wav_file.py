@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.regular_file import read_regular
 
-__all__ = ["WavWriter", "read_wav", "soften_peaks"]
+__all__ = ["WavWriter", "read_wav", "resample", "soften_peaks"]
 
 _HEADER_SIZE = 44
 _LARGEST_DATA = 0xFFFF_FFFF - _HEADER_SIZE
@@ -99,7 +99,7 @@ def soften_peaks(block: NDArray[np.float32]) -> tuple[NDArray[np.float32], int]:
 
 
 def read_wav(path: Path, rate: int) -> NDArray[np.float32]:
-    """The samples of a wave file, all channels mixed to one, at `rate` [Hz], shape [n].
+    """The samples of a wave file at `rate` [Hz], shape [n, channels].
 
     Raises:
         SceneError: The file is missing, damaged, or of a kind that is not PCM or float.
@@ -122,10 +122,10 @@ def read_wav(path: Path, rate: int) -> NDArray[np.float32]:
         raise SceneError(
             Issue(str(path), "", f"has format {kind}, {bits} bit, {channels} channels", "save it as WAV, PCM 16 bit")
         )
-    mono = samples[: len(samples) // channels * channels].reshape(-1, channels).mean(axis=1)
-    if len(mono) == 0 or not np.isfinite(mono).all():
+    frames = samples[: len(samples) // channels * channels].reshape(-1, channels)
+    if len(frames) == 0 or not np.isfinite(frames).all():
         raise SceneError(Issue(str(path), "", "holds no sound, or values that are not finite"))
-    return _resample(mono, file_rate, rate).astype(np.float32)
+    return np.stack([resample(each, file_rate, rate) for each in frames.T], axis=1).astype(np.float32)
 
 
 def _header(rate: int, channels: int) -> bytes:
@@ -163,7 +163,7 @@ def _decode(data: bytes, kind: int, bits: int) -> NDArray[np.float64] | None:
     return np.asarray(np.frombuffer(data[: len(data) // width * width], name) / scale, np.float64)
 
 
-def _resample(samples: NDArray[np.float64], rate_in: int, rate_out: int) -> NDArray[np.float64]:
+def resample(samples: NDArray[np.float64], rate_in: int, rate_out: int) -> NDArray[np.float64]:
     """Change of rate by cutting or padding the spectrum: exact for what both rates can hold."""
     if rate_in == rate_out:
         return samples

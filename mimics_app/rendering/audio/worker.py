@@ -22,10 +22,12 @@ from mimics_app.rendering.audio.director import SoundDirector
 from mimics_app.rendering.audio.engine import fall_back, open_engine
 from mimics_app.rendering.audio.kernels import wait_for_records
 from mimics_app.rendering.audio.settings import AudioSettings
+from mimics_app.rendering.audio.streamed_mixer import LIVE_BLOCK
 
 __all__ = ["FIFO_PRIORITY", "ask_for_fifo", "run"]
 
 _LIVE_WAIT_NS = 4_000_000
+_STREAM_WAIT_NS = 500_000  # a queue of two blocks of 2.5 ms is looked after by us
 _LIVE_STEP_NS = 1_000_000
 _IDLE_WAIT_NS = 20_000_000
 _CHECK_DEVICE_NS = 1_000_000_000
@@ -151,9 +153,9 @@ class _LiveSession:
             self._clock.sleep_until_ns(now + _IDLE_WAIT_NS)
             return
         if self.engine.live:
-            due = now + _LIVE_WAIT_NS
-            wait_for_records(self._memory.audio_event_words, self._timespec, due, _LIVE_STEP_NS)
-            allowed = _LIVE_WAIT_NS
+            allowed = _LIVE_WAIT_NS if self._settings.mixer == "openal" else _STREAM_WAIT_NS
+            due = now + allowed
+            wait_for_records(self._memory.audio_event_words, self._timespec, due, min(allowed, _LIVE_STEP_NS))
         else:
             due = self._block_due_ns(now)
             self._clock.sleep_until_ns(due)
@@ -173,7 +175,10 @@ class _LiveSession:
     def _advance_file(self) -> None:
         """Render two blocks ahead of the clock: what is rendered now would be heard next."""
         mixer = self.engine.mixer
-        if mixer is None or self.engine.live:
+        if mixer is None:
+            return
+        if self.engine.live:
+            mixer.render(LIVE_BLOCK)
             return
         block = self._settings.block
         elapsed = frame_at(self._clock.now_ns(), mixer.timing.origin_ns, mixer.rate) // block

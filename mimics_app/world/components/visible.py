@@ -33,6 +33,7 @@ __all__ = [
     "SoundObstacle",
     "SoundRoom",
     "TunnelView",
+    "Walker",
 ]
 
 Colour = tuple[Light, Light, Light]
@@ -159,6 +160,8 @@ class Sound(Component, frozen=True):
         float, Meta(ge=0, le=100, description="Factor on its level when voices are short: the quietest gives way")
     ] = 1.0
     reverb: Annotated[float, Meta(ge=0, le=4, description="Linear share that a room answers")] = 1.0
+    reference_distance: Annotated[Length, Meta(description="Up to which `gain` holds [m]; half at twice of it")] = 1.0
+    max_distance: Annotated[Length, Meta(description="Beyond it the level falls no further [m]")] = 50.0
     spatial: Annotated[
         bool, Meta(description="False: music and binaural recordings, which play as they are, in two channels")
     ] = True
@@ -187,6 +190,14 @@ class SoundEmitter(Component, frozen=True):
     doppler: Annotated[float, Meta(ge=0, le=10, description="Factor on the change of pitch by motion, 1: natural")] = (
         1.0
     )
+
+
+@component("walker")
+class Walker(Component, frozen=True):
+    """Somebody whose steps are heard while the entity moves; each is a trigger "step" of this material."""
+
+    material: Annotated[str, Meta(pattern="^[a-z0-9_]{0,40}$", description="Of the ground: asphalt, grass, ..")] = ""
+    strength: Annotated[float, Meta(ge=0, le=4, description="Linear factor on the level of the steps")] = 1.0
 
 
 @component("sound_bus")
@@ -323,7 +334,7 @@ def _check_tunnel_view(view: TunnelView, pointer: str, scene: Scene) -> list[Iss
     return issues
 
 
-_COUNTED = ("light", "camera", "sound", "hud", "tunnel_view", "environment", "sound_room", "sound_obstacle")
+_COUNTED = ("light", "camera", "sound", "hud", "tunnel_view", "environment", "sound_room", "sound_obstacle", "walker")
 for _name in _COUNTED:
     register_limit(_name, 1000)
 register_limit("sound_emitter", MAX_EMITTERS)

@@ -1,0 +1,150 @@
+"""The spectral mixer on a live device: its blocks are queued on one source of OpenAL, which only carries them.
+
+A sound starts a constant time after its event, at its exact frame: the clock of the device is followed by the lowest of
+what the queue says (it is read late, never early), so a late reading moves no sound.
+"""
+
+from __future__ import annotations
+
+import ctypes
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.audio_port import Heard, Start, Timing
+from mimics_app.contracts.clock import Clock
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.rendering.audio.openal_context import OpenALContext
+from mimics_app.rendering.audio.openal_library import AL
+from mimics_app.rendering.audio.spectral.mixer import SpectralMixer
+from mimics_app.rendering.audio.wav_file import soften_peaks
+
+__all__ = ["LIVE_BLOCK", "LIVE_LATENCY", "StreamedMixer"]
+
+Vec3 = tuple[float, float, float]
+
+LIVE_BLOCK = 120
+"""Frames of a block, 2.5 ms at 48 kHz: half of a file's, as the queue's length is most of the latency."""
+
+_QUEUED = 2
+"""Blocks ahead of the device."""
+
+LIVE_LATENCY = _QUEUED * LIVE_BLOCK + 72
+"""Frames from an event to its start: what is queued, and 1.5 ms for the event to be read."""
+
+_DRIFT = 200e-6
+"""Share by which the device's clock may be slower than ours."""
+
+
+class StreamedMixer:
+    """See contracts.audio_port.Mixer; `render` keeps the queue filled and hands out nothing.
+
+    Args:
+        mixer: What is heard, two channels.
+        context: A live device without filters of its own.
+        clock: Of the session.
+        period: Frames per period of the device.
+
+    Attributes:
+        underruns: How often the queue ran empty.
+    """
+
+    def __init__(self, mixer: SpectralMixer, context: OpenALContext, clock: Clock, period: int) -> None:
+        if mixer.channels != 2:
+            raise DeviceError(f"a live device has two channels here, not {mixer.channels}")
+        self.rate, self.channels = mixer.rate, mixer.channels
+        self.underruns = 0
+        self._mixer, self._context, self._clock, self._period = mixer, context, clock, period
+        self._call = context.library.call
+        context.activate()
+        source, buffers = ctypes.c_uint(), (ctypes.c_uint * _QUEUED)()
+        self._call.alGenSources(1, ctypes.byref(source))
+        self._call.alGenBuffers(_QUEUED, buffers)
+        self._source, self._free = source.value, list(buffers)
+        self._call.alSourcei(self._source, AL.DIRECT_CHANNELS, 1)
+        context.library.check("make a stream")
+        self._told_ns = clock.now_ns()
+        mixer.timing = Timing(self._told_ns, LIVE_LATENCY, mixer.timing.pipeline)
+        self.render(LIVE_BLOCK)
+
+    @property
+    def position(self) -> int:
+        """Frames mixed so far."""
+        return self._mixer.position
+
+    @property
+    def refused(self) -> int:
+        """Sounds that found every voice busy with louder ones."""
+        return self._mixer.refused
+
+    @property
+    def timing(self) -> Timing:
+        """How session time and frames meet, as the device's clock runs."""
+        return self._mixer.timing
+
+    def start(self, sound: str, t_ns: int, position_world: Vec3 | None, gain: float) -> Start:
+        """Start a sound a constant time after t_ns."""
+        return self._mixer.start(sound, t_ns, position_world, gain)
+
+    def first_sample(self, start: Start, submitted_ns: int) -> tuple[int, int]:
+        """Frame of a sound's first sample, and the session time by which it leaves the device's buffers."""
+        frame, heard = self._mixer.first_sample(start, submitted_ns)
+        return frame, heard + round(self._context.buffered_ms(self._period) * 1e6)
+
+    def hear(self, heard: Heard) -> None:
+        """Take the newest snapshot."""
+        self._mixer.hear(heard)
+
+    def stop(self, handle: int) -> None:
+        """Fade a sound out."""
+        self._mixer.stop(handle)
+
+    def master(self, value: float) -> None:
+        """Set the linear gain of everything."""
+        self._mixer.master(value)
+
+    def render(self, frames: int) -> NDArray[np.float32]:
+        """Fill the queue with blocks of `frames`; shape [0, 2], as the device takes them itself."""
+        self._context.activate()
+        self._take_back()
+        while self._free:
+            self._queue(self._free.pop(), frames)
+        state = ctypes.c_int()
+        self._call.alGetSourcei(self._source, AL.SOURCE_STATE, ctypes.byref(state))
+        if state.value != AL.PLAYING:
+            self.underruns += self.position > _QUEUED * frames
+            self._call.alSourcePlay(self._source)
+        self._context.library.check("keep a stream filled")
+        self._follow_device(frames)
+        return np.zeros((0, self.channels), np.float32)
+
+    def connected(self) -> bool:
+        """False once the device has gone."""
+        return self._context.connected
+
+    def close(self) -> None:
+        """Give the device back."""
+        self._context.close()
+
+    def _take_back(self) -> None:
+        done = ctypes.c_int()
+        self._call.alGetSourcei(self._source, AL.BUFFERS_PROCESSED, ctypes.byref(done))
+        if done.value:
+            buffers = (ctypes.c_uint * done.value)()
+            self._call.alSourceUnqueueBuffers(self._source, done.value, buffers)
+            self._free += list(buffers)
+
+    def _queue(self, buffer: int, frames: int) -> None:
+        block = np.ascontiguousarray(soften_peaks(self._mixer.render(frames))[0])
+        self._call.alBufferData(buffer, AL.FORMAT_STEREO_FLOAT32, block.ctypes.data, block.nbytes, self.rate)
+        self._call.alSourceQueueBuffers(self._source, 1, ctypes.byref(ctypes.c_uint(buffer)))
+
+    def _follow_device(self, frames: int) -> None:
+        """Set when frame 0 was taken: each reading says too late a time, or the right one; the lowest counts."""
+        now, timing = self._clock.now_ns(), self._mixer.timing
+        read = now - (self.position - _QUEUED * frames) * 1_000_000_000 // self.rate
+        slack = round((now - self._told_ns) * _DRIFT)
+        self._told_ns = now
+        late = timing.origin_ns + slack
+        jumped = read - late > 50_000_000  # the queue ran empty, or the device stood still
+        self._mixer.timing = Timing(read if jumped else min(read, late), timing.latency, timing.pipeline)

@@ -1,0 +1,105 @@
+"""Heads and sounds that cannot be used are refused with the file and the reason, and nothing else happens."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import soundfile
+
+from mimics_app.contracts.errors import SceneError
+from mimics_app.rendering.audio.bank import SoundBank
+from mimics_app.rendering.audio.settings import SoundSpec
+from mimics_app.rendering.audio.sound_file import read_sound
+from mimics_app.rendering.audio.spectral.sofa import read_sofa
+from tests.support.heads import some_head, write_sofa
+
+HEAD = some_head(44_100, 40)
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"Data_SamplingRate": np.array([0.0])}, "sampling rate of 0 Hz"),
+        ({"Data_SamplingRate": np.array([np.nan])}, "sampling rate of nan"),
+        ({"Data_SamplingRate": None}, "has no Data.SamplingRate"),
+        ({"Data_IR": None}, "no impulse responses"),
+        ({"Data_IR": HEAD.responses[:, :1]}, "has the shape"),
+        ({"Data_IR": HEAD.responses[:5]}, "5 responses for"),
+        ({"Data_IR": HEAD.responses[:, :, :8]}, "8 samples"),
+        ({"Data_IR": np.where(HEAD.responses > 0, HEAD.responses, np.nan)}, "not finite"),
+        ({"Data_IR": HEAD.responses * np.array([1.0, 0.0])[:, None]}, "silent in an ear"),
+        ({"SourcePosition": np.full((len(HEAD.responses), 3), np.inf)}, "three finite numbers"),
+        ({"SourcePosition": np.tile([0.0, 0.0, 1.4], (len(HEAD.responses), 1))}, "no direction near"),
+        ({"convention": "GeneralTF"}, '"GeneralTF"'),
+    ],
+)
+def test_a_head_that_cannot_be_used_is_refused_by_reason(tmp_path, changes, told):
+    with pytest.raises(SceneError) as caught:
+        read_sofa(write_sofa(tmp_path / "head.sofa", HEAD, **changes))
+    (issue,) = caught.value.issues
+    assert told in issue.what and issue.file.endswith("head.sofa") and issue.fix
+
+
+def test_a_truncated_head_one_that_is_no_file_and_one_of_text_are_refused(tmp_path):
+    whole = write_sofa(tmp_path / "whole.sofa", HEAD).read_bytes()
+    for name, content in (("half.sofa", whole[: len(whole) // 2]), ("text.sofa", b"SOFA\n" * 100), ("none.sofa", None)):
+        if content is not None:
+            (tmp_path / name).write_bytes(content)
+        with pytest.raises(SceneError, match=name):
+            read_sofa(tmp_path / name)
+
+
+def test_places_may_be_spherical_or_cartesian(tmp_path):
+    heads = [read_sofa(write_sofa(tmp_path / f"{kind}.sofa", HEAD, cartesian=kind)) for kind in (False, True)]
+    for head in heads:
+        np.testing.assert_allclose(head.directions, HEAD.directions, atol=1e-9)
+        np.testing.assert_array_equal(head.responses, HEAD.responses)
+
+
+TONE = np.stack((0.5 * np.sin(np.arange(24_000) * 0.05), 0.25 * np.cos(np.arange(24_000) * 0.11)), axis=1)
+
+
+@pytest.mark.parametrize(("suffix", "error"), [("wav", 1e-4), ("flac", 1e-4), ("ogg", 0.06)])
+def test_sounds_of_every_kind_are_read_at_our_rate(tmp_path, suffix, error):
+    path = tmp_path / f"tone.{suffix}"
+    soundfile.write(path, TONE, 48_000)
+    samples = read_sound(path, 48_000)
+    assert samples.shape == TONE.shape
+    assert np.abs(samples[1000:-1000] - TONE[1000:-1000]).max() < error
+    assert read_sound(path, 24_000).shape == (12_000, 2)
+
+
+def test_a_recording_that_is_not_spatial_keeps_its_two_channels(tmp_path):
+    soundfile.write(tmp_path / "tone.flac", TONE, 48_000)
+    specs = {
+        "mixed": SoundSpec(file=tmp_path / "tone.flac"),
+        "binaural": SoundSpec(file=tmp_path / "tone.flac", spatial=False),
+    }
+    bank = SoundBank(specs, 48_000)
+    np.testing.assert_allclose(bank["mixed"].samples, TONE.mean(axis=1), atol=1e-4)
+    left = bank["binaural"]
+    assert (left.cell, left.other) == (1, "binaural:right") and bank["binaural:right"].cell == 2
+    np.testing.assert_allclose(bank["binaural:right"].samples, TONE[:, 1], atol=1e-4)
+
+
+@pytest.mark.parametrize("name", ["noise.ogg", "cut.flac", "empty.wav", "missing.ogg", "text.flac"])
+def test_damaged_sounds_are_refused_with_their_name(tmp_path, name):
+    path = tmp_path / name
+    if name == "noise.ogg":
+        path.write_bytes(np.random.default_rng(1).bytes(4000))
+    elif name == "cut.flac":
+        soundfile.write(path, TONE, 48_000)
+        path.write_bytes(path.read_bytes()[:60])
+    elif name != "missing.ogg":
+        path.write_bytes(b"no sound" if name == "text.flac" else b"")
+    with pytest.raises(SceneError, match=name):
+        read_sound(path, 48_000)
+
+
+def test_a_sound_of_2_gb_is_refused_before_it_is_read(tmp_path):
+    """A file with a hole: its size is told, nothing of it is on the disk."""
+    path = tmp_path / "long.wav"
+    with path.open("wb") as file:
+        file.truncate(2 << 30)
+    with pytest.raises(SceneError, match=r"2\.1 GB"):
+        read_sound(path, 48_000)

@@ -1,0 +1,101 @@
+"""The computed sounds of walking, ball and crowd: their spectra, their seams, and that no two steps are alike."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from mimics_app.rendering.audio import bank as banks
+from mimics_app.rendering.audio import scene_sounds, synth_scene
+from mimics_app.rendering.audio.bank import FAMILIES, RECIPES, TAKES, SoundBank
+from mimics_app.rendering.audio.settings import SoundSpec
+
+RATE = 48_000
+MINUS_1_DB = 10 ** (-1 / 20)
+
+
+def centroid(samples: np.ndarray) -> float:
+    power = np.abs(np.fft.rfft(samples)) ** 2
+    return float(np.sum(power * np.fft.rfftfreq(len(samples), 1 / RATE)) / np.sum(power))
+
+
+def test_surfaces_are_told_apart_by_their_brightness():
+    """Grass rustles, asphalt grits, wood knocks, earth is dull: each at least half as bright again as the next."""
+    means = [
+        np.mean([centroid(synth_scene.synthesise_step(s, take)) for take in range(4)])
+        for s in ("grass", "asphalt", "wood", "earth")
+    ]
+    assert all(a > 1.4 * b for a, b in pairwise(means)), means
+
+
+@pytest.mark.parametrize("surface", list(synth_scene.SURFACES))
+def test_consecutive_steps_are_never_the_same_recording(surface):
+    steps = [synth_scene.synthesise_step(surface, take).astype(np.float64) for take in range(synth_scene.STEP_TAKES)]
+    for one, other in pairwise(steps):
+        cross = np.fft.irfft(np.fft.rfft(one, 2 * len(one)) * np.conj(np.fft.rfft(other, 2 * len(one))))
+        assert np.abs(cross).max() / np.sqrt(np.sum(one**2) * np.sum(other**2)) < 0.9
+
+
+def test_every_sound_is_below_full_scale_without_a_constant_part_and_begins_at_once():
+    bank = SoundBank({name: SoundSpec(recipe=name) for name in (*RECIPES, *FAMILIES, *TAKES)}, RATE)
+    for name, sound in bank.sounds.items():
+        samples = sound.samples.astype(np.float64)
+        assert np.isfinite(samples).all() and 0.01 < np.abs(samples).max() <= MINUS_1_DB, name
+        assert abs(samples.mean()) < 1e-3 * np.abs(samples).max(), name
+
+
+@pytest.mark.parametrize("name", ["cup", "apple", "table", "tap", "stub_wall", "stub_kerb", "stub_box"])
+def test_what_is_struck_harder_is_brighter_and_begins_within_a_millisecond(name):
+    slow, fast = (FAMILIES[name](speed, 0, RATE).astype(np.float64) for speed in (0.04, 1.5))
+    assert centroid(fast) > centroid(slow)
+    for samples in (slow, fast):
+        assert int(np.argmax(np.abs(samples) > 0.1 * np.abs(samples).max())) <= RATE // 1000
+
+
+@pytest.mark.parametrize("name", banks.LOOPS)
+def test_loops_have_no_seam(name):
+    """The step over the seam is like any other: no larger than the largest within."""
+    samples = RECIPES[name](RATE).astype(np.float64)
+    steps = np.abs(np.diff(samples))
+    assert abs(samples[0] - samples[-1]) <= steps.max()
+    bend = np.abs(np.diff(np.concatenate((samples[-3:], samples[:3])), 2)).max()
+    assert bend <= np.abs(np.diff(samples, 2)).max()
+
+
+def test_a_roused_crowd_is_brighter_and_a_kick_has_slap_and_body():
+    calm, roused = (centroid(synth_scene.synthesise_crowd(RATE, arousal)) for arousal in (0.0, 1.0))
+    assert roused > 1.1 * calm
+    kick = np.abs(np.fft.rfft(synth_scene.synthesise_kick().astype(np.float64))) ** 2
+    frequency = np.fft.rfftfreq(int(0.3 * RATE), 1 / RATE)
+    assert kick[frequency > 700].sum() > 0.1 * kick.sum() and kick[frequency < 400].sum() > 0.2 * kick.sum()
+
+
+def force_of(newton: float, ms: int) -> np.ndarray:
+    """A push of a half sine at 1 kHz, a tenth of a second."""
+    force = np.zeros(100)
+    force[20 : 20 + ms] = newton * np.sin(np.pi * (np.arange(ms) + 0.5) / ms)
+    return force
+
+
+def test_a_contact_s_own_force_makes_its_sound():
+    """Linear in the force; a shorter push is brighter; a force that rests makes none."""
+    soft, hard = (synth_scene.strike_by_force("table", force_of(newton, 4)) for newton in (1.0, 10.0))
+    np.testing.assert_allclose(hard, 10.0 * soft, atol=1e-4 * np.abs(hard).max())
+    short, long = (synth_scene.strike_by_force("cup", force_of(5.0, ms)) for ms in (2, 12))
+    assert centroid(short) > centroid(long)
+    assert centroid(short) > 2.0 * centroid(synth_scene.strike_by_force("box", force_of(5.0, 2)))
+    resting = synth_scene.strike_by_force("table", np.full(100, 5.0))
+    assert np.abs(resting).max() < 1e-6 * np.abs(hard).max()
+    assert int(np.argmax(np.abs(hard) > 0.05 * np.abs(hard).max())) >= 19 * RATE // 1000, "not before the contact"
+
+
+def test_the_names_a_scene_may_use_are_those_of_the_bank():
+    assert set(scene_sounds._RECIPES) == {*RECIPES, *FAMILIES, *TAKES}
+
+
+def test_steps_are_taken_in_turn_whatever_the_speed():
+    bank = SoundBank({"step": SoundSpec(recipe="step_grass")}, RATE)
+    names = [bank.variant("step", 0.1 * k, k) for k in range(9)]
+    assert len(set(names[:8])) == 8 and names[8] == names[0]
