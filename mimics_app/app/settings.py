@@ -32,6 +32,7 @@ class RunSettings:
         patient: Preset instead of the scene's; "" keeps it.
         sound: "auto": device when live, file when headless; "off": none.
         size: Of the picture [px].
+        display: Where it is shown, KIND or KIND:FILE; "" keeps the scene's.
         pictures: Frames a headless run draws and keeps.
         video: File of a film, or folder for every frame as PNG, or None.
         action: File of task actions to replay, or None.
@@ -49,6 +50,7 @@ class RunSettings:
     patient: str = ""
     sound: SoundChoice = "auto"
     size: tuple[int, int] = (1280, 720)
+    display: str = ""
     pictures: int = 4
     video: Path | None = None
     action: Path | None = None

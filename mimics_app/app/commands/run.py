@@ -7,7 +7,13 @@ from dataclasses import fields
 from pathlib import Path
 
 from mimics_app.app.settings import PROFILES, RECIPES, SOUNDS, RunSettings
-from mimics_app.app.terminal.arguments import picture_size, positive_time, random_seed, whole_number
+from mimics_app.app.terminal.arguments import (
+    add_display_argument,
+    picture_size,
+    positive_time,
+    random_seed,
+    whole_number,
+)
 
 __all__ = ["add_arguments", "run"]
 
@@ -32,6 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--sound", choices=SOUNDS, default="auto", help="where sound goes")
     parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="of the picture [px]")
+    add_display_argument(parser)
     parser.add_argument(
         "--pictures",
         type=whole_number("number of pictures", range(100_001)),

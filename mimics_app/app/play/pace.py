@@ -110,7 +110,7 @@ def _limit_ns(session: Session) -> int:
 def _left(session: Session) -> bool:
     """Whether the person wants to leave."""
     picture = session.picture
-    if picture is not None and picture.surface.should_close:
+    if picture is not None and picture.leaving:
         return True
     events = session.inputs.frame.events
     return any(event.kind == "key" and event.name == "escape" and event.pressed for event in events)

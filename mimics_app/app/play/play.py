@@ -106,7 +106,7 @@ def _play_in_window(session: Session, frames: Frames) -> None:
     surface = create_surface("window", session.settings.size, session.scene.name)
     quality = live_quality(session.scene, session.settings.profile, surface)
     session.recorder.journal("quality", asdict(quality))
-    session.show(Picture(surface, session.scene, session.world, quality))
+    session.show(Picture(surface, session.scene, session.world, quality, display=session.settings.display))
     session.inputs = person_inputs(session)
     with left_alone():
         run_live(session, frames, lambda _: None)

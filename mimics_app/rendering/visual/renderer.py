@@ -298,7 +298,7 @@ class Renderer:
             huds.append(self._overlay.hud)
         if all(hud.empty for hud in huds):
             return draws
-        for screen in dict.fromkeys(view.screen for view in views):
+        for screen in dict.fromkeys(view.screen for view in views if view.screen >= 0):
             eyes = [view for view in views if view.screen == screen]
             plane = plane_of_views(eyes, self.settings.hud_depth)
             draws += sum(self._hud_pass.draw(hud, view, plane) for view in eyes for hud in huds)

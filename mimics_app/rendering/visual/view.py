@@ -26,7 +26,8 @@ class View:
         rectangle: Where on the surface: x, y of the lower left corner, width, height [px].
         near: Distance of the near plane [m], > 0.
         far: Distance of the far plane [m], > near; may be infinite.
-        screen: Which physical screen the picture belongs to; views of one screen share their heads-up display.
+        screen: Which physical screen the picture belongs to; views of one screen share their heads-up display;
+            -1: none is laid over it.
         clip_plane: World plane before which alone things are seen, unit normal and offset, float64 [4]; None: the near
             plane. The eye is behind it.
         part_of: Tangents of the picture this is a part of, by which levels of detail go; None: it is the whole.
