@@ -10,26 +10,21 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import Literal, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.errors import UsageError, nearest
-
 __all__ = [
-    "DISPLAY_KINDS",
     "MAX_PREDICTION_NS",
     "Composing",
     "Display",
-    "DisplayChoice",
     "DisplayFrame",
     "Eye",
     "FrameTiming",
     "HeadSource",
     "HeadsetState",
     "Viewpoint",
-    "parse_display",
 ]
 
 F8 = NDArray[np.float64]
@@ -38,52 +33,8 @@ Rect = tuple[int, int, int, int]
 Size = tuple[int, int]
 Tangents = tuple[float, float, float, float]
 
-DISPLAY_KINDS: dict[str, Literal["never", "may", "must"]] = {
-    "desktop": "never",
-    "sbs": "never",
-    "sbs-half": "never",
-    "tb": "never",
-    "interleaved": "never",
-    "anaglyph": "never",
-    "quad": "never",
-    "wall": "must",
-    "cave": "must",
-    "hmd": "may",
-    "openxr": "never",
-    "sim-hmd": "may",
-}
-"""Every kind of `--display`, and whether a file goes with it."""
-
 MAX_PREDICTION_NS = 50_000_000
 """A head is predicted no farther ahead [ns]: constant velocity errs by A w^2 t^2 / 2, 1.5 deg at +-30 deg and 1 Hz."""
-
-
-@dataclass(frozen=True, slots=True)
-class DisplayChoice:
-    """A display as it is asked for: KIND or KIND:FILE."""
-
-    kind: str = "desktop"
-    file: str = ""
-
-    def __str__(self) -> str:
-        return f"{self.kind}:{self.file}" if self.file else self.kind
-
-
-def parse_display(text: str) -> DisplayChoice:
-    """Read KIND[:FILE].
-
-    Raises:
-        UsageError: no such kind, a file that is missing, or one that does not belong there.
-    """
-    kind, colon, file = text.partition(":")
-    if kind not in DISPLAY_KINDS:
-        raise UsageError(f'there is no display "{kind}"', nearest(kind, DISPLAY_KINDS))
-    wants = DISPLAY_KINDS[kind]
-    if wants == "must" and not file:
-        raise UsageError(f"the display {kind} needs a file", f"write {kind}:FILE.json")
-    if colon and wants == "never":
-        raise UsageError(f"the display {kind} takes no file", f"write {kind}")
-    return DisplayChoice(kind, file)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,6 +48,20 @@ class Viewpoint:
 
     world_from_head: F8
     vertical_fov: float
+
+    @property
+    def world_from_rest(self) -> F8:
+        """The same place and heading, level: a person stands upright in the room, wherever a camera is tilted to."""
+        back = self.world_from_head[:3, 2] * np.array([1.0, 0.0, 1.0])
+        length = float(np.linalg.norm(back))
+        if length < _STEEP:  # it looks straight up or down: its upper edge says where is forward
+            back = self.world_from_head[:3, 1] * np.array([1.0, 0.0, 1.0]) * -np.sign(self.world_from_head[1, 2])
+            length = float(np.linalg.norm(back))
+        back = back / length
+        level = np.eye(4)
+        level[:3, 0] = (back[2], 0.0, -back[0])
+        level[:3, 2], level[:3, 3] = back, self.world_from_head[:3, 3]
+        return level
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -177,6 +142,9 @@ class Composing:
     vectors: dict[str, tuple[float, ...]]
     each_eye: bool = False
 
+
+_STEEP = 1e-6
+"""Horizontal part of a line of sight that has no heading."""
 
 HeadSource = Callable[[int], F8 | None]
 """Session time [ns] -> room_from_head, float64 [4, 4]; None where no tracker knows."""

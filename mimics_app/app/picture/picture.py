@@ -20,8 +20,8 @@ from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import SceneError, nearest
 from mimics_app.contracts.input_port import Ray
-from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT
 from mimics_app.rendering.visual.frame_stats import FrameStats
+from mimics_app.rendering.visual.passes.hud import plane_of_views
 from mimics_app.rendering.visual.presenting.presenter import Presenter
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
@@ -217,8 +217,8 @@ class Picture:
     def lay_out(self, board: Board, views: Sequence[View]) -> None:
         """Put a board over the picture that these eyes see."""
         hud = self.renderer.hud
-        left, right, bottom, top = views[0].tangents
-        hud.width = CANVAS_HEIGHT * (right - left) / (top - bottom)
+        screen = [view for view in views if view.screen == views[0].screen]
+        hud.width = plane_of_views(screen, self.renderer.settings.hud_depth).canvas_width
         if self._board is None:
             hud.clear()
         else:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from mimics_app.contracts.display_port import DISPLAY_KINDS, Display, DisplayChoice, parse_display
+from mimics_app.contracts.display_choice import DISPLAY_KINDS, DisplayChoice, parse_display
+from mimics_app.contracts.display_port import Display
 from mimics_app.contracts.errors import SceneError, UsageError
 from mimics_app.rendering.visual.displays.catalogue import make_display
 from mimics_app.rendering.visual.surfaces.surface import Surface

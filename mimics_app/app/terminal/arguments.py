@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, ArgumentTypeError
 from collections.abc import Callable
 
-from mimics_app.contracts.display_port import DISPLAY_KINDS, parse_display
+from mimics_app.contracts.display_choice import DISPLAY_KINDS, parse_display
 from mimics_app.contracts.errors import UsageError
 
 __all__ = [

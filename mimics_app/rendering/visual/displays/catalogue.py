@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from mimics_app.contracts.display_port import Display, DisplayChoice
+from mimics_app.contracts.display_choice import DisplayChoice
+from mimics_app.contracts.display_port import Display
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.rendering.visual.displays.desktop import DesktopDisplay
 from mimics_app.rendering.visual.displays.headset import RawHeadset

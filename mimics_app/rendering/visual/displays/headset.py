@@ -37,7 +37,7 @@ class RawHeadset(PlainDisplay):
 
     def eyes(self, viewpoint: Viewpoint, drawn: Size, display_ns: int) -> list[Eye]:
         head = self.head(display_ns)
-        world_from_head = viewpoint.world_from_head if head is None else viewpoint.world_from_head @ head
+        world_from_head = viewpoint.world_from_rest if head is None else viewpoint.world_from_rest @ head
         return headset_eyes(self._spec, world_from_head, drawn, self._drawn)
 
 

@@ -35,7 +35,11 @@ def undistort(seen: F8, k: tuple[float, float]) -> F8:
         k: As there.
     """
     wanted = np.linalg.norm(seen, axis=-1, keepdims=True)
-    r = wanted / (1.0 + k[0] * wanted**2)
+    # Each term alone bounds the radius from above, from where Newton's steps go down to it and never past it.
+    r = wanted.copy()
+    for coefficient, power in ((k[0], 3), (k[1], 5)):
+        if coefficient > 0.0:
+            r = np.minimum(r, (wanted / coefficient) ** (1.0 / power))
     for _ in range(NEWTON_STEPS):
         r2 = r * r
         r = r - (r * (1.0 + k[0] * r2 + k[1] * r2 * r2) - wanted) / (1.0 + 3.0 * k[0] * r2 + 5.0 * k[1] * r2 * r2)

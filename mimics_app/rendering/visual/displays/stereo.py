@@ -9,7 +9,7 @@ from mimics_app.rendering.visual.displays.desktop import compute_tangents
 from mimics_app.rendering.visual.displays.plain_display import PlainDisplay, eye_offset
 from mimics_app.rendering.visual.view_matrices import Tangents
 
-__all__ = ["DUBOIS_RED_CYAN", "STEREO_KINDS", "StereoDisplay", "comfortable_depth", "parallax"]
+__all__ = ["DUBOIS_RED_CYAN", "STEREO_KINDS", "StereoDisplay", "parallax"]
 
 STEREO_KINDS = ("sbs", "sbs-half", "tb", "interleaved", "anaglyph", "quad")
 
@@ -22,9 +22,6 @@ DUBOIS_RED_CYAN = np.array(
 )
 """Least-squares red-cyan glasses, linear light in and out: columns are RGB of the left, then of the right eye
 (Dubois 2001, "A projection method to generate anaglyph stereo images")."""
-
-_COMFORT_RAD = 0.0175
-"""Most difference of vergence between what is looked at and the screen: one degree (Lambooij 2009)."""
 
 
 class StereoDisplay(PlainDisplay):
@@ -74,12 +71,6 @@ class StereoDisplay(PlainDisplay):
 def parallax(ipd: float, screen_distance: float, depth: float) -> float:
     """Distance on the screen between the two pictures of a point [m], right minus left: e (Z - Z0) / Z."""
     return ipd * (depth - screen_distance) / depth
-
-
-def comfortable_depth(depth: float, ipd: float, screen_distance: float) -> float:
-    """The nearest to a depth [m] at which two eyes need not turn in more than a degree beyond the screen's."""
-    least = 1.0 / (1.0 / screen_distance + _COMFORT_RAD / ipd)
-    return max(depth, least)
 
 
 def _composing(kind: str) -> Composing | None:

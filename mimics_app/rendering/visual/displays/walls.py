@@ -48,7 +48,7 @@ class WallDisplay(PlainDisplay):
         rest[:3, 3] = self.spec.head
         head = self.head(display_ns)
         room_from_head = rest if head is None else head
-        world_from_room = viewpoint.world_from_head @ np.linalg.inv(rest)
+        world_from_room = viewpoint.world_from_rest @ np.linalg.inv(rest)
         eyes: list[Eye] = []
         for row, (side, share) in enumerate(_SIDES[self.spec.stereo]):
             eye = (room_from_head @ eye_offset(share * self.spec.ipd))[:3, 3]
