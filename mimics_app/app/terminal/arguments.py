@@ -88,7 +88,9 @@ def add_display_argument(parser: ArgumentParser) -> None:
 
 
 def _display_kind(text: str) -> str:
-    """KIND or KIND:FILE of a display."""
+    """KIND or KIND:FILE of a display; "" keeps the scene's."""
+    if not text:
+        return ""
     try:
         return str(parse_display(text))
     except UsageError as error:
