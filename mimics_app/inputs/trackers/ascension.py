@@ -25,6 +25,7 @@ class FlockParser:
 
     def __init__(self) -> None:
         self._waiting = bytearray()
+        self._astray = False
         self.rejected = 0
 
     def feed(self, data: bytes, t_ns: int) -> list[TrackerSample]:
@@ -34,9 +35,12 @@ class FlockParser:
             if byte & _PHASE:
                 if self._waiting:
                     self.rejected += 1
-                self._waiting = bytearray([byte])
+                self._waiting, self._astray = bytearray([byte]), False
             elif self._waiting:
                 self._waiting.append(byte)
+            elif not self._astray:
+                self._astray = True
+                self.rejected += 1
             if len(self._waiting) == RECORD_BYTES:
                 found.append(_read(self._waiting, t_ns))
                 self._waiting.clear()

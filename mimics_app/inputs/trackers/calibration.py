@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -101,22 +101,28 @@ def fit_room(seen: Sequence[Sequence[float]] | F8, room: Sequence[Sequence[float
     if spread[2] < _FLAT * spread[0]:
         raise UsageError("the points lie in a plane", "touch one well above or below the others")
     u, s, vt = np.linalg.svd(db.T @ da / len(a))
-    sign = np.array([1.0, 1.0, math.copysign(1.0, float(np.linalg.det(u @ vt)))])
-    rotation = (u * sign) @ vt
-    scale = float(np.sum(s * sign) / np.mean(np.sum(da * da, axis=1)))
-    left = np.linalg.norm(b - (scale * a @ rotation.T + centre_b - scale * rotation @ centre_a), axis=1)
-    residual, worst = float(np.sqrt(np.mean(left**2))), float(left.max())
+    proper = math.copysign(1.0, float(np.linalg.det(u @ vt)))
+    found, mirrored = (_fit(a, b, u, s, vt, sign) for sign in (proper, -proper))
+    return replace(found, fault=_suspicion(found, mirrored, float(spread[0])))
+
+
+def _fit(a: F8, b: F8, u: F8, s: F8, vt: F8, sign: float) -> Calibration:
+    """The best similarity of one handedness; `sign` is of the smallest singular value."""
+    signs = np.array([1.0, 1.0, sign])
+    rotation = (u * signs) @ vt
+    centre_a, centre_b = a.mean(axis=0), b.mean(axis=0)
+    scale = float(np.sum(s * signs) / np.mean(np.sum((a - centre_a) ** 2, axis=1)))
     translation = centre_b - scale * rotation @ centre_a
-    return Calibration(
-        rotation, scale, translation, residual, worst, _suspicion(rotation, sign[2], residual, spread[0])
-    )
+    left = np.linalg.norm(b - (scale * a @ rotation.T + translation), axis=1)
+    return Calibration(rotation, scale, translation, float(np.sqrt(np.mean(left**2))), float(left.max()))
 
 
-def _suspicion(rotation: F8, handed: float, residual: float, extent: float) -> str:
-    if handed < 0.0:
-        return "the points fit a mirror image better: an axis of the tracker points the wrong way"
-    if rotation[1, 1] < _UPSIDE_DOWN:
-        return "the tracker is upside down: its up points down in the room"
-    if residual > 0.05 * extent:
+def _suspicion(found: Calibration, mirrored: Calibration, extent: float) -> str:
+    bad = 0.05 * extent
+    if found.residual_m > bad > mirrored.residual_m:
+        return "the points fit a mirror image: an axis of the tracker points the wrong way"
+    if found.residual_m > bad:
         return "the points do not fit each other: one was probably touched in another order"
+    if found.rotation[1, 1] < _UPSIDE_DOWN:
+        return "the tracker is upside down: its up points down in the room"
     return ""
