@@ -8,6 +8,7 @@ from typing import Any
 from mimics_app.contracts.errors import nearest
 from mimics_app.world.camera import Camera
 from mimics_app.world.content import Content
+from mimics_app.world.cords import Cord
 from mimics_app.world.effects import Effects
 from mimics_app.world.entity import Entity
 from mimics_app.world.environment import Sky
@@ -41,6 +42,7 @@ class World:
         textures: By key.
         techniques: Further ways to draw materials, by the name a material calls them.
         environment: The sky.
+        cords: By name of the node they begin at.
         mirrors, screens, insets: What shows the world itself, by name of the node (`world.live_pictures`).
     """
 
@@ -53,6 +55,7 @@ class World:
         self.textures: dict[str, TextureData] = {}
         self.techniques: dict[str, TechniqueSpec] = {}
         self.environment = Sky()
+        self.cords: dict[str, Cord] = {}
         self.mirrors: dict[str, MirrorSurface] = {}
         self.screens: dict[str, ScreenSurface] = {}
         self.insets: dict[str, InsetView] = {}

@@ -249,7 +249,8 @@ class Renderer:
         self._frame.begin()
         self._shadows.prepare(lighting, views, self._list, self._frame, settings)
         effects, plan = self._prepare_effects(asked), self._shadows.plan
-        return FrameScene(self.world, self._list.items, lighting, plan, settings, self._ambient, effects)
+        items = self._list.items
+        return FrameScene(self.world, items, lighting, plan, settings, self._ambient, lights, effects)
 
     def _prepare_effects(self, lights: frozenset[str]) -> EffectStage | None:
         """The stage of sprites and projectors, ready for this frame; None, and nothing loaded, in a world without."""

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from mimics_app.contracts.errors import MOST_SOUGHT, Issue, SceneError
 from mimics_app.contracts.regular_file import read_regular
 from mimics_app.world.components import (
+    cord,
     effects,
     hand,
     object_checks,
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
 
 __all__ = ["build_world", "load_scene"]
 
-REGISTERING = (visible, effects, robot, hand, objects, pictures, systems, robot_checks, object_checks)
+REGISTERING = (visible, cord, effects, robot, hand, objects, pictures, systems, robot_checks, object_checks)
 """Modules whose import makes the built-in component types, systems and checks known."""
 
 
