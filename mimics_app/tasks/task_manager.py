@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from numpy.typing import NDArray
 
 from mimics_app.contracts.board import Board, Card
-from mimics_app.contracts.messages import HapticSnapshot, SoundEvent, TaskAction, TaskOrders, VRInput
+from mimics_app.contracts.messages import HapticSnapshot, SoundEvent, TactileEvent, TaskAction, TaskOrders, VRInput
 from mimics_app.contracts.scenario_port import Home, TaskContext
 from mimics_app.contracts.trial_counts import FINISHED, SESSION_ENDED
 from mimics_app.contracts.trial_state import TaskView, TrialState
@@ -124,7 +125,7 @@ class TaskManager:
         now_ns: int,
     ) -> TaskOrders:
         """One frame: `events` are the EVENT records since the last one, shape [n]; `now_ns` never falls."""
-        seen = observe(snapshot, events, now_ns, self._bodies)
+        seen = replace(observe(snapshot, events, now_ns, self._bodies), pressed=vr.pressed)
         for play in self._plays.values():
             seen = play.see(seen, self._settings.task)
         if action is not None:
@@ -210,6 +211,8 @@ class TaskManager:
         if self._attempts.begin(now_ns):
             self._adaptation.begin_trial(self._attempts.number, self._attempts.trial.values)
             self._report_clipped(now_ns)
+            for play in self._plays.values():
+                play.begin_trial(self._attempts.trial.label, self._attempts.number)
         self._settings = settings_for(self._spec, self._adaptation.values)
         self._arrival.restart()
         self._triggers.restart()
@@ -238,14 +241,20 @@ class TaskManager:
 
     def _orders(self, seen: Observation, sounds: tuple[SoundEvent, ...]) -> TaskOrders:
         haptic = {**self._settings.haptic, **self._control.wanted(), "trial": self._attempts.begun}
+        visual, touches = dict(self._settings.visual), list[TactileEvent]()
         for play in self._plays.values():
             haptic |= play.orders
+            visual |= play.visual
+            touches += play.take_touches()
+            for kind, data in play.take_events():
+                self._on_event(kind, data)
         view = self._view(seen)
         return TaskOrders(
             haptic=self._haptic.since_last(haptic),
-            visual=self._visual.since_last(self._settings.visual),
+            visual=self._visual.since_last(visual),
             audio=self._audio.since_last(self._settings.audio),
             sounds=sounds,
+            touches=tuple(touches),
             view=view,
             board=self._lay_out(seen, view),
             person_may_act=self._state is TrialState.TRAVEL,

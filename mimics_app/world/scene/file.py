@@ -22,6 +22,8 @@ from mimics_app.world.components import (
     robot,
     robot_checks,
     systems,
+    tactile,
+    trackers,
     visible,
 )
 from mimics_app.world.components.plugins import register_plugins
@@ -38,7 +40,20 @@ if TYPE_CHECKING:
 
 __all__ = ["build_world", "load_scene"]
 
-REGISTERING = (visible, cord, effects, robot, hand, objects, pictures, systems, robot_checks, object_checks)
+REGISTERING = (
+    visible,
+    cord,
+    effects,
+    robot,
+    hand,
+    objects,
+    pictures,
+    systems,
+    tactile,
+    trackers,
+    robot_checks,
+    object_checks,
+)
 """Modules whose import makes the built-in component types, systems and checks known."""
 
 

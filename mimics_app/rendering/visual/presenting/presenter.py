@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.display_port import Composing, Display, DisplayFrame, Eye, FrameTiming, Viewpoint
+from mimics_app.contracts.display_port import Composing, Display, DisplayFrame, Eye, FrameTiming, HeadSource, Viewpoint
 from mimics_app.rendering.visual.presenting.compose import ComposePass
 from mimics_app.rendering.visual.surfaces.eye_buffer import EyeBuffer
 from mimics_app.rendering.visual.surfaces.headless import read_pixels, save_png
@@ -16,6 +17,9 @@ from mimics_app.rendering.visual.view import View
 from mimics_app.world.camera import Camera
 
 __all__ = ["Presenter"]
+
+_REST_HEIGHT = 1.7
+"""Height of the eyes of a person at rest, where trackers tell places in a room and the display has none [m]."""
 
 _WALLS = ("wall", "cave")
 """Kinds whose pictures nobody sees together: where there is no window the surface takes their size."""
@@ -48,10 +52,12 @@ class Presenter:
         self._eyes: list[Eye] = []
         self._compose: ComposePass | None = None
 
-    @property
-    def moves(self) -> bool:
-        """Whether the head may have moved since the frame was begun, so that looking again is worth it."""
-        return self.display.kind != "desktop"
+    def follow(self, head: HeadSource) -> None:
+        """Have a display that does not track the head itself ask for it here: room_from_head, of the room's floor."""
+        if self.display.kind in _WALLS:
+            self.display.head = head
+        elif self.display.kind == "hmd":
+            self.display.head = partial(_from_rest, head)
 
     def begin(self, now_ns: int) -> FrameTiming:
         """Begin a frame; see `Display.begin_frame`. One that was begun and never shown ends empty."""
@@ -128,3 +134,13 @@ class Presenter:
         place = file.with_name(f"{file.stem}_{eye.name}{file.suffix}")
         Image.fromarray(pixels[top : top + height, x : x + width, :3]).save(place, compress_level=6)
         return place
+
+
+def _from_rest(head: HeadSource, now_ns: int) -> NDArray[np.float64] | None:
+    """The head in the frame of a head at rest."""
+    room_from_head = head(now_ns)
+    if room_from_head is None:
+        return None
+    moved = room_from_head.copy()
+    moved[1, 3] -= _REST_HEIGHT
+    return moved
