@@ -38,6 +38,7 @@ class RunSettings:
         action: File of task actions to replay, or None.
         runs: Folder the run folder is made in.
         recipe: Scheduler of the live haptic loop, one of RECIPES.
+        from_trial: Trial to begin with, 1 first: after a session that was broken off, the one it stopped in.
     """
 
     scene: Path
@@ -56,3 +57,4 @@ class RunSettings:
     action: Path | None = None
     runs: Path = field(default_factory=lambda: Path("runs"))
     recipe: str = "auto"
+    from_trial: int = 1

@@ -21,14 +21,16 @@ FIGURE_PARTS = ("head", "hand_left", "hand_right")
 
 _EYES_ABOVE, _EYES_BEFORE = 0.08, 0.09
 """Of the head's middle from the eyes [m]."""
-_NECK, _SHOULDER, _HIP = 0.18, 0.24, 0.70
+_NECK, _SHOULDER, _HIP = 0.18, 0.27, 0.72
 """Below the eyes: neck, shoulders, hips [m]."""
-_WIDE = 0.19
+_WIDE = 0.20
 """From the middle to a shoulder [m]."""
 _UPPER, _LOWER = 0.29, 0.27
 """Arms [m]."""
 _STOMACH_BELOW, _STOMACH_DEEP, _BACK_BELOW, _BACK_DEEP = 0.52, 0.11, 0.42, 0.11
 """Sockets of the cord from the eyes down, and from the trunk's middle line to its surface [m]."""
+_BROAD = 0.20
+"""Half the breadth of the trunk [m]."""
 _THICK = {"trunk": 0.125, "upper": 0.045, "lower": 0.038, "leg": 0.07, "hand": 0.045, "neck": 0.05}
 
 
@@ -104,7 +106,7 @@ class StandInFigure:
         neck = eyes + _NECK * down - _EYES_BEFORE * forward
         self._put("head", world_from_ground, eyes + 0.02 * down - _EYES_BEFORE * forward, head[:3, :3], (1.0,) * 3)
         self._span("neck", world_from_ground, neck + 0.02 * down, eyes - _EYES_BEFORE * forward)
-        self._span("trunk", world_from_ground, hips, neck + 0.10 * down)
+        self._span("trunk", world_from_ground, hips, neck + 0.02 * down, right)
         for side, sign in (("left", -1.0), ("right", 1.0)):
             shoulder = eyes + _SHOULDER * down - _EYES_BEFORE * forward + sign * _WIDE * right
             pole = down * 1.0 - 0.4 * forward + 0.5 * sign * right
@@ -114,20 +116,22 @@ class StandInFigure:
             self._put(f"hand {side}", world_from_ground, hand, parts[f"hand_{side}"][:3, :3], (1.0,) * 3)
             foot = np.array([0.0, 0.08, 0.0]) + sign * 0.10 * np.array([1.0, 0.0, 0.0])
             self._span(f"leg {side}", world_from_ground, foot, hips + sign * 0.09 * right)
-        middle = lambda below: eyes + below * down - (_EYES_BEFORE + 0.3 * below * 0.1) * forward  # noqa: E731
-        self._stomach = _moved(world_from_ground, middle(_STOMACH_BELOW) + _STOMACH_DEEP * forward)
-        self._back = _moved(world_from_ground, middle(_BACK_BELOW) - _BACK_DEEP * forward)
+        stomach, back = (eyes + below * down - _EYES_BEFORE * forward for below in (_STOMACH_BELOW, _BACK_BELOW))
+        self._stomach = _moved(world_from_ground, stomach + _STOMACH_DEEP * forward)
+        self._back = _moved(world_from_ground, back - _BACK_DEEP * forward)
 
-    def _span(self, part: str, world_from_ground: F8, start: F8, end: F8) -> None:
-        """Lay a body of length 1 between two points, its y along them."""
+    def _span(self, part: str, world_from_ground: F8, start: F8, end: F8, side: F8 | None = None) -> None:
+        """Stretch a body between two points, its y along them; one with a `side` is broad that way."""
         way = end - start
         length = max(float(np.linalg.norm(way)), 1e-6)
         y = way / length
         x = np.cross(y, [0.0, 0.0, 1.0]) if abs(y[2]) < 0.9 else np.cross(y, [1.0, 0.0, 0.0])
-        x /= np.linalg.norm(x)
+        x = x if side is None else side - y * float(side @ y)
+        x = x / np.linalg.norm(x)
         axes = np.stack([x, y, np.cross(x, y)], axis=1)
         thick = _THICK[part.split()[0]]
-        self._put(part, world_from_ground, 0.5 * (start + end), axes, (thick, 0.5 * length + 0.3 * thick, thick))
+        broad = thick if side is None else _BROAD
+        self._put(part, world_from_ground, 0.5 * (start + end), axes, (broad, 0.5 * length + 0.3 * thick, thick))
 
     def _put(self, part: str, world_from_ground: F8, place: F8, axes: F8, scale: tuple[float, float, float]) -> None:
         node = self.nodes[part]

@@ -13,6 +13,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from mimics_app.contracts.board import Board, Card
+from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.messages import HapticSnapshot, SoundEvent, TactileEvent, TaskAction, TaskOrders, VRInput
 from mimics_app.contracts.scenario_port import Home, TaskContext
 from mimics_app.contracts.trial_counts import FINISHED, SESSION_ENDED
@@ -50,6 +51,10 @@ class TaskManager:
         seed: Of the session; decides the order of the trials.
         on_trial: Called with the row of each attempt at its end (columns: `tasks.attempts.Row`).
         on_event: Called with a kind ("state", "action", "clipped") and its data, for the journal.
+        first_trial: Trial to begin with, 0 first; those before it are left out.
+
+    Raises:
+        UsageError: the session has no such trial.
     """
 
     def __init__(
@@ -59,12 +64,15 @@ class TaskManager:
         seed: int,
         on_trial: Callable[[Row], None] = _ignore,
         on_event: Callable[[str, Mapping[str, object]], None] = _ignore,
+        first_trial: int = 0,
     ) -> None:
         self._spec = spec
         self._on_event = on_event
         self._space = build_action_space(spec)
         self._adaptation = Adaptation(self._space)
         plan = plan_trials(trial_blocks(spec), seed)
+        if not 0 <= first_trial < len(plan):
+            raise UsageError(f"the session has no trial {first_trial + 1}", f"it has {len(plan)}")
         kinds = [kind for kind in task_kinds() if kind.takes(spec, context.offers)]
         self._plays = {kind.name: kind.open(spec, context, seed) for kind in kinds}
         self._captions = kinds[-1] if kinds else TaskKind()
@@ -72,7 +80,7 @@ class TaskManager:
         plays = tuple(self._plays.values())
         self._has_score = bool(kinds) or spec.score != ScoreSpec()  # the built-in weights judge a way
         score = spec.score if self._has_score else None
-        self._attempts = Attempts(plan, score, spec.start.attempts, on_trial, plays, counts)
+        self._attempts = Attempts(plan, score, spec.start.attempts, on_trial, plays, counts, first_trial)
         self._bodies = context.bodies
         self._arrival = Arrival(spec.start, context.start_joints)
         self._control = RobotControl(context.home or Home(context.start_joints), context.feel)

@@ -51,6 +51,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--action", type=Path, metavar="FILE", help="replay task actions from a JSON file")
     parser.add_argument("--runs", type=Path, default=Path("runs"), metavar="DIR", help="where the run folder is made")
+    parser.add_argument(
+        "--from-trial",
+        type=whole_number("number of a trial", range(1, 1_000_001)),
+        default=1,
+        metavar="N",
+        help="begin with this trial of the session, as after one that was broken off; same --seed, same order",
+    )
     parser.add_argument("--recipe", choices=RECIPES, default="auto", help="scheduler of the live haptic loop")
 
 

@@ -73,7 +73,14 @@ class SessionCore:
         self.haptics: HapticEngine = parts.side.engine(memory, parts.plugin, recipe=parts.settings.recipe)
         context, seed = fit_context(parts.scenario.task_context, parts.plugin), parts.settings.seed
         context = replace(context, simulated=not parts.live)
-        self.tasks = TaskManager(parts.task, context, seed, on_trial=recorder.trial, on_event=recorder.journal)
+        self.tasks = TaskManager(
+            parts.task,
+            context,
+            seed,
+            on_trial=recorder.trial,
+            on_event=recorder.journal,
+            first_trial=parts.settings.from_trial - 1,
+        )
         self.trackers = make_hub(parts.scene, self.clock, seed, folder)
         self.inputs = Inputs([simulated_person(parts.scene, parts.scenario)])
         self.dsp: Dsp = NullDsp()

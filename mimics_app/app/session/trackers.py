@@ -62,7 +62,12 @@ def _source(scene: Scene, spec: TrackerSpec, pointer: str, clock: Clock, seed: i
         return ScriptedPerson(spec.name, seed)
     if spec.kind == "pointer":
         return PointerTracker(spec.name)
-    return {"vrpn": VrpnTracker, "osc": OscTracker, "lsl": LslTracker}[spec.kind](spec.name, spec.address, clock)
+    made: type[VrpnTracker] | type[OscTracker] | type[LslTracker] = {
+        "vrpn": VrpnTracker,
+        "osc": OscTracker,
+        "lsl": LslTracker,
+    }[spec.kind]
+    return made(spec.name, spec.address, clock)
 
 
 def _place(scene: Scene, spec: TrackerSpec, source: TrackerSource, pointer: str) -> Placed:

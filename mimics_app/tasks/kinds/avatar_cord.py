@@ -95,7 +95,9 @@ class AvatarCordPlay(KindPlay):
 
     @property
     def prompt(self) -> str:
-        return self._asking.text if self._phase is _Phase.QUESTIONS else "Look at the figure before you"
+        if self._phase is _Phase.QUESTIONS:
+            return self._asking.text
+        return "Look at the figure before you" if self._phase is _Phase.BASELINE else ""
 
     @property
     def measures(self) -> Mapping[str, float | None]:

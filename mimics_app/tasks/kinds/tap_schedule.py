@@ -69,7 +69,7 @@ def _gaps(taps: TapsSpec, condition: ConditionSpec, chance: random.Random) -> li
     """Times between the taps that fit into the condition's duration [s]; the first counts from the beginning."""
     if condition.mode == "none":
         return []
-    gaps, left = [], condition.duration_s - max(0.0, abs(condition.visuo_tactile_ms) * 1e-3)
+    gaps, left = list[float](), condition.duration_s - max(0.0, abs(condition.visuo_tactile_ms) * 1e-3)
     most = max(taps.least_s, taps.most_s)
     while True:
         # What is felt before it is seen must not come before the taps' beginning.
