@@ -43,9 +43,8 @@ def _tap_line(label: str, taps: Sequence[Row]) -> dict[str, Any]:
     rows = [row for row in taps if row.get("condition") == label]
     seen = [abs(row["seen_submitted_ns"] - row["seen_scheduled_ns"]) for row in rows if "seen_submitted_ns" in row]
     felt = [abs(row["felt_ns"] - row["felt_scheduled_ns"]) for row in rows if "felt_ns" in row]
-    both = [
-        row["felt_ns"] - row["seen_scheduled_ns"] for row in rows if "felt_ns" in row and "seen_scheduled_ns" in row
-    ]
+    whole = [row for row in rows if "felt_ns" in row and "seen_scheduled_ns" in row]
+    both = [row["felt_ns"] - row["seen_scheduled_ns"] for row in whole]
     return {
         "condition": label,
         "n": len(rows),

@@ -31,10 +31,9 @@ def read_study(runs: Sequence[SubjectRun]) -> tuple[list[Row], list[Row], list[R
         trials += [{"subject": run.subject, "seed": run.seed, **row} for row in _rows(run.folder / "trials.csv")]
         events = list(_events(run.folder / "events.jsonl"))
         taps += _taps(run.subject, events)
-        kept = [event for event in events if event.get("kind") == "answer"]
-        answers += [
-            {"subject": run.subject, **{name: event.get(name) for name in ANSWER_COLUMNS[1:]}} for event in kept
-        ]
+        for event in events:
+            if event.get("kind") == "answer":
+                answers.append({"subject": run.subject, **{name: event.get(name) for name in ANSWER_COLUMNS[1:]}})
     return trials, taps, answers
 
 

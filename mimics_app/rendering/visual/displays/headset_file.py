@@ -56,7 +56,7 @@ class PoseSpec(Component, frozen=True):
 
 
 class StateSpec(Component, frozen=True):
-    """A state that a simulated session enters before a frame."""
+    """A state that a simulated session enters before a frame, counted from the first that is begun."""
 
     frame: Annotated[int, Meta(ge=0, le=10**7)]
     state: Literal["visible", "focused", "synchronized", "stopping", "loss_pending", "exiting"]

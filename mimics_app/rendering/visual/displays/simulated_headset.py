@@ -45,6 +45,7 @@ class SimulatedRuntime(HeadsetRuntime):
         self._state = HeadsetState.IDLE
         self._running = self._begun = self._waited = False
         self._frame = -1
+        self._asked = 0
         self._located_ns: int | None = None
         self._located: list[EyeLocation] = []
         self.calls: list[str] = []
@@ -55,8 +56,9 @@ class SimulatedRuntime(HeadsetRuntime):
         return self._spec.pixels or (max(1, shown[0] // 2), shown[1])
 
     def states(self) -> list[HeadsetState]:
-        while self._scripted and self._scripted[0].frame <= self._frame + 1:
+        while self._scripted and self._scripted[0].frame <= self._asked:
             self._waiting.append(HeadsetState(self._scripted.pop(0).state))
+        self._asked += 1
         entered, self._waiting = self._waiting, []
         if entered:
             self._state = entered[-1]
