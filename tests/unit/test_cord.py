@@ -1,4 +1,4 @@
-"""The cord by closed form: length, ends, frame, ripples with their normals, and what it says of figures that cannot be."""
+"""The cord by closed form: length, ends, frame, ripples with normals, and what it says of figures that cannot be."""
 
 from __future__ import annotations
 

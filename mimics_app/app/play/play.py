@@ -99,11 +99,13 @@ def _told_where(session: Session) -> Iterator[None]:
 
 def _play_in_window(session: Session, frames: Frames) -> None:
     """A person plays: window, live loop, sound card."""
+    from mimics_app.app.picture.shown_on import chosen_display
     from mimics_app.app.session.person import person_inputs
     from mimics_app.rendering.visual.surfaces.contexts import create_surface
 
     start_loop(session)
-    surface = create_surface("window", session.settings.size, session.scene.name)
+    kind = chosen_display(session.scene, session.settings.display).kind
+    surface = create_surface("window", session.settings.size, session.scene.name, stereo=kind == "quad")
     quality = live_quality(session.scene, session.settings.profile, surface)
     session.recorder.journal("quality", asdict(quality))
     session.show(Picture(surface, session.scene, session.world, quality, display=session.settings.display))

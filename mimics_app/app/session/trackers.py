@@ -62,12 +62,11 @@ def _source(scene: Scene, spec: TrackerSpec, pointer: str, clock: Clock, seed: i
         return ScriptedPerson(spec.name, seed)
     if spec.kind == "pointer":
         return PointerTracker(spec.name)
-    made: type[VrpnTracker] | type[OscTracker] | type[LslTracker] = {
-        "vrpn": VrpnTracker,
-        "osc": OscTracker,
-        "lsl": LslTracker,
-    }[spec.kind]
-    return made(spec.name, spec.address, clock)
+    if spec.kind == "vrpn":
+        return VrpnTracker(spec.name, spec.address, clock)
+    if spec.kind == "osc":
+        return OscTracker(spec.name, spec.address, clock)
+    return LslTracker(spec.name, spec.address, clock)
 
 
 def _place(scene: Scene, spec: TrackerSpec, source: TrackerSource, pointer: str) -> Placed:

@@ -85,6 +85,7 @@ class Presenter:
                 self._compose = ComposePass(self.surface.ctx, self.display.composing or _SHOW)
             self._compose.draw(self.drawn, self.surface, [eye.rectangle for eye in self._eyes])
             texture = self.drawn.texture.glo
+            self.surface.both_eyes = self.drawn.framebuffer if self.display.kind == "quad" else None
         else:
             texture = 0
         self._begun = False
