@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.display_port import Eye, Viewpoint
+from mimics_app.maths.poses import pose_from_parts
+from mimics_app.rendering.visual.displays.desktop import compute_tangents
 from mimics_app.rendering.visual.displays.headset import RawHeadset
 from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec
 from mimics_app.rendering.visual.displays.lens import undistort
@@ -20,6 +22,7 @@ from mimics_app.rendering.visual.presenting.presenter import Presenter
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
+from mimics_app.rendering.visual.view import View
 from mimics_app.world.world import World
 from tests.golden.test_projection import PLAIN, centroid, make_disc_world
 
@@ -141,3 +144,23 @@ def test_a_lens_shows_a_grid_straight() -> None:
         ys, xs = np.mgrid[0:400, 0:400] + 0.5
         found = (weight * xs).sum() / weight.sum(), (weight * ys).sum() / weight.sum()
         assert math.dist(found, (x, y)) <= 0.5
+
+
+def test_the_head_is_asked_once_more_and_the_picture_is_from_there() -> None:
+    """A frame queued from one place and latched at another is that of the other, to rounding."""
+    world = camera_world([np.array([0.1, 0.0, -1.2]), np.array([-0.3, 0.1, -2.5])], 0.25)
+    with create_surface("egl", SIZE) as surface:
+        renderer = Renderer(surface, world, PLAIN)
+        before = np.eye(4)
+        after = pose_from_parts((0.02, -0.01, 0.03), (0.0, math.sin(0.01), 0.0, math.cos(0.01)))
+        tangents = compute_tangents(FOV, SIZE)
+        queued, moved = (View(pose, tangents, (0, 0, *SIZE)) for pose in (before, after))
+        renderer.draw([moved])
+        wanted = read_pixels(surface).astype(int)
+        renderer.draw([queued])
+        old = read_pixels(surface).astype(int)
+        renderer.draw([queued], lambda: [moved])
+        found = read_pixels(surface).astype(int)
+        renderer.release()
+    assert (np.abs(wanted - old).max(axis=-1) > 8).sum() > 200
+    assert (np.abs(wanted - found).max(axis=-1) > 8).sum() == 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,7 @@ from mimics_app.contracts.input_port import Ray
 from mimics_app.rendering.visual.frame_stats import FrameStats
 from mimics_app.rendering.visual.passes.hud import plane_of_views
 from mimics_app.rendering.visual.presenting.presenter import Presenter
-from mimics_app.rendering.visual.renderer import Renderer
+from mimics_app.rendering.visual.renderer import Latch, Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
 from mimics_app.rendering.visual.surfaces.surface import Surface
@@ -136,6 +137,11 @@ class Picture:
         return self.presenter.views(self._camera)
 
     @property
+    def _latch(self) -> Latch | None:
+        """Looks at the head once more, where the display follows one."""
+        return partial(self.presenter.views, self._camera) if self.presenter.follows_head else None
+
+    @property
     def leaving(self) -> bool:
         """Whether the person has left by way of the display: closed its window, or ended a headset's session."""
         return self.surface.should_close or self.presenter.display.leaving
@@ -145,7 +151,7 @@ class Picture:
         timing = self.presenter.begin(now_ns)
         views = self.views
         self.lay_out(board, views)
-        stats = self.renderer.draw(views)
+        stats = self.renderer.draw(views, self._latch)
         if timing.render:
             self.presenter.present()
         else:
@@ -192,9 +198,9 @@ class Picture:
         views = self.views
         self.lay_out(board, views)
         if self._software:
-            self.renderer.draw(views)
+            self.renderer.draw(views, self._latch)
         else:
-            self.renderer.draw_finished(views)
+            self.renderer.draw_finished(views, self._latch)
         self.presenter.present()
         waited_ns = clock.now_ns()
         self.surface.swap()

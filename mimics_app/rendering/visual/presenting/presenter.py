@@ -59,6 +59,11 @@ class Presenter:
         elif self.display.kind == "hmd":
             self.display.head = partial(_from_rest, head)
 
+    @property
+    def follows_head(self) -> bool:
+        """Whether the views depend on where a head is."""
+        return self.display.kind in (*_WALLS, "hmd", "sim-hmd", "openxr")
+
     def begin(self, now_ns: int) -> FrameTiming:
         """Begin a frame; see `Display.begin_frame`. One that was begun and never shown ends empty."""
         if self._begun:
