@@ -36,6 +36,9 @@ GROUPS = {
     "anti aliasing": "visual.anti_aliasing",
     "bloom": "visual.effects",
     "ambient occlusion": "visual.effects",
+    "cord": "visual.cord",
+    "head prediction": "visual.head_prediction",
+    "lens distortion": "visual.lens_distortion",
     "model reading": "methods_reading",
     "haptic tick": "methods_tick",
 }

@@ -20,6 +20,7 @@ from mimics_app.contracts.scenario_port import BodyPose
 from mimics_app.maths.poses import pose_from_parts
 from mimics_app.scenarios.stand_in_figure import FIGURE_PARTS, StandInFigure
 from mimics_app.scenarios.touch_scene import TouchScene
+from mimics_app.tasks.kinds.avatar_cord import HALF_FRAME_NS
 from mimics_app.world.components.cord import CordComponent
 from mimics_app.world.cords import Cord
 from mimics_app.world.meshes.primitives import sphere
@@ -185,7 +186,7 @@ class AvatarCord(TouchScene):
             at, _ = cord.place(share, theta, gap + _BALL)
             cord.ball[:3], cord.ball[3] = at, _BALL
             # The ripple counts from the touch itself, not from the frame that shows it.
-            if self._now_ns + FRAME_NS // 2 >= due_ns and number != self._last_tap:
+            if self._now_ns + HALF_FRAME_NS >= due_ns and number != self._last_tap:
                 cord.tap(share * cord.curve.length, theta, due_ns / _NS, _RIPPLE_SHARE * cord.shown_radius)
                 self._last_tap = number
         else:

@@ -28,11 +28,13 @@ if TYPE_CHECKING:
     from mimics_app.tasks.task import TaskSpec
     from mimics_app.world.scene.scene import Scene
 
-__all__ = ["KIND", "AvatarCordKind"]
+__all__ = ["HALF_FRAME_NS", "KIND", "AvatarCordKind"]
 
 _NS = 1_000_000_000
 _AHEAD_NS = 2 * FRAME_NS
 """A tap to be felt is ordered so long before it is due [ns]: whoever drives the vibrator has the time to be exact."""
+HALF_FRAME_NS = 8_500_000
+"""A touch is shown by the frame that is nearest to it: of frames 16 and 17 ms apart, half of the longer [ns]."""
 _LEAST_SCALES = ("ownership", "agency", "touch", "location", "control")
 
 
@@ -166,7 +168,7 @@ class AvatarCordPlay(KindPlay):
             tap = self._taps[self._shown]
             due = self._begin_ns + tap.seen_ns
             # The frame nearest to the touch shows it: half a frame early or late at most.
-            if now_ns + FRAME_NS // 2 < due:
+            if now_ns + HALF_FRAME_NS < due:
                 return
             error_ms = (now_ns - due) * 1e-6
             self._worst_seen_ms = max(self._worst_seen_ms, abs(error_ms))
@@ -188,7 +190,7 @@ class AvatarCordPlay(KindPlay):
         if threat is None or begun is None or self._threat_ns is not None:
             return
         due = begun + round(threat.at_s * _NS)
-        if now_ns + FRAME_NS // 2 >= due:
+        if now_ns + HALF_FRAME_NS >= due:
             self._threat_ns = due
             window = {"from_ns": due, "to_ns": due + round(threat.window_s * _NS)}
             self._note("threat", now_ns, {"scheduled_ns": due, "submitted_ns": now_ns, **window})
