@@ -105,7 +105,7 @@ registry.register(
     Method(
         group=GROUP,
         name="catenary in the shader",
-        source="closed form by arc length; Newton for one number a frame, 272 bytes uploaded",
+        source="closed form by arc length; Newton for one number a frame, 256 bytes uploaded",
         cost=_shader_cost,
         error=_drawn_error,
         unit="m",
