@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from mimics_app.app.picture.board import draw_board
+from mimics_app.app.picture.board import OPERATORS_CARDS, draw_board
+from mimics_app.app.picture.key_page import Keys, draw_keys
 from mimics_app.app.picture.lost_picture import draw_or_recover
 from mimics_app.app.picture.methods import with_methods
 from mimics_app.app.picture.shown_on import open_display
@@ -21,6 +22,7 @@ from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import SceneError, nearest
 from mimics_app.contracts.input_port import Ray
+from mimics_app.contracts.stage_timer import UNTIMED, StageTimer
 from mimics_app.rendering.visual.frame_stats import FrameStats
 from mimics_app.rendering.visual.passes.hud import plane_of_views
 from mimics_app.rendering.visual.presenting.presenter import Presenter
@@ -95,6 +97,8 @@ class Picture:
         presenter: Brings what is drawn to the display.
         renderer: What draws it.
         film: Gets every frame that is shown; None: there is no film.
+        keys: A page of keys that covers the middle; () for none.
+        stats: What the frame drawn last cost; None before the first.
 
     Raises:
         SceneError: the scene has no camera, or none of that name; or the file of its display is wrong.
@@ -115,6 +119,8 @@ class Picture:
         self.presenter = Presenter(open_display(scene, display, surface), surface)
         self.renderer = Renderer(self.presenter.drawn, world, settings)
         self.film: Film | None = None
+        self.keys: Keys = ()
+        self.stats: FrameStats | None = None
         self._software = draws_in_software(surface)
         self.show(scene, world)
 
@@ -149,15 +155,25 @@ class Picture:
     def draw(self, board: Board, now_ns: int = 0) -> FrameStats:
         """Draw one frame with a board over it, to be seen at a session time [ns]."""
         timing = self.presenter.begin(now_ns)
-        views = self.views
-        self.lay_out(board, views)
-        stats = self.renderer.draw(views, self._latch)
+        views = self._board_laid_out(board)
+        self.stats = self.renderer.draw(views, self._latch)
         if timing.render:
             self.presenter.present()
         else:
             self.presenter.skip()
         self.tell_issues()
-        return stats
+        return self.stats
+
+    def begin_frame(self) -> StageTimer:
+        """Where the times of the stages go that come before the picture; the frame begins with them."""
+        if self.renderer.times is not None:
+            self.renderer.times.begin()
+        return self.timer
+
+    @property
+    def timer(self) -> StageTimer:
+        """Where the times of a frame's stages go."""
+        return self.renderer.times or UNTIMED
 
     def show_frame(self, board: Board, clock: Clock) -> int:
         """Draw one frame, bring it to the glass, and tell when its work was done [ns].
@@ -195,15 +211,15 @@ class Picture:
         self._software = draws_in_software(self.surface)
 
     def _show(self, board: Board, clock: Clock) -> int:
-        views = self.views
-        self.lay_out(board, views)
+        views = self._board_laid_out(board)
         if self._software:
-            self.renderer.draw(views, self._latch)
+            self.stats = self.renderer.draw(views, self._latch)
         else:
-            self.renderer.draw_finished(views, self._latch)
+            self.stats = self.renderer.draw_finished(views, self._latch)
         self.presenter.present()
         waited_ns = clock.now_ns()
-        self.surface.swap()
+        with self.timer.stage("swap"):
+            self.surface.swap()
         done_ns = clock.now_ns() if self._software else waited_ns
         self._take_to_film(done_ns)
         self.tell_issues()
@@ -220,6 +236,13 @@ class Picture:
         for fault in self.presenter.display.take_faults():
             sys.stderr.write(f"mimics: {fault}\n")
 
+    def _board_laid_out(self, board: Board) -> list[View]:
+        """What each eye sees, with the board laid over it."""
+        with self.timer.stage("board"):
+            views = self.views
+            self.lay_out(board, views)
+        return views
+
     def lay_out(self, board: Board, views: Sequence[View]) -> None:
         """Put a board over the picture that these eyes see."""
         hud = self.renderer.hud
@@ -228,7 +251,11 @@ class Picture:
         if self._board is None:
             hud.clear()
         else:
-            draw_board(hud, board, self._board.show, self._board.force_full)
+            operator = self.renderer.shows("forces")
+            show = [name for name in self._board.show if operator or name not in OPERATORS_CARDS]
+            draw_board(hud, board, show, self._board.force_full)
+        if self.keys:
+            draw_keys(hud, self.keys)
 
     def ray(self, right: float, up: float) -> Ray | None:
         """The ray through a place of the window, each coordinate in [-1, 1]."""
@@ -245,13 +272,14 @@ class Picture:
             self.film.forget()
             self.film.finish()
 
-    def close(self) -> None:
-        """Finish the film, and free everything, the surface included."""
+    def close(self, *, keep_surface: bool = False) -> None:
+        """Finish the film, and free everything, the surface included unless somebody else draws on it next."""
         if self.film is not None:
             self.film.finish()
         self.renderer.release()
         self.presenter.release()
-        self.surface.close()
+        if not keep_surface:
+            self.surface.close()
 
 
 def _triple(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> tuple[float, float, float]:
