@@ -35,6 +35,7 @@ COMMANDS: dict[str, str] = {
     "replay": "simulate a recorded run again and compare every output",
     "report": "write the report of a run as one HTML file",
     "record": "say what a recording holds, mend it, or verify it",
+    "study": "run a scene for several subjects and join their trials, taps and answers in tidy tables",
     "sweep": "run an experiment over a grid or sample of parameters, scenes and simulated patients",
     "bench": "measure the product against rivals on this machine",
     "lab": "chart speed against accuracy, and show where methods fail",

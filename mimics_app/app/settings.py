@@ -36,6 +36,7 @@ class RunSettings:
         patient: Preset instead of the scene's; "" keeps it.
         sound: "auto": device when live, file when headless; "off": none.
         size: Of the picture [px].
+        display: Where it is shown, KIND or KIND:FILE; "" keeps the scene's.
         pictures: Frames a headless run draws and keeps.
         video: File of a film, or folder for every frame as PNG, or None.
         action: File of task actions to replay, or None.
@@ -43,6 +44,7 @@ class RunSettings:
         participant: Code of the person, for results over time; "": none.
         journey: File that hears how far the start has come and what the person chose on the page of results, or None.
         recipe: Scheduler of the live haptic loop, one of RECIPES.
+        from_trial: Trial to begin with, 1 first: after a session that was broken off, the one it stopped in.
     """
 
     scene: Path
@@ -56,10 +58,12 @@ class RunSettings:
     patient: str = ""
     sound: SoundChoice = "auto"
     size: tuple[int, int] = (1280, 720)
+    display: str = ""
     pictures: int = 4
     video: Path | None = None
     action: Path | None = None
     runs: Path = field(default_factory=lambda: Path("runs"))
     recipe: str = "auto"
+    from_trial: int = 1
     participant: str = ""
     journey: Path | None = None

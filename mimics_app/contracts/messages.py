@@ -20,6 +20,7 @@ __all__ = [
     "SignalBlock",
     "SoundEvent",
     "SoundTrigger",
+    "TactileEvent",
     "TaskAction",
     "TaskOrders",
     "UserState",
@@ -145,6 +146,25 @@ class SoundTrigger:
 
 
 @dataclass(frozen=True, slots=True)
+class TactileEvent:
+    """A tap to be felt.
+
+    Attributes:
+        place: Of the body, e.g. "back"; the session knows which vibrator is there.
+        t_ns: When it belongs, on the session's clock; up to a frame ahead.
+        strength: 0 to 1.
+        seconds: How long it lasts [s].
+        number: Of the tap, for the journal.
+    """
+
+    place: str
+    t_ns: int
+    strength: float = 1.0
+    seconds: float = 0.05
+    number: int = 0
+
+
+@dataclass(frozen=True, slots=True)
 class TaskOrders:
     """What the task manager wants of the renderers for one frame.
 
@@ -153,6 +173,7 @@ class TaskOrders:
         visual: New values of named scene parameters, e.g. {"tunnel.radius_scale": 1.2}.
         audio: New values of mixer parameters, e.g. {"gain": 0.5}.
         sounds: Sounds to start.
+        touches: Taps to be felt.
         view: How the task stands.
         board: What a person reads over the picture.
         person_may_act: True while the pointer or the simulated person is let through to the robot (INBOX.active).
@@ -163,6 +184,7 @@ class TaskOrders:
     visual: Mapping[str, object] = field(default_factory=dict)
     audio: Mapping[str, object] = field(default_factory=dict)
     sounds: tuple[SoundEvent, ...] = ()
+    touches: tuple[TactileEvent, ...] = ()
     view: TaskView = field(default_factory=TaskView)
     board: Board = field(default_factory=Board)
     person_may_act: bool = False

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -12,9 +12,12 @@ from numpy.typing import NDArray
 from mimics_app.contracts.haptic import Controller
 from mimics_app.contracts.messages import Aim, HapticSnapshot, TaskOrders
 
-__all__ = ["Home", "Scenario", "TaskContext"]
+__all__ = ["BodyPose", "Home", "Scenario", "TaskContext"]
 
 Vec3 = tuple[float, float, float]
+
+BodyPose = Callable[[str, int], NDArray[np.float64] | None]
+"""(role, session time [ns]) -> room_from_part, float64 [4, 4]; None where no tracker knows that part of the body."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +44,7 @@ class TaskContext:
         places: Where the entities are that a task may name [m].
         offers: What the scene has for kinds of task, e.g. "tunnel".
         feel: Controller under which the person leads: ADMITTANCE, or IMPEDANCE on a force driven device.
+        simulated: Nobody is there: whoever asks the person something answers itself.
     """
 
     start_joints: Vec3
@@ -49,6 +53,7 @@ class TaskContext:
     places: Mapping[str, Vec3] = field(default_factory=dict)
     offers: frozenset[str] = frozenset()
     feel: Controller = Controller.ADMITTANCE
+    simulated: bool = False
 
 
 class Scenario(Protocol):
@@ -79,6 +84,9 @@ class Scenario(Protocol):
     def apply(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         """Bring the world up to date with the newest haptic state and the task's visual parameters."""
         ...
+
+    def see_body(self, where: BodyPose, now_ns: int) -> None:
+        """Take where the person's head and hands are, before `apply`; a scene without a body needs nothing of it."""
 
     def aim(self, snapshot: HapticSnapshot) -> Aim | None:
         """What a person does next with the hand, going by what is seen; None where the way alone tells it."""

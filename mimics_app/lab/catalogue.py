@@ -39,6 +39,9 @@ GROUPS = {
     "skinning": "visual.skinning",
     "joint mixing": "visual.skinning",
     "limb reach": "visual.reach",
+    "cord": "visual.cord",
+    "head prediction": "visual.head_prediction",
+    "lens distortion": "visual.lens_distortion",
     "model reading": "methods_reading",
     "haptic tick": "methods_tick",
 }

@@ -50,6 +50,7 @@ class Attempts:
         on_row: Called with each row.
         plays: The kinds of the task.
         counts: What they call trials that reached their goal.
+        first: Trial to begin with, 0 first.
     """
 
     def __init__(
@@ -60,9 +61,10 @@ class Attempts:
         on_row: Callable[[Row], None],
         plays: Sequence[KindPlay] = (),
         counts: Sequence[str] = (),
+        first: int = 0,
     ) -> None:
         self.plan = tuple(plan)
-        self.number = -1
+        self.number = first - 1
         self.attempt = 0
         self.begun = 0
         self.tally: Tally | None = None
@@ -114,7 +116,7 @@ class Attempts:
 
     def begin(self, now_ns: int) -> bool:
         """Begin the current trial again, or the next one where the current is over; True for a new trial."""
-        fresh = self.number < 0 or self.trial_over
+        fresh = self.begun == 0 or self.trial_over
         if fresh:
             self.number += 1
             self.attempt = 0

@@ -57,6 +57,7 @@ class Observation:
         bodies: Middle of each haptic body by name [m].
         held: Name of the body in the hand; "" for none.
         crushed: Name of the body in the hand once it was pressed too hard; "" for none.
+        pressed: Names of keys and buttons that went down since the last frame.
     """
 
     snapshot: HapticSnapshot
@@ -77,6 +78,7 @@ class Observation:
     bodies: Mapping[str, Vec3] = field(default_factory=dict)
     held: str = ""
     crushed: str = ""
+    pressed: tuple[str, ...] = ()
 
 
 def observe(snapshot: HapticSnapshot, events: NDArray[Any], now_ns: int, bodies: Sequence[str] = ()) -> Observation:

@@ -7,12 +7,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from numpy.typing import NDArray
 
 from mimics_app.contracts.board import Board, Card
-from mimics_app.contracts.messages import HapticSnapshot, SoundEvent, TaskAction, TaskOrders, VRInput
+from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.messages import HapticSnapshot, SoundEvent, TactileEvent, TaskAction, TaskOrders, VRInput
 from mimics_app.contracts.scenario_port import Home, TaskContext
 from mimics_app.contracts.trial_counts import FINISHED, SESSION_ENDED
 from mimics_app.contracts.trial_state import TaskView, TrialState
@@ -49,6 +51,10 @@ class TaskManager:
         seed: Of the session; decides the order of the trials.
         on_trial: Called with the row of each attempt at its end (columns: `tasks.attempts.Row`).
         on_event: Called with a kind ("state", "action", "clipped") and its data, for the journal.
+        first_trial: Trial to begin with, 0 first; those before it are left out.
+
+    Raises:
+        UsageError: the session has no such trial.
     """
 
     def __init__(
@@ -58,12 +64,15 @@ class TaskManager:
         seed: int,
         on_trial: Callable[[Row], None] = _ignore,
         on_event: Callable[[str, Mapping[str, object]], None] = _ignore,
+        first_trial: int = 0,
     ) -> None:
         self._spec = spec
         self._on_event = on_event
         self._space = build_action_space(spec)
         self._adaptation = Adaptation(self._space)
         plan = plan_trials(trial_blocks(spec), seed)
+        if not 0 <= first_trial < len(plan):
+            raise UsageError(f"the session has no trial {first_trial + 1}", f"it has {len(plan)}")
         kinds = [kind for kind in task_kinds() if kind.takes(spec, context.offers)]
         self._plays = {kind.name: kind.open(spec, context, seed) for kind in kinds}
         self._captions = kinds[-1] if kinds else TaskKind()
@@ -71,7 +80,7 @@ class TaskManager:
         plays = tuple(self._plays.values())
         self._has_score = bool(kinds) or spec.score != ScoreSpec()  # the built-in weights judge a way
         score = spec.score if self._has_score else None
-        self._attempts = Attempts(plan, score, spec.start.attempts, on_trial, plays, counts)
+        self._attempts = Attempts(plan, score, spec.start.attempts, on_trial, plays, counts, first_trial)
         self._bodies = context.bodies
         self._arrival = Arrival(spec.start, context.start_joints)
         self._control = RobotControl(context.home or Home(context.start_joints), context.feel)
@@ -124,7 +133,7 @@ class TaskManager:
         now_ns: int,
     ) -> TaskOrders:
         """One frame: `events` are the EVENT records since the last one, shape [n]; `now_ns` never falls."""
-        seen = observe(snapshot, events, now_ns, self._bodies)
+        seen = replace(observe(snapshot, events, now_ns, self._bodies), pressed=vr.pressed)
         for play in self._plays.values():
             seen = play.see(seen, self._settings.task)
         if action is not None:
@@ -210,6 +219,8 @@ class TaskManager:
         if self._attempts.begin(now_ns):
             self._adaptation.begin_trial(self._attempts.number, self._attempts.trial.values)
             self._report_clipped(now_ns)
+            for play in self._plays.values():
+                play.begin_trial(self._attempts.trial.label, self._attempts.number)
         self._settings = settings_for(self._spec, self._adaptation.values)
         self._arrival.restart()
         self._triggers.restart()
@@ -238,14 +249,20 @@ class TaskManager:
 
     def _orders(self, seen: Observation, sounds: tuple[SoundEvent, ...]) -> TaskOrders:
         haptic = {**self._settings.haptic, **self._control.wanted(), "trial": self._attempts.begun}
+        visual, touches = dict(self._settings.visual), list[TactileEvent]()
         for play in self._plays.values():
             haptic |= play.orders
+            visual |= play.visual
+            touches += play.take_touches()
+            for kind, data in play.take_events():
+                self._on_event(kind, data)
         view = self._view(seen)
         return TaskOrders(
             haptic=self._haptic.since_last(haptic),
-            visual=self._visual.since_last(self._settings.visual),
+            visual=self._visual.since_last(visual),
             audio=self._audio.since_last(self._settings.audio),
             sounds=sounds,
+            touches=tuple(touches),
             view=view,
             board=self._lay_out(seen, view),
             person_may_act=self._state is TrialState.TRAVEL,

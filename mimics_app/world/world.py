@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.errors import nearest
 from mimics_app.world.camera import Camera
 from mimics_app.world.content import Content
+from mimics_app.world.cords import Cord
 from mimics_app.world.effects import Effects
 from mimics_app.world.entity import Entity
 from mimics_app.world.environment import Sky
@@ -46,6 +47,7 @@ class World:
         textures: By key.
         techniques: Further ways to draw materials, by the name a material calls them.
         environment: The sky.
+        cords: By name of the node they begin at.
         mirrors, screens, insets: What shows the world itself, by name of the node (`world.live_pictures`).
     """
 
@@ -59,6 +61,7 @@ class World:
         self.textures: dict[str, TextureData] = {}
         self.techniques: dict[str, TechniqueSpec] = {}
         self.environment = Sky()
+        self.cords: dict[str, Cord] = {}
         self.mirrors: dict[str, MirrorSurface] = {}
         self.screens: dict[str, ScreenSurface] = {}
         self.insets: dict[str, InsetView] = {}

@@ -22,7 +22,6 @@ from mimics_app.inputs.interaction.simulated_patient import SimulatedPatient
 from mimics_app.inputs.interaction.stick import StickResponse
 from mimics_app.inputs.physio.null import NoSignals
 from mimics_app.inputs.stage import Inputs
-from mimics_app.inputs.tracking.null import NoTracking
 
 PLANE = FrontalPlane(centre=(0.0, 1.0, -0.5), half_width=0.3, half_height=0.2)
 FRAME_NS = 20_000_000
@@ -316,7 +315,6 @@ def test_simulated_patient_says_only_whether_it_is_there():
 
 def test_null_sources_and_stages_invent_nothing():
     assert NoSignals().read(5) == ()
-    assert NoTracking().pose("head", 5) is None
     features = NullDsp().process((SignalBlock("ecg", 500.0, 0, np.ones(9)),), 5)
     assert features == FeatureFrame(5, {})
     assert NullEstimation().update(features) == UserState(5, None, None, None)

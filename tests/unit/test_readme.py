@@ -70,7 +70,7 @@ def test_licence_is_apache_and_names_the_holders() -> None:
     assert "Copyright mimics_app contributors" in text
 
 
-STAGES = ("dsp", "estimation", "learning", "inputs.physio", "inputs.tracking")
+STAGES = ("dsp", "estimation", "learning", "inputs.physio")
 EMPTY = {"__init__.py", "stage.py", "null.py", "action_sequence.py"}
 """Files of a stage that passes nothing on; the last replays actions from a file, which the figure says."""
 

@@ -108,11 +108,12 @@ def find_all() -> dict[str, Any]:
     """
     from mimics_app.app.installation.probes import probe
 
-    attached, sound = probe("attached"), probe("sound")
+    attached, sound, headset = probe("attached"), probe("sound"), probe("headset")
     graphics = {backend: probe(backend) for backend in ("window", "egl", "osmesa")}
     return {
         "devices": [*_built_in(), *_plugged_in()],
         "displays": attached.get("displays", []),
+        "display_kinds": _display_kinds(headset),
         "gamepads": attached.get("gamepads", []),
         "graphics": [{"backend": name, "ok": answer["ok"]} for name, answer in graphics.items()],
         "serial_ports": _serial_ports(),
@@ -121,6 +122,18 @@ def find_all() -> dict[str, Any]:
             f"{name}: {found['error']}" for name, found in (("displays", attached), ("sound", sound)) if not found["ok"]
         ],
     }
+
+
+def _display_kinds(headset: dict[str, Any]) -> list[dict[str, str]]:
+    """Every kind of --display; of those that need something, what is missing."""
+    from mimics_app.contracts.display_choice import DISPLAY_KINDS
+
+    files = {"never": "", "may": "[:FILE]", "must": ":FILE"}
+    missing = {"openxr": "" if headset["ok"] else str(headset["error"])}
+    return [
+        {"name": kind, "write": kind + files[wants], "error": missing.get(kind, "")}
+        for kind, wants in DISPLAY_KINDS.items()
+    ]
 
 
 def _built_in() -> Iterator[dict[str, Any]]:
@@ -165,7 +178,8 @@ def _lines(found: dict[str, Any]) -> list[str]:
     graphics = [one["backend"] for one in found["graphics"] if one["ok"]]
     return [
         *_section("Robots and simulators (robot.device in a scene)", [_device_line(one) for one in found["devices"]]),
-        *_section("Displays", displays),
+        *_section("Monitors", displays),
+        *_section("Displays (--display)", [_kind_line(one) for one in found["display_kinds"]]),
         *_section("Pictures by (--backend)", graphics),
         *_section("Gamepads", found["gamepads"]),
         *_section("Serial ports", [f"{one['port']}: {one['about']} ({one['id']})" for one in found["serial_ports"]]),
@@ -176,6 +190,10 @@ def _lines(found: dict[str, Any]) -> list[str]:
 
 def _section(title: str, rows: Sequence[str]) -> list[str]:
     return [title, *(f"  {row}" for row in rows or ["none"]), ""]
+
+
+def _kind_line(kind: dict[str, str]) -> str:
+    return f"{kind['write']} [{kind['error']}]" if kind["error"] else kind["write"]
 
 
 def _device_line(device: dict[str, Any]) -> str:

@@ -77,6 +77,7 @@ def examine(runs: Path) -> dict[str, Any]:
         "apt": _apt_line(lacking),
         "gl": graphics,
         "al": probe("sound"),
+        "headset": probe("headset"),
         "scheduler": probe("scheduler"),
         "kernel_cache": _kernel_cache(),
         "runs": _runs_folder(runs),
@@ -162,6 +163,8 @@ def _lines(findings: dict[str, Any]) -> list[str]:
     for backend, answer in findings["gl"].items():
         lines.append(_line(answer["ok"], backend, _graphics_said(answer), optional=backend != "egl"))
     lines.append(_line(findings["al"]["ok"], "sound", _sound_said(findings["al"]), optional=True))
+    headset = findings["headset"]
+    lines.append(_line(headset["ok"], "headset", headset.get("error") or headset["runtime"], optional=True))
     scheduler = findings["scheduler"]
     lines.append(_line(scheduler.get("fifo", False), "scheduler", _scheduler_said(scheduler), optional=True))
     lines += ["", "Folders", *_folder_lines(findings)]

@@ -57,10 +57,12 @@ def _settings(scene: Path, options: Mapping[str, str]) -> RunSettings:
     from mimics_app.app.settings import RunSettings
 
     headless = options["display"] == "headless"
+    kind = "" if options["display"] in ("window", "headless") else options["display"]
     patient = options["patient"]
     return RunSettings(
         scene=scene,
         headless=headless,
+        display=kind,
         profile=options["profile"],  # type: ignore[arg-type]
         device="" if headless else next((d for d, w in _WORDS.items() if w == options["device"]), options["device"]),
         patient="" if patient == _OWN else patient,
@@ -107,9 +109,16 @@ def _options() -> dict[str, list[str]]:
     return {
         "profile": ["training", "draft", "study"],
         "device": list(dict.fromkeys(devices)),
-        "display": ["window", "headless"],
+        "display": ["window", *_kinds_without_file(), "headless"],
         "patient": [_OWN, "healthy", "moderate", "severe"],
     }
+
+
+def _kinds_without_file() -> list[str]:
+    """Displays that can be chosen by name; "window" is the scene's own."""
+    from mimics_app.contracts.display_choice import DISPLAY_KINDS
+
+    return [kind for kind, wants in DISPLAY_KINDS.items() if wants != "must" and kind != "desktop"]
 
 
 def _choose(surface: Surface) -> tuple[Path, dict[str, str]] | None:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mimics_app.app.settings import PROFILES
-from mimics_app.app.terminal.arguments import frame_count, picture_size, random_seed, real_number
+from mimics_app.app.terminal.arguments import add_display_argument, frame_count, picture_size, random_seed, real_number
 
 if TYPE_CHECKING:
     from mimics_app.app.settings import RunSettings
@@ -29,6 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--seconds", type=_seconds, default=2.0, help="time played by the simulated patient from the first trial on [s]"
     )
     parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="of the picture [px]")
+    add_display_argument(parser)
     parser.add_argument("--seed", type=random_seed, default=1, help="of the simulated patient")
     parser.add_argument("--profile", choices=PROFILES, default="training", help="quality of the picture")
     parser.add_argument("--video", type=Path, metavar="FILE", help="film of --seconds instead, e.g. out.mp4 (ffmpeg)")
@@ -48,7 +49,7 @@ def run(args: argparse.Namespace) -> int:
     say_if_cold()
     from mimics_app.app.settings import RunSettings
 
-    settings = RunSettings(args.scene, seed=args.seed, profile=args.profile, size=args.size)
+    settings = RunSettings(args.scene, seed=args.seed, profile=args.profile, size=args.size, display=args.display)
     if args.audio is not None:
         return _hear(args, settings)
     from mimics_app.app.play.stills import draw_stills

@@ -7,7 +7,13 @@ from dataclasses import fields
 from pathlib import Path
 
 from mimics_app.app.settings import PROFILES, QUALITIES, RECIPES, SOUNDS, RunSettings
-from mimics_app.app.terminal.arguments import picture_size, positive_time, random_seed, whole_number
+from mimics_app.app.terminal.arguments import (
+    add_display_argument,
+    picture_size,
+    positive_time,
+    random_seed,
+    whole_number,
+)
 
 __all__ = ["add_arguments", "run"]
 
@@ -38,6 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--sound", choices=SOUNDS, default="auto", help="where sound goes")
     parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="of the picture [px]")
+    add_display_argument(parser)
     parser.add_argument(
         "--pictures",
         type=whole_number("number of pictures", range(100_001)),
@@ -50,6 +57,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--action", type=Path, metavar="FILE", help="replay task actions from a JSON file")
     parser.add_argument("--runs", type=Path, default=Path("runs"), metavar="DIR", help="where the run folder is made")
+    parser.add_argument(
+        "--from-trial",
+        type=whole_number("number of a trial", range(1, 1_000_001)),
+        default=1,
+        metavar="N",
+        help="begin with this trial of the session, as after one that was broken off; same --seed, same order",
+    )
     parser.add_argument(
         "--participant", default="", metavar="CODE", help="of the person, never a name: results over time go by it"
     )

@@ -15,7 +15,7 @@ from typing import Any
 
 from mimics_app.contracts.errors import MimicsError
 
-__all__ = ["PROBES", "probe", "probe_attached", "probe_graphics", "probe_scheduler", "probe_sound"]
+__all__ = ["PROBES", "probe", "probe_attached", "probe_graphics", "probe_headset", "probe_scheduler", "probe_sound"]
 
 _PATIENCE_S = 60.0
 
@@ -95,6 +95,21 @@ def probe_scheduler() -> dict[str, Any]:
     return {"recipe": recipe, "fifo": recipe.startswith("fifo"), "cores": cores}
 
 
+def probe_headset() -> dict[str, Any]:
+    """Whether a headset's OpenXR runtime is there.
+
+    Raises:
+        DeviceError: There is none; says why.
+    """
+    from mimics_app.contracts.errors import DeviceError
+    from mimics_app.rendering.visual.displays.openxr_runtime import no_runtime
+
+    why = no_runtime()
+    if why:
+        raise DeviceError(why)
+    return {"runtime": "OpenXR"}
+
+
 def probe_attached() -> dict[str, Any]:
     """Displays and gamepads; needs a display server, so "ok" is false on a bare console."""
     from mimics_app.rendering.visual.drawing.attached import list_attached
@@ -110,6 +125,7 @@ PROBES: Mapping[str, Callable[[], dict[str, Any]]] = {
     "sound": probe_sound,
     "scheduler": probe_scheduler,
     "attached": probe_attached,
+    "headset": probe_headset,
 }
 """The probes by name."""
 

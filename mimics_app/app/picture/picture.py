@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +13,7 @@ from mimics_app.app.picture.board import OPERATORS_CARDS, draw_board
 from mimics_app.app.picture.key_page import Keys, draw_keys
 from mimics_app.app.picture.lost_picture import draw_or_recover
 from mimics_app.app.picture.methods import with_methods
+from mimics_app.app.picture.shown_on import open_display
 from mimics_app.app.picture.video import Film
 from mimics_app.app.planner.plan import plan_scene
 from mimics_app.app.planner.uses import shadow_distance_of, visual_of
@@ -20,13 +23,12 @@ from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import SceneError, nearest
 from mimics_app.contracts.input_port import Ray
 from mimics_app.contracts.stage_timer import UNTIMED, StageTimer
-from mimics_app.rendering.visual.displays.desktop import desktop_views
-from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT
 from mimics_app.rendering.visual.frame_stats import FrameStats
-from mimics_app.rendering.visual.renderer import Renderer
+from mimics_app.rendering.visual.passes.hud import plane_of_views
+from mimics_app.rendering.visual.presenting.presenter import Presenter
+from mimics_app.rendering.visual.renderer import Latch, Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
-from mimics_app.rendering.visual.surfaces.headless import save_png
 from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.components.visible import Hud as HudComponent
@@ -88,24 +90,34 @@ class Picture:
         world: What is drawn; needs a camera.
         settings: Quality.
         camera: Entity whose camera is looked through; "": the first.
+        display: Where it is shown, KIND or KIND:FILE; "": what the scene says.
 
     Attributes:
-        surface: Where it is drawn.
+        surface: Where it is shown.
+        presenter: Brings what is drawn to the display.
         renderer: What draws it.
         film: Gets every frame that is shown; None: there is no film.
         keys: A page of keys that covers the middle; () for none.
         stats: What the frame drawn last cost; None before the first.
 
     Raises:
-        SceneError: the scene has no camera, or none of that name.
+        SceneError: the scene has no camera, or none of that name; or the file of its display is wrong.
+        DeviceError: there is no such display.
     """
 
     def __init__(
-        self, surface: Surface, scene: Scene, world: World, settings: RenderSettings, camera: str = ""
+        self,
+        surface: Surface,
+        scene: Scene,
+        world: World,
+        settings: RenderSettings,
+        camera: str = "",
+        display: str = "",
     ) -> None:
         self.surface = surface
         self._wanted = camera
-        self.renderer = Renderer(surface, world, settings)
+        self.presenter = Presenter(open_display(scene, display, surface), surface)
+        self.renderer = Renderer(self.presenter.drawn, world, settings)
         self.film: Film | None = None
         self.keys: Keys = ()
         self.stats: FrameStats | None = None
@@ -127,14 +139,28 @@ class Picture:
 
     @property
     def views(self) -> list[View]:
-        """The eyes of the desktop: one."""
-        return desktop_views(self._camera, self.surface.size)
+        """What each eye of the display sees."""
+        return self.presenter.views(self._camera)
 
-    def draw(self, board: Board) -> FrameStats:
-        """Draw one frame with a board over it."""
-        with self.timer.stage("board"):
-            self.lay_out(board)
-        self.stats = self.renderer.draw(self.views)
+    @property
+    def _latch(self) -> Latch | None:
+        """Looks at the head once more, where the display follows one."""
+        return partial(self.presenter.views, self._camera) if self.presenter.follows_head else None
+
+    @property
+    def leaving(self) -> bool:
+        """Whether the person has left by way of the display: closed its window, or ended a headset's session."""
+        return self.surface.should_close or self.presenter.display.leaving
+
+    def draw(self, board: Board, now_ns: int = 0) -> FrameStats:
+        """Draw one frame with a board over it, to be seen at a session time [ns]."""
+        timing = self.presenter.begin(now_ns)
+        views = self._board_laid_out(board)
+        self.stats = self.renderer.draw(views, self._latch)
+        if timing.render:
+            self.presenter.present()
+        else:
+            self.presenter.skip()
         self.tell_issues()
         return self.stats
 
@@ -153,13 +179,17 @@ class Picture:
         """Draw one frame, bring it to the glass, and tell when its work was done [ns].
 
         A driver that draws on the processor has done it all when the frame is on the glass. Any other is waited for
-        before that, because the glass makes a frame wait for the display.
+        before that, because the glass makes a frame wait for the display. A headset that shows nothing is drawn
+        nothing.
 
         A context that the driver lost is made anew, and the frame drawn again.
 
         Raises:
             DeviceError: it was lost, and there is no other.
         """
+        if not self.presenter.begin(clock.now_ns()).render:
+            self.presenter.skip()
+            return clock.now_ns()
         return draw_or_recover(self.surface, lambda: self._show(board, clock), self.recover)
 
     def start_film(self, wanted: Path, *, live: bool) -> Film:
@@ -176,23 +206,21 @@ class Picture:
         if self.film is not None:
             self.film.forget()
         self.surface.renew()
+        self.presenter.renew()
         self.renderer.renew()
         self._software = draws_in_software(self.surface)
 
     def _show(self, board: Board, clock: Clock) -> int:
+        views = self._board_laid_out(board)
         if self._software:
-            self.draw(board)
-            with self.timer.stage("swap"):
-                self.surface.swap()
-            done_ns = clock.now_ns()
-            self._take_to_film(done_ns)
-            return done_ns
-        with self.timer.stage("board"):
-            self.lay_out(board)
-        self.stats = self.renderer.draw_finished(self.views)
-        done_ns = clock.now_ns()
+            self.stats = self.renderer.draw(views, self._latch)
+        else:
+            self.stats = self.renderer.draw_finished(views, self._latch)
+        self.presenter.present()
+        waited_ns = clock.now_ns()
         with self.timer.stage("swap"):
             self.surface.swap()
+        done_ns = clock.now_ns() if self._software else waited_ns
         self._take_to_film(done_ns)
         self.tell_issues()
         return done_ns
@@ -205,12 +233,21 @@ class Picture:
         """Say on stderr what was drawn otherwise than the scene asks, a line for each fault, once."""
         for issue in self.renderer.take_issues():
             sys.stderr.write(f"mimics: {issue}\n")
+        for fault in self.presenter.display.take_faults():
+            sys.stderr.write(f"mimics: {fault}\n")
 
-    def lay_out(self, board: Board) -> None:
-        """Put a board over the picture."""
+    def _board_laid_out(self, board: Board) -> list[View]:
+        """What each eye sees, with the board laid over it."""
+        with self.timer.stage("board"):
+            views = self.views
+            self.lay_out(board, views)
+        return views
+
+    def lay_out(self, board: Board, views: Sequence[View]) -> None:
+        """Put a board over the picture that these eyes see."""
         hud = self.renderer.hud
-        width, height = self.surface.size
-        hud.width = CANVAS_HEIGHT * width / height
+        screen = [view for view in views if view.screen == views[0].screen]
+        hud.width = plane_of_views(screen, self.renderer.settings.hud_depth).canvas_width
         if self._board is None:
             hud.clear()
         else:
@@ -225,9 +262,9 @@ class Picture:
         origin, direction = self.views[0].ray(right, up)
         return _triple(origin), _triple(direction)
 
-    def save(self, file: Path) -> None:
-        """Write the frame drawn last as PNG."""
-        save_png(self.surface, file)
+    def save(self, file: Path) -> list[Path]:
+        """Write the frame drawn last as PNG; the files, see `Presenter.save`."""
+        return self.presenter.save(file)
 
     def abandon(self) -> None:
         """Finish the film where the driver is gone: nothing else is left to be freed."""
@@ -240,6 +277,7 @@ class Picture:
         if self.film is not None:
             self.film.finish()
         self.renderer.release()
+        self.presenter.release()
         if not keep_surface:
             self.surface.close()
 

@@ -16,6 +16,7 @@ from typing import IO, TYPE_CHECKING, Protocol
 from mimics_app.contracts.clock import FRAMES_PER_SECOND
 from mimics_app.contracts.errors import UsageError
 from mimics_app.rendering.visual.frame_set import FrameSet
+from mimics_app.rendering.visual.presenting.presenter import Presenter
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.surfaces.frame_reader import FrameReader, ReadFrame
 from mimics_app.rendering.visual.surfaces.surface import Size, Surface
@@ -143,7 +144,12 @@ class Film:
 
 
 def draw_film(
-    renderer: Renderer, surface: Surface, count: int, views: Callable[[int], Sequence[View]], wanted: Path
+    renderer: Renderer,
+    surface: Surface,
+    count: int,
+    views: Callable[[int], Sequence[View]],
+    wanted: Path,
+    presenter: Presenter | None = None,
 ) -> FrameSet:
     """Draw frames into a film, 60 for each second of it.
 
@@ -153,10 +159,13 @@ def draw_film(
         count: Number of frames, >= 1.
         views: Called with the number of each frame before it is drawn: moves the world, returns the eyes.
         wanted: The file, see `film_place`.
+        presenter: Of the display, None for a plain picture.
     """
     film, spent = Film(surface, wanted, live=False), []
     for number in range(count):
         spent.append(renderer.draw_finished(views(number)).cpu_ms)
+        if presenter is not None:
+            presenter.present()
         film.take(number * _NS // FRAMES_PER_SECOND)
     film.finish()
     return FrameSet([film.place], median(spent))

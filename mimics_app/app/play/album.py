@@ -27,10 +27,11 @@ class Album:
         self._folder = session.folder / "pictures"
         self._wanted = session.settings.pictures
         self._files: list[Path] = []
+        self._kept = 0
 
     def look(self, frames: Frames) -> None:
         """Draw this frame if it is one to keep."""
-        due = len(self._files) < self._wanted and self._is_due(frames)
+        due = self._kept < self._wanted and self._is_due(frames)
         if due or self._session.settings.video is not None:
             self._draw(frames, keep=due)
 
@@ -42,21 +43,21 @@ class Album:
 
     def _is_due(self, frames: Frames) -> bool:
         view, run_s = frames.orders.view, self._session.settings.seconds
-        share = (len(self._files) + 0.5) / self._wanted
+        share = (self._kept + 0.5) / self._wanted
         if run_s is not None and not view.on_a_way:
             return frames.number >= share * run_s * FRAMES_PER_SECOND
         return view.state is TrialState.TRAVEL and view.progress >= share
 
     def _draw(self, frames: Frames, *, keep: bool) -> None:
         picture = self._session.picture or self._open()
-        picture.draw(frames.board)
+        picture.draw(frames.board, frames.number * _NS // FRAMES_PER_SECOND)
         if picture.film is not None:
             picture.film.take(frames.number * _NS // FRAMES_PER_SECOND)
         if keep:
             self._folder.mkdir(parents=True, exist_ok=True)
             file = self._folder / f"frame_{frames.number:06d}.png"
-            picture.save(file)
-            self._files.append(file)
+            self._kept += 1
+            self._files += picture.save(file)
 
     def _open(self) -> Picture:
         from mimics_app.rendering.visual.surfaces.headless import open_offscreen
@@ -64,6 +65,6 @@ class Album:
         session = self._session
         surface = open_offscreen("auto", session.settings.size)
         quality = picture_quality(session.scene, session.settings.profile)
-        picture = Picture(surface, session.scene, session.world, quality)
+        picture = Picture(surface, session.scene, session.world, quality, display=session.settings.display)
         session.show(picture)
         return picture

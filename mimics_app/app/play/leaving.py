@@ -35,7 +35,7 @@ class Leaving:
         session, now_ns = self._session, self._session.clock.now_ns()
         if self._asked_ns is not None and now_ns - self._asked_ns > _ASK_NS:
             self._asked_ns, self.message = None, ""
-        if session.picture is not None and session.picture.surface.should_close:
+        if session.picture is not None and session.picture.leaving:
             return True
         return self._escaped(frames, now_ns) or self._is_over(now_ns)
 

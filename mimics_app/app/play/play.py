@@ -107,13 +107,16 @@ def _told_where(session: Session) -> Iterator[None]:
 
 def _play_in_window(session: Session, frames: Frames, log: JourneyLog) -> None:
     """A person plays: window, live loop, sound card."""
+    from mimics_app.app.picture.shown_on import chosen_display
     from mimics_app.app.session.person import person_inputs
     from mimics_app.rendering.visual.surfaces.contexts import create_surface
 
     log.doing("Starting touch, sound and recording")
     start_loop(session)
     log.doing("Making the picture")
-    surface = create_surface("window", session.settings.size, session.scene.title or session.scene.name)
+    stereo = chosen_display(session.scene, session.settings.display).kind == "quad"
+    title = session.scene.title or session.scene.name
+    surface = create_surface("window", session.settings.size, title, stereo=stereo)
     open_picture(session, surface, keep=log.asked)
     session.inputs = person_inputs(session)
 
@@ -147,7 +150,7 @@ def open_picture(session: Session, surface: Surface, *, keep: bool = False) -> N
     best = settings.quality == "full"
     quality = picture_quality(scene, settings.profile) if best else live_quality(scene, settings.profile, surface)
     session.recorder.journal("quality", asdict(quality))
-    session.show(Picture(surface, scene, session.world, quality))
+    session.show(Picture(surface, scene, session.world, quality, display=settings.display))
     session.window = surface if keep else None
 
 

@@ -44,7 +44,7 @@ def draw_stills(
     A scene that no scenario plays is drawn as it stands.
 
     Args:
-        settings: Scene, seed, profile and size; the rest is not used.
+        settings: Scene, seed, profile, size and display; the rest is not used.
         folder: Where frame_00000.png and so on go.
         backend: "auto", "egl", "osmesa" or "window".
         frames: How many.
@@ -74,16 +74,20 @@ def _draw(
     video: Path | None,
 ) -> Drawn:
     quality = picture_quality(scene, settings.profile)
-    picture = Picture(open_offscreen(backend, settings.size), scene, play.world, quality, camera)
+    surface = open_offscreen(backend, settings.size)
+    picture = Picture(surface, scene, play.world, quality, camera, settings.display)
 
     def views(number: int) -> list[View]:
-        picture.lay_out(play.to(number))
-        return picture.views
+        board = play.to(number)
+        picture.presenter.begin(play.time_ns(number))
+        seen = picture.views
+        picture.lay_out(board, seen)
+        return seen
 
     if video is None:
-        made = render_frames(picture.renderer, picture.surface, frames, views, folder)
+        made = render_frames(picture.renderer, picture.surface, frames, views, folder, picture.presenter)
     else:
-        made = draw_film(picture.renderer, picture.surface, frames, views, video)
+        made = draw_film(picture.renderer, picture.surface, frames, views, video, picture.presenter)
     drawn = Drawn.on(picture.surface, made)
     picture.tell_issues()
     picture.close()
@@ -98,6 +102,9 @@ class _Moments(Protocol):
 
     def to(self, number: int) -> Board:
         """Bring the world to frame `number` and return its board."""
+
+    def time_ns(self, number: int) -> int:
+        """Session time of frame `number` [ns]."""
 
     def close(self) -> None:
         """Nothing is drawn any more."""
@@ -126,6 +133,9 @@ class _Standing:
         self.world.update()
         return Board()
 
+    def time_ns(self, number: int) -> int:
+        return round(self._seconds_per_frame * (number + 1) * 1e9)
+
     def close(self) -> None:
         """Nothing is open."""
 
@@ -150,6 +160,9 @@ class _Played:
         while self._frames.number < wanted:
             self._frames.play_on()
         return self._frames.board
+
+    def time_ns(self, number: int) -> int:
+        return self._core.clock.now_ns()
 
     def close(self) -> None:
         """Close the device."""

@@ -42,6 +42,7 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
         parts.parameter_store.fit(device_values(parts.plugin, parts.scene))
         session = _assemble(parts, stack)
         session.recorder.wait_until_ready()
+        session.trackers.start()
         session.on_close = stack.pop_all()
     session.begin()
     return session

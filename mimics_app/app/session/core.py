@@ -6,11 +6,18 @@ A run adds a recorder, a sound and a picture; a still, a point of a sweep, a war
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+import numpy as np
+from numpy.typing import NDArray
+
 from mimics_app.app.session.preparation import Preparation
 from mimics_app.app.session.switched_off import NullRecorder, NullSound, RecorderPort, SoundPort
+from mimics_app.app.session.tactile import open_tactile
+from mimics_app.app.session.trackers import make_hub
 from mimics_app.app.touch.device_fit import device_values, fit_context
 from mimics_app.app.touch.haptic_side import HapticSide
 from mimics_app.app.touch.parameter_store import ParameterStore
@@ -39,6 +46,7 @@ class SessionCore:
         memory: Shared by the loop and whoever reads it.
         recorder: Of the session, or what stands in its place.
         sound: Likewise.
+        folder: Of the run, None where nothing is kept.
 
     Attributes:
         side: What of the scene can be touched, as it was when the loop was built.
@@ -46,7 +54,14 @@ class SessionCore:
         live: True when the haptic loop runs in real time; False on the virtual clock.
     """
 
-    def __init__(self, parts: Preparation, memory: SessionMemory, recorder: RecorderPort, sound: SoundPort) -> None:
+    def __init__(
+        self,
+        parts: Preparation,
+        memory: SessionMemory,
+        recorder: RecorderPort,
+        sound: SoundPort,
+        folder: Path | None = None,
+    ) -> None:
         self.scene: Scene = parts.scene
         self.world: World = parts.world
         self.scenario: Scenario = parts.scenario
@@ -57,7 +72,16 @@ class SessionCore:
         self.parameter_store: ParameterStore = parts.parameter_store
         self.haptics: HapticEngine = parts.side.engine(memory, parts.plugin, recipe=parts.settings.recipe)
         context, seed = fit_context(parts.scenario.task_context, parts.plugin), parts.settings.seed
-        self.tasks = TaskManager(parts.task, context, seed, on_trial=recorder.trial, on_event=recorder.journal)
+        context = replace(context, simulated=not parts.live)
+        self.tasks = TaskManager(
+            parts.task,
+            context,
+            seed,
+            on_trial=recorder.trial,
+            on_event=recorder.journal,
+            first_trial=parts.settings.from_trial - 1,
+        )
+        self.trackers = make_hub(parts.scene, self.clock, seed, folder)
         self.inputs = Inputs([simulated_person(parts.scene, parts.scenario)])
         self.dsp: Dsp = NullDsp()
         self.estimation: Estimation = NullEstimation()
@@ -65,6 +89,12 @@ class SessionCore:
         self.recorder = recorder
         self.tell: Callable[[str], None] = _say_nothing
         self.sound = sound
+        self.tactile = open_tactile(parts.scene, live=parts.live)
+
+    def part_of_body(self, role: str, at_ns: int) -> NDArray[np.float64] | None:
+        """room_from_part of the person's body at a time [ns], as far as a tracker knows; float64 [4, 4]."""
+        found = self.trackers.pose(role, at_ns)
+        return None if found is None else found.pose
 
     def begin(self) -> None:
         """Hand the first parameters on: to the recorder that keeps them, then to the loop that obeys them."""
@@ -74,6 +104,8 @@ class SessionCore:
         """End the task and the loop, and close the device."""
         self.tasks.end_session(self.clock.now_ns())
         self.haptics.stop()
+        self.trackers.stop()
+        self.tactile.close()
 
     def __enter__(self) -> Self:
         return self
@@ -97,6 +129,7 @@ def open_core(parts: Preparation, recorder: Callable[[SessionMemory], RecorderPo
     parts.parameter_store.fit(device_values(parts.plugin, parts.scene))
     memory = parts.side.memory()
     core = SessionCore(parts, memory, recorder(memory), NullSound())
+    core.trackers.start()
     core.begin()
     return core
 

@@ -101,7 +101,10 @@ class Frames:
             orders = core.tasks.step(vr, self._action, snapshot, events, now_ns)
             self._action = core.learning.choose(state, now_ns)
             self._touch(vr, orders, snapshot)
+            self._feel(orders, now_ns)
         with stage("scenario"):
+            core.trackers.poll(now_ns)
+            core.scenario.see_body(core.part_of_body, now_ns)
             core.scenario.apply(orders, snapshot)
             core.parameter_store.change(core.scenario.haptic_orders())
             core.inputs.aim(core.scenario.aim(snapshot))
@@ -114,6 +117,11 @@ class Frames:
         with stage("record"):
             self._journal(snapshot, now_ns)
         self.number, self.orders, self.snapshot, self.events = self.number + 1, orders, snapshot, events
+
+    def _feel(self, orders: TaskOrders, now_ns: int) -> None:
+        """Hand the task's taps to the vibrators, and keep when each is felt."""
+        for line in self._core.tactile.step(orders.touches, now_ns):
+            self._core.recorder.journal("tactile", {"t_ns": now_ns, **line})
 
     def _journal(self, snapshot: HapticSnapshot, now_ns: int) -> None:
         """What this frame saw: the tick, and where every haptic body was."""

@@ -47,7 +47,7 @@ class Session(SessionCore):
     recorder: Recorder
 
     def __init__(self, parts: Preparation, memory: SessionMemory, recorder: Recorder, sound: SoundPort) -> None:
-        super().__init__(parts, memory, recorder, sound)
+        super().__init__(parts, memory, recorder, sound, recorder.folder)
         self.tell = tell
         self.settings: RunSettings = parts.settings
         self.folder: Path = recorder.folder
@@ -61,6 +61,7 @@ class Session(SessionCore):
     def show(self, picture: Picture) -> None:
         """Take a picture to draw from now on, into a film where one is wanted."""
         self.picture = picture
+        picture.presenter.follow(self.trackers.head)
         if self.settings.video is not None:
             self.on_close.callback(picture.start_film(self.settings.video, live=self.live).finish)
 

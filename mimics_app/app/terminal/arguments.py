@@ -2,10 +2,21 @@
 
 from __future__ import annotations
 
-from argparse import ArgumentTypeError
+from argparse import ArgumentParser, ArgumentTypeError
 from collections.abc import Callable
 
-__all__ = ["frame_count", "picture_size", "positive_time", "random_seed", "real_number", "whole_number"]
+from mimics_app.contracts.display_choice import DISPLAY_KINDS, parse_display
+from mimics_app.contracts.errors import UsageError
+
+__all__ = [
+    "add_display_argument",
+    "frame_count",
+    "picture_size",
+    "positive_time",
+    "random_seed",
+    "real_number",
+    "whole_number",
+]
 
 _MOST_DIGITS = 20
 """More are no number that anything here could use, and take long to read."""
@@ -65,3 +76,22 @@ def picture_size(text: str) -> tuple[int, int]:
     if not (width.isdigit() and height.isdigit() and 1 <= int(width) <= 8192 and 1 <= int(height) <= 8192):
         raise ArgumentTypeError(f"{text} is no picture size; write it like 1280x720")
     return int(width), int(height)
+
+
+def add_display_argument(parser: ArgumentParser) -> None:
+    """The option --display."""
+    files = {"never": "", "may": "[:FILE]", "must": ":FILE"}
+    kinds = ", ".join(kind + files[wants] for kind, wants in DISPLAY_KINDS.items())
+    parser.add_argument(
+        "--display", type=_display_kind, default="", metavar="KIND[:FILE]", help=f"instead of the scene's: {kinds}"
+    )
+
+
+def _display_kind(text: str) -> str:
+    """KIND or KIND:FILE of a display; "" keeps the scene's."""
+    if not text:
+        return ""
+    try:
+        return str(parse_display(text))
+    except UsageError as error:
+        raise ArgumentTypeError(str(error)) from None

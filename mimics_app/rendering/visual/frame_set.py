@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 
+from mimics_app.rendering.visual.presenting.presenter import Presenter
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.surfaces.headless import save_png
 from mimics_app.rendering.visual.surfaces.surface import Surface
@@ -29,8 +30,9 @@ def render_frames(
     count: int,
     views: Callable[[int], Sequence[View]],
     folder: Path,
+    presenter: Presenter | None = None,
 ) -> FrameSet:
-    """Draw frames and save each as frame_00000.png, frame_00001.png, ...
+    """Draw frames and save each as frame_00000.png, frame_00001.png, ...; see `Presenter.save` for more eyes than one.
 
     The first is drawn once before, so that the driver's compiling is not counted.
 
@@ -40,6 +42,7 @@ def render_frames(
         count: Number of frames, >= 1.
         views: Called with the number of each frame before it is drawn: moves the world, returns the eyes.
         folder: Where the files go; made when it is missing.
+        presenter: Of the display, None for a plain picture.
     """
     folder.mkdir(parents=True, exist_ok=True)
     files, spent = [], []
@@ -48,7 +51,11 @@ def render_frames(
     for number in range(count):
         spent.append(renderer.draw_finished(views(number)).cpu_ms)
         file = folder / f"frame_{number:05d}.png"
-        save_png(surface, file)
+        if presenter is None:
+            save_png(surface, file)
+            files.append(file)
+        else:
+            presenter.present()
+            files += presenter.save(file)
         surface.swap()
-        files.append(file)
     return FrameSet(files, median(spent))

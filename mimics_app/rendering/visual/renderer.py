@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from functools import partial
@@ -40,7 +40,10 @@ if TYPE_CHECKING:
     from mimics_app.rendering.visual.overlay.stage_times import StageTimes
     from mimics_app.rendering.visual.stages.effect_stage import EffectStage
 
-__all__ = ["Renderer"]
+__all__ = ["Latch", "Renderer"]
+
+Latch = Callable[[], Sequence[View]]
+"""Tells where the eyes are now: as many views as were queued, in their order."""
 
 
 class Renderer:
@@ -129,21 +132,23 @@ class Renderer:
         if before is not None:
             self.overlay.take_over(before)
 
-    def draw(self, views: Sequence[View]) -> FrameStats:
+    def draw(self, views: Sequence[View], latch: Latch | None = None) -> FrameStats:
         """Draw one frame into the surface's framebuffer; `surface.swap()` shows it.
 
         Args:
             views: What each eye sees; at least one.
+            latch: Asked for the views once more when all is queued, just before the world is drawn: where the eyes
+                are by then; None where no head moves.
 
         Raises:
             UsageError: no view.
             SceneError: a shader does not compile.
         """
-        return self._measure(views, finish=False)
+        return self._measure(views, latch, finish=False)
 
-    def draw_finished(self, views: Sequence[View]) -> FrameStats:
+    def draw_finished(self, views: Sequence[View], latch: Latch | None = None) -> FrameStats:
         """As `draw`, but return only when the driver has drawn all of it: `cpu_ms` is the frame's whole cost."""
-        return self._measure(views, finish=True)
+        return self._measure(views, latch, finish=True)
 
     def set_quality(self, **changes: Unpack[QualityChanges]) -> None:
         """Change what a governor may change, from the next frame on; what is not named stays as it is.
@@ -186,13 +191,13 @@ class Renderer:
         if self._skinning is not None:
             self._skinning.release()
 
-    def _measure(self, views: Sequence[View], *, finish: bool) -> FrameStats:
+    def _measure(self, views: Sequence[View], latch: Latch | None, *, finish: bool) -> FrameStats:
         if not views:
             raise UsageError("a frame without a view cannot be drawn", "give at least one View")
         started = self._clock.now_ns()
         timer = None if self.times is not None else self._timer  # timers of a driver cannot lie in each other
         with timer or nullcontext():
-            triangles, draws = self._draw(views)
+            triangles, draws = self._draw(views, latch)
         if finish:
             self._surface.ctx.finish()
         cpu_ms = (self._clock.now_ns() - started) * 1e-6
@@ -214,7 +219,7 @@ class Renderer:
         times = self.times
         return nullcontext() if times is None else times.stage(stage)
 
-    def _draw(self, views: Sequence[View]) -> tuple[int, int]:
+    def _draw(self, views: Sequence[View], latch: Latch | None) -> tuple[int, int]:
         """The stages of a frame in their order; returns triangles and draw calls."""
         times = self.times
         if times is not None and not times.begun:
@@ -227,6 +232,8 @@ class Renderer:
         with self._timed("mirrors"):
             draws += self._pictures.draw(self._world, scene, self._picture.samples)
         with self._timed("submit"):
+            if latch is not None:
+                drawn = _latched(drawn, latch())
             target = self._picture.begin()
             draws += self._world.draw(target, self._picture.samples, scene, drawn)
         if self._overlay is not None and self._overlay.shows:
@@ -276,7 +283,8 @@ class Renderer:
         self._frame.begin()
         self._shadows.prepare(lighting, views, self._list, self._frame, settings)
         effects, plan = self._prepare_effects(asked), self._shadows.plan
-        return FrameScene(self.world, self._list.items, lighting, plan, settings, self._ambient, effects)
+        items = self._list.items
+        return FrameScene(self.world, items, lighting, plan, settings, self._ambient, lights, effects)
 
     def _prepare_effects(self, lights: frozenset[str]) -> EffectStage | None:
         """The stage of sprites and projectors, ready for this frame; None, and nothing loaded, in a world without."""
@@ -325,8 +333,14 @@ class Renderer:
             huds.append(self._overlay.hud)
         if all(hud.empty for hud in huds):
             return draws
-        for screen in dict.fromkeys(view.screen for view in views):
+        for screen in dict.fromkeys(view.screen for view in views if view.screen >= 0):
             eyes = [view for view in views if view.screen == screen]
             plane = plane_of_views(eyes, self.settings.hud_depth)
             draws += sum(self._hud_pass.draw(hud, view, plane) for view in eyes for hud in huds)
         return draws
+
+
+def _latched(drawn: list[ViewDraws], newer: Sequence[View]) -> list[ViewDraws]:
+    """What is queued for some views, drawn from where their eyes are now; what is in a mirror stays as it was."""
+    pairs = zip(drawn, newer, strict=True)
+    return [each if each.mirrors else replace(each, view=each.view.latched(view)) for each, view in pairs]

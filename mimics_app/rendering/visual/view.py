@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,10 +26,13 @@ class View:
         rectangle: Where on the surface: x, y of the lower left corner, width, height [px].
         near: Distance of the near plane [m], > 0.
         far: Distance of the far plane [m], > near; may be infinite.
-        screen: Which physical screen the picture belongs to; views of one screen share their heads-up display.
+        screen: Which physical screen the picture belongs to; views of one screen share their heads-up display;
+            -1: none is laid over it.
         clip_plane: World plane before which alone things are seen, unit normal and offset, float64 [4]; None: the near
             plane. The eye is behind it.
         part_of: Tangents of the picture this is a part of, by which levels of detail go; None: it is the whole.
+        queued_at: Where the eye was when the frame was queued [m], float64 [3]: the head has moved since, and places
+            are relative to there still. None: it has not.
     """
 
     world_from_eye: F8
@@ -40,6 +43,7 @@ class View:
     screen: int = 0
     clip_plane: F8 | None = None
     part_of: Tangents | None = None
+    queued_at: F8 | None = None
 
     def __post_init__(self) -> None:
         left, right, bottom, top = self.tangents
@@ -51,8 +55,8 @@ class View:
 
     @property
     def eye_world(self) -> F8:
-        """Where the eye is [m], float64 [3]."""
-        return self.world_from_eye[:3, 3]
+        """Where the eye is, or was when the frame was queued: origin of the frame "eye" [m], float64 [3]."""
+        return self.world_from_eye[:3, 3] if self.queued_at is None else self.queued_at
 
     @property
     def window(self) -> float:
@@ -69,6 +73,8 @@ class View:
         """
         view_from_eye = np.eye(4)
         view_from_eye[:3, :3] = self.world_from_eye[:3, :3].T
+        if self.queued_at is not None:
+            view_from_eye[:3, 3] = view_from_eye[:3, :3] @ (self.queued_at - self.world_from_eye[:3, 3])
         clip_from_eye = compose_clip_from_view(self.tangents, self.near, self.far) @ view_from_eye
         if self.clip_plane is None:
             return clip_from_eye
@@ -81,6 +87,15 @@ class View:
         eye_from_world = np.eye(4)
         eye_from_world[:3, 3] = -self.eye_world
         return self.clip_from_eye @ eye_from_world
+
+    def latched(self, newer: View) -> View:
+        """This view, queued already, drawn from where the eye is now; its rectangle and planes stay."""
+        return replace(
+            self,
+            world_from_eye=newer.world_from_eye,
+            tangents=newer.tangents,
+            queued_at=self.world_from_eye[:3, 3],
+        )
 
     def ray(self, right: float, up: float) -> tuple[F8, F8]:
         """The ray through a place of the picture.

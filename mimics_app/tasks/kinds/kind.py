@@ -7,7 +7,7 @@ has a default, so a kind writes down what it has and nothing else.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
@@ -15,6 +15,7 @@ from msgspec import Meta
 
 from mimics_app.contracts.board import Card
 from mimics_app.contracts.errors import Issue
+from mimics_app.contracts.messages import TactileEvent
 from mimics_app.contracts.report_section import ReportSection
 from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.tasks.observation import Observation
@@ -72,6 +73,19 @@ class KindPlay:
         return {}
 
     @property
+    def visual(self) -> Mapping[str, object]:
+        """Parameters of the scenario by name as this kind wants them now; unchanged values cost nothing."""
+        return {}
+
+    def take_touches(self) -> tuple[TactileEvent, ...]:
+        """Taps to be felt that were ordered since the last call."""
+        return ()
+
+    def take_events(self) -> Sequence[tuple[str, Mapping[str, object]]]:
+        """Lines for the journal since the last call: kind and data."""
+        return ()
+
+    @property
     def words(self) -> Mapping[str, str]:
         """What stands for {NAME} in messages."""
         return {}
@@ -85,6 +99,9 @@ class KindPlay:
     def measures(self) -> Values:
         """The travel so far: a value for each column of `TaskKind.measures`."""
         return {}
+
+    def begin_trial(self, label: str, number: int) -> None:
+        """Another trial follows, of this condition; called before its first `begin_attempt`."""
 
     def begin_attempt(self) -> None:
         """The robot moves to the start of an attempt."""

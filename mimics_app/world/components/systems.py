@@ -9,7 +9,7 @@ from msgspec import Meta
 from mimics_app.world.components.bounds import Extent, Factor, Length
 from mimics_app.world.components.registry import Component, register_system
 
-__all__ = ["AudioSettings", "HapticSettings", "Tolerances", "VisualSettings"]
+__all__ = ["AudioSettings", "DisplaySettings", "HapticSettings", "Tolerances", "VisualSettings"]
 
 
 class HapticSettings(Component, frozen=True):
@@ -73,6 +73,36 @@ class VisualSettings(Component, frozen=True):
     fog_density: Annotated[Factor, Meta(description="Haze of the horizon's colour with distance [1/m]")] = 0.12
 
 
+class DisplaySettings(Component, frozen=True):
+    """Where the picture is shown, unless --display says so."""
+
+    kind: Annotated[
+        Literal[
+            "desktop",
+            "sbs",
+            "sbs-half",
+            "tb",
+            "interleaved",
+            "anaglyph",
+            "quad",
+            "wall",
+            "cave",
+            "hmd",
+            "openxr",
+            "sim-hmd",
+        ],
+        Meta(description="As --display takes it"),
+    ] = "desktop"
+    file: Annotated[
+        str, Meta(max_length=400, description="Of walls or of a headset, beside the scene; '' for none")
+    ] = ""
+    ipd: Annotated[float, Meta(ge=0.0, le=0.1, description="Between the eyes, of a stereo screen [m]")] = 0.063
+    screen_distance: Annotated[
+        float, Meta(ge=0.1, le=100.0, description="Where a stereo screen's two pictures agree [m]")
+    ] = 2.0
+    swap_eyes: Annotated[bool, Meta(description="True: left and right of a stereo screen exchanged")] = False
+
+
 class AudioSettings(Component, frozen=True):
     """The sound."""
 
@@ -128,4 +158,5 @@ class Tolerances(Component, frozen=True):
 register_system("tolerances", Tolerances)
 register_system("haptic", HapticSettings)
 register_system("visual", VisualSettings)
+register_system("display", DisplaySettings)
 register_system("audio", AudioSettings)

@@ -7,11 +7,14 @@ from collections.abc import Container
 
 import numpy as np
 
+from mimics_app.maths.cord import Ripples
 from mimics_app.world.components.animation import Animation, Avatar
+from mimics_app.world.components.cord import CordComponent
 from mimics_app.world.components.effects import Billboard, Particles, Projector
 from mimics_app.world.components.pictures import Inset, Mirror, Screen
 from mimics_app.world.components.shapes import Shape
 from mimics_app.world.components.visible import CameraComponent, Environment, LightComponent, MeshComponent
+from mimics_app.world.cords import Cord
 from mimics_app.world.environment import Backdrop, Fog, Sky
 from mimics_app.world.gltf.prefab import ModelPrefab
 from mimics_app.world.live_pictures import InsetView, ScreenSurface, show_mirror, show_screen
@@ -27,7 +30,9 @@ __all__ = [
     "build_entity",
     "light_up",
     "load_library",
+    "make_cord",
     "place",
+    "place_cords",
     "set_in_motion",
     "shape_key",
     "show_live_pictures",
@@ -53,6 +58,7 @@ def build(scene: Scene) -> World:
     for entity in scene.entities:
         set_in_motion(world, scene, entity)
     world.update()
+    place_cords(world, scene)
     return world
 
 
@@ -93,6 +99,8 @@ def build_entity(world: World, scene: Scene, entity: SceneEntity) -> SceneNode:
             node.create_camera(component.vertical_fov, component.near, component.far)
         elif isinstance(component, Billboard | Particles | Projector):
             world.effects.add(node.index, component)
+        elif isinstance(component, CordComponent):
+            world.cords[entity.id] = make_cord(component)
         elif not isinstance(component, _LIVE_PICTURES):
             continue
         scene.read.add(name)
@@ -118,6 +126,27 @@ def show_live_pictures(world: World, entity: SceneEntity) -> None:
         elif isinstance(component, Inset):
             figures = (component.rectangle, component.mirrored, component.every, component.border)
             world.insets[entity.id] = InsetView(component.camera, *figures)
+
+
+def make_cord(component: CordComponent) -> Cord:
+    """A cord as its component says; where it ends is for whoever moves it."""
+    return Cord(
+        length=component.length,
+        radius=component.radius,
+        colour=component.colour,
+        roughness=component.roughness,
+        visible=component.visible,
+        waves=Ripples(speed=component.wave_speed, wavelength=component.wavelength),
+    )
+
+
+def place_cords(world: World, scene: Scene) -> None:
+    """Fix the ends of all cords where their entities are now."""
+    for name, component, _ in scene.components(CordComponent):
+        if name in world and component.to in world:
+            for end, (node, offset) in enumerate(((name, component.offset), (component.to, component.to_offset))):
+                matrix = world.find(node).world_matrix()
+                world.cords[name].ends[end] = matrix[:3, :3] @ np.array(offset) + matrix[:3, 3]
 
 
 def place(node: SceneNode, transform: TransformSpec) -> None:

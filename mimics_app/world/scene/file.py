@@ -14,6 +14,7 @@ from mimics_app.contracts.errors import MOST_SOUGHT, Issue, SceneError
 from mimics_app.contracts.regular_file import read_regular
 from mimics_app.world.components import (
     animation,
+    cord,
     effects,
     hand,
     object_checks,
@@ -22,6 +23,8 @@ from mimics_app.world.components import (
     robot,
     robot_checks,
     systems,
+    tactile,
+    trackers,
     visible,
 )
 from mimics_app.world.components.plugins import register_plugins
@@ -38,7 +41,21 @@ if TYPE_CHECKING:
 
 __all__ = ["build_world", "load_scene"]
 
-REGISTERING = (visible, animation, effects, robot, hand, objects, pictures, systems, robot_checks, object_checks)
+REGISTERING = (
+    visible,
+    animation,
+    cord,
+    effects,
+    robot,
+    hand,
+    objects,
+    pictures,
+    systems,
+    tactile,
+    trackers,
+    robot_checks,
+    object_checks,
+)
 """Modules whose import makes the built-in component types, systems and checks known."""
 
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 
+from mimics_app.contracts.display_port import Eye, Viewpoint
+from mimics_app.rendering.visual.displays.plain_display import PlainDisplay
 from mimics_app.rendering.visual.surfaces.surface import Size
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import Tangents
 from mimics_app.world.camera import Camera
 
-__all__ = ["compute_tangents", "desktop_views"]
+__all__ = ["DesktopDisplay", "compute_tangents", "desktop_views"]
 
 
 def desktop_views(camera: Camera, size: Size) -> list[View]:
@@ -33,3 +35,13 @@ def compute_tangents(fov: float, size: Size) -> Tangents:
     top = math.tan(0.5 * fov)
     right = top * size[0] / size[1]
     return (-right, right, -top, top)
+
+
+class DesktopDisplay(PlainDisplay):
+    """A monitor and nobody's head: the picture is the camera's."""
+
+    kind = "desktop"
+
+    def eyes(self, viewpoint: Viewpoint, drawn: Size, display_ns: int) -> list[Eye]:
+        tangents = compute_tangents(viewpoint.vertical_fov, drawn)
+        return [Eye("", viewpoint.world_from_head, tangents, (0, 0, *drawn))]

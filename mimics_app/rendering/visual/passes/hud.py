@@ -21,6 +21,12 @@ __all__ = ["HudPass", "HudPlane", "clip_from_hud", "plane_of_views"]
 F8 = NDArray[np.float64]
 
 _GLYPH_BINDING, _IMAGE_BINDING = 2, 3
+_NEAREST_FOR_TWO = 1.28
+"""Distance [m] at which eyes 63 mm apart turn in one degree more than at 2 m, where screens and headsets focus."""
+_AROUND = 1.68
+"""Height of a picture, in tangents, beyond 80 degrees: a headset."""
+_LOOKED_AT = (0.6, 0.45)
+"""Tangents right and up that eyes turn to without the head: some 30 and 24 degrees."""
 _BEYOND = 1.05
 """How far inside the near and the far plane a display stays."""
 
@@ -53,15 +59,25 @@ def plane_of_views(views: Sequence[View], depth: float) -> HudPlane:
 
     Args:
         views: The eyes of one screen.
-        depth: Distance from the eyes [m]; as near to that as is neither too near nor too far to be seen.
+        depth: Distance from the eyes [m]; as near to that as is neither too near nor too far to be seen. Two eyes get
+            it no nearer than they comfortably turn in, and of a wide headset only what they see without the head.
     """
+    depth = max(depth, _NEAREST_FOR_TWO) if len(views) > 1 else depth
     nearest, farthest = max(view.near for view in views), min(view.far for view in views)
     depth = min(max(depth, _BEYOND * nearest), farthest / _BEYOND)
-    left, right, bottom, top = np.mean([view.tangents for view in views], axis=0) * depth
+    left, right, bottom, top = _readable(np.mean([view.tangents for view in views], axis=0), len(views)) * depth
     centre = np.mean([view.eye_world for view in views], axis=0)
     axes = views[0].world_from_eye[:3, :3]
     origin = centre + axes @ np.array([left, bottom, -depth])
     return HudPlane(origin, axes[:, 0] * (right - left), axes[:, 1] * (top - bottom))
+
+
+def _readable(tangents: F8, eyes: int) -> F8:
+    """The part of a frustum that figures are laid over: all of a screen; of what surrounds the eyes, its middle."""
+    if eyes == 1 or tangents[3] - tangents[2] < _AROUND:
+        return tangents
+    across, up = _LOOKED_AT
+    return np.clip(tangents, [-across, -across, -up, -up], [across, across, up, up])
 
 
 class HudPass:

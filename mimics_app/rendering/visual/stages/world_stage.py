@@ -12,6 +12,7 @@ from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.lighting import Lighting
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.passes.ambient import AmbientPass
+from mimics_app.rendering.visual.passes.cord import CordPass
 from mimics_app.rendering.visual.passes.sky import SkyPass, flat_sky
 from mimics_app.rendering.visual.passes.states import draw_runs
 from mimics_app.rendering.visual.passes.volumes import VolumePass
@@ -45,6 +46,7 @@ class FrameScene:
         plan: The shadow maps, drawn already.
         settings: Quality.
         ambient: True where the shaders ask how open the surroundings are, whatever the answer.
+        lights: Features of shaders that the frame's light needs, without that.
         effects: Sprites and projectors; None in a world without.
     """
 
@@ -54,6 +56,7 @@ class FrameScene:
     plan: ShadowPlan
     settings: RenderSettings
     ambient: bool = False
+    lights: frozenset[str] = frozenset()
     effects: EffectStage | None = None
 
     @property
@@ -117,6 +120,7 @@ class WorldStage:
         self._block = ViewBlock(ctx, settings)
         self._volumes = VolumePass(ctx, shaders)
         self._ambient = AmbientPass(ctx, shaders, arena, frame)
+        self._cords = CordPass(ctx, shaders)
         self.sky = SkyPass(ctx, shaders, longest_texture)
 
     def draw(self, target: moderngl.Framebuffer, samples: int, scene: FrameScene, views: Sequence[ViewDraws]) -> int:
@@ -156,6 +160,9 @@ class WorldStage:
 
     def _draw_opaque(self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws) -> int:
         draws = draw_runs(target, self._arena, self._frame, drawn.opaque)
+        if scene.world.cords:
+            time_s = scene.world.effects.time
+            draws += self._cords.draw(scene.world.cords, drawn.view, scene.lighting, scene.lights, time_s)
         if scene.effects is not None:
             draws += scene.effects.throw(target, self._arena, self._frame, drawn.view, drawn.thrown)
         return draws
@@ -200,5 +207,5 @@ class WorldStage:
 
     def release(self) -> None:
         """Free what belongs to the passes."""
-        for part in (self.sky, self._block, self._volumes, self._ambient):
+        for part in (self.sky, self._cords, self._block, self._volumes, self._ambient):
             part.release()

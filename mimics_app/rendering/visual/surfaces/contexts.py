@@ -23,7 +23,9 @@ _APT_OSMESA = "install it with: apt-get install libosmesa6 (Mesa before 25.1), o
 _OSMESA_NAMES = ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")
 
 
-def create_surface(backend: str, size: Size, title: str = "mimics", *, vsync: bool = True) -> Surface:
+def create_surface(
+    backend: str, size: Size, title: str = "mimics", *, vsync: bool = True, stereo: bool = False
+) -> Surface:
     """Make a context and the surface it draws on.
 
     Args:
@@ -31,6 +33,7 @@ def create_surface(backend: str, size: Size, title: str = "mimics", *, vsync: bo
         size: Width and height [px], each >= 1.
         title: Title of the window; unused by the others.
         vsync: Whether a window's `swap` waits for the display.
+        stereo: Whether a window is to have buffers for both eyes; others draw them side by side.
 
     Raises:
         UsageError: no such backend, or an impossible size.
@@ -46,7 +49,7 @@ def create_surface(backend: str, size: Size, title: str = "mimics", *, vsync: bo
         return _OSMesaSurface(_OSMesaLoader(), size)
     from mimics_app.rendering.visual.surfaces.window import WindowSurface
 
-    return WindowSurface(size, title, vsync=vsync)
+    return WindowSurface(size, title, vsync=vsync, stereo=stereo)
 
 
 class _EglSurface(Surface):

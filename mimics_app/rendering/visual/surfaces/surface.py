@@ -32,6 +32,7 @@ class Surface:
         buttons: Names of the mouse buttons held.
         wheel: Wheel steps away from the person between the last two calls of `poll`.
         gamepad: The first gamepad as of the last `poll`.
+        both_eyes: Both eyes' pictures side by side, for a window that has a buffer for each; None elsewhere.
         reset_status: Tells in words what made the driver lose the context; "" while it is well.
     """
 
@@ -40,6 +41,7 @@ class Surface:
         self.size = size
         self.framebuffer: moderngl.Framebuffer
         self._take(ctx)
+        self.both_eyes: moderngl.Framebuffer | None = None
         self.keys: frozenset[str] = frozenset()
         self.buttons: frozenset[str] = frozenset()
         self.wheel = 0.0

@@ -19,25 +19,28 @@ __all__ = ["WindowSurface"]
 _NO_DISPLAY = "give the session a display, or run headless: --headless, --backend egl"
 _FIX_GL = "install it with: apt-get install libgl1 libgl1-mesa-dri, or run headless: --headless"
 _ALIASES = {"kp_enter": "enter"}
+_FIX_QUAD = "it takes a workstation's graphics card; else --display sbs, tb, interleaved or anaglyph"
+_BACK_LEFT, _BACK_RIGHT, _BACK = 0x0402, 0x0403, 0x0405
 _READ_FRAMEBUFFER, _DRAW_FRAMEBUFFER, _COLOUR_BUFFER_BIT, _NEAREST = 0x8CA8, 0x8CA9, 0x4000, 0x2600
 
 
 class WindowSurface(Surface):
     """The glass: the picture is drawn offscreen and copied to the window by `swap`.
 
-    F11 switches between window and full screen. Only one window at a time.
+    F11 switches between window and full screen. Only one window at a time. With `stereo` it has a buffer for each eye,
+    which `swap` fills from the halves of `both_eyes`.
 
     Raises:
-        DeviceError: no display, or no OpenGL 4.3 on it.
+        DeviceError: no display, or no OpenGL 4.3 on it, or no buffers for both eyes.
     """
 
     _events: list[InputEvent]
 
-    def __init__(self, size: Size, title: str, *, vsync: bool = True) -> None:
+    def __init__(self, size: Size, title: str, *, vsync: bool = True, stereo: bool = False) -> None:
         import glfw
 
         self._read_library(glfw)
-        self._title, self._vsync = title, vsync
+        self._title, self._vsync, self._stereo = title, vsync, stereo
         self._pointer: tuple[float, float] | None = None
         self._windowed: tuple[int, int, int, int] | None = None
         context = self._open(size)
@@ -48,10 +51,11 @@ class WindowSurface(Surface):
         import moderngl
 
         glfw = self._glfw
-        self._window = _open_window(glfw, size, self._title)
+        self._window = _open_window(glfw, size, self._title, stereo=self._stereo)
         glfw.make_context_current(self._window)
         glfw.swap_interval(1 if self._vsync else 0)
         self._bind_framebuffer, self._blit_framebuffer = _load_blit(glfw)
+        self._draw_buffer = ctypes.CFUNCTYPE(None, ctypes.c_uint)(glfw.get_proc_address("glDrawBuffer"))
         self._listen()
         return moderngl.create_context(require=430)
 
@@ -87,10 +91,24 @@ class WindowSurface(Surface):
 
     def present(self) -> None:
         """Copy the picture to the window's back buffer without showing it yet."""
+        if self._stereo and self.both_eyes is not None:
+            self._present_eyes(self.both_eyes)
+            return
         # moderngl keeps the size the default framebuffer had at first, so that a resized window needs the raw call.
         self._bind_framebuffer(_READ_FRAMEBUFFER, self.framebuffer.glo)
         self._bind_framebuffer(_DRAW_FRAMEBUFFER, 0)
         self._blit_framebuffer(0, 0, *self.size, 0, 0, *self.size, _COLOUR_BUFFER_BIT, _NEAREST)
+        self.framebuffer.use()
+
+    def _present_eyes(self, source: moderngl.Framebuffer) -> None:
+        """Copy the halves of a picture of both eyes to the back buffers of the left and the right one."""
+        self._bind_framebuffer(_READ_FRAMEBUFFER, source.glo)
+        self._bind_framebuffer(_DRAW_FRAMEBUFFER, 0)
+        half, height = source.size[0] // 2, source.size[1]
+        for x, buffer in ((0, _BACK_LEFT), (half, _BACK_RIGHT)):
+            self._draw_buffer(buffer)
+            self._blit_framebuffer(x, 0, x + half, height, 0, 0, *self.size, _COLOUR_BUFFER_BIT, _NEAREST)
+        self._draw_buffer(_BACK)
         self.framebuffer.use()
 
     def read_screen(self) -> bytes:
@@ -120,6 +138,7 @@ class WindowSurface(Surface):
 
     def close(self) -> None:
         super().close()
+        self.both_eyes = None
         self._glfw.destroy_window(self._window)
         self._glfw.terminate()
 
@@ -198,7 +217,7 @@ class WindowSurface(Surface):
         return GamepadState()
 
 
-def _open_window(glfw: ModuleType, size: Size, title: str) -> Any:
+def _open_window(glfw: ModuleType, size: Size, title: str, *, stereo: bool = False) -> Any:
     # Errors come back as return values, turned into one DeviceError here, instead of as warnings on stderr.
     glfw.ERROR_REPORTING = False  # type: ignore[attr-defined]  # the module's documented switch
     if not glfw.init():
@@ -210,6 +229,7 @@ def _open_window(glfw: ModuleType, size: Size, title: str) -> Any:
     glfw.window_hint(glfw.OPENGL_FORWARD_COMPAT, True)
     glfw.window_hint(glfw.RESIZABLE, True)
     glfw.window_hint(glfw.SAMPLES, 0)
+    glfw.window_hint(glfw.STEREO, stereo)
     glfw.window_hint(glfw.SRGB_CAPABLE, False)
     glfw.window_hint(glfw.CONTEXT_ROBUSTNESS, glfw.LOSE_CONTEXT_ON_RESET)
     window = glfw.create_window(*size, title, None, None)
@@ -218,6 +238,8 @@ def _open_window(glfw: ModuleType, size: Size, title: str) -> Any:
         window = glfw.create_window(*size, title, None, None)
     if not window:
         glfw.terminate()
+        if stereo:
+            raise DeviceError("the display gives no window with a buffer for each eye", _FIX_QUAD)
         raise DeviceError("the display gives no window with OpenGL 4.3", _FIX_GL)
     return window
 

@@ -1,0 +1,59 @@
+"""`mimics study SCENE`: a scene for several simulated subjects as tidy tables and one page; `--of` joins runs."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from mimics_app.app.terminal.arguments import positive_time, random_seed, whole_number
+from mimics_app.contracts.errors import PartialDataError
+
+__all__ = ["add_arguments", "run"]
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `mimics study`."""
+    parser.add_argument("scene", type=Path, help="scene file")
+    parser.add_argument(
+        "--subjects", type=whole_number("number of subjects", range(1, 1001)), default=2, metavar="N", help="how many"
+    )
+    parser.add_argument("--seed", type=random_seed, default=1, help="of the first subject; the next ones count on")
+    parser.add_argument("--seconds", type=positive_time, help="end each run after this much simulated time [s]")
+    parser.add_argument(
+        "--of", type=Path, nargs="+", default=[], metavar="RUN", help="join these run folders instead of running"
+    )
+    parser.add_argument("--out", type=Path, default=Path("study"), metavar="DIR", help="folder of tables and page")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run or join, and write; 6 where a subject's run is not whole."""
+    from mimics_app.app.scenes.finding import find_scene
+    from mimics_app.app.study.page import write_page
+    from mimics_app.app.study.subjects import SubjectRun, run_subject
+    from mimics_app.app.study.tables import ANSWER_COLUMNS, TAP_COLUMNS, read_study, write_table
+    from mimics_app.app.terminal.output import tell, write_object
+
+    scene = find_scene(args.scene)
+    args.out.mkdir(parents=True, exist_ok=True)
+    if args.of:
+        runs = [SubjectRun(number, 0, folder) for number, folder in enumerate(args.of, start=1)]
+    else:
+        extra = ["--pictures", "0", "--sound", "off", *(["--seconds", str(args.seconds)] if args.seconds else [])]
+        numbers = range(1, args.subjects + 1)
+        runs = [run_subject(scene, each, args.seed + each - 1, args.out / "runs", extra, tell) for each in numbers]
+    trials, taps, answers = read_study(runs)
+    write_table(args.out / "trials.csv", trials)
+    write_table(args.out / "taps.csv", taps, TAP_COLUMNS)
+    write_table(args.out / "answers.csv", answers, ANSWER_COLUMNS)
+    write_page(args.out / "study.html", scene.stem, runs, trials, taps)
+    problems = [f"subject {each.subject}: {each.problem}" for each in runs if each.problem]
+    for problem in problems:
+        tell(problem)
+    counts = {"subjects": len(runs), "trials": len(trials), "taps": len(taps), "answers": len(answers)}
+    if args.json:
+        write_object("study", {**counts, "folder": args.out, "report": args.out / "study.html", "problems": problems})
+    else:
+        sys.stdout.write(f"{counts['trials']} trials, {counts['taps']} taps, {counts['answers']} answers\n")
+        sys.stdout.write(f"{args.out / 'study.html'}\n")
+    return PartialDataError.exit_code if problems else 0

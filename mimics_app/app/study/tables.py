@@ -1,0 +1,100 @@
+"""Tidy tables of a study: one row an observation, one column a variable, the subject in the first."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from statistics import fmean, stdev
+from typing import Any
+
+from mimics_app.app.study.subjects import SubjectRun
+
+__all__ = ["ANSWER_COLUMNS", "TAP_COLUMNS", "read_study", "summarise_conditions", "write_table"]
+
+Row = dict[str, Any]
+
+TAP_COLUMNS = ["subject", "trial", "condition", "tap", "place", "felt_at", "seen_scheduled_ns", "seen_submitted_ns"]
+TAP_COLUMNS += ["seen_display_ns", "felt_scheduled_ns", "felt_commanded_ns", "felt_ns", "offset_ms"]
+ANSWER_COLUMNS = ["subject", "trial", "condition", "item", "scale", "value", "seconds", "t_ns"]
+_TAPS_A_TRIAL = 10_000
+"""Numbers of taps count on from this for every trial."""
+
+
+def read_study(runs: Sequence[SubjectRun]) -> tuple[list[Row], list[Row], list[Row]]:
+    """Trials, taps and answers of all subjects that have a run folder."""
+    trials, taps, answers = list[Row](), list[Row](), list[Row]()
+    for run in runs:
+        if run.folder is None:
+            continue
+        trials += [{"subject": run.subject, "seed": run.seed, **row} for row in _rows(run.folder / "trials.csv")]
+        events = list(_events(run.folder / "events.jsonl"))
+        taps += _taps(run.subject, events)
+        for event in events:
+            if event.get("kind") == "answer":
+                answers.append({"subject": run.subject, **{name: event.get(name) for name in ANSWER_COLUMNS[1:]}})
+    return trials, taps, answers
+
+
+def write_table(file: Path, rows: Sequence[Mapping[str, Any]], columns: Sequence[str] = ()) -> None:
+    """Write rows as CSV; columns in the order given, else in the order they come up."""
+    names = list(columns) or list(dict.fromkeys(name for row in rows for name in row))
+    with file.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.DictWriter(stream, names, extrasaction="ignore", restval="")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def summarise_conditions(trials: Sequence[Row], measures: Sequence[str]) -> list[Row]:
+    """Mean and standard deviation of measures over finished trials, by condition; n is the number of trials."""
+    finished = [row for row in trials if row.get("outcome") == "finished"]
+    summary = []
+    for label in dict.fromkeys(row["label"] for row in finished):
+        of_label = [row for row in finished if row["label"] == label]
+        line: Row = {"condition": label, "n": len(of_label)}
+        for measure in measures:
+            values = [float(row[measure]) for row in of_label if row.get(measure) not in (None, "")]
+            line[measure] = fmean(values) if values else None
+            line[f"{measure}_sd"] = stdev(values) if len(values) > 1 else None
+        summary.append(line)
+    return summary
+
+
+def _taps(subject: int, events: Sequence[Row]) -> list[Row]:
+    """One row a tap: what was seen and what was felt of it."""
+    rows: dict[tuple[int, int], Row] = {}
+    for event in events:
+        kind = event.get("kind")
+        if kind == "tap_seen":
+            key = event["trial"], event["tap"]
+            seen = {f"seen_{name}": event[name] for name in ("scheduled_ns", "submitted_ns", "display_ns")}
+            rows.setdefault(key, {}).update(condition=event["condition"], place=event["place"], **seen)
+        elif kind == "tap_felt":
+            key = event["trial"], event["tap"]
+            felt = {"felt_scheduled_ns": event["scheduled_ns"], "offset_ms": event["offset_ms"]}
+            rows.setdefault(key, {}).update(condition=event["condition"], felt_at=event["at"], **felt)
+        elif kind == "tactile" and "number" in event:
+            key = divmod(event["number"], _TAPS_A_TRIAL)
+            times = {"felt_commanded_ns": event["commanded_ns"], "felt_ns": event["felt_ns"]}
+            rows.setdefault(key, {}).update(times)
+    return [{"subject": subject, "trial": trial, "tap": tap, **row} for (trial, tap), row in sorted(rows.items())]
+
+
+def _rows(file: Path) -> list[Row]:
+    if not file.exists():
+        return []
+    with file.open(newline="", encoding="utf-8") as stream:
+        return [dict(row) for row in csv.DictReader(stream)]
+
+
+def _events(file: Path) -> Iterator[Row]:
+    """Lines of the journal; one that was cut off is left out."""
+    if not file.exists():
+        return
+    with file.open(encoding="utf-8") as stream:
+        for line in stream:
+            try:
+                yield json.loads(line)
+            except json.JSONDecodeError:
+                continue

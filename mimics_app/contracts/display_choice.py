@@ -1,0 +1,54 @@
+"""The kinds of display there are, and reading which one is asked for. Commands ask here first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from mimics_app.contracts.errors import UsageError, nearest
+
+__all__ = ["DISPLAY_KINDS", "DisplayChoice", "parse_display"]
+
+DISPLAY_KINDS: dict[str, Literal["never", "may", "must"]] = {
+    "desktop": "never",
+    "sbs": "never",
+    "sbs-half": "never",
+    "tb": "never",
+    "interleaved": "never",
+    "anaglyph": "never",
+    "quad": "never",
+    "wall": "must",
+    "cave": "must",
+    "hmd": "may",
+    "openxr": "never",
+    "sim-hmd": "may",
+}
+"""Every kind of `--display`, and whether a file goes with it."""
+
+
+@dataclass(frozen=True, slots=True)
+class DisplayChoice:
+    """A display as it is asked for: KIND or KIND:FILE."""
+
+    kind: str = "desktop"
+    file: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.kind}:{self.file}" if self.file else self.kind
+
+
+def parse_display(text: str) -> DisplayChoice:
+    """Read KIND[:FILE].
+
+    Raises:
+        UsageError: no such kind, a file that is missing, or one that does not belong there.
+    """
+    kind, colon, file = text.partition(":")
+    if kind not in DISPLAY_KINDS:
+        raise UsageError(f'there is no display "{kind}"', nearest(kind, DISPLAY_KINDS))
+    wants = DISPLAY_KINDS[kind]
+    if wants == "must" and not file:
+        raise UsageError(f"the display {kind} needs a file", f"write {kind}:FILE.json")
+    if colon and wants == "never":
+        raise UsageError(f"the display {kind} takes no file", f"write {kind}")
+    return DisplayChoice(kind, file)

@@ -1,0 +1,126 @@
+"""All trackers of a session in one room: who reports, what each sensor is, and where it is at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.tracker_port import TrackedPose, TrackerSample, TrackerSource
+from mimics_app.inputs.trackers.calibration import Calibration
+from mimics_app.inputs.trackers.tape import TapeWriter
+from mimics_app.inputs.trackers.track import Track
+
+__all__ = ["Placed", "TrackerHub"]
+
+F8 = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Placed:
+    """A tracker with its place in the room.
+
+    Attributes:
+        source: What reports.
+        roles: Role by sensor: "head", "hand_left"; sensors not named play none.
+        axes: Rotation from its axes to the room's, float64 [3, 3].
+        unit: Metres per unit of what it reports beyond its own conversion.
+        calibration: From there into the room.
+        offset: sensor_from_part: where the part of the body is from its sensor, float64 [4, 4].
+    """
+
+    source: TrackerSource
+    roles: Mapping[str, str]
+    axes: F8 = field(default_factory=lambda: np.eye(3))
+    unit: float = 1.0
+    calibration: Calibration = field(default_factory=Calibration.none)
+    offset: F8 = field(default_factory=lambda: np.eye(4))
+
+
+class TrackerHub:
+    """Where head and hands are; asked by displays and avatars, each for the time it needs.
+
+    Args:
+        trackers: In order of precedence: the first that knows a role tells it.
+        tape: Keeps every report in the order of arrival, None for no tape.
+    """
+
+    def __init__(self, trackers: Sequence[Placed] = (), tape: TapeWriter | None = None) -> None:
+        self._trackers = tuple(trackers)
+        self._tape = tape
+        self._tracks: dict[tuple[int, str], Track] = {}
+
+    @property
+    def roles(self) -> tuple[str, ...]:
+        """All that some tracker has, in their order."""
+        return tuple(dict.fromkeys(role for each in self._trackers for role in each.roles.values()))
+
+    @property
+    def problems(self) -> list[str]:
+        """What is wrong with trackers now, a line each."""
+        said = [(each.source.name, each.source.problem or each.calibration.fault) for each in self._trackers]
+        return [f"tracker {name}: {problem}" for name, problem in said if problem]
+
+    def start(self) -> None:
+        """Begin to listen.
+
+        Raises:
+            DeviceError: a tracker cannot be had; those begun before it are stopped.
+        """
+        begun: list[TrackerSource] = []
+        try:
+            for number, each in enumerate(self._trackers):
+                each.source.start(lambda sample, number=number: self._take(number, sample))  # type: ignore[misc]
+                begun.append(each.source)
+        except BaseException:
+            for source in begun:
+                source.stop()
+            raise
+
+    def poll(self, now_ns: int) -> None:
+        """Once a frame."""
+        for each in self._trackers:
+            each.source.poll(now_ns)
+
+    def pose(self, role: str, at_ns: int) -> TrackedPose | None:
+        """room_from_part of a role at a time [ns]; None where no tracker has reported it yet."""
+        stale: TrackedPose | None = None
+        for number, each in enumerate(self._trackers):
+            for sensor in (sensor for sensor, played in each.roles.items() if played == role):
+                track = self._tracks.get((number, sensor))
+                found = None if track is None else track.pose(at_ns)
+                if found is None:
+                    continue
+                placed = TrackedPose(_place(each, found.pose), found.age_ns, found.stale, found.capped)
+                if not placed.stale:
+                    return placed
+                stale = stale or placed
+        return stale
+
+    def head(self, at_ns: int) -> F8 | None:
+        """room_from_head for displays, float64 [4, 4]; of a stale one its last place."""
+        found = self.pose("head", at_ns)
+        return None if found is None else found.pose
+
+    def stop(self) -> None:
+        """End all of them."""
+        for each in self._trackers:
+            each.source.stop()
+        if self._tape is not None:
+            self._tape.close()
+            self._tape = None
+
+    def _take(self, number: int, sample: TrackerSample) -> None:
+        self._tracks.setdefault((number, sample.sensor), Track()).add(sample)
+        if self._tape is not None:
+            self._tape.take(sample)
+
+
+def _place(tracker: Placed, pose: F8) -> F8:
+    """From what a device reports into the room."""
+    mapped = np.eye(4)
+    mapped[:3, :3] = tracker.axes @ pose[:3, :3] @ tracker.axes.T
+    mapped[:3, 3] = tracker.unit * (tracker.axes @ pose[:3, 3])
+    return np.asarray(tracker.calibration.apply(mapped) @ tracker.offset)

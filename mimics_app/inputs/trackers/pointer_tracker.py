@@ -1,0 +1,58 @@
+"""Head and hands by mouse, keys and gamepad, where there is no tracker: for trying a scene at a desk."""
+
+from __future__ import annotations
+
+import math
+
+from mimics_app.contracts.input_port import WindowFrame
+from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink, TrackerSource
+from mimics_app.inputs.trackers.polhemus import euler_quaternion
+
+__all__ = ["PointerTracker"]
+
+_LOOK_RAD = 0.6
+"""How far the pointer at the window's edge turns the head [rad]."""
+_STICK_M = 0.25
+"""How far a stick at its end moves a hand [m]."""
+_HANDS = {"hand_left": ("left_x", "left_y", -0.25), "hand_right": ("right_x", "right_y", 0.25)}
+
+
+class PointerTracker(TrackerSource):
+    """The pointer turns the head; the sticks of a gamepad move the hands before the body.
+
+    Args:
+        name: As the scene calls it.
+    """
+
+    def __init__(self, name: str) -> None:
+        self.name, self.problem, self.rejected = name, "", 0
+        self._sink: TrackerSink | None = None
+        self._look = (0.0, 0.0)
+        self._sticks: dict[str, float] = {}
+
+    def see(self, frame: WindowFrame) -> None:
+        """Take what happened at the window."""
+        for event in frame.events:
+            if event.kind == "move":
+                self._look = (event.x, event.y)
+        self._sticks = dict(frame.gamepad.axes) if frame.gamepad.connected else {}
+
+    def start(self, sink: TrackerSink) -> None:
+        self._sink = sink
+
+    def poll(self, now_ns: int) -> None:
+        if self._sink is None:
+            return
+        right, up = self._look
+        x, y, z, w = euler_quaternion(-math.degrees(_LOOK_RAD * right), math.degrees(_LOOK_RAD * up), 0.0)
+        self._sink(TrackerSample("head", now_ns, (0.0, 1.70, 0.0), (y, z, x, w)))
+        for sensor, (across, along, side) in _HANDS.items():
+            place = (
+                side + _STICK_M * self._sticks.get(across, 0.0),
+                1.05 - _STICK_M * self._sticks.get(along, 0.0),
+                -0.3,
+            )
+            self._sink(TrackerSample(sensor, now_ns, place, (0.0, 0.0, 0.0, 1.0)))
+
+    def stop(self) -> None:
+        self._sink = None

@@ -1,0 +1,116 @@
+"""Trackers on a serial line: a thread that reads what there is, a parser, and what is believed of it."""
+
+from __future__ import annotations
+
+import threading
+from typing import Protocol
+
+import serial
+
+from mimics_app.contracts.clock import Clock, MonotonicClock
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink, TrackerSource
+from mimics_app.inputs.trackers.ascension import FlockParser
+from mimics_app.inputs.trackers.calibration import UNITS
+from mimics_app.inputs.trackers.plausibility import Plausibility
+from mimics_app.inputs.trackers.polhemus import FastrakParser
+
+__all__ = ["SerialTracker", "fastrak", "flock_of_birds"]
+
+_PATIENCE_S = 0.05
+"""How long a read waits for the first byte."""
+
+
+class _Parser(Protocol):
+    rejected: int
+
+    def feed(self, data: bytes, t_ns: int) -> list[TrackerSample]: ...
+
+
+class SerialTracker(TrackerSource):
+    """One device on a port; see `fastrak` and `flock_of_birds`.
+
+    Args:
+        name: As the scene calls it.
+        port: Of the line, e.g. /dev/ttyUSB0.
+        baud: [bit/s].
+        parser: Of its records.
+        begin: What is written to make it report continuously.
+        end: What makes it stop.
+        clock: The session's.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        port: str,
+        baud: int,
+        parser: _Parser,
+        begin: bytes,
+        end: bytes,
+        clock: Clock | None = None,
+    ) -> None:
+        self.name, self.problem = name, ""
+        self._port, self._baud, self._parser = port, baud, parser
+        self._begin, self._end = begin, end
+        self._clock = clock or MonotonicClock()
+        self._believed: dict[str, Plausibility] = {}
+        self._unlikely = 0
+        self._stopping = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    @property
+    def rejected(self) -> int:  # type: ignore[override]  # read only here
+        """Reports that were not whole or not possible."""
+        return self._parser.rejected + self._unlikely
+
+    def start(self, sink: TrackerSink) -> None:
+        try:
+            self._line = serial.Serial(self._port, self._baud, timeout=_PATIENCE_S)
+            self._line.write(self._begin)
+        except (OSError, ValueError) as error:
+            what = f"the tracker {self.name} on {self._port} cannot be opened: {error}"
+            raise DeviceError(what, "mimics devices lists the serial ports") from None
+        self._thread = threading.Thread(target=self._read, args=(sink,), name=f"tracker {self.name}", daemon=True)
+        self._thread.start()
+
+    def poll(self, now_ns: int) -> None:
+        """It has a thread."""
+
+    def stop(self) -> None:
+        self._stopping.set()
+        if self._thread is None:
+            return
+        self._thread.join()
+        try:
+            self._line.write(self._end)
+            self._line.close()
+        except OSError:
+            self.problem = self.problem or "the line was gone before it could be told to stop"
+
+    def _read(self, sink: TrackerSink) -> None:
+        while not self._stopping.is_set():
+            try:
+                data = self._line.read(max(1, self._line.in_waiting))
+            except (OSError, TypeError) as error:  # TypeError: pyserial, where the port was closed meanwhile
+                self.problem = f"the line is gone: {error}"
+                return
+            if data:
+                self._hand_on(data, sink)
+
+    def _hand_on(self, data: bytes, sink: TrackerSink) -> None:
+        for sample in self._parser.feed(data, self._clock.now_ns()):
+            if self._believed.setdefault(sample.sensor, Plausibility()).admits(sample):
+                sink(sample)
+            else:
+                self._unlikely += 1
+
+
+def fastrak(name: str, port: str, baud: int = 115200, clock: Clock | None = None) -> SerialTracker:
+    """A Polhemus Fastrak, told to report in centimetres and text, continuously."""
+    return SerialTracker(name, port, baud, FastrakParser(UNITS["cm"]), b"F\ru\rC\r", b"c\r", clock)
+
+
+def flock_of_birds(name: str, port: str, baud: int = 115200, clock: Clock | None = None) -> SerialTracker:
+    """An Ascension Flock of Birds of one bird, told to stream position and angles."""
+    return SerialTracker(name, port, baud, FlockParser(), b"Y@", b"B", clock)

@@ -1,0 +1,107 @@
+"""Tapes of trackers: every report as a line of JSON, and playing them back to the last bit."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import IO
+
+import msgspec
+
+from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink, TrackerSource
+
+__all__ = ["TapeTracker", "TapeWriter", "read_tape"]
+
+_LARGEST = 512 << 20
+"""Longest tape that is read [bytes]: some ten hours of one person at 120 Hz."""
+
+
+class _Line(msgspec.Struct, forbid_unknown_fields=True):
+    sensor: str
+    t_ns: int
+    position: tuple[float, float, float]
+    rotation: tuple[float, float, float, float]
+    device_ns: int | None = None
+
+
+class TapeWriter:
+    """Writes what passes through it. Numbers are written so that they are read back to the last bit.
+
+    Args:
+        file: New, or written over.
+    """
+
+    def __init__(self, file: Path) -> None:
+        self._file: IO[bytes] = file.open("wb")
+
+    def take(self, sample: TrackerSample) -> None:
+        """Keep a report."""
+        line = _Line(sample.sensor, sample.t_ns, sample.position, sample.rotation, sample.device_ns)
+        self._file.write(msgspec.json.encode(line) + b"\n")
+
+    def close(self) -> None:
+        """Finish the file."""
+        self._file.close()
+
+
+def read_tape(file: Path) -> list[TrackerSample]:
+    """All reports of a tape, in their order; a last line that was cut off is left out.
+
+    Raises:
+        SceneError: no such file, or a line that is no report.
+    """
+    try:
+        if file.stat().st_size > _LARGEST:
+            raise SceneError(Issue(str(file), "", "is longer than any tape"))
+        lines = file.read_bytes().splitlines(keepends=True)
+    except OSError as error:
+        raise SceneError(Issue(str(file), "", f"cannot be read: {error.strerror}")) from None
+    samples = []
+    for number, line in enumerate(lines, start=1):
+        try:
+            read = msgspec.json.decode(line, type=_Line)
+        except (msgspec.DecodeError, json.JSONDecodeError) as error:
+            if number == len(lines) and not line.endswith(b"\n"):
+                break
+            raise SceneError(Issue(str(file), f"line {number}", f"is no report of a tracker: {error}")) from None
+        samples.append(TrackerSample(read.sensor, read.t_ns, read.position, read.rotation, read.device_ns))
+    return samples
+
+
+class TapeTracker(TrackerSource):
+    """Plays a tape on the session's time: a report comes with the frame after its own time.
+
+    Args:
+        name: As the scene calls it.
+        file: The tape.
+
+    Raises:
+        SceneError: see `read_tape`.
+    """
+
+    def __init__(self, name: str, file: Path) -> None:
+        self.name, self.problem, self.rejected = name, "", 0
+        self._samples = read_tape(file)
+        self._next = 0
+        self._sink: TrackerSink | None = None
+        self._begun_ns: int | None = None
+
+    def start(self, sink: TrackerSink) -> None:
+        self._sink = sink
+
+    def poll(self, now_ns: int) -> None:
+        if self._sink is None or not self._samples:
+            return
+        if self._begun_ns is None:
+            # A tape of a live session counts from its first report, one of the virtual clock from zero already.
+            first = self._samples[0].t_ns
+            self._begun_ns = 0 if first < 1_000_000_000 else first - now_ns
+        while self._next < len(self._samples) and self._samples[self._next].t_ns - self._begun_ns <= now_ns:
+            sample = self._samples[self._next]
+            moved = sample.t_ns - self._begun_ns
+            self._sink(TrackerSample(sample.sensor, moved, sample.position, sample.rotation, sample.device_ns))
+            self._next += 1
+
+    def stop(self) -> None:
+        self._sink = None

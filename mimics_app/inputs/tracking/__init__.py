@@ -1,3 +1,0 @@
-"""Sources of tracked poses."""
-
-__all__: list[str] = []

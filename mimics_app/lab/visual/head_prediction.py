@@ -1,0 +1,92 @@
+"""Where a turning head will be: rivals at several horizons, +-30 degrees at 1 Hz, reports at 120 Hz.
+
+Importing this module registers them. Error: the largest angle off; cost: of one pose of a track.
+"""
+
+from __future__ import annotations
+
+import math
+
+from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.probe import reference_us, shortest_us
+from mimics_app.contracts.tracker_port import TrackerSample
+from mimics_app.inputs.trackers.polhemus import euler_quaternion
+from mimics_app.inputs.trackers.track import Track
+from mimics_app.maths.poses import rotation_vector
+
+__all__ = ["GROUP", "prediction_error"]
+
+GROUP = "head prediction"
+_RATE, _AMPLITUDE, _HZ = 120.0, math.radians(30.0), 1.0
+_CALLS = 50
+
+
+def _angle(t: float) -> float:
+    return _AMPLITUDE * math.sin(2.0 * math.pi * _HZ * t)
+
+
+def _sample(t: float) -> TrackerSample:
+    return TrackerSample("1", round(t * 1e9), (0.0, 0.0, 0.0), euler_quaternion(math.degrees(_angle(t)), 0.0, 0.0))
+
+
+def prediction_error(horizon_s: float, *, hold: bool = False) -> float:
+    """Largest error over two seconds [rad].
+
+    Args:
+        horizon_s: From the newest report to the time asked for [s].
+        hold: True takes the newest report as it is.
+    """
+    track, worst = Track(), 0.0
+    for k in range(round(2.0 * _RATE)):
+        t = k / _RATE
+        track.add(_sample(t))
+        pose = track.pose(round((t if hold else t + horizon_s) * 1e9))
+        if k < 2 or pose is None:
+            continue
+        worst = max(worst, abs(float(rotation_vector(pose.pose[:3, :3])[2]) - _angle(t + horizon_s)))
+    return worst
+
+
+def _cost(horizon_s: float) -> float:
+    track = Track()
+    for k in range(100):
+        track.add(_sample(k / _RATE))
+    at_ns = round((99 / _RATE + horizon_s) * 1e9)
+    return shortest_us(lambda: [track.pose(at_ns) for _ in range(_CALLS)], _CALLS)
+
+
+registry.describe(
+    Group(
+        name=GROUP,
+        what="a head that turns +-30 degrees at 1 Hz, reported at 120 Hz; error: the largest angle off when it is seen",
+        unit="rad",
+        work="",
+        reference=reference_us,
+    )
+)
+for _ms in (20, 30, 50, 100):
+    registry.register(
+        Method(
+            group=GROUP,
+            name=f"constant velocity, {_ms} ms ahead",
+            source="straight and turning evenly from the last two reports, no farther than 50 ms",
+            cost=lambda ms=_ms: _cost(ms * 1e-3),  # type: ignore[misc]
+            error=lambda ms=_ms: prediction_error(ms * 1e-3),  # type: ignore[misc]
+            unit="rad",
+            valid_range="to 50 ms; farther the head stays where that ends",
+            settings={} if _ms == 50 else None,
+            default=_ms == 50,
+        )
+    )
+    registry.register(
+        Method(
+            group=GROUP,
+            name=f"held, {_ms} ms ahead",
+            source="the newest report as it is",
+            cost=lambda: _cost(0.0),
+            error=lambda ms=_ms: prediction_error(ms * 1e-3, hold=True),  # type: ignore[misc]
+            unit="rad",
+            valid_range="a head at rest",
+            settings=None,
+        )
+    )

@@ -1,0 +1,90 @@
+"""Ways to bend a picture for a lens: asked per pixel, or by a mesh; a panel of 1080 pixels, the default lens.
+
+Importing this module registers them. Error: the largest distance on the panel from where it should be; cost: of working
+out where an eye's picture is looked up, on the processor.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.probe import reference_us, shortest_us
+from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec
+from mimics_app.rendering.visual.displays.lens import distort
+
+__all__ = ["GROUP", "mesh_error"]
+
+F8 = NDArray[np.float64]
+
+GROUP = "lens distortion"
+_PIXELS = 1080
+_COUNT = 541
+"""Places across at which a mesh is compared."""
+
+
+def _grid(count: int) -> F8:
+    left, right, bottom, top = HeadsetSpec().left.tangents
+    x, y = np.meshgrid(np.linspace(left, right, count), np.linspace(bottom, top, count))
+    return np.stack([x, y], axis=-1)
+
+
+def mesh_error(cells: int) -> float:
+    """Largest error of a mesh of cells by cells, linear between its corners [px of 1080]."""
+    eye = HeadsetSpec().left
+    k = eye.lens.green
+    corners, exact = distort(_grid(cells + 1), k), distort(_grid(_COUNT), k)
+    at = np.linspace(0.0, cells, _COUNT)
+    i = np.minimum(at.astype(int), cells - 1)
+    f = at - i
+    rows = corners[i] * (1.0 - f)[:, None, None] + corners[i + 1] * f[:, None, None]
+    both = rows[:, i] * (1.0 - f)[None, :, None] + rows[:, i + 1] * f[None, :, None]
+    off = np.linalg.norm(both - exact, axis=-1)
+    # From directions back to the panel by the lens's slope there, and to pixels.
+    r2 = np.sum(_grid(_COUNT) ** 2, axis=-1)
+    slope = 1.0 + k[0] * r2 + k[1] * r2 * r2
+    return float((off / slope).max() * _PIXELS / (eye.tangents[1] - eye.tangents[0]))
+
+
+def _cost(count: int) -> float:
+    at = _grid(count)
+    lens = HeadsetSpec().left.lens
+    return shortest_us(lambda: [distort(at, k) for k in (lens.red, lens.green, lens.blue)])
+
+
+registry.describe(
+    Group(
+        name=GROUP,
+        what="where a panel of 1080 pixels looks up an eye's picture, for three colours; error: on the panel",
+        unit="px",
+        work="",
+        reference=reference_us,
+    )
+)
+registry.register(
+    Method(
+        group=GROUP,
+        name="per pixel",
+        source="the polynomial of Brown (1971) in the fragment shader",
+        cost=lambda: _cost(_PIXELS),
+        error=lambda: 0.0,
+        unit="px",
+        valid_range="any lens whose radius grows throughout",
+        settings={},
+        default=True,
+    )
+)
+for _cells in (16, 32, 64, 128):
+    registry.register(
+        Method(
+            group=GROUP,
+            name=f"mesh of {_cells} x {_cells}",
+            source="corners looked up exactly, linear between them",
+            cost=lambda cells=_cells: _cost(cells + 1),  # type: ignore[misc]
+            error=lambda cells=_cells: mesh_error(cells),  # type: ignore[misc]
+            unit="px",
+            valid_range="where its error does",
+            settings=None,
+        )
+    )

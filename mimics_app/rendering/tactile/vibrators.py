@@ -1,0 +1,103 @@
+"""Vibrators of a session: on a serial line, or none, where only the times are kept."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Protocol
+
+import serial
+
+from mimics_app.contracts.clock import Clock, MonotonicClock
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.messages import TactileEvent
+from mimics_app.rendering.tactile.wire import FRAME_BYTES, Command, command_bytes, read_answers
+
+__all__ = ["NoVibrators", "SerialVibrators", "Vibrators"]
+
+_BITS = 10
+_NS = 1_000_000_000
+_PATIENCE_S = 0.05
+
+
+class Vibrators(Protocol):
+    """Whatever drives vibrators."""
+
+    def step(self, touches: Sequence[TactileEvent], now_ns: int) -> list[Mapping[str, object]]:
+        """Order taps; a line for the journal for each: when it will be felt, and how far that is from its time."""
+        ...
+
+    def close(self) -> None:
+        """End."""
+        ...
+
+
+class NoVibrators(Vibrators):
+    """Nothing is felt; taps are kept with their times, as they would have been ordered."""
+
+    def step(self, touches: Sequence[TactileEvent], now_ns: int) -> list[Mapping[str, object]]:
+        return [_line(each, max(each.t_ns, now_ns), now_ns, channel=None) for each in touches]
+
+    def close(self) -> None:
+        """Nothing is open."""
+
+
+class SerialVibrators(Vibrators):
+    """A box on a serial line; it is told ahead and keeps the time itself.
+
+    Args:
+        port: Of the line.
+        channels: Vibrator by place of the body.
+        baud: [bit/s].
+        clock: Of the session.
+
+    Raises:
+        DeviceError: the line cannot be opened.
+
+    Attributes:
+        answered: Numbers of the taps the box has taken.
+    """
+
+    def __init__(self, port: str, channels: Mapping[str, int], baud: int = 115200, clock: Clock | None = None) -> None:
+        self._channels, self._clock = dict(channels), clock or MonotonicClock()
+        self._wire_ns = FRAME_BYTES * _BITS * _NS // baud
+        self._waiting = bytearray()
+        self.answered: list[int] = []
+        try:
+            self._line = serial.Serial(port, baud, timeout=0, write_timeout=_PATIENCE_S)
+        except (OSError, ValueError) as error:
+            what = f"the vibrators on {port} cannot be opened: {error}"
+            raise DeviceError(what, "mimics devices lists the serial ports") from None
+
+    def step(self, touches: Sequence[TactileEvent], now_ns: int) -> list[Mapping[str, object]]:
+        lines = [self._order(each) for each in touches]
+        try:
+            self._waiting += self._line.read(4096)
+        except OSError as error:
+            lines.append({"problem": f"the vibrators' line is gone: {error}"})
+        self.answered += read_answers(self._waiting)
+        return lines
+
+    def close(self) -> None:
+        self._line.close()
+
+    def _order(self, touch: TactileEvent) -> Mapping[str, object]:
+        channel = self._channels.get(touch.place)
+        now_ns = self._clock.now_ns()
+        if channel is None:
+            return {**_line(touch, now_ns, now_ns, None), "problem": f'no vibrator at "{touch.place}"'}
+        # The frames of a call follow each other on the line, which is empty between calls.
+        wait_ns = max(0, touch.t_ns - now_ns - self._wire_ns)
+        command = Command(
+            channel, round(255 * touch.strength), round(1000 * touch.seconds), wait_ns // 1000, touch.number
+        )
+        try:
+            self._line.write(command_bytes(command))
+        except (OSError, serial.SerialTimeoutException) as error:
+            return {**_line(touch, now_ns, now_ns, channel), "problem": f"not sent: {error}"}
+        return _line(touch, now_ns + self._wire_ns + wait_ns, now_ns, channel)
+
+
+def _line(touch: TactileEvent, felt_ns: int, now_ns: int, channel: int | None) -> Mapping[str, object]:
+    error_ms = (felt_ns - touch.t_ns) * 1e-6
+    times = {"scheduled_ns": touch.t_ns, "commanded_ns": now_ns, "felt_ns": felt_ns, "error_ms": error_ms}
+    return {"number": touch.number, "at": touch.place, "channel": channel, **times}

@@ -1,0 +1,59 @@
+"""Every kind of display, made from what was asked for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from mimics_app.contracts.display_choice import DisplayChoice
+from mimics_app.contracts.display_port import Display
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.rendering.visual.displays.desktop import DesktopDisplay
+from mimics_app.rendering.visual.displays.headset import RawHeadset
+from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec, load_headset
+from mimics_app.rendering.visual.displays.headset_session import HeadsetDisplay
+from mimics_app.rendering.visual.displays.simulated_headset import SimulatedRuntime
+from mimics_app.rendering.visual.displays.stereo import STEREO_KINDS, StereoDisplay
+from mimics_app.rendering.visual.displays.wall_file import load_walls
+from mimics_app.rendering.visual.displays.walls import WallDisplay
+from mimics_app.rendering.visual.surfaces.surface import Surface
+from mimics_app.world.components.systems import DisplaySettings
+
+__all__ = ["make_display"]
+
+
+def make_display(choice: DisplayChoice, settings: DisplaySettings, surface: Surface) -> tuple[Display, str]:
+    """The display, and what is to be told where it is not the one asked for.
+
+    Args:
+        choice: Kind and file.
+        settings: Of the scene: eyes and screen.
+        surface: Whose context a headset's runtime is given.
+
+    Raises:
+        SceneError: its file is wrong.
+        DeviceError: it cannot be had, and a plain window would not do in its place.
+    """
+    kind, file = choice.kind, Path(choice.file)
+    if kind in STEREO_KINDS:
+        return StereoDisplay(kind, settings.ipd, settings.screen_distance, swap=settings.swap_eyes), ""
+    if kind in ("wall", "cave"):
+        return WallDisplay(kind, load_walls(file)), ""
+    if kind in ("hmd", "sim-hmd"):
+        spec = load_headset(file) if choice.file else HeadsetSpec()
+        return (RawHeadset(spec) if kind == "hmd" else HeadsetDisplay(kind, SimulatedRuntime(spec))), ""
+    if kind == "openxr":
+        return _openxr(surface)
+    return DesktopDisplay(), ""
+
+
+def _openxr(surface: Surface) -> tuple[Display, str]:
+    """The headset, or a plain display and one line that says why."""
+    from mimics_app.rendering.visual.displays.openxr_runtime import OpenXrRuntime, no_runtime
+
+    why = no_runtime()
+    if not why:
+        try:
+            return HeadsetDisplay("openxr", OpenXrRuntime(surface.backend)), ""
+        except DeviceError as error:
+            why = str(error)
+    return DesktopDisplay(), f"{why}: the picture is shown on the desktop"

@@ -1,0 +1,46 @@
+"""Lenses of a headset: where a pixel of the panel is seen, per colour, and the other way round."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["NEWTON_STEPS", "distort", "undistort"]
+
+F8 = NDArray[np.float64]
+
+NEWTON_STEPS = 8
+"""Of the inverse: five reach 2e-10 where the edge is moved by a third, six the last digit of a double."""
+
+
+def distort(at: F8, k: tuple[float, float]) -> F8:
+    """Where a lens shows a place of the panel: r (1 + k1 r^2 + k2 r^4) from the lens's middle (Brown 1971).
+
+    Args:
+        at: Places on the panel in tangents from the lens's middle, float64 [..., 2].
+        k: Both coefficients of one colour.
+
+    Returns:
+        Tangents of the directions in which they are seen, float64 [..., 2].
+    """
+    r2 = np.sum(np.square(at), axis=-1, keepdims=True)
+    return np.asarray(at * (1.0 + k[0] * r2 + k[1] * r2 * r2))
+
+
+def undistort(seen: F8, k: tuple[float, float]) -> F8:
+    """Inverse of `distort` by Newton's method on the radius, for lenses whose radius grows throughout.
+
+    Args:
+        seen: Tangents of directions, float64 [..., 2].
+        k: As there.
+    """
+    wanted = np.linalg.norm(seen, axis=-1, keepdims=True)
+    # Each term alone bounds the radius from above, from where Newton's steps go down to it and never past it.
+    r = wanted.copy()
+    for coefficient, power in ((k[0], 3), (k[1], 5)):
+        if coefficient > 0.0:
+            r = np.minimum(r, (wanted / coefficient) ** (1.0 / power))
+    for _ in range(NEWTON_STEPS):
+        r2 = r * r
+        r = r - (r * (1.0 + k[0] * r2 + k[1] * r2 * r2) - wanted) / (1.0 + 3.0 * k[0] * r2 + 5.0 * k[1] * r2 * r2)
+    return np.asarray(seen * np.where(wanted > 0.0, r / np.where(wanted > 0.0, wanted, 1.0), 1.0))

@@ -1,0 +1,119 @@
+"""OpenGL contexts in the form OpenXR takes them, by EGL or GLX: true configurations and visual ids, no helper library.
+
+The context must be current on this thread. `xr.utils` of pyopenxr is not used: it leaves visual and configuration 0.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from ctypes import POINTER, byref, c_int, c_uint, c_void_p, cast
+from typing import TYPE_CHECKING, Any
+
+from mimics_app.contracts.errors import DeviceError
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+__all__ = ["EGL_EXTENSION", "copy_image", "graphics_binding"]
+
+EGL_EXTENSION = "XR_MNDX_egl_enable"
+
+_EGL_CONFIG_ID, _EGL_NONE = 0x3028, 0x3038
+_GLX_FBCONFIG_ID, _GLX_VISUAL_ID = 0x8013, 0x800B
+_TEXTURE_2D = 0x0DE1
+_FIX = "use a desktop display, or --display sim-hmd"
+
+
+def graphics_binding(xr: ModuleType, backend: str) -> Any:
+    """What a session is created with.
+
+    Args:
+        xr: The pyopenxr module.
+        backend: Of the surface: "egl" or "window".
+
+    Raises:
+        DeviceError: another backend, or a context that cannot be asked.
+    """
+    if backend == "egl":
+        return _egl_binding(xr)
+    if backend == "window":
+        return _glx_binding(xr)
+    raise DeviceError(f"OpenXR takes no context of {backend}", _FIX)
+
+
+def _library(name: str) -> ctypes.CDLL:
+    try:
+        return ctypes.CDLL(name)
+    except OSError as error:
+        raise DeviceError(f"the library {name} is not there: {error}", _FIX) from None
+
+
+def _egl_binding(xr: ModuleType) -> Any:
+    from xr.platform import linux  # type: ignore[import-not-found,unused-ignore]
+
+    egl = _library("libEGL.so.1")
+    for name in ("eglGetCurrentDisplay", "eglGetCurrentContext"):
+        getattr(egl, name).restype = c_void_p
+    egl.eglQueryContext.argtypes = [c_void_p, c_void_p, c_int, POINTER(c_int)]
+    egl.eglChooseConfig.argtypes = [c_void_p, POINTER(c_int), POINTER(c_void_p), c_int, POINTER(c_int)]
+    display, context = egl.eglGetCurrentDisplay(), egl.eglGetCurrentContext()
+    number, count, config = c_int(), c_int(), c_void_p()
+    if not context or not egl.eglQueryContext(display, context, _EGL_CONFIG_ID, byref(number)):
+        raise DeviceError("no EGL context is current", _FIX)
+    wanted = (c_int * 3)(_EGL_CONFIG_ID, number.value, _EGL_NONE)
+    if not egl.eglChooseConfig(display, wanted, byref(config), 1, byref(count)) or count.value < 1:
+        raise DeviceError("the EGL context's configuration cannot be found", _FIX)
+    # Plain integers are refused: the structure wants its own pointer types.
+    return xr.GraphicsBindingEGLMNDX(
+        get_proc_address=cast(egl.eglGetProcAddress, xr.PFN_xrEglGetProcAddressMNDX),
+        display=cast(c_void_p(display), linux.EGLDisplay),
+        config=cast(config, linux.EGLConfig),
+        context=cast(c_void_p(context), linux.EGLContext),
+    )
+
+
+def _glx_binding(xr: ModuleType) -> Any:
+    gl = _library("libGL.so.1")
+    for name in ("glXGetCurrentDisplay", "glXGetCurrentContext", "glXGetCurrentDrawable"):
+        getattr(gl, name).restype = c_void_p
+    gl.glXQueryContext.argtypes = [c_void_p, c_void_p, c_int, POINTER(c_int)]
+    gl.glXChooseFBConfig.restype = POINTER(c_void_p)
+    gl.glXChooseFBConfig.argtypes = [c_void_p, c_int, POINTER(c_int), POINTER(c_int)]
+    gl.glXGetFBConfigAttrib.argtypes = [c_void_p, c_void_p, c_int, POINTER(c_int)]
+    display, context = gl.glXGetCurrentDisplay(), gl.glXGetCurrentContext()
+    if not context:
+        raise DeviceError("no GLX context is current", "run under X11: DISPLAY, not Wayland alone")
+    number, count, visual = c_int(), c_int(), c_int()
+    gl.glXQueryContext(display, context, _GLX_FBCONFIG_ID, byref(number))
+    wanted = (c_int * 3)(_GLX_FBCONFIG_ID, number.value, 0)
+    configs = gl.glXChooseFBConfig(display, 0, wanted, byref(count))
+    if not configs or count.value < 1:
+        raise DeviceError("the GLX context's configuration cannot be found", _FIX)
+    gl.glXGetFBConfigAttrib(display, configs[0], _GLX_VISUAL_ID, byref(visual))
+    kinds = dict(xr.GraphicsBindingOpenGLXlibKHR._fields_)
+    return xr.GraphicsBindingOpenGLXlibKHR(
+        x_display=cast(c_void_p(display), kinds["x_display"]),
+        visualid=visual.value,
+        glx_fbconfig=cast(c_void_p(configs[0]), kinds["glx_fbconfig"]),
+        glx_drawable=gl.glXGetCurrentDrawable() or 0,
+        glx_context=cast(c_void_p(context), kinds["glx_context"]),
+    )
+
+
+def copy_image(backend: str, source: int, x: int, target: int, layer: int, size: tuple[int, int]) -> None:
+    """Copy part of a texture bit for bit: display values go into an sRGB image as they are, nothing is encoded twice.
+
+    Args:
+        backend: Of the context that is current.
+        source: Texture of RGBA, 8 bits each.
+        x: Left edge of the part [px].
+        target: Texture of a swapchain; its format is RGBA or sRGB with alpha, 8 bits each.
+        layer: Of an array; 0 for a plain texture.
+        size: Of the part [px].
+    """
+    loader = _library("libEGL.so.1").eglGetProcAddress if backend == "egl" else _library("libGL.so.1").glXGetProcAddress
+    loader.restype, loader.argtypes = c_void_p, [ctypes.c_char_p]
+    address = loader(b"glCopyImageSubData")
+    arguments = [c_uint, c_uint, *[c_int] * 4, c_uint, c_uint, *[c_int] * 4, *[c_int] * 3]
+    call = ctypes.CFUNCTYPE(None, *arguments)(address)
+    call(source, _TEXTURE_2D, 0, x, 0, 0, target, _TEXTURE_2D, 0, 0, 0, layer, *size, 1)

@@ -1,0 +1,85 @@
+"""Files of walls: where each picture of a power wall or CAVE is in the room, by its corners."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from msgspec import Meta
+
+from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.rendering.visual.displays.display_file import read_display_file
+from mimics_app.rendering.visual.displays.off_axis import Rectangle
+from mimics_app.world.components.bounds import Point
+from mimics_app.world.components.registry import Component
+
+__all__ = ["WallSpec", "WallsSpec", "load_walls", "rectangle_of"]
+
+_Pixels = Annotated[int, Meta(ge=1, le=16384)]
+_Name = Annotated[str, Meta(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,31}$", description="Letters, digits, - and _")]
+
+_SQUARE = 1e-3
+"""Most cosine of the angle between a wall's edges."""
+_LEAST = 0.01
+"""Shortest edge [m]."""
+
+
+class WallSpec(Component, frozen=True):
+    """One flat picture, as a person in the room sees it."""
+
+    name: Annotated[_Name, Meta(description="For files and windows")]
+    lower_left: Annotated[Point, Meta(description="Corner in the room [m], +y up")]
+    lower_right: Annotated[Point, Meta(description="Likewise [m]")]
+    upper_left: Annotated[Point, Meta(description="Likewise [m]; a right angle at the lower left")]
+    pixels: Annotated[
+        tuple[_Pixels, _Pixels] | None, Meta(description="Width, height; absent: the height asked for")
+    ] = None
+    window: Annotated[
+        tuple[int, int] | None, Meta(description="Where its window is on the desktop [px]; absent: on a monitor each")
+    ] = None
+
+
+class WallsSpec(Component, frozen=True):
+    """A power wall or a CAVE."""
+
+    format: Annotated[Literal["mimics.walls/1"], Meta(description="Of this file")]
+    walls: Annotated[list[WallSpec], Meta(min_length=1, max_length=24, description="In any order")]
+    head: Annotated[Point, Meta(description="Of a person at rest, between the eyes [m]")] = (0.0, 1.7, 0.0)
+    stereo: Annotated[bool, Meta(description="True: a picture for each eye")] = False
+    ipd: Annotated[float, Meta(ge=0.0, le=0.1, description="Between the eyes [m]")] = 0.063
+    test_pattern: Annotated[
+        bool, Meta(description="True: lines along the edges and a cross at each corner over the picture")
+    ] = False
+
+
+def rectangle_of(wall: WallSpec) -> Rectangle:
+    """The wall in the room [m]."""
+    corners = (np.array(corner, np.float64) for corner in (wall.lower_left, wall.lower_right, wall.upper_left))
+    return Rectangle(*corners)
+
+
+def load_walls(path: Path) -> WallsSpec:
+    """Read a file of walls.
+
+    Raises:
+        SceneError: every fault of it: shape, names that stand twice, edges that are too short or not square.
+    """
+    walls = read_display_file(path, WallsSpec)
+    issues = [issue for number in range(len(walls.walls)) for issue in _check(walls, number, str(path))]
+    if issues:
+        raise SceneError(issues)
+    return walls
+
+
+def _check(walls: WallsSpec, number: int, file: str) -> list[Issue]:
+    wall, pointer = walls.walls[number], f"/walls/{number}"
+    if wall.name in [other.name for other in walls.walls[:number]]:
+        return [Issue(file, f"{pointer}/name", f'another wall is called "{wall.name}"', "give each its own name")]
+    place = rectangle_of(wall)
+    if min(place.width, place.height) < _LEAST:
+        return [Issue(file, pointer, f"an edge is shorter than {_LEAST} m", "give three different corners")]
+    right, up = (place.lower_right - place.lower_left) / place.width, (place.upper_left - place.lower_left)
+    if abs(float(right @ up)) / place.height > _SQUARE:
+        return [Issue(file, pointer, "its edges meet at no right angle", "correct upper_left")]
+    return []

@@ -1,0 +1,83 @@
+"""Power wall and CAVE: any number of flat pictures in a room, seen from where the head is."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.display_port import Composing, Eye, Rect, Size, Viewpoint
+from mimics_app.rendering.visual.displays.off_axis import look_through
+from mimics_app.rendering.visual.displays.plain_display import PlainDisplay, eye_offset
+from mimics_app.rendering.visual.displays.wall_file import WallsSpec, rectangle_of
+
+__all__ = ["WallDisplay"]
+
+F8 = NDArray[np.float64]
+_SIDES: dict[bool, tuple[tuple[str, float], ...]] = {False: (("", 0.0),), True: (("_left", -0.5), ("_right", 0.5))}
+
+
+class WallDisplay(PlainDisplay):
+    """Pictures on walls. The separation of the eyes turns with the head, not with a wall.
+
+    The pictures stand beside each other in the one that is drawn, those of the right eye above.
+
+    Args:
+        kind: "wall" or "cave": the same thing.
+        spec: Where the walls are.
+    """
+
+    def __init__(self, kind: str, spec: WallsSpec) -> None:
+        super().__init__()
+        self.kind, self.spec = kind, spec
+        self._walls = [(wall, rectangle_of(wall)) for wall in spec.walls]
+        self.composing = Composing("display/test_pattern.frag", {}, each_eye=True) if spec.test_pattern else None
+
+    def pixels(self, shown: Size) -> list[Size]:
+        """Size of each wall's picture [px] where pictures as high as `shown` are wanted."""
+        return [
+            wall.pixels or (max(1, round(shown[1] * place.width / place.height)), shown[1])
+            for wall, place in self._walls
+        ]
+
+    def drawn_size(self, shown: Size) -> Size:
+        sizes = self.pixels(shown)
+        return sum(size[0] for size in sizes), len(_SIDES[self.spec.stereo]) * max(size[1] for size in sizes)
+
+    def eyes(self, viewpoint: Viewpoint, drawn: Size, display_ns: int) -> list[Eye]:
+        rest = np.eye(4)
+        rest[:3, 3] = self.spec.head
+        head = self.head(display_ns)
+        room_from_head = rest if head is None else head
+        world_from_room = viewpoint.world_from_rest @ np.linalg.inv(rest)
+        eyes: list[Eye] = []
+        for row, (side, share) in enumerate(_SIDES[self.spec.stereo]):
+            eye = (room_from_head @ eye_offset(share * self.spec.ipd))[:3, 3]
+            for number, rectangle in enumerate(self._rectangles(drawn, row)):
+                eyes.append(self._look(number, side, eye, rectangle, world_from_room))
+        return eyes
+
+    def _look(self, number: int, side: str, eye: F8, rectangle: Rect, world_from_room: F8) -> Eye:
+        wall, place = self._walls[number]
+        sight = look_through(place, eye)
+        if sight.fault:
+            self.note(f'wall "{wall.name}": {sight.fault}')
+        # Figures are laid over the first wall alone: nobody looks for them on the floor.
+        screen = 0 if number == 0 else -1
+        return Eye(f"wall_{wall.name}{side}", world_from_room @ sight.pose, sight.tangents, rectangle, screen)
+
+    def _rectangles(self, drawn: Size, row: int) -> list[Rect]:
+        """Where the pictures of a row are in the one drawn [px]."""
+        height = drawn[1] // len(_SIDES[self.spec.stereo])
+        sizes = self._sizes_in(drawn, height)
+        lefts = np.cumsum([0, *(width for width, _ in sizes[:-1])]).tolist()
+        return [(left, row * height, *size) for left, size in zip(lefts, sizes, strict=True)]
+
+    def _sizes_in(self, drawn: Size, height: int) -> list[Size]:
+        """Sizes of the walls' pictures in one of a size [px], which was `drawn_size` of some height."""
+        sizes = self.pixels((0, height))
+        total, highest = sum(width for width, _ in sizes), max(each for _, each in sizes)
+        if (total, highest) == (drawn[0], height):
+            return sizes
+        # A window of another shape shows all of them smaller.
+        across, down = drawn[0] / total, height / highest
+        return [(max(1, int(width * across)), max(1, int(each * down))) for width, each in sizes]

@@ -1,0 +1,152 @@
+"""Draws cords: one static index buffer, a block of numbers per cord, everything else in the vertex shader."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.rendering.visual.lighting import Lighting
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
+from mimics_app.rendering.visual.view import View
+from mimics_app.world.cords import MOST_TAPS, Cord
+
+if TYPE_CHECKING:
+    import moderngl
+
+__all__ = ["CORD_BLOCK", "CordPass", "fill_cord_block"]
+
+F8 = NDArray[np.float64]
+
+CORD_BLOCK = np.dtype(
+    [
+        ("start", "f4", (4,)),
+        ("along", "f4", (4,)),
+        ("up", "f4", (4,)),
+        ("form", "f4", (4,)),
+        ("waves", "f4", (4,)),
+        ("paint", "f4", (4,)),
+        ("ball", "f4", (4,)),
+        ("ball_light", "f4", (4,)),
+        ("tap", "f4", (MOST_TAPS, 4)),
+    ]
+)
+"""std140, the layout of shaders/cord/cord.vert."""
+
+_BINDING = 7
+RINGS, SIDES = 128, 24
+"""Along and around: 3,200 vertices. The drawn polyline is 2e-5 shorter than the cord at most (chart "cord")."""
+_SOFTNESS = 0.25
+"""Radius of the shadow's edge over the gap below the ball: a window's light."""
+
+
+class CordPass:
+    """All cords of a view.
+
+    Args:
+        ctx: Where it draws.
+        shaders: Has the shaders.
+    """
+
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
+        self._ctx, self._shaders = ctx, shaders
+        self._data = np.zeros((), CORD_BLOCK)
+        self._block: moderngl.Buffer | None = None
+        self._indices: moderngl.Buffer | None = None
+        self._array: moderngl.VertexArray | None = None
+        self._made_for: tuple[ShaderProgram, int] | None = None
+
+    def draw(
+        self,
+        cords: Mapping[str, Cord],
+        view: View,
+        lighting: Lighting,
+        lights: frozenset[str],
+        time_s: float,
+    ) -> int:
+        """Draw into the framebuffer in use, depth tested and written; the view's block is bound.
+
+        Args:
+            cords: Of the world.
+            view: From where.
+            lighting: What shines.
+            lights: Features of shaders that the frame's light needs.
+            time_s: Of the world, by which ripples run [s].
+
+        Returns:
+            Draw calls made.
+        """
+        import moderngl
+
+        shown = [cord for cord in cords.values() if cord.visible]
+        if not shown:
+            return 0
+        array = self._vertex_array(lights)
+        self._ctx.enable_only(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+        self._ctx.front_face = "ccw"
+        self._ctx.cull_face = "back"
+        assert self._block is not None
+        self._block.bind_to_uniform_block(_BINDING)
+        for cord in shown:
+            fill_cord_block(self._data, cord, view.eye_world, lighting.sun_direction, time_s)
+            self._block.orphan()
+            self._block.write(self._data.tobytes())
+            array.render(moderngl.TRIANGLES)
+        return len(shown)
+
+    def release(self) -> None:
+        """Free everything."""
+        for part in (self._array, self._indices, self._block):
+            if part is not None:
+                part.release()
+        self._array = self._indices = self._block = None
+
+    def _vertex_array(self, lights: frozenset[str]) -> moderngl.VertexArray:
+        shader = self._shaders.program("cord/cord.vert", "cord/cord.frag", tuple(sorted(lights)))
+        if self._block is None or self._indices is None:
+            self._block = self._ctx.buffer(reserve=CORD_BLOCK.itemsize)
+            self._indices = self._ctx.buffer(grid_indices(RINGS, SIDES).tobytes())
+        if self._array is None or self._made_for != (shader, shader.revision):
+            if self._array is not None:
+                self._array.release()
+            self._array = self._ctx.vertex_array(shader.program, [], self._indices, index_element_size=4)
+            self._made_for = (shader, shader.revision)
+        return self._array
+
+
+def fill_cord_block(data: NDArray[np.void], cord: Cord, eye: F8, sun: F8, time_s: float) -> None:
+    """Write one cord's numbers, places relative to the eye subtracted in float64.
+
+    Args:
+        data: A CORD_BLOCK.
+        cord: Which.
+        eye: Where the eye is, world [m], float64 [3].
+        sun: Unit, towards the light that throws the ball's shadow, float64 [3].
+        time_s: Of the world [s].
+    """
+    curve, waves, radius = cord.curve, cord.waves, cord.shown_radius
+    ripples = cord.ripples(time_s)
+    data["start"] = (*(curve.start - eye), curve.length)
+    data["along"] = (*curve.along, curve.a)
+    data["up"] = (*curve.up, curve.q)
+    data["form"] = (radius, RINGS, SIDES, len(ripples))
+    data["waves"] = (waves.speed, 2.0 * math.pi / waves.wavelength, waves.width**-2, waves.along)
+    data["paint"] = (*cord.colour, cord.roughness)
+    data["ball"] = (*(cord.ball[:3] - eye), cord.ball[3])
+    data["ball_light"] = (*sun, _SOFTNESS)
+    for number, ripple in enumerate(ripples):
+        height = ripple.height * math.exp(-waves.over_time * ripple.age)
+        data["tap"][number] = (ripple.s, ripple.theta, ripple.age, height)
+
+
+def grid_indices(rings: int, sides: int) -> NDArray[np.uint32]:
+    """Triangles of a grid of `rings` by `sides` + 1 vertices closed around itself, counterclockwise from outside."""
+    i, j = np.meshgrid(np.arange(rings - 1), np.arange(sides), indexing="ij")
+    corner = (i * (sides + 1) + j).ravel()
+    quads = np.stack(
+        [corner, corner + 1, corner + sides + 1, corner + 1, corner + sides + 2, corner + sides + 1], axis=1
+    )
+    return quads.astype(np.uint32)

@@ -1,0 +1,152 @@
+"""Brings what the renderer drew to a display: views out, pictures back in."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.display_port import Composing, Display, DisplayFrame, Eye, FrameTiming, HeadSource, Viewpoint
+from mimics_app.rendering.visual.presenting.compose import ComposePass
+from mimics_app.rendering.visual.surfaces.eye_buffer import EyeBuffer
+from mimics_app.rendering.visual.surfaces.headless import read_pixels, save_png
+from mimics_app.rendering.visual.surfaces.surface import Size, Surface
+from mimics_app.rendering.visual.view import View
+from mimics_app.world.camera import Camera
+
+__all__ = ["Presenter"]
+
+_REST_HEIGHT = 1.7
+"""Height of the eyes of a person at rest, where trackers tell places in a room and the display has none [m]."""
+
+_WALLS = ("wall", "cave")
+"""Kinds whose pictures nobody sees together: where there is no window the surface takes their size."""
+
+_SHOW = Composing("post/enlarge.frag", {}, each_eye=True)
+"""For a display whose picture has another size than the surface: a mirror of it."""
+
+
+class Presenter:
+    """One display on one surface.
+
+    Args:
+        display: What shows it; closed with the presenter.
+        surface: The window, or the picture that is kept.
+
+    Attributes:
+        drawn: What the renderer draws on: the surface itself where the display has nothing to compose.
+        timing: Of the frame that is under way.
+    """
+
+    def __init__(self, display: Display, surface: Surface) -> None:
+        self.display, self.surface = display, surface
+        self._asked = None if surface.backend == "window" else surface.size
+        if self._asked is not None and display.kind in _WALLS:
+            surface.resize(display.drawn_size(self._asked))
+        self._apart = display.composing is not None or self._wanted() != surface.size
+        self.drawn: Surface = EyeBuffer(surface, self._wanted()) if self._apart else surface
+        self.timing = FrameTiming(0)
+        self._begun = False
+        self._eyes: list[Eye] = []
+        self._compose: ComposePass | None = None
+
+    def follow(self, head: HeadSource) -> None:
+        """Have a display that does not track the head itself ask for it here: room_from_head, of the room's floor."""
+        if self.display.kind in _WALLS:
+            self.display.head = head
+        elif self.display.kind == "hmd":
+            self.display.head = partial(_from_rest, head)
+
+    @property
+    def follows_head(self) -> bool:
+        """Whether the views depend on where a head is."""
+        return self.display.kind in (*_WALLS, "hmd", "sim-hmd", "openxr")
+
+    def begin(self, now_ns: int) -> FrameTiming:
+        """Begin a frame; see `Display.begin_frame`. One that was begun and never shown ends empty."""
+        if self._begun:
+            self.skip()
+        self._begun = True
+        self.timing = self.display.begin_frame(now_ns)
+        return self.timing
+
+    def views(self, camera: Camera) -> list[View]:
+        """What each eye sees when the frame is shown."""
+        if self.drawn is not self.surface:
+            self.drawn.resize(self._wanted())
+        viewpoint = Viewpoint(camera.world_from_eye, camera.vertical_fov)
+        self._eyes = self.display.eyes(viewpoint, self.drawn.size, self.timing.display_ns)
+        return [
+            View(eye.world_from_eye, eye.tangents, eye.rectangle, camera.near, camera.far, eye.screen)
+            for eye in self._eyes
+        ]
+
+    def present(self) -> None:
+        """Compose what was drawn and hand it over; the surface's `swap` brings it to the glass."""
+        if isinstance(self.drawn, EyeBuffer):
+            if self._compose is None:
+                self._compose = ComposePass(self.surface.ctx, self.display.composing or _SHOW)
+            self._compose.draw(self.drawn, self.surface, [eye.rectangle for eye in self._eyes])
+            texture = self.drawn.texture.glo
+            self.surface.both_eyes = self.drawn.framebuffer if self.display.kind == "quad" else None
+        else:
+            texture = 0
+        self._begun = False
+        self.display.end_frame(DisplayFrame(self._eyes, self.drawn.size, texture, self._read))
+
+    def skip(self) -> None:
+        """End a frame that nobody sees."""
+        self._begun = False
+        self.display.end_frame(None)
+
+    def save(self, file: Path) -> list[Path]:
+        """Write what is shown as PNG, and each eye's picture beside it where there are several.
+
+        Returns:
+            The files: FILE.png, then FILE_left.png and so on; of walls one each and none of all together.
+        """
+        eyes = [self._save_eye(eye, file) for eye in self._eyes if eye.name]
+        if self.display.kind in _WALLS:
+            return eyes
+        save_png(self.surface, file)
+        return [file, *eyes]
+
+    def renew(self) -> None:
+        """The surface has a new context: what lived in the old one is gone."""
+        self._compose = None
+        if self.drawn is not self.surface:
+            self.drawn.renew()
+
+    def release(self) -> None:
+        """Free everything but the surface, and close the display."""
+        if self._compose is not None:
+            self._compose.release()
+        self.display.close()
+
+    def _wanted(self) -> Size:
+        return self.display.drawn_size(self._asked or self.surface.size)
+
+    def _read(self) -> NDArray[np.uint8]:
+        return read_pixels(self.drawn)
+
+    def _save_eye(self, eye: Eye, file: Path) -> Path:
+        from PIL import Image
+
+        x, y, width, height = eye.rectangle
+        pixels = read_pixels(self.surface if self.display.kind in _WALLS else self.drawn)
+        top = pixels.shape[0] - y - height
+        place = file.with_name(f"{file.stem}_{eye.name}{file.suffix}")
+        Image.fromarray(pixels[top : top + height, x : x + width, :3]).save(place, compress_level=6)
+        return place
+
+
+def _from_rest(head: HeadSource, now_ns: int) -> NDArray[np.float64] | None:
+    """The head in the frame of a head at rest."""
+    room_from_head = head(now_ns)
+    if room_from_head is None:
+        return None
+    moved = room_from_head.copy()
+    moved[1, 3] -= _REST_HEIGHT
+    return moved

@@ -1,0 +1,220 @@
+"""The subject, an avatar in front of it in the same clothes, and a cord from the one's stomach to the other's back.
+
+What a trial is like comes from the task by name (`tasks.kinds.avatar_cord`); where the subject's head and hands are
+comes from the trackers, else the subject stands still.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.clock import FRAME_NS
+from mimics_app.contracts.errors import SceneError
+from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
+from mimics_app.contracts.scenario_port import BodyPose
+from mimics_app.maths.poses import pose_from_parts
+from mimics_app.scenarios.stand_in_figure import FIGURE_PARTS, StandInFigure
+from mimics_app.scenarios.touch_scene import TouchScene
+from mimics_app.tasks.kinds.avatar_cord import HALF_FRAME_NS
+from mimics_app.world.components.cord import CordComponent
+from mimics_app.world.cords import Cord
+from mimics_app.world.meshes.primitives import sphere
+from mimics_app.world.scene.scene import Scene
+from mimics_app.world.world import World
+
+__all__ = ["AvatarCord", "tap_gap"]
+
+F8 = NDArray[np.float64]
+_NS = 1_000_000_000
+_Tap = tuple[int, str, float, float, int]
+
+_REST = {
+    "head": pose_from_parts((0.0, 1.70, 0.0), (0.0, 0.0, 0.0, 1.0)),
+    "hand_left": pose_from_parts((-0.28, 1.02, -0.12), (0.0, 0.0, 0.0, 1.0)),
+    "hand_right": pose_from_parts((0.28, 1.02, -0.12), (0.0, 0.0, 0.0, 1.0)),
+}
+"""Where head and hands are that no tracker tells: upright, arms hanging a little forward [m]."""
+
+_HOVER, _FALL_S = 0.09, 0.14
+"""The tapping ball waits so far over what it taps [m], and takes so long down and up again [s]."""
+_BALL = 0.022
+"""Its radius [m]."""
+_RIPPLE_SHARE = 0.35
+"""Height of a tap's first crest over the cord's radius."""
+_BEHIND = (1.6, 0.35)
+"""Third person: behind and above the subject's eyes [m]."""
+_THREAT_FROM, _THREAT_BALL, _G = 2.2, 0.16, 9.81
+"""The threat falls from so far over the avatar's head [m]; its radius [m]; gravity [m/s^2]."""
+_SWING_HZ, _SWING_DAMPING, _SWING_PER_M_S = 0.8, 1.1, 0.35
+"""Of the cord: frequency, damping [1/s], and angle a sideways speed of its ends sets off [rad s/m]."""
+
+
+def tap_gap(before_s: float) -> float:
+    """How far the tapping ball is over what it taps, a time before its touch [s]; negative: after it [m].
+
+    It falls with growing speed and comes back as it came; at the touch it is at 0.
+    """
+    share = min(abs(before_s) / _FALL_S, 1.0)
+    return _HOVER * share * share
+
+
+class AvatarCord(TouchScene):
+    """Scenario 1 of D2.1 3.4.1.
+
+    Args:
+        scene: Needs a `robot`, a `cord`, and entities named tap_ball, threat and probe that it moves.
+        world: The world built from it.
+
+    Raises:
+        SceneError: the cord or a moved entity is missing.
+    """
+
+    def __init__(self, scene: Scene, world: World) -> None:
+        super().__init__(scene, world)
+        cords = scene.components(CordComponent)
+        if not cords:
+            raise SceneError(scene.issue("/entities", "the scene has no cord", 'give an entity a "cord"'))
+        self._spec = cords[0][1]
+        self._cord: Cord = world.cords[cords[0][0]]
+        missing = [name for name in ("tap_ball", "threat", "probe") if name not in world]
+        if missing:
+            what = f'the scene has no entity "{missing[0]}"'
+            raise SceneError(scene.issue("/entities", what, "add it: the scenario moves it"))
+        self._tap_ball, self._threat, self._probe = (world.find(name) for name in ("tap_ball", "threat", "probe"))
+        world.set_mesh("#figure ball", sphere(1.0, 32))
+        clothes = ("shirt", "skin", "trousers")
+        self.subject, self.avatar = (StandInFigure(world, name, *clothes) for name in ("subject", "avatar"))
+        self._eye = world.cameras[0].node
+        self._settings: dict[str, Any] = {
+            "cord.shown": True,
+            "cord.length_factor": 1.0,
+            "cord.radius_factor": 1.0,
+            "avatar.distance": 1.2,
+            "avatar.mimicry": "same",
+            "avatar.delay_ms": 0.0,
+            "viewpoint": "first",
+            "own_body": True,
+            "tap": None,
+            "threat_ns": None,
+            "probe_m": None,
+        }
+        self._now_ns = 0
+        self._parts = {"subject": dict(_REST), "avatar": dict(_REST)}
+        self._last_tap = -1
+        self._swing = self._swing_speed = 0.0
+        self._middle: F8 | None = None
+        self._arrange()
+
+    @property
+    def facts(self) -> Mapping[str, Any]:
+        return {**super().facts, "avatar_cord": {"length": self._spec.length, "radius": self._spec.radius}}
+
+    def see_body(self, where: BodyPose, now_ns: int) -> None:
+        """Take the subject's parts as they will be when this frame is seen, and as the avatar is to show them."""
+        self._now_ns = now_ns
+        shown_ns = now_ns + FRAME_NS
+        delay_ns = round(float(self._settings["avatar.delay_ms"]) * 1e6)
+        self._parts["subject"] = _parts(where, shown_ns)
+        mimicry = self._settings["avatar.mimicry"]
+        if mimicry == "none":
+            self._parts["avatar"] = dict(_REST)
+        else:
+            late = _parts(where, shown_ns - delay_ns) if delay_ns else self._parts["subject"]
+            self._parts["avatar"] = _mirrored(late) if mimicry == "mirror" else late
+
+    def apply(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
+        super().apply(orders, snapshot)
+        self._settings.update({name: value for name, value in orders.visual.items() if name in self._settings})
+        self._arrange()
+
+    def _arrange(self) -> None:
+        """Put everything where it is in this frame."""
+        settings, now_s = self._settings, self._now_ns / _NS
+        self._world.effects.time = max(self._world.effects.time, now_s)
+        front = np.eye(4)
+        front[2, 3] = -float(settings["avatar.distance"])
+        first = settings["viewpoint"] == "first"
+        self.subject.pose(np.eye(4), self._parts["subject"])
+        self.subject.show(bool(settings["own_body"]) or not first, head=not first)
+        self.avatar.pose(front, self._parts["avatar"])
+        eyes = _REST["head"][:3, 3]
+        self._eye.set_position(eyes if first else eyes + [0.0, _BEHIND[1], _BEHIND[0]])
+        self._hang_cord(now_s)
+        self._tap(settings["tap"])
+        self._drop_threat(settings["threat_ns"], front)
+        self._show_probe(settings["probe_m"])
+
+    def _hang_cord(self, now_s: float) -> None:
+        cord, settings = self._cord, self._settings
+        cord.ends[0], cord.ends[1] = self.subject.stomach, self.avatar.back
+        # The longer factor makes slack of what the scene's own cord has, whatever the distance.
+        chord = float(np.linalg.norm(cord.ends[1] - cord.ends[0]))
+        slack = max(self._spec.length - 1.0, 0.02)
+        cord.length = chord * (1.0 + slack * (2.0 * float(settings["cord.length_factor"]) - 1.0))
+        cord.length = max(cord.length, chord)
+        cord.radius = self._spec.radius * float(settings["cord.radius_factor"])
+        cord.visible = bool(settings["cord.shown"])
+        cord.swing = self._sway()
+
+    def _sway(self) -> float:
+        """The swing of the cord, set off by how its ends move sideways: a damped pendulum, a step a frame [rad]."""
+        middle = self._cord.ends.mean(axis=0)
+        dt = FRAME_NS / _NS
+        moved = 0.0 if self._middle is None else float(middle[0] - self._middle[0]) / dt
+        self._middle = middle
+        omega = 2.0 * math.pi * _SWING_HZ
+        push = -_SWING_PER_M_S * moved * omega
+        self._swing_speed += dt * (push - omega * omega * self._swing - 2.0 * _SWING_DAMPING * self._swing_speed)
+        self._swing = min(max(self._swing + dt * self._swing_speed, -0.6), 0.6)
+        return self._swing
+
+    def _tap(self, tap: _Tap | None) -> None:
+        cord = self._cord
+        self._tap_ball.visible = tap is not None and (tap[1] != "cord" or cord.visible)
+        cord.ball[3] = 0.0
+        if tap is None:
+            self._last_tap = -1
+            return
+        due_ns, place, share, theta, number = tap
+        gap = tap_gap((due_ns - self._now_ns) / _NS)
+        if place == "cord":
+            at, _ = cord.place(share, theta, gap + _BALL)
+            cord.ball[:3], cord.ball[3] = at, _BALL
+            # The ripple counts from the touch itself, not from the frame that shows it.
+            if self._now_ns + HALF_FRAME_NS >= due_ns and number != self._last_tap:
+                cord.tap(share * cord.curve.length, theta, due_ns / _NS, _RIPPLE_SHARE * cord.shown_radius)
+                self._last_tap = number
+        else:
+            surface, out = (self.avatar.back, 1.0) if place == "back" else (self.avatar.stomach, -1.0)
+            at = surface + [0.0, 0.06, out * (gap + _BALL)]
+        self._tap_ball.set_position(at)
+
+    def _drop_threat(self, due_ns: int | None, front: F8) -> None:
+        fallen_s = -1.0 if due_ns is None else (self._now_ns - due_ns) / _NS
+        self._threat.visible = 0.0 <= fallen_s < 3.0
+        head = front[:3, 3] + self._parts["avatar"]["head"][:3, 3]
+        low = 0.12 + _THREAT_BALL
+        height = max(low, _THREAT_FROM - 0.5 * _G * max(fallen_s, 0.0) ** 2)
+        self._threat.set_position(head + [0.0, height, 0.09])
+
+    def _show_probe(self, at_m: float | None) -> None:
+        self._probe.visible = at_m is not None
+        self._probe.set_position((0.0, 0.012, -float(at_m or 0.0)))
+
+
+def _parts(where: BodyPose, at_ns: int) -> dict[str, F8]:
+    """Head and hands at a time, at rest where nobody knows."""
+    known = {role: where(role, at_ns) for role in FIGURE_PARTS}
+    return {role: _REST[role] if pose is None else pose for role, pose in known.items()}
+
+
+def _mirrored(parts: Mapping[str, F8]) -> dict[str, F8]:
+    """The same with left and right exchanged: what a mirror that one stands before shows of oneself."""
+    flip = np.diag([-1.0, 1.0, 1.0, 1.0])
+    other = {"hand_left": "hand_right", "hand_right": "hand_left"}
+    return {role: flip @ parts[other.get(role, role)] @ flip for role in parts}

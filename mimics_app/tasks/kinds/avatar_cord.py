@@ -1,0 +1,268 @@
+"""The avatar at the other end of a cord: baseline, taps, a threat, where one feels to be, questions; per condition."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from enum import Enum
+from statistics import fmean
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from mimics_app.contracts.board import Card
+from mimics_app.contracts.clock import FRAME_NS
+from mimics_app.contracts.errors import Issue
+from mimics_app.contracts.messages import TactileEvent
+from mimics_app.contracts.scenario_port import TaskContext
+from mimics_app.tasks.cards import count_card
+from mimics_app.tasks.kinds.avatar_cord_report import AvatarCordSection
+from mimics_app.tasks.kinds.avatar_cord_spec import AvatarCordSpec, ExperimentGoal
+from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, ScorePartSpec, TaskKind
+from mimics_app.tasks.kinds.questions import Asking
+from mimics_app.tasks.kinds.tap_schedule import Tap, plan_taps
+from mimics_app.tasks.observation import Observation
+from mimics_app.world.components.cord import CordComponent
+from mimics_app.world.components.registry import Component
+
+if TYPE_CHECKING:
+    from mimics_app.tasks.task import TaskSpec
+    from mimics_app.world.scene.scene import Scene
+
+__all__ = ["HALF_FRAME_NS", "KIND", "AvatarCordKind"]
+
+_NS = 1_000_000_000
+_AHEAD_NS = 2 * FRAME_NS
+"""A tap to be felt is ordered so long before it is due [ns]: whoever drives the vibrator has the time to be exact."""
+HALF_FRAME_NS = 8_500_000
+"""A touch is shown by the frame that is nearest to it: of frames 16 and 17 ms apart, half of the longer [ns]."""
+_LEAST_SCALES = ("ownership", "agency", "touch", "location", "control")
+
+
+class _Phase(Enum):
+    BASELINE = "baseline"
+    TAPS = "taps"
+    QUESTIONS = "questions"
+    OVER = "over"
+
+
+class AvatarCordPlay(KindPlay):
+    """One session of the experiment."""
+
+    def __init__(self, spec: AvatarCordSpec, labels: Sequence[str], seed: int, *, simulated: bool) -> None:
+        self._spec, self._labels, self._seed, self._simulated = spec, labels, seed, simulated
+        self._events: list[tuple[str, Mapping[str, object]]] = []
+        self._touches: list[TactileEvent] = []
+        self.begin_trial(labels[0], 0)
+
+    def begin_trial(self, label: str, number: int) -> None:
+        self._label, self._number = label, number
+        self._condition = self._spec.conditions[label]
+        self.begin_attempt()
+
+    def begin_attempt(self) -> None:
+        chance = random.Random(f"answers {self._seed} {self._number}")
+        self._taps = plan_taps(self._spec.taps, self._condition, self._seed, self._number)
+        self._asking = Asking(self._spec, self._condition, chance, self._simulated, self._condition.distance_m)
+        self._phase = _Phase.BASELINE
+        self._begin_ns: int | None = None
+        self._shown = self._ordered = 0
+        self._threat_ns: int | None = None
+        self._worst_seen_ms = 0.0
+        self._forces: list[float] = []
+
+    @property
+    def visual(self) -> Mapping[str, object]:
+        condition, taps = self._condition, self._next_tap()
+        return {
+            "cord.shown": condition.cord,
+            "cord.length_factor": condition.length_factor,
+            "cord.radius_factor": condition.radius_factor,
+            "avatar.distance": condition.distance_m,
+            "avatar.mimicry": condition.mimicry,
+            "avatar.delay_ms": condition.visuo_motor_ms,
+            "viewpoint": condition.viewpoint,
+            "own_body": condition.own_body,
+            "tap": taps,
+            "threat_ns": self._threat_ns,
+            "probe_m": self._asking.mark_m if self._phase is _Phase.QUESTIONS else None,
+        }
+
+    def take_touches(self) -> tuple[TactileEvent, ...]:
+        ordered, self._touches = tuple(self._touches), []
+        return ordered
+
+    def take_events(self) -> Sequence[tuple[str, Mapping[str, object]]]:
+        events, self._events = self._events, []
+        return events
+
+    @property
+    def prompt(self) -> str:
+        if self._phase is _Phase.QUESTIONS:
+            return self._asking.text
+        return "Look at the figure before you" if self._phase is _Phase.BASELINE else ""
+
+    @property
+    def measures(self) -> Mapping[str, float | None]:
+        by_scale: dict[str, list[float]] = {}
+        for answer in self._asking.answers:
+            by_scale.setdefault("drift" if answer.item == "probe" else answer.scale, []).append(answer.value)
+        means = {name: fmean(values) for name, values in by_scale.items()}
+        return {
+            "taps": float(self._shown),
+            "tap_error_ms": self._worst_seen_ms if self._shown else None,
+            "drift_m": means.get("drift"),
+            **{scale: means.get(scale) for scale in _LEAST_SCALES},
+        }
+
+    def see(self, seen: Observation, settings: Mapping[str, object]) -> Observation:
+        share = {_Phase.BASELINE: 0.0, _Phase.TAPS: self._done_share(seen.now_ns)}.get(self._phase, 1.0)
+        return replace(seen, progress=share)
+
+    def travel(self, seen: Observation, seconds: float) -> None:
+        if self._begin_ns is None:
+            self._begin_ns = seen.now_ns + round(self._condition.baseline_s * _NS)
+            self._note("phase", seen.now_ns, {"phase": _Phase.BASELINE.value})
+        if self._phase is _Phase.BASELINE and seen.now_ns + _AHEAD_NS >= self._begin_ns:
+            self._enter(_Phase.TAPS, seen.now_ns)
+        if self._phase is _Phase.TAPS:
+            self._order_taps(seen.now_ns)
+            self._threaten(seen.now_ns)
+            if seen.now_ns >= self._begin_ns + round(self._condition.duration_s * _NS) and self._all_given:
+                self._enter(_Phase.QUESTIONS, seen.now_ns)
+        elif self._phase is _Phase.QUESTIONS:
+            for answer in self._asking.step(seen.pressed, seconds):
+                data = {"item": answer.item, "scale": answer.scale, "value": answer.value, "seconds": answer.seconds}
+                self._note("answer", seen.now_ns, data)
+            if self._asking.done:
+                self._enter(_Phase.OVER, seen.now_ns)
+
+    def holds(self, goal: Any, seen: Observation) -> bool:
+        return self._phase is _Phase.OVER
+
+    def cards(self, seen: Observation, finished: int) -> Mapping[str, Card]:
+        return {"taps": count_card(f"Taps of {len(self._taps)}", self._shown)}
+
+    @property
+    def _all_given(self) -> bool:
+        return self._shown == len(self._taps) and self._ordered == len(self._taps)
+
+    def _done_share(self, now_ns: int) -> float:
+        begun = self._begin_ns or now_ns
+        return min(max((now_ns - begun) / max(1.0, self._condition.duration_s * _NS), 0.0), 1.0)
+
+    def _next_tap(self) -> tuple[int, str, float, float, int] | None:
+        """The tap that is under way or comes next: when it touches [ns], where, and its number; None outside."""
+        if self._phase is not _Phase.TAPS or self._begin_ns is None or not self._taps:
+            return None
+        tap = self._taps[min(self._shown, len(self._taps) - 1)]
+        return self._begin_ns + tap.seen_ns, tap.place, tap.share, tap.theta, tap.number
+
+    def _order_taps(self, now_ns: int) -> None:
+        """Order what is felt ahead of its time, and log what this frame shows."""
+        assert self._begin_ns is not None
+        by_felt = sorted(self._taps, key=lambda tap: (tap.felt_ns, tap.number))
+        while self._ordered < len(by_felt) and self._begin_ns + by_felt[self._ordered].felt_ns <= now_ns + _AHEAD_NS:
+            self._order(by_felt[self._ordered], now_ns)
+            self._ordered += 1
+        while self._shown < len(self._taps):
+            tap = self._taps[self._shown]
+            due = self._begin_ns + tap.seen_ns
+            # The frame nearest to the touch shows it: half a frame early or late at most.
+            if now_ns + HALF_FRAME_NS < due:
+                return
+            error_ms = (now_ns - due) * 1e-6
+            self._worst_seen_ms = max(self._worst_seen_ms, abs(error_ms))
+            self._shown += 1
+            data = {"tap": tap.number, "place": tap.place, "scheduled_ns": due, "submitted_ns": now_ns}
+            self._note("tap_seen", now_ns, {**data, "display_ns": now_ns + FRAME_NS})
+
+    def _order(self, tap: Tap, now_ns: int) -> None:
+        assert self._begin_ns is not None
+        due, taps = self._begin_ns + tap.felt_ns, self._spec.taps
+        number = self._number * 10_000 + tap.number
+        self._touches.append(TactileEvent(tap.felt_at, due, taps.strength, taps.lasts_s, number))
+        offset_ms = (tap.felt_ns - tap.seen_ns) * 1e-6
+        data = {"tap": tap.number, "at": tap.felt_at, "scheduled_ns": due, "ordered_ns": now_ns, "offset_ms": offset_ms}
+        self._note("tap_felt", now_ns, data)
+
+    def _threaten(self, now_ns: int) -> None:
+        threat, begun = self._condition.threat, self._begin_ns
+        if threat is None or begun is None or self._threat_ns is not None:
+            return
+        due = begun + round(threat.at_s * _NS)
+        if now_ns + HALF_FRAME_NS >= due:
+            self._threat_ns = due
+            window = {"from_ns": due, "to_ns": due + round(threat.window_s * _NS)}
+            self._note("threat", now_ns, {"scheduled_ns": due, "submitted_ns": now_ns, **window})
+
+    def _enter(self, phase: _Phase, now_ns: int) -> None:
+        self._phase = phase
+        self._note("phase", now_ns, {"phase": phase.value})
+
+    def _note(self, kind: str, now_ns: int, data: Mapping[str, object]) -> None:
+        self._events.append((kind, {"t_ns": now_ns, "trial": self._number, "condition": self._label, **data}))
+
+
+def _column(name: str, what: str) -> Measure:
+    return Measure(name, name, what, ScorePartSpec(weight=0.0, best=1.0, worst=0.0))
+
+
+class AvatarCordKind(TaskKind):
+    """The built-in kind of the experiment with the cord."""
+
+    name = "avatar_cord"
+    section = AvatarCordSpec
+    goals: ClassVar[tuple[type[Component], ...]] = (ExperimentGoal,)
+    label = "Taps"
+    cards = ("taps",)
+    report = AvatarCordSection()
+    measures: ClassVar[tuple[Measure, ...]] = (
+        _column("taps", "Taps that were seen."),
+        _column("tap_error_ms", "Largest distance of a seen tap from its time [ms]."),
+        _column("drift_m", "Where one feels to be, from oneself towards the avatar [m]."),
+        _column("ownership", "Mean answer to statements of ownership."),
+        _column("agency", "Mean answer to statements of agency."),
+        _column("touch", "Mean answer to statements of referred touch."),
+        _column("location", "Mean answer to statements of location."),
+        _column("control", "Mean answer to control statements."),
+    )
+
+    def check(self, spec: TaskSpec, pointer: str) -> Iterator[Fault]:
+        section = spec.section(self.name)
+        if section is None:
+            if any(isinstance(goal, ExperimentGoal) for goal in spec.goals):
+                yield f"{pointer}/goals", "an experiment's goal without the experiment", 'add "avatar_cord" to the task'
+            return
+        assert isinstance(section, AvatarCordSpec)
+        yield from self._check_labels(spec, section, pointer)
+        if section.taps.most_s < section.taps.least_s:
+            yield f"{pointer}/{self.name}/taps/most_s", "is shorter than least_s", "give the longer time there"
+        questions = section.questionnaire
+        if questions is not None and questions.least >= questions.most:
+            yield f"{pointer}/{self.name}/questionnaire/most", "is no more than least", "give the scale's upper end"
+
+    def _check_labels(self, spec: TaskSpec, section: AvatarCordSpec, pointer: str) -> Iterator[Fault]:
+        blocks = spec.trials if not isinstance(spec.trials, str) else []
+        for b, block in enumerate(blocks):
+            for t, trial in enumerate(block.trials):
+                if trial.label not in section.conditions:
+                    what = f'there is no condition "{trial.label}"'
+                    yield f"{pointer}/trials/{b}/trials/{t}/label", what, f"known: {', '.join(section.conditions)}"
+
+    def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
+        """Taps on a cord need one."""
+        section = spec.section(self.name)
+        wants = isinstance(section, AvatarCordSpec) and any(c.cord for c in section.conditions.values())
+        if not wants or scene.components(CordComponent):
+            return []
+        return [scene.issue("/task/avatar_cord", "the scene has no cord", 'give an entity a "cord"')]
+
+    def open(self, spec: TaskSpec, context: TaskContext, seed: int) -> KindPlay:
+        section = spec.section(self.name)
+        assert isinstance(section, AvatarCordSpec), "a task of this kind has its section"
+        blocks = spec.trials if not isinstance(spec.trials, str) else []
+        labels = [trial.label for block in blocks for trial in block.trials] or list(section.conditions)
+        return AvatarCordPlay(section, labels, seed, simulated=context.simulated)
+
+
+KIND = AvatarCordKind()

@@ -1,0 +1,144 @@
+"""The experiment of the avatar at the other end of a cord (D2.1 3.4.1), as a scene file declares it: nothing is coded.
+
+A condition is what a trial is like; trials name conditions by their label, and the blocks of the task order them.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, field
+
+from mimics_app.world.components.registry import Component
+
+__all__ = [
+    "AvatarCordSpec",
+    "ConditionSpec",
+    "ExperimentGoal",
+    "ItemSpec",
+    "ProbeSpec",
+    "QuestionnaireSpec",
+    "SubjectModel",
+    "TapMode",
+    "TapsSpec",
+    "ThreatSpec",
+]
+
+TapMode = Literal["synchronous", "delayed", "jittered", "shuffled", "other_place", "none"]
+_Milliseconds = Annotated[float, Meta(ge=-2000.0, le=2000.0)]
+_Seconds = Annotated[float, Meta(ge=0.0, le=3600.0)]
+_Share = Annotated[float, Meta(ge=0.0, le=1.0)]
+_Label = Annotated[str, Meta(min_length=1, max_length=64)]
+
+
+class TapsSpec(Component, frozen=True):
+    """When and where taps come: at irregular times drawn from the session's seed."""
+
+    least_s: Annotated[float, Meta(ge=0.2, le=10.0, description="Shortest time between two [s]")] = 0.5
+    most_s: Annotated[float, Meta(ge=0.2, le=60.0, description="Longest [s]")] = 2.0
+    places: Annotated[
+        list[Literal["cord", "back", "stomach"]],
+        Meta(
+            min_length=1,
+            max_length=3,
+            description="Where the ball taps, in turn; on the cord from one end to the other",
+        ),
+    ] = field(default_factory=lambda: ["cord"])
+    felt: Annotated[
+        Annotated[str, Meta(pattern=r"^[a-z_0-9]{1,32}$")],
+        Meta(description="Where on the subject's body taps on the cord are felt: a vibrator's name"),
+    ] = "stomach"
+    strength: _Share = 1.0
+    lasts_s: Annotated[float, Meta(ge=0.005, le=1.0, description="Of what is felt [s]")] = 0.06
+
+
+class ThreatSpec(Component, frozen=True):
+    """Something that happens to the avatar in front, for measuring how the subject reacts."""
+
+    at_s: Annotated[_Seconds, Meta(description="After the taps begin [s]")]
+    window_s: Annotated[float, Meta(gt=0.0, le=60.0, description="In which the reaction is looked for [s]")] = 6.0
+
+
+class ConditionSpec(Component, frozen=True):
+    """What a trial is like. What is left out is as in everyday life: no delay, a cord of the scene's own size."""
+
+    mode: Annotated[
+        TapMode,
+        Meta(
+            description="synchronous; delayed: by visuo_tactile_ms; jittered: by up to that either way; shuffled: the "
+            "same intervals in another order; other_place: felt elsewhere; none: no taps"
+        ),
+    ] = "synchronous"
+    visuo_tactile_ms: Annotated[_Milliseconds, Meta(description="Felt minus seen [ms]; negative: felt first")] = 0.0
+    visuo_motor_ms: Annotated[
+        float, Meta(ge=0.0, le=2000.0, description="How late the avatar follows the body [ms]")
+    ] = 0.0
+    cord: bool = True
+    length_factor: Annotated[float, Meta(ge=0.25, le=8.0)] = 1.0
+    radius_factor: Annotated[float, Meta(ge=0.25, le=8.0)] = 1.0
+    distance_m: Annotated[float, Meta(ge=0.4, le=20.0, description="Of the avatar before the subject [m]")] = 1.2
+    viewpoint: Annotated[
+        Literal["first", "third"], Meta(description="From the subject's own eyes, or from behind it")
+    ] = "first"
+    own_body: Annotated[bool, Meta(description="False leaves the subject's body out, as before a large screen")] = True
+    mimicry: Annotated[
+        Literal["same", "mirror", "none"], Meta(description="What the avatar does of the subject's movements")
+    ] = "same"
+    baseline_s: Annotated[_Seconds, Meta(description="Without taps, before them [s]")] = 5.0
+    duration_s: Annotated[_Seconds, Meta(description="Of the taps [s]; ownership takes some 50 s")] = 60.0
+    threat: ThreatSpec | None = None
+
+
+class ItemSpec(Component, frozen=True):
+    """One statement to be rated."""
+
+    id: Annotated[str, Meta(pattern=r"^[A-Za-z0-9_]{1,32}$", description="Column of the answer")]
+    text: Annotated[str, Meta(min_length=1, max_length=400)]
+    scale: Annotated[
+        Literal["ownership", "agency", "control", "touch", "location", "other"], Meta(description="What it measures")
+    ] = "other"
+
+
+class QuestionnaireSpec(Component, frozen=True):
+    """Statements rated after every trial, in the picture: left and right choose, enter answers."""
+
+    items: Annotated[list[ItemSpec], Meta(min_length=1, max_length=100)]
+    least: Annotated[int, Meta(ge=-10, le=10, description="Not at all")] = -3
+    most: Annotated[int, Meta(ge=-10, le=10, description="Completely")] = 3
+    order: Annotated[Literal["listed", "shuffled"], Meta(description="shuffled: anew for every trial")] = "shuffled"
+    source: Annotated[str, Meta(max_length=400, description="Where the statements come from")] = ""
+
+
+class ProbeSpec(Component, frozen=True):
+    """Where do you feel you are? A mark on the floor is moved there, from oneself (0 m) towards the avatar."""
+
+    step_m: Annotated[float, Meta(ge=0.01, le=1.0, description="Of one press [m]")] = 0.05
+    starts: Annotated[Literal["self", "avatar", "random"], Meta(description="Where the mark is at first")] = "random"
+
+
+class SubjectModel(Component, frozen=True):
+    """What a simulated subject feels: ownership falls with the offset between seen and felt, and with distance."""
+
+    window_ms: Annotated[float, Meta(gt=0.0, le=2000.0, description="Offset at which ownership is down to 1/e")] = 300.0
+    motor_window_ms: Annotated[float, Meta(gt=0.0, le=2000.0, description="The same of movements")] = 250.0
+    cord_gain: Annotated[float, Meta(ge=0.0, le=1.0, description="What the cord adds")] = 0.15
+    spread: Annotated[float, Meta(ge=0.0, le=2.0, description="Of single answers, over the scale's half")] = 0.25
+    reaction_s: Annotated[float, Meta(ge=0.1, le=30.0, description="Time for an answer [s]")] = 0.8
+
+
+class AvatarCordSpec(Component, frozen=True):
+    """An experiment on the bodily connection to an avatar."""
+
+    conditions: Annotated[dict[_Label, ConditionSpec], Meta(min_length=1, max_length=200, description="By their label")]
+    taps: TapsSpec = field(default_factory=TapsSpec)
+    questionnaire: QuestionnaireSpec | None = None
+    probe: ProbeSpec | None = None
+    simulated: Annotated[SubjectModel, Meta(description="Who answers where nobody is there")] = field(
+        default_factory=SubjectModel
+    )
+
+
+class ExperimentGoal(Component, frozen=True, tag="experiment", tag_field="kind"):
+    """The trial's taps, probe and questions are over."""
+
+    hold_s: Annotated[float, Meta(ge=0.0, le=60.0, description="How long ago, at least [s]")] = 0.0

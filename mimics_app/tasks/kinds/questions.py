@@ -1,0 +1,170 @@
+"""Asking in the picture: where one feels to be, then statements one after the other; a person answers, or a model."""
+
+from __future__ import annotations
+
+import math
+import random
+from dataclasses import dataclass, field
+
+from mimics_app.tasks.kinds.avatar_cord_spec import (
+    AvatarCordSpec,
+    ConditionSpec,
+    ItemSpec,
+    ProbeSpec,
+    QuestionnaireSpec,
+    SubjectModel,
+)
+
+__all__ = ["Answer", "Asking", "felt_ownership"]
+
+_LEFT, _RIGHT, _TAKE = ({"left", "pad_dpad_left"}, {"right", "pad_dpad_right"}, {"enter", "pad_a", "mouse_left"})
+_WEIGHTS = {"ownership": 1.0, "touch": 0.9, "location": 0.8, "agency": 0.7, "control": -0.8, "other": 0.0}
+"""How much of what a simulated subject feels shows in its answers, by what a statement measures; a control statement
+is one that nobody should agree to."""
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What was answered: "probe" or the id of an item, its value, and after how long [s]."""
+
+    item: str
+    scale: str
+    value: float
+    seconds: float
+
+
+def felt_ownership(model: SubjectModel, condition: ConditionSpec) -> float:
+    """Ownership that the model feels under a condition, 0 to 1.
+
+    Taps felt `window` apart from being seen count 1/e (visuo-tactile integration: Shimada 2009 finds the drop at some
+    300 ms); so do movements; the farther the avatar, the less.
+    """
+    apart_ms = {
+        "synchronous": 0.0,
+        "delayed": condition.visuo_tactile_ms,
+        "jittered": 0.58 * condition.visuo_tactile_ms,  # root mean square of an even spread
+        "shuffled": 2.0 * model.window_ms,
+        "other_place": 1.5 * model.window_ms,
+        "none": 2.0 * model.window_ms,
+    }[condition.mode]
+    touch = math.exp(-((apart_ms / model.window_ms) ** 2))
+    motor = math.exp(-((condition.visuo_motor_ms / model.motor_window_ms) ** 2)) if condition.mimicry != "none" else 0.3
+    cord = model.cord_gain / max(1.0, condition.length_factor) if condition.cord else 0.0
+    near = 1.2 / max(1.2, condition.distance_m)
+    return min(1.0, (0.65 * touch + 0.2 * motor + cord) * near)
+
+
+@dataclass
+class Asking:
+    """The questions of one trial.
+
+    Args:
+        spec: The experiment.
+        condition: Of the trial.
+        chance: Of orders, beginnings and simulated answers; the trial's own.
+        simulated: True where the model answers.
+        distance: Of the avatar [m].
+
+    Attributes:
+        answers: So far.
+    """
+
+    spec: AvatarCordSpec
+    condition: ConditionSpec
+    chance: random.Random
+    simulated: bool
+    distance: float
+    answers: list[Answer] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        items = list(self.spec.questionnaire.items) if self.spec.questionnaire else []
+        if self.spec.questionnaire and self.spec.questionnaire.order == "shuffled":
+            self.chance.shuffle(items)
+        self._left: list[ProbeSpec | ItemSpec] = [*([self.spec.probe] if self.spec.probe else []), *items]
+        # One level for the trial, so that a subject's answers to it belong together.
+        model = self.spec.simulated
+        self._felt = felt_ownership(model, self.condition) + self.chance.gauss(0.0, 0.3 * model.spread)
+        self._since = 0.0
+        self._value = self._first_value()
+
+    @property
+    def done(self) -> bool:
+        """Whether everything was answered."""
+        return not self._left
+
+    @property
+    def mark_m(self) -> float | None:
+        """Where the mark of the probe is, from oneself towards the avatar [m]; None while no probe is asked."""
+        return self._value if self._left and isinstance(self._left[0], ProbeSpec) else None
+
+    @property
+    def text(self) -> str:
+        """What the person reads."""
+        if self.done:
+            return ""
+        asked = self._left[0]
+        if isinstance(asked, ProbeSpec):
+            return "Where do you feel you are? Move the mark (left, right), then press enter"
+        questionnaire = self._questionnaire
+        span = range(questionnaire.least, questionnaire.most + 1)
+        scale = " ".join(f"[{value:+d}]" if value == self._value else f"{value:+d}" for value in span)
+        return f"{asked.text}   {scale}"
+
+    def step(self, pressed: tuple[str, ...], seconds: float) -> list[Answer]:
+        """Take a frame's presses; the answers given in it."""
+        if self.done:
+            return []
+        self._since += seconds
+        if self.simulated:
+            return [self._answer(self._made_up())] if self._since >= self.spec.simulated.reaction_s else []
+        given = []
+        for name in pressed:
+            if name in _TAKE and not self.done:
+                given.append(self._answer(self._value))
+            elif name in _LEFT | _RIGHT and not self.done:
+                self._move(1.0 if name in _RIGHT else -1.0)
+        return given
+
+    @property
+    def _questionnaire(self) -> QuestionnaireSpec:
+        assert self.spec.questionnaire is not None, "an item is of a questionnaire"
+        return self.spec.questionnaire
+
+    def _move(self, way: float) -> None:
+        asked = self._left[0]
+        if isinstance(asked, ProbeSpec):
+            self._value = min(max(self._value + way * asked.step_m, 0.0), self.distance)
+        else:
+            self._value = min(max(self._value + way, self._questionnaire.least), self._questionnaire.most)
+
+    def _answer(self, value: float) -> Answer:
+        asked = self._left.pop(0)
+        probe = isinstance(asked, ProbeSpec)
+        answer = Answer("probe", "location", value, self._since) if probe else _of(asked, value, self._since)
+        self.answers.append(answer)
+        self._since, self._value = 0.0, self._first_value()
+        return answer
+
+    def _first_value(self) -> float:
+        if self._left and isinstance(self._left[0], ProbeSpec):
+            starts = self._left[0].starts
+            return {"self": 0.0, "avatar": self.distance}.get(starts, self.chance.uniform(0.0, self.distance))
+        questionnaire = self.spec.questionnaire
+        return float((questionnaire.least + questionnaire.most) // 2) if questionnaire else 0.0
+
+    def _made_up(self) -> float:
+        """What the model answers: noise of its own for every statement."""
+        asked, model = self._left[0], self.spec.simulated
+        if isinstance(asked, ProbeSpec):
+            drift = 0.35 * self._felt * self.distance + self.chance.gauss(0.0, 0.05)
+            return min(max(drift, 0.0), self.distance)
+        weight, span = _WEIGHTS[asked.scale], self._questionnaire
+        level = 0.5 + (self._felt - 0.5) * weight if weight >= 0.0 else 0.25
+        middle, half = 0.5 * (span.least + span.most), 0.5 * (span.most - span.least)
+        value = middle + half * (2.0 * level - 1.0 + self.chance.gauss(0.0, model.spread))
+        return float(min(max(round(value), span.least), span.most))
+
+
+def _of(asked: ProbeSpec | ItemSpec, value: float, seconds: float) -> Answer:
+    assert isinstance(asked, ItemSpec), "a probe is answered apart"
+    return Answer(asked.id, asked.scale, value, seconds)

@@ -1,0 +1,88 @@
+"""The taps of a trial: when each is seen and felt, where, all from the session's seed."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import dataclass
+
+from mimics_app.tasks.kinds.avatar_cord_spec import ConditionSpec, TapsSpec
+
+__all__ = ["Tap", "plan_taps"]
+
+_NS = 1_000_000_000
+_CORD_ENDS = (0.15, 0.85)
+"""Shares of the cord's length between which it is tapped."""
+_ELSEWHERE = {"back": "stomach", "stomach": "back"}
+
+
+@dataclass(frozen=True, slots=True)
+class Tap:
+    """One tap.
+
+    Attributes:
+        number: Within the trial, 0 first.
+        seen_ns: When the ball touches, from the taps' beginning [ns].
+        felt_ns: When it is felt, likewise [ns].
+        place: "cord", "back" or "stomach".
+        felt_at: Vibrator that is driven.
+        share: Of the cord's length, where `place` is "cord".
+        theta: Around it [rad].
+    """
+
+    number: int
+    seen_ns: int
+    felt_ns: int
+    place: str
+    felt_at: str
+    share: float
+    theta: float
+
+
+def plan_taps(taps: TapsSpec, condition: ConditionSpec, seed: int, trial: int) -> list[Tap]:
+    """All taps of a trial; the same seed and trial give the same taps on every machine.
+
+    Args:
+        taps: When and where.
+        condition: How seen and felt belong together.
+        seed: Of the session.
+        trial: Its number.
+    """
+    chance = random.Random(f"taps {seed} {trial}")
+    gaps = _gaps(taps, condition, chance)
+    felt_gaps = gaps[:1] + chance.sample(gaps[1:], len(gaps) - 1) if condition.mode == "shuffled" else gaps
+    planned, seen, felt = [], 0.0, 0.0
+    for number, (gap, felt_gap) in enumerate(zip(gaps, felt_gaps, strict=True)):
+        seen, felt = seen + gap, felt + felt_gap
+        place = taps.places[number % len(taps.places)]
+        at = taps.felt if place == "cord" else place
+        if condition.mode == "other_place":
+            at = _ELSEWHERE.get(at, "back")
+        low, high = _CORD_ENDS
+        along = low + (high - low) * (number / max(1, len(gaps) - 1))
+        offset = _offset_s(condition, chance)
+        times = round(seen * _NS), max(0, round((felt + offset) * _NS))
+        planned.append(Tap(number, *times, place, at, along, chance.uniform(-0.9, 0.9)))
+    return planned
+
+
+def _gaps(taps: TapsSpec, condition: ConditionSpec, chance: random.Random) -> list[float]:
+    """Times between the taps that fit into the condition's duration [s]; the first counts from the beginning."""
+    if condition.mode == "none":
+        return []
+    gaps, left = list[float](), condition.duration_s - max(0.0, abs(condition.visuo_tactile_ms) * 1e-3)
+    most = max(taps.least_s, taps.most_s)
+    while True:
+        # What is felt before it is seen must not come before the taps' beginning.
+        gap = chance.uniform(taps.least_s, most) + (max(0.0, -condition.visuo_tactile_ms) * 1e-3 if not gaps else 0.0)
+        left -= gap
+        if left < 0.0:
+            return gaps
+        gaps.append(gap)
+
+
+def _offset_s(condition: ConditionSpec, chance: random.Random) -> float:
+    if condition.mode == "delayed":
+        return condition.visuo_tactile_ms * 1e-3
+    if condition.mode == "jittered":
+        return chance.uniform(-1.0, 1.0) * abs(condition.visuo_tactile_ms) * 1e-3
+    return 0.0

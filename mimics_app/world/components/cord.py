@@ -1,0 +1,45 @@
+"""Component type of a cord between two entities."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+from msgspec import Meta
+
+from mimics_app.contracts.errors import Issue
+from mimics_app.world.components.bounds import Point
+from mimics_app.world.components.registry import Component, component, register_check, register_limit
+
+if TYPE_CHECKING:
+    from mimics_app.world.scene.scene import Scene
+
+__all__ = ["CordComponent"]
+
+_Share = Annotated[float, Meta(ge=0.0, le=1.0)]
+
+
+@component("cord")
+class CordComponent(Component, frozen=True):
+    """A cord from this entity to another one; it follows both as they move."""
+
+    to: Annotated[str, Meta(description="Id of the entity it ends at")]
+    offset: Annotated[Point, Meta(description="Where on this entity it begins, in its frame [m]")] = (0.0, 0.0, 0.0)
+    to_offset: Annotated[Point, Meta(description="Where on the other it ends, in its frame [m]")] = (0.0, 0.0, 0.0)
+    length: Annotated[float, Meta(gt=0.0, le=50.0, description="[m]; shorter than the way: taut")] = 1.4
+    radius: Annotated[float, Meta(gt=0.0, le=1.0, description="[m]")] = 0.025
+    colour: Annotated[tuple[_Share, _Share, _Share], Meta(description="Linear RGB")] = (0.75, 0.25, 0.2)
+    roughness: _Share = 0.45
+    visible: bool = True
+    wave_speed: Annotated[float, Meta(gt=0.0, le=20.0, description="Of ripples [m/s]")] = 0.5
+    wavelength: Annotated[float, Meta(gt=1e-3, le=1.0, description="Of ripples [m]")] = 0.05
+
+
+def _check(cord: CordComponent, pointer: str, scene: Scene) -> list[Issue]:
+    known = {entity.id for entity in scene.entities}
+    if cord.to in known:
+        return []
+    return [scene.issue(f"{pointer}/to", f'no entity is called "{cord.to}"', "give the id of another entity")]
+
+
+register_limit("cord", 16)
+register_check("cord", _check)

@@ -1,0 +1,60 @@
+"""Trackers of a scene: which devices report, how they lie in the room, and what of a body each sensor is on."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, field
+
+from mimics_app.world.components.bounds import Point, Quaternion
+from mimics_app.world.components.registry import Component, register_system
+
+__all__ = ["RoomPoints", "TrackerSpec", "TrackersSettings"]
+
+_Name = Annotated[str, Meta(min_length=1, max_length=64)]
+
+
+class RoomPoints(Component, frozen=True):
+    """Points touched with a sensor: as the tracker told them, and where they are in the room."""
+
+    seen: Annotated[list[Point], Meta(min_length=4, max_length=1000, description="As told [m], axes and unit mapped")]
+    room: Annotated[list[Point], Meta(min_length=4, max_length=1000, description="The same points in the room [m]")]
+
+
+class TrackerSpec(Component, frozen=True):
+    """One device."""
+
+    name: Annotated[_Name, Meta(description="For messages")]
+    kind: Literal["fastrak", "flock", "vrpn", "osc", "lsl", "scripted", "pointer", "tape"]
+    address: Annotated[
+        str,
+        Meta(
+            max_length=400,
+            description="Serial port; TRACKER@HOST[:PORT] of vrpn; [HOST:]PORT of osc; LSL stream; file of a tape",
+        ),
+    ] = ""
+    baud: Annotated[int, Meta(ge=1200, le=1_000_000, description="Of a serial line [bit/s]")] = 115200
+    axes: Annotated[str, Meta(max_length=16, description="Room x, y, z as axes of the device: 'x,-z,y'")] = "x,y,z"
+    unit: Annotated[Literal["m", "cm", "mm", "inch"], Meta(description="Of what vrpn, osc and lsl tell")] = "m"
+    roles: Annotated[
+        dict[str, _Name],
+        Meta(max_length=64, description="Part of the body by sensor: head, chest, hand_left, hand_right"),
+    ] = field(default_factory=dict)
+    calibration: Annotated[RoomPoints | None, Meta(description="Absent: the device's frame is the room's")] = None
+    offset: Annotated[Point, Meta(description="Of the part of the body from the sensor, in its frame [m]")] = (0, 0, 0)
+    turn: Annotated[Quaternion, Meta(description="Of the part of the body in the sensor's frame, x y z w")] = (
+        0.0,
+        0.0,
+        0.0,
+        1.0,
+    )
+
+
+class TrackersSettings(Component, frozen=True):
+    """All devices; of two that know one part of a body the first counts."""
+
+    devices: Annotated[list[TrackerSpec], Meta(max_length=16)] = field(default_factory=list)
+    tape: Annotated[bool, Meta(description="True: every report is kept in the run folder, as trackers.jsonl")] = False
+
+
+register_system("trackers", TrackersSettings)

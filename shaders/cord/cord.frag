@@ -1,0 +1,58 @@
+// The cord's surface in the light of the scene, with the shadow of a ball over it and the dark where the ball touches.
+#include "common/view.glsl"
+#include "common/sky.glsl"
+#include "common/output.glsl"
+#include "common/shadow.glsl"
+#include "common/brdf.glsl"
+#include "common/lights.glsl"
+
+#define MOST_TAPS 8
+
+layout(std140, binding = 7) uniform CordBlock {
+    vec4 start;
+    vec4 along;
+    vec4 up;
+    vec4 form;
+    vec4 waves;
+    vec4 paint;
+    vec4 ball;
+    vec4 ball_light;
+    vec4 tap[MOST_TAPS];
+};
+
+in vec3 position_eye;
+in vec3 normal;
+in vec2 at;
+out vec4 colour;
+
+// Share of the light that passes the ball: soft with the gap under it.
+float past_ball(vec3 n) {
+    if (ball.w <= 0.0) return 1.0;
+    vec3 to_ball = ball.xyz - position_eye;
+    float gap = dot(to_ball, ball_light.xyz);
+    float off = length(to_ball - gap * ball_light.xyz);
+    float soft = max(ball_light.w * max(gap, 0.0), 0.02 * ball.w);
+    float covered = 1.0 - smoothstep(ball.w - soft, ball.w + soft, off);
+    return gap > 0.0 && dot(n, ball_light.xyz) > 0.0 ? 1.0 - covered : 1.0;
+}
+
+// Share of the sky that a ball so near leaves open (Quilez): the cosine-weighted part of a sphere over a plane.
+float beside_ball(vec3 n) {
+    if (ball.w <= 0.0) return 1.0;
+    vec3 to_ball = ball.xyz - position_eye;
+    float d2 = dot(to_ball, to_ball);
+    return 1.0 - clamp(dot(n, to_ball) * inversesqrt(d2), 0.0, 1.0) * clamp(ball.w * ball.w / d2, 0.0, 1.0);
+}
+
+void main() {
+    vec3 n = normalize(normal);
+    float distance = length(position_eye);
+    vec2 sun = sun_and_tone(position_eye, n);
+    // A twisted weave, so that the eye sees how the surface moves.
+    float weave = 0.5 + 0.5 * sin(3.0 * at.y + at.x / max(form.x, 1e-4) * 2.2);
+    vec3 base = paint.rgb * mix(0.82, 1.0, smoothstep(0.1, 0.6, weave));
+    Surface surface = make_surface(base, 0.0, paint.w, n, position_eye / -distance);
+    float open = beside_ball(n);
+    vec3 light = shine(surface, paint.w, position_eye, sun.x * past_ball(n), open);
+    colour = vec4(sun.y * encode_output(apply_fog(light, distance)), 1.0);
+}

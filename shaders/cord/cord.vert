@@ -1,0 +1,68 @@
+// A hanging cord: its middle line in closed form, its frame without twist, ripples with their normals.
+// The same in float64: mimics_app/maths/cord.py.
+#include "common/view.glsl"
+
+#define MOST_TAPS 8
+
+layout(std140, binding = 7) uniform CordBlock {
+    vec4 start;                 // eye frame; w: length [m]
+    vec4 along;                 // horizontal axis of its plane; w: parameter a [m]
+    vec4 up;                    // the axis it sags against; w: slope at the start
+    vec4 form;                  // radius [m], rings, sides, taps
+    vec4 waves;                 // speed [m/s], wave number [1/m], 1 / width^2 [1/m^2], damping by distance [1/m]
+    vec4 paint;                 // linear RGB; w: roughness
+    vec4 ball;                  // centre, eye frame; w: radius [m], 0 for none
+    vec4 ball_light;            // unit, towards what throws its shadow; w: softness of the shadow per metre of gap
+    vec4 tap[MOST_TAPS];        // along [m], around [rad], age [s], height with its damping by time [m]
+};
+
+out vec3 position_eye;
+out vec3 normal;
+out vec2 at;                    // along [m], around [rad]
+
+const float PI = 3.14159265358979;
+
+// log(x + sqrt(x^2 + 1)) loses all that matters of a small x.
+float small_asinh(float x) {
+    float x2 = x * x;
+    float series = x * (1.0 + x2 * (-1.0 / 6.0 + x2 * (3.0 / 40.0 - x2 * (15.0 / 336.0))));
+    return abs(x) < 0.15 ? series : sign(x) * log(abs(x) + sqrt(x2 + 1.0));
+}
+
+// Height, slope along, slope around.
+vec3 ripple(vec4 tapped, float s, float theta, float radius) {
+    float ds = s - tapped.x;
+    float turn = mod(theta - tapped.y + PI, 2.0 * PI) - PI;
+    float d = sqrt(ds * ds + radius * radius * turn * turn);
+    float x = d - waves.x * tapped.z;
+    float envelope = tapped.w * exp(-waves.w * d - x * x * waves.z);
+    float c = cos(waves.y * x), sn = sin(waves.y * x);
+    float slope = -envelope * (waves.y * sn + (waves.w + 2.0 * x * waves.z) * c);
+    float safe = max(d, 1e-6);
+    return vec3(envelope * c, slope * ds / safe, slope * radius * radius * turn / safe);
+}
+
+void main() {
+    int sides = int(form.z);
+    float rings = form.y;
+    float s = start.w * float(gl_VertexID / (sides + 1)) / (rings - 1.0);
+    float theta = 2.0 * PI * float(gl_VertexID % (sides + 1)) / float(sides);
+    float a = along.w, q = up.w, w = s / a, p = q + w;
+    float root_p = sqrt(1.0 + p * p), root_q = sqrt(1.0 + q * q);
+    float apart = p * q > 0.0 ? w * (p + q) / (p * root_q + q * root_p) : p * root_q - q * root_p;
+    vec3 middle = start.xyz + a * small_asinh(apart) * along.xyz + s * (p + q) / (root_p + root_q) * up.xyz;
+    vec3 tangent = (along.xyz + p * up.xyz) / root_p;
+    vec3 inside = (up.xyz - p * along.xyz) / root_p;
+    vec3 binormal = cross(along.xyz, up.xyz);
+    vec3 h = vec3(0.0);
+    int taps = int(form.w);
+    for (int i = 0; i < taps; ++i) h += ripple(tap[i], s, theta, form.x);
+    vec3 outwards = cos(theta) * inside + sin(theta) * binormal;
+    vec3 around = cos(theta) * binormal - sin(theta) * inside;
+    float r = form.x + h.x;
+    float stretch = 1.0 - r * cos(theta) / (a * root_p * root_p);
+    normal = outwards - h.y / stretch * tangent - h.z / r * around;
+    position_eye = middle + r * outwards;
+    at = vec2(s, theta);
+    gl_Position = clip_from_eye * vec4(position_eye, 1.0);
+}

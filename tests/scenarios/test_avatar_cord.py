@@ -1,0 +1,140 @@
+"""The avatar at the other end of a cord, played: taps seen and felt, mimicry with its delay, the cord live."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.session.core import open_core
+from mimics_app.app.session.frame import Frames
+from mimics_app.app.session.preparation import prepare_scene
+from mimics_app.app.session.switched_off import NullRecorder
+from mimics_app.app.settings import RunSettings
+from mimics_app.inputs.trackers.scripted_person import person_at
+
+ROOT = Path(__file__).parents[2]
+
+
+class Journal(NullRecorder):
+    def __init__(self, memory) -> None:
+        super().__init__(memory)
+        self.lines: list[tuple[str, dict]] = []
+        self.rows: list[dict] = []
+
+    def journal(self, kind, data) -> None:
+        self.lines.append((kind, dict(data)))
+
+    def trial(self, row) -> None:
+        self.rows.append(dict(row))
+
+    def of(self, kind: str) -> list[dict]:
+        return [data for known, data in self.lines if known == kind]
+
+
+def scene_file(tmp_path: Path, conditions: dict) -> Path:
+    document = json.loads((ROOT / "scenes" / "avatar_cord.json").read_text())
+    common = {"baseline_s": 0.4, "duration_s": 2.5}
+    document["task"]["avatar_cord"]["conditions"] = {name: {**common, **said} for name, said in conditions.items()}
+    document["task"]["trials"] = [{"order": "listed", "trials": [{"label": name} for name in conditions]}]
+    document["task"]["avatar_cord"]["simulated"] = {"reaction_s": 0.1}
+    document["task"] |= {"rest_s": 0.2, "result_s": 0.1, "start": {"ready_s": 0.2}}
+    file = tmp_path / "scene.json"
+    file.write_text(json.dumps(document))
+    return file
+
+
+def play(tmp_path: Path, conditions: dict, look=None, from_trial: int = 1):
+    file = scene_file(tmp_path, conditions)
+    settings = RunSettings(file, seed=3, from_trial=from_trial)
+    journals: list[Journal] = []
+
+    def recorder(memory) -> Journal:
+        journals.append(Journal(memory))
+        return journals[0]
+
+    with open_core(prepare_scene(load_checked_scene(file), settings), recorder) as core:
+        frames = Frames(core)
+        while not core.tasks.done:
+            frames.play_on()
+            assert frames.number < 60 * 60, "the trials do not end"
+            if look is not None:
+                look(core, frames)
+    return journals[0]
+
+
+def test_a_whole_session_with_every_tap_logged(tmp_path: Path) -> None:
+    apart = {"mode": "delayed", "visuo_tactile_ms": -150.0}
+    journal = play(tmp_path, {"together": {"threat": {"at_s": 1.0}}, "apart": apart})
+    assert [row["outcome"] for row in journal.rows] == ["finished"] * 2
+    seen, felt, driven = journal.of("tap_seen"), journal.of("tap_felt"), journal.of("tactile")
+    assert len(seen) == len(felt) == len(driven) == sum(row["taps"] for row in journal.rows) > 2
+    # Within half a frame (17 ms at most) and, on the virtual clock, exactly.
+    assert max(abs(tap["submitted_ns"] - tap["scheduled_ns"]) for tap in seen) <= 8_500_000
+    assert max(abs(line["error_ms"]) for line in driven) <= 1.0
+    for trial, offset in ((0, 0.0), (1, -150.0)):
+        by_number = {tap["tap"]: tap for tap in seen if tap["trial"] == trial}
+        for tap in (tap for tap in felt if tap["trial"] == trial):
+            apart_ms = (tap["scheduled_ns"] - by_number[tap["tap"]]["scheduled_ns"]) * 1e-6
+            assert apart_ms == pytest.approx(offset, abs=1e-5)
+    assert [line["scheduled_ns"] > 0 for line in journal.of("threat")] == [True]
+    answers = journal.of("answer")
+    assert {row["item"] for row in answers} >= {"probe", "own_body", "two_heads"}
+    assert all(row["ownership"] is not None and row["drift_m"] is not None for row in journal.rows)
+
+
+def test_a_session_that_broke_off_goes_on_with_the_trial_that_is_chosen(tmp_path: Path) -> None:
+    whole = play(tmp_path, {"together": {}, "apart": {"mode": "none"}})
+    rest = play(tmp_path, {"together": {}, "apart": {"mode": "none"}}, from_trial=2)
+    assert [row["label"] for row in rest.rows] == ["apart"]
+    assert [row["trial"] for row in rest.rows] == [1]
+    same = [row["value"] for row in rest.of("answer")]
+    assert same == [row["value"] for row in whole.of("answer") if row["trial"] == 1]
+
+
+def test_the_cord_follows_the_bodies_and_changes_in_a_frame(tmp_path: Path) -> None:
+    lengths: dict[str, set] = {}
+
+    def look(core, frames) -> None:
+        scenario, cord = core.scenario, core.world.cords["cord"]
+        np.testing.assert_allclose(cord.ends, [scenario.subject.stomach, scenario.avatar.back], atol=1e-12)
+        curve = cord.curve
+        assert np.linalg.norm(curve.point([0.0, curve.length]) - cord.ends, axis=1).max() <= 1e-6
+        if frames.orders.person_may_act:
+            label = core.tasks.plan[frames.orders.view.trial - 1].label
+            slack = curve.length / np.linalg.norm(cord.ends[1] - cord.ends[0])
+            lengths.setdefault(label, set()).add((round(slack, 6), round(cord.radius, 6), cord.visible))
+
+    play(tmp_path, {"plain": {}, "long": {"length_factor": 4.0, "radius_factor": 2.0}, "none": {"cord": False}}, look)
+    # The first frame of a trial's travel has it already; nothing between the two is ever seen.
+    assert {label: len(found) for label, found in lengths.items()} == {"plain": 1, "long": 1, "none": 1}
+    (plain,), (long,), (none,) = lengths["plain"], lengths["long"], lengths["none"]
+    assert long[0] > plain[0] + 0.3
+    assert long[1] == pytest.approx(2 * plain[1])
+    assert (plain[2], none[2]) == (True, False)
+
+
+def test_the_avatar_does_what_the_body_did_a_while_ago(tmp_path: Path) -> None:
+    checked = []
+
+    def look(core, frames) -> None:
+        view = frames.orders.view
+        label = core.tasks.plan[view.trial - 1].label
+        if not frames.orders.person_may_act or view.elapsed_s < 0.5:
+            return
+        hands = [core.scenario._parts["avatar"][f"hand_{side}"][:3, 3] for side in ("left", "right")]
+        delay = 0.3 if label == "late" else 0.0
+        t = core.clock.now_ns() * 1e-9 + 1 / 60 - delay
+        where = {side: np.array(person_at(f"hand_{side}", t, 3)[0]) for side in ("left", "right")}
+        if label == "mirrored":
+            where = {"left": where["right"] * [-1, 1, 1], "right": where["left"] * [-1, 1, 1]}
+        worst = max(np.abs(hand - where[side]).max() for hand, side in zip(hands, ("left", "right"), strict=True))
+        checked.append((label, worst))
+
+    play(tmp_path, {"late": {"visuo_motor_ms": 300.0}, "mirrored": {"mimicry": "mirror"}}, look)
+    assert {label for label, _ in checked} == {"late", "mirrored"}
+    # Predicted 25 ms ahead at 0.45 Hz and 12 cm: A w^2 t^2 / 2 = 0.3 mm.
+    assert max(worst for _, worst in checked) <= 1e-3

@@ -1,0 +1,259 @@
+"""The experiment with the cord: taps from the seed, offsets as declared, questions, vibrators, and tidy tables."""
+
+from __future__ import annotations
+
+import json
+import random
+import time
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+
+from mimics_app.app.study.subjects import SubjectRun
+from mimics_app.app.study.tables import read_study, summarise_conditions, write_table
+from mimics_app.contracts.clock import FRAME_NS
+from mimics_app.contracts.messages import TactileEvent
+from mimics_app.rendering.tactile.emulated import EmulatedVibrators
+from mimics_app.rendering.tactile.vibrators import NoVibrators, SerialVibrators
+from mimics_app.rendering.tactile.wire import FRAME_BYTES, Command, CommandReader, command_bytes
+from mimics_app.scenarios.avatar_cord import tap_gap
+from mimics_app.scenarios.stand_in_figure import reach
+from mimics_app.tasks.kinds.avatar_cord import KIND
+from mimics_app.tasks.kinds.avatar_cord_spec import (
+    AvatarCordSpec,
+    ConditionSpec,
+    ItemSpec,
+    ProbeSpec,
+    QuestionnaireSpec,
+    SubjectModel,
+    TapsSpec,
+)
+from mimics_app.tasks.kinds.questions import Asking, felt_ownership
+from mimics_app.tasks.kinds.tap_schedule import plan_taps
+from mimics_app.tasks.scene_section import task_of
+from mimics_app.tasks.task import TaskSpec
+from mimics_app.tasks.trials import plan_trials
+from mimics_app.world.scene.file import load_scene
+
+MS = 1_000_000
+ROOT = Path(__file__).parents[2]
+
+
+def condition(**said: object) -> ConditionSpec:
+    return msgspec.convert({"duration_s": 60.0, **said}, ConditionSpec)
+
+
+def test_taps_come_from_the_seed_and_keep_their_distances() -> None:
+    taps = TapsSpec(least_s=0.5, most_s=2.0)
+    planned = plan_taps(taps, condition(), 5, 2)
+    assert planned == plan_taps(taps, condition(), 5, 2)
+    assert planned != plan_taps(taps, condition(), 5, 3)
+    assert planned != plan_taps(taps, condition(), 6, 2)
+    seen = np.array([tap.seen_ns for tap in planned])
+    gaps = np.diff(seen) * 1e-9
+    assert 0.5 - 1e-6 <= gaps.min() and gaps.max() <= 2.0 + 1e-6
+    assert seen[-1] <= 60e9
+    assert len(planned) > 60 / 2.0 - 1
+    assert [tap.felt_ns for tap in planned] == [tap.seen_ns for tap in planned]
+
+
+@pytest.mark.parametrize("offset", [-1000.0, -300.0, 100.0, 500.0])
+def test_the_offset_is_kept_for_every_tap(offset: float) -> None:
+    planned = plan_taps(TapsSpec(), condition(mode="delayed", visuo_tactile_ms=offset), 1, 0)
+    for tap in planned:
+        assert abs((tap.felt_ns - tap.seen_ns) * 1e-6 - offset) <= 1e-5
+        assert tap.felt_ns >= 0  # none is felt before the taps begin
+
+
+def test_the_other_modes_do_what_their_names_say() -> None:
+    jittered = plan_taps(TapsSpec(), condition(mode="jittered", visuo_tactile_ms=200), 1, 0)
+    apart = np.array([tap.felt_ns - tap.seen_ns for tap in jittered]) * 1e-6
+    assert np.abs(apart).max() <= 200.0 and apart.min() < -20.0 and apart.max() > 20.0
+    shuffled = plan_taps(TapsSpec(), condition(mode="shuffled"), 1, 0)
+    seen, felt = (np.diff([getattr(tap, name) for tap in shuffled]) for name in ("seen_ns", "felt_ns"))
+    np.testing.assert_allclose(np.sort(seen), np.sort(felt), atol=2)
+    assert np.abs(seen - felt).max() > 100 * MS
+    elsewhere = plan_taps(TapsSpec(), condition(mode="other_place"), 1, 0)
+    assert {tap.felt_at for tap in elsewhere} == {"back"}
+    assert plan_taps(TapsSpec(), condition(mode="none"), 1, 0) == []
+    on_body = plan_taps(TapsSpec(places=["back", "stomach"]), condition(), 1, 0)
+    assert [tap.felt_at for tap in on_body[:4]] == ["back", "stomach"] * 2
+
+
+def test_the_ball_touches_at_its_time() -> None:
+    assert tap_gap(0.0) == 0.0
+    assert tap_gap(-0.02) == tap_gap(0.02) > 0.0
+    assert tap_gap(10.0) == tap_gap(-10.0) > 0.05
+
+
+def questionnaire(count: int = 3) -> AvatarCordSpec:
+    items = [ItemSpec(id=f"q{i}", text=f"Statement {i}", scale="ownership") for i in range(count)]
+    return AvatarCordSpec(
+        conditions={"a": ConditionSpec()},
+        questionnaire=QuestionnaireSpec(items=items, order="listed"),
+        probe=ProbeSpec(starts="self", step_m=0.1),
+    )
+
+
+def test_a_person_answers_with_three_keys() -> None:
+    asking = Asking(questionnaire(), ConditionSpec(), random.Random(1), False, 1.2)
+    assert "Where do you feel" in asking.text
+    for _ in range(20):
+        asking.step(("right",), 0.1)
+    assert asking.mark_m == pytest.approx(1.2)  # no farther than the avatar
+    asking.step(("left", "enter"), 0.1)
+    assert asking.answers[0].value == pytest.approx(1.1)
+    assert asking.mark_m is None
+    assert "Statement 0" in asking.text and "[+0]" in asking.text
+    asking.step(("right", "right", "right", "right", "enter"), 0.1)
+    assert asking.answers[1].value == 3
+    for _ in range(2):
+        asking.step(("enter",), 0.1)
+    assert asking.done and asking.text == ""
+    assert asking.step(("enter",), 0.1) == []
+    assert [answer.item for answer in asking.answers] == ["probe", "q0", "q1", "q2"]
+
+
+def test_a_simulated_subject_answers_by_the_condition_and_always_the_same() -> None:
+    spec = questionnaire(12)
+
+    def mean(condition: ConditionSpec) -> float:
+        values = []
+        for seed in range(30):
+            asking = Asking(spec, condition, random.Random(seed), True, condition.distance_m)
+            while not asking.done:
+                asking.step((), 0.5)
+            values += [answer.value for answer in asking.answers if answer.item != "probe"]
+        return float(np.mean(values))
+
+    together, apart = mean(condition()), mean(condition(mode="delayed", visuo_tactile_ms=500))
+    assert together > apart + 1.0
+    assert mean(condition()) == together
+    model = SubjectModel()
+    assert felt_ownership(model, condition(cord=False)) < felt_ownership(model, condition())
+    assert felt_ownership(model, condition(distance_m=4.0)) < felt_ownership(model, condition())
+
+
+def test_the_shipped_experiment_orders_its_conditions_anew_for_every_subject() -> None:
+    scene = load_scene(ROOT / "scenes" / "avatar_cord.json")
+    task = task_of(scene)
+    assert isinstance(task, TaskSpec) and not isinstance(task.trials, str)
+    orders = {tuple(trial.label for trial in plan_trials(task.trials, seed)) for seed in range(1, 30)}
+    assert all(sorted(order) == ["apart", "long_cord", "no_cord", "together"] for order in orders)
+    assert len(orders) > 1
+
+
+@pytest.mark.parametrize(
+    ("change", "pointer"),
+    [
+        ({"trials": [{"trials": [{"label": "nowhere"}]}]}, "/task/trials/0/trials/0/label"),
+        ({"avatar_cord": {"conditions": {"a": {}}, "taps": {"least_s": 3.0, "most_s": 1.0}}}, "/taps/most_s"),
+        ({"avatar_cord": None}, "/task/goals"),
+    ],
+)
+def test_an_experiment_that_cannot_be_is_refused_at_its_place(change: dict, pointer: str) -> None:
+    document = {"goals": [{"kind": "experiment"}], "avatar_cord": {"conditions": {"a": {}}}}
+    document["trials"] = [{"trials": [{"label": "a"}]}]
+    spec = msgspec.convert({**document, **change}, TaskSpec)
+    assert [place for place, _, _ in KIND.check(spec, "/task") if place.endswith(pointer)]
+
+
+def test_an_arm_keeps_its_lengths_wherever_the_hand_is_wanted() -> None:
+    chance = np.random.default_rng(4)
+    for _ in range(300):
+        shoulder, hand, pole = chance.normal(size=(3, 3))
+        elbow, end = reach(shoulder, hand, 0.29, 0.27, pole)
+        assert np.linalg.norm(elbow - shoulder) == pytest.approx(0.29, abs=1e-9)
+        assert np.linalg.norm(end - elbow) == pytest.approx(0.27, abs=1e-9)
+    elbow, end = reach(np.zeros(3), np.zeros(3), 0.29, 0.27, np.zeros(3))
+    assert np.isfinite([elbow, end]).all()
+
+
+def test_a_command_to_the_vibrators_survives_noise_and_no_noise_is_a_command() -> None:
+    command = Command(1, 200, 60, 31_000, 10_003)
+    frame = command_bytes(command)
+    assert len(frame) == FRAME_BYTES
+    reader = CommandReader()
+    assert reader.feed(b"\xa5\x01" + frame[:5]) == []
+    assert reader.feed(frame[5:] + frame) == [command, command]
+    chance = random.Random(3)
+    for _ in range(2000):
+        at, bit = chance.randrange(FRAME_BYTES), 1 << chance.randrange(8)
+        hurt = bytearray(frame)
+        hurt[at] ^= bit
+        assert CommandReader().feed(bytes(hurt)) == []  # one bit: the check sum sees it always
+
+
+def test_a_tap_is_felt_at_its_time_through_a_serial_line() -> None:
+    box = EmulatedVibrators()
+    drive = SerialVibrators(box.port, {"stomach": 0, "back": 1})
+    try:
+        due = time.monotonic_ns() + 2 * FRAME_NS
+        events = [TactileEvent("stomach", due, 0.5, 0.06, 7), TactileEvent("back", due + 5 * MS, 1.0, 0.05, 8)]
+        lines = drive.step([*events, TactileEvent("knee", due, 1.0, 0.05, 9)], time.monotonic_ns())
+        end = time.monotonic() + 20.0
+        while len(drive.answered) < 2 and time.monotonic() < end:
+            time.sleep(0.002)
+            drive.step((), time.monotonic_ns())
+    finally:
+        drive.close()
+        box.close()
+    assert drive.answered == [7, 8]
+    assert [command.channel for _, command in box.taps] == [0, 1]
+    assert [command.strength for _, command in box.taps] == [128, 255]
+    # The order was given in time: what the box was told is within the wire's resolution of the schedule.
+    for line in lines[:2]:
+        assert line["error_ms"] == pytest.approx(0.0, abs=1e-3) or line["commanded_ns"] > line["scheduled_ns"] - 2 * MS
+    assert "knee" in lines[2]["problem"]
+
+
+def test_without_vibrators_the_times_are_kept() -> None:
+    (line,) = NoVibrators().step([TactileEvent("back", 50, 1.0, 0.05, 3)], 10)
+    assert (line["felt_ns"], line["error_ms"], line["channel"]) == (50, 0.0, None)
+
+
+def test_tables_of_a_study_are_tidy(tmp_path: Path) -> None:
+    run = tmp_path / "run"
+    run.mkdir()
+    (run / "trials.csv").write_text("trial,label,outcome,ownership\n0,together,finished,2.0\n1,apart,aborted,\n")
+    events = [
+        {"kind": "tap_seen", "trial": 0, "condition": "together", "tap": 0, "place": "cord"}
+        | {"scheduled_ns": 100, "submitted_ns": 110, "display_ns": 120},
+        {
+            "kind": "tap_felt",
+            "trial": 0,
+            "condition": "together",
+            "tap": 0,
+            "at": "back",
+            "scheduled_ns": 100,
+            "offset_ms": 0,
+        },
+        {"kind": "tactile", "number": 0, "commanded_ns": 90, "felt_ns": 101},
+        {
+            "kind": "answer",
+            "trial": 0,
+            "condition": "together",
+            "item": "q",
+            "scale": "touch",
+            "value": 2,
+            "seconds": 1,
+        },
+    ]
+    (run / "events.jsonl").write_text("".join(json.dumps(event) + "\n" for event in events) + '{"kind": "ta')
+    trials, taps, answers = read_study([SubjectRun(4, 9, run), SubjectRun(5, 10, None, "gone")])
+    assert [row["subject"] for row in trials] == [4, 4]
+    assert taps == [
+        {
+            **{"subject": 4, "trial": 0, "tap": 0, "condition": "together", "place": "cord", "felt_at": "back"},
+            **{"seen_scheduled_ns": 100, "seen_submitted_ns": 110, "seen_display_ns": 120},
+            **{"felt_scheduled_ns": 100, "offset_ms": 0, "felt_commanded_ns": 90, "felt_ns": 101},
+        }
+    ]
+    assert answers[0]["value"] == 2
+    assert summarise_conditions(trials, ["ownership"]) == [
+        {"condition": "together", "n": 1, "ownership": 2.0, "ownership_sd": None}
+    ]
+    write_table(tmp_path / "t.csv", trials)
+    assert (tmp_path / "t.csv").read_text().splitlines()[0] == "subject,seed,trial,label,outcome,ownership"

@@ -1,0 +1,377 @@
+"""Trackers: poses between and after reports, calibration, tapes, and what of noise is believed (nothing)."""
+
+from __future__ import annotations
+
+import math
+import random
+import socket
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
+from mimics_app.contracts.tracker_port import TrackerSample
+from mimics_app.inputs.trackers import vrpn_wire
+from mimics_app.inputs.trackers.ascension import FlockParser, flock_record
+from mimics_app.inputs.trackers.calibration import axis_map, fit_room
+from mimics_app.inputs.trackers.emulated_line import emulated_fastrak, emulated_flock
+from mimics_app.inputs.trackers.hub import Placed, TrackerHub
+from mimics_app.inputs.trackers.osc import OscSender, OscTracker
+from mimics_app.inputs.trackers.plausibility import Plausibility
+from mimics_app.inputs.trackers.pointer_tracker import PointerTracker
+from mimics_app.inputs.trackers.polhemus import RECORD_BYTES, FastrakParser, euler_quaternion, fastrak_record
+from mimics_app.inputs.trackers.scripted_person import PERSON_SENSORS, ScriptedPerson, person_at
+from mimics_app.inputs.trackers.serial_tracker import fastrak, flock_of_birds
+from mimics_app.inputs.trackers.tape import TapeTracker, TapeWriter, read_tape
+from mimics_app.inputs.trackers.track import Track
+from mimics_app.inputs.trackers.vrpn import VrpnServer, VrpnTracker
+from mimics_app.maths.poses import pose_from_parts, rotation_from_vector, rotation_vector
+
+MS = 1_000_000
+SEED = 7
+
+
+def wait_for(true: Callable[[], bool], seconds: float = 20.0) -> None:
+    end = time.monotonic() + seconds
+    while not true():
+        assert time.monotonic() < end, "nothing came"
+        time.sleep(0.002)
+
+
+def sample(t_ns: int, x: float, turn_deg: float = 0.0) -> TrackerSample:
+    return TrackerSample("1", t_ns, (x, 0.0, 0.0), euler_quaternion(turn_deg, 0.0, 0.0))
+
+
+def test_a_pose_between_two_reports_is_between_them() -> None:
+    track = Track()
+    assert track.pose(0) is None
+    track.add(sample(10 * MS, 1.0, 0.0))
+    track.add(sample(20 * MS, 2.0, 40.0))
+    pose = track.pose(15 * MS)
+    assert pose is not None and not pose.stale
+    assert pose.pose[0, 3] == pytest.approx(1.5, abs=1e-12)
+    assert np.linalg.norm(rotation_vector(pose.pose[:3, :3])) == pytest.approx(math.radians(20.0), abs=1e-12)
+    assert track.pose(0).pose[0, 3] == 1.0  # before the first report: where it was first
+
+
+def test_after_the_last_report_it_goes_on_for_50_ms_and_no_farther() -> None:
+    track = Track()
+    track.add(sample(0, 0.0, 0.0))
+    track.add(sample(10 * MS, 0.01, 1.0))
+    for ahead, moved, capped, stale in ((20, 0.03, False, False), (50, 0.06, False, False), (80, 0.06, True, False)):
+        pose = track.pose((10 + ahead) * MS)
+        assert pose is not None
+        assert pose.pose[0, 3] == pytest.approx(moved, abs=1e-12)
+        assert (pose.capped, pose.stale) == (capped, stale)
+    lost = track.pose(111 * MS)
+    assert lost is not None and lost.stale and lost.capped
+    assert lost.pose[0, 3] == 0.01  # where it was seen last, not where it might have gone
+
+
+def test_prediction_of_a_turning_head_errs_no_more_than_its_curvature_allows() -> None:
+    """+-30 deg at 1 Hz, 30 ms ahead of reports at 120 Hz: A w^2 t (t + step) / 2 = 0.68 deg at most."""
+    track, worst, held = Track(), 0.0, 0.0
+    step = 1 / 120
+    amplitude, omega, ahead = math.radians(30.0), 2 * math.pi, 0.030
+    for k in range(240):
+        t = k * step
+        track.add(sample(round(t * 1e9), 0.0, math.degrees(amplitude * math.sin(omega * t))))
+        if k < 2:
+            continue
+        pose = track.pose(round((t + ahead) * 1e9))
+        true = amplitude * math.sin(omega * (t + ahead))
+        assert pose is not None
+        worst = max(worst, abs(rotation_vector(pose.pose[:3, :3])[2] - true))
+        held = max(held, abs(amplitude * math.sin(omega * t) - true))
+    assert worst <= amplitude * omega**2 * ahead * (ahead + step) / 2 + 1e-9
+    assert worst <= held / 6.0
+
+
+def test_reports_out_of_order_are_left_out_and_the_ring_forgets() -> None:
+    track = Track()
+    for k in range(3000):
+        track.add(sample(k * MS, k * 1e-3))
+        track.add(sample(k * MS - 1, 99.0))
+    assert track.pose(2900 * MS + MS // 2).pose[0, 3] == pytest.approx(2.9005, abs=1e-9)
+    assert track.pose(5 * MS).pose[0, 3] == pytest.approx((3000 - 1023) * 1e-3, abs=1e-9)
+
+
+def test_a_room_is_found_again_from_its_points() -> None:
+    chance = np.random.default_rng(SEED)
+    rotation, move = rotation_from_vector(np.array([0.3, -1.2, 0.4])), np.array([1.0, 0.5, -2.0])
+    seen = chance.uniform(-1.0, 1.0, (6, 3))
+    found = fit_room(seen, 1.03 * seen @ rotation.T + move)
+    np.testing.assert_allclose(found.rotation, rotation, atol=1e-12)
+    assert found.scale == pytest.approx(1.03, abs=1e-12)
+    assert found.residual_m <= 1e-12
+    assert found.fault == ""
+    noisy = fit_room(seen, seen + chance.normal(0.0, 0.002, (6, 3)))
+    # Six points, seven numbers fitted to eighteen: sigma sqrt(3 (1 - 7/18)) = 2.7 mm is left in the mean.
+    assert 0.0005 < noisy.residual_m < 0.008
+    assert noisy.worst_m >= noisy.residual_m
+
+
+def test_a_calibration_that_cannot_be_is_refused_or_named() -> None:
+    chance = np.random.default_rng(SEED)
+    seen = chance.uniform(-1.0, 1.0, (5, 3))
+    with pytest.raises(UsageError, match="at least 4"):
+        fit_room(seen[:3], seen[:3])
+    with pytest.raises(UsageError, match="plane"):
+        fit_room(seen, seen * [1.0, 0.0, 1.0])
+    assert "mirror image" in fit_room(seen, seen * [-1.0, 1.0, 1.0]).fault
+    assert "upside down" in fit_room(seen, seen * [1.0, -1.0, -1.0]).fault
+    assert "another order" in fit_room(seen, seen[[1, 0, 2, 4, 3]]).fault
+
+
+def test_axes_are_read_and_mirror_images_refused() -> None:
+    np.testing.assert_array_equal(axis_map("x,-z,y") @ [1.0, 2.0, 3.0], [1.0, -3.0, 2.0])
+    for wrong in ("x,y", "x,x,y", "x,y,-z", "a,b,c", ""):
+        with pytest.raises(UsageError):
+            axis_map(wrong)
+
+
+def test_a_record_says_what_it_was_made_from() -> None:
+    place, angles = (0.12, -0.34, 0.56), (120.25, -45.5, 9.99)
+    record = fastrak_record(1, place, angles, 0.01)
+    assert len(record) == RECORD_BYTES
+    (found,) = FastrakParser(0.01).feed(record, 5)
+    assert found.position == pytest.approx(place, abs=1e-12)
+    assert found.rotation == pytest.approx(euler_quaternion(*angles), abs=1e-12)
+    (bird,) = FlockParser().feed(flock_record(place, angles), 5)
+    assert bird.position == pytest.approx(place, abs=36 * 0.0254 / 8192)  # 14 bits
+    turn = (
+        pose_from_parts((0, 0, 0), bird.rotation)[:3, :3].T
+        @ pose_from_parts((0, 0, 0), euler_quaternion(*angles))[:3, :3]
+    )
+    assert np.linalg.norm(rotation_vector(turn)) <= math.radians(3 * 180 / 8192)
+
+
+@pytest.mark.parametrize(("parser", "record"), [("fastrak", 47), ("flock", 12)])
+def test_of_a_stream_that_loses_bytes_only_whole_records_are_used_and_two_later_all_is_well(
+    parser: str, record: int
+) -> None:
+    chance = random.Random(SEED)
+    reader = FastrakParser(0.01) if parser == "fastrak" else FlockParser()
+    believed, sent, accepted = Plausibility(), {}, 0
+    for k in range(4000):
+        place, angles = person_at("hand_right", k / 120, SEED)
+        place = (place[0], place[1] - 1.0, place[2])
+        data = fastrak_record(1, place, angles, 0.01) if parser == "fastrak" else flock_record(place, angles)
+        (clean,) = (FastrakParser(0.01) if parser == "fastrak" else FlockParser()).feed(data, k)
+        sent[k] = clean.position
+        if k % 10 == 5:
+            at = chance.randrange(record)
+            data = data[:at] + data[at + 1 :]
+        for found in reader.feed(data, k * 8 * MS):
+            if believed.admits(found):
+                accepted += 1
+                assert found.position in (sent[k], sent.get(k - 1))
+    # One record in ten is hit; it is lost, and at most the one after it.
+    assert accepted >= 4000 * 0.8 - 2
+    assert reader.rejected >= 399
+
+
+@pytest.mark.parametrize("kind", ["noise", "digits", "phases"])
+@pytest.mark.parametrize("parser", ["fastrak", "flock"])
+def test_a_million_bytes_of_noise_make_no_pose(parser: str, kind: str) -> None:
+    chance = np.random.default_rng(SEED)
+    alphabet = {
+        "noise": np.arange(256, dtype=np.uint8),
+        "digits": np.frombuffer(b"0123456789 .-\r\n01 ", np.uint8),
+        "phases": np.array([0x80, *range(12)], np.uint8),
+    }[kind]
+    data = chance.choice(alphabet, 1_000_000).tobytes()
+    reader = FastrakParser(0.01) if parser == "fastrak" else FlockParser()
+    believed = Plausibility()
+    taken = [s for at in range(0, len(data), 4096) for s in reader.feed(data[at : at + 4096], at) if believed.admits(s)]
+    if (parser, kind) == ("flock", "phases"):
+        # An alphabet made to look like records does make some of them; in line noise there is none.
+        assert all(math.hypot(*s.position) < 20.0 for s in taken)
+    else:
+        assert taken == []
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.binary(max_size=300), st.integers(1, 60))
+def test_no_bytes_break_a_reader(data: bytes, cut: int) -> None:
+    for reader in (FastrakParser(1.0), FlockParser()):
+        for at in range(0, len(data), cut):
+            reader.feed(data[at : at + cut], at)
+    wire = vrpn_wire.MessageReader()
+    try:
+        for message in wire.feed(vrpn_wire.COOKIE + data):
+            assert message.pose is None or len(message.pose[1]) == 7
+    except ValueError:
+        pass  # a line that cannot be trusted is closed
+
+
+@pytest.mark.parametrize("kind", ["fastrak", "flock"])
+def test_a_tracker_on_a_serial_line_follows_its_person(kind: str) -> None:
+    line = emulated_fastrak(stations=2, seed=SEED) if kind == "fastrak" else emulated_flock(seed=SEED)
+    make = fastrak if kind == "fastrak" else flock_of_birds
+    tracker, taken = make("desk", line.port), []
+    try:
+        tracker.start(taken.append)
+        wait_for(lambda: len(taken) >= 60)
+    finally:
+        tracker.stop()
+        line.close()
+    # The line carries a record of 47 bytes in 4.1 ms at 115200 baud: nothing arrives before it could.
+    bits = 10 * (2 * 47 if kind == "fastrak" else 12) / 115200
+    for sensor, role in (("1", "head"), ("2", "chest")) if kind == "fastrak" else (("1", "hand_right"),):
+        reports = [s for s in taken if s.sensor == sensor]
+        assert len(reports) >= 20
+        for report in reports[5:]:
+            place = person_at(role, report.t_ns * 1e-9 - bits, SEED)[0]
+            height = 1.0 if kind == "flock" else 0.0
+            # The person moves 0.4 m/s at most; a stalled process may be half a second late.
+            assert math.dist((report.position[0], report.position[1] + height, report.position[2]), place) < 0.25
+    assert tracker.problem == ""
+
+
+def test_a_line_that_goes_away_is_told_and_ends_nothing() -> None:
+    line = emulated_fastrak()
+    tracker, taken = fastrak("desk", line.port), []
+    tracker.start(taken.append)
+    wait_for(lambda: len(taken) > 3)
+    line.close()
+    wait_for(lambda: tracker.problem != "")
+    assert "gone" in tracker.problem
+    tracker.stop()
+
+
+def test_a_port_that_is_not_there_is_one_clear_error() -> None:
+    with pytest.raises(DeviceError, match="desk"):
+        fastrak("desk", "/dev/no_such_port").start(print)
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        free = taken.getsockname()[1]
+    with pytest.raises(DeviceError, match="VRPN"):
+        VrpnTracker("v", f"Tracker0@127.0.0.1:{free}").start(print)
+
+
+def test_vrpn_from_our_server_to_our_client() -> None:
+    server, taken = VrpnServer("mocap"), []
+    tracker = VrpnTracker("mocap", f"mocap@127.0.0.1:{server.port}")
+    tracker.start(taken.append)
+    try:
+        wait_for(lambda: server.clients == 1)
+        for k in range(100):
+            server.send(3, (k * 1e-3, 0.1, 0.2), (0.0, 0.0, 0.0, 1.0), k * MS)
+        server.send(3, (math.nan, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), 0)
+        server.send(3, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0), 0)
+        wait_for(lambda: tracker.rejected >= 3)  # the first, held back, and the two that cannot be
+    finally:
+        tracker.stop()
+        server.close()
+    assert [s.position[0] for s in taken] == pytest.approx([k * 1e-3 for k in range(1, 100)])
+    assert {s.sensor for s in taken} == {"3"}
+    assert [s.device_ns for s in taken] == [k * MS for k in range(1, 100)]
+
+
+def test_a_server_that_speaks_something_else_is_told() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        tracker = VrpnTracker("v", f"a@127.0.0.1:{server.getsockname()[1]}")
+        tracker.start(print)
+        client, _ = server.accept()
+        client.sendall(b"HTTP/1.1 400 Bad Request\r\n\r\n")
+        wait_for(lambda: "VRPN" in tracker.problem)
+        client.close()
+    tracker.stop()
+
+
+def test_a_skeleton_arrives_by_osc_joint_by_joint() -> None:
+    tracker, taken = OscTracker("mocap", "0"), []
+    tracker.start(taken.append)
+    sender = OscSender(tracker.port)
+    try:
+        for k in range(200):
+            for joint in PERSON_SENSORS:
+                place, angles = person_at(joint, k / 120, SEED)
+                sender.send(f"person/{joint}", place, euler_quaternion(*angles))
+            if len(taken) >= 40:
+                break
+            time.sleep(0.005)
+        sender._client.send_message("/pose/x", "no numbers")
+        wait_for(lambda: tracker.rejected >= 5)
+    finally:
+        tracker.stop()
+        sender.close()
+    assert {s.sensor for s in taken} == {f"person/{joint}" for joint in PERSON_SENSORS}
+
+
+def test_a_tape_gives_back_every_bit(tmp_path: Path) -> None:
+    file = tmp_path / "tape.jsonl"
+    hub = TrackerHub([Placed(ScriptedPerson("p", SEED), {"head": "head"})], TapeWriter(file))
+    hub.start()
+    poses = []
+    for frame in range(120):
+        hub.poll(frame * 16 * MS)
+        poses.append(hub.head(frame * 16 * MS + 20 * MS))
+    hub.stop()
+    again = TrackerHub([Placed(TapeTracker("t", file), {"head": "head"})])
+    again.start()
+    for frame in range(120):
+        again.poll(frame * 16 * MS)
+        found = again.head(frame * 16 * MS + 20 * MS)
+        assert (found is None) == (poses[frame] is None)
+        assert found is None or found.tobytes() == poses[frame].tobytes()
+    text = file.read_bytes()
+    file.write_bytes(text[:-20])  # cut off by a crash
+    assert len(read_tape(file)) == text.count(b"\n") - 1
+    file.write_bytes(b'{"sensor": 1}\n' + text)
+    with pytest.raises(SceneError) as caught:
+        read_tape(file)
+    assert caught.value.issues[0].pointer == "line 1"
+
+
+def test_the_hub_brings_sensors_into_the_room_and_falls_back_to_whoever_still_sees() -> None:
+    person, pointer = ScriptedPerson("p", SEED), PointerTracker("desk")
+    seen = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float)
+    turned = rotation_from_vector(np.array([0.0, math.pi / 2, 0.0]))
+    room = fit_room(seen, seen @ turned.T + [0.0, 1.0, 0.0])
+    hub = TrackerHub(
+        [
+            Placed(person, {"head": "head"}, calibration=room),
+            Placed(pointer, {"head": "head", "hand_left": "hand_left"}),
+        ]
+    )
+    hub.start()
+    hub.poll(10 * MS)
+    place, _ = person_at("head", 8_333_333e-9, SEED)
+    expected = turned @ place + [0.0, 1.0, 0.0]
+    np.testing.assert_allclose(hub.pose("head", 8_333_333).pose[:3, 3], expected, atol=1e-9)
+    assert hub.roles == ("head", "hand_left")
+    assert hub.pose("foot", 0) is None
+    pointer.poll(500 * MS)  # the person has not been heard of for half a second
+    np.testing.assert_allclose(hub.pose("head", 500 * MS).pose[:3, 3], [0.0, 1.7, 0.0], atol=1e-12)
+
+
+def test_a_source_that_cannot_be_had_stops_those_begun_before_it() -> None:
+    person = ScriptedPerson("p", SEED)
+    hub = TrackerHub([Placed(person, {"head": "head"}), Placed(fastrak("f", "/dev/none"), {})])
+    with pytest.raises(DeviceError):
+        hub.start()
+    assert person._sink is None
+
+
+def test_bytes_become_a_pose_within_a_millisecond_of_work() -> None:
+    """The work between a record's last byte and its pose, in units of reading the clock: far below 1 ms."""
+    clock, parser, believed = MonotonicClock(), FastrakParser(0.01), Plausibility()
+    track, spent = Track(), []
+    for k in range(400):
+        place, angles = person_at("head", k / 120, SEED)
+        record = fastrak_record(1, place, angles, 0.01)
+        begun = clock.now_ns()
+        for found in parser.feed(record, k * 8 * MS + 1):
+            if believed.admits(found):
+                track.add(found)
+        track.pose(k * 8 * MS + 10 * MS)
+        spent.append(clock.now_ns() - begun)
+    assert track.newest is not None
+    assert sorted(spent)[200] < 5 * MS  # the median, on the slowest machine there is
