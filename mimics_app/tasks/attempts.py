@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
+from mimics_app.contracts.messages import TrialResult
 from mimics_app.contracts.trial_counts import (
     COUNTED_PRACTICE,
     COUNTED_TRIALS,
@@ -132,6 +133,15 @@ class Attempts:
             self.score = row["score"]
         self.rows.append(row)
         self._on_row(row)
+
+    def trial_result(self, values: Mapping[str, float], now_ns: int) -> TrialResult:
+        """The attempt that just ended at its goal or its time, for a learning system."""
+        row = self.rows[-1]
+        finished = row["outcome"] == FINISHED
+        performance = float(finished) if row["score"] is None else row["score"] / 100.0
+        return TrialResult(
+            row["trial"], now_ns, row["outcome"], performance, performance, bool(row["practice"]), dict(values)
+        )
 
     def result(self, now_ns: int) -> dict[str, Any]:
         """Totals of the session: its `TrialCounts`, and the totals of `tasks.score.session_result`.

@@ -19,6 +19,7 @@ from mimics_app.world.components.registry import Component
 __all__ = [
     "MEASURES",
     "ActionDeed",
+    "ActionKind",
     "BlockSpec",
     "ContactCondition",
     "Deed",
@@ -45,6 +46,7 @@ __all__ = [
 ]
 
 Order = Literal["listed", "shuffled", "latin"]
+ActionKind = Literal["avatar", "complexity", "appearance", "flow", "sound", "difficulty", "duration"]
 StateName = Literal["approach", "ready", "travel", "finished", "timeout", "aborted", "stopped", "rest", "done"]
 
 
@@ -85,6 +87,14 @@ class ParameterSpec(Component, frozen=True):
         Meta(description="Largest change per second [unit/s] inside a trial; 0: changes only between trials."),
     ] = 0.0
     unit: Annotated[str, Meta(description="Unit of the value; '-' for none.")] = "-"
+    kind: Annotated[ActionKind, Meta(description="What it changes, for whoever chooses among actions.")] = "difficulty"
+    harder: Annotated[
+        Literal[-1, 0, 1],
+        Meta(description="1: larger values make the task harder; -1: smaller ones do; 0: neither."),
+    ] = 0
+    cost: Annotated[Factor, Meta(description="What a change over the whole range costs a learning system.")] = 0.0
+    dwell_s: Annotated[Seconds, Meta(description="Shortest time between two changes by a learning system [s].")] = 0.0
+    veto: Annotated[bool, Meta(description="True: no learning system may change it.")] = False
 
 
 class PointGoal(Component, frozen=True, tag="point", tag_field="kind"):

@@ -12,7 +12,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from mimics_app.contracts.board import Board, Card
-from mimics_app.contracts.messages import HapticSnapshot, SoundEvent, TaskAction, TaskOrders, VRInput
+from mimics_app.contracts.messages import HapticSnapshot, SoundEvent, TaskAction, TaskOrders, TrialResult, VRInput
 from mimics_app.contracts.scenario_port import Home, TaskContext
 from mimics_app.contracts.trial_counts import FINISHED, SESSION_ENDED
 from mimics_app.contracts.trial_state import TaskView, TrialState
@@ -84,6 +84,7 @@ class TaskManager:
         self._entered_ns: int | None = None
         self._last_ns = 0
         self._cause = 0
+        self._result: TrialResult | None = None
 
     @property
     def action_space(self) -> ActionSpace:
@@ -129,6 +130,7 @@ class TaskManager:
             seen = play.see(seen, self._settings.task)
         if action is not None:
             self._take(action, now_ns)
+        self._result = None
         left, entered = self._advance(seen)
         moment = Moment(self._state, entered, left, vr.pressed, seen)
         sounds = [sound for deed in self._triggers.due(moment) for sound in self._do(deed, seen)]
@@ -192,8 +194,10 @@ class TaskManager:
             self._attempts.end(ABORTED, cause, values, seen.now_ns)
         elif following is TrialState.FINISHED:
             self._attempts.end(FINISHED, "", values, seen.now_ns)
+            self._result = self._attempts.trial_result(values, seen.now_ns)
         elif following is TrialState.TIMEOUT:
             self._attempts.end(TIMEOUT, "", values, seen.now_ns)
+            self._result = self._attempts.trial_result(values, seen.now_ns)
 
     def _enter(self, state: TrialState, seen: Observation) -> None:
         self._state, self._entered_ns = state, seen.now_ns
@@ -250,6 +254,8 @@ class TaskManager:
             board=self._lay_out(seen, view),
             person_may_act=self._state is TrialState.TRAVEL,
             finished=self.done,
+            result=self._result,
+            demand=self._space.demand(self._adaptation.values),
         )
 
     def _view(self, seen: Observation) -> TaskView:

@@ -11,15 +11,14 @@ from typing import Self
 
 from mimics_app.app.session.preparation import Preparation
 from mimics_app.app.session.switched_off import NullRecorder, NullSound, RecorderPort, SoundPort
+from mimics_app.app.session.tap import Tap
 from mimics_app.app.touch.device_fit import device_values, fit_context
 from mimics_app.app.touch.haptic_side import HapticSide
 from mimics_app.app.touch.parameter_desk import ParameterDesk
 from mimics_app.contracts.clock import Clock, MonotonicClock, VirtualClock
 from mimics_app.contracts.scenario_port import Scenario
 from mimics_app.contracts.session_memory import SessionMemory
-from mimics_app.contracts.stages import Dsp, Estimation, Learning
-from mimics_app.dsp.stage import NullDsp
-from mimics_app.estimation.stage import NullEstimation
+from mimics_app.contracts.stages import Dsp, Estimation, Goal, Learning
 from mimics_app.inputs.interaction.simulated_patient import SimulatedPatient
 from mimics_app.inputs.stage import Inputs
 from mimics_app.rendering.haptic.engine import HapticEngine
@@ -58,11 +57,14 @@ class SessionCore:
         self.haptics: HapticEngine = parts.side.engine(memory, parts.plugin, recipe=parts.settings.recipe)
         context, seed = fit_context(parts.scenario.task_context, parts.plugin), parts.settings.seed
         self.tasks = TaskManager(parts.task, context, seed, on_trial=recorder.trial, on_event=recorder.journal)
-        self.inputs = Inputs([simulated_person(parts.scene, parts.scenario)])
-        self.dsp: Dsp = NullDsp()
-        self.estimation: Estimation = NullEstimation()
-        self.learning: Learning = parts.learning
+        body = parts.body
+        self.inputs = Inputs([simulated_person(parts.scene, parts.scenario)], body.sources)
+        self.dsp: Dsp = body.dsp
+        self.estimation: Estimation = body.estimation
+        self.learning: Learning = body.learning
+        self.goal: Goal = body.goal
         self.recorder = recorder
+        self.tap = Tap(recorder)
         self.tell: Callable[[str], None] = _say_nothing
         self.sound = sound
 
@@ -74,6 +76,8 @@ class SessionCore:
         """End the task and the loop, and close the device."""
         self.tasks.end_session(self.clock.now_ns())
         self.haptics.stop()
+        self.inputs.close()
+        self.tap.flush()
 
     def __enter__(self) -> Self:
         return self
