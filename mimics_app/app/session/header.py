@@ -39,6 +39,7 @@ def describe_session(parts: Preparation) -> dict[str, Any]:
             name: str(value) if isinstance(value, Path) else value for name, value in asdict(settings).items()
         },
         "facts": parts.scenario.facts,
+        **({"body": parts.body.header} if parts.body.header else {}),
         "plan": describe_plan(scene, parts.plan.without_picture if parts.live else parts.plan),
     }
 

@@ -24,6 +24,7 @@ from mimics_app.tasks.actions import fill_defaults
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.trial_file import resolve_trials
+from mimics_app.tasks.trials import repeated
 from mimics_app.world.components.robot import Patient, Robot
 from mimics_app.world.scene.file import build_world
 from mimics_app.world.scene.scene import Scene
@@ -93,8 +94,10 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False) ->
     side = HapticSide(scene)
     desk = side.desk(scenario.scene_block())
     task = fill_defaults(resolve_trials(task_of(scene), scene.path.parent, scene.root), desk.value)
-    body = open_body(settings, task)
+    if settings.learn and settings.seconds is not None:
+        task = repeated(task, settings.seconds)
     robot, patient = _who_moves(settings, scene, live=live)
+    body = open_body(settings, task, patient.preset)
     way, objects = scenario.via_points_world, side.for_robot(robot)
     plugin = build_device(robot, patient, way, settings.seed, samples=_recorded(settings), objects=objects)
     return Preparation(

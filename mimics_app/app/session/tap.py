@@ -3,17 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Protocol
 
 import msgspec
 
-from mimics_app.app.session.switched_off import RecorderPort
 from mimics_app.contracts.messages import FeatureFrame, SignalBlock, TaskAction, TrialResult, UserState
 from mimics_app.recording.signal_rows import SignalRow
 
-__all__ = ["Tap", "choice_line", "features_line", "person_line", "result_line"]
+__all__ = ["Keeper", "Tap", "choice_line", "features_line", "person_line", "result_line"]
 
 _FRAMES = 30
 """Signals are handed over in pieces of half a second: one message costs more than its samples."""
+
+
+class Keeper(Protocol):
+    """What a tap needs of a recorder."""
+
+    def journal(self, kind: str, data: Mapping[str, object]) -> None:
+        """Keep a line."""
+        ...
+
+    def signals(self, rows: Sequence[SignalRow]) -> None:
+        """Keep blocks of signals."""
+        ...
 
 
 class Tap:
@@ -23,7 +35,7 @@ class Tap:
         recorder: Of the session.
     """
 
-    def __init__(self, recorder: RecorderPort) -> None:
+    def __init__(self, recorder: Keeper) -> None:
         self._recorder = recorder
         self._rows: list[SignalRow] = []
         self._features_ns = self._state_ns = -1
