@@ -67,10 +67,10 @@ class Gsr(Channel):
         features = {
             "scl": tonic,
             "phasic": float(self._smooth[-1]) - tonic,
-            "scr_rate": 60.0 * len(self._responses) / covered,
-            "scr_sum": 60.0 * sum(size for _, size in self._responses) / covered,
         }
-        if covered >= 0.5 * _WINDOW_S:
+        if covered >= 0.4 * _WINDOW_S:
+            features["scr_rate"] = 60.0 * len(self._responses) / covered
+            features["scr_sum"] = 60.0 * sum(size for _, size in self._responses) / covered
             minutes = np.arange(len(levels)) / 60.0
             features["scl_slope"] = float(np.polynomial.polynomial.polyfit(minutes, levels, 1)[1])
         return Found(features, quality)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from importlib.metadata import entry_points
+from pathlib import Path
 
 from mimics_app.contracts.errors import UsageError, nearest
 from mimics_app.contracts.input_port import SignalSource
@@ -27,7 +28,31 @@ def _simulated(preset: str, seed: int) -> SignalSource:
     return SimulatedBody(preset or "moderate", seed)
 
 
-KINDS: dict[str, _Opener] = {"sim": _simulated}
+def _file(path: str, seed: int) -> SignalSource:
+    from mimics_app.inputs.physio.recording import FileSource, read_signal_file
+
+    return FileSource(read_signal_file(Path(path)))
+
+
+def _lsl(name: str, seed: int) -> SignalSource:
+    from mimics_app.inputs.physio.lsl import LslSource
+
+    return LslSource(name)
+
+
+def _serial(address: str, seed: int) -> SignalSource:
+    from mimics_app.inputs.physio.serial_amplifier import SerialAmplifier
+
+    return SerialAmplifier(address)
+
+
+def _board(address: str, seed: int) -> SignalSource:
+    from mimics_app.inputs.physio.board import BoardSource
+
+    return BoardSource(address)
+
+
+KINDS: dict[str, _Opener] = {"sim": _simulated, "file": _file, "lsl": _lsl, "serial": _serial, "board": _board}
 """What comes with the product."""
 
 
@@ -40,6 +65,8 @@ def open_source(address: str, seed: int) -> SignalSource:
         SceneError: The file is none, or wrong.
     """
     kind, _, rest = address.partition(":")
+    if kind in KINDS and kind != "sim" and not rest:
+        raise UsageError(f'"{address}" names no {kind} source', f"write {kind}:NAME")
     if kind in KINDS:
         return KINDS[kind](rest, seed)
     points = {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
