@@ -110,7 +110,7 @@ class Channel:
         low, high = values.min(), values.max()
         if high == low:
             return 0.0
-        railed = np.count_nonzero((values == low) | (values == high))
+        railed = int(np.count_nonzero((values == low) | (values == high)))
         railed = railed if railed > 0.02 * len(values) + 3 else 0
         jump = 0.0 if np.isnan(self._last_level) else abs(float(np.median(values)) - self._last_level)
         self._last_level = float(np.median(values))

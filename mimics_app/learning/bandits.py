@@ -38,7 +38,7 @@ class _LinearBandit:
         """Features of every level [n, levels, f], weights [n, f], covariance [n, f, f]."""
         n = len(self._place)
         features = _features(np.tile(LEVELS, (n, 1)), self._place, self._seen)
-        covariance = np.linalg.inv(self._precision)
+        covariance: Floats = np.linalg.inv(self._precision)
         return features, np.einsum("nfg,ng->nf", covariance, self._sums), covariance
 
 

@@ -129,10 +129,10 @@ class AmplifierReader:
         return end + 2, Samples(number, values)
 
     def _lost(self) -> tuple[int, None]:
-        """Go on at the next mark."""
+        """Go on at the next mark or line."""
         self.damaged += 1
-        place = self._bytes.find(_MARK, 1)
-        return (place if place > 0 else len(self._bytes)), None
+        places = (self._bytes.find(_MARK, 1), self._bytes.find(b"\n", 1) + 1)
+        return min((place for place in places if place > 0), default=len(self._bytes)), None
 
     def _line(self) -> tuple[int, Samples | None]:
         end = self._bytes.find(b"\n")

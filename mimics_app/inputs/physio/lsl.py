@@ -7,6 +7,7 @@ sender, corrected by the measured offset of its clock; the offsets are kept.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,6 +26,7 @@ __all__ = ["LslSource"]
 _PATIENCE_S = 5.0
 _SECOND = 1_000_000_000
 _MOST = 4096
+_GLANCE_S = 0.002
 _ASK_OFFSET_NS = 5 * _SECOND
 
 
@@ -64,12 +66,13 @@ class LslSource:
         self._pylsl = pylsl
         self.offsets: list[float] = []
         self._ask_ns = 0
+        self._measure_offset(_PATIENCE_S)
 
     def read(self, now_ns: int) -> tuple[SignalBlock, ...]:
         """What has come."""
         if now_ns >= self._ask_ns:
             self._ask_ns = now_ns + _ASK_OFFSET_NS
-            self._measure_offset()
+            self._measure_offset(_GLANCE_S)
         samples, times = self._inlet.pull_chunk(timeout=0.0, max_samples=_MOST)
         if not times:
             return ()
@@ -92,9 +95,10 @@ class LslSource:
         """Let the stream go."""
         self._inlet.close_stream()
 
-    def _measure_offset(self) -> None:
+    def _measure_offset(self, patience_s: float) -> None:
+        """Note the offset of the sender's clock; later ones are there at once, the library measures on its own."""
         try:
-            self.offsets.append(float(self._inlet.time_correction(0.2)))
+            self.offsets.append(float(self._inlet.time_correction(patience_s)))
         except (self._pylsl.util.TimeoutError, RuntimeError):
             return  # the sender is away; the old offset stands
 
@@ -116,7 +120,7 @@ def _columns(info: object) -> dict[str, int]:
     return columns
 
 
-def _library():  # type: ignore[no-untyped-def]
+def _library() -> ModuleType:
     try:
         import pylsl
     except (ImportError, RuntimeError) as error:  # the second: its shared library is not there

@@ -41,7 +41,7 @@ PRESETS: dict[str, Preset] = {
     "lagged": Preset(0.5, "a heart that follows late", "lagged"),
     "ectopic": Preset(0.5, "5 % early beats", disturbance=Disturbance(ectopic=0.05)),
     "noisy": Preset(0.5, "bad electrodes", disturbance=Disturbance(wander=0.3, muscle=0.12, mains=0.05, motion=0.6)),
-    "loose": Preset(0.5, "electrodes that come off", disturbance=Disturbance(lead_off=0.15)),
+    "loose": Preset(0.5, "electrodes that come off", disturbance=Disturbance(lead_off=0.6)),
 }
 
 
