@@ -138,11 +138,12 @@ class TrialResult:
     Attributes:
         trial: Its number, 0 first.
         t_ns: When it ended.
-        outcome: "finished" or "timeout".
+        outcome: "finished" or "timeout"; "step" where a step inside a trial ended, not the trial.
         performance: How well it went, 0 to 1: the score's share, else whether the goal was reached.
         reward: What the task itself finds it worth, for a learning system whose goal is the task's.
         practice: Not a trial that counts.
         values: The adaptable parameters as they were.
+        observed: What a task that is chosen for step by step sees of itself, by name; only with outcome "step".
     """
 
     trial: int
@@ -152,6 +153,7 @@ class TrialResult:
     reward: float
     practice: bool = False
     values: Mapping[str, float] = field(default_factory=dict)
+    observed: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

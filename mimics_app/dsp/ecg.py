@@ -13,28 +13,28 @@ from mimics_app.dsp.rhythm import Rhythm
 
 __all__ = ["TUNING", "Ecg"]
 
-BAND = (8.3, 29.0)
+BAND = (8.2, 29.0)
 """[Hz]"""
 ORDER = 2
 
 TUNING = np.array(
     [
-        0.102,  # window of the energy [s]
+        0.1,  # window of the energy [s]
         0.107,  # a peak of the energy stands when nothing larger came for so long [s]
-        0.264,  # no two beats nearer than this [s]
+        0.222,  # no two beats nearer than this [s]
         2.0,  # levels are taken from so much of the beginning [s]
-        0.601,  # ... or when the energy fell below this share of it
-        1.787,  # a beat is missing after so many usual intervals
-        0.123,  # then a refused peak counts that rose this share of the way from noise to beats
-        0.5,  # threshold between noise (0) and beats (1) when a beat is due
-        1.005,  # just after a beat
-        1.0,  # share of the usual interval in which it falls from the one to the other
-        0.267,  # weight of a new beat in the level of beats
-        0.16,  # weight of a refused peak in that of noise
-        0.1,  # loss of the level of beats per second without any [1/s]
-        0.942,  # first level of beats, of the second largest peak
+        0.603,  # ... or when the energy fell below this share of it
+        1.813,  # a beat is missing after so many usual intervals
+        0.103,  # then a refused peak counts that rose this share of the way from noise to beats
+        0.504,  # threshold between noise (0) and beats (1) when a beat is due
+        1.031,  # just after a beat
+        1.03,  # share of the usual interval in which it falls from the one to the other
+        0.259,  # weight of a new beat in the level of beats
+        0.197,  # weight of a refused peak in that of noise
+        0.081,  # loss of the level of beats per second without any [1/s]
+        1.0,  # first level of beats, of the second largest peak
         0.074,  # weight of a new interval in the usual one
-        2.231,  # a beat counts at most so many times the level
+        2.041,  # a beat counts at most so many times the level
     ]
 )
 """Found by a random search over the six MIT-BIH records with and without synthetic noise and the four of the noise

@@ -9,7 +9,7 @@ from mimics_app.contracts.messages import Estimate, FeatureFrame, UserState
 from mimics_app.estimation.baseline import Baseline
 from mimics_app.estimation.effort import EffortModel
 
-__all__ = ["FusionEstimation"]
+__all__ = ["FusionEstimation", "load_of"]
 
 _STEP_S = 1.0
 _TAU_S = 20.0
@@ -67,7 +67,7 @@ class FusionEstimation:
             arousal=Estimate(math.tanh(self._mean), self._variance) if known else None,
             valence=self._valence() if known else None,
             effort=effort,
-            load=_load(self._mean, self._variance) if known else None,
+            load=load_of(self._mean, self._variance) if known else None,
             quality=max(body, default=0.0),
         )
         return self._state
@@ -107,7 +107,7 @@ class FusionEstimation:
         return Estimate(-0.4 * max(math.tanh(self._mean), 0.0), _VALENCE_VARIANCE)
 
 
-def _load(mean: float, variance: float) -> tuple[float, float, float]:
+def load_of(mean: float, variance: float) -> tuple[float, float, float]:
     """Probability that arousal is below, within or above the band of a task that is just right."""
     deviation = math.sqrt(variance)
 

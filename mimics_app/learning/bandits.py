@@ -8,13 +8,18 @@ from mimics_app.learning.policy import LEVELS, Choice, Floats, Outcome
 
 __all__ = ["LinUcb", "Thompson"]
 
-_FEATURES = 6
-_NOISE = 0.15
-"""Standard deviation of a reward."""
+_CENTRES = np.linspace(0.0, 1.0, 9)
+_WIDTH = 0.16
+"""Rewards a little further apart than this in demand have little to do with each other."""
+_FEATURES = len(_CENTRES) + 1
+_NOISE = 0.3
+"""Standard deviation of a reward; the prior of each weight is 1."""
+_HOME = 0.35
+"""Before anything is learnt, a demand is worth less the further it is from where the session began [1/demand^2]."""
 
 
 class _LinearBandit:
-    """Rewards as a linear function of level, its square and what the last trial said."""
+    """Rewards as a weighted sum of bumps over the demand, and of the step in the direction the last trial asked for."""
 
     def begin(self, start: Floats, rng: np.random.Generator) -> None:
         n = len(start)
@@ -22,31 +27,38 @@ class _LinearBandit:
         self._precision = np.tile(np.eye(_FEATURES), (n, 1, 1))
         self._sums = np.zeros((n, _FEATURES))
         self._place = np.array(start, float)
-        self._seen = np.zeros((n, 2))
+        self._home = self._place.copy()
+        self._asked = np.zeros(n)
 
     def learn(self, outcome: Outcome) -> None:
         """A trial at a demand was worth its reward."""
-        row = _features(outcome.demand[:, None], self._place, self._seen)[:, 0]
+        row = self._features(outcome.demand[:, None])[:, 0]
         known = np.isfinite(outcome.reward) & np.isfinite(row).all(axis=1)
         row = np.where(known[:, None], row, 0.0)
-        self._precision += np.einsum("nf,ng->nfg", row, row)
-        self._sums += row * np.nan_to_num(outcome.reward)[:, None]
+        self._precision += np.einsum("nf,ng->nfg", row, row) / _NOISE**2
+        left = outcome.reward - self._prior(outcome.demand[:, None])[:, 0]
+        self._sums += row * np.where(known, left, 0.0)[:, None] / _NOISE**2
         self._place = np.where(np.isfinite(outcome.demand), outcome.demand, self._place)
-        self._seen = np.stack([np.nan_to_num(outcome.performance - 0.7), np.nan_to_num(outcome.load)], axis=1)
+        load = 0.3 * np.nan_to_num(outcome.load)
+        self._asked = np.nan_to_num(outcome.performance - 0.7) - load
+
+    def _features(self, demand: Floats) -> Floats:
+        """Of demands [n, levels], shape [n, levels, f]."""
+        bumps = np.exp(-0.5 * ((demand[:, :, None] - _CENTRES) / _WIDTH) ** 2)
+        step = np.tanh((demand - self._place[:, None]) / 0.2) * np.tanh(4.0 * self._asked)[:, None]
+        return np.concatenate([bumps, step[:, :, None]], axis=2)
+
+    def _prior(self, demand: Floats) -> Floats:
+        """What demands [n, levels] are worth before anything is learnt."""
+        return 0.3 - (demand - self._home[:, None]) ** 2 / _HOME**2
 
     def _model(self) -> tuple[Floats, Floats, Floats]:
-        """Features of every level [n, levels, f], weights [n, f], covariance [n, f, f]."""
-        n = len(self._place)
-        features = _features(np.tile(LEVELS, (n, 1)), self._place, self._seen)
+        """Features of every level [n, levels, f], mean reward [n, levels], covariance of the weights [n, f, f]."""
+        levels = np.tile(LEVELS, (len(self._place), 1))
+        features = self._features(levels)
         covariance: Floats = np.linalg.inv(self._precision)
-        return features, np.einsum("nfg,ng->nf", covariance, self._sums), covariance
-
-
-def _features(demand: Floats, place: Floats, seen: Floats) -> Floats:
-    """1, step, step^2 from where the person is, and what the last trial said times the step; shape [n, levels, f]."""
-    step = (demand - place[:, None]) / 0.3
-    p, load = seen[:, :1] / 0.3, seen[:, 1:]
-    return np.stack([np.ones_like(step), step, step**2, p * step, load * step, np.abs(p) * np.abs(step)], axis=2)
+        weights = np.einsum("nfg,ng->nf", covariance, self._sums)
+        return features, self._prior(levels) + np.einsum("nlf,nf->nl", features, weights), covariance
 
 
 class LinUcb(_LinearBandit):
@@ -60,8 +72,7 @@ class LinUcb(_LinearBandit):
         self._width = width
 
     def act(self) -> Choice:
-        features, weights, covariance = self._model()
-        mean = np.einsum("nlf,nf->nl", features, weights)
+        features, mean, covariance = self._model()
         spread = np.sqrt(np.einsum("nlf,nfg,nlg->nl", features, covariance, features))
         best = np.argmax(mean + self._width * spread, axis=1)
         return Choice(LEVELS[best], np.ones(len(best)))
@@ -72,17 +83,18 @@ class Thompson(_LinearBandit):
 
     Args:
         draws: For the propensity.
+        width: Of the draws, in standard deviations.
     """
 
-    def __init__(self, draws: int = 64) -> None:
-        self._draws = draws
+    def __init__(self, draws: int = 64, width: float = 0.3) -> None:
+        self._draws, self._width = draws, width
 
     def act(self) -> Choice:
-        features, weights, covariance = self._model()
+        features, mean, covariance = self._model()
         root = np.linalg.cholesky(covariance)
-        noise = _NOISE * self._rng.standard_normal((self._draws + 1, *weights.shape))
-        drawn = weights + np.einsum("nfg,dng->dnf", root, noise)
-        best = np.argmax(np.einsum("nlf,dnf->dnl", features, drawn), axis=2)
+        noise = self._width * self._rng.standard_normal((self._draws + 1, len(mean), _FEATURES))
+        drawn = np.einsum("nfg,dng->dnf", root, noise)
+        best = np.argmax(mean + np.einsum("nlf,dnf->dnl", features, drawn), axis=2)
         chosen = best[0]
         share = ((best == chosen).sum(axis=0) + 0.5) / (self._draws + 1.5)
         return Choice(LEVELS[chosen], share)

@@ -30,10 +30,10 @@ class SuccessShare:
         self._share = share
 
     def reward(self, state: UserState, result: TrialResult | None) -> float | None:
-        """1 at the share, falling to 0 at its far end; practice is worth nothing."""
-        if result is None or result.practice:
+        """1 at the share, 0 at its near end and as far on the other side, at least -1; practice is worth nothing."""
+        if result is None or result.practice or result.outcome == "step":
             return None
-        return 1.0 - abs(result.performance - self._share) / max(self._share, 1.0 - self._share)
+        return max(1.0 - abs(result.performance - self._share) / min(self._share, 1.0 - self._share), -1.0)
 
 
 class StateBand:

@@ -83,7 +83,7 @@ class KalmanSkill(Fixed):
         self._weights = np.zeros((n, 3))  # of the load against what success said: products, squares of either
 
     def learn(self, outcome: Outcome) -> None:
-        self._variance += 0.008**2
+        self._variance += 0.005**2
         p = outcome.performance
         away = (logit(p) - logit(np.array(TARGET))) / self._slope
         wide = np.where(np.abs(p - 0.5) > 0.4, 0.18, 0.06)

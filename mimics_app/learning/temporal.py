@@ -29,7 +29,7 @@ class _Table:
         n = len(start)
         self._rng = rng
         self._demand = np.array(start, float)
-        self._table = np.zeros((n, STATES, len(MOVES)))
+        self._table = np.tile(_first_values(), (n, 1, 1))
         self._rows = np.arange(n)
         self._state = np.full(n, 3 * 3 + 1)
         self._move = np.full(n, 2)
@@ -44,7 +44,7 @@ class _Table:
 
     def _chances(self, state: np.ndarray) -> Floats:
         """Probability of each move [n, moves]: mostly the best, less and less often any other."""
-        explore = max(0.05, 0.5 * (1.0 - self._trials / 20.0))
+        explore = max(0.05, 0.3 * (1.0 - self._trials / 15.0))
         values = self._table[self._rows, state]
         chances = np.full(values.shape, explore / len(MOVES))
         chances[self._rows, values.argmax(axis=1)] += 1.0 - explore
@@ -57,6 +57,14 @@ class _Table:
         success = np.searchsorted(_BINS, np.nan_to_num(outcome.performance, nan=0.7))
         load = np.searchsorted([-0.4, 0.4], np.nan_to_num(outcome.load))
         return success * 3 + load
+
+
+def _first_values() -> Floats:
+    """Before anything is learnt a move is worth less the further it is from the rule in proportion, [states, moves]."""
+    middle = np.array([0.1, 0.33, 0.53, 0.7, 0.85, 0.96])
+    wanted = 0.5 * (middle - 0.7)
+    values: Floats = np.repeat(-2.0 * np.abs(MOVES[None, :] - wanted[:, None]), 3, axis=0)
+    return values
 
 
 class TabularQ(_Table):
@@ -102,6 +110,7 @@ class ActorCritic(_Table):
 
     def begin(self, start: Floats, rng: np.random.Generator) -> None:
         super().begin(start, rng)
+        self._table *= 10.0  # preferences: a quarter of a move's worth is a factor of twelve
         self._values = np.zeros((len(start), STATES))
 
     def _chances(self, state: np.ndarray) -> Floats:

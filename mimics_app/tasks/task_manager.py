@@ -242,21 +242,36 @@ class TaskManager:
 
     def _orders(self, seen: Observation, sounds: tuple[SoundEvent, ...]) -> TaskOrders:
         haptic = {**self._settings.haptic, **self._control.wanted(), "trial": self._attempts.begun}
+        visual = dict(self._settings.visual)
         for play in self._plays.values():
             haptic |= play.orders
+            visual |= play.visual
         view = self._view(seen)
         return TaskOrders(
             haptic=self._haptic.since_last(haptic),
-            visual=self._visual.since_last(self._settings.visual),
+            visual=self._visual.since_last(visual),
             audio=self._audio.since_last(self._settings.audio),
             sounds=sounds,
             view=view,
             board=self._lay_out(seen, view),
             person_may_act=self._state is TrialState.TRAVEL,
             finished=self.done,
-            result=self._result,
+            result=self._result or self._step_result(seen.now_ns),
             demand=self._space.demand(self._adaptation.values),
         )
+
+    def _step_result(self, now_ns: int) -> TrialResult | None:
+        """Of a step inside the trial, where a kind of task has steps and one ended in this frame."""
+        if self._state is not TrialState.TRAVEL:
+            return None
+        for play in self._plays.values():
+            step = play.step
+            if step is not None:
+                number, values = self._attempts.number, dict(self._adaptation.values)
+                return TrialResult(
+                    number, now_ns, "step", 0.0, step.reward, values=values, observed=dict(step.observed)
+                )
+        return None
 
     def _view(self, seen: Observation) -> TaskView:
         attempts = self._attempts

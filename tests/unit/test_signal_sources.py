@@ -1,4 +1,4 @@
-"""Where body signals come from: files, amplifiers at a line, LSL streams; what is wrong with them is told and counted."""
+"""Where body signals come from: files, amplifiers at a line, LSL streams; what is wrong with them is told."""
 
 from __future__ import annotations
 

@@ -81,9 +81,14 @@ def make_stages(header: Mapping[str, object]) -> Body:
     learning: Learning = NullLearning()
     if said.learn:
         from mimics_app.learning.agent import Agent
+        from mimics_app.learning.registry import check_policy
+        from mimics_app.learning.stepwise import StepAgent
+
+        check_policy(said.learn)
 
         space = ActionSpace(said.parameters)
-        learning = Agent(said.learn, space, said.seed)
+        stepped = next((p for p in space if p.kind == "avatar" and p.step > 0.0), None)
+        learning = StepAgent(said.learn, stepped, said.seed) if stepped else Agent(said.learn, space, said.seed)
     try:
         goal = build_goal(said.goal)
     except ValueError as error:
