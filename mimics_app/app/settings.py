@@ -36,8 +36,8 @@ class RunSettings:
         video: File of a film, or folder for every frame as PNG, or None.
         action: File of task actions to replay, or None.
         physio: Where body signals come from, e.g. "sim" or "lsl:NAME"; "": nowhere.
-        learn: Policy that adapts the task; "": none.
-        goal: What the policy is rewarded for, see `learning.goals.build_goal`.
+        learn: Policy that adapts the task; "": the task's own, if any.
+        goal: What the policy is rewarded for, see `learning.goals.build_goal`; "": what the task says.
         baseline_s: How long the person's rest is measured at the beginning [s].
         runs: Folder the run folder is made in.
         recipe: Scheduler of the live haptic loop, one of RECIPES.
@@ -58,7 +58,7 @@ class RunSettings:
     action: Path | None = None
     physio: str = ""
     learn: str = ""
-    goal: str = "success:0.7"
+    goal: str = ""
     baseline_s: float = 60.0
     runs: Path = field(default_factory=lambda: Path("runs"))
     recipe: str = "auto"

@@ -41,7 +41,7 @@ class Settings:
 
 def task_targets() -> tuple[str, ...]:
     """What a parameter may change of the task itself."""
-    return ("time_limit_s", "rest_s", *(name for kind in task_kinds() for name in kind.targets))
+    return ("time_limit_s", "rest_s", "block", *(name for kind in task_kinds() for name in kind.targets))
 
 
 def build_action_space(spec: TaskSpec) -> ActionSpace:

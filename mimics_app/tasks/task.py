@@ -58,7 +58,8 @@ class MapSpec(Component, frozen=True):
         Meta(
             description="Dotted name: 'haptic.FIELD' or 'haptic.tunnel.FIELD' is a number of the haptic scene; "
             "'visual.NAME' and 'audio.NAME' are parameters of the scenario and the mixer; 'task.time_limit_s', "
-            "'task.rest_s' and 'task.within' (of `carry`) change the task itself."
+            "'task.rest_s', 'task.block' (the block, 1 first, that the next trial is of; 0: as listed) and 'task.within' (of "
+            "`carry`) change the task itself."
         ),
     ]
     scale: Annotated[Figure, Meta(description="Target units per unit of the parameter.")] = 1.0
@@ -335,6 +336,11 @@ class _TaskBase(Component, frozen=True):
     messages: Annotated[
         dict[StateName, str], Meta(description="Text shown in a state, instead of the built-in one; '' shows nothing.")
     ] = field(default_factory=dict)
+
+    learn: Annotated[str, Meta(description="Policy that adapts the task unless a run names one; '': none.")] = ""
+    goal: Annotated[
+        str, Meta(description="What it is rewarded for: 'task', 'success:SHARE', 'arousal:LOW:HIGH' and the like.")
+    ] = "success:0.7"
 
     def section(self, kind: str) -> Component | None:
         """The section of a kind of task by its name, or None where the task has none."""

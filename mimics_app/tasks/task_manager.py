@@ -211,6 +211,10 @@ class TaskManager:
         self._on_event("state", {"t_ns": seen.now_ns, "state": state.value, **trial})
 
     def _begin_attempt(self, now_ns: int) -> None:
+        if self._attempts.trial_over:
+            upcoming = settings_for(self._spec, self._adaptation.upcoming(self._attempts.number + 1))
+            block = upcoming.task.get("block", 0)
+            self._attempts.prefer(round(block) if isinstance(block, int | float) else 0)
         if self._attempts.begin(now_ns):
             self._adaptation.begin_trial(self._attempts.number, self._attempts.trial.values)
             self._report_clipped(now_ns)

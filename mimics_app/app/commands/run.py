@@ -48,7 +48,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--learn", default="", metavar="POLICY", help="what adapts the task, e.g. kalman, staircase")
     parser.add_argument(
-        "--goal", default="success:0.7", help="of the policy: task, success:SHARE, arousal:LOW:HIGH, effort:LOW:HIGH"
+        "--goal",
+        default="",
+        help="of the policy, instead of the task's: task, success:SHARE, arousal:LOW:HIGH, effort:LOW:HIGH",
     )
     parser.add_argument(
         "--baseline-s", type=positive_time, default=60.0, metavar="S", help="length of the person's rest measured first"

@@ -57,13 +57,12 @@ def open_body(settings: RunSettings, task: TaskSpec, preset: str = "") -> Body:
         DeviceError: the source cannot be had.
     """
     body = Body()
-    if settings.physio or settings.learn:
-        header = _header(settings, build_learning_space(task))
+    learn = "" if settings.action is not None else settings.learn or task.learn
+    if settings.physio or learn:
+        header = _header(settings, learn, settings.goal or task.goal, build_learning_space(task))
         body = replace(make_stages(header), sources=_sources(settings, preset))
     if settings.action is not None:
-        header = {**body.header, "learn": ""} if body.header else {}
-        sequence = load_action_sequence(settings.action, build_action_space(task))
-        body = replace(body, learning=sequence, header=header)
+        body = replace(body, learning=load_action_sequence(settings.action, build_action_space(task)))
     return body
 
 
@@ -112,10 +111,10 @@ class _Header(msgspec.Struct, frozen=True):
     parameters: list[Parameter]
 
 
-def _header(settings: RunSettings, space: ActionSpace) -> Mapping[str, object]:
+def _header(settings: RunSettings, learn: str, goal: str, space: ActionSpace) -> Mapping[str, object]:
     return {
-        "learn": settings.learn,
-        "goal": settings.goal,
+        "learn": learn,
+        "goal": goal,
         "seed": settings.seed,
         "baseline_s": settings.baseline_s,
         "parameters": msgspec.to_builtins(list(space)),
