@@ -56,7 +56,7 @@ class _LinearBandit:
         """Features of every level [n, levels, f], mean reward [n, levels], covariance of the weights [n, f, f]."""
         levels = np.tile(LEVELS, (len(self._place), 1))
         features = self._features(levels)
-        covariance: Floats = np.linalg.inv(self._precision)
+        covariance: Floats = np.asarray(np.linalg.inv(self._precision), np.float64)
         weights = np.einsum("nfg,ng->nf", covariance, self._sums)
         return features, self._prior(levels) + np.einsum("nlf,nf->nl", features, weights), covariance
 

@@ -58,8 +58,8 @@ class MapSpec(Component, frozen=True):
         Meta(
             description="Dotted name: 'haptic.FIELD' or 'haptic.tunnel.FIELD' is a number of the haptic scene; "
             "'visual.NAME' and 'audio.NAME' are parameters of the scenario and the mixer; 'task.time_limit_s', "
-            "'task.rest_s', 'task.block' (the block, 1 first, that the next trial is of; 0: as listed) and 'task.within' (of "
-            "`carry`) change the task itself."
+            "'task.rest_s', 'task.block' (block, 1 first, that the next trial is of; 0: as listed) and 'task.within' "
+            "(of `carry`) change the task itself."
         ),
     ]
     scale: Annotated[Figure, Meta(description="Target units per unit of the parameter.")] = 1.0

@@ -43,7 +43,7 @@ class Told:
         self.audio: dict[str, object] = {}
         parts = prepare_scene(load_checked_scene(scene), RunSettings(scene))
         self.kinds = {p.name: p.kind for p in build_action_space(parts.task)}
-        with open_core(parts_with(parts, Once(TaskAction(values)))) as core:
+        with open_core(parts_with(parts, Once(TaskAction(values, at_trial=0)))) as core:
             play = Frames(core)
             for _ in range(frames):
                 orders = play.play_on()

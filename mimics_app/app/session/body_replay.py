@@ -74,8 +74,8 @@ def replay_body(run: Run) -> BodyReplay | None:
     compared = [kind for kind in _COMPARED if kind != "choice" or header.get("learn")]
     recorded = {kind: run.lines_of("app", kind) for kind in compared}
     difference = next((d for kind in compared if (d := _difference(kind, recorded[kind], lines.kept[kind]))), "")
-    features, states, choices = (len(recorded.get(kind, ())) for kind in _COMPARED)
-    return BodyReplay(features, states, choices, difference)
+    counts = {kind: len(recorded.get(kind, ())) for kind in _COMPARED}
+    return BodyReplay(counts["features"], counts["person"], counts["choice"], difference)
 
 
 def _frames(run: Run) -> Iterator[tuple[int, int, list[SignalBlock]]]:
