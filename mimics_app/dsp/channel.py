@@ -50,18 +50,21 @@ class Channel:
         name: Of the signal.
         latency_s: From an event to when it is known, at most, in clean signals.
         lowest_rate: Below it the signal cannot be read [Hz].
+        phase: Share of a second by which its seconds begin before the signal does: not all signals look back at once.
         found: As of the last whole second.
     """
 
     name: ClassVar[str]
     latency_s: ClassVar[float]
     lowest_rate: ClassVar[float]
+    phase: ClassVar[float] = 0.0
 
     def __init__(self, rate: float) -> None:
         self.rate = rate
         self.samples = 0
         self.found = Found()
         self._length = max(round(rate), 1)
+        self._shift = round(self.phase * self._length)
         self._raw = np.full(self._length, np.nan)
         self._last_level = np.nan
 
@@ -75,15 +78,20 @@ class Channel:
         events: list[Event] = []
         begin = 0
         while begin < len(values):
-            filled = self.samples % self._length
+            filled = self._place
             piece = np.ascontiguousarray(values[begin : begin + self._length - filled], float)
             self._raw[filled : filled + len(piece)] = piece
             events += self._take(piece)
             self.samples += len(piece)
             begin += len(piece)
-            if self.samples % self._length == 0:
+            if self._place == 0:
                 self.found = self._look_back(self._raw)
         return events
+
+    @property
+    def _place(self) -> int:
+        """Where in its second the next sample stands."""
+        return (self.samples + self._shift) % self._length
 
     def save(self) -> dict[str, Any]:
         """All that is remembered; `restore` goes on from there, bit for bit."""

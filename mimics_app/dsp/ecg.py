@@ -47,6 +47,7 @@ class Ecg(Channel):
     name: ClassVar[str] = "ecg"
     latency_s: ClassVar[float] = 0.25
     lowest_rate: ClassVar[float] = 100.0
+    phase: ClassVar[float] = 0.8
 
     def __init__(self, rate: float) -> None:
         super().__init__(rate)

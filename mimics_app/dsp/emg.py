@@ -23,6 +23,7 @@ class Emg(Channel):
     name: ClassVar[str] = "emg"
     latency_s: ClassVar[float] = 0.1
     lowest_rate: ClassVar[float] = 200.0
+    phase: ClassVar[float] = 0.4
 
     def __init__(self, rate: float) -> None:
         super().__init__(rate)
@@ -36,7 +37,7 @@ class Emg(Channel):
         self._before = 0.0
 
     def _take(self, piece: Floats) -> list[Event]:
-        at = self.samples % self._length
+        at = self._place
         envelope = self._envelope[at : at + len(piece)]
         count = find_onsets(piece, self._sos, self._z, self._state, self._ring, self.rate, self._out, envelope)
         return [

@@ -28,6 +28,7 @@ class Gsr(Channel):
     name: ClassVar[str] = "gsr"
     latency_s: ClassVar[float] = 0.5
     lowest_rate: ClassVar[float] = 8.0
+    phase: ClassVar[float] = 0.2
 
     def __init__(self, rate: float) -> None:
         super().__init__(rate)
@@ -41,7 +42,7 @@ class Gsr(Channel):
         self._responses: deque[tuple[float, float]] = deque()
 
     def _take(self, piece: Floats) -> list[Event]:
-        at = self.samples % self._length
+        at = self._place
         smooth = self._smooth[at : at + len(piece)]
         count = find_responses(piece, self._sos, self._z, self._state, self.rate, _LEAST, self._out, smooth)
         events = []

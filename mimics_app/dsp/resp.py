@@ -24,6 +24,7 @@ class Resp(Channel):
     name: ClassVar[str] = "resp"
     latency_s: ClassVar[float] = 1.0
     lowest_rate: ClassVar[float] = 8.0
+    phase: ClassVar[float] = 0.6
 
     def __init__(self, rate: float) -> None:
         super().__init__(rate)

@@ -19,6 +19,7 @@ _LONGEST_S = 200.0
 _WINDOW_S = 60.0
 _SPECTRUM_S = 180.0
 _LEAST_SPECTRUM_S = 120.0
+_SPECTRUM_EVERY_S = 5.0
 _RESAMPLED = 4.0
 """Rate at which the intervals are resampled for their spectrum [Hz]."""
 _LF, _HF = (0.04, 0.15), (0.15, 0.4)
@@ -42,6 +43,8 @@ class Rhythm:
         self._recent: deque[float] = deque(maxlen=15)
         self._jumps: deque[float] = deque(maxlen=31)
         self._normal: deque[tuple[float, float, bool]] = deque()
+        self._table: Floats | None = None
+        self._spectrum_at, self._found_spectrum = -np.inf, dict[str, float]()
 
     def beat(self, t_s: float) -> float | None:
         """A beat at this time [s]; its interval [s], None where there is none before it."""
@@ -87,14 +90,22 @@ class Rhythm:
     def _take(self, interval: tuple[float, float]) -> None:
         self.counts["normal"] += 1
         self._normal.append((*interval, not self._after_pause))
+        self._table = None
         self._after_pause = False
         while self._normal[-1][0] - self._normal[0][0] > _LONGEST_S:
             self._normal.popleft()
 
     def intervals(self, since_s: float) -> tuple[Floats, Floats, Floats]:
         """Times, lengths [s] and whether each follows the one before it, of the normal intervals since a time."""
-        rows = np.array([row for row in self._normal if row[0] >= since_s], float).reshape(-1, 3)
+        rows = self._rows()
+        rows = rows[np.searchsorted(rows[:, 0], since_s) :]
         return rows[:, 0], rows[:, 1], rows[:, 2]
+
+    def _rows(self) -> Floats:
+        """The normal intervals as a table; made anew only when there is a new one."""
+        if self._table is None:
+            self._table = np.array(self._normal, float).reshape(-1, 3)
+        return self._table
 
     def features(self, now_s: float) -> dict[str, float]:
         """Heart rate and variability as they stand; what has no full window yet is not there."""
@@ -113,7 +124,9 @@ class Rhythm:
         found["sdnn"] = 1e3 * float(np.std(lengths, ddof=1))
         found["pnn50"] = 100.0 * float(np.mean(np.abs(steps) > 50.0))
         found["hrv_window_s"] = float(min(times[-1] - times[0], _WINDOW_S))
-        return found | self._spectrum(now_s)
+        if now_s - self._spectrum_at >= _SPECTRUM_EVERY_S:
+            self._spectrum_at, self._found_spectrum = now_s, self._spectrum(now_s)
+        return found | self._found_spectrum
 
     def _spectrum(self, now_s: float) -> dict[str, float]:
         """LF and HF power [ms^2] and their ratio over three minutes, from two on."""
