@@ -22,6 +22,7 @@ class _LinearBandit:
     """Rewards as a weighted sum of bumps over the demand, and of the step in the direction the last trial asked for."""
 
     def begin(self, start: Floats, rng: np.random.Generator) -> None:
+        """A session of people begins at these demands [n]."""
         n = len(start)
         self._rng = rng
         self._precision = np.tile(np.eye(_FEATURES), (n, 1, 1))
@@ -72,6 +73,7 @@ class LinUcb(_LinearBandit):
         self._width = width
 
     def act(self) -> Choice:
+        """The demands of the next trial."""
         features, mean, covariance = self._model()
         spread = np.sqrt(np.einsum("nlf,nfg,nlg->nl", features, covariance, features))
         best = np.argmax(mean + self._width * spread, axis=1)
@@ -90,6 +92,7 @@ class Thompson(_LinearBandit):
         self._draws, self._width = draws, width
 
     def act(self) -> Choice:
+        """The demands of the next trial."""
         features, mean, covariance = self._model()
         root = np.linalg.cholesky(covariance)
         noise = self._width * self._rng.standard_normal((self._draws + 1, len(mean), _FEATURES))

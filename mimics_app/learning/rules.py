@@ -16,9 +16,11 @@ class Fixed:
     """Leaves the demand where the session began."""
 
     def begin(self, start: Floats, rng: np.random.Generator) -> None:
+        """A session of people begins at these demands [n]."""
         self._demand = np.array(start, float)
 
     def act(self) -> Choice:
+        """The demands of the next trial."""
         return Choice(self._demand.copy(), np.ones(len(self._demand)))
 
     def learn(self, outcome: Outcome) -> None:
@@ -29,10 +31,12 @@ class RandomLevel(Fixed):
     """Any of the levels, each as likely as the other."""
 
     def begin(self, start: Floats, rng: np.random.Generator) -> None:
+        """A session of people begins at these demands [n]."""
         super().begin(start, rng)
         self._rng = rng
 
     def act(self) -> Choice:
+        """The demands of the next trial."""
         n = len(self._demand)
         return Choice(self._rng.choice(LEVELS, n), np.full(n, 1.0 / len(LEVELS)))
 
@@ -44,6 +48,7 @@ class Staircase(Fixed):
         self._step = step
 
     def learn(self, outcome: Outcome) -> None:
+        """A trial is over."""
         p = outcome.performance
         move = np.where(p >= 0.8, self._step, np.where(p < 0.6, -self._step, 0.0))
         self._demand = np.clip(self._demand + move, 0.0, 1.0)
@@ -56,6 +61,7 @@ class Proportional(Fixed):
         self._gain = gain
 
     def learn(self, outcome: Outcome) -> None:
+        """A trial is over."""
         move = self._gain * np.nan_to_num(outcome.performance - TARGET)
         self._demand = np.clip(self._demand + move, 0.0, 1.0)
 
@@ -77,12 +83,14 @@ class KalmanSkill(Fixed):
         self._slope = slope
 
     def begin(self, start: Floats, rng: np.random.Generator) -> None:
+        """A session of people begins at these demands [n]."""
         super().begin(start, rng)
         n = len(self._demand)
         self._variance = np.full(n, 0.2**2)
         self._weights = np.zeros((n, 3))  # of the load against what success said: products, squares of either
 
     def learn(self, outcome: Outcome) -> None:
+        """A trial is over."""
         self._variance += 0.005**2
         p = outcome.performance
         away = (logit(p) - logit(np.array(TARGET))) / self._slope

@@ -26,6 +26,7 @@ class _Table:
         self._rate, self._discount = rate, discount
 
     def begin(self, start: Floats, rng: np.random.Generator) -> None:
+        """A session of people begins at these demands [n]."""
         n = len(start)
         self._rng = rng
         self._demand = np.array(start, float)
@@ -36,6 +37,7 @@ class _Table:
         self._trials = 0
 
     def act(self) -> Choice:
+        """The demands of the next trial."""
         chances = self._chances(self._state)
         drawn = self._rng.random(len(self._rows))
         self._move = np.minimum((chances.cumsum(axis=1) < drawn[:, None]).sum(axis=1), len(MOVES) - 1)
@@ -71,6 +73,7 @@ class TabularQ(_Table):
     """Q-learning (Watkins 1989)."""
 
     def learn(self, outcome: Outcome) -> None:
+        """A trial is over."""
         following = self._see(outcome)
         best = self._table[self._rows, following].max(axis=1)
         aim = np.nan_to_num(outcome.reward) + self._discount * best
@@ -91,10 +94,12 @@ class SarsaLambda(_Table):
         self._trace = trace
 
     def begin(self, start: Floats, rng: np.random.Generator) -> None:
+        """A session of people begins at these demands [n]."""
         super().begin(start, rng)
         self._traces = np.zeros_like(self._table)
 
     def learn(self, outcome: Outcome) -> None:
+        """A trial is over."""
         following = self._see(outcome)
         expected = (self._chances(following) * self._table[self._rows, following]).sum(axis=1)
         aim = np.nan_to_num(outcome.reward) + self._discount * expected
@@ -109,6 +114,7 @@ class ActorCritic(_Table):
     """Preferences for moves and values of states, both tables (Sutton & Barto, 13.5)."""
 
     def begin(self, start: Floats, rng: np.random.Generator) -> None:
+        """A session of people begins at these demands [n]."""
         super().begin(start, rng)
         self._table *= 10.0  # preferences: a quarter of a move's worth is a factor of twelve
         self._values = np.zeros((len(start), STATES))
@@ -120,6 +126,7 @@ class ActorCritic(_Table):
         return shares
 
     def learn(self, outcome: Outcome) -> None:
+        """A trial is over."""
         before, moved = self._state, self._move
         chances = self._chances(before)
         following = self._see(outcome)

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import pty
-import tty
 from collections.abc import Sequence
 
 import numpy as np
@@ -28,7 +26,9 @@ class AmplifierEmulator:
     """
 
     def __init__(self, channels: Sequence[str], rate: float, *, binary: bool) -> None:
-        self._main, self._other = pty.openpty()
+        import tty  # only Linux and macOS have it
+
+        self._main, self._other = os.openpty()
         tty.setraw(self._other)
         os.set_blocking(self._main, False)
         self.port = os.ttyname(self._other)

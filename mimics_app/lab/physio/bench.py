@@ -21,6 +21,7 @@ from mimics_app.lab.physio.detection import (
     mixed_noise,
     score_beats,
 )
+from mimics_app.lab.physio.state_study import state_study
 from mimics_app.lab.physio.walk_study import walk_study
 from mimics_app.learning.registry import POLICIES
 
@@ -51,6 +52,7 @@ def measure_physio(folder: Path | None, peers: Path | None) -> dict[str, Any]:
         "records": str(folder) if folder else _SIMULATED,
         **measure_cost(),
         "policies": {"what": _SIMULATED, "regret": {name: _regret(name) for name in POLICIES}},
+        "state": {"what": _SIMULATED, "gaps": {f"{gap:g}": asdict(state_study(8, gap)) for gap in (0.12, 0.18, 0.3)}},
         "guided_walk": [asdict(walk_study(condition)) for condition in ("intimate", "social", "random")],
         "peers": _peers(folder, peers),
     }

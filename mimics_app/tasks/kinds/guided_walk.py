@@ -166,7 +166,7 @@ class GuidedWalkKind(TaskKind):
             "walk_left_m",
             "walk_left",
             "Way to the place that was left [m].",
-            ScorePartSpec(weight=1.0, best=0.3, worst=3.0),
+            ScorePartSpec(weight=0.0, best=0.3, worst=3.0),
             "walk_left_m",
         ),
     )
