@@ -19,22 +19,22 @@ ORDER = 2
 
 TUNING = np.array(
     [
-        0.1,  # window of the energy [s]
-        0.107,  # a peak of the energy stands when nothing larger came for so long [s]
-        0.222,  # no two beats nearer than this [s]
+        0.101,  # window of the energy [s]
+        0.091,  # a peak of the energy stands when nothing larger came for so long [s]
+        0.218,  # no two beats nearer than this [s]
         2.0,  # levels are taken from so much of the beginning [s]
-        0.603,  # ... or when the energy fell below this share of it
+        0.601,  # ... or when the energy fell below this share of it
         1.813,  # a beat is missing after so many usual intervals
-        0.103,  # then a refused peak counts that rose this share of the way from noise to beats
-        0.504,  # threshold between noise (0) and beats (1) when a beat is due
+        0.126,  # then a refused peak counts that rose this share of the way from noise to beats
+        0.441,  # threshold between noise (0) and beats (1) when a beat is due
         1.031,  # just after a beat
-        1.03,  # share of the usual interval in which it falls from the one to the other
-        0.259,  # weight of a new beat in the level of beats
-        0.197,  # weight of a refused peak in that of noise
-        0.081,  # loss of the level of beats per second without any [1/s]
+        1.242,  # share of the usual interval in which it falls from the one to the other
+        0.245,  # weight of a new beat in the level of beats
+        0.177,  # weight of a refused peak in that of noise
+        0.024,  # loss of the level of beats per second without any [1/s]
         1.0,  # first level of beats, of the second largest peak
-        0.074,  # weight of a new interval in the usual one
-        2.041,  # a beat counts at most so many times the level
+        0.078,  # weight of a new interval in the usual one
+        1.625,  # a beat counts at most so many times the level
     ]
 )
 """Found by a random search over the six MIT-BIH records with and without synthetic noise and the four of the noise
