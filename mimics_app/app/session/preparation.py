@@ -14,7 +14,7 @@ from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.session.body import Body, open_body
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.touch.haptic_side import HapticSide
-from mimics_app.app.touch.parameter_desk import ParameterDesk
+from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.contracts.scenario_port import Scenario
 from mimics_app.recording.run import Run
@@ -45,7 +45,7 @@ class Preparation:
         world: Built from the scene.
         scenario: What plays it.
         side: What of it can be touched.
-        desk: Its haptic parameters.
+        parameter_store: Its haptic parameters.
         task: The task, its trial file read and its parameters' defaults taken from the scene.
         body: Signals of the person, their state, and what chooses the task's actions.
         robot: The scene's, with the device of this run.
@@ -60,7 +60,7 @@ class Preparation:
     world: World
     scenario: Scenario
     side: HapticSide
-    desk: ParameterDesk
+    parameter_store: ParameterStore
     task: TaskSpec
     body: Body
     robot: Robot
@@ -92,8 +92,8 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False) ->
     world.effects.seed = settings.seed
     scenario = open_scenario(scene, world)
     side = HapticSide(scene)
-    desk = side.desk(scenario.scene_block())
-    task = fill_defaults(resolve_trials(task_of(scene), scene.path.parent, scene.root), desk.value)
+    store = side.parameter_store(scenario.scene_block())
+    task = fill_defaults(resolve_trials(task_of(scene), scene.path.parent, scene.root), store.value)
     if settings.learn and settings.seconds is not None:
         task = repeated(task, settings.seconds)
     robot, patient = _who_moves(settings, scene, live=live)
@@ -108,7 +108,7 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False) ->
         world=world,
         scenario=scenario,
         side=side,
-        desk=desk,
+        parameter_store=store,
         task=task,
         body=body,
         robot=robot,
