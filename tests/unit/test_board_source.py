@@ -11,6 +11,7 @@ from mimics_app.contracts.errors import UsageError
 from mimics_app.inputs.physio.sources import open_source
 
 pytest.importorskip("brainflow")
+pytest.importorskip("pkg_resources", reason="brainflow finds its library by pkg_resources, which is not here")
 
 
 def test_the_synthetic_board_sends_body_signals() -> None:
@@ -33,4 +34,4 @@ def test_the_synthetic_board_sends_body_signals() -> None:
 
 def test_a_board_that_is_not_known_is_told() -> None:
     with pytest.raises(UsageError, match="knows no board"):
-        open_source("board:NO_BOARD", 1)
+        open_source("board:NO_SUCH_BOARD", 1)

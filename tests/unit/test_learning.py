@@ -222,3 +222,25 @@ def test_an_adaptive_discriminant_follows_a_person_a_fixed_one_does_not() -> Non
             each.learn(seen, label)
     assert hits[1] / 150 > hits[0] / 150 + 0.05
     assert fixed.probabilities(np.array([np.nan, np.nan])).tolist() == [1 / 3] * 3
+
+
+def test_the_environment_is_one_of_gymnasium() -> None:
+    pytest.importorskip("gymnasium")
+    from gymnasium.utils.env_checker import check_env
+
+    from mimics_app.lab.physio.gym_env import TrainingEnv
+
+    check_env(TrainingEnv(SPACE, trials=5), skip_render_check=True)
+
+
+def test_the_environment_punishes_what_is_too_hard() -> None:
+    pytest.importorskip("gymnasium")
+    from mimics_app.lab.physio.gym_env import TrainingEnv
+
+    env, totals = TrainingEnv(trials=20), []
+    for demand in (0.5, 1.0):
+        env.reset(seed=3)
+        steps = [env.step({"difficulty": np.array([demand], np.float32)}) for _ in range(20)]
+        assert steps[-1][3]
+        totals.append(sum(step[1] for step in steps))
+    assert totals[0] > totals[1]

@@ -18,7 +18,6 @@ _CHANNELS = {
     "ecg": "get_ecg_channels",
     "gsr": "get_eda_channels",
     "emg": "get_emg_channels",
-    "resp": "get_resp_channels",
 }
 _TO_MILLIVOLT = {"ecg": 1e-3, "emg": 1e-3}
 """BrainFlow gives microvolts."""
@@ -48,13 +47,15 @@ class BoardSource:
         number = int(BoardIds[name])
         parameters = BrainFlowInputParams()
         parameters.serial_port = port
-        BoardShim.disable_board_logger()
         try:
+            BoardShim.disable_board_logger()
             self._columns = _columns(BoardShim, BrainFlowError, number)
             self._rate = float(BoardShim.get_sampling_rate(number))
             self._board: Any = BoardShim(number, parameters)
             self._board.prepare_session()
             self._board.start_stream(45_000)
+        except ImportError as error:  # it looks for its shared library by what newer setuptools have no more
+            raise UsageError(f"brainflow cannot be loaded: {error}", 'pip install "setuptools<81"') from error
         except BrainFlowError as error:
             raise DeviceError(f'the board "{name}" cannot be had: {error}', "is it on, and on which port?") from error
         if not self._columns:
