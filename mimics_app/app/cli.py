@@ -34,6 +34,7 @@ COMMANDS: dict[str, str] = {
     "devices": "list devices, simulators, displays, gamepads and serial ports",
     "replay": "simulate a recorded run again and compare every output",
     "report": "write the report of a run as one HTML file",
+    "physio": "read body signals from a file, a stream or a simulated person: plots, features, events, quality",
     "record": "say what a recording holds, mend it, or verify it",
     "study": "run a scene for several subjects and join their trials, taps and answers in tidy tables",
     "sweep": "run an experiment over a grid or sample of parameters, scenes and simulated patients",

@@ -40,6 +40,10 @@ class RunSettings:
         pictures: Frames a headless run draws and keeps.
         video: File of a film, or folder for every frame as PNG, or None.
         action: File of task actions to replay, or None.
+        physio: Where body signals come from, e.g. "sim" or "lsl:NAME"; "": nowhere.
+        learn: Policy that adapts the task; "": the task's own, if any.
+        goal: What the policy is rewarded for, see `learning.goals.build_goal`; "": what the task says.
+        baseline_s: How long the person's rest is measured at the beginning [s].
         runs: Folder the run folder is made in.
         participant: Code of the person, for results over time; "": none.
         journey: File that hears how far the start has come and what the person chose on the page of results, or None.
@@ -62,6 +66,10 @@ class RunSettings:
     pictures: int = 4
     video: Path | None = None
     action: Path | None = None
+    physio: str = ""
+    learn: str = ""
+    goal: str = ""
+    baseline_s: float = 60.0
     runs: Path = field(default_factory=lambda: Path("runs"))
     recipe: str = "auto"
     from_trial: int = 1

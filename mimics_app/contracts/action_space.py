@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from mimics_app.contracts.messages import TaskAction
 
-__all__ = ["ActionSpace", "Parameter"]
+__all__ = ["ACTION_KINDS", "ActionSpace", "Parameter"]
+
+ACTION_KINDS = ("avatar", "complexity", "appearance", "flow", "sound", "difficulty", "duration")
+"""What an action may change (D2.1 3.1): where avatars are, how complex the task is, how things look, what comes next in
+the scenario, what is heard, how hard it is, how long it lasts."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +27,10 @@ class Parameter:
         step: Grid on which values lie, counted from low; 0: any value.
         rate: Largest change per second inside a trial; 0: changes only between trials.
         unit: Of all the values above; "-" for none.
+        kind: One of ACTION_KINDS.
+        harder: 1 where larger values make the task harder, -1 where smaller ones do, 0 where neither.
+        cost: What a change over the whole range costs a learning system, in units of its reward.
+        dwell_s: Shortest time between two changes by a learning system [s].
     """
 
     name: str
@@ -32,6 +40,24 @@ class Parameter:
     step: float = 0.0
     rate: float = 0.0
     unit: str = "-"
+    kind: str = "difficulty"
+    harder: int = 0
+    cost: float = 0.0
+    dwell_s: float = 0.0
+
+    def demand(self, value: float) -> float | None:
+        """How hard a value makes the task, 0 to 1; None where this parameter does not say."""
+        if self.harder == 0 or self.high <= self.low:
+            return None
+        share = (value - self.low) / (self.high - self.low)
+        return share if self.harder > 0 else 1.0 - share
+
+    def at_demand(self, demand: float) -> float:
+        """The value that makes the task so hard, 0 to 1; the default of a parameter that does not say."""
+        if self.harder == 0:
+            return self.default
+        share = min(max(demand, 0.0), 1.0)
+        return self.clip(self.low + (self.high - self.low) * (share if self.harder > 0 else 1.0 - share))
 
     def clip(self, value: float) -> float:
         """The allowed value nearest to a finite one."""
@@ -71,6 +97,11 @@ class ActionSpace:
         """The values a session starts with."""
         return {parameter.name: parameter.default for parameter in self}
 
+    def demand(self, values: Mapping[str, float]) -> float | None:
+        """How hard values make the task, 0 to 1: the mean over the parameters that say; None where none does."""
+        shares = [share for p in self if p.name in values and (share := p.demand(values[p.name])) is not None]
+        return sum(shares) / len(shares) if shares else None
+
     def clip(self, action: TaskAction) -> tuple[TaskAction, tuple[str, ...]]:
         """Move an action inside the limits and onto the steps.
 
@@ -88,4 +119,4 @@ class ActionSpace:
             values[name] = parameter.clip(value)
             if not parameter.fits(value):
                 clipped.append(name)
-        return TaskAction(values, action.at_trial), tuple(clipped)
+        return TaskAction(values, action.at_trial, action.propensity), tuple(clipped)

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from mimics_app.contracts.messages import Aim, PointerState, SignalBlock
+from mimics_app.contracts.messages import Aim, Experience, PointerState, SignalBlock
 from mimics_app.contracts.window_input import GamepadState, InputEvent
 
 __all__ = ["PointerSource", "Ray", "RayFromWindow", "SignalSource", "Window", "WindowFrame"]
@@ -66,3 +66,9 @@ class SignalSource(Protocol):
     def read(self, now_ns: int) -> tuple[SignalBlock, ...]:
         """Blocks that arrived since the last call; () when none did."""
         ...
+
+    def feel(self, experience: Experience) -> None:
+        """What the person went through in this frame: a simulated person answers to it, a movement is read from it."""
+
+    def close(self) -> None:
+        """Let go of what is behind it."""

@@ -13,7 +13,10 @@ from mimics_app.contracts.loop_fields import HapticSnapshot
 from mimics_app.contracts.trial_state import TaskView
 
 __all__ = [
+    "LOADS",
     "Aim",
+    "Estimate",
+    "Experience",
     "FeatureFrame",
     "HapticSnapshot",
     "PointerState",
@@ -23,6 +26,7 @@ __all__ = [
     "TactileEvent",
     "TaskAction",
     "TaskOrders",
+    "TrialResult",
     "UserState",
     "VRInput",
 ]
@@ -55,7 +59,10 @@ class Aim:
 
 @dataclass(frozen=True, slots=True)
 class SignalBlock:
-    """Raw samples of one body signal: values [shape n] at `rate` [Hz], the first at `t_ns`."""
+    """Raw samples of one signal: values [shape n] at `rate` [Hz], the first at `t_ns`; NaN: the sensor gave nothing.
+
+    Body signals are "ecg" [mV], "gsr" [uS], "emg" [mV], "resp" [any unit]; of the movement "speed" [m/s], "power" [W].
+    """
 
     name: str
     rate: float
@@ -80,20 +87,96 @@ class VRInput:
 
 @dataclass(frozen=True, slots=True)
 class FeatureFrame:
-    """Features of the body signals at one time, by name, e.g. {"heart_rate": 72.0}."""
+    """Features of the signals at one time.
+
+    Attributes:
+        t_ns: The time up to which they are computed; the same frame comes again until there is a newer one.
+        values: By name, e.g. {"heart_rate": 72.0}; what cannot be told is not there.
+        quality: Of each signal by its name, 0 (says nothing) to 1.
+    """
 
     t_ns: int
     values: Mapping[str, float] = field(default_factory=dict)
+    quality: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """What is believed of one quantity."""
+
+    mean: float
+    variance: float
+
+
+LOADS = ("under", "challenged", "over")
+"""Classes of the load a task puts on a person, in the order of `UserState.load`."""
 
 
 @dataclass(frozen=True, slots=True)
 class UserState:
-    """Estimated state of the person, each in [0, 1], None where nothing is known."""
+    """Estimated state of the person; None where nothing is known.
+
+    Attributes:
+        t_ns: Of the features it comes from.
+        arousal: In [-1, 1], 0 as at rest in the calibration.
+        valence: In [-1, 1].
+        effort: Bodily effort, in [-1, 1], 0 at rest.
+        load: Probability of each of LOADS, adding up to 1.
+        quality: Of the signals it comes from, 0 to 1.
+    """
 
     t_ns: int
-    arousal: float | None = None
-    valence: float | None = None
-    effort: float | None = None
+    arousal: Estimate | None = None
+    valence: Estimate | None = None
+    effort: Estimate | None = None
+    load: tuple[float, float, float] | None = None
+    quality: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class TrialResult:
+    """What a trial came to, reported in the frame in which it ends.
+
+    Attributes:
+        trial: Its number, 0 first.
+        t_ns: When it ended.
+        outcome: "finished" or "timeout"; "step" where a step inside a trial ended, not the trial.
+        performance: How well it went, 0 to 1: the score's share, else whether the goal was reached.
+        reward: What the task itself finds it worth, for a learning system whose goal is the task's.
+        practice: Not a trial that counts.
+        values: The adaptable parameters as they were.
+        observed: What a task that is chosen for step by step sees of itself, by name; only with outcome "step".
+    """
+
+    trial: int
+    t_ns: int
+    outcome: str
+    performance: float
+    reward: float
+    practice: bool = False
+    values: Mapping[str, float] = field(default_factory=dict)
+    observed: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Experience:
+    """What a person went through in one frame: the movement, and what the task asked of them.
+
+    Attributes:
+        t_ns: Of the frame.
+        speed: Of the hand [m/s].
+        power: Mechanical power the person puts into the robot [W]; what is taken out of it counts as 0.
+        demand: How hard the task is, 0 easiest to 1 hardest of what its parameters allow; None: nothing says.
+        acting: The person was let act.
+        result: Of a trial that ended in this frame.
+    """
+
+    t_ns: int
+    speed: float = 0.0
+    power: float = 0.0
+    demand: float | None = None
+    acting: bool = False
+    result: TrialResult | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,10 +186,12 @@ class TaskAction:
     Attributes:
         values: New values by parameter name; parameters not named stay as they are.
         at_trial: Number of the trial (0 first) whose beginning the values wait for; None: from now on.
+        propensity: With which probability, or density where continuous, the policy chose this; 1: it could not but.
     """
 
     values: Mapping[str, float] = field(default_factory=dict)
     at_trial: int | None = None
+    propensity: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,6 +263,8 @@ class TaskOrders:
         board: What a person reads over the picture.
         person_may_act: True while the pointer or the simulated person is let through to the robot (INBOX.active).
         finished: True when the last trial is over.
+        result: Of the trial that ended in this frame.
+        demand: How hard the adaptable parameters make the task, 0 to 1; None where none of them says.
     """
 
     haptic: Mapping[str, object] = field(default_factory=dict)
@@ -189,3 +276,5 @@ class TaskOrders:
     board: Board = field(default_factory=Board)
     person_may_act: bool = False
     finished: bool = False
+    result: TrialResult | None = None
+    demand: float | None = None

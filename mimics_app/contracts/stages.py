@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol
 
-from mimics_app.contracts.messages import FeatureFrame, SignalBlock, TaskAction, UserState
+from mimics_app.contracts.messages import FeatureFrame, SignalBlock, TaskAction, TrialResult, UserState
 
-__all__ = ["Dsp", "Estimation", "Learning"]
+__all__ = ["Dsp", "Estimation", "Goal", "Learning"]
 
 
 class Dsp(Protocol):
@@ -29,9 +29,26 @@ class Estimation(Protocol):
         ...
 
 
-class Learning(Protocol):
-    """State of the person -> adaptation of the task."""
+class Goal(Protocol):
+    """What the learning system is to bring about."""
 
-    def choose(self, state: UserState, now_ns: int) -> TaskAction | None:
-        """The next adaptation, or None to leave the task as it is."""
+    def reward(self, state: UserState, result: TrialResult | None) -> float | None:
+        """What this frame is worth; None where there is nothing to judge, which is in most frames."""
+        ...
+
+
+class Learning(Protocol):
+    """State of the person, result and reward -> adaptation of the task."""
+
+    def choose(
+        self, state: UserState, result: TrialResult | None, reward: float | None, now_ns: int
+    ) -> TaskAction | None:
+        """The next adaptation, or None to leave the task as it is. Called once a frame, after the task.
+
+        Args:
+            state: Of the person.
+            result: Of the trial that ended in this frame.
+            reward: What the goal finds this frame worth.
+            now_ns: Of the frame.
+        """
         ...

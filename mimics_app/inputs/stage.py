@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from mimics_app.contracts.input_port import PointerSource, SignalSource, Window, WindowFrame
-from mimics_app.contracts.messages import Aim, PointerState, SignalBlock, VRInput
+from mimics_app.contracts.messages import Aim, Experience, PointerState, SignalBlock, VRInput
 from mimics_app.contracts.window_input import GamepadState, InputEvent
 
 __all__ = ["Inputs", "pressed_names"]
@@ -47,6 +47,21 @@ class Inputs:
         """Tell every pointing device what the scene asks the hand to do next."""
         for source in self._pointers:
             source.aim(aim)
+
+    def feel(self, experience: Experience) -> None:
+        """Tell every recorder of signals what the person went through in this frame."""
+        for source in self._signals:
+            source.feel(experience)
+
+    def close(self) -> None:
+        """Let go of the recorders of signals."""
+        for source in self._signals:
+            source.close()
+
+    @property
+    def signals(self) -> tuple[SignalSource, ...]:
+        """The recorders of body signals; whoever takes the place of this stage takes them over."""
+        return self._signals
 
     def hold_at(self, point_world: tuple[float, float, float]) -> None:
         """The robot is being driven: rest all cursors at this point [m] until the person moves them."""

@@ -17,7 +17,7 @@ from typing import Any, TypeGuard
 
 from mimics_app.contracts.action_space import ActionSpace
 from mimics_app.contracts.errors import MOST_SOUGHT, Issue, SceneError, nearest
-from mimics_app.contracts.messages import TaskAction, UserState
+from mimics_app.contracts.messages import TaskAction, TrialResult, UserState
 from mimics_app.world.scene.json_text import escape, parse_json
 from mimics_app.world.scene.source import read_bytes
 
@@ -48,7 +48,9 @@ class ActionSequence:
         self._next = 0
         self._start_ns: int | None = None
 
-    def choose(self, state: UserState, now_ns: int) -> TaskAction | None:
+    def choose(
+        self, state: UserState, result: TrialResult | None, reward: float | None, now_ns: int
+    ) -> TaskAction | None:
         """The earliest action that is due and was not chosen yet; one a call, so that each is recorded by itself."""
         if self._start_ns is None:
             self._start_ns = now_ns

@@ -30,12 +30,15 @@ __all__ = [
     "END_OF_STREAM",
     "INDEX_ROW",
     "Block",
+    "decode_batch",
     "decode_parameters",
     "decode_samples",
+    "encode_batch",
     "encode_parameters",
     "encode_samples",
     "parameters_dtype",
     "parameters_schema",
+    "rows_crc",
     "schema_bytes",
 ]
 
@@ -97,8 +100,8 @@ def encode_samples(samples: NDArray[Any], seq: int, first: int) -> bytes:
         pa.Array.from_buffers(pa.float64(), len(t), [None, pa.py_buffer(t)]),
         pa.Array.from_buffers(schema.field(1).type, len(t), [None], children=[item]),
     ]
-    crc = _crc(seq, first, t, values)
-    return _encode(pa.RecordBatch.from_arrays(columns, schema=schema), seq, first, crc)
+    crc = rows_crc(seq, first, t, values)
+    return encode_batch(pa.RecordBatch.from_arrays(columns, schema=schema), seq, first, crc)
 
 
 def decode_samples(data: bytes | memoryview, layout: SampleLayout | None = None) -> Block:
@@ -112,10 +115,10 @@ def decode_samples(data: bytes | memoryview, layout: SampleLayout | None = None)
         ValueError: It is no such block, or its CRC32 says that it was damaged.
     """
     layout = layout or current_layout()
-    batch, seq, first, crc = _decode(data, layout.schema)
+    batch, seq, first, crc = decode_batch(data, layout.schema)
     t = batch.column(0).to_numpy(zero_copy_only=True)
     values = batch.column(1).flatten().to_numpy(zero_copy_only=True).reshape(len(t), layout.width - 1)
-    if _crc(seq, first, t, np.ascontiguousarray(values)) != crc:
+    if rows_crc(seq, first, t, np.ascontiguousarray(values)) != crc:
         raise ValueError("the checksum does not agree")
     samples = samples_of(layout.rows(t, values))
     if not (np.isfinite(samples["t"]).all() and np.isfinite(samples["tick"]).all()):
@@ -130,8 +133,8 @@ def encode_parameters(block: bytes, seq: int) -> bytes:
         [pa.array([int(record["sequence"][0])], pa.int64()), pa.array([block], pa.binary())],
         schema=parameters_schema(),
     )
-    crc = _crc(seq, seq, np.frombuffer(block, np.uint8))
-    return _encode(batch, seq, seq, crc, pa.ipc.IpcWriteOptions(compression="zstd"))
+    crc = rows_crc(seq, seq, np.frombuffer(block, np.uint8))
+    return encode_batch(batch, seq, seq, crc, pa.ipc.IpcWriteOptions(compression="zstd"))
 
 
 def decode_parameters(data: bytes | memoryview, schema: Any | None = None) -> Block:
@@ -141,10 +144,10 @@ def decode_parameters(data: bytes | memoryview, schema: Any | None = None) -> Bl
         ValueError: It is no such block, or its CRC32 says that it was damaged.
     """
     schema = schema or parameters_schema()
-    batch, seq, first, crc = _decode(data, schema)
+    batch, seq, first, crc = decode_batch(data, schema)
     try:
         content = batch.column(1)[0].as_py()
-        if _crc(seq, first, np.frombuffer(content, np.uint8)) != crc:
+        if rows_crc(seq, first, np.frombuffer(content, np.uint8)) != crc:
             raise ValueError("the checksum does not agree")
         dtype = parameters_dtype(schema)
         record = np.frombuffer(content, dtype, 1)
@@ -189,14 +192,16 @@ def _tuples(description: Any) -> Any:
     return [(name, _tuples(kind), *(tuple(shape) for shape in rest)) for name, kind, *rest in description]
 
 
-def _crc(seq: int, first: int, *arrays: NDArray[Any]) -> int:
+def rows_crc(seq: int, first: int, *arrays: NDArray[Any]) -> int:
+    """CRC32 over both numbers of a block and its arrays."""
     crc = zlib.crc32(_NUMBERS.pack(seq, first))
     for array in arrays:
         crc = zlib.crc32(array.data, crc)
     return crc
 
 
-def _encode(batch: Any, seq: int, first: int, crc: int, options: Any | None = None) -> bytes:
+def encode_batch(batch: Any, seq: int, first: int, crc: int, options: Any | None = None) -> bytes:
+    """A record batch as one block of a stream, with its numbers and its checksum."""
     sink = io.BytesIO()
     writer = pa.ipc.new_stream(sink, batch.schema, options=options)
     metadata = {"seq": f"{seq:016d}", "first": f"{first:016d}", "crc": f"{crc:08x}"}
@@ -204,7 +209,12 @@ def _encode(batch: Any, seq: int, first: int, crc: int, options: Any | None = No
     return sink.getvalue()[len(schema_bytes(batch.schema)) :]  # without the end mark, for the writer is not closed
 
 
-def _decode(data: bytes | memoryview, schema: Any) -> tuple[Any, int, int, int]:
+def decode_batch(data: bytes | memoryview, schema: Any) -> tuple[Any, int, int, int]:
+    """The record batch of a block, its number, that of its first row, and its checksum, which is not compared here.
+
+    Raises:
+        ValueError: It is no block.
+    """
     try:
         message = pa.ipc.open_stream(schema_bytes(schema) + bytes(data)).read_next_batch_with_custom_metadata()
         metadata = message.custom_metadata

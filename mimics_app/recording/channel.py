@@ -16,12 +16,14 @@ from collections.abc import Iterator
 from multiprocessing.connection import Connection, Pipe
 from typing import Final
 
-__all__ = ["CLOSE", "LINE", "PARAMETERS", "TRIAL", "Inbox", "Outbox"]
+__all__ = ["CLOSE", "LINE", "PARAMETERS", "SIGNALS", "TRIAL", "Inbox", "Outbox"]
 
 LINE: Final = b"J"
 """One line of events.jsonl."""
 PARAMETERS: Final = b"P"
 """One SCENE record."""
+SIGNALS: Final = b"S"
+"""Blocks of the person's signals, see `recording.signal_rows`."""
 TRIAL: Final = b"T"
 """One row of trials.csv, with its number."""
 CLOSE: Final = b"C"

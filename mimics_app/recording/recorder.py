@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from multiprocessing import get_context
 from multiprocessing.util import Finalize
@@ -21,11 +21,12 @@ from mimics_app.contracts.environment import clock_pair, describe_environment
 from mimics_app.contracts.errors import PartialDataError
 from mimics_app.contracts.object_rows import Rows, pack_rows
 from mimics_app.contracts.session_memory import SessionMemory
-from mimics_app.recording.channel import CLOSE, LINE, PARAMETERS, TRIAL, Outbox
+from mimics_app.recording.channel import CLOSE, LINE, PARAMETERS, SIGNALS, TRIAL, Outbox
 from mimics_app.recording.event_log import encode_line, to_json
 from mimics_app.recording.manifest import Manifest, read_manifest
 from mimics_app.recording.recorder_status import PROBLEMS, Problem, RecorderStatus, StatusWord
 from mimics_app.recording.run_folder import FILES, write_atomically
+from mimics_app.recording.signal_rows import SignalRow, pack_signals
 
 if TYPE_CHECKING:
     from multiprocessing.context import SpawnProcess
@@ -202,6 +203,10 @@ class Recorder:
             audio       device, sink, hrtf ...
             quality     settings of a live picture as it was opened
             action      values of an adaptation
+            features    t_ns, values, quality: what the signal processing found, each time it is new
+            person      the estimated state, each time it is new; means and variances
+            result      of a trial, as the learning system got it
+            choice      what that chose: values, at_trial, propensity, reward
 
         Args:
             kind: What happened, in lower case; "parameters" with bytes stores SCENE record and rows, as `parameters`.
@@ -225,6 +230,10 @@ class Recorder:
     def _store_parameters(self, block: bytes) -> None:
         self._last_parameters = block
         self._outbox.send(PARAMETERS, block)
+
+    def signals(self, rows: Sequence[SignalRow]) -> None:
+        """Store blocks of the person's signals; never waits."""
+        self._outbox.send(SIGNALS, pack_signals(rows))
 
     def trial(self, row: Mapping[str, object]) -> None:
         """Store the result of a finished trial, one plain value per column; it is on the medium within 50 ms."""

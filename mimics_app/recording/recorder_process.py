@@ -26,11 +26,12 @@ from mimics_app.contracts.environment import clock_pair
 from mimics_app.contracts.haptic import EVENT, SAMPLE
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.recording.arrow_format import BLOCK_ROWS
-from mimics_app.recording.channel import CLOSE, LINE, PARAMETERS, TRIAL, Inbox
+from mimics_app.recording.channel import CLOSE, LINE, PARAMETERS, SIGNALS, TRIAL, Inbox
 from mimics_app.recording.event_log import encode_line
 from mimics_app.recording.manifest import Manifest, hash_files, write_manifest
 from mimics_app.recording.recorder_status import PROBLEMS, Problem, RecorderStatus, StatusWord
 from mimics_app.recording.run_folder import write_atomically
+from mimics_app.recording.signals import SignalStream
 from mimics_app.recording.state_hash import StateHash
 from mimics_app.recording.streams import EventStream, ParameterStream, SampleStream, hash_of_files
 from mimics_app.recording.trial_table import TrialTable
@@ -100,6 +101,7 @@ class _Session:
         resume = restarts > 0
         self._samples = SampleStream(folder, self._hash, resume=resume)
         self._parameters = ParameterStream(folder, resume=resume)
+        self._signals = SignalStream(folder, resume=resume)
         self._events = EventStream(folder, self._hash, resume=resume)
         self._trips = TripLog(folder, self._events.earlier_trips)
         self._trials = TrialTable(folder / "trials.csv", resume=resume)
@@ -188,9 +190,10 @@ class _Session:
         self._write_lines(lines)
 
     def _take(self, kind: bytes, payload: bytes) -> None:
-        if kind == PARAMETERS:
+        if kind in (PARAMETERS, SIGNALS):
+            stream = self._parameters if kind == PARAMETERS else self._signals
             try:
-                self._parameters.append(payload)
+                stream.append(payload)
             except OSError as error:
                 self._trouble(error, lines=1)
         elif kind == TRIAL:
@@ -317,7 +320,7 @@ class _Session:
         self._next_sync = now_ns + _SYNC_NS
         self._write_trials()
         try:
-            for stream in (self._samples, self._parameters, self._events):
+            for stream in (self._samples, self._parameters, self._signals, self._events):
                 stream.sync()
         except OSError as error:
             self._trouble(error)
@@ -351,7 +354,7 @@ class _Session:
         self._own_line("end", {"status": status, **clock_pair()})
         (self._folder / RESERVE).unlink(missing_ok=True)
         self._write_trials(all_of_them=True)
-        for stream in (self._samples, self._parameters, self._events, self._trials):
+        for stream in (self._samples, self._parameters, self._signals, self._events, self._trials):
             try:
                 stream.close()
             except OSError as error:

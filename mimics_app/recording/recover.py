@@ -32,6 +32,7 @@ from mimics_app.recording.manifest import Manifest, hash_files, write_manifest
 from mimics_app.recording.recorder_process import RESERVE
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import FILES, write_atomically
+from mimics_app.recording.signals import decode_signals, signals_schema
 from mimics_app.recording.trial_table import read_table, table_text
 from mimics_app.recording.trip_log import complete_trips
 from mimics_app.recording.verdict import Verdict, judge
@@ -206,6 +207,17 @@ def _mend_parameters(folder: Path) -> list[str]:
     return _write_if_other(path, b"".join([schema_bytes(schema), *good, END_OF_STREAM]), keep=damaged)
 
 
+def _mend_signals(folder: Path) -> list[str]:
+    path = folder / FILES["signals"]
+    if not os.path.lexists(path):
+        return []
+    data = _read_if_any(path)
+    pieces = list(scan_stream(path, decode_signals, signals_schema()))
+    good = [data[piece.offset : piece.offset + piece.length] for piece in pieces if isinstance(piece, Found)]
+    damaged = any(isinstance(piece, Damage) for piece in pieces)
+    return _write_if_other(path, b"".join([schema_bytes(signals_schema()), *good, END_OF_STREAM]), keep=damaged)
+
+
 def _mend_events(folder: Path) -> list[str]:
     path = folder / FILES["events"]
     good, bad = split_lines(_read_if_any(path))
@@ -235,6 +247,7 @@ def _read_if_any(path: Path) -> bytes:
 _MENDERS: dict[str, Callable[[Path], list[str]]] = {
     "haptic": _mend_haptic,
     "parameters": _mend_parameters,
+    "signals": _mend_signals,
     "events": _mend_events,
     "trials": _mend_trials,
 }

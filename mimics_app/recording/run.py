@@ -29,6 +29,8 @@ from mimics_app.recording.layout import layout_of
 from mimics_app.recording.manifest import hash_files, read_manifest
 from mimics_app.recording.run_folder import FILES
 from mimics_app.recording.session_header import read_session
+from mimics_app.recording.signal_rows import SignalRow
+from mimics_app.recording.signals import read_signals
 from mimics_app.recording.state_hash import StateHash
 from mimics_app.recording.trial_table import read_table
 
@@ -200,6 +202,15 @@ class Run:
             if block.rows and any(map(len, block.rows))
         }
 
+    @cached_property
+    def _signal_scan(self) -> tuple[list[SignalRow], list[str]]:
+        return read_signals(self.folder)
+
+    @property
+    def signals(self) -> list[SignalRow]:
+        """Blocks of the person's signals in order; [] where nothing was measured."""
+        return self._signal_scan[0]
+
     def state_hash(self) -> str:
         """The state hash of what the files hold, computed anew."""
         state = StateHash()
@@ -267,6 +278,7 @@ class Run:
         found += self._session_problems
         found += self._haptic_losses()
         found += self._parameter_losses()
+        found += self._signal_scan[1]
         found += self._event_losses()
         found += _table_losses(FILES["trials"], "rows", *self._trials[1:])
         if self.manifest and self.manifest.trials > len(self.trials):

@@ -36,6 +36,7 @@ FILES = {
     "index": "haptic.arrows.idx",
     "parameters": "parameters.arrows",
     "statics": "haptic_statics.npz",
+    "signals": "signals.arrows",
     "events": "events.jsonl",
     "trials": "trials.csv",
     "session": "session.json",

@@ -17,6 +17,7 @@ __all__ = [
     "ActionSpace",
     "Settings",
     "build_action_space",
+    "build_learning_space",
     "fill_defaults",
     "haptic_field",
     "map_value",
@@ -40,15 +41,32 @@ class Settings:
 
 def task_targets() -> tuple[str, ...]:
     """What a parameter may change of the task itself."""
-    return ("time_limit_s", "rest_s", *(name for kind in task_kinds() for name in kind.targets))
+    return ("time_limit_s", "rest_s", "block", *(name for kind in task_kinds() for name in kind.targets))
 
 
 def build_action_space(spec: TaskSpec) -> ActionSpace:
     """The limits of a scene's parameters, as learning sees them; defaults have been filled in (`fill_defaults`)."""
     return ActionSpace(
-        Parameter(name, p.min if p.default is None else p.default, p.min, p.max, p.step, p.rate, p.unit)
+        Parameter(
+            name,
+            p.min if p.default is None else p.default,
+            p.min,
+            p.max,
+            p.step,
+            p.rate,
+            p.unit,
+            p.kind,
+            p.harder,
+            p.cost,
+            p.dwell_s,
+        )
         for name, p in spec.parameters.items()
     )
+
+
+def build_learning_space(spec: TaskSpec) -> ActionSpace:
+    """What a learning system may choose: the action space without what the therapist has vetoed."""
+    return ActionSpace(p for p in build_action_space(spec) if not spec.parameters[p.name].veto)
 
 
 def haptic_field(target: MapSpec) -> str:

@@ -59,6 +59,13 @@ class Adaptation:
             self._aims.update(self._waiting.pop(due))
         self.values = dict(self._aims)
 
+    def upcoming(self, number: int) -> dict[str, float]:
+        """The session's values as they will be when a trial begins, the trial list's own aside."""
+        values = dict(self._session)
+        for due in sorted(trial for trial in self._waiting if trial <= number):
+            values.update(self._waiting[due])
+        return values
+
     def step(self, seconds: float) -> None:
         """Move the values that may change inside a trial by `seconds` [s] of their rate."""
         for parameter in self._space:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
+from mimics_app.contracts.messages import TrialResult
 from mimics_app.contracts.trial_counts import (
     COUNTED_PRACTICE,
     COUNTED_TRIALS,
@@ -114,6 +115,18 @@ class Attempts:
             return False
         return self.rows[-1]["outcome"] != ABORTED or not self.attempts_left
 
+    def prefer(self, block: int) -> None:
+        """The next trial is the first one left of a block, 1 first; 0, or a block that is over, leaves the order."""
+        ahead = self.number + 1
+        names = list(dict.fromkeys(trial.block for trial in self.plan))
+        if not 1 <= block <= len(names):
+            return
+        found = next((i for i in range(ahead, len(self.plan)) if self.plan[i].block == names[block - 1]), None)
+        if found is not None and found != ahead:
+            left = [self.plan[found], *(t for i, t in enumerate(self.plan[ahead:], ahead) if i != found)]
+            left = [replace(trial, number=ahead + i) for i, trial in enumerate(left)]
+            self.plan = (*self.plan[:ahead], *left)
+
     def begin(self, now_ns: int) -> bool:
         """Begin the current trial again, or the next one where the current is over; True for a new trial."""
         fresh = self.begun == 0 or self.trial_over
@@ -143,6 +156,15 @@ class Attempts:
             self.score = row["score"]
         self.rows.append(row)
         self._on_row(row)
+
+    def trial_result(self, values: Mapping[str, float], now_ns: int) -> TrialResult:
+        """The attempt that just ended at its goal or its time, for a learning system."""
+        row = self.rows[-1]
+        finished = row["outcome"] == FINISHED
+        performance = float(finished) if row["score"] is None else row["score"] / 100.0
+        return TrialResult(
+            row["trial"], now_ns, row["outcome"], performance, performance, bool(row["practice"]), dict(values)
+        )
 
     def result(self, now_ns: int) -> dict[str, Any]:
         """Totals of the session: its `TrialCounts`, and the totals of `tasks.score.session_result`.

@@ -19,6 +19,7 @@ from mimics_app.world.components.registry import Component
 __all__ = [
     "MEASURES",
     "ActionDeed",
+    "ActionKind",
     "BlockSpec",
     "ContactCondition",
     "Deed",
@@ -45,6 +46,7 @@ __all__ = [
 ]
 
 Order = Literal["listed", "shuffled", "latin"]
+ActionKind = Literal["avatar", "complexity", "appearance", "flow", "sound", "difficulty", "duration"]
 StateName = Literal["approach", "ready", "travel", "finished", "timeout", "aborted", "stopped", "rest", "done"]
 
 
@@ -56,7 +58,8 @@ class MapSpec(Component, frozen=True):
         Meta(
             description="Dotted name: 'haptic.FIELD' or 'haptic.tunnel.FIELD' is a number of the haptic scene; "
             "'visual.NAME' and 'audio.NAME' are parameters of the scenario and the mixer; 'task.time_limit_s', "
-            "'task.rest_s' and 'task.within' (of `carry`) change the task itself."
+            "'task.rest_s', 'task.block' (block, 1 first, that the next trial is of; 0: as listed) and 'task.within' "
+            "(of `carry`) change the task itself."
         ),
     ]
     scale: Annotated[Figure, Meta(description="Target units per unit of the parameter.")] = 1.0
@@ -85,6 +88,14 @@ class ParameterSpec(Component, frozen=True):
         Meta(description="Largest change per second [unit/s] inside a trial; 0: changes only between trials."),
     ] = 0.0
     unit: Annotated[str, Meta(description="Unit of the value; '-' for none.")] = "-"
+    kind: Annotated[ActionKind, Meta(description="What it changes, for whoever chooses among actions.")] = "difficulty"
+    harder: Annotated[
+        Literal[-1, 0, 1],
+        Meta(description="1: larger values make the task harder; -1: smaller ones do; 0: neither."),
+    ] = 0
+    cost: Annotated[Factor, Meta(description="What a change over the whole range costs a learning system.")] = 0.0
+    dwell_s: Annotated[Seconds, Meta(description="Shortest time between two changes by a learning system [s].")] = 0.0
+    veto: Annotated[bool, Meta(description="True: no learning system may change it.")] = False
 
 
 class PointGoal(Component, frozen=True, tag="point", tag_field="kind"):
@@ -325,6 +336,11 @@ class _TaskBase(Component, frozen=True):
     messages: Annotated[
         dict[StateName, str], Meta(description="Text shown in a state, instead of the built-in one; '' shows nothing.")
     ] = field(default_factory=dict)
+
+    learn: Annotated[str, Meta(description="Policy that adapts the task unless a run names one; '': none.")] = ""
+    goal: Annotated[
+        str, Meta(description="What it is rewarded for: 'task', 'success:SHARE', 'arousal:LOW:HIGH' and the like.")
+    ] = "success:0.7"
 
     def section(self, kind: str) -> Component | None:
         """The section of a kind of task by its name, or None where the task has none."""

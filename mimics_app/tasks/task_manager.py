@@ -14,7 +14,15 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.board import Board, Card
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.messages import HapticSnapshot, SoundEvent, TactileEvent, TaskAction, TaskOrders, VRInput
+from mimics_app.contracts.messages import (
+    HapticSnapshot,
+    SoundEvent,
+    TactileEvent,
+    TaskAction,
+    TaskOrders,
+    TrialResult,
+    VRInput,
+)
 from mimics_app.contracts.scenario_port import Home, TaskContext
 from mimics_app.contracts.trial_counts import FINISHED, SESSION_ENDED
 from mimics_app.contracts.trial_state import TaskView, TrialState
@@ -93,6 +101,7 @@ class TaskManager:
         self._entered_ns: int | None = None
         self._last_ns = 0
         self._cause = 0
+        self._result: TrialResult | None = None
 
     @property
     def action_space(self) -> ActionSpace:
@@ -138,6 +147,7 @@ class TaskManager:
             seen = play.see(seen, self._settings.task)
         if action is not None:
             self._take(action, now_ns)
+        self._result = None
         left, entered = self._advance(seen)
         moment = Moment(self._state, entered, left, vr.pressed, seen)
         sounds = [sound for deed in self._triggers.due(moment) for sound in self._do(deed, seen)]
@@ -201,8 +211,10 @@ class TaskManager:
             self._attempts.end(ABORTED, cause, values, seen.now_ns)
         elif following is TrialState.FINISHED:
             self._attempts.end(FINISHED, "", values, seen.now_ns)
+            self._result = self._attempts.trial_result(values, seen.now_ns)
         elif following is TrialState.TIMEOUT:
             self._attempts.end(TIMEOUT, "", values, seen.now_ns)
+            self._result = self._attempts.trial_result(values, seen.now_ns)
 
     def _enter(self, state: TrialState, seen: Observation) -> None:
         self._state, self._entered_ns = state, seen.now_ns
@@ -216,6 +228,10 @@ class TaskManager:
         self._on_event("state", {"t_ns": seen.now_ns, "state": state.value, **trial})
 
     def _begin_attempt(self, now_ns: int) -> None:
+        if self._attempts.trial_over:
+            upcoming = settings_for(self._spec, self._adaptation.upcoming(self._attempts.number + 1))
+            block = upcoming.task.get("block", 0)
+            self._attempts.prefer(round(block) if isinstance(block, int | float) else 0)
         if self._attempts.begin(now_ns):
             self._adaptation.begin_trial(self._attempts.number, self._attempts.trial.values)
             self._report_clipped(now_ns)
@@ -267,7 +283,22 @@ class TaskManager:
             board=self._lay_out(seen, view),
             person_may_act=self._state is TrialState.TRAVEL,
             finished=self.done,
+            result=self._result or self._step_result(seen.now_ns),
+            demand=self._space.demand(self._adaptation.values),
         )
+
+    def _step_result(self, now_ns: int) -> TrialResult | None:
+        """Of a step inside the trial, where a kind of task has steps and one ended in this frame."""
+        if self._state is not TrialState.TRAVEL:
+            return None
+        for play in self._plays.values():
+            step = play.step
+            if step is not None:
+                number, values = self._attempts.number, dict(self._adaptation.values)
+                return TrialResult(
+                    number, now_ns, "step", 0.0, step.reward, values=values, observed=dict(step.observed)
+                )
+        return None
 
     def _view(self, seen: Observation) -> TaskView:
         attempts = self._attempts

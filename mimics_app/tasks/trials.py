@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import math
 import random
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+import msgspec
+
 from mimics_app.tasks.task import BlockSpec, Order, TaskSpec
 
-__all__ = ["Trial", "order_conditions", "plan_trials", "trial_blocks", "williams_square"]
+__all__ = ["Trial", "order_conditions", "plan_trials", "repeated", "trial_blocks", "williams_square"]
+
+_SHORTEST_TRIAL_S = 5.0
+"""Way to the start, travel, result and rest of a trial take at least this long [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +63,20 @@ def plan_trials(blocks: Sequence[BlockSpec], seed: int) -> list[Trial]:
                     )
                 )
     return trials
+
+
+def repeated(spec: TaskSpec, seconds: float) -> TaskSpec:
+    """The task with so many repetitions of its last block that counts that it cannot be over before a time [s].
+
+    For a learning system, which goes on as long as the session does.
+    """
+    blocks = list(trial_blocks(spec))
+    last = max((i for i, block in enumerate(blocks) if not block.practice), default=None)
+    if last is None:
+        return spec
+    rounds = math.ceil(seconds / (_SHORTEST_TRIAL_S * len(blocks[last].trials)))
+    blocks[last] = msgspec.structs.replace(blocks[last], repetitions=max(blocks[last].repetitions, rounds))
+    return msgspec.structs.replace(spec, trials=blocks)
 
 
 def trial_blocks(spec: TaskSpec) -> list[BlockSpec]:

@@ -13,6 +13,7 @@ from mimics_app.app.picture.picture import Picture
 from mimics_app.app.play.pace import run_virtual
 from mimics_app.app.play.stills import draw_stills
 from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.session.body import Body
 from mimics_app.app.session.build import build_session
 from mimics_app.app.session.core import open_core
 from mimics_app.app.session.frame import Frames
@@ -66,7 +67,7 @@ def bench(folder: Path) -> None:
 
 @pytest.mark.parametrize("way", [run, render, sweep, bench])
 def test_a_stage_of_the_core_acts_whoever_plays(way: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("mimics_app.app.session.core.NullDsp", CountingDsp)
+    monkeypatch.setattr("mimics_app.app.session.body.NullDsp", CountingDsp)
     monkeypatch.setattr(realtime_load, "_SIZE", (64, 36))
     monkeypatch.setattr(CountingDsp, "frames", 0)
     way(tmp_path)
@@ -80,7 +81,7 @@ class Chooser:
         self._log = log
         self._chosen = 0
 
-    def choose(self, state: Any, now_ns: int) -> TaskAction:
+    def choose(self, state: Any, result: Any, reward: float | None, now_ns: int) -> TaskAction:
         self._chosen += 1
         self._log.append(f"choose {self._chosen}")
         return TaskAction({"number": float(self._chosen)})
@@ -89,7 +90,7 @@ class Chooser:
 def test_learning_chooses_after_the_task_and_for_the_next_frame() -> None:
     log: list[str] = []
     parts = prepare_scene(load_checked_scene(TUNNEL), RunSettings(TUNNEL))
-    with open_core(replace(parts, learning=Chooser(log))) as core:
+    with open_core(replace(parts, body=Body(learning=Chooser(log)))) as core:
         task = core.tasks.step
 
         def step(vr: Any, action: TaskAction, *rest: Any) -> Any:

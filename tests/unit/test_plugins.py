@@ -69,13 +69,16 @@ def test_one_group_is_asked_alone(installed: None) -> None:
 def test_every_group_that_is_announced_is_loaded() -> None:
     """A plug-in of a group that nothing loads would be called ok by doctor and do nothing."""
     from mimics_app.app.scenes import catalogue
+    from mimics_app.inputs.physio import sources
+    from mimics_app.learning import registry as policies
     from mimics_app.rendering.haptic import force_fields
     from mimics_app.rendering.haptic.devices import device_names
     from mimics_app.tasks.kinds import registry
     from mimics_app.world.components import plugins
 
     assert set(GROUPS) == {
-        place.ENTRY_POINT_GROUP for place in (catalogue, force_fields, device_names, registry, plugins)
+        place.ENTRY_POINT_GROUP
+        for place in (catalogue, force_fields, device_names, registry, plugins, policies, sources)
     }
 
 

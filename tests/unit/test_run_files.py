@@ -17,6 +17,7 @@ import pytest
 from mimics_app.contracts import ring
 from mimics_app.contracts.errors import PartialDataError, SceneError, UsageError
 from mimics_app.contracts.haptic import EVENT, SAMPLE, SCENE, EventKind
+from mimics_app.contracts.messages import SignalBlock
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.recording import append_file, columns, run_folder
 from mimics_app.recording.append_file import AppendFile
@@ -32,6 +33,7 @@ from mimics_app.recording.replay import gather
 from mimics_app.recording.report import write_report
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import FILES, create_run_folder, private_files
+from mimics_app.recording.signal_rows import SignalRow
 from mimics_app.recording.state_hash import StateHash
 from mimics_app.recording.statics import Statics, write_statics
 from mimics_app.recording.streams import EventStream, ParameterStream, SampleStream, hash_of_files
@@ -378,6 +380,7 @@ def test_every_file_of_a_run_is_its_users_alone(tmp_path: Path) -> None:
         trip["kind"], trip["tick"] = EventKind.TRIP, 1100
         ring.push(memory.recorder_event_words, memory.recorder_events, trip)
         recorder.trial({"trial": 0})
+        recorder.signals([SignalRow(0, SignalBlock("ecg", 1000.0, 0, np.zeros(20)))])
         while_it_runs = {path.name: path.stat().st_mode & 0o777 for path in folder.iterdir()}
         recorder.close({})
         write_statics(folder, Statics({"paths": np.arange(3.0)}, ()))

@@ -215,11 +215,11 @@ def test_action_file_is_replayed_each_action_once_at_its_time(tmp_path):
     sequence = load_action_sequence(write(tmp_path, document), SPACE)
     start = 5_000_000_000
     state = UserState(0)
-    assert sequence.choose(state, start) == TaskAction({"stiffness": 500.0}, at_trial=1)
-    assert sequence.choose(state, start + 1_999_999_999) is None
-    assert sequence.choose(state, start + 2_000_000_000) == TaskAction({"radius": 2.0})
-    assert sequence.choose(state, start + 2_000_000_000) == TaskAction({"radius": 1.0})
-    assert sequence.choose(state, start + 9_000_000_000) is None
+    assert sequence.choose(state, None, None, start) == TaskAction({"stiffness": 500.0}, at_trial=1)
+    assert sequence.choose(state, None, None, start + 1_999_999_999) is None
+    assert sequence.choose(state, None, None, start + 2_000_000_000) == TaskAction({"radius": 2.0})
+    assert sequence.choose(state, None, None, start + 2_000_000_000) == TaskAction({"radius": 1.0})
+    assert sequence.choose(state, None, None, start + 9_000_000_000) is None
 
 
 @pytest.mark.parametrize(
@@ -270,4 +270,4 @@ def test_action_file_for_a_task_without_parameters(tmp_path):
 
 
 def test_null_learning_leaves_the_task_alone():
-    assert NullLearning().choose(UserState(0), 0) is None
+    assert NullLearning().choose(UserState(0), None, None, 0) is None

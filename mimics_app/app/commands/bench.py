@@ -30,7 +30,9 @@ _frame_rate = real_number("frame rate from 1 to 1000", lambda fps: 1.0 <= fps <=
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics bench`."""
     parser.add_argument(
-        "what", choices=("all", "realtime", "methods", "audio", "haptic", "frame", "render"), help="what to measure"
+        "what",
+        choices=("all", "realtime", "methods", "audio", "haptic", "physio", "frame", "render"),
+        help="what to measure",
     )
     _add_render_arguments(parser)
     parser.add_argument(
@@ -54,7 +56,8 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--data",
         type=Path,
-        help="of render: folder with city.glb and cube.glb, which city and nodes draw; else RENDER_DATA names it",
+        help="of render: folder with city.glb and cube.glb, which city and nodes draw; else RENDER_DATA names it; of "
+        "physio: folder of annotated .npz records, else PHYSIO_DATA names it",
     )
     parser.add_argument(
         "--size", type=picture_size, default="1280x720", metavar="WxH", help="of render and frame: of the picture [px]"
@@ -196,10 +199,19 @@ def _measure_frame(args: argparse.Namespace) -> dict[str, Any]:
     return measure_frames(scenes, args.size, args.surface, seconds, _say)
 
 
+def _measure_physio(args: argparse.Namespace) -> dict[str, Any]:
+    """R peaks on annotated records and under noise, cost and latency; PEERS names a folder with rivals' harness."""
+    from mimics_app.lab.physio.bench import measure_physio
+
+    folder = args.data or (Path(os.environ["PHYSIO_DATA"]) if os.environ.get("PHYSIO_DATA") else None)
+    return measure_physio(folder, Path(os.environ["PEERS"]) if os.environ.get("PEERS") else None)
+
+
 _MEASURES = {
     "frame": _measure_frame,
     "realtime": _measure_realtime,
     "methods": _measure_methods,
     "audio": _measure_audio,
     "haptic": _measure_haptic,
+    "physio": _measure_physio,
 }

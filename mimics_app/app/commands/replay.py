@@ -43,13 +43,25 @@ def run(args: argparse.Namespace) -> int:
             f"{args.run_folder} replays differently: {difference}",
             "its inputs were changed, or another version or machine recorded it",
         )
+    from mimics_app.app.session.body_replay import replay_body
+
+    body = replay_body(recorded)
+    if body is not None and body.difference:
+        raise PartialDataError(
+            f"{args.run_folder} replays differently: {body.difference}",
+            "its signals were changed, or another version or machine recorded it",
+        )
     ticks, events = len(data.samples), int((recorded.events["tick"] < end).sum())
     left = len(recorded.events) - events
     if args.json:
         answer = {"ticks": ticks, "events": events, "events_not_compared": left, "equal": True}
+        if body is not None:
+            answer |= {"features": body.features, "states": body.states, "choices": body.choices}
         output.write_object("replay", {"run_dir": args.run_folder, **answer})
     else:
         print(f"{ticks} ticks replayed, every output and {events} events equal bit for bit{_left_out(left, end)}")
+        if body is not None:
+            print(f"{body.features} frames of features, {body.states} states and {body.choices} choices equal")
     return 0
 
 

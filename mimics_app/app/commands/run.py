@@ -56,6 +56,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--video", type=Path, metavar="FILE", help="film of the run, e.g. out.mp4 (ffmpeg); a folder: PNG frames"
     )
     parser.add_argument("--action", type=Path, metavar="FILE", help="replay task actions from a JSON file")
+    parser.add_argument(
+        "--physio", default="", metavar="SOURCE", help="body signals: sim, sim:PRESET, file:PATH, lsl:NAME, serial:PORT"
+    )
+    parser.add_argument("--learn", default="", metavar="POLICY", help="what adapts the task, e.g. kalman, staircase")
+    parser.add_argument(
+        "--goal",
+        default="",
+        help="of the policy, instead of the task's: task, success:SHARE, arousal:LOW:HIGH, effort:LOW:HIGH",
+    )
+    parser.add_argument(
+        "--baseline-s", type=positive_time, default=60.0, metavar="S", help="length of the person's rest measured first"
+    )
     parser.add_argument("--runs", type=Path, default=Path("runs"), metavar="DIR", help="where the run folder is made")
     parser.add_argument(
         "--from-trial",

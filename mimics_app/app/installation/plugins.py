@@ -16,6 +16,8 @@ GROUPS = (
     "mimics_app.scenarios",
     "mimics_app.task_kinds",
     "mimics_app.force_fields",
+    "mimics_app.policies",
+    "mimics_app.signal_sources",
 )
 """The groups of entry points a package may offer something in: each is loaded by the stage that has a place for it."""
 

@@ -17,6 +17,7 @@ from mimics_app.app.play.pace import run_live, run_unseen, run_virtual
 from mimics_app.app.play.progress_line import ProgressLine
 from mimics_app.app.play.result import summarise
 from mimics_app.app.play.summary_lines import summary_lines
+from mimics_app.app.play.value_picture import ValuePicture
 from mimics_app.app.session.build import build_session, start_loop
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
@@ -120,7 +121,10 @@ def _play_in_window(session: Session, frames: Frames, log: JourneyLog) -> None:
     open_picture(session, surface, keep=log.asked)
     session.inputs = person_inputs(session)
 
+    values = ValuePicture(session)
+
     def after_frame(frames: Frames) -> None:
+        values.look(frames)
         if frames.number == 1:
             log.shown()
 
@@ -156,11 +160,12 @@ def open_picture(session: Session, surface: Surface, *, keep: bool = False) -> N
 
 def _play_headless(session: Session, frames: Frames) -> list[Path]:
     """The simulated patient plays on the virtual clock; only the frames that are kept are drawn."""
-    album = Album(session)
+    album, values = Album(session), ValuePicture(session)
     progress = ProgressLine(sys.stderr, session)
 
     def after_frame(frames: Frames) -> None:
         album.look(frames)
+        values.look(frames)
         progress.show(frames)
 
     run_virtual(session, frames, after_frame)

@@ -11,6 +11,7 @@ from importlib.metadata import entry_points
 from mimics_app.contracts.errors import SceneError, nearest
 from mimics_app.contracts.scenario_port import Scenario
 from mimics_app.scenarios.avatar_cord import AvatarCord
+from mimics_app.scenarios.guided_walk import GuidedWalk
 from mimics_app.scenarios.pick_and_place import PickAndPlace
 from mimics_app.scenarios.touch_scene import TouchScene
 from mimics_app.scenarios.wavy_tunnel import WavyTunnel
@@ -28,7 +29,12 @@ ONLY_LOOKED_AT = "none"
 
 _Builder = Callable[[Scene, World], Scenario]
 
-BUILT_IN: dict[str, _Builder] = {"wavy_tunnel": WavyTunnel, "pick_and_place": PickAndPlace, "avatar_cord": AvatarCord}
+BUILT_IN: dict[str, _Builder] = {
+    "wavy_tunnel": WavyTunnel,
+    "pick_and_place": PickAndPlace,
+    "avatar_cord": AvatarCord,
+    "guided_walk": GuidedWalk,
+}
 """Scenarios that come with the product, by name."""
 
 BY_COMPONENT: dict[type, _Builder] = {Tunnel: WavyTunnel, GraspingHand: PickAndPlace, Robot: TouchScene}

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from mimics_app.app.session.preparation import Preparation
 from mimics_app.app.session.switched_off import NullRecorder, NullSound, RecorderPort, SoundPort
 from mimics_app.app.session.tactile import open_tactile
+from mimics_app.app.session.tap import Tap
 from mimics_app.app.session.trackers import make_hub
 from mimics_app.app.touch.device_fit import device_values, fit_context
 from mimics_app.app.touch.haptic_side import HapticSide
@@ -24,9 +25,7 @@ from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.clock import Clock, MonotonicClock, VirtualClock
 from mimics_app.contracts.scenario_port import Scenario
 from mimics_app.contracts.session_memory import SessionMemory
-from mimics_app.contracts.stages import Dsp, Estimation, Learning
-from mimics_app.dsp.stage import NullDsp
-from mimics_app.estimation.stage import NullEstimation
+from mimics_app.contracts.stages import Dsp, Estimation, Goal, Learning
 from mimics_app.inputs.interaction.simulated_patient import SimulatedPatient
 from mimics_app.inputs.stage import Inputs
 from mimics_app.rendering.haptic.engine import HapticEngine
@@ -82,11 +81,14 @@ class SessionCore:
             first_trial=parts.settings.from_trial - 1,
         )
         self.trackers = make_hub(parts.scene, self.clock, seed, folder)
-        self.inputs = Inputs([simulated_person(parts.scene, parts.scenario)])
-        self.dsp: Dsp = NullDsp()
-        self.estimation: Estimation = NullEstimation()
-        self.learning: Learning = parts.learning
+        body = parts.body
+        self.inputs = Inputs([simulated_person(parts.scene, parts.scenario)], body.sources)
+        self.dsp: Dsp = body.dsp
+        self.estimation: Estimation = body.estimation
+        self.learning: Learning = body.learning
+        self.goal: Goal = body.goal
         self.recorder = recorder
+        self.tap = Tap(recorder)
         self.tell: Callable[[str], None] = _say_nothing
         self.sound = sound
         self.tactile = open_tactile(parts.scene, live=parts.live)
@@ -106,6 +108,8 @@ class SessionCore:
         self.haptics.stop()
         self.trackers.stop()
         self.tactile.close()
+        self.inputs.close()
+        self.tap.flush()
 
     def __enter__(self) -> Self:
         return self

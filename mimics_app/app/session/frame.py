@@ -18,10 +18,18 @@ from mimics_app.app.touch.person_inbox import PersonInbox
 from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import FRAMES_PER_SECOND, TICK_NS, ticks_until_frame
 from mimics_app.contracts.haptic import EVENT
-from mimics_app.contracts.messages import HapticSnapshot, TaskAction, TaskOrders, VRInput
+from mimics_app.contracts.messages import (
+    Experience,
+    HapticSnapshot,
+    TaskAction,
+    TaskOrders,
+    TrialResult,
+    UserState,
+    VRInput,
+)
 from mimics_app.contracts.stage_timer import UNTIMED
 
-__all__ = ["Frames"]
+__all__ = ["Frames", "experience_of"]
 
 _LONGEST_START = 20 * FRAMES_PER_SECOND
 """Frames that the start of a trial takes at most; a robot that has not got there then will not."""
@@ -91,7 +99,7 @@ class Frames:
             features = core.dsp.process(vr.signals, now_ns)
             state = core.estimation.update(features)
             if self.number == 0:
-                self._action = core.learning.choose(state, now_ns)
+                self._choose(state, None, now_ns)
         with stage("watch"):
             snapshot, events = core.haptics.snapshot(), core.haptics.events()
             self.losses.see(events)
@@ -99,7 +107,7 @@ class Frames:
             self._recorder.look()
         with stage("tasks"):
             orders = core.tasks.step(vr, self._action, snapshot, events, now_ns)
-            self._action = core.learning.choose(state, now_ns)
+            self._choose(state, orders.result, now_ns)
             self._touch(vr, orders, snapshot)
             self._feel(orders, now_ns)
         with stage("scenario"):
@@ -115,6 +123,8 @@ class Frames:
             self._effects.step(orders, events, now_ns)
             core.sound.step(orders, core.world, now_ns)
         with stage("record"):
+            core.inputs.feel(experience_of(orders, snapshot, now_ns))
+            core.tap.step(self.number, vr.signals, features, state)
             self._journal(snapshot, now_ns)
         self.number, self.orders, self.snapshot, self.events = self.number + 1, orders, snapshot, events
 
@@ -122,6 +132,13 @@ class Frames:
         """Hand the task's taps to the vibrators, and keep when each is felt."""
         for line in self._core.tactile.step(orders.touches, now_ns):
             self._core.recorder.journal("tactile", {"t_ns": now_ns, **line})
+
+    def _choose(self, state: UserState, result: TrialResult | None, now_ns: int) -> None:
+        """Ask the learning system, which gets the result of the task and what its goal finds it worth."""
+        core = self._core
+        reward = core.goal.reward(state, result)
+        self._action = core.learning.choose(state, result, reward, now_ns)
+        core.tap.choice(self.number, result, reward, self._action)
 
     def _journal(self, snapshot: HapticSnapshot, now_ns: int) -> None:
         """What this frame saw: the tick, and where every haptic body was."""
@@ -145,3 +162,17 @@ class Frames:
             core.inputs.hold_at((float(x), float(y), float(z)))
         trial = int(core.parameter_store.block["trial"][0])
         self._inbox.tell(vr.pointer, trial=trial, may_act=orders.person_may_act)
+
+
+def experience_of(orders: TaskOrders, snapshot: HapticSnapshot, now_ns: int) -> Experience:
+    """What the person went through in a frame."""
+    velocity = np.asarray(snapshot.v_world, float)
+    power = float(np.dot(np.asarray(snapshot.f_user_world, float), velocity))
+    return Experience(
+        now_ns,
+        speed=float(np.linalg.norm(velocity)),
+        power=max(power, 0.0),
+        demand=orders.demand,
+        acting=orders.person_may_act,
+        result=orders.result,
+    )

@@ -41,6 +41,7 @@ def describe_session(parts: Preparation) -> dict[str, Any]:
             if name != "journey"
         },
         "facts": parts.scenario.facts,
+        **({"body": parts.body.header} if parts.body.header else {}),
         "plan": describe_plan(scene, parts.plan.without_picture if parts.live else parts.plan),
     }
 

@@ -30,4 +30,4 @@ def person_inputs(session: Session) -> Inputs:
     settings = PointerSettings() if ball is None else PointerSettings(grasp_full=ball.grasp_force_full)
     at_mouse = Pointer(plane, picture.ray, settings)
     on_robot = [simulated_person(session.scene, session.scenario)] if session.haptics.plugin.real_time else []
-    return Inputs([*on_robot, at_mouse], window=picture.surface)
+    return Inputs([*on_robot, at_mouse], session.inputs.signals, window=picture.surface)

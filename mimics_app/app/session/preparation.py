@@ -11,21 +11,20 @@ from numpy.typing import NDArray
 from mimics_app.app.planner.plan import Plan, settle
 from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.session.body import Body, open_body
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.touch.haptic_side import HapticSide
 from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.contracts.scenario_port import Scenario
-from mimics_app.contracts.stages import Learning
-from mimics_app.learning.action_sequence import load_action_sequence
-from mimics_app.learning.stage import NullLearning
 from mimics_app.recording.run import Run
 from mimics_app.rendering.haptic.devices.device_names import POINTER, SIMULATED
 from mimics_app.rendering.haptic.devices.registry import build_device
-from mimics_app.tasks.actions import build_action_space, fill_defaults
+from mimics_app.tasks.actions import fill_defaults
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.trial_file import resolve_trials
+from mimics_app.tasks.trials import repeated
 from mimics_app.world.components.robot import Patient, Robot
 from mimics_app.world.scene.file import build_world
 from mimics_app.world.scene.scene import Scene
@@ -48,7 +47,7 @@ class Preparation:
         side: What of it can be touched.
         parameter_store: Its haptic parameters.
         task: The task, its trial file read and its parameters' defaults taken from the scene.
-        learning: What chooses the task's actions.
+        body: Signals of the person, their state, and what chooses the task's actions.
         robot: The scene's, with the device of this run.
         patient: The scene's, with the preset of this run.
         plugin: The device, open: whoever has the parts closes it.
@@ -63,7 +62,7 @@ class Preparation:
     side: HapticSide
     parameter_store: ParameterStore
     task: TaskSpec
-    learning: Learning
+    body: Body
     robot: Robot
     patient: Patient
     plugin: DevicePlugin
@@ -95,8 +94,10 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False) ->
     side = HapticSide(scene)
     store = side.parameter_store(scenario.scene_block())
     task = fill_defaults(resolve_trials(task_of(scene), scene.path.parent, scene.root), store.value)
-    learning = _learning(settings, task)
+    if settings.learn and settings.seconds is not None:
+        task = repeated(task, settings.seconds)
     robot, patient = _who_moves(settings, scene, live=live)
+    body = open_body(settings, task, patient.preset)
     way, objects = scenario.via_points_world, side.for_robot(robot)
     plugin = build_device(robot, patient, way, settings.seed, samples=_recorded(settings), objects=objects)
     return Preparation(
@@ -109,17 +110,11 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False) ->
         side=side,
         parameter_store=store,
         task=task,
-        learning=learning,
+        body=body,
         robot=robot,
         patient=patient,
         plugin=plugin,
     )
-
-
-def _learning(settings: RunSettings, task: TaskSpec) -> Learning:
-    if settings.action is None:
-        return NullLearning()
-    return load_action_sequence(settings.action, build_action_space(task))
 
 
 def _who_moves(settings: RunSettings, scene: Scene, *, live: bool) -> tuple[Robot, Patient]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -14,6 +14,7 @@ from mimics_app.contracts.haptic import SAMPLE
 from mimics_app.contracts.messages import TaskOrders
 from mimics_app.contracts.object_rows import Rows
 from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.recording.signal_rows import SignalRow
 from mimics_app.world.world import World
 
 __all__ = ["NullRecorder", "NullSound", "RecorderPort", "SoundPort"]
@@ -56,6 +57,10 @@ class RecorderPort(Protocol):
 
     def trial(self, row: Mapping[str, Any]) -> None:
         """Keep the row of an attempt."""
+        ...
+
+    def signals(self, rows: Sequence[SignalRow]) -> None:
+        """Keep blocks of the person's signals."""
         ...
 
 
@@ -103,6 +108,9 @@ class NullRecorder:
         """Nothing is kept."""
 
     def trial(self, row: Mapping[str, Any]) -> None:
+        """Nothing is kept."""
+
+    def signals(self, rows: Sequence[SignalRow]) -> None:
         """Nothing is kept."""
 
 

@@ -17,6 +17,7 @@ import msgspec
 
 from mimics_app.app.scenes.finding import find_scene
 from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.session.body import Body
 from mimics_app.app.session.core import open_core
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.preparation import prepare_scene
@@ -74,7 +75,7 @@ def travel(
     settings = RunSettings(scene.path, seed=seed, profile=profile, patient=preset)
     chosen = [TimedAction(0.0, TaskAction(dict(action), at_trial=0))] if action else []
     parts = prepare_scene(scene, settings)
-    with open_core(replace(parts, task=_last_trial(parts.task), learning=ActionSequence(chosen))) as core:
+    with open_core(replace(parts, task=_last_trial(parts.task), body=Body(learning=ActionSequence(chosen)))) as core:
         frames = Frames(core)
         for _ in range(round(seconds * FRAMES_PER_SECOND)):
             if frames.play_on().finished:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mimics_app.contracts.messages import SignalBlock
+from mimics_app.contracts.messages import Experience, SignalBlock
 
 __all__ = ["NoSignals"]
 
@@ -13,3 +13,9 @@ class NoSignals:
     def read(self, now_ns: int) -> tuple[SignalBlock, ...]:
         """Nothing has arrived, whatever the time."""
         return ()
+
+    def feel(self, experience: Experience) -> None:
+        """Nobody is measured."""
+
+    def close(self) -> None:
+        """Nothing is open."""

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from mimics_app.tasks.task import TaskSpec
     from mimics_app.world.scene.scene import Scene
 
-__all__ = ["Fault", "KindPlay", "Measure", "ScorePartSpec", "TaskKind", "Values"]
+__all__ = ["Fault", "KindPlay", "Measure", "ScorePartSpec", "StepResult", "TaskKind", "Values"]
 
 Fault = tuple[str, str, str]
 """(JSON pointer, what is wrong, what to do)"""
@@ -41,6 +41,19 @@ class ScorePartSpec(Component, frozen=True):
     weight: Annotated[Factor, Meta(description="Share of the score, relative to the other weights.")]
     best: Annotated[Figure, Meta(description="Value that earns full marks, in the measure's unit.")]
     worst: Annotated[Figure, Meta(description="Value that earns none.")]
+
+
+@dataclass(frozen=True, slots=True)
+class StepResult:
+    """What a step inside a trial came to.
+
+    Attributes:
+        reward: What the task finds it worth.
+        observed: Where things stand after it, by name.
+    """
+
+    reward: float
+    observed: Mapping[str, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +97,11 @@ class KindPlay:
     def take_events(self) -> Sequence[tuple[str, Mapping[str, object]]]:
         """Lines for the journal since the last call: kind and data."""
         return ()
+
+    @property
+    def step(self) -> StepResult | None:
+        """Of a step inside the trial that ended in this frame, for a learning system; asked once, after `travel`."""
+        return None
 
     @property
     def words(self) -> Mapping[str, str]:

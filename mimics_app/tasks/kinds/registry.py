@@ -7,14 +7,14 @@ from functools import cache
 from importlib.metadata import entry_points
 
 from mimics_app.contracts.report_section import ReportSection
-from mimics_app.tasks.kinds import avatar_cord, carry, tunnel
+from mimics_app.tasks.kinds import avatar_cord, carry, guided_walk, tunnel
 from mimics_app.tasks.kinds.kind import TaskKind
 
 __all__ = ["ENTRY_POINT_GROUP", "report_sections", "task_kinds"]
 
 ENTRY_POINT_GROUP = "mimics_app.task_kinds"
 
-_BUILT_IN: tuple[TaskKind, ...] = (tunnel.KIND, carry.KIND, avatar_cord.KIND)
+_BUILT_IN: tuple[TaskKind, ...] = (tunnel.KIND, carry.KIND, avatar_cord.KIND, guided_walk.KIND)
 
 
 @cache

@@ -1,0 +1,125 @@
+"""`mimics physio SOURCE`: body signals without a scene: plots, features, events, and the quality of a set-up."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mimics_app.app.terminal.arguments import positive_time, random_seed
+
+if TYPE_CHECKING:
+    from mimics_app.app.physio.watch import Watch
+    from mimics_app.contracts.input_port import SignalSource
+
+__all__ = ["add_arguments", "run"]
+
+_CHECK_S = 60.0
+_PAGE_EVERY = 100
+"""Polls of a live source between two pages: two seconds."""
+_BAD_SHARE = 0.1
+"""Share of bad seconds above which a set-up is to be mended."""
+_LIVE = ("lsl", "serial", "board")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `mimics physio`."""
+    parser.add_argument(
+        "source", metavar="SOURCE", help="file (.csv, .edf, .hea), sim:PRESET, lsl:NAME, serial:PORT or board:NAME"
+    )
+    parser.add_argument("--seconds", type=positive_time, help="how long [s]; a file: its length, else 60")
+    parser.add_argument("--events", type=Path, metavar="CSV", help="write t_s,known_s,kind,value,quality of all found")
+    parser.add_argument("--features", type=Path, metavar="CSV", help="write the features of every second")
+    parser.add_argument("--page", type=Path, metavar="HTML", help="page of plots; of a live source it follows")
+    parser.add_argument("--check", action="store_true", help="judge the set-up: 6 where a signal is bad or missing")
+    parser.add_argument("--seed", type=random_seed, default=1, help="of a simulated person")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Read the source to its end; what came, how good it was, and what was found in it."""
+    from mimics_app.app.physio.watch import Watch
+    from mimics_app.contracts.errors import PartialDataError
+
+    source, start_s, seconds, live = _open(args)
+    watch = Watch()
+    try:
+        _watch(watch, source, args, seconds, live=live)
+    finally:
+        source.close()
+    if args.events is not None:
+        watch.write_events(args.events, start_s)
+    if args.features is not None:
+        watch.write_features(args.features)
+    if args.page is not None and watch.recent:
+        _write_page(watch, args, live=False)
+    answer = watch.summary(source)
+    if args.check:
+        answer["advice"] = _advice(answer)
+    _say(answer, as_json=args.json)
+    return PartialDataError.exit_code if args.check and answer["advice"] else 0
+
+
+def _open(args: argparse.Namespace) -> tuple[SignalSource, float, float, bool]:
+    """The source, the time of its first sample [s], how long to read [s], and whether it has a time of its own."""
+    from mimics_app.inputs.physio.sources import KINDS, open_source
+
+    kind = args.source.partition(":")[0]
+    if kind in KINDS and kind != "file":
+        return open_source(args.source, args.seed), 0.0, args.seconds or _CHECK_S, kind in _LIVE
+    from mimics_app.inputs.physio.recording import FileSource, read_signal_file
+
+    signals = read_signal_file(Path(args.source.removeprefix("file:")))
+    first = min(signal.start_s for signal in signals)
+    length = max(signal.start_s - first + len(signal.values) / signal.rate for signal in signals)
+    return FileSource(signals), first, min(args.seconds or length, length), False
+
+
+def _watch(watch: Watch, source: SignalSource, args: argparse.Namespace, seconds: float, *, live: bool) -> None:
+    from mimics_app.app.physio.watch import blocks_of_file, follow
+    from mimics_app.contracts.clock import MonotonicClock
+
+    pieces = follow(source, MonotonicClock(), seconds) if live else blocks_of_file(source, seconds)
+    for i, (blocks, now_ns) in enumerate(pieces):
+        watch.take(blocks, now_ns)
+        if live and args.page is not None and watch.recent and i % _PAGE_EVERY == _PAGE_EVERY - 1:
+            _write_page(watch, args, live=True)
+
+
+def _write_page(watch: Watch, args: argparse.Namespace, *, live: bool) -> None:
+    from mimics_app.app.physio.page import write_page
+
+    write_page(watch, args.page, f"Body signals: {args.source}", live=live)
+
+
+def _advice(answer: dict[str, Any]) -> list[str]:
+    """What to mend, one sentence each."""
+    if not answer["signals"]:
+        return ["no signal came: check that the amplifier sends"]
+    found = []
+    for name, signal in answer["signals"].items():
+        if signal["bad_share"] > _BAD_SHARE:
+            found.append(f"{name}: {100 * signal['bad_share']:.0f} % of the seconds are bad: check its electrodes")
+        faults = signal.get("faults", {})
+        if faults.get("wrong_rate"):
+            found.append(f"{name}: it does not come at the {signal['rate']:g} Hz it states: set the amplifier's rate")
+        if faults.get("gaps"):
+            found.append(f"{name}: {faults['lost']} samples were lost in {faults['gaps']} gaps: check the connection")
+    return found
+
+
+def _say(answer: dict[str, Any], *, as_json: bool) -> None:
+    if as_json:
+        from mimics_app.app.terminal.output import write_object
+
+        write_object("physio", answer)
+        return
+    for name, signal in answer["signals"].items():
+        bad = f"{100 * signal['bad_share']:.0f} % bad seconds"
+        print(f"{name:6} {signal['seconds']:.1f} s at {signal['rate']:g} Hz, quality {signal['quality']:.2f}, {bad}")
+    print("found  " + (", ".join(f"{n} {kind}" for kind, n in answer["events"].items()) or "nothing"))
+    shown = {name: value for name, value in answer["features"].items() if name != "t_s"}
+    print("last   " + ", ".join(f"{name} {value:.4g}" for name, value in shown.items()))
+    for line in answer.get("advice", []):
+        print(f"mend   {line}")
+    if answer.get("advice") == []:
+        print("mend   nothing: all signals are good")

@@ -1,0 +1,66 @@
+"""The page of plots: the newest seconds of every signal with what was found in them, and the features over the time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from mimics_app.app.physio.watch import Watch
+from mimics_app.plotting.axis import Axis
+from mimics_app.plotting.plot import Plot, envelope
+from mimics_app.plotting.templates import load_templates
+
+__all__ = ["write_page"]
+
+_UNITS = {"ecg": "mV", "gsr": "µS", "emg": "mV", "resp": "1", "speed": "m/s", "power": "W"}
+_KINDS = {"ecg": "r_peak", "gsr": "scr", "emg": "emg_onset", "resp": "breath"}
+_TRENDS = (
+    ("heart_rate", "heart rate [1/min]"),
+    ("rmssd", "RMSSD [ms]"),
+    ("scl", "skin conductance [µS]"),
+    ("scr_rate", "responses [1/min]"),
+    ("breath_rate", "breath [1/min]"),
+)
+_TEMPLATES = Path(__file__).with_name("templates")
+_REFRESH_S = 2
+
+
+def write_page(watch: Watch, path: Path, title: str, *, live: bool) -> None:
+    """Write the page; a live one loads itself again every two seconds."""
+    figures = [("Signals", [_signal(watch, name) for name in watch.recent])]
+    trends = [plot for name, label in _TRENDS if (plot := _trend(watch, name, label)) is not None]
+    figures += [("Features", trends)] if trends else []
+    page = load_templates(_TEMPLATES).get_template("physio.html.j2")
+    summary = watch.summary()
+    text = page.render(title=title, refresh=_REFRESH_S if live else 0, figures=figures, summary=summary)
+    scratch = path.with_name(path.name + ".part")
+    scratch.write_text(text, encoding="utf-8")
+    scratch.replace(path)
+
+
+def _signal(watch: Watch, name: str) -> Plot:
+    """The newest seconds of a signal; where something was found, a point."""
+    times, values = watch.recent_samples(name)
+    good = values[np.isfinite(values)]
+    low, high = (float(good.min()), float(good.max())) if len(good) else (0.0, 1.0)
+    room = 0.08 * (high - low) or 0.5
+    y = Axis(f"{name} [{_UNITS.get(name, '1')}]", low - room, high + room)
+    plot = Plot(Axis("time [s]", float(times[0]), float(times[-1]) + 1e-3), y, name, height=180.0)
+    plot.line(*envelope(times, values), "a", name)
+    found = np.array([t for t in watch.times_of(name, _KINDS.get(name, "")) if times[0] <= t <= times[-1]])
+    if len(found):
+        heights = values[np.clip(np.searchsorted(times, found), 0, len(values) - 1)]
+        plot.points(found, np.nan_to_num(heights, nan=low), "b", _KINDS[name].replace("_", " "))
+    return plot
+
+
+def _trend(watch: Watch, name: str, label: str) -> Plot | None:
+    pairs = np.array([(row["t_s"], row[name]) for row in watch.features if name in row])
+    if len(pairs) < 2:
+        return None
+    low, high = float(pairs[:, 1].min()), float(pairs[:, 1].max())
+    room = 0.1 * (high - low) or 1.0
+    plot = Plot(Axis("time [s]", 0.0, float(pairs[-1, 0])), Axis(label, low - room, high + room), label, height=140.0)
+    plot.line(pairs[:, 0], pairs[:, 1], "a")
+    return plot

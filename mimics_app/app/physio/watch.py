@@ -1,0 +1,132 @@
+"""Signals of a source or a file through the very processing a session uses, and all that a page or a table shows."""
+
+from __future__ import annotations
+
+import csv
+from collections import deque
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.clock import Clock
+from mimics_app.contracts.input_port import SignalSource
+from mimics_app.contracts.messages import SignalBlock
+from mimics_app.dsp.channel import Event
+from mimics_app.dsp.stage import PhysioDsp
+
+__all__ = ["Watch", "blocks_of_file", "follow"]
+
+_SECOND = 1_000_000_000
+_SHOWN_S = 12.0
+_POLL_NS = 20_000_000
+_BAD = 0.5
+"""Quality below which a second counts as bad."""
+
+
+class Watch:
+    """Takes blocks and keeps events, features of every second, and the newest seconds of each signal."""
+
+    def __init__(self) -> None:
+        self._dsp = PhysioDsp(self._note)
+        self.events: list[tuple[str, Event]] = []
+        self.features: list[dict[str, float]] = []
+        self.recent: dict[str, deque[SignalBlock]] = {}
+        self.start_ns = -1
+        self._offset: dict[str, float] = {}
+        self._second = -1
+        self._qualities: dict[str, list[float]] = {}
+
+    def take(self, blocks: tuple[SignalBlock, ...], now_ns: int) -> None:
+        """Blocks that came by now."""
+        for block in blocks:
+            if self.start_ns < 0:
+                self.start_ns = block.t_ns
+            self._offset.setdefault(block.name, (block.t_ns - self.start_ns) / _SECOND)
+            kept = self.recent.setdefault(block.name, deque())
+            kept.append(block)
+            while kept[-1].t_ns - kept[0].t_ns > _SHOWN_S * _SECOND:
+                kept.popleft()
+        frame = self._dsp.process(blocks, now_ns)
+        if frame.t_ns // _SECOND != self._second and self.start_ns >= 0:
+            self._second = frame.t_ns // _SECOND
+            row = {"t_s": (frame.t_ns - self.start_ns) / _SECOND, **frame.values}
+            row |= {f"quality_{name}": value for name, value in frame.quality.items()}
+            self.features.append(row)
+            for name, value in frame.quality.items():
+                self._qualities.setdefault(name, []).append(value)
+
+    def _note(self, name: str, event: Event) -> None:
+        self.events.append((name, event))
+
+    def recent_samples(self, name: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Times [s] and values of the newest seconds of a signal."""
+        blocks = self.recent[name]
+        times = [(b.t_ns - self.start_ns) / _SECOND + np.arange(len(b.values)) / b.rate for b in blocks]
+        return np.concatenate(times), np.concatenate([b.values for b in blocks])
+
+    def times_of(self, name: str, kind: str) -> list[float]:
+        """When events of a kind were in a signal [s]."""
+        return [event.t_s + self._offset[name] for signal, event in self.events if (signal, event.kind) == (name, kind)]
+
+    def summary(self, source: SignalSource | None = None) -> dict[str, Any]:
+        """What came, how good it was, and what was found in it."""
+        faults: Mapping[str, Any] = getattr(source, "faults", {})
+        signals = {}
+        for name, channel in self._dsp.channels.items():
+            quality = np.array(self._qualities.get(name, [])[1:] or [channel.found.quality])
+            signals[name] = {
+                "rate": channel.rate,
+                "seconds": channel.seconds,
+                "quality": float(np.mean(quality)),
+                "bad_share": float(np.mean(quality < _BAD)),
+                **({"faults": asdict(faults[name])} if name in faults else {}),
+            }
+        counts: dict[str, int] = {}
+        for _, event in self.events:
+            counts[event.kind] = counts.get(event.kind, 0) + 1
+        newest = {k: v for k, v in (self.features[-1] if self.features else {}).items() if not k.startswith("quality_")}
+        return {"signals": signals, "events": counts, "features": newest}
+
+    def write_events(self, path: Path, start_s: float = 0.0) -> None:
+        """Events in the order in which they became known, columns t_s, known_s, kind, value, quality.
+
+        Args:
+            path: Of the table.
+            start_s: Time of the first sample, as its file tells time [s].
+        """
+        rows = [
+            (event.t_s + self._offset[name] + start_s, event.known_s + self._offset[name] + start_s, event)
+            for name, event in self.events
+        ]
+        with path.open("w", newline="", encoding="utf-8") as file:
+            table = csv.writer(file, lineterminator="\n")
+            table.writerow(["t_s", "known_s", "kind", "value", "quality"])
+            for t_s, known_s, event in sorted(rows, key=lambda row: row[1]):
+                numbers = (f"{t_s:.6f}", f"{known_s:.6f}", event.kind, f"{event.value:.6g}", f"{event.quality:.3f}")
+                table.writerow(numbers)
+
+    def write_features(self, path: Path) -> None:
+        """Features and qualities, a row a second; what could not be told is empty."""
+        names = sorted({name for row in self.features for name in row} - {"t_s"})
+        with path.open("w", newline="", encoding="utf-8") as file:
+            table = csv.DictWriter(file, ["t_s", *names], lineterminator="\n", restval="")
+            table.writeheader()
+            table.writerows({name: f"{value:.6g}" for name, value in row.items()} for row in self.features)
+
+
+def blocks_of_file(source: SignalSource, seconds: float) -> Iterator[tuple[tuple[SignalBlock, ...], int]]:
+    """Blocks of a source that knows no time of its own, a second at once, as fast as they can be taken."""
+    for now_ns in range(0, round((seconds + 1.0) * _SECOND) + 1, _SECOND):
+        yield source.read(now_ns), now_ns
+
+
+def follow(source: SignalSource, clock: Clock, seconds: float) -> Iterator[tuple[tuple[SignalBlock, ...], int]]:
+    """Blocks of a live source as they come."""
+    begin = clock.now_ns()
+    while (now_ns := clock.now_ns()) - begin < seconds * _SECOND:
+        yield source.read(now_ns), now_ns
+        clock.sleep_until_ns(now_ns + _POLL_NS)

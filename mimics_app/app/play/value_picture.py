@@ -1,0 +1,71 @@
+"""What an avatar that learns step by step believes, as a picture in the run's folder that an operator can keep open."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.app.session.frame import Frames
+from mimics_app.app.session.session import Session
+from mimics_app.contracts.clock import FRAMES_PER_SECOND
+from mimics_app.learning.stepwise import GAPS, StepAgent
+from mimics_app.plotting.drawing import document
+from mimics_app.plotting.marks import element, word
+from mimics_app.recording.run_folder import write_atomically
+
+__all__ = ["ValuePicture", "draw_values"]
+
+_EVERY = 5 * FRAMES_PER_SECOND
+_NAME = "value_function.svg"
+_DEEDS = ("approach", "retreat", "step aside", "wait", "beckon", "point")
+_CELL = (96.0, 34.0)
+_LEFT, _TOP = 250.0, 76.0
+
+
+class ValuePicture:
+    """Renews the picture every five seconds of the session.
+
+    Args:
+        session: Whose learning system it is; of another kind it draws nothing.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self._agent = session.learning if isinstance(session.learning, StepAgent) else None
+        self._path = session.folder / _NAME
+
+    def look(self, frames: Frames) -> None:
+        """A frame is over."""
+        if self._agent is not None and frames.number % _EVERY == 0:
+            draw_values(self._agent.table.values, self._path)
+
+
+def draw_values(values: NDArray[np.float64], path: Path) -> None:
+    """Values [states, deeds] as a table whose cells are the darker the more a deed is worth; the best has a frame."""
+    width, height = _CELL
+    low, span = float(values.min()), float(np.ptp(values)) or 1.0
+    names = _DEEDS if values.shape[1] == len(_DEEDS) else tuple(str(i) for i in range(values.shape[1]))
+    parts = [word(_LEFT + (j + 0.5) * width, _TOP - 10.0, name, "name", "middle") for j, name in enumerate(names)]
+    for i, row in enumerate(values):
+        y = _TOP + i * height
+        parts.append(word(_LEFT - 12.0, y + 0.62 * height, _state(i), "small", "end"))
+        for j, value in enumerate(row.tolist()):
+            x = _LEFT + j * width
+            shade = f"{(value - low) / span:.3f}"
+            parts.append(element("rect", class_="dot", x=x, y=y, width=width, height=height, fill_opacity=shade))
+            parts.append(word(x + 0.5 * width, y + 0.62 * height, f"{value:.2f}", "name", "middle"))
+        best = int(row.argmax())
+        parts.append(element("rect", class_="ring", x=_LEFT + best * width, y=y, width=width, height=height))
+    whole = (_LEFT + len(names) * width + 20.0, _TOP + len(values) * height + 40.0)
+    foot = ["Way towards the place [m] that each deed is expected to bring, of this and later steps."]
+    write_atomically(path, str(document(*whole, "What the avatar has learnt", parts, foot)).encode())
+
+
+def _state(i: int) -> str:
+    """A state in words."""
+    borders = ("0", *(f"{gap:g}" for gap in GAPS))
+    count = len(GAPS) + 1
+    k = i % count
+    distance = f"{borders[k]} to {GAPS[k]:g} m" if k < len(GAPS) else f"over {GAPS[-1]:g} m"
+    return f"{'before' if i >= count else 'behind'} the person, {distance}"

@@ -1,0 +1,133 @@
+"""The left half of Figure 1 in one session: signals, their processing, the person's state, the learning system."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import msgspec
+
+from mimics_app.app.settings import RunSettings
+from mimics_app.contracts.action_space import ActionSpace, Parameter
+from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.input_port import SignalSource
+from mimics_app.contracts.stages import Dsp, Estimation, Goal, Learning
+from mimics_app.dsp.stage import NullDsp
+from mimics_app.estimation.stage import NullEstimation
+from mimics_app.learning.action_sequence import load_action_sequence
+from mimics_app.learning.stage import NullLearning, TaskGoal
+from mimics_app.tasks.actions import build_action_space, build_learning_space
+from mimics_app.tasks.task import TaskSpec
+
+__all__ = ["Body", "make_stages", "open_body"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Body:
+    """The parts.
+
+    Attributes:
+        sources: Recorders of signals.
+        dsp: Signals to features.
+        estimation: Features to state.
+        learning: State, result and reward to actions.
+        goal: What the learning system is rewarded for.
+        header: What a recording must say for a replay to make the same stages, see `make_stages`.
+    """
+
+    sources: tuple[SignalSource, ...] = ()
+    dsp: Dsp = field(default_factory=lambda: NullDsp())
+    estimation: Estimation = field(default_factory=lambda: NullEstimation())
+    learning: Learning = field(default_factory=lambda: NullLearning())
+    goal: Goal = field(default_factory=TaskGoal)
+    header: Mapping[str, object] = field(default_factory=dict)
+
+
+def open_body(settings: RunSettings, task: TaskSpec, preset: str = "") -> Body:
+    """What a run asks for, the null stages where it asks for nothing.
+
+    Args:
+        settings: Of the run.
+        task: Its parameters' defaults filled in.
+        preset: Of the simulated patient: a simulated body without one of its own takes it.
+
+    Raises:
+        SceneError: the action file, or a file of signals, is wrong.
+        UsageError: no such policy, goal or source.
+        DeviceError: the source cannot be had.
+    """
+    body = Body()
+    learn = "" if settings.action is not None else settings.learn or task.learn
+    if settings.physio or learn:
+        header = _header(settings, learn, settings.goal or task.goal, build_learning_space(task))
+        body = replace(make_stages(header), sources=_sources(settings, preset))
+    if settings.action is not None:
+        body = replace(body, learning=load_action_sequence(settings.action, build_action_space(task)))
+    return body
+
+
+def make_stages(header: Mapping[str, object]) -> Body:
+    """Signal processing, estimation, learning and goal as a header says, without sources.
+
+    Raises:
+        UsageError: no such policy or goal.
+    """
+    from mimics_app.dsp.stage import PhysioDsp
+    from mimics_app.estimation.fusion import FusionEstimation
+    from mimics_app.learning.goals import build_goal
+
+    said = msgspec.convert(header, _Header)
+    learning: Learning = NullLearning()
+    if said.learn:
+        from mimics_app.learning.agent import Agent
+        from mimics_app.learning.registry import check_policy
+        from mimics_app.learning.stepwise import StepAgent
+
+        check_policy(said.learn)
+
+        space = ActionSpace(said.parameters)
+        stepped = next((p for p in space if p.kind == "avatar" and p.step > 0.0), None)
+        learning = StepAgent(said.learn, stepped, said.seed) if stepped else Agent(said.learn, space, said.seed)
+    try:
+        goal = build_goal(said.goal)
+    except ValueError as error:
+        raise UsageError(str(error)) from error
+    return Body(
+        dsp=PhysioDsp(),
+        estimation=FusionEstimation(said.baseline_s),
+        learning=learning,
+        goal=goal,
+        header=msgspec.to_builtins(said),
+    )
+
+
+class _Header(msgspec.Struct, frozen=True):
+    """See `Body.header`."""
+
+    learn: str
+    goal: str
+    seed: int
+    baseline_s: float
+    parameters: list[Parameter]
+
+
+def _header(settings: RunSettings, learn: str, goal: str, space: ActionSpace) -> Mapping[str, object]:
+    return {
+        "learn": learn,
+        "goal": goal,
+        "seed": settings.seed,
+        "baseline_s": settings.baseline_s,
+        "parameters": msgspec.to_builtins(list(space)),
+    }
+
+
+def _sources(settings: RunSettings, preset: str) -> tuple[SignalSource, ...]:
+    """The movement, and where body signals were asked for, those."""
+    from mimics_app.inputs.physio.movement import Movement
+
+    if not settings.physio:
+        return (Movement(),)
+    from mimics_app.inputs.physio.sources import open_source
+
+    address = f"sim:{preset}" if settings.physio == "sim" and preset else settings.physio
+    return (Movement(), open_source(address, settings.seed))

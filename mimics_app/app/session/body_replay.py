@@ -1,0 +1,107 @@
+"""Replays the left half of Figure 1: recorded signals and results through the stages anew, every output compared."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import msgspec
+
+from mimics_app.app.session.body import make_stages
+from mimics_app.app.session.tap import Tap
+from mimics_app.contracts.errors import PartialDataError
+from mimics_app.contracts.messages import SignalBlock, TrialResult
+from mimics_app.recording.event_log import encode_line
+from mimics_app.recording.run import Run
+from mimics_app.recording.signal_rows import SignalRow
+
+__all__ = ["BodyReplay", "replay_body"]
+
+_COMPARED = ("features", "person", "choice")
+
+
+@dataclass(frozen=True, slots=True)
+class BodyReplay:
+    """What was compared.
+
+    Attributes:
+        features, states, choices: How many of each.
+        difference: The first that came out otherwise, in words; "" where all are equal.
+    """
+
+    features: int
+    states: int
+    choices: int
+    difference: str = ""
+
+
+class _Lines:
+    """Stands in the recorder's place and keeps the lines as they would stand in events.jsonl."""
+
+    def __init__(self) -> None:
+        self.kept: dict[str, list[dict[str, Any]]] = defaultdict(list)
+
+    def journal(self, kind: str, data: Mapping[str, object]) -> None:
+        """Keep a line, through the very text it would be."""
+        self.kept[kind].append(msgspec.json.decode(encode_line("app", kind, data)))
+
+    def signals(self, rows: Sequence[SignalRow]) -> None:
+        """They are what is replayed."""
+
+
+def replay_body(run: Run) -> BodyReplay | None:
+    """Compare; None where the run measured nothing and adapted nothing.
+
+    Raises:
+        PartialDataError: frames or signals are missing.
+    """
+    header = run.session.get("body")
+    if not isinstance(header, dict):
+        return None
+    stages, lines = make_stages(header), _Lines()
+    tap = Tap(lines)
+    results = {line["frame"]: _result(line) for line in run.lines_of("app", "result")}
+    for number, now_ns, blocks in _frames(run):
+        features = stages.dsp.process(blocks, now_ns)
+        state = stages.estimation.update(features)
+        result = results.get(number)
+        for told in (None, result) if number == 0 else (result,):
+            reward = stages.goal.reward(state, told)
+            tap.choice(number, told, reward, stages.learning.choose(state, told, reward, now_ns))
+        tap.step(number, (), features, state)
+    compared = [kind for kind in _COMPARED if kind != "choice" or header.get("learn")]
+    recorded = {kind: run.lines_of("app", kind) for kind in compared}
+    difference = next((d for kind in compared if (d := _difference(kind, recorded[kind], lines.kept[kind]))), "")
+    counts = {kind: len(recorded.get(kind, ())) for kind in _COMPARED}
+    return BodyReplay(counts["features"], counts["person"], counts["choice"], difference)
+
+
+def _frames(run: Run) -> Iterator[tuple[int, int, list[SignalBlock]]]:
+    """Number, time and blocks of each frame.
+
+    Raises:
+        PartialDataError: one is missing.
+    """
+    blocks: dict[int, list[SignalBlock]] = defaultdict(list)
+    for row in run.signals:
+        blocks[row.frame].append(row.block)
+    for wanted, line in enumerate(run.lines_of("app", "frame")):
+        if line["frame"] != wanted:
+            raise PartialDataError(f"{run.folder}: frame {wanted} is missing", "its signals cannot be replayed")
+        yield wanted, int(line["t_ns"]), blocks.get(wanted, [])
+
+
+def _result(line: Mapping[str, Any]) -> TrialResult:
+    return msgspec.convert({name: line[name] for name in line if name not in ("source", "kind", "frame")}, TrialResult)
+
+
+def _difference(kind: str, recorded: Sequence[Mapping[str, Any]], replayed: Sequence[Mapping[str, Any]]) -> str:
+    for one, other in zip(recorded, replayed, strict=False):
+        if one != other:
+            names = [name for name in one.keys() | other.keys() if one.get(name) != other.get(name)]
+            return f"{kind} of frame {one.get('frame')}: {', '.join(sorted(names))} differ"
+    if len(recorded) != len(replayed):
+        return f"{len(recorded)} lines of {kind} recorded, {len(replayed)} replayed"
+    return ""

@@ -1,0 +1,94 @@
+"""ECG: R peaks, rhythm, quality."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from mimics_app.dsp.channel import Channel, Event, Found
+from mimics_app.dsp.filters import Floats, band_pass, delay_of
+from mimics_app.dsp.kernels.ecg import ECG_STATE, LAST, MISSING, NPK, SPK, find_beats
+from mimics_app.dsp.rhythm import Rhythm
+
+__all__ = ["TUNING", "Ecg"]
+
+BAND = (8.2, 29.0)
+"""[Hz]"""
+ORDER = 2
+
+TUNING = np.array(
+    [
+        0.101,  # window of the energy [s]
+        0.091,  # a peak of the energy stands when nothing larger came for so long [s]
+        0.218,  # no two beats nearer than this [s]
+        2.0,  # levels are taken from so much of the beginning [s]
+        0.601,  # ... or when the energy fell below this share of it
+        1.813,  # a beat is missing after so many usual intervals
+        0.126,  # then a refused peak counts that rose this share of the way from noise to beats
+        0.441,  # threshold between noise (0) and beats (1) when a beat is due
+        1.031,  # just after a beat
+        1.242,  # share of the usual interval in which it falls from the one to the other
+        0.245,  # weight of a new beat in the level of beats
+        0.177,  # weight of a refused peak in that of noise
+        0.024,  # loss of the level of beats per second without any [1/s]
+        1.0,  # first level of beats, of the second largest peak
+        0.078,  # weight of a new interval in the usual one
+        1.625,  # a beat counts at most so many times the level
+    ]
+)
+"""Found by a random search over the six MIT-BIH records with and without synthetic noise and the four of the noise
+stress test; see docs/guide/physiology.md for what other records and other noise give."""
+
+
+class Ecg(Channel):
+    """R peaks within 150 ms in the median, whatever the polarity, gain or rate."""
+
+    name: ClassVar[str] = "ecg"
+    latency_s: ClassVar[float] = 0.25
+    lowest_rate: ClassVar[float] = 100.0
+    phase: ClassVar[float] = 0.8
+
+    def __init__(self, rate: float) -> None:
+        super().__init__(rate)
+        self._sos = band_pass(ORDER, *BAND, rate)
+        self._delay = delay_of(self._sos, _QRS, rate)
+        self._z = np.zeros((len(self._sos), 2))
+        self._state = np.zeros(ECG_STATE)
+        self._ring = np.zeros((1, int(4 * rate)))
+        self._kept = np.zeros((64, 2))
+        self._out = np.zeros((64, 3))
+        self._strength = 0.0
+        self.rhythm = Rhythm()
+
+    def _take(self, piece: Floats) -> list[Event]:
+        state = self._state
+        count = find_beats(
+            piece, self._sos, self._z, state, self._ring, self._kept, self.rate, self._delay, TUNING, self._out
+        )
+        events = []
+        for at, known, strength in self._out[:count].tolist():
+            self._strength += 0.2 * (min(strength, 20.0) - self._strength)
+            t_s = max(at, 0.0) / self.rate
+            interval = self.rhythm.beat(t_s)
+            events.append(Event(t_s, (known + 1.0) / self.rate, "r_peak", interval or 0.0, self.found.quality))
+        if state[MISSING] > self.rate:
+            self.rhythm.pause()
+        return events
+
+    def _look_back(self, raw: Floats) -> Found:
+        now_s = (self.samples) / self.rate
+        features = self.rhythm.features(now_s)
+        if self._state[LAST] >= 0.0:
+            silent = now_s - self._state[LAST] / self.rate
+        else:
+            silent = np.inf
+        clear = (self._state[SPK] / max(self._state[NPK], 1e-12) - _UNCLEAR) / (_CLEAR - _UNCLEAR)
+        quality = self._contact(raw) * float(np.clip(clear, 0.0, 1.0)) * (1.0 if silent < 3.0 else 0.0)
+        return Found(features if quality > 0.0 else {}, quality)
+
+
+_QRS = 13.0
+"""Where most of a QRS's power in the band is [Hz]: what its delay is taken at."""
+_UNCLEAR, _CLEAR = 1.8, 4.0
+"""Ratio of the levels of beats and of what lies between them that is no good, and that is all good."""

@@ -1,0 +1,76 @@
+"""EMG: envelope, onsets, fatigue by the median frequency, quality."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import ClassVar
+
+import numpy as np
+
+from mimics_app.dsp.channel import Channel, Event, Found
+from mimics_app.dsp.filters import Floats, band_pass
+from mimics_app.dsp.kernels.emg import ACTIVE, EMG_STATE, TOTAL, N, find_onsets
+
+__all__ = ["Emg"]
+
+_BAND = (20.0, 450.0)
+_FATIGUE_S = 60.0
+
+
+class Emg(Channel):
+    """Onsets within 100 ms of the muscle's."""
+
+    name: ClassVar[str] = "emg"
+    latency_s: ClassVar[float] = 0.1
+    lowest_rate: ClassVar[float] = 200.0
+    phase: ClassVar[float] = 0.4
+
+    def __init__(self, rate: float) -> None:
+        super().__init__(rate)
+        self._sos = band_pass(2, *_BAND, rate)
+        self._z = np.zeros((len(self._sos), 2))
+        self._state = np.zeros(EMG_STATE)
+        self._ring = np.zeros(self._length)
+        self._out = np.zeros((16, 3))
+        self._envelope = np.zeros(self._length)
+        self._medians: deque[float] = deque(maxlen=round(_FATIGUE_S))
+        self._before = 0.0
+
+    def _take(self, piece: Floats) -> list[Event]:
+        at = self._place
+        envelope = self._envelope[at : at + len(piece)]
+        count = find_onsets(piece, self._sos, self._z, self._state, self._ring, self.rate, self._out, envelope)
+        return [
+            Event(max(onset, 0.0) / self.rate, (known + 1.0) / self.rate, "emg_onset", size, self.found.quality)
+            for onset, known, size in self._out[:count].tolist()
+        ]
+
+    def _look_back(self, raw: Floats) -> Found:
+        quality = self._contact(raw)
+        total = float(self._state[TOTAL])
+        integrated, self._before = total - self._before, total
+        if quality == 0.0:
+            return Found({}, 0.0)
+        n = int(self._state[N]) % self._length
+        features = {
+            "emg": float(np.mean(self._envelope)),
+            "emg_integrated": integrated,
+            "emg_active": float(self._state[ACTIVE]),
+        }
+        median = self._median_frequency(np.roll(self._ring, -n))
+        if self._state[ACTIVE] > 0.0 and median > 0.0:
+            features["emg_median_hz"] = median
+            self._medians.append(median)
+            if len(self._medians) >= 10:
+                minutes = np.arange(len(self._medians)) / 60.0
+                slope = np.polynomial.polynomial.polyfit(minutes, np.array(self._medians), 1)[1]
+                features["emg_fatigue"] = float(slope)
+        return Found(features, quality)
+
+    def _median_frequency(self, second: Floats) -> float:
+        """The frequency that halves the power of the last second [Hz], 0 where there is none."""
+        power = np.abs(np.fft.rfft(second * np.hanning(len(second)))) ** 2
+        summed = np.cumsum(power)
+        if summed[-1] <= 0.0:
+            return 0.0
+        return float(np.searchsorted(summed, 0.5 * summed[-1]) * self.rate / len(second))

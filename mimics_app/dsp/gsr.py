@@ -1,0 +1,77 @@
+"""Skin conductance: tonic level, responses (SCRs), quality."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import ClassVar
+
+import numpy as np
+
+from mimics_app.dsp.channel import Channel, Event, Found
+from mimics_app.dsp.filters import Floats, delay_of, low_pass
+from mimics_app.dsp.kernels.slow import TURN_STATE, find_responses
+
+__all__ = ["Gsr"]
+
+_SMOOTH_HZ = 2.0
+_LEAST = 0.02
+"""Smallest response that counts [uS]; 0.01 to 0.05 is the convention (Boucsein 2012)."""
+_WINDOW_S = 60.0
+_TONIC_S = 10.0
+_JUMP = 8.0
+"""No skin changes by so much in a second [uS]."""
+
+
+class Gsr(Channel):
+    """SCRs within half a second of their peak; the tonic level is the median of the smoothed signal at the troughs."""
+
+    name: ClassVar[str] = "gsr"
+    latency_s: ClassVar[float] = 0.5
+    lowest_rate: ClassVar[float] = 8.0
+    phase: ClassVar[float] = 0.2
+
+    def __init__(self, rate: float) -> None:
+        super().__init__(rate)
+        self._sos = low_pass(2, _SMOOTH_HZ, rate)
+        self._delay = delay_of(self._sos, 0.2, rate)
+        self._z = np.zeros((len(self._sos), 2))
+        self._state = np.zeros(TURN_STATE)
+        self._out = np.zeros((16, 4))
+        self._smooth = np.zeros(self._length)
+        self._levels: deque[float] = deque(maxlen=round(_WINDOW_S))
+        self._responses: deque[tuple[float, float]] = deque()
+
+    def _take(self, piece: Floats) -> list[Event]:
+        at = self._place
+        smooth = self._smooth[at : at + len(piece)]
+        count = find_responses(piece, self._sos, self._z, self._state, self.rate, _LEAST, self._out, smooth)
+        events = []
+        for peak, known, size, _ in self._out[:count].tolist():
+            t_s = max(peak - self._delay, 0.0) / self.rate
+            self._responses.append((t_s, size))
+            events.append(Event(t_s, (known + 1.0) / self.rate, "scr", size, self.found.quality))
+        return events
+
+    def _look_back(self, raw: Floats) -> Found:
+        now_s = self.samples / self.rate
+        good = raw[np.isfinite(raw)]
+        plausible = float(len(good) > 0 and 0.01 < float(np.median(good)) < 100.0)
+        quality = self._contact(raw, steps=_JUMP) * plausible
+        while self._responses and self._responses[0][0] < now_s - _WINDOW_S:
+            self._responses.popleft()
+        if quality == 0.0:
+            return Found({}, 0.0)
+        self._levels.append(float(self._smooth[-1]))
+        levels = np.array(self._levels)
+        tonic = float(np.quantile(levels[-round(_TONIC_S) :], 0.2))
+        covered = min(len(levels), _WINDOW_S)
+        features = {
+            "scl": tonic,
+            "phasic": float(self._smooth[-1]) - tonic,
+        }
+        if covered >= 0.4 * _WINDOW_S:
+            features["scr_rate"] = 60.0 * len(self._responses) / covered
+            features["scr_sum"] = 60.0 * sum(size for _, size in self._responses) / covered
+            minutes = np.arange(len(levels)) / 60.0
+            features["scl_slope"] = float(np.polynomial.polynomial.polyfit(minutes, levels, 1)[1])
+        return Found(features, quality)

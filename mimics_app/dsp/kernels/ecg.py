@@ -1,0 +1,229 @@
+"""Causal R peaks, sample by sample: band-pass, short-time energy, and a threshold that knows the rhythm.
+
+The energy of the QRS band is compared with a level between those of the last beats and of what lies between them; the
+level is high just after a beat and sinks until the next one is due, so that a T wave or a burst of noise in mid-cycle
+must be as strong as a beat, while a weak beat that comes in time is taken. After Pan & Tompkins, IEEE TBME 32(3), 1985,
+with the time-dependent threshold of Engelse & Zeelenberg, Computers in Cardiology, 1979.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mimics_app.contracts.kernel import kernel
+
+__all__ = ["ECG_STATE", "find_beats"]
+
+Floats = np.ndarray[tuple[int, ...], np.dtype[np.float64]]
+
+SPK, NPK, LAST, CAND_T, CAND_V, RR, SUM, BACK_T, BACK_V, N, HELD, MISSING, LEARNT, KEPT = range(14)
+ECG_STATE = 14
+"""Length of the state vector: levels of beats and of noise, sample of the last beat, the candidate and its energy, mean
+RR, running sum of squares, best refused candidate, samples seen, last good input, NaN in a row, whether the levels are
+learnt, candidates kept until then."""
+
+
+@kernel
+def find_beats(
+    x: Floats,
+    sos: Floats,
+    z: Floats,
+    state: Floats,
+    ring: Floats,
+    kept: Floats,
+    rate: float,
+    delay: float,
+    tuning: Floats,
+    out: Floats,
+) -> int:
+    """Take samples and write beats.
+
+    Args:
+        x: New samples, shape [n]; NaN where the sensor gave none.
+        sos: Band-pass, second order sections, shape [s, 6].
+        z: Its state, shape [s, 2].
+        state: See ECG_STATE.
+        ring: The last band-passed samples and their squares' window, shape [2, m].
+        kept: Candidates of the first seconds, shape [k, 2]: sample and energy.
+        rate: [Hz]
+        delay: Of the band-pass [samples].
+        tuning: See `ecg.TUNING`.
+        out: Beats, shape [b, 3]: sample of the R peak, sample at which it is known, its energy over the noise's.
+
+    Returns:
+        How many beats were written.
+    """
+    window, hold, dead, learn = tuning[0] * rate, tuning[1] * rate, tuning[2] * rate, tuning[3] * rate
+    w, m, count = int(window), ring.shape[1], 0
+    for i in range(x.shape[0]):
+        value = x[i]
+        if np.isnan(value):
+            state[MISSING] += 1.0
+            value = state[HELD]
+        else:
+            if state[MISSING] > 0.5 * rate or state[N] == 0.0:
+                _settle(value, sos, z)
+                state[LAST] = -1.0 if state[N] == 0.0 else state[N]
+            state[MISSING] = 0.0
+            state[HELD] = value
+        for s in range(sos.shape[0]):
+            y = sos[s, 0] * value + z[s, 0]
+            z[s, 0] = sos[s, 1] * value - sos[s, 4] * y + z[s, 1]
+            z[s, 1] = sos[s, 2] * value - sos[s, 5] * y
+            value = y
+        n = int(state[N])
+        old = ring[0, (n - w) % m]
+        state[SUM] = max(state[SUM] + value * value - old * old, 0.0)
+        ring[0, n % m] = value
+        energy = np.sqrt(state[SUM] / w)
+        state[N] += 1.0
+        if n < w:
+            continue
+        count = _follow(n, energy, state, ring, kept, hold, dead, learn, delay, tuning, rate, out, count)
+    return count
+
+
+@kernel
+def _settle(value: float, sos: Floats, z: Floats) -> None:
+    """Put the filter where a constant input would have brought it: all sections after the first see zero."""
+    for s in range(sos.shape[0]):
+        gain = (sos[s, 0] + sos[s, 1] + sos[s, 2]) / (1.0 + sos[s, 4] + sos[s, 5])
+        y = gain * value
+        z[s, 1] = sos[s, 2] * value - sos[s, 5] * y
+        z[s, 0] = sos[s, 1] * value - sos[s, 4] * y + z[s, 1]
+        value = y
+
+
+@kernel
+def _follow(
+    n: int,
+    energy: float,
+    state: Floats,
+    ring: Floats,
+    kept: Floats,
+    hold: float,
+    dead: float,
+    learn: float,
+    delay: float,
+    tuning: Floats,
+    rate: float,
+    out: Floats,
+    count: int,
+) -> int:
+    """Follow the energy to its next peak and judge it; beats written so far."""
+    if energy > state[CAND_V]:
+        state[CAND_V], state[CAND_T] = energy, n
+    elif state[CAND_V] > 0.0 and (energy < tuning[4] * state[CAND_V] or n - state[CAND_T] > hold):
+        t, v = int(state[CAND_T]), state[CAND_V]
+        state[CAND_V] = 0.0
+        if n < learn:
+            _keep(t, v, state, kept)
+        else:
+            count = _judge(t, v, n, state, ring, dead, delay, tuning, rate, out, count)
+    if n >= learn and state[LEARNT] == 0.0:
+        count = _learn(n, state, ring, kept, dead, delay, tuning, rate, out, count)
+    if state[RR] > 0.0 and state[BACK_V] > 0.0 and n - state[LAST] > tuning[5] * state[RR]:
+        threshold = state[NPK] + tuning[6] * (state[SPK] - state[NPK])
+        if state[BACK_V] > threshold:
+            count = _accept(int(state[BACK_T]), state[BACK_V], n, state, ring, delay, tuning, rate, out, count)
+        state[BACK_V] = 0.0
+    if n - max(state[LAST], learn) > 2.0 * rate:  # nothing for so long: the signal became smaller
+        state[SPK] *= 1.0 - tuning[12] / rate
+    return count
+
+
+@kernel
+def _keep(t: int, v: float, state: Floats, kept: Floats) -> None:
+    k = int(state[KEPT])
+    if k < kept.shape[0]:
+        kept[k, 0], kept[k, 1] = t, v
+        state[KEPT] += 1.0
+
+
+@kernel
+def _learn(
+    n: int,
+    state: Floats,
+    ring: Floats,
+    kept: Floats,
+    dead: float,
+    delay: float,
+    tuning: Floats,
+    rate: float,
+    out: Floats,
+    count: int,
+) -> int:
+    """Take levels from the first seconds and judge their candidates again."""
+    state[LEARNT] = 1.0
+    k = int(state[KEPT])
+    if k == 0:
+        return count
+    sizes = np.sort(kept[:k, 1])
+    state[SPK], state[NPK] = tuning[13] * sizes[max(k - 2, 0)], 0.5 * sizes[k // 2]
+    for j in range(k):
+        count = _judge(int(kept[j, 0]), kept[j, 1], n, state, ring, dead, delay, tuning, rate, out, count)
+    return count
+
+
+@kernel
+def _judge(
+    t: int,
+    v: float,
+    n: int,
+    state: Floats,
+    ring: Floats,
+    dead: float,
+    delay: float,
+    tuning: Floats,
+    rate: float,
+    out: Floats,
+    count: int,
+) -> int:
+    """Take a peak of the energy as a beat, or as noise."""
+    since = t - state[LAST] if state[LAST] >= 0.0 else 10.0 * rate
+    if since < dead:
+        return count
+    expected = state[RR] if state[RR] > 0.0 else 0.8 * rate
+    share = min(since / expected, 2.0)
+    factor = tuning[7] + (tuning[8] - tuning[7]) * max(1.0 - share / tuning[9], 0.0)
+    if v > state[NPK] + factor * (state[SPK] - state[NPK]):
+        return _accept(t, v, n, state, ring, delay, tuning, rate, out, count)
+    state[NPK] += tuning[11] * (min(v, 0.8 * state[SPK]) - state[NPK])
+    if v > state[BACK_V] and since > 0.36 * rate:
+        state[BACK_V], state[BACK_T] = v, t
+    return count
+
+
+@kernel
+def _accept(
+    t: int,
+    v: float,
+    n: int,
+    state: Floats,
+    ring: Floats,
+    delay: float,
+    tuning: Floats,
+    rate: float,
+    out: Floats,
+    count: int,
+) -> int:
+    """Write a beat: its R peak is the largest deflection in the window of its energy."""
+    m, best, at = ring.shape[1], -1.0, t
+    for j in range(max(t - int(tuning[0] * rate), 0, n - m + 1), t + 1):
+        if abs(ring[0, j % m]) > best:
+            best, at = abs(ring[0, j % m]), j
+    if state[LAST] >= 0.0:
+        rr = t - state[LAST]
+        if state[RR] == 0.0:
+            state[RR] = min(rr, 1.2 * rate)
+        elif 0.25 * rate < rr < 1.7 * state[RR]:
+            state[RR] += tuning[14] * (rr - state[RR])
+        else:
+            state[RR] += 0.05 * (min(rr, 2.0 * rate) - state[RR])
+    state[LAST] = t
+    state[SPK] += tuning[10] * (min(v, tuning[15] * state[SPK]) - state[SPK])
+    state[BACK_V] = 0.0
+    if count < out.shape[0]:
+        out[count, 0], out[count, 1], out[count, 2] = at - delay, n, v / max(state[NPK], 1e-12)
+        count += 1
+    return count

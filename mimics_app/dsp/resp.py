@@ -1,0 +1,64 @@
+"""Breath: rate, depth, ratio of in-breath to out-breath, their variability, quality."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import ClassVar
+
+import numpy as np
+
+from mimics_app.dsp.channel import Channel, Event, Found
+from mimics_app.dsp.filters import Floats, band_pass, delay_of
+from mimics_app.dsp.kernels.slow import TURN_STATE, find_breaths
+
+__all__ = ["Resp"]
+
+_BAND = (0.05, 1.0)
+_WINDOW_S = 60.0
+_SHORT_S = 25.0
+
+
+class Resp(Channel):
+    """A breath is known within a second of the turn that ends it."""
+
+    name: ClassVar[str] = "resp"
+    latency_s: ClassVar[float] = 1.0
+    lowest_rate: ClassVar[float] = 8.0
+    phase: ClassVar[float] = 0.6
+
+    def __init__(self, rate: float) -> None:
+        super().__init__(rate)
+        self._sos = band_pass(1, *_BAND, rate)
+        self._delay = delay_of(self._sos, 0.25, rate)
+        self._z = np.zeros((len(self._sos), 2))
+        self._state = np.zeros(TURN_STATE)
+        self._out = np.zeros((8, 5))
+        self.breaths: deque[tuple[float, float, float, float]] = deque()
+
+    def _take(self, piece: Floats) -> list[Event]:
+        count = find_breaths(piece, self._sos, self._z, self._state, self.rate, self._out)
+        events = []
+        for trough, known, depth, rise, whole in self._out[:count].tolist():
+            t_s = max(trough - self._delay, 0.0) / self.rate
+            self.breaths.append((t_s, depth, rise / self.rate, whole / self.rate))
+            events.append(Event(t_s, (known + 1.0) / self.rate, "breath", depth, self.found.quality))
+        return events
+
+    def _look_back(self, raw: Floats) -> Found:
+        now_s = self.samples / self.rate
+        quality = self._contact(raw)
+        while self.breaths and self.breaths[0][0] < now_s - _WINDOW_S:
+            self.breaths.popleft()
+        if quality == 0.0 or not self.breaths or now_s - self.breaths[-1][0] > 20.0:
+            return Found({}, 0.0)
+        rows = np.array(self.breaths)
+        recent = rows[rows[:, 0] > now_s - _SHORT_S]
+        recent = recent if len(recent) >= 2 else rows[-2:]
+        lengths = recent[:, 3]
+        features = {"breath_rate": 60.0 / float(np.mean(lengths)), "breath_depth": float(np.mean(recent[:, 1]))}
+        features["breath_ratio"] = float(np.mean(recent[:, 2] / np.maximum(lengths - recent[:, 2], 1e-3)))
+        if len(rows) >= 5:
+            spread = float(np.std(rows[:, 3], ddof=1) / np.mean(rows[:, 3]))
+            features["breath_variability"] = spread
+            quality *= float(np.clip(1.6 - 2.0 * spread, 0.1, 1.0))
+        return Found(features, quality)

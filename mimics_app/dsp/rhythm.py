@@ -1,0 +1,145 @@
+"""Heart rhythm from R peaks as they come: beats missed, beats too many and early beats set apart, then its variability.
+
+After Lipponen & Tarvainen, J Med Eng Technol 43(3), 2019, made causal: an interval is judged when the next one is
+known. What is not normal is left out of the variability, never filled in.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+
+from mimics_app.dsp.filters import Floats
+
+__all__ = ["Rhythm"]
+
+_LONGEST_S = 200.0
+"""What is kept [s]: LF/HF looks at three minutes."""
+_WINDOW_S = 60.0
+_SPECTRUM_S = 180.0
+_LEAST_SPECTRUM_S = 120.0
+_SPECTRUM_EVERY_S = 5.0
+_RESAMPLED = 4.0
+"""Rate at which the intervals are resampled for their spectrum [Hz]."""
+_LF, _HF = (0.04, 0.15), (0.15, 0.4)
+"""Bands [Hz]; Task Force, Circulation 93, 1996."""
+_PLAUSIBLE = (0.27, 2.0)
+"""RR intervals of 222 to 30 beats a minute [s]."""
+
+
+class Rhythm:
+    """The intervals of one heart.
+
+    Attributes:
+        counts: Of intervals that were "normal", "missed", "extra", "ectopic".
+    """
+
+    def __init__(self) -> None:
+        self.counts = {"normal": 0, "missed": 0, "extra": 0, "ectopic": 0}
+        self._last: float | None = None
+        self._pending: tuple[float, float] | None = None
+        self._after_pause = True
+        self._recent: deque[float] = deque(maxlen=15)
+        self._jumps: deque[float] = deque(maxlen=31)
+        self._normal: deque[tuple[float, float, bool]] = deque()
+        self._table: Floats | None = None
+        self._spectrum_at, self._found_spectrum = -np.inf, dict[str, float]()
+
+    def beat(self, t_s: float) -> float | None:
+        """A beat at this time [s]; its interval [s], None where there is none before it."""
+        if self._last is None or t_s - self._last > 2.0 * _PLAUSIBLE[1]:
+            self._last, self._pending, self._after_pause = t_s, None, True
+            return None
+        interval = t_s - self._last
+        self._last = t_s
+        if self._pending is None:
+            self._pending = (t_s, interval)
+        else:
+            self._pending = self._judge(self._pending, (t_s, interval))
+        return interval
+
+    def pause(self) -> None:
+        """Contact was lost: the next interval is none."""
+        self._last, self._pending, self._after_pause = None, None, True
+
+    def _judge(self, first: tuple[float, float], second: tuple[float, float]) -> tuple[float, float] | None:
+        """Judge an interval now that the next one is known; what is pending then."""
+        usual = float(np.median(self._recent)) if len(self._recent) >= 3 else first[1]
+        limit = max(5.2 * float(np.median(self._jumps)) if len(self._jumps) >= 5 else 0.3 * usual, 0.1 * usual)
+        both = first[1] + second[1]
+        if first[1] < 0.75 * usual and abs(both - usual) < min(limit, 0.25 * usual):
+            self.counts["extra"] += 1
+            return second[0], both
+        if not _PLAUSIBLE[0] <= first[1] <= _PLAUSIBLE[1] or abs(first[1] - 2.0 * usual) < 0.25 * usual:
+            self.counts["missed"] += 1
+            self._after_pause = True
+        elif first[1] < usual - limit and second[1] > usual + 0.3 * limit:
+            self.counts["ectopic"] += 1
+            self._after_pause = True
+            return None  # the pause after it is none either
+        elif abs(first[1] - usual) > 2.0 * limit:
+            self.counts["ectopic"] += 1
+            self._after_pause = True
+        else:
+            self._take(first)
+        self._jumps.append(min(abs(first[1] - usual), 0.2 * usual))
+        self._recent.append(first[1])
+        return second
+
+    def _take(self, interval: tuple[float, float]) -> None:
+        self.counts["normal"] += 1
+        self._normal.append((*interval, not self._after_pause))
+        self._table = None
+        self._after_pause = False
+        while self._normal[-1][0] - self._normal[0][0] > _LONGEST_S:
+            self._normal.popleft()
+
+    def intervals(self, since_s: float) -> tuple[Floats, Floats, Floats]:
+        """Times, lengths [s] and whether each follows the one before it, of the normal intervals since a time."""
+        rows = self._rows()
+        rows = rows[np.searchsorted(rows[:, 0], since_s) :]
+        return rows[:, 0], rows[:, 1], rows[:, 2]
+
+    def _rows(self) -> Floats:
+        """The normal intervals as a table; made anew only when there is a new one."""
+        if self._table is None:
+            self._table = np.array(self._normal, float).reshape(-1, 3)
+        return self._table
+
+    def features(self, now_s: float) -> dict[str, float]:
+        """Heart rate and variability as they stand; what has no full window yet is not there."""
+        times, lengths, follows = self.intervals(now_s - _WINDOW_S)
+        found: dict[str, float] = {}
+        if len(lengths) < 3 or now_s - times[-1] > 5.0:
+            return found
+        short = lengths[times > now_s - 10.0]
+        found["heart_rate"] = 60.0 / float(np.mean(short if len(short) >= 3 else lengths[-3:]))
+        if times[-1] - times[0] < 0.4 * _WINDOW_S or len(lengths) < 15:
+            return found
+        steps = 1e3 * np.diff(lengths)[follows[1:] > 0.0]
+        if len(steps) < 10:
+            return found
+        found["rmssd"] = float(np.sqrt(np.mean(steps**2)))
+        found["sdnn"] = 1e3 * float(np.std(lengths, ddof=1))
+        found["pnn50"] = 100.0 * float(np.mean(np.abs(steps) > 50.0))
+        found["hrv_window_s"] = float(min(times[-1] - times[0], _WINDOW_S))
+        if now_s - self._spectrum_at >= _SPECTRUM_EVERY_S:
+            self._spectrum_at, self._found_spectrum = now_s, self._spectrum(now_s)
+        return found | self._found_spectrum
+
+    def _spectrum(self, now_s: float) -> dict[str, float]:
+        """LF and HF power [ms^2] and their ratio over three minutes, from two on."""
+        times, lengths, _ = self.intervals(now_s - _SPECTRUM_S)
+        if len(times) < 60 or times[-1] - times[0] < _LEAST_SPECTRUM_S:
+            return {}
+        grid = np.arange(times[0], times[-1], 1.0 / _RESAMPLED)
+        values = 1e3 * np.interp(grid, times, lengths)
+        line = np.polynomial.polynomial.polyfit(grid - grid[0], values, 1)
+        window = np.hanning(len(grid))
+        detrended = (values - line[0] - line[1] * (grid - grid[0])) * window
+        power = 2.0 * np.abs(np.fft.rfft(detrended)) ** 2 / (_RESAMPLED * float(np.sum(window**2)))
+        frequency = np.fft.rfftfreq(len(grid), 1.0 / _RESAMPLED)
+        step = float(frequency[1])
+        low, high = (step * float(np.sum(power[(frequency >= a) & (frequency < b)])) for a, b in (_LF, _HF))
+        return {"lf": low, "hf": high, **({"lf_hf": low / high} if high > 0.0 else {})}

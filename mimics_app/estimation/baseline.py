@@ -1,0 +1,60 @@
+"""How each person is at rest: the first minutes say what is usual, and later features are told in their spread."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+__all__ = ["Baseline"]
+
+_LEAST_SPREAD = {
+    "heart_rate": 2.0,
+    "rmssd": 6.0,
+    "scl": 0.25,
+    "scr_rate": 1.5,
+    "breath_rate": 1.0,
+    "emg": 0.002,
+}
+"""Smallest standard deviation a baseline is given [unit of the feature]: two quiet minutes underestimate it."""
+
+
+class Baseline:
+    """Mean and spread of features over the calibration.
+
+    Args:
+        seconds: Length of the calibration: a frame of features a second.
+
+    Attributes:
+        done: Whether it is over.
+    """
+
+    def __init__(self, seconds: float = 60.0) -> None:
+        self._wanted = seconds
+        self._frames = 0
+        self._sums: dict[str, tuple[int, float, float]] = {}
+        self.done = False
+
+    def add(self, values: Mapping[str, float]) -> None:
+        """A second of rest; nothing once it is done."""
+        if self.done:
+            return
+        self._frames += 1
+        for name, value in values.items():
+            if name in _LEAST_SPREAD:
+                n, mean, square = self._sums.get(name, (0, 0.0, 0.0))
+                step = value - mean
+                mean += step / (n + 1)
+                self._sums[name] = (n + 1, mean, square + step * (value - mean))
+        self.done = self._frames >= self._wanted
+
+    def z(self, name: str, values: Mapping[str, float]) -> float | None:
+        """A feature in standard deviations from rest; None without it, or without a baseline of it."""
+        n, mean, square = self._sums.get(name, (0, 0.0, 0.0))
+        if name not in values or n < 10:
+            return None
+        spread = max((square / (n - 1)) ** 0.5, _LEAST_SPREAD[name])
+        return (values[name] - mean) / spread
+
+    def offset(self, name: str, values: Mapping[str, float]) -> float | None:
+        """A feature less its mean at rest, in its own unit."""
+        n, mean, _ = self._sums.get(name, (0, 0.0, 0.0))
+        return None if name not in values or n < 10 else values[name] - mean

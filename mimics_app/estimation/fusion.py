@@ -1,0 +1,118 @@
+"""State of the person by a Kalman filter over arousal: each feature is a noisy view of it, noisier when it is bad."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from mimics_app.contracts.messages import Estimate, FeatureFrame, UserState
+from mimics_app.estimation.baseline import Baseline
+from mimics_app.estimation.effort import EffortModel
+
+__all__ = ["FusionEstimation", "load_of"]
+
+_STEP_S = 1.0
+_TAU_S = 20.0
+"""Arousal returns to rest with this time constant where nothing is seen [s]."""
+_DRIVE = 0.02
+"""Variance that a second adds to arousal."""
+_VIEWS = {
+    "heart": (0.22, 1.4),
+    "scr_rate": (0.28, 1.5),
+    "scl": (0.10, 2.5),
+    "rmssd": (-0.10, 2.0),
+}
+"""Arousal per standard deviation of each feature from rest, and the feature's own noise in standard deviations. Signs
+and order after Boucsein 2012 (SCR rate, level) and Task Force 1996 (heart, RMSSD)."""
+_SIGNAL = {"heart": "ecg", "rmssd": "ecg", "scr_rate": "gsr", "scl": "gsr"}
+_CORRELATED_S = 25.0
+"""Features look at the last 10 to 60 s: views a second apart are hardly new, so their noise counts so many times."""
+_UNKNOWN = 0.9
+"""Standard deviation of arousal above which it is not known."""
+_VALENCE_VARIANCE = 0.3
+"""Body signals hardly tell valence: wide, whatever they say."""
+_EFFORT_HEART = 2.0
+"""Least spread of the heart rate over rest [1/min]."""
+
+
+class FusionEstimation:
+    """Effort from work first, then arousal from what it leaves; "not known" where signals are bad or at the start.
+
+    Args:
+        baseline_s: Length of the calibration at rest [s].
+    """
+
+    def __init__(self, baseline_s: float = 60.0) -> None:
+        self._baseline = Baseline(baseline_s)
+        self._effort = EffortModel()
+        self._mean, self._variance = 0.0, 0.5
+        self._state = UserState(-1)
+
+    def update(self, features: FeatureFrame) -> UserState:
+        """The state as of these features; the same state for the same frame."""
+        if features.t_ns == self._state.t_ns:
+            return self._state
+        values, quality = features.values, features.quality
+        self._effort.step(values.get("hand_power"), _STEP_S)
+        if not self._baseline.done and self._effort.effort < 0.2:
+            self._baseline.add(values)
+        self._step(values, quality)
+        body = [quality[name] for name in ("ecg", "gsr") if name in quality]
+        known = self._baseline.done and self._variance < _UNKNOWN**2 and bool(body) and max(body) > 0.2
+        effort = None
+        if "hand_power" in values:
+            effort = Estimate(min(self._effort.effort, 1.0), 0.02)
+        self._state = UserState(
+            features.t_ns,
+            arousal=Estimate(math.tanh(self._mean), self._variance) if known else None,
+            valence=self._valence() if known else None,
+            effort=effort,
+            load=load_of(self._mean, self._variance) if known else None,
+            quality=max(body, default=0.0),
+        )
+        return self._state
+
+    def _step(self, values: Mapping[str, float], quality: Mapping[str, float]) -> None:
+        """Predict, then take each view in turn."""
+        self._mean *= math.exp(-_STEP_S / _TAU_S)
+        self._variance = self._variance * math.exp(-2.0 * _STEP_S / _TAU_S) + _DRIVE
+        for name, seen in self._seen(values).items():
+            gain, noise = _VIEWS[name]
+            good = quality.get(_SIGNAL[name], 0.0)
+            if good < 0.2:
+                continue
+            variance = (abs(gain) * noise) ** 2 * _CORRELATED_S / good**2
+            innovation = max(min(gain * seen, 1.5), -1.5) - self._mean
+            k = self._variance / (self._variance + variance)
+            self._mean += k * innovation
+            self._variance *= 1.0 - k
+
+    def _seen(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Features as standard deviations from rest; of the heart what work does not explain."""
+        seen: dict[str, float] = {}
+        heart = self._baseline.offset("heart_rate", values)
+        if heart is not None:
+            quiet = self._baseline.done and abs(self._mean) < 0.35
+            left = self._effort.residual(heart, learn=quiet)
+            spread = max(abs(heart / (self._baseline.z("heart_rate", values) or math.inf)), _EFFORT_HEART)
+            seen["heart"] = left / spread
+        for name in ("scr_rate", "scl", "rmssd"):
+            z = self._baseline.z(name, values)
+            if z is not None:
+                seen[name] = z + (2.0 * self._effort.effort if name == "rmssd" else 0.0)
+        return seen
+
+    def _valence(self) -> Estimate:
+        """Little more than: great arousal is seldom pleasant in a task."""
+        return Estimate(-0.4 * max(math.tanh(self._mean), 0.0), _VALENCE_VARIANCE)
+
+
+def load_of(mean: float, variance: float) -> tuple[float, float, float]:
+    """Probability that arousal is below, within or above the band of a task that is just right."""
+    deviation = math.sqrt(variance)
+
+    def below(limit: float) -> float:
+        return 0.5 * math.erfc((mean - limit) / (deviation * math.sqrt(2.0)))
+
+    low, high = below(-0.3), below(0.35)
+    return low, high - low, 1.0 - high

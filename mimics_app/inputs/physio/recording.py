@@ -1,0 +1,211 @@
+"""Files of body signals: CSV, EDF and WFDB, each read as signals on a regular grid.
+
+What a file has no samples for is not-a-number there. Nothing is made up between two samples.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import Issue, SceneError, UsageError
+from mimics_app.contracts.messages import Experience, SignalBlock
+
+__all__ = ["FileSource", "Recorded", "name_of_channel", "read_signal_file"]
+
+_SECOND = 1_000_000_000
+_MOST_BYTES = 4 << 30
+_LONGEST_S = 7 * 24 * 3600.0
+
+_NAMES = (
+    ("ecg", r"ecg|ekg|^ml?i+$|^v[1-6]$|^av[rlf]$|^i{1,3}$|lead"),
+    ("gsr", r"gsr|eda|scl?\b|conduct|skin"),
+    ("emg", r"emg|muscle"),
+    ("resp", r"resp|rsp|breath|thorax|abdom"),
+)
+_TIMES = ("t_s", "time_s", "time", "t", "seconds")
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """One signal of a file.
+
+    Attributes:
+        name: "ecg", "gsr", "emg" or "resp".
+        rate: [Hz]
+        start_s: Time of the first sample, as the file tells time [s].
+        values: In the unit of the signal, shape [n]; NaN where there is none.
+    """
+
+    name: str
+    rate: float
+    start_s: float
+    values: NDArray[np.float64]
+
+
+def name_of_channel(label: str) -> str:
+    """Which signal a channel is by its label in a file; "" for none of ours."""
+    plain = label.strip().lower()
+    return next((name for name, pattern in _NAMES if re.search(pattern, plain)), "")
+
+
+def read_signal_file(path: Path) -> list[Recorded]:
+    """Every body signal of a file; where a file has two of a kind, the first.
+
+    Raises:
+        SceneError: It is not there, cannot be read, or has no body signal.
+        UsageError: What reads its format is not installed.
+    """
+    if not path.exists():
+        raise SceneError(Issue(str(path), "", "there is no such file"))
+    found = _reader_of(path)(path)
+    signals: dict[str, Recorded] = {}
+    for signal in found:
+        if signal.name and len(signal.values) and signal.name not in signals:
+            signals[signal.name] = signal
+    if not signals:
+        raise SceneError(Issue(str(path), "", "it has no body signal", "name columns t_s, ecg, gsr, emg, resp"))
+    return list(signals.values())
+
+
+def _reader_of(path: Path) -> Callable[[Path], list[Recorded]]:
+    suffixes = [suffix.lower() for suffix in path.suffixes]
+    if ".csv" in suffixes[-2:]:
+        return _read_csv
+    readers = {".edf": _read_edf, ".bdf": _read_edf, ".hea": _read_wfdb, ".dat": _read_wfdb}
+    if suffixes and suffixes[-1] in readers:
+        return readers[suffixes[-1]]
+    raise SceneError(Issue(str(path), "", "no format of body signals", "give .csv, .edf, .bdf, .hea"))
+
+
+def _read_csv(path: Path) -> list[Recorded]:
+    """Columns with names; `t_s` tells the time of each row [s]."""
+    import pyarrow as pa
+    from pyarrow import csv
+
+    try:
+        options = csv.ConvertOptions(null_values=["", "nan", "NaN", "NA", "null"])
+        table = csv.read_csv(path, convert_options=options)
+    except (pa.ArrowException, OSError) as error:
+        raise SceneError(Issue(str(path), "", f"it cannot be read: {_first_line(error)}")) from error
+    columns: dict[str, NDArray[np.float64]] = {}
+    for label in table.column_names:
+        try:
+            columns[label.strip().lower()] = table[label].cast(pa.float64()).to_numpy()
+        except (pa.ArrowException, ValueError) as error:
+            if name_of_channel(label) or label.strip().lower() in _TIMES:
+                raise SceneError(Issue(str(path), f"/{label}", "a column of numbers is no numbers")) from error
+    times = next((columns[name] for name in _TIMES if name in columns), None)
+    if times is None:
+        raise SceneError(Issue(str(path), "", "no column tells the time", "add a column t_s in seconds"))
+    signals = [(name_of_channel(label), values) for label, values in columns.items()]
+    return [_on_grid(path, name, times, values) for name, values in signals if name]
+
+
+def _on_grid(path: Path, name: str, times: NDArray[np.float64], values: NDArray[np.float64]) -> Recorded:
+    """Rows on the regular grid their times tell of; places without a row are NaN, of two rows of one the first."""
+    keep = np.isfinite(times)
+    times, values = times[keep], values[keep]
+    if len(times) < 2:
+        raise SceneError(Issue(str(path), "", "less than two rows tell their time"))
+    steps = np.diff(times)
+    if not (steps >= 0.0).all():
+        row = int(np.argmax(steps < 0.0)) + 1
+        raise SceneError(Issue(str(path), "", f"time runs backwards in row {row}", "sort the rows by time"))
+    usual = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
+    if usual <= 0.0 or times[-1] - times[0] > _LONGEST_S:
+        raise SceneError(Issue(str(path), "", "the times of its rows cannot be those of a recording"))
+    regular = steps[np.abs(steps - usual) < 0.3 * usual]  # printed times are rounded: their mean is not
+    rate = _plain_rate(1.0 / float(np.mean(regular)))
+    places = np.round((times - times[0]) * rate).astype(np.int64)
+    grid = np.full(int(places[-1]) + 1, np.nan)
+    grid[places[::-1]] = values[::-1]
+    return Recorded(name, rate, float(times[0]), grid)
+
+
+def _plain_rate(rate: float) -> float:
+    """The rate an amplifier was set to: whole hertz where that is as good as exact."""
+    whole = round(rate)
+    return float(whole) if whole and abs(rate / whole - 1.0) < 2e-4 else rate
+
+
+def _read_edf(path: Path) -> list[Recorded]:
+    try:
+        import pyedflib
+    except ImportError as error:
+        raise UsageError(
+            "EDF is read by pyedflib, which is not installed", 'pip install "mimics_app[signals]"'
+        ) from error
+    try:
+        with pyedflib.EdfReader(str(path)) as file:
+            return [
+                Recorded(
+                    name_of_channel(label),
+                    float(file.getSampleFrequency(i)),
+                    0.0,
+                    np.asarray(file.readSignal(i), float),
+                )
+                for i, label in enumerate(file.getSignalLabels())
+                if name_of_channel(label)
+            ]
+    except (OSError, ValueError) as error:
+        raise SceneError(Issue(str(path), "", f"it cannot be read: {_first_line(error)}")) from error
+
+
+def _read_wfdb(path: Path) -> list[Recorded]:
+    try:
+        import wfdb
+    except ImportError as error:
+        raise UsageError("WFDB is read by wfdb, which is not installed", 'pip install "mimics_app[signals]"') from error
+    try:
+        record = wfdb.rdrecord(str(path.with_suffix("")))
+    except (OSError, ValueError, KeyError, IndexError) as error:
+        raise SceneError(Issue(str(path), "", f"it cannot be read: {_first_line(error)}")) from error
+    return [
+        Recorded(name_of_channel(label), float(record.fs), 0.0, np.asarray(record.p_signal[:, i], float))
+        for i, label in enumerate(record.sig_name)
+    ]
+
+
+def _first_line(error: Exception) -> str:
+    return (str(error) or type(error).__name__).splitlines()[0]
+
+
+class FileSource:
+    """A file at the session's pace; after its end nothing more comes.
+
+    Args:
+        signals: Of the file.
+    """
+
+    def __init__(self, signals: list[Recorded]) -> None:
+        self._signals = signals
+        self._first_s = min(signal.start_s for signal in signals)
+        self._taken = dict.fromkeys((signal.name for signal in signals), 0)
+        self._start_ns: int | None = None
+
+    def read(self, now_ns: int) -> tuple[SignalBlock, ...]:
+        """Samples that are due."""
+        if self._start_ns is None:
+            self._start_ns = now_ns
+        blocks = []
+        for signal in self._signals:
+            begin_ns = self._start_ns + round((signal.start_s - self._first_s) * _SECOND)
+            due = min(int((now_ns - begin_ns) * signal.rate / _SECOND), len(signal.values))
+            taken = self._taken[signal.name]
+            if due > taken:
+                t_ns = begin_ns + round(taken / signal.rate * _SECOND)
+                blocks.append(SignalBlock(signal.name, signal.rate, t_ns, signal.values[taken:due]))
+                self._taken[signal.name] = due
+        return tuple(blocks)
+
+    def feel(self, experience: Experience) -> None:
+        """A recorded person feels nothing."""
+
+    def close(self) -> None:
+        """Nothing is open."""

@@ -1,0 +1,202 @@
+"""The latent person: skill, arousal, valence, effort and fatigue under a task, for any number of people at once.
+
+What comes out is a `Drive`, the slow quantities that a body's signals follow; the signals themselves are made in
+`simulated.signals`, which shares no number with this module. A closed loop with such a person shows that a method works
+on what was assumed here. It is no clinical evidence.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["FAMILIES", "Drive", "Family", "LatentPeople", "Traits", "draw_traits"]
+
+Floats = NDArray[np.float64]
+Family = Literal["linear", "saturating", "lagged", "blocked", "flipped"]
+FAMILIES: tuple[Family, ...] = ("linear", "saturating", "lagged", "blocked", "flipped")
+"""How the heart follows arousal: in proportion; up to a ceiling; late; hardly (beta blocker); the other way round."""
+
+_NON_RESPONDERS = 0.12
+"""Share of people whose body does not show arousal; 10-15 % do not respond electrodermally (Dawson, Schell & Filion,
+Handbook of Psychophysiology, 2007)."""
+_AROUSAL_S = 8.0
+"""Time constant of arousal itself [s]."""
+_EFFORT_ON_S, _EFFORT_OFF_S = 35.0, 50.0
+"""Time constants of the heart rate at the onset and the end of work [s]: 30-60, recovery slower (Linnarsson, Acta
+Physiol Scand Suppl 415, 1974)."""
+_SLOPE = 5.0
+"""Arousal rises by tanh(slope * (demand - skill))."""
+_FULL_POWER = 1.5
+"""Mechanical power of an arm on a light robot that is hard work for it [W]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Traits:
+    """What distinguishes people, each of shape [n].
+
+    Attributes:
+        skill: Demand at which the task is just right, 0 to 1.
+        learning: Skill gained per minute of being challenged.
+        heart_rest: [1/min]; 60 to 90 at rest (Nunan, Sandercock & Brodie, PACE 33, 2010).
+        heart_arousal: Rise from rest to full arousal [1/min]; mental stress 5 to 20 (Kirschbaum et al., 1993).
+        heart_effort: Rise at full effort [1/min].
+        variability: RMSSD at rest [ms]; 20 to 60 (Nunan et al., 2010).
+        breath_rest: [1/min]; 12 to 20.
+        conductance: Tonic level [uS]; 2 to 20 (Boucsein, Electrodermal Activity, 2012).
+        responses: SCRs per minute at rest; 1 to 3 (Dawson et al., 2007).
+        more_responses: Further ones at full arousal; up to 20 in all.
+        response: Amplitude [uS]; 0.1 to 1.
+        delay_s: From arousal to heart [s], beyond its own time constant.
+        habituation: Share of the amplitude left after ten minutes.
+    """
+
+    skill: Floats
+    learning: Floats
+    heart_rest: Floats
+    heart_arousal: Floats
+    heart_effort: Floats
+    variability: Floats
+    breath_rest: Floats
+    conductance: Floats
+    responses: Floats
+    more_responses: Floats
+    response: Floats
+    delay_s: Floats
+    habituation: Floats
+
+
+def draw_traits(rng: np.random.Generator, n: int, family: Family = "linear", skill: float = 0.5) -> Traits:
+    """People of a family around a mean skill; about one in eight does not respond."""
+
+    def normal(mean: float, deviation: float, low: float, high: float) -> Floats:
+        return np.clip(rng.normal(mean, deviation, n), low, high)
+
+    responds = (rng.random(n) >= _NON_RESPONDERS).astype(float)
+    heart = responds * normal(12.0, 4.0, 5.0, 20.0)
+    if family == "blocked":
+        heart *= 0.3
+    if family == "flipped":
+        heart *= -1.0
+    return Traits(
+        skill=normal(skill, 0.1, 0.05, 0.95),
+        learning=rng.uniform(0.0, 0.008, n),
+        heart_rest=normal(72.0, 8.0, 55.0, 95.0),
+        heart_arousal=heart,
+        heart_effort=normal(16.0, 5.0, 6.0, 30.0),
+        variability=normal(38.0, 10.0, 18.0, 65.0),
+        breath_rest=normal(15.0, 2.0, 11.0, 20.0),
+        conductance=normal(7.0, 3.0, 2.0, 18.0),
+        responses=normal(2.0, 0.7, 0.5, 4.0),
+        more_responses=responds * normal(10.0, 3.0, 4.0, 16.0),
+        response=normal(0.35, 0.12, 0.1, 0.9),
+        delay_s=rng.uniform(10.0, 30.0, n) if family == "lagged" else rng.uniform(0.0, 4.0, n),
+        habituation=rng.uniform(0.5, 0.9, n),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """What the signals follow in one second, each of shape [n].
+
+    Attributes:
+        heart_rate: Mean [1/min].
+        variability: RMSSD [ms].
+        breath_rate: [1/min]
+        breath_depth: 1 at rest.
+        conductance: Tonic [uS].
+        responses: SCRs to expect per minute.
+        response: Their amplitude [uS].
+        muscle: Activity, 0 to 1.
+        fatigue: Of the muscle, 0 to 1.
+        motion: Speed of the hand [m/s], which shakes electrodes.
+    """
+
+    heart_rate: Floats
+    variability: Floats
+    breath_rate: Floats
+    breath_depth: Floats
+    conductance: Floats
+    responses: Floats
+    response: Floats
+    muscle: Floats
+    fatigue: Floats
+    motion: Floats
+
+    def one(self, i: int) -> Drive:
+        """The drive of one person, still as arrays, of shape [1]."""
+        return Drive(*(getattr(self, each.name)[i : i + 1] for each in fields(self)))
+
+
+class LatentPeople:
+    """People through a session.
+
+    Args:
+        traits: Of each of them, shape [n].
+        family: How their hearts follow arousal.
+
+    Attributes:
+        skill, arousal, valence, effort, fatigue: As they are now, shape [n]; for a scorer, never for an estimator.
+    """
+
+    def __init__(self, traits: Traits, family: Family = "linear") -> None:
+        self.traits = traits
+        self._family = family
+        n = len(traits.skill)
+        self.skill = traits.skill.copy()
+        self.arousal, self.valence, self.effort, self.fatigue = (np.zeros(n) for _ in range(4))
+        self._in_heart = np.zeros(n)
+        self._seconds = 0.0
+
+    def step(self, seconds: float, demand: Floats, power: Floats, acting: Floats) -> None:
+        """Let time pass.
+
+        Args:
+            seconds: [s], at most a few: the dynamics are taken as constant over them.
+            demand: Of the task, 0 to 1, shape [n]; NaN: there is none, as at rest.
+            power: Mechanical [W], shape [n].
+            acting: Whether the person is let act, 0 or 1, shape [n].
+        """
+        asked = np.isfinite(demand) & (acting > 0.0)
+        gap = np.where(asked, np.nan_to_num(demand) - self.skill + 0.2 * self.fatigue, 0.0)
+        aim = np.where(asked, np.tanh(_SLOPE * gap), 0.0)
+        self.arousal += _share(seconds, _AROUSAL_S) * (aim - self.arousal)
+        pleasure = np.where(asked, 1.0 - (gap / 0.25) ** 2, 0.2)
+        self.valence += _share(seconds, 20.0) * (np.clip(pleasure, -1.0, 1.0) - self.valence)
+        work = np.clip(power / _FULL_POWER, 0.0, 1.5)
+        slow = np.where(work > self.effort, _EFFORT_ON_S, _EFFORT_OFF_S)
+        self.effort += -np.expm1(-seconds / slow) * (work - self.effort)
+        self.fatigue = np.clip(self.fatigue + seconds * (work / 1200.0 - (1.0 - acting) / 900.0), 0.0, 1.0)
+        self.skill += self.traits.learning * seconds / 60.0 * np.where(asked, np.exp(-((gap / 0.15) ** 2)), 0.0)
+        self._in_heart += -np.expm1(-seconds / (4.0 + self.traits.delay_s)) * (self.arousal - self._in_heart)
+        self._seconds += seconds
+
+    def drive(self, motion: Floats) -> Drive:
+        """What the signals follow now; `motion` is the speed of the hand [m/s], shape [n]."""
+        traits, excited = self.traits, np.clip(self.arousal, 0.0, 1.0)
+        felt = self._in_heart
+        if self._family == "saturating":
+            felt = np.tanh(2.5 * felt) / np.tanh(2.5)
+        quiet = 1.0 - 0.45 * np.clip(felt, -0.3, 1.0) - 0.35 * np.clip(self.effort, 0.0, 1.0)
+        heart = traits.heart_rest + traits.heart_arousal * felt + traits.heart_effort * self.effort
+        worn = traits.habituation ** (self._seconds / 600.0)
+        responding = traits.more_responses > 0.0
+        return Drive(
+            heart_rate=np.clip(heart, 40.0, 190.0),
+            variability=traits.variability * np.clip(quiet, 0.15, 1.3),
+            breath_rate=traits.breath_rest * (1.0 + np.where(responding, 0.2, 0.0) * felt + 0.35 * self.effort),
+            breath_depth=1.0 + 0.5 * self.effort - 0.15 * excited,
+            conductance=traits.conductance * (1.0 + np.where(responding, 0.15, 0.0) * self.arousal),
+            responses=np.maximum(traits.responses + traits.more_responses * self.arousal, 0.2),
+            response=traits.response * worn,
+            muscle=np.clip(self.effort, 0.0, 1.0),
+            fatigue=self.fatigue,
+            motion=motion,
+        )
+
+
+def _share(seconds: float, time_constant: float) -> float:
+    return float(-np.expm1(-seconds / time_constant))

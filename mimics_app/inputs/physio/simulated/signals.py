@@ -1,0 +1,219 @@
+"""Raw ECG, GSR, EMG and breath at 1 kHz from the slow drive of one person: clean shapes, then all that spoils them.
+
+Made a second at a time; the pieces fit. What truly happened (beats, responses, bursts) is kept for those who score
+detectors, and is no part of what a session reads.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.inputs.physio.simulated.person import Drive
+
+__all__ = ["RATE", "SIGNALS", "Disturbance", "SignalGenerator", "Truth"]
+
+Floats = NDArray[np.float64]
+
+RATE = 1000
+"""Samples per second."""
+SIGNALS = ("ecg", "gsr", "emg", "resp")
+
+_WAVES = ((-0.17, 0.025, 0.12), (-0.026, 0.010, -0.12), (0.0, 0.011, 1.05), (0.028, 0.010, -0.22), (0.26, 0.045, 0.28))
+"""P, Q, R, S, T of a normal beat: place from the R peak [s], width [s], height [mV]; after McSharry et al., IEEE TBME
+50(3), 2003."""
+_ECTOPIC = ((0.0, 0.035, 1.35), (0.07, 0.04, -0.55), (0.30, 0.07, -0.30))
+"""A ventricular beat: no P, broad QRS, T against it."""
+_RISE_S, _FALL_S = 0.75, 2.6
+"""Time constants of an SCR [s]: rise 1 to 3 s, half recovery 2 to 10 s (Dawson et al., 2007)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Disturbance:
+    """What spoils the signals.
+
+    Attributes:
+        ectopic: Share of beats that come early and broad.
+        wander: Of the ECG's baseline [mV].
+        mains: 50 Hz in the ECG [mV].
+        muscle: Of muscles in the ECG [mV].
+        white: Of the amplifier: share of each signal's size.
+        motion: Bursts in ECG and GSR per m/s of the hand's speed [mV, uS].
+        lead_off: Share of seconds without ECG and GSR contact.
+        rail: The ECG saturates at so many mV; 0: never.
+    """
+
+    ectopic: float = 0.0
+    wander: float = 0.08
+    mains: float = 0.01
+    muscle: float = 0.01
+    white: float = 0.004
+    motion: float = 0.15
+    lead_off: float = 0.0
+    rail: float = 0.0
+
+
+@dataclass
+class Truth:
+    """What happened, in seconds since the start: R peaks, ectopic ones, SCR peaks, EMG onsets, in-breaths."""
+
+    beats: list[float] = field(default_factory=list)
+    ectopic: list[float] = field(default_factory=list)
+    responses: list[float] = field(default_factory=list)
+    bursts: list[float] = field(default_factory=list)
+    breaths: list[float] = field(default_factory=list)
+
+
+class SignalGenerator:
+    """The four signals of one person.
+
+    Args:
+        rng: All chance comes from it.
+        disturbance: What spoils them.
+
+    Attributes:
+        truth: What happened so far.
+        seconds: Made so far.
+    """
+
+    def __init__(self, rng: np.random.Generator, disturbance: Disturbance | None = None) -> None:
+        self._rng = rng
+        self._bad = disturbance or Disturbance()
+        self.truth = Truth()
+        self.seconds = 0
+        self._beats: list[tuple[float, bool]] = [(0.3 + 0.5 * rng.random(), False)]
+        self._slow = 0.0
+        self._responses: list[tuple[float, float]] = []
+        self._tonic = 0.0
+        self._phase = 2.0 * np.pi * rng.random()
+        self._wander_phase = 2.0 * np.pi * rng.random(3)
+        self._shake = 0.0
+        self._coloured = np.zeros(2)
+        self._off = 0
+
+    def second(self, drive: Drive) -> dict[str, Floats]:
+        """The next second of each of SIGNALS, shape [RATE]; `drive` is of one person."""
+        t = self.seconds + np.arange(RATE) / RATE
+        breath = self._breathe(drive, t)
+        ecg = self._heart(drive, t, breath)
+        gsr = self._skin(drive, t)
+        emg = self._muscle(drive)
+        resp = float(drive.breath_depth[0]) * breath + self._bad.white * 2.0 * self._rng.standard_normal(RATE)
+        shake = self._motion(float(drive.motion[0]))
+        ecg += self._bad.motion * shake
+        gsr += 0.2 * self._bad.motion * shake
+        self._lose_contact(ecg, gsr)
+        if self._bad.rail > 0.0:
+            ecg = np.clip(ecg, -self._bad.rail, self._bad.rail)
+        self.seconds += 1
+        return {"ecg": ecg, "gsr": gsr, "emg": emg, "resp": resp}
+
+    def _breathe(self, drive: Drive, t: Floats) -> Floats:
+        """Breath in [-1, 1], in-breath shorter than out-breath; notes where an in-breath begins."""
+        rate = float(drive.breath_rate[0]) / 60.0 * (1.0 + 0.06 * self._rng.standard_normal())
+        phase = self._phase + 2.0 * np.pi * rate * np.arange(1, RATE + 1) / RATE
+        turns = np.floor(phase / (2.0 * np.pi)) > np.floor((phase - 2.0 * np.pi * rate / RATE) / (2.0 * np.pi))
+        self.truth.breaths += t[turns].tolist()
+        self._phase = float(phase[-1])
+        return -np.cos(phase + 0.35 * np.sin(phase))
+
+    def _heart(self, drive: Drive, t: Floats, breath: Floats) -> Floats:
+        """Beats of their shape, with baseline, mains and muscle."""
+        while self._beats[-1][0] < t[-1] + 1.0:
+            self._plan_beat(drive, float(breath[-1]))
+        ecg = np.zeros(RATE)
+        lung = 1.0 + 0.06 * breath
+        for at, ectopic in self._beats:
+            if t[0] - 0.8 <= at <= t[-1] + 0.8:
+                for place, width, height in _ECTOPIC if ectopic else _WAVES:
+                    ecg += height * np.exp(-0.5 * ((t - at - place) / width) ** 2)
+            if t[0] <= at < t[-1] + 0.5 / RATE:
+                self.truth.beats.append(at)
+                if ectopic:
+                    self.truth.ectopic.append(at)
+        self._beats = [beat for beat in self._beats if beat[0] > t[0] - 1.0]
+        wander = sum(
+            np.sin(2.0 * np.pi * f * t + p) for f, p in zip((0.07, 0.19, 0.33), self._wander_phase, strict=True)
+        )
+        noise = self._rng.standard_normal(RATE)
+        muscle = np.convolve(noise, [0.5, 0.0, -0.5], "same")
+        return (
+            ecg * lung
+            + self._bad.wander * wander
+            + self._bad.mains * np.sin(100.0 * np.pi * t)
+            + self._bad.muscle * muscle
+            + self._bad.white * self._rng.standard_normal(RATE)
+        )
+
+    def _plan_beat(self, drive: Drive, breath: float) -> None:
+        """The beat after the last one: breath (RSA), slow waves, chance, and now and then an early one."""
+        rr = 60.0 / float(drive.heart_rate[0])
+        rmssd = 1e-3 * float(drive.variability[0])
+        self._slow += 0.12 * (0.0 - self._slow) + 0.35 * rmssd * self._rng.standard_normal()
+        step = rr - 0.75 * rmssd * breath + self._slow + 0.4 * rmssd * self._rng.standard_normal()
+        last, early = self._beats[-1]
+        step = max(step * 1.35 if early else step, 0.28)
+        if not early and self._rng.random() < self._bad.ectopic:
+            self._beats.append((last + 0.62 * step, True))
+        else:
+            self._beats.append((last + step, False))
+
+    def _skin(self, drive: Drive, t: Floats) -> Floats:
+        """Tonic level and responses."""
+        for _ in range(self._rng.poisson(float(drive.responses[0]) / 60.0)):
+            onset = float(t[0] + self._rng.random())
+            if not self._responses or onset - self._responses[-1][0] > 1.5:
+                self._responses.append((onset, float(drive.response[0]) * self._rng.lognormal(0.0, 0.35)))
+                self.truth.responses.append(onset + _PEAK_S)
+        before = self._tonic
+        self._tonic += (
+            0.02 * (float(drive.conductance[0]) - self._tonic) if self.seconds else float(drive.conductance[0])
+        )
+        begin = before if self.seconds else self._tonic
+        gsr = np.linspace(begin, self._tonic, RATE, endpoint=False)
+        for onset, size in self._responses:
+            since = np.maximum(t - onset, 0.0)
+            gsr += size / _PEAK * (np.exp(-since / _FALL_S) - np.exp(-since / _RISE_S))
+        self._responses = [each for each in self._responses if each[0] > t[0] - 12.0 * _FALL_S]
+        return gsr + self._bad.white * self._rng.standard_normal(RATE)
+
+    def _muscle(self, drive: Drive) -> Floats:
+        """Interference pattern [mV]; a tired muscle fires slower."""
+        slow = 0.55 + 0.3 * float(drive.fatigue[0])
+        noise = self._rng.standard_normal(RATE)
+        shaped = np.empty(RATE)
+        a, b = self._coloured
+        for i in range(RATE):
+            a += (1.0 - slow) * (noise[i] - a)
+            b += 0.06 * (a - b)
+            shaped[i] = a - b
+        self._coloured[:] = a, b
+        activity = float(drive.muscle[0])
+        return (0.004 + 0.25 * activity) * shaped + self._bad.white * 0.2 * self._rng.standard_normal(RATE)
+
+    def _motion(self, speed: float) -> Floats:
+        """Low-frequency shaking of electrodes that goes with the hand's speed."""
+        out = np.empty(RATE)
+        value = self._shake
+        kicks = self._rng.standard_normal(RATE // 50) * speed
+        for k, kick in enumerate(kicks):
+            value = 0.8 * value + kick
+            out[50 * k : 50 * k + 50] = np.linspace(self._shake, value, 50, endpoint=False)
+            self._shake = value
+        return out
+
+    def _lose_contact(self, *signals: Floats) -> None:
+        """Seconds without contact come in runs."""
+        if self._off == 0 and self._bad.lead_off > 0.0 and self._rng.random() < self._bad.lead_off / 4.0:
+            self._off = 4
+        if self._off > 0:
+            self._off -= 1
+            for signal in signals:
+                signal[:] = np.nan
+
+
+_PEAK_S = float(np.log(_FALL_S / _RISE_S) * _FALL_S * _RISE_S / (_FALL_S - _RISE_S))
+"""When a response of these time constants peaks after its onset [s]."""
+_PEAK = float(np.exp(-_PEAK_S / _FALL_S) - np.exp(-_PEAK_S / _RISE_S))

@@ -1,0 +1,108 @@
+"""The simulated person's body as a source of signals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.messages import Experience, SignalBlock
+from mimics_app.inputs.physio.simulated.person import Drive, Family, LatentPeople, draw_traits
+from mimics_app.inputs.physio.simulated.signals import RATE, SIGNALS, Disturbance, SignalGenerator
+
+__all__ = ["PRESETS", "Preset", "SimulatedBody"]
+
+_SECOND = 1_000_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Preset:
+    """A kind of person.
+
+    Attributes:
+        skill: Mean demand that is just right for them, 0 to 1.
+        family: How their heart follows arousal.
+        disturbance: What spoils their signals.
+        what: In words.
+    """
+
+    skill: float
+    what: str
+    family: Family = "linear"
+    disturbance: Disturbance = field(default_factory=Disturbance)
+
+
+PRESETS: dict[str, Preset] = {
+    "healthy": Preset(0.7, "finds the task easy"),
+    "moderate": Preset(0.5, "finds the task just right"),
+    "severe": Preset(0.3, "finds the task hard"),
+    "blocked": Preset(0.5, "takes a beta blocker", "blocked"),
+    "lagged": Preset(0.5, "a heart that follows late", "lagged"),
+    "ectopic": Preset(0.5, "5 % early beats", disturbance=Disturbance(ectopic=0.05)),
+    "noisy": Preset(0.5, "bad electrodes", disturbance=Disturbance(wander=0.3, muscle=0.12, mains=0.05, motion=0.6)),
+    "loose": Preset(0.5, "electrodes that come off", disturbance=Disturbance(lead_off=0.6)),
+}
+
+
+class SimulatedBody:
+    """Signals of one person, second by second as the session goes on.
+
+    Args:
+        preset: Name of one of PRESETS.
+        seed: Of the session.
+
+    Raises:
+        KeyError: There is no such preset.
+    """
+
+    def __init__(self, preset: str, seed: int) -> None:
+        kind = PRESETS[preset]
+        person, signals = np.random.default_rng([seed, 1601]).spawn(2)
+        self._people = LatentPeople(draw_traits(person, 1, kind.family, kind.skill), kind.family)
+        self._generator = SignalGenerator(signals, kind.disturbance)
+        self._start_ns: int | None = None
+        self._taken = 0
+        self._second: dict[str, NDArray[np.float64]] = {}
+        self._felt: list[Experience] = []
+
+    @property
+    def latent(self) -> LatentPeople:
+        """The person, for a scorer only."""
+        return self._people
+
+    def read(self, now_ns: int) -> tuple[SignalBlock, ...]:
+        """Samples up to now."""
+        if self._start_ns is None:
+            self._start_ns = now_ns
+        due = (now_ns - self._start_ns) * RATE // _SECOND
+        blocks: list[SignalBlock] = []
+        while self._taken < due:
+            if self._taken % RATE == 0:
+                self._second = self._generator.second(self._live_a_second())
+            begin = self._taken % RATE
+            end = min(RATE, begin + due - self._taken)
+            t_ns = self._start_ns + self._taken * _SECOND // RATE
+            blocks += [SignalBlock(name, float(RATE), t_ns, self._second[name][begin:end]) for name in SIGNALS]
+            self._taken += end - begin
+        return tuple(blocks)
+
+    def feel(self, experience: Experience) -> None:
+        """The person goes through a frame."""
+        self._felt.append(experience)
+
+    def close(self) -> None:
+        """Nothing is open."""
+
+    def _live_a_second(self) -> Drive:
+        felt, self._felt = self._felt, []
+        demands = [each.demand for each in felt if each.demand is not None]
+        mean = np.array([np.mean(demands)]) if demands else np.array([np.nan])
+        power, speed = (np.array([np.mean(each or [0.0])]) for each in _of(felt))
+        acting = np.array([float(bool(felt) and felt[-1].acting)])
+        self._people.step(1.0, mean, power, acting)
+        return self._people.drive(speed)
+
+
+def _of(felt: list[Experience]) -> tuple[list[float], list[float]]:
+    return [each.power for each in felt], [each.speed for each in felt]

@@ -1,0 +1,109 @@
+"""The physiological loop in figures: detector, cost, latency, policies on simulated people, guided walk, rivals."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mimics_app.lab.physio.cohort import play_cohort
+from mimics_app.lab.physio.detection import (
+    NOISE_DB,
+    Annotated,
+    annotated_records,
+    measure_cost,
+    mixed_noise,
+    score_beats,
+)
+from mimics_app.lab.physio.state_study import state_study
+from mimics_app.lab.physio.walk_study import walk_study
+from mimics_app.learning.registry import POLICIES
+
+__all__ = ["measure_physio"]
+
+_SIMULATED = "simulated people; a simulation is no clinical evidence"
+_NOISY_MINUTES = 5.0
+_PEERS_LIMIT_S = 900.0
+
+
+def measure_physio(folder: Path | None, peers: Path | None) -> dict[str, Any]:
+    """Everything.
+
+    Args:
+        folder: Of annotated records; None: simulated ones.
+        peers: Folder whose physio/bench_rpeaks.py runs released detectors on the same records; None: not measured.
+    """
+    records = list(annotated_records(folder))
+    clean = [_row(record) for record in records]
+    noisy = [
+        _row(mixed_noise(_head(record), decibel, seed))
+        for decibel in NOISE_DB
+        for seed, record in enumerate(records)
+        if not record.name.startswith("nst")
+    ]
+    return {
+        "ecg": [*clean, *noisy],
+        "records": str(folder) if folder else _SIMULATED,
+        **measure_cost(),
+        "policies": {"what": _SIMULATED, "regret": {name: _regret(name) for name in POLICIES}},
+        "state": {"what": _SIMULATED, "gaps": {f"{gap:g}": asdict(state_study(8, gap)) for gap in (0.12, 0.18, 0.3)}},
+        "guided_walk": [asdict(walk_study(condition)) for condition in ("intimate", "social", "random")],
+        "peers": _peers(folder, peers),
+    }
+
+
+def _row(record: Annotated) -> dict[str, Any]:
+    score = score_beats(record)
+    return {
+        "record": score.record,
+        "f1": score.f1,
+        "sensitivity": score.sensitivity,
+        "ppv": score.ppv,
+        "latency_ms": {"p50": 1e3 * float(np.median(score.latency_s)), "p95": 1e3 * float(_p95(score.latency_s))},
+    }
+
+
+def _p95(values: Any) -> float:
+    return float(np.quantile(values, 0.95))
+
+
+def _head(record: Annotated) -> Annotated:
+    """The first minutes of a record."""
+    n = min(len(record.values), round(60.0 * _NOISY_MINUTES * record.rate))
+    beats = record.beats[record.beats < n / record.rate]
+    return Annotated(record.name, record.rate, record.values[:n], beats)
+
+
+def _regret(name: str) -> dict[str, float]:
+    result = play_cohort(POLICIES[name], n=300)
+    silent = result.regret[:, ~result.responds]
+    return {"mean": result.mean, "non_responders": float(silent.mean()), "reversals": result.reversals()}
+
+
+def _peers(folder: Path | None, peers: Path | None) -> list[dict[str, Any]] | str:
+    """Rivals by their own harness, in a process of its own."""
+    harness = None if peers is None else peers / "physio" / "bench_rpeaks.py"
+    if folder is None or harness is None or not harness.exists():
+        return "not measured"
+    with tempfile.TemporaryDirectory() as scratch:
+        out = Path(scratch) / "peers.json"
+        command = [sys.executable, str(harness), str(folder), "--out", str(out)]
+        try:
+            done = subprocess.run(command, capture_output=True, timeout=_PEERS_LIMIT_S, check=False)
+        except subprocess.TimeoutExpired:
+            return f"not measured: not done after {_PEERS_LIMIT_S:g} s"
+        if done.returncode != 0 or not out.exists():
+            return f"not measured: the harness ended with {done.returncode}"
+        rows = json.loads(out.read_text())["summary"]
+    found = [
+        {"name": row["detector"], "f1": row["f1"], "seconds_per_hour": 3.6e6 / row["median_samples_per_s"]}
+        for row in rows
+        if "f1" in row
+    ]
+    return found or "not measured: no rival is installed"

@@ -1,0 +1,111 @@
+"""Policies on simulated people, thousands at once; a trial is one step; regret against the hidden best.
+
+What a policy sees is what a session would show it: success in ten repetitions, and a load read from a heart rate and a
+skin that are noisy, drift, and in some people say nothing. The scorer alone knows how hard the task should have been.
+Simulation is no clinical evidence.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.estimation.fusion import load_of
+from mimics_app.inputs.physio.simulated.person import Family, LatentPeople, draw_traits
+from mimics_app.learning.policy import Outcome, Policy
+
+__all__ = ["CohortResult", "play_cohort"]
+
+Floats = NDArray[np.float64]
+
+_TRIAL_S = 20.0
+_STEP_S = 5.0
+_REPETITIONS = 10
+_BAND = 0.15
+"""Demand off the best by which the benefit of a trial falls to 1/e."""
+_HEART_NOISE, _SKIN_NOISE = 2.5, 1.5
+"""Of a trial's mean [1/min, 1/min]."""
+_DRIFT = 0.05
+"""Standard deviation of a linear drift of either [1/min per trial]."""
+
+
+@dataclass(frozen=True, slots=True)
+class CohortResult:
+    """Of one policy.
+
+    Attributes:
+        regret: 1 less the benefit, by trial and person, shape [trials, n].
+        demand: As it was chosen, same shape.
+        responds: Which people's bodies answer to arousal, shape [n].
+    """
+
+    regret: Floats
+    demand: Floats
+    responds: NDArray[np.bool_]
+
+    @property
+    def mean(self) -> float:
+        """Mean regret of a trial."""
+        return float(self.regret.mean())
+
+    def reversals(self, last: int = 10) -> float:
+        """Changes of direction of the demand in the last trials, per person."""
+        moves = np.sign(np.round(np.diff(self.demand[-last - 1 :], axis=0), 3))
+        return float((moves[1:] * moves[:-1] < 0.0).sum(axis=0).mean())
+
+
+def play_cohort(
+    build: Callable[[], Policy],
+    n: int = 500,
+    trials: int = 40,
+    seed: int = 1,
+    family: Family = "linear",
+    *,
+    blind: bool = False,
+) -> CohortResult:
+    """Let a policy adapt the task of n people.
+
+    Args:
+        build: Makes the policy.
+        n: People.
+        trials: Of each.
+        seed: Of people, chance and policy.
+        family: Of the people.
+        blind: Their bodies answer to something that has nothing to do with the demand, which must not help.
+    """
+    people_rng, noise, chance = np.random.default_rng([seed, 160]).spawn(3)
+    traits = draw_traits(people_rng, n, family)
+    people, policy = LatentPeople(traits, family), build()
+    slope = people_rng.uniform(8.0, 16.0, n)
+    ease = people_rng.normal(0.085, 0.03, n)
+    drift = people_rng.normal(0.0, _DRIFT, (2, n))
+    policy.begin(np.full(n, 0.5), chance)
+    regret, demands = np.empty((trials, n)), np.empty((trials, n))
+    for t in range(trials):
+        demand = np.clip(policy.act().demand, 0.0, 1.0)
+        gap = demand - people.skill + 0.2 * people.fatigue
+        regret[t], demands[t] = 1.0 - np.exp(-((gap / _BAND) ** 2)), demand
+        felt = noise.uniform(0.0, 1.0, n) if blind else demand
+        for _ in range(round(_TRIAL_S / _STEP_S)):
+            people.step(_STEP_S, felt, np.full(n, 0.3), np.ones(n))
+        share = noise.binomial(_REPETITIONS, 1.0 / (1.0 + np.exp(slope * (gap - ease)))) / _REPETITIONS
+        arousal = _read(people, noise, drift, t)
+        load = np.array([sum(np.array(load_of(mean, 0.15)) * (-1.0, 0.0, 1.0)) for mean in arousal])
+        worth = np.maximum(1.0 - np.abs(share - 0.7) / 0.3, -1.0)
+        policy.learn(Outcome(demand, share, load, np.full(n, 0.15), worth))
+    return CohortResult(regret, demands, traits.more_responses > 0.0)
+
+
+def _read(people: LatentPeople, noise: np.random.Generator, drift: Floats, t: int) -> Floats:
+    """Arousal as a session reads it from heart and skin over rest, shape [n]."""
+    traits, n = people.traits, len(people.skill)
+    drive = people.drive(np.zeros(n))
+    heart = drive.heart_rate - traits.heart_rest - traits.heart_effort * people.effort
+    heart += drift[0] * t + _HEART_NOISE * noise.standard_normal(n)
+    skin = drive.responses - traits.responses + drift[1] * t + _SKIN_NOISE * noise.standard_normal(n)
+    views = np.clip([heart / 10.0, skin / 7.0], -1.2, 1.2)
+    result: Floats = 0.8 * views.mean(axis=0)
+    return result

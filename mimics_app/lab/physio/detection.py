@@ -1,0 +1,171 @@
+"""R peaks against expert annotations and against noise; cost and latency of all four signals together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.contracts.messages import SignalBlock
+from mimics_app.dsp.channel import Event
+from mimics_app.dsp.ecg import Ecg
+from mimics_app.dsp.filters import band_pass
+from mimics_app.dsp.stage import PhysioDsp
+from mimics_app.inputs.physio.simulated.person import LatentPeople, draw_traits
+from mimics_app.inputs.physio.simulated.signals import Disturbance, SignalGenerator, Truth
+
+__all__ = ["NOISE_DB", "Annotated", "Score", "annotated_records", "measure_cost", "mixed_noise", "score_beats"]
+
+Floats = NDArray[np.float64]
+
+NOISE_DB = (12.0, 6.0, 0.0)
+"""Signal to noise of the synthetic noise, with a QRS's power as its peak-to-peak squared over eight [dB]."""
+_WITHIN_S = 0.15
+"""ANSI/AAMI EC57."""
+_BLOCK_S = 0.02
+
+
+@dataclass(frozen=True, slots=True)
+class Annotated:
+    """An ECG [mV] at a rate [Hz], and the times of its beats [s]."""
+
+    name: str
+    rate: float
+    values: Floats
+    beats: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class Score:
+    """Of one record."""
+
+    record: str
+    f1: float
+    sensitivity: float
+    ppv: float
+    latency_s: Floats
+
+
+def annotated_records(folder: Path | None, minutes: float = 0.0) -> Iterator[Annotated]:
+    """Every .npz of a folder that has ecg_adc, gain_per_mV, fs and beats; without a folder simulated people.
+
+    Args:
+        folder: With records, or None.
+        minutes: Of each record; 0: all of it.
+    """
+    if folder is None:
+        for seed, ectopic in ((1, 0.0), (2, 0.05)):
+            values, truth = _simulated(300, seed, ectopic)
+            yield Annotated(f"simulated_{round(100 * ectopic)}_ectopic", 1000.0, values, np.array(truth.beats))
+        return
+    for path in sorted(folder.glob("*.npz")):
+        with np.load(path) as data:
+            if not {"ecg_adc", "gain_per_mV", "fs", "beats"} <= set(data.files):
+                continue
+            rate = float(data["fs"])
+            n = round(60.0 * minutes * rate) or len(data["ecg_adc"])
+            beats = data["beats"] / rate
+            values = data["ecg_adc"][:n] / float(data["gain_per_mV"])
+            yield Annotated(path.stem, rate, values, beats[beats < n / rate])
+
+
+def mixed_noise(record: Annotated, decibel: float, seed: int) -> Annotated:
+    """A record with muscle (20-90 Hz), wander (0.05-0.5 Hz) and bursts of electrode motion (0.5-10 Hz) at one SNR."""
+    rng, n, rate = np.random.default_rng([seed, len(record.values)]), len(record.values), record.rate
+
+    def band(low: float, high: float) -> Floats:
+        from scipy.signal import sosfilt
+
+        return _unit(sosfilt(band_pass(2, low, high, rate), rng.standard_normal(n)))
+
+    muscle, wander, motion = band(20.0, 90.0), band(0.05, 0.5), band(0.5, 10.0)
+    slow = np.convolve(rng.standard_normal(n // 100 + 50), np.ones(50), "valid").repeat(100)[:n] > 0.0
+    noise = _unit(muscle + wander + motion * slow)
+    w = round(0.05 * rate)
+    places = np.round(record.beats * rate).astype(int)
+    peaks = [np.ptp(record.values[max(0, at - w) : at + w]) for at in places if at + w > 1]
+    size = np.sqrt(np.median(peaks) ** 2 / 8.0 / 10.0 ** (decibel / 10.0))
+    return Annotated(f"{record.name}_{decibel:g}dB", rate, record.values + size * noise, record.beats)
+
+
+def score_beats(record: Annotated) -> Score:
+    """The detector of the product, fed in blocks of 20 ms, over a whole record without leaving out its beginning."""
+    channel, block = Ecg(record.rate), max(1, round(_BLOCK_S * record.rate))
+    events = [e for i in range(0, len(record.values), block) for e in channel.push(record.values[i : i + block])]
+    found = np.array([event.t_s for event in events])
+    hits = _matched(record.beats, found)
+    sensitivity, ppv = hits / max(len(record.beats), 1), hits / max(len(found), 1)
+    late = np.array([event.known_s - event.t_s for event in events])
+    f1 = 2.0 * hits / max(len(record.beats) + len(found), 1)
+    return Score(record.name, f1, sensitivity, ppv, late)
+
+
+def _matched(truth: Floats, found: Floats) -> int:
+    """Pairs within the window, one to one in time order, the nearer one where two are near."""
+    i = j = hits = 0
+    while i < len(truth) and j < len(found):
+        away = found[j] - truth[i]
+        if abs(away) <= _WITHIN_S:
+            if j + 1 < len(found) and abs(found[j + 1] - truth[i]) < abs(away):
+                j += 1
+                continue
+            hits, i, j = hits + 1, i + 1, j + 1
+        elif away < 0.0:
+            j += 1
+        else:
+            i += 1
+    return hits
+
+
+def measure_cost(seconds: int = 120) -> dict[str, Any]:
+    """Four signals at 1 kHz in blocks of 20 ms through the whole stage: seconds per hour, longest push, latencies."""
+    signals, truth = _all_signals(seconds)
+    events: list[tuple[str, Event]] = []
+    dsp, clock = PhysioDsp(lambda name, event: events.append((name, event))), MonotonicClock()
+    block, spent, longest = round(1000 * _BLOCK_S), 0, 0
+    for i in range(0, 1000 * seconds, block):
+        t_ns = i * 1_000_000
+        pieces = [SignalBlock(name, 1000.0, t_ns, values[i : i + block]) for name, values in signals.items()]
+        begun = clock.now_ns()
+        dsp.process(pieces, t_ns)
+        took = clock.now_ns() - begun
+        if i >= 20_000:  # compiled, and past the first seconds
+            spent, longest = spent + took, max(longest, took)
+    hour = 3600.0 / (seconds - 20.0)
+    return {
+        "seconds_per_hour": spent * 1e-9 * hour,
+        "push_ms_max": longest * 1e-6,
+        "latency_ms": {kind: _latency(events, kind) for kind in ("r_peak", "scr", "emg_onset", "breath")},
+        "responses": {"true": len(truth.responses), "found": sum(e.kind == "scr" for _, e in events)},
+    }
+
+
+def _latency(events: list[tuple[str, Event]], kind: str) -> dict[str, float]:
+    late = 1e3 * np.array([e.known_s - e.t_s for _, e in events if e.kind == kind and e.t_s > 5.0])
+    return {"p50": float(np.median(late)), "p95": float(np.quantile(late, 0.95))} if len(late) else {}
+
+
+def _simulated(seconds: int, seed: int, ectopic: float) -> tuple[Floats, Truth]:
+    signals, truth = _all_signals(seconds, seed, ectopic)
+    return signals["ecg"], truth
+
+
+def _all_signals(seconds: int, seed: int = 1, ectopic: float = 0.0) -> tuple[dict[str, Floats], Truth]:
+    """Signals of a person at rest who is then challenged and works in bouts."""
+    rng = np.random.default_rng([seed, 77])
+    people, generator = LatentPeople(draw_traits(rng, 1)), SignalGenerator(rng, Disturbance(ectopic=ectopic))
+    made: list[dict[str, Floats]] = []
+    for second in range(seconds):
+        works = float(second > 30 and second // 10 % 2)
+        people.step(1.0, np.array([0.7]), np.array([3.0 * works]), np.array([works]))
+        made.append(generator.second(people.drive(np.array([0.05 * works]))))
+    return {name: np.concatenate([each[name] for each in made]) for name in made[0]}, generator.truth
+
+
+def _unit(values: Floats) -> Floats:
+    return values / values.std()

@@ -1,0 +1,103 @@
+"""Contextual bandits over the levels of demand: LinUCB and Thompson sampling with a linear model per person."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mimics_app.learning.policy import LEVELS, Choice, Floats, Outcome
+
+__all__ = ["LinUcb", "Thompson"]
+
+_CENTRES = np.linspace(0.0, 1.0, 9)
+_WIDTH = 0.16
+"""Rewards a little further apart than this in demand have little to do with each other."""
+_FEATURES = len(_CENTRES) + 1
+_NOISE = 0.3
+"""Standard deviation of a reward; the prior of each weight is 1."""
+_HOME = 0.35
+"""Before anything is learnt, a demand is worth less the further it is from where the session began [1/demand^2]."""
+
+
+class _LinearBandit:
+    """Rewards as a weighted sum of bumps over the demand, and of the step in the direction the last trial asked for."""
+
+    def begin(self, start: Floats, rng: np.random.Generator) -> None:
+        """A session of people begins at these demands [n]."""
+        n = len(start)
+        self._rng = rng
+        self._precision = np.tile(np.eye(_FEATURES), (n, 1, 1))
+        self._sums = np.zeros((n, _FEATURES))
+        self._place = np.array(start, float)
+        self._home = self._place.copy()
+        self._asked = np.zeros(n)
+
+    def learn(self, outcome: Outcome) -> None:
+        """A trial at a demand was worth its reward."""
+        row = self._features(outcome.demand[:, None])[:, 0]
+        known = np.isfinite(outcome.reward) & np.isfinite(row).all(axis=1)
+        row = np.where(known[:, None], row, 0.0)
+        self._precision += np.einsum("nf,ng->nfg", row, row) / _NOISE**2
+        left = outcome.reward - self._prior(outcome.demand[:, None])[:, 0]
+        self._sums += row * np.where(known, left, 0.0)[:, None] / _NOISE**2
+        self._place = np.where(np.isfinite(outcome.demand), outcome.demand, self._place)
+        load = 0.3 * np.nan_to_num(outcome.load)
+        self._asked = np.nan_to_num(outcome.performance - 0.7) - load
+
+    def _features(self, demand: Floats) -> Floats:
+        """Of demands [n, levels], shape [n, levels, f]."""
+        bumps = np.exp(-0.5 * ((demand[:, :, None] - _CENTRES) / _WIDTH) ** 2)
+        step = np.tanh((demand - self._place[:, None]) / 0.2) * np.tanh(4.0 * self._asked)[:, None]
+        return np.concatenate([bumps, step[:, :, None]], axis=2)
+
+    def _prior(self, demand: Floats) -> Floats:
+        """What demands [n, levels] are worth before anything is learnt."""
+        return 0.3 - (demand - self._home[:, None]) ** 2 / _HOME**2
+
+    def _model(self) -> tuple[Floats, Floats, Floats]:
+        """Features of every level [n, levels, f], mean reward [n, levels], covariance of the weights [n, f, f]."""
+        levels = np.tile(LEVELS, (len(self._place), 1))
+        features = self._features(levels)
+        covariance: Floats = np.asarray(np.linalg.inv(self._precision), np.float64)
+        weights = np.einsum("nfg,ng->nf", covariance, self._sums)
+        return features, self._prior(levels) + np.einsum("nlf,nf->nl", features, weights), covariance
+
+
+class LinUcb(_LinearBandit):
+    """The level whose reward may be highest (Li et al., WWW 2010).
+
+    Args:
+        width: Standard deviations above the mean.
+    """
+
+    def __init__(self, width: float = 0.3) -> None:
+        self._width = width
+
+    def act(self) -> Choice:
+        """The demands of the next trial."""
+        features, mean, covariance = self._model()
+        spread = np.sqrt(np.einsum("nlf,nfg,nlg->nl", features, covariance, features))
+        best = np.argmax(mean + self._width * spread, axis=1)
+        return Choice(LEVELS[best], np.ones(len(best)))
+
+
+class Thompson(_LinearBandit):
+    """The best level of a model drawn from what is believed; its propensity is counted over further draws.
+
+    Args:
+        draws: For the propensity.
+        width: Of the draws, in standard deviations.
+    """
+
+    def __init__(self, draws: int = 64, width: float = 0.3) -> None:
+        self._draws, self._width = draws, width
+
+    def act(self) -> Choice:
+        """The demands of the next trial."""
+        features, mean, covariance = self._model()
+        root = np.linalg.cholesky(covariance)
+        noise = self._width * self._rng.standard_normal((self._draws + 1, len(mean), _FEATURES))
+        drawn = np.einsum("nfg,dng->dnf", root, noise)
+        best = np.argmax(mean + np.einsum("nlf,dnf->dnl", features, drawn), axis=2)
+        chosen = best[0]
+        share = ((best == chosen).sum(axis=0) + 0.5) / (self._draws + 1.5)
+        return Choice(LEVELS[chosen], share)

@@ -1,0 +1,77 @@
+"""What a learning system is to bring about, as data: a share of success, a state in a band, the task's own."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from mimics_app.contracts.messages import TrialResult, UserState
+from mimics_app.contracts.stages import Goal
+from mimics_app.learning.stage import TaskGoal
+
+__all__ = ["GOALS", "StateBand", "SuccessShare", "build_goal"]
+
+Quantity = Literal["arousal", "valence", "effort"]
+
+GOALS = ("task", "success", "arousal", "valence", "effort")
+"""Words that name a goal; see `build_goal`."""
+
+_EVERY_NS = 30_000_000_000
+"""A state is judged so often: bodies are slow."""
+
+
+class SuccessShare:
+    """A challenge: success in a share of what is tried, neither more nor less.
+
+    Args:
+        share: 0 to 1.
+    """
+
+    def __init__(self, share: float = 0.7) -> None:
+        self._share = share
+
+    def reward(self, state: UserState, result: TrialResult | None) -> float | None:
+        """1 at the share, 0 at its near end and as far on the other side, at least -1; practice is worth nothing."""
+        if result is None or result.practice or result.outcome == "step":
+            return None
+        return max(1.0 - abs(result.performance - self._share) / min(self._share, 1.0 - self._share), -1.0)
+
+
+class StateBand:
+    """A state of the person kept in a band, whatever the task comes to.
+
+    Args:
+        quantity: Of the state.
+        low, high: The band, in [-1, 1].
+    """
+
+    def __init__(self, quantity: Quantity, low: float, high: float) -> None:
+        self._quantity, self._low, self._high = quantity, low, high
+        self._next_ns: int | None = None
+
+    def reward(self, state: UserState, result: TrialResult | None) -> float | None:
+        """1 inside the band, less by the distance from it; every half minute, and only while the state is known."""
+        estimate = getattr(state, self._quantity)
+        if self._next_ns is None:
+            self._next_ns = state.t_ns + _EVERY_NS
+        if estimate is None or state.t_ns < self._next_ns:
+            return None
+        self._next_ns = state.t_ns + _EVERY_NS
+        away = max(self._low - estimate.mean, estimate.mean - self._high, 0.0)
+        return max(1.0 - away, -1.0)
+
+
+def build_goal(words: str) -> Goal:
+    """A goal from its words: "task", "success:0.7", "arousal:-0.2:0.3".
+
+    Raises:
+        ValueError: There is no such goal, or its numbers cannot be.
+    """
+    name, *numbers = words.split(":")
+    values = [float(number) for number in numbers]
+    if name == "task" and not values:
+        return TaskGoal()
+    if name == "success" and len(values) <= 1 and all(0.0 < value < 1.0 for value in values):
+        return SuccessShare(*values)
+    if name in ("arousal", "valence", "effort") and len(values) == 2 and -1.0 <= values[0] < values[1] <= 1.0:
+        return StateBand(name, *values)  # type: ignore[arg-type]
+    raise ValueError(f'"{words}" is no goal: task, success:SHARE, or arousal|valence|effort:LOW:HIGH')

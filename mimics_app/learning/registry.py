@@ -1,0 +1,59 @@
+"""Every policy there is: the built-in ones, and those of installed packages (entry points `mimics_app.policies`)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib.metadata import entry_points
+
+from mimics_app.contracts.errors import UsageError, nearest
+from mimics_app.learning.bandits import LinUcb, Thompson
+from mimics_app.learning.policy import Policy
+from mimics_app.learning.rules import Fixed, KalmanSkill, Proportional, RandomLevel, Staircase
+from mimics_app.learning.temporal import ActorCritic, SarsaLambda, TabularQ
+
+__all__ = ["ENTRY_POINT_GROUP", "EXPLORERS", "POLICIES", "build_policy", "check_policy"]
+
+ENTRY_POINT_GROUP = "mimics_app.policies"
+
+POLICIES: dict[str, Callable[[], Policy]] = {
+    "fixed": Fixed,
+    "random": RandomLevel,
+    "staircase": Staircase,
+    "proportional": Proportional,
+    "kalman_performance": lambda: KalmanSkill(use_load=False),
+    "kalman": KalmanSkill,
+    "linucb": LinUcb,
+    "thompson": Thompson,
+    "q": TabularQ,
+    "sarsa": SarsaLambda,
+    "actor_critic": ActorCritic,
+}
+"""Those that come with the product, by name."""
+
+EXPLORERS = frozenset({"random", "linucb", "thompson", "q", "sarsa", "actor_critic"})
+"""Policies that try what they do not know yet."""
+
+
+def check_policy(name: str) -> None:
+    """Refuse a policy that is not there.
+
+    Raises:
+        UsageError: With the nearest name.
+    """
+    names = [*POLICIES, *(point.name for point in entry_points(group=ENTRY_POINT_GROUP))]
+    if name not in names:
+        raise UsageError(f'there is no policy "{name}"', nearest(name, names))
+
+
+def build_policy(name: str) -> Policy:
+    """A policy by its name.
+
+    Raises:
+        UsageError: There is none of this name.
+    """
+    check_policy(name)
+    if name in POLICIES:
+        return POLICIES[name]()
+    (point,) = entry_points(group=ENTRY_POINT_GROUP, name=name)
+    policy: Policy = point.load()()
+    return policy

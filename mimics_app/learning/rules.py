@@ -1,0 +1,121 @@
+"""Policies that follow a rule: fixed, random, staircase, in proportion to success, and a tracker of skill."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mimics_app.learning.policy import LEVELS, Choice, Floats, Outcome, logit
+
+__all__ = ["Fixed", "KalmanSkill", "Proportional", "RandomLevel", "Staircase"]
+
+TARGET = 0.7
+"""Share of success that is a challenge: Metzger et al., JNER 11:154, 2014."""
+
+
+class Fixed:
+    """Leaves the demand where the session began."""
+
+    def begin(self, start: Floats, rng: np.random.Generator) -> None:
+        """A session of people begins at these demands [n]."""
+        self._demand = np.array(start, float)
+
+    def act(self) -> Choice:
+        """The demands of the next trial."""
+        return Choice(self._demand.copy(), np.ones(len(self._demand)))
+
+    def learn(self, outcome: Outcome) -> None:
+        """Nothing is learnt."""
+
+
+class RandomLevel(Fixed):
+    """Any of the levels, each as likely as the other."""
+
+    def begin(self, start: Floats, rng: np.random.Generator) -> None:
+        """A session of people begins at these demands [n]."""
+        super().begin(start, rng)
+        self._rng = rng
+
+    def act(self) -> Choice:
+        """The demands of the next trial."""
+        n = len(self._demand)
+        return Choice(self._rng.choice(LEVELS, n), np.full(n, 1.0 / len(LEVELS)))
+
+
+class Staircase(Fixed):
+    """A step up after 80 % success and more, a step down below 60 %."""
+
+    def __init__(self, step: float = 0.05) -> None:
+        self._step = step
+
+    def learn(self, outcome: Outcome) -> None:
+        """A trial is over."""
+        p = outcome.performance
+        move = np.where(p >= 0.8, self._step, np.where(p < 0.6, -self._step, 0.0))
+        self._demand = np.clip(self._demand + move, 0.0, 1.0)
+
+
+class Proportional(Fixed):
+    """Moves in proportion to what success lacks of, or has over, 70 %."""
+
+    def __init__(self, gain: float = 0.25) -> None:
+        self._gain = gain
+
+    def learn(self, outcome: Outcome) -> None:
+        """A trial is over."""
+        move = self._gain * np.nan_to_num(outcome.performance - TARGET)
+        self._demand = np.clip(self._demand + move, 0.0, 1.0)
+
+
+class KalmanSkill(Fixed):
+    """Tracks the demand at which this person succeeds in 70 %, from success and, where it says something, the load.
+
+    Success p at demand d puts that demand at d + (logit p - logit 0.7) / slope. The load is a second, weaker view: a
+    person who is over-challenged at d has their place below it. Its weight follows how well it has agreed with success
+    so far, so that a body that does not show the load, or a load that has nothing to do with the demand, loses its say.
+
+    Args:
+        use_load: False: success alone.
+        slope: Of success over demand [logit per unit].
+    """
+
+    def __init__(self, *, use_load: bool = True, slope: float = 10.0) -> None:
+        self._use_load = use_load
+        self._slope = slope
+
+    def begin(self, start: Floats, rng: np.random.Generator) -> None:
+        """A session of people begins at these demands [n]."""
+        super().begin(start, rng)
+        n = len(self._demand)
+        self._variance = np.full(n, 0.2**2)
+        self._weights = np.zeros((n, 3))  # of the load against what success said: products, squares of either
+
+    def learn(self, outcome: Outcome) -> None:
+        """A trial is over."""
+        self._variance += 0.005**2
+        p = outcome.performance
+        away = (logit(p) - logit(np.array(TARGET))) / self._slope
+        wide = np.where(np.abs(p - 0.5) > 0.4, 0.18, 0.06)
+        known = np.isfinite(p) & np.isfinite(outcome.demand)
+        self._update(outcome.demand + away, np.where(known, wide**2, np.inf))
+        if self._use_load:
+            self._take_load(outcome, away)
+
+    def _take_load(self, outcome: Outcome, away: Floats) -> None:
+        """The second view, weighed by its record with this person."""
+        load = np.nan_to_num(outcome.load)
+        known = np.isfinite(outcome.load) & np.isfinite(outcome.demand)
+        both = known & np.isfinite(away)
+        told = np.stack([-load * np.nan_to_num(away), load**2, np.nan_to_num(away) ** 2], axis=1)
+        self._weights = np.where(both[:, None], 0.92 * self._weights + told, self._weights)
+        product, one, other = self._weights.T
+        record = np.clip(product / np.sqrt(one * other + 1e-9), 0.0, 1.0)
+        variance = (0.25**2 + 0.09 * np.nan_to_num(outcome.load_variance)) / np.maximum(record, 1e-3) ** 2
+        view = outcome.demand - 0.25 * np.clip(load, -0.9, 0.9)
+        self._update(view, np.where(known & (record > 0.2), variance, np.inf))
+
+    def _update(self, view: Floats, noise: Floats) -> None:
+        gain = np.where(
+            np.isfinite(noise), self._variance / (self._variance + np.where(np.isfinite(noise), noise, 1.0)), 0.0
+        )
+        self._demand = np.clip(self._demand + gain * np.nan_to_num(view - self._demand), 0.0, 1.0)
+        self._variance = self._variance * (1.0 - gain)

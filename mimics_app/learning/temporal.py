@@ -1,0 +1,139 @@
+"""Reinforcement learning over a few states and moves: tabular Q, SARSA(lambda), actor-critic with softmax moves."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mimics_app.learning.policy import Choice, Floats, Outcome
+
+__all__ = ["ActorCritic", "SarsaLambda", "TabularQ"]
+
+MOVES = np.array([-0.2, -0.07, 0.0, 0.07, 0.2])
+_BINS = np.array([0.2, 0.45, 0.62, 0.78, 0.92])
+STATES = (len(_BINS) + 1) * 3
+"""Bins of success times three of load."""
+
+
+class _Table:
+    """What these have in common: where the demand is, which state was seen, which move was made.
+
+    Args:
+        rate: Of learning.
+        discount: Of the next state.
+    """
+
+    def __init__(self, rate: float = 0.4, discount: float = 0.5) -> None:
+        self._rate, self._discount = rate, discount
+
+    def begin(self, start: Floats, rng: np.random.Generator) -> None:
+        """A session of people begins at these demands [n]."""
+        n = len(start)
+        self._rng = rng
+        self._demand = np.array(start, float)
+        self._table = np.tile(_first_values(), (n, 1, 1))
+        self._rows = np.arange(n)
+        self._state = np.full(n, 3 * 3 + 1)
+        self._move = np.full(n, 2)
+        self._trials = 0
+
+    def act(self) -> Choice:
+        """The demands of the next trial."""
+        chances = self._chances(self._state)
+        drawn = self._rng.random(len(self._rows))
+        self._move = np.minimum((chances.cumsum(axis=1) < drawn[:, None]).sum(axis=1), len(MOVES) - 1)
+        self._demand = np.clip(self._demand + MOVES[self._move], 0.0, 1.0)
+        return Choice(self._demand.copy(), chances[self._rows, self._move])
+
+    def _chances(self, state: np.ndarray) -> Floats:
+        """Probability of each move [n, moves]: mostly the best, less and less often any other."""
+        explore = max(0.05, 0.3 * (1.0 - self._trials / 15.0))
+        values = self._table[self._rows, state]
+        chances = np.full(values.shape, explore / len(MOVES))
+        chances[self._rows, values.argmax(axis=1)] += 1.0 - explore
+        return chances
+
+    def _see(self, outcome: Outcome) -> np.ndarray:
+        """The state after a trial [n]; the demand goes on from where it really was."""
+        self._trials += 1
+        self._demand = np.where(np.isfinite(outcome.demand), outcome.demand, self._demand)
+        success = np.searchsorted(_BINS, np.nan_to_num(outcome.performance, nan=0.7))
+        load = np.searchsorted([-0.4, 0.4], np.nan_to_num(outcome.load))
+        return success * 3 + load
+
+
+def _first_values() -> Floats:
+    """Before anything is learnt a move is worth less the further it is from the rule in proportion, [states, moves]."""
+    middle = np.array([0.1, 0.33, 0.53, 0.7, 0.85, 0.96])
+    wanted = 0.5 * (middle - 0.7)
+    values: Floats = np.repeat(-2.0 * np.abs(MOVES[None, :] - wanted[:, None]), 3, axis=0)
+    return values
+
+
+class TabularQ(_Table):
+    """Q-learning (Watkins 1989)."""
+
+    def learn(self, outcome: Outcome) -> None:
+        """A trial is over."""
+        following = self._see(outcome)
+        best = self._table[self._rows, following].max(axis=1)
+        aim = np.nan_to_num(outcome.reward) + self._discount * best
+        old = self._table[self._rows, self._state, self._move]
+        self._table[self._rows, self._state, self._move] = old + self._rate * (aim - old)
+        self._state = following
+
+
+class SarsaLambda(_Table):
+    """SARSA with eligibility traces (Rummery & Niranjan 1994).
+
+    Args:
+        trace: Lambda.
+    """
+
+    def __init__(self, trace: float = 0.6) -> None:
+        super().__init__()
+        self._trace = trace
+
+    def begin(self, start: Floats, rng: np.random.Generator) -> None:
+        """A session of people begins at these demands [n]."""
+        super().begin(start, rng)
+        self._traces = np.zeros_like(self._table)
+
+    def learn(self, outcome: Outcome) -> None:
+        """A trial is over."""
+        following = self._see(outcome)
+        expected = (self._chances(following) * self._table[self._rows, following]).sum(axis=1)
+        aim = np.nan_to_num(outcome.reward) + self._discount * expected
+        error = aim - self._table[self._rows, self._state, self._move]
+        self._traces *= self._discount * self._trace
+        self._traces[self._rows, self._state, self._move] = 1.0
+        self._table += self._rate * error[:, None, None] * self._traces
+        self._state = following
+
+
+class ActorCritic(_Table):
+    """Preferences for moves and values of states, both tables (Sutton & Barto, 13.5)."""
+
+    def begin(self, start: Floats, rng: np.random.Generator) -> None:
+        """A session of people begins at these demands [n]."""
+        super().begin(start, rng)
+        self._table *= 10.0  # preferences: a quarter of a move's worth is a factor of twelve
+        self._values = np.zeros((len(start), STATES))
+
+    def _chances(self, state: np.ndarray) -> Floats:
+        preferences = self._table[self._rows, state]
+        weights = np.exp(preferences - preferences.max(axis=1, keepdims=True))
+        shares: Floats = weights / weights.sum(axis=1, keepdims=True)
+        return shares
+
+    def learn(self, outcome: Outcome) -> None:
+        """A trial is over."""
+        before, moved = self._state, self._move
+        chances = self._chances(before)
+        following = self._see(outcome)
+        worth = np.nan_to_num(outcome.reward) + self._discount * self._values[self._rows, following]
+        error = worth - self._values[self._rows, before]
+        self._values[self._rows, before] += self._rate * error
+        slope = -chances
+        slope[self._rows, moved] += 1.0
+        self._table[self._rows, before] += 1.5 * error[:, None] * slope
+        self._state = following

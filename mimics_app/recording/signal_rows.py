@@ -1,0 +1,45 @@
+"""Signals on their way from the app to the recorder; the app loads no Arrow for it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import msgspec
+import numpy as np
+
+from mimics_app.contracts.messages import SignalBlock
+
+__all__ = ["SignalRow", "pack_signals", "unpack_signals"]
+
+_Sent = tuple[int, int, str, float, bytes]
+
+
+@dataclass(frozen=True, slots=True)
+class SignalRow:
+    """One block of a signal, and the frame that took it."""
+
+    frame: int
+    block: SignalBlock
+
+
+def pack_signals(rows: Sequence[SignalRow]) -> bytes:
+    """Rows as bytes for the recorder's channel."""
+    return msgspec.msgpack.encode(
+        [
+            (row.frame, row.block.t_ns, row.block.name, row.block.rate, np.asarray(row.block.values, float).tobytes())
+            for row in rows
+        ]
+    )
+
+
+def unpack_signals(payload: bytes) -> list[_Sent]:
+    """Frame, time, name, rate and samples of each row.
+
+    Raises:
+        ValueError: The bytes are none that `pack_signals` made.
+    """
+    try:
+        return msgspec.msgpack.decode(payload, type=list[_Sent])
+    except (msgspec.DecodeError, msgspec.ValidationError) as error:
+        raise ValueError(f"no rows of signals: {error}") from error

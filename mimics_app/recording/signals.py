@@ -1,0 +1,142 @@
+"""signals.arrows: the raw signals of the person as each frame took them, one row a block; only where there are any.
+
+A plain Arrow stream of the columns `frame`, `t_ns`, `name`, `rate` [Hz] and `values`; a frame's blocks in their order,
+so that a replay hands the signal processing what it was handed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+import pyarrow as pa
+
+from mimics_app.contracts.messages import SignalBlock
+from mimics_app.recording.append_file import AppendFile
+from mimics_app.recording.arrow_format import END_OF_STREAM, Block, decode_batch, encode_batch, rows_crc, schema_bytes
+from mimics_app.recording.arrow_scan import Found, last_block, read_schema, scan_stream
+from mimics_app.recording.run_folder import FILES
+from mimics_app.recording.signal_rows import SignalRow, unpack_signals
+
+__all__ = ["SignalStream", "decode_signals", "encode_signals", "read_signals", "signals_schema"]
+
+_Sent = Sequence[tuple[int, int, str, float, bytes]]
+
+
+@cache
+def signals_schema() -> Any:
+    """Schema of signals.arrows."""
+    fields = [
+        pa.field("frame", pa.int64(), nullable=False),
+        pa.field("t_ns", pa.int64(), nullable=False, metadata={"unit": "ns"}),
+        pa.field("name", pa.string(), nullable=False),
+        pa.field("rate", pa.float64(), nullable=False, metadata={"unit": "Hz"}),
+        pa.field("values", pa.list_(pa.field("item", pa.float64(), nullable=False)), nullable=False),
+    ]
+    return pa.schema(fields, metadata={"format": "mimics signals", "version": "1"})
+
+
+def encode_signals(rows: _Sent, seq: int, first: int) -> bytes:
+    """Rows as `unpack_signals` gives them as one block; `first` is the number of the first of them."""
+    values = [np.frombuffer(row[4], np.float64) for row in rows]
+    offsets = np.concatenate(([0], np.cumsum([len(v) for v in values]))).astype(np.int32)
+    flat = np.concatenate(values) if values else np.empty(0)
+    schema = signals_schema()
+    columns = [pa.array([row[i] for row in rows], schema.field(i).type) for i in range(4)]
+    columns.append(pa.ListArray.from_arrays(pa.array(offsets), pa.array(flat), type=schema.field(4).type))
+    batch = pa.RecordBatch.from_arrays(columns, schema=schema)
+    return encode_batch(batch, seq, first, rows_crc(seq, first, _heads(rows), offsets, flat))
+
+
+def decode_signals(data: bytes | memoryview) -> Block:
+    """Read one block back; its records are `SignalRow`s, an object array of shape [n].
+
+    Raises:
+        ValueError: It is no such block, or its CRC32 says that it was damaged.
+    """
+    batch, seq, first, crc = decode_batch(data, signals_schema())
+    frames, times, names, rates = (batch.column(i).to_pylist() for i in range(4))
+    values = batch.column(4)
+    offsets = values.offsets.to_numpy()
+    flat = values.values.to_numpy(zero_copy_only=True)
+    rows = np.empty(len(frames), object)
+    sent = []
+    for i, head in enumerate(zip(frames, times, names, rates, strict=True)):
+        piece = flat[offsets[i] : offsets[i + 1]]
+        rows[i] = SignalRow(head[0], SignalBlock(head[2], head[3], head[1], piece))
+        sent.append((*head, b""))
+    if rows_crc(seq, first, _heads(sent), offsets, np.ascontiguousarray(flat)) != crc:
+        raise ValueError("the checksum does not agree")
+    return Block(seq, first, rows)
+
+
+def _heads(rows: _Sent) -> np.ndarray[Any, np.dtype[np.uint8]]:
+    """What of the rows is no sample, as bytes for the checksum."""
+    return np.frombuffer(msgspec.msgpack.encode([row[:4] for row in rows]), np.uint8)
+
+
+class SignalStream:
+    """The growing file; it is made with its first rows.
+
+    Attributes:
+        count: Rows written.
+    """
+
+    def __init__(self, folder: Path, *, resume: bool = False) -> None:
+        self._path = folder / FILES["signals"]
+        self._file: AppendFile | None = None
+        self.count = self._seq = 0
+        if resume and (last := last_block(self._path, decode_signals, signals_schema())) is not None:
+            self._seq = last.block.seq + 1
+            self.count = last.block.first + len(last.block.records)
+            self._file = AppendFile(self._path, resume_at=last.offset + last.length)
+
+    def append(self, payload: bytes) -> None:
+        """Write what `pack_signals` made.
+
+        Raises:
+            OSError: The disk is full or failed; the file ends with the block before.
+            ValueError: It is no such thing.
+        """
+        rows = unpack_signals(payload)
+        if self._file is None:
+            self._path.unlink(missing_ok=True)  # of a recorder that died before its first whole block
+            self._file = AppendFile(self._path)
+            self._file.append(schema_bytes(signals_schema()))
+        self._file.append(encode_signals(rows, self._seq, self.count))
+        self._seq += 1
+        self.count += len(rows)
+
+    def sync(self) -> None:
+        """Bring the file onto the medium."""
+        if self._file is not None:
+            self._file.sync()
+
+    def close(self) -> None:
+        """End the stream as Arrow wants it."""
+        if self._file is not None:
+            self._file.append(END_OF_STREAM)
+            self._file.close()
+
+
+def read_signals(folder: Path) -> tuple[list[SignalRow], list[str]]:
+    """Every good row in order, and what is missing or damaged, one sentence each; both empty without signals."""
+    path = folder / FILES["signals"]
+    if not path.exists():
+        return [], []
+    rows: list[SignalRow] = []
+    faults: list[str] = []
+    for piece in scan_stream(path, decode_signals, read_schema(path) or signals_schema()):
+        if isinstance(piece, Found):
+            if piece.block.first != len(rows):
+                faults.append(
+                    f"{path.name}: {piece.block.first - len(rows)} rows are missing before {piece.block.first}"
+                )
+            rows += list(piece.block.records)
+        else:
+            faults.append(f"{path.name}: {piece.length} bytes at {piece.offset} are no good block: {piece.why}")
+    return rows, faults

@@ -1,0 +1,199 @@
+"""Guided walk (D2.1 3.4.2): an avatar under a learning system brings a person to a place by what it does."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from msgspec import Meta
+
+from mimics_app.contracts.board import Card
+from mimics_app.contracts.errors import Issue, nearest
+from mimics_app.contracts.scenario_port import TaskContext
+from mimics_app.tasks.cards import count_card
+from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, ScorePartSpec, StepResult, TaskKind, Values
+from mimics_app.tasks.kinds.walk_people import STEP_S, Alley, Deed, Guide, Walker
+from mimics_app.tasks.observation import Observation
+from mimics_app.world.components.registry import Component
+
+__all__ = ["KIND", "NEAREST", "GuidedWalkPlay", "GuidedWalkSpec"]
+
+Condition = Literal["intimate", "social", "random"]
+
+NEAREST: dict[str, float] = {"intimate": 0.38, "social": 1.2, "random": 0.38}
+"""How near the avatar may come in each condition [m]: Kastanis & Slater, ACM TAP 9(1), 2012."""
+
+_WORDS = ("approaches", "steps back", "walks round you", "waits", "beckons", "points")
+_WALKING = 0.8
+"""Speed of a person who leads by the hand, at full deflection [m/s]."""
+_DEFLECTION = 0.1
+"""Displacement of the hand from where the trial began that is full deflection [m]."""
+_DEAD = 0.015
+"""Smaller displacements are none [m]."""
+
+
+class GuidedWalkSpec(Component, frozen=True):
+    """An avatar brings a person to a place."""
+
+    avatar: Annotated[str, Meta(description="Entity of the avatar.")]
+    person: Annotated[str, Meta(description="Entity that goes where the person is, with the camera below it.")]
+    place: Annotated[str, Meta(description="Entity at the place to be brought to.")]
+    condition: Annotated[
+        Condition, Meta(description="How near the avatar may come: 0.38 m, 1.2 m; 'random' does anything, at 0.38 m.")
+    ] = "intimate"
+    walker: Annotated[
+        Literal["simulated", "hand"],
+        Meta(description="Who walks: a simulated person, or whoever leads the hand forwards and back."),
+    ] = "simulated"
+
+
+class AtThePlace(Component, frozen=True, tag="at_the_place", tag_field="kind"):
+    """The person is at the place of the guided walk."""
+
+    hold_s: Annotated[float, Meta(ge=0.0, le=60.0, description="For how long [s].")] = 0.0
+
+
+class GuidedWalkPlay(KindPlay):
+    """One walk after the other.
+
+    Args:
+        spec: Of the scene.
+        seed: Of walkers and of the random condition.
+    """
+
+    def __init__(self, spec: GuidedWalkSpec, seed: int) -> None:
+        self._spec, self._alley = spec, Alley()
+        self._rng = np.random.default_rng([seed, 342])
+        self._hand_from: float | None = None
+        self.begin_attempt()
+
+    def begin_attempt(self) -> None:
+        self._walker = Walker(self._rng, self._alley)
+        self._guide = Guide(self._alley, NEAREST[self._spec.condition])
+        self._since, self._steps, self._step = 0.0, 0, None  # type: tuple[float, int, StepResult | None]
+        self._shown = (self._walker.x, self._guide.x)
+        self._from = self._walker.x
+        self._reached = False
+
+    def let_go(self, seen: Observation) -> None:
+        self._hand_from = seen.ball_world[0]
+
+    def see(self, seen: Observation, settings: Mapping[str, object]) -> Observation:
+        wanted = settings.get("avatar_deed", Deed.WAIT)
+        self._wanted = Deed(int(np.clip(round(wanted), 0, 5))) if isinstance(wanted, int | float) else Deed.WAIT
+        way = self._alley.place - self._alley.start
+        progress = float(np.clip((self._walker.x - self._alley.start) / way, 0.0, 1.0))
+        return replace(seen, progress=progress)
+
+    def travel(self, seen: Observation, seconds: float) -> None:
+        """The hand walks all the time; what is simulated, and the avatar, go on in steps."""
+        if self._spec.walker == "hand":
+            self._walk_by_hand(seen, seconds)
+        self._since += seconds
+        self._glide(seconds)
+        if abs(self._walker.x - self._alley.place) <= self._alley.within:
+            self._reached = True
+        if self._since >= STEP_S - 1e-6:
+            self._since -= STEP_S
+            self._end_step()
+
+    @property
+    def step(self) -> StepResult | None:
+        step, self._step = self._step, None
+        return step
+
+    @property
+    def visual(self) -> Mapping[str, object]:
+        walker, guide = self._shown
+        return {"walk.person": round(walker, 4), "walk.avatar": round(guide, 4), "walk.deed": int(self._guide.deed)}
+
+    @property
+    def prompt(self) -> str:
+        return f"The avatar {_WORDS[self._guide.deed]}"
+
+    @property
+    def measures(self) -> Values:
+        return {"walk_steps": self._steps, "walk_left_m": abs(self._alley.place - self._walker.x)}
+
+    def holds(self, goal: Any, seen: Observation) -> bool:
+        return self._reached
+
+    def cards(self, seen: Observation, finished: int) -> Mapping[str, Card]:
+        gap = abs(self._walker.x - self._guide.x)
+        return {"gap": Card("Distance", f"{gap:.2f} m"), "steps": count_card("Steps", self._steps)}
+
+    def _walk_by_hand(self, seen: Observation, seconds: float) -> None:
+        away = seen.ball_world[0] - (self._hand_from or 0.0)
+        share = float(np.clip((abs(away) - _DEAD) / (_DEFLECTION - _DEAD), 0.0, 1.0) * np.sign(away))
+        place = self._walker.x + share * _WALKING * seconds
+        self._walker.x = float(np.clip(place, self._alley.low, self._alley.high))
+
+    def _glide(self, seconds: float) -> None:
+        """What is shown follows the steps smoothly."""
+        share = min(seconds / 0.4, 1.0)
+        walker, guide = self._shown
+        self._shown = (walker + share * (self._walker.x - walker), guide + share * (self._guide.x - guide))
+
+    def _end_step(self) -> None:
+        """The step is over: what it came to is told, and the next one begins with what is wanted now."""
+        deed = Deed(int(self._rng.integers(6))) if self._spec.condition == "random" else self._wanted
+        self._guide.do(deed, self._walker.x)
+        if self._spec.walker == "simulated":
+            self._walker.answer(self._guide.x, deed)
+        way = self._alley.place - self._walker.x
+        gained = abs(self._alley.place - self._from) - abs(way)
+        self._step = StepResult(gained, {"gap": self._guide.x - self._walker.x, "way": way, "deed": float(deed)})
+        self._from = self._walker.x
+        self._steps += 1
+
+
+class GuidedWalkKind(TaskKind):
+    """Proxemics as a task."""
+
+    name, section, goals = "guided_walk", GuidedWalkSpec, (AtThePlace,)
+    measures = (
+        Measure(
+            "walk_steps",
+            "walk_steps",
+            "Steps of the avatar.",
+            ScorePartSpec(weight=0.0, best=10.0, worst=210.0),
+            "walk_steps",
+            sums=True,
+        ),
+        Measure(
+            "walk_left_m",
+            "walk_left",
+            "Way to the place that was left [m].",
+            ScorePartSpec(weight=0.0, best=0.3, worst=3.0),
+            "walk_left_m",
+        ),
+    )
+    targets = ("avatar_deed",)
+    completes = "brought"
+    cards = ("gap", "steps")
+    label = "Way"
+
+    def takes(self, spec: Any, offers: frozenset[str]) -> bool:
+        return spec.section(self.name) is not None
+
+    def check(self, spec: Any, pointer: str) -> Iterator[Fault]:
+        if any(isinstance(goal, AtThePlace) for goal in spec.goals) and spec.section(self.name) is None:
+            yield (f"{pointer}/goals", "a goal needs the section guided_walk", 'write "guided_walk": {...}')
+
+    def check_scene(self, spec: Any, scene: Any) -> list[Issue]:
+        section, known = spec.section(self.name), {entity.id for entity in scene.entities}
+        fields = ("avatar", "person", "place") if section else ()
+        missing = [(field, getattr(section, field)) for field in fields if getattr(section, field) not in known]
+        what = 'no entity is called "{}"'
+        return [
+            scene.issue(f"/task/{self.name}/{field}", what.format(name), nearest(name, known))
+            for field, name in missing
+        ]
+
+    def open(self, spec: Any, context: TaskContext, seed: int) -> GuidedWalkPlay:
+        return GuidedWalkPlay(spec.section(self.name), seed)
+
+
+KIND = GuidedWalkKind()

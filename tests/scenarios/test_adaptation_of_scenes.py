@@ -1,0 +1,145 @@
+"""The seven kinds of action of D2.1, each shown to change a scenario: what is felt, seen, heard, or what comes next."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.session.body import Body
+from mimics_app.app.session.core import SessionCore, open_core
+from mimics_app.app.session.frame import Frames
+from mimics_app.app.session.preparation import prepare_scene
+from mimics_app.app.settings import RunSettings
+from mimics_app.contracts.messages import TaskAction, TrialResult, UserState
+from mimics_app.contracts.resources import root
+from mimics_app.tasks.actions import build_action_space
+
+TUNNEL, MARKET, WALK = (root() / "scenes" / f"{n}.json" for n in ("wavy_tunnel", "pick_and_place", "guided_walk"))
+
+
+class Once:
+    """A learning system with one idea, which it has from the first frame on."""
+
+    def __init__(self, action: TaskAction) -> None:
+        self._action: TaskAction | None = action
+
+    def choose(
+        self, state: UserState, result: TrialResult | None, reward: float | None, now_ns: int
+    ) -> TaskAction | None:
+        action, self._action = self._action, None
+        return action
+
+
+class Told:
+    """What the renderers were told in a few frames."""
+
+    def __init__(self, scene: Path, values: dict[str, float], frames: int = 3) -> None:
+        self.haptic: dict[str, object] = {}
+        self.visual: dict[str, object] = {}
+        self.audio: dict[str, object] = {}
+        parts = prepare_scene(load_checked_scene(scene), RunSettings(scene))
+        self.kinds = {p.name: p.kind for p in build_action_space(parts.task)}
+        with open_core(parts_with(parts, Once(TaskAction(values, at_trial=0)))) as core:
+            play = Frames(core)
+            for _ in range(frames):
+                orders = play.play_on()
+                self.haptic |= orders.haptic
+                self.visual |= orders.visual
+                self.audio |= orders.audio
+            self.limit = core.tasks._time_limit_s()
+
+
+def parts_with(parts: Any, learning: Any) -> Any:
+    from dataclasses import replace
+
+    return replace(parts, body=Body(learning=learning))
+
+
+def test_difficulty_is_felt() -> None:
+    easy, hard = (Told(TUNNEL, {"radius": radius}, 60) for radius in (1.2, 0.6))
+    assert easy.kinds["radius"] == "difficulty"
+    assert easy.haptic["tunnel.radius_scale"] > hard.haptic["tunnel.radius_scale"]
+
+
+def test_complexity_is_seen() -> None:
+    few, many = (Told(MARKET, {"obstacles": count}, 60) for count in (0.0, 3.0))
+    assert few.kinds["obstacles"] == "complexity"
+    assert few.visual["obstacles"] != many.visual["obstacles"]
+
+
+def test_appearance_is_seen() -> None:
+    glass, hidden = (Told(TUNNEL, {"appearance": look}) for look in (0.0, 2.0))
+    assert glass.kinds["appearance"] == "appearance"
+    assert (glass.visual["tunnel_look"], hidden.visual["tunnel_look"]) == ("tunnel", "hidden")
+
+
+def test_sound_is_heard() -> None:
+    loud, quiet = (Told(TUNNEL, {"sound": gain}, 90) for gain in (1.0, 0.0))
+    assert loud.kinds["sound"] == "sound"
+    assert (loud.audio["gain"], quiet.audio["gain"]) == (1.0, 0.0)
+
+
+def test_duration_is_another() -> None:
+    assert Told(TUNNEL, {"duration": 60.0}).kinds["duration"] == "duration"
+    assert Told(TUNNEL, {"duration": 20.0}).limit == 20.0
+
+
+def test_the_avatar_goes_elsewhere() -> None:
+    still, near = (Told(WALK, {"deed": deed}, 600) for deed in (3.0, 0.0))
+    assert still.kinds["deed"] == "avatar"
+    assert near.visual["walk.avatar"] > still.visual["walk.avatar"] + 0.5
+
+
+@pytest.mark.parametrize("block", [0, 2])
+def test_the_flow_goes_on_elsewhere(block: int, tmp_path: Path) -> None:
+    document = json.loads(WALK.read_text())
+    task = document["task"]
+    task |= {"time_limit_s": 1.0, "result_s": 0.1, "rest_s": 0.1, "goals": [{"kind": "duration", "seconds": 0.2}]}
+    task["trials"] = [{"name": name, "trials": [{}, {}]} for name in ("first", "second")]
+    task["parameters"]["flow"] = {
+        "default": 0, "min": 0, "max": 2, "step": 1, "kind": "flow", "maps": [{"to": "task.block"}]
+    }  # fmt: skip
+    scene = tmp_path / "walk.json"
+    scene.write_text(json.dumps(document))
+    parts = prepare_scene(load_checked_scene(scene), RunSettings(scene))
+    with open_core(parts_with(parts, Once(TaskAction({"flow": float(block)}, at_trial=1)))) as core:
+        play = Frames(core)
+        for _ in range(2000):
+            if play.play_on().finished:
+                break
+        blocks = [row["block"] for row in core.tasks.rows]
+        numbers = [row["trial"] for row in core.tasks.rows]
+    assert numbers == [0, 1, 2, 3]
+    listed, changed = ["first", "first", "second", "second"], ["first", "second", "second", "first"]
+    assert blocks == (changed if block else listed)
+
+
+def test_the_walk_reports_steps_and_the_person_is_moved() -> None:
+    parts = prepare_scene(load_checked_scene(WALK), RunSettings(WALK, seed=2))
+    seen: list[TrialResult] = []
+    choose = parts.body.learning.choose
+
+    def watched(state: Any, result: Any, reward: Any, now_ns: int) -> Any:
+        if result is not None:
+            seen.append(result)
+            assert reward == result.reward
+        return choose(state, result, reward, now_ns)
+
+    parts.body.learning.choose = watched  # type: ignore[method-assign]
+    with open_core(parts) as core:
+        play, before = Frames(core), person(core)
+        for _ in range(60 * 40):
+            play.play_on()
+        after = person(core)
+    assert len(seen) > 15
+    assert {result.outcome for result in seen} == {"step"}
+    assert {"gap", "way"} <= set(seen[0].observed)
+    assert before[2] - after[2] != 0.0
+
+
+def person(core: SessionCore) -> Any:
+    return core.world.find("person").world_matrix()[:3, 3].copy()

@@ -1,0 +1,54 @@
+"""The state of simulated people from their raw signals: work is not stress, and unseen people are told."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mimics_app.contracts.messages import SignalBlock
+from mimics_app.dsp.stage import PhysioDsp
+from mimics_app.estimation.fusion import FusionEstimation
+from mimics_app.lab.physio.state_study import state_study
+from tests.support.body_signals import body
+
+
+def estimate(seconds: int, seed: int, power: float, demand: float) -> tuple[list[float], float]:
+    """Arousal from the end of the rest (90 s) on, one a second, and the effort at the end."""
+    signals, _ = body(
+        seconds,
+        seed,
+        power=lambda s: power if s > 120 else 0.0,
+        demand=lambda s: demand if s > 120 else float("nan"),
+    )
+    dsp, estimation, arousal, effort = PhysioDsp(), FusionEstimation(60.0), [], 0.0
+    for second in range(seconds):
+        t_ns = second * 10**9
+        blocks = [SignalBlock(n, 1000.0, t_ns, v[1000 * second : 1000 * second + 1000]) for n, v in signals.items()]
+        blocks.append(SignalBlock("power", 60.0, t_ns, np.full(60, power if second > 120 else 0.0)))
+        state = estimation.update(dsp.process(blocks, t_ns + 10**9))
+        if second > 90 and state.arousal is not None:
+            arousal.append(state.arousal.mean)
+        effort = 0.0 if state.effort is None else state.effort.mean
+    return arousal, effort
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_pure_effort_is_not_told_as_arousal(seed: int) -> None:
+    arousal, effort = estimate(420, seed, power=1.2, demand=float("nan"))
+    assert abs(np.mean(arousal[-150:]) - np.mean(arousal[:25])) <= 0.1
+    assert effort > 0.6
+
+
+def test_too_hard_a_task_is() -> None:
+    arousal, _ = estimate(300, 1, power=0.0, demand=0.95)
+    assert np.mean(arousal[-60:]) > np.mean(arousal[:25]) + 0.15
+
+
+@pytest.mark.slow
+def test_load_of_people_of_unseen_families() -> None:
+    score = state_study(10, 0.18, seed=2)
+    assert score.fixed >= 0.75
+    assert score.body_adaptive >= score.body_fixed + 0.05
+    assert score.fixed >= score.majority + 0.1
+    assert score.fixed >= score.threshold + 0.1
+    assert score.calibration <= 0.1

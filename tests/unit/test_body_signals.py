@@ -1,0 +1,230 @@
+"""The streaming processing of body signals against what truly happened, whatever the blocks, gains and gaps."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.messages import SignalBlock
+from mimics_app.dsp.channel import Channel
+from mimics_app.dsp.ecg import Ecg
+from mimics_app.dsp.emg import Emg
+from mimics_app.dsp.gsr import Gsr
+from mimics_app.dsp.resp import Resp
+from mimics_app.dsp.rhythm import Rhythm
+from mimics_app.dsp.stage import PhysioDsp
+from mimics_app.inputs.physio.simulated.signals import Disturbance
+from tests.support.body_signals import body, f1, feed
+
+REAL = Path(__file__).resolve().parents[3] / "shared" / "data" / "physio"
+
+
+@pytest.fixture(scope="module")
+def two_minutes() -> Any:
+    return body(120, power=lambda s: 0.8 if s > 60 else 0.0)
+
+
+@pytest.mark.parametrize("kind", [Ecg, Gsr, Emg, Resp])
+def test_blocks_of_any_size_give_the_same_to_the_bit(kind: type[Channel], two_minutes: Any) -> None:
+    values = two_minutes[0][kind.name][:30_000].copy()
+    values[12_000:12_700] = np.nan
+    one = kind(1000.0)
+    events, found = feed(one, values, 1000), one.found
+    for block in (7, 20, 3333):
+        other = kind(1000.0)
+        assert feed(other, values, block) == events
+        assert other.found == found
+
+
+@pytest.mark.parametrize("kind", [Ecg, Gsr, Emg, Resp])
+def test_what_was_saved_goes_on_to_the_bit(kind: type[Channel], two_minutes: Any) -> None:
+    values = two_minutes[0][kind.name]
+    channel = kind(1000.0)
+    feed(channel, values[:33_333], 20)
+    saved = channel.save()
+    events = feed(channel, values[33_333:60_000], 20)
+    found = channel.found
+    other = kind(1000.0)
+    other.restore(saved)
+    assert feed(other, values[33_333:60_000], 20) == events
+    assert other.found == found
+
+
+def test_nothing_after_an_event_was_looked_at(two_minutes: Any) -> None:
+    """Causal: with the signal cut off when an event is known, the same events are known."""
+    values = two_minutes[0]["ecg"]
+    events = feed(Ecg(1000.0), values, 20)
+    for event in events[10:60:10]:
+        cut = feed(Ecg(1000.0), values[: round(event.known_s * 1000.0)], 20)
+        assert cut == events[: len(cut)]
+        assert event in cut
+
+
+@pytest.mark.parametrize(("kind", "gain"), [("clean", 1.0), ("clean", -1.0), ("clean", 10.0), ("ectopic", 1.0)])
+def test_r_peaks(kind: str, gain: float) -> None:
+    signals, truth = body(120, 3, Disturbance(ectopic=0.05) if kind == "ectopic" else None)
+    events = feed(Ecg(1000.0), gain * signals["ecg"] + 5.0, 20)
+    assert f1(truth.beats, [event.t_s for event in events], 0.05) > 0.99
+    late = np.array([event.known_s - event.t_s for event in events[5:]])
+    assert np.median(late) <= 0.15
+    assert np.quantile(late, 0.95) <= 0.25
+
+
+def test_a_lost_electrode_is_no_heart_beat(two_minutes: Any) -> None:
+    signals, truth = two_minutes
+    ecg = signals["ecg"].copy()
+    ecg[40_000:60_000] = np.nan
+    channel = Ecg(1000.0)
+    events = feed(channel, ecg[:60_000], 20)
+    assert not [event for event in events if 40.5 < event.t_s < 60.0]
+    assert channel.found.quality == 0.0
+    assert not channel.found.features
+    events = feed(channel, ecg[60_000:], 20)
+    assert channel.found.quality > 0.5
+    assert f1([t for t in truth.beats if t > 63.0], [e.t_s for e in events if e.t_s > 63.0], 0.05) > 0.95
+
+
+def test_a_flat_and_a_saturated_signal_are_told() -> None:
+    flat = Ecg(1000.0)
+    feed(flat, np.zeros(5000), 20)
+    assert flat.found.quality == 0.0
+    signals, _ = body(20)
+    railed = Ecg(1000.0)
+    feed(railed, np.clip(signals["ecg"], -0.02, 0.02), 20)
+    assert railed.found.quality < 0.5
+
+
+@pytest.mark.skipif(not REAL.exists(), reason="the annotated records are not on this machine")
+@pytest.mark.parametrize(
+    ("record", "least"), [("mitdb_100", 0.999), ("mitdb_106", 0.99), ("mitdb_114", 0.99), ("nst_118e24", 0.99)]
+)
+def test_real_beats(record: str, least: float) -> None:
+    data = np.load(REAL / f"{record}.npz")
+    rate = int(data["fs"])
+    values = data["ecg_adc"][: 120 * rate] / float(data["gain_per_mV"])
+    beats = data["beats"][data["beats"] < 120 * rate] / rate
+    found = feed(Ecg(float(rate)), values, max(1, rate // 50))
+    assert f1(beats.tolist(), [event.t_s for event in found], 0.15) >= least
+
+
+def test_variability_of_intervals_that_are_known() -> None:
+    """RMSSD of an alternation between two lengths is their difference; SDNN half of it."""
+    rhythm, t = Rhythm(), 0.0
+    for i in range(90):
+        t += 0.82 if i % 2 else 0.78
+        rhythm.beat(t)
+    found = rhythm.features(t)
+    assert found["rmssd"] == pytest.approx(40.0, abs=1e-6)
+    assert found["sdnn"] == pytest.approx(20.0, rel=0.02)
+    assert found["heart_rate"] == pytest.approx(75.0, rel=0.01)
+    assert found["pnn50"] == 0.0
+
+
+def test_a_known_slow_wave_is_found_in_its_band() -> None:
+    rhythm, t = Rhythm(), 0.0
+    while t < 190.0:
+        t += 0.8 + 0.03 * np.sin(2.0 * np.pi * 0.1 * t)
+        rhythm.beat(t)
+    found = rhythm.features(t)
+    assert found["lf"] == pytest.approx(0.5 * 30.0**2, rel=0.1)
+    assert found["lf_hf"] > 10.0
+
+
+@pytest.mark.parametrize("share", [0.0, 0.05])
+def test_early_and_missed_beats_do_not_pass_for_variability(share: float) -> None:
+    rng = np.random.default_rng(5)
+    clean, marred, t = Rhythm(), Rhythm(), 0.0
+    for i in range(75):
+        t += 0.8 + 0.02 * rng.standard_normal()
+        clean.beat(t)
+        early = i > 10 and rng.random() < share
+        marred.beat(t - 0.3 if early else t)
+    wanted, found = clean.features(t)["rmssd"], marred.features(t)["rmssd"]
+    assert found == pytest.approx(wanted, rel=0.1 if share else 1e-12)
+    assert (marred.counts["ectopic"] > 0) == (share > 0.0)
+
+
+def test_skin_responses() -> None:
+    signals, truth = body(300, 4, demand=lambda s: 0.9 if s > 60 else float("nan"))
+    events = feed(Gsr(1000.0), signals["gsr"], 20)
+    assert len(truth.responses) > 20
+    assert f1(truth.responses, [event.t_s for event in events], 1.0) > 0.9
+    assert np.median([event.known_s - event.t_s for event in events]) <= 0.5
+
+
+def test_breath_rate(two_minutes: Any) -> None:
+    signals, truth = two_minutes
+    channel = Resp(1000.0)
+    feed(channel, signals["resp"], 20)
+    recent = [t for t in truth.breaths if t > 95.0]
+    assert channel.found.features["breath_rate"] == pytest.approx(60.0 / np.mean(np.diff(recent)), abs=0.5)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_muscle_onsets(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    noise = np.diff(rng.standard_normal(40_001))
+    wanted = [5.0 + 3.5 * i for i in range(10)]
+    size = np.full(40_000, 0.01)
+    for onset in wanted:
+        size[round(1000 * onset) : round(1000 * onset) + 1500] = 0.05
+    events = feed(Emg(1000.0), noise * size, 20)
+    assert len(events) == len(wanted)
+    away = np.array([event.t_s for event in events]) - wanted
+    assert np.abs(away).mean() <= 0.03
+    assert np.median([event.known_s for event in events] - np.array(wanted)) <= 0.1
+
+
+def test_a_tired_muscle_has_a_lower_median_frequency() -> None:
+    rng = np.random.default_rng(2)
+    fresh = rng.standard_normal(30_000)
+    tired = np.convolve(fresh, np.ones(4) / 2.0, "same")
+    medians = []
+    for values in (fresh, tired):
+        channel = Emg(1000.0)
+        feed(channel, np.concatenate([0.01 * rng.standard_normal(3000), values]), 20)
+        medians.append(channel.found.features["emg_median_hz"])
+    assert medians[1] < 0.7 * medians[0]
+
+
+def test_a_signal_that_stops_says_nothing_any_more(two_minutes: Any) -> None:
+    dsp = PhysioDsp()
+    for second in range(60):
+        piece = two_minutes[0]["ecg"][1000 * second : 1000 * second + 1000]
+        frame = dsp.process([SignalBlock("ecg", 1000.0, second * 10**9, piece)], (second + 1) * 10**9)
+    assert "heart_rate" in frame.values
+    for second in range(61, 66):
+        frame = dsp.process([], second * 10**9)
+    assert frame.quality["ecg"] == 0.0
+    assert "heart_rate" not in frame.values
+
+
+def test_the_stage_goes_on_from_what_was_saved(two_minutes: Any) -> None:
+    def second(i: int) -> list[SignalBlock]:
+        return [SignalBlock(n, 1000.0, i * 10**9, v[1000 * i : 1000 * i + 1000]) for n, v in two_minutes[0].items()]
+
+    one, other = PhysioDsp(), PhysioDsp()
+    for i in range(40):
+        one.process(second(i), i * 10**9)
+    other.restore(one.save())
+    for i in range(40, 60):
+        assert one.process(second(i), i * 10**9) == other.process(second(i), i * 10**9)
+    json.dumps(dict(one.process([], 61 * 10**9).values), allow_nan=False)
+
+
+@pytest.mark.parametrize("rate", [0.0, 50.0, 1e6])
+def test_a_rate_that_cannot_be_is_refused(rate: float) -> None:
+    with pytest.raises(DeviceError, match="Hz"):
+        PhysioDsp().process([SignalBlock("ecg", rate, 0, np.zeros(4))], 0)
+
+
+def test_a_rate_that_changes_is_refused() -> None:
+    dsp = PhysioDsp()
+    dsp.process([SignalBlock("ecg", 500.0, 0, np.zeros(4))], 0)
+    with pytest.raises(DeviceError, match="500 Hz and now at 250 Hz"):
+        dsp.process([SignalBlock("ecg", 250.0, 0, np.zeros(4))], 10**9)

@@ -1,0 +1,246 @@
+"""Policies, goals and the agent: what they choose, within which limits, and how well on simulated people."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mimics_app.contracts.action_space import ACTION_KINDS, ActionSpace, Parameter
+from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.messages import Estimate, TaskAction, TrialResult, UserState
+from mimics_app.estimation.effort import EffortModel
+from mimics_app.estimation.load import AdaptiveLda, Lda, train_lda
+from mimics_app.lab.physio.cohort import play_cohort
+from mimics_app.lab.physio.walk_study import walk_study
+from mimics_app.learning.agent import Agent
+from mimics_app.learning.goals import StateBand, SuccessShare, build_goal
+from mimics_app.learning.off_policy import evaluate
+from mimics_app.learning.policy import LEVELS, Outcome
+from mimics_app.learning.registry import EXPLORERS, POLICIES, build_policy
+from mimics_app.learning.stepwise import StepAgent
+
+RADIUS = Parameter("radius", 1.0, 0.6, 1.2, harder=-1)
+LOOK = Parameter("look", 0.0, 0.0, 2.0, step=1.0, kind="appearance", dwell_s=30.0)
+SPACE = ActionSpace([RADIUS, LOOK])
+NOBODY = UserState(0)
+
+
+def result(trial: int, performance: float, radius: float, **more: object) -> TrialResult:
+    return TrialResult(trial, 0, "finished", performance, performance, values={"radius": radius, "look": 0.0}, **more)
+
+
+@pytest.mark.parametrize("name", sorted(POLICIES))
+def test_every_policy_stays_inside_and_says_its_propensity(name: str) -> None:
+    policy, rng = build_policy(name), np.random.default_rng(2)
+    policy.begin(np.full(7, 0.5), rng)
+    for _ in range(30):
+        choice = policy.act()
+        assert ((choice.demand >= 0.0) & (choice.demand <= 1.0)).all()
+        assert ((choice.propensity > 0.0) & (choice.propensity <= 1.0 + 1e-12)).all()
+        success = rng.random(7)
+        success[0] = np.nan
+        unknown = np.full(7, np.nan)
+        policy.learn(Outcome(choice.demand, success, unknown, unknown, success))
+
+
+@pytest.mark.parametrize("name", sorted(POLICIES))
+def test_the_same_seed_chooses_the_same(name: str) -> None:
+    one, other = (play_cohort(POLICIES[name], n=20, trials=10).demand for _ in range(2))
+    np.testing.assert_array_equal(one, other)
+
+
+def test_the_tracker_beats_the_staircase_and_chance() -> None:
+    regret = {name: play_cohort(POLICIES[name], n=400).mean for name in ("kalman", "staircase", "random")}
+    assert regret["kalman"] <= 0.75 * regret["staircase"]
+    assert regret["kalman"] <= 0.25 * regret["random"]
+
+
+def test_who_does_not_respond_loses_nothing_by_being_measured() -> None:
+    measured, alone = (play_cohort(POLICIES[name], n=1500) for name in ("kalman", "kalman_performance"))
+    silent = ~measured.responds
+    assert silent.mean() == pytest.approx(0.12, abs=0.04)
+    assert measured.regret[:, silent].mean() <= 1.02 * alone.regret[:, silent].mean()
+
+
+def test_a_body_that_ignores_the_task_gives_no_benefit() -> None:
+    """Were there a leak from the hidden person to the policy, it would."""
+    measured, alone = (play_cohort(POLICIES[n], n=1500, blind=True).mean for n in ("kalman", "kalman_performance"))
+    assert measured >= 0.99 * alone
+
+
+@pytest.mark.parametrize("name", ["linucb", "thompson", "q", "sarsa"])
+def test_learners_learn(name: str) -> None:
+    assert play_cohort(POLICIES[name], n=200).mean < 0.5 * play_cohort(POLICIES["random"], n=200).mean
+
+
+def test_the_agent_waits_for_the_next_trial_and_keeps_limits_and_steps() -> None:
+    agent = Agent("kalman", SPACE, 1)
+    assert agent.choose(NOBODY, None, None, 0) is None
+    action = agent.choose(NOBODY, result(0, 0.2, 1.0), 0.1, 10**9)
+    assert action is not None
+    assert action.at_trial == 1
+    assert set(action.values) == {"radius"}
+    assert 1.0 < action.values["radius"] <= 1.2, "who fails gets it easier"
+    harder = agent.choose(NOBODY, result(1, 1.0, 1.1), 0.1, 2 * 10**9)
+    assert harder is not None
+    assert harder.values["radius"] < action.values["radius"]
+
+
+def test_an_explorer_tries_the_looks_but_not_before_their_time() -> None:
+    agent = Agent("random", SPACE, 3)
+    changed = []
+    for trial in range(60):
+        action = agent.choose(NOBODY, result(trial, 0.5, 1.0), 0.5, trial * 10 * 10**9)
+        if action is not None and "look" in action.values:
+            assert action.values["look"] in (0.0, 1.0, 2.0)
+            assert 0.0 < action.propensity < 1.0
+            changed.append(trial)
+    assert len(changed) > 3
+    assert (np.diff(changed) >= 3).all()
+
+
+def test_a_veto_leaves_it_alone() -> None:
+    agent = Agent("random", ActionSpace([LOOK]), 1)
+    for trial in range(20):
+        action = agent.choose(NOBODY, result(trial, 0.5, 1.0), 0.5, trial * 60 * 10**9)
+        assert action is None or "radius" not in action.values
+
+
+def test_load_moves_the_tracker_where_success_says_nothing() -> None:
+    over = UserState(1, arousal=Estimate(0.8, 0.05), load=(0.0, 0.05, 0.95), quality=1.0)
+    with_load, without = (play(Agent(name, SPACE, 1), over) for name in ("kalman", "kalman_performance"))
+    assert with_load > without, "over-challenged: easier, that is wider"
+
+
+def play(agent: Agent, state: UserState) -> float:
+    """Radius after trials that went a little too badly for a person who is over-challenged."""
+    radius = 1.0
+    for trial in range(12):
+        action = agent.choose(state, result(trial, 0.6, radius), 0.5, trial * 10**9)
+        radius = radius if action is None else action.values.get("radius", radius)
+    return radius
+
+
+def test_demand_of_values_and_back() -> None:
+    assert SPACE.demand({"radius": 1.2, "look": 2.0}) == pytest.approx(0.0)
+    assert SPACE.demand({"radius": 0.6}) == pytest.approx(1.0)
+    assert SPACE.demand({"look": 1.0}) is None
+    for demand in LEVELS:
+        assert RADIUS.demand(RADIUS.at_demand(float(demand))) == pytest.approx(demand)
+    assert len(set(ACTION_KINDS)) == 7
+
+
+@pytest.mark.parametrize(("performance", "worth"), [(0.7, 1.0), (1.0, 0.0), (0.4, 0.0), (0.0, -1.0)])
+def test_success_as_a_goal(performance: float, worth: float) -> None:
+    assert SuccessShare(0.7).reward(NOBODY, result(0, performance, 1.0)) == pytest.approx(worth)
+    assert SuccessShare().reward(NOBODY, result(0, performance, 1.0, practice=True)) is None
+    assert SuccessShare().reward(NOBODY, None) is None
+
+
+def test_a_state_as_a_goal() -> None:
+    goal = StateBand("arousal", -0.2, 0.3)
+    calm = UserState(0, arousal=Estimate(0.0, 0.1))
+    assert goal.reward(calm, None) is None, "bodies are slow: nothing to judge at once"
+    assert goal.reward(UserState(31 * 10**9, arousal=Estimate(0.0, 0.1)), None) == 1.0
+    assert goal.reward(UserState(40 * 10**9, arousal=Estimate(0.8, 0.1)), None) is None
+    assert goal.reward(UserState(62 * 10**9, arousal=Estimate(0.8, 0.1)), None) == pytest.approx(0.5)
+    assert goal.reward(UserState(99 * 10**9), None) is None, "not known"
+
+
+@pytest.mark.parametrize("words", ["", "success:2", "arousal", "arousal:1:0", "joy:0:1"])
+def test_a_goal_that_cannot_be_is_refused(words: str) -> None:
+    with pytest.raises(ValueError, match="no goal"):
+        build_goal(words)
+
+
+def test_a_policy_that_is_not_there_is_told_with_the_nearest() -> None:
+    with pytest.raises(UsageError, match="kalman"):
+        build_policy("kalmann")
+    assert set(POLICIES) >= EXPLORERS
+
+
+def test_off_policy_evaluation_finds_the_better_policy_from_another_ones_log() -> None:
+    """Two arms worth 0.2 and 0.8, logged by a coin that prefers the worse: known truth."""
+    rng = np.random.default_rng(4)
+    taken = rng.random(4000) < 0.3
+    propensity = np.where(taken, 0.3, 0.7)
+    reward = np.where(taken, 0.8, 0.2) + 0.1 * rng.standard_normal(4000)
+    wanted = np.where(taken, 0.9, 0.1)
+    found = evaluate(reward, propensity, wanted)
+    assert found.low < 0.9 * 0.8 + 0.1 * 0.2 < found.high
+    assert found.high - found.low < 0.1
+    assert evaluate(reward, propensity, propensity).mean == pytest.approx(reward.mean())
+    with pytest.raises(ValueError, match="propensit"):
+        evaluate(reward, np.zeros(4000), wanted)
+
+
+def test_the_published_order_of_the_guided_walk() -> None:
+    """Kastanis & Slater 2012: nine, six and one of ten; the walkers were fixed before the guide had learnt anything."""
+    intimate, social, chance = (walk_study(c, people=300, seed=9) for c in ("intimate", "social", "random"))
+    assert intimate.low > social.high
+    assert social.low > chance.high
+    assert intimate.share >= 2.0 * chance.share
+
+
+def test_the_guide_learns_what_pays() -> None:
+    agent = StepAgent("q", Parameter("deed", 3.0, 0.0, 5.0, step=1.0, kind="avatar"), 1)
+    deeds: list[float] = []
+    for _ in range(300):
+        worth = 0.3 if deeds and deeds[-1] == 4.0 else 0.0
+        step = TrialResult(0, 0, "step", 0.0, worth, observed={"gap": 1.0, "way": 2.0})
+        action = agent.choose(NOBODY, step, worth, 0)
+        assert isinstance(action, TaskAction)
+        deeds.append(action.values["deed"])
+    assert deeds[-100:].count(4.0) > 80
+    assert agent.choose(NOBODY, result(0, 1.0, 1.0), 1.0, 0) is None
+
+
+def test_pure_effort_is_explained_by_its_power() -> None:
+    """Heart rate that follows power with the kinetics of another leaves little to be read as arousal."""
+    model, heart, worst = EffortModel(), 0.0, 0.0
+    for second in range(900):
+        power = 1.0 if 60 <= second % 300 < 200 else 0.0
+        heart += (1.0 / (30.0 if power else 45.0)) * (14.0 * power / 1.5 - heart)
+        model.step(power, 1.0)
+        left = model.residual(heart, learn=True)
+        worst = max(worst, abs(left)) if second > 300 else worst
+    assert worst < 2.5
+
+
+def test_an_adaptive_discriminant_follows_a_person_a_fixed_one_does_not() -> None:
+    rng = np.random.default_rng(6)
+    labels = rng.integers(0, 3, 600)
+    means = np.array([[-1.0, -0.5], [0.0, 0.0], [1.2, 0.8]])
+    model = train_lda(means[labels] + 0.7 * rng.standard_normal((600, 2)), labels)
+    fixed, adaptive, hits = Lda(model), AdaptiveLda(model), np.zeros(2)
+    shift = np.array([1.3, -0.6])
+    for i in range(200):
+        label = int(rng.integers(0, 3))
+        seen = means[label] + shift + 0.7 * rng.standard_normal(2)
+        for k, each in enumerate((fixed, adaptive)):
+            hits[k] += i >= 50 and each.probabilities(seen).argmax() == label
+            each.learn(seen, label)
+    assert hits[1] / 150 > hits[0] / 150 + 0.05
+    assert fixed.probabilities(np.array([np.nan, np.nan])).tolist() == [1 / 3] * 3
+
+
+def test_the_environment_is_one_of_gymnasium() -> None:
+    pytest.importorskip("gymnasium")
+    from gymnasium.utils.env_checker import check_env
+
+    from mimics_app.lab.physio.gym_env import TrainingEnv
+
+    check_env(TrainingEnv(SPACE, trials=5), skip_render_check=True)
+
+
+def test_the_environment_punishes_what_is_too_hard() -> None:
+    pytest.importorskip("gymnasium")
+    from mimics_app.lab.physio.gym_env import TrainingEnv
+
+    env, totals = TrainingEnv(trials=20), []
+    for demand in (0.5, 1.0):
+        env.reset(seed=3)
+        steps = [env.step({"difficulty": np.array([demand], np.float32)}) for _ in range(20)]
+        assert steps[-1][3]
+        totals.append(sum(step[1] for step in steps))
+    assert totals[0] > totals[1]

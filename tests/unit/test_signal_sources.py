@@ -1,0 +1,272 @@
+"""Where body signals come from: files, amplifiers at a line, LSL streams; what is wrong with them is told."""
+
+from __future__ import annotations
+
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mimics_app.app.cli import main
+from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
+from mimics_app.contracts.messages import Experience
+from mimics_app.inputs.physio.amplifier_emulator import AmplifierEmulator
+from mimics_app.inputs.physio.amplifier_frames import AmplifierReader, binary_header, binary_samples
+from mimics_app.inputs.physio.integrity import Grid
+from mimics_app.inputs.physio.movement import Movement
+from mimics_app.inputs.physio.recording import FileSource, read_signal_file
+from mimics_app.inputs.physio.serial_amplifier import SerialAmplifier
+from mimics_app.inputs.physio.simulated.source import SimulatedBody
+from mimics_app.inputs.physio.sources import open_source
+from tests.support.body_signals import body
+
+SECOND = 1_000_000_000
+
+
+def write_csv(path: Path, times: Any, **columns: Any) -> Path:
+    rows = np.column_stack([times, *columns.values()])
+    head = ",".join(["t_s", *columns])
+    np.savetxt(path, rows, delimiter=",", header=head, comments="", fmt="%.6f")
+    return path
+
+
+def test_a_table_is_read_on_its_grid_with_holes_where_rows_are_missing(tmp_path: Path) -> None:
+    times = np.arange(1000) / 360.0
+    keep = np.ones(1000, bool)
+    keep[400:420] = False
+    (signal,) = read_signal_file(write_csv(tmp_path / "a.csv", times[keep], ECG=np.sin(times[keep])))
+    assert (signal.name, signal.rate, len(signal.values)) == ("ecg", 360.0, 1000)
+    assert np.isnan(signal.values[400:420]).all()
+    assert np.isfinite(np.delete(signal.values, np.arange(400, 420))).all()
+    np.testing.assert_allclose(signal.values[keep], np.sin(times[keep]), atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("t_s,height\n0,1\n1,2\n", "no body signal"),
+        ("ecg\n1\n2\n", "tells the time"),
+        ("t_s,ecg\n0,1\n1,2\n0.5,3\n", "backwards"),
+        ("t_s,ecg\n0,1\n", "less than two rows"),
+        ("t_s,ecg\n0,1\n1,many\n", "numbers is no numbers"),
+    ],
+)
+def test_a_table_that_is_wrong_says_how(text: str, what: str, tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(text)
+    with pytest.raises(SceneError, match=what):
+        read_signal_file(path)
+
+
+def test_edf_is_read_by_its_library(tmp_path: Path) -> None:
+    edf = pytest.importorskip("pyedflib")
+    path, wave = tmp_path / "a.edf", np.sin(np.arange(2000) / 30.0)
+    writer = edf.EdfWriter(str(path), 1)
+    writer.setSignalHeader(0, {"label": "ECG II", "sample_frequency": 200, "physical_min": -2, "physical_max": 2})
+    writer.writeSamples([wave])
+    writer.close()
+    (signal,) = read_signal_file(path)
+    assert (signal.name, signal.rate) == ("ecg", 200.0)
+    np.testing.assert_allclose(signal.values, wave, atol=1e-3)
+
+
+def test_a_file_comes_at_the_pace_of_the_session(tmp_path: Path) -> None:
+    times = np.arange(2000) / 1000.0
+    source = FileSource(read_signal_file(write_csv(tmp_path / "a.csv", times, ecg=times)))
+    source.read(5 * SECOND)
+    taken = [block for i in range(1, 200) for block in source.read(5 * SECOND + i * SECOND // 60)]
+    np.testing.assert_allclose(np.concatenate([block.values for block in taken]), times, atol=1e-6)
+    for block in taken:
+        assert block.t_ns == pytest.approx(5 * SECOND + block.values[0] * SECOND, abs=1e4)
+
+
+def test_a_gap_is_not_filled_and_what_comes_twice_is_dropped() -> None:
+    grid, values = Grid("ecg", 1000.0), np.arange(100.0)
+    taken = [grid.take(0, values), grid.take(100_000_000, values)]
+    taken.append(grid.take(500_000_000, values))  # 300 samples were lost
+    taken.append(grid.take(500_000_000, values))  # the same again
+    whole = np.concatenate([block.values for block in taken if block is not None])
+    assert (grid.faults.gaps, grid.faults.lost) == (1, 300)
+    assert (grid.faults.repeats, grid.faults.dropped) == (1, 100)
+    assert np.isnan(whole[200:500]).all()
+    np.testing.assert_array_equal(whole[500:], values)
+
+
+@pytest.mark.parametrize("ppm", [100.0, -100.0])
+def test_a_clock_that_drifts_is_followed_and_told(ppm: float) -> None:
+    grid = Grid("ecg", 1000.0)
+    for i in range(60_00):
+        grid.take(round(i * 10_000_000 * (1.0 - 1e-6 * ppm)), np.zeros(10))
+    assert (grid.faults.gaps, grid.faults.repeats) == (0, 0)
+    assert grid.faults.drift_ppm == pytest.approx(ppm, rel=0.2)
+
+
+def test_a_stream_at_another_rate_than_it_says_is_told() -> None:
+    grid = Grid("ecg", 1000.0)
+    for i in range(5000):
+        grid.take(i * 10_000_000, np.zeros(9))
+    assert grid.faults.wrong_rate
+
+
+def until(source: Any, wanted: int, give_up_s: float = 20.0) -> list[Any]:
+    """Blocks of the first signal until so many samples came."""
+    blocks: list[Any] = []
+    end = time.monotonic() + give_up_s
+    while sum(len(block.values) for block in blocks) < wanted and time.monotonic() < end:
+        blocks += [block for block in source.read(time.monotonic_ns()) if block.name == "ecg"]
+        time.sleep(0.005)
+    return blocks
+
+
+def opened(emulator: AmplifierEmulator) -> SerialAmplifier:
+    """The amplifier at the other end, which says its header until somebody listens."""
+    heard = threading.Event()
+
+    def announce() -> None:
+        while not heard.wait(0.05):
+            emulator.announce()
+
+    talk = threading.Thread(target=announce)
+    talk.start()
+    try:
+        return SerialAmplifier(emulator.port)
+    finally:
+        heard.set()
+        talk.join()
+
+
+@pytest.mark.parametrize("binary", [False, True])
+def test_an_amplifier_at_a_line(binary: bool) -> None:
+    wave = np.column_stack([np.arange(400.0), np.full(400, 5.0)])
+    emulator = AmplifierEmulator(["ECG1", "eda"], 1000.0, binary=binary)
+    source = opened(emulator)
+    emulator.send(wave[:100])
+    emulator.babble(b"\x01\xa5\x5a\xffnoise" + (b"" if binary else b"\n"))
+    emulator.skip(150)
+    emulator.send(wave[250:])
+    values = np.concatenate([block.values for block in until(source, 400)])
+    np.testing.assert_allclose(values[:100], wave[:100, 0])
+    assert np.isnan(values[100:250]).all()
+    np.testing.assert_allclose(values[250:], wave[250:, 0])
+    assert (source.faults["ecg"].gaps, source.faults["ecg"].lost) == (1, 150)
+    assert source.damaged > 0
+    source.close()
+    emulator.unplug()
+
+
+def test_an_amplifier_that_is_unplugged_ends_and_says_so() -> None:
+    emulator = AmplifierEmulator(["ecg"], 500.0, binary=True)
+    source = opened(emulator)
+    emulator.send(np.zeros((50, 1)))
+    until(source, 50)
+    emulator.unplug()
+    end = time.monotonic() + 20.0
+    while not source.lost and time.monotonic() < end:
+        source.read(time.monotonic_ns())
+        time.sleep(0.005)
+    assert source.lost
+    assert source.read(time.monotonic_ns()) == ()
+    source.close()
+
+
+def test_a_port_without_an_amplifier_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(DeviceError, match="cannot be opened"):
+        SerialAmplifier(str(tmp_path / "nothing"))
+
+
+def test_every_damaged_byte_of_a_frame_is_noticed() -> None:
+    frame = binary_samples(7, np.arange(6.0).reshape(3, 2))
+    for place in range(len(frame)):
+        reader = AmplifierReader()
+        reader.feed(binary_header(100.0, ("ecg", "gsr")))
+        broken = bytearray(frame)
+        broken[place] ^= 0x10
+        found = reader.feed(bytes(broken) + frame)
+        assert [samples.number for samples in found] in ([7], []), place
+        for samples in found:
+            np.testing.assert_array_equal(samples.values, np.arange(6.0).reshape(3, 2))
+
+
+def test_a_stream_of_lsl() -> None:
+    pylsl = pytest.importorskip("pylsl")
+    from mimics_app.inputs.physio.lsl import LslSource
+
+    name = f"mimics test {time.monotonic_ns()}"
+    info = pylsl.StreamInfo(name, "ExG", 2, 1000.0, "float32", name)
+    channels = info.desc().append_child("channels")
+    for label in ("ECG", "EDA"):
+        channels.append_child("channel").append_child_value("label", label)
+    outlet = pylsl.StreamOutlet(info)
+    source = LslSource(name)
+    outlet.wait_for_consumers(10.0)
+    source.read(time.monotonic_ns())
+    end = time.monotonic() + 20.0
+    blocks: list[Any] = []
+    sent = 0
+    while sum(len(block.values) for block in blocks) < 500 and time.monotonic() < end:
+        outlet.push_chunk([[float(i), 5.0] for i in range(sent, sent + 20)])
+        sent += 20
+        time.sleep(0.02)
+        blocks += [block for block in source.read(time.monotonic_ns()) if block.name == "ecg"]
+    values = np.concatenate([block.values for block in blocks])
+    assert {block.rate for block in blocks} == {1000.0}
+    good = values[np.isfinite(values)]
+    assert len(good) >= 400
+    assert (np.diff(good) > 0.0).all()
+    assert source.offsets
+    source.close()
+
+
+def test_a_stream_that_is_not_there_is_told() -> None:
+    pytest.importorskip("pylsl")
+    with pytest.raises(DeviceError, match="no LSL stream"):
+        open_source("lsl:nobody sends this", 1)
+
+
+@pytest.mark.parametrize("address", ["", "sims", "sim:nobody", "file", "lsl:"])
+def test_an_address_that_names_nothing_is_refused(address: str) -> None:
+    with pytest.raises(UsageError):
+        open_source(address, 1)
+
+
+def test_a_simulated_body_is_the_same_for_the_same_seed_whatever_the_frames() -> None:
+    one, other = SimulatedBody("severe", 4), SimulatedBody("severe", 4)
+    a = [block for i in range(61) for block in one.read(i * SECOND // 20) if block.name == "ecg"]
+    b = [block for i in range(7) for block in other.read(i * SECOND // 2) if block.name == "ecg"]
+    np.testing.assert_array_equal(
+        np.concatenate([block.values for block in a]), np.concatenate([block.values for block in b])
+    )
+
+
+def test_the_movement_is_a_signal() -> None:
+    movement = Movement()
+    assert movement.read(0) == ()
+    movement.feel(Experience(0, speed=0.2, power=0.5))
+    speed, power = movement.read(16_000_000)
+    assert (speed.name, speed.values.tolist(), power.name, power.values.tolist()) == ("speed", [0.2], "power", [0.5])
+
+
+def test_the_command_writes_events_a_page_and_features(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    signals, truth = body(30)
+    path = write_csv(tmp_path / "a.csv", 100.0 + np.arange(30_000) / 1000.0, **signals)
+    files = [tmp_path / name for name in ("events.csv", "page.html", "features.csv")]
+    words = ["--events", str(files[0]), "--page", str(files[1]), "--features", str(files[2])]
+    assert main(["physio", str(path), *words]) == 0
+    lines = files[0].read_text().splitlines()
+    assert lines[0] == "t_s,known_s,kind,value,quality"
+    rows = [line.split(",") for line in lines[1:]]
+    found = np.array([float(row[0]) for row in rows if row[2] == "r_peak"])
+    beats = 100.0 + np.array([t for t in truth.beats if t < 29.7])
+    assert np.abs(found[: len(beats)] - beats).max() < 0.02
+    assert all(float(row[1]) >= float(row[0]) for row in rows)
+    assert files[1].read_text().count("<svg") > 4
+    assert "heart_rate" in files[2].read_text().splitlines()[0]
+
+
+def test_the_check_finds_a_loose_electrode(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["physio", "sim:moderate", "--check"]) == 0
+    assert main(["physio", "sim:loose", "--check", "--seconds", "120"]) == 6
+    assert "check its electrodes" in capsys.readouterr().out
