@@ -52,9 +52,8 @@ def failure_map() -> Figure:
             noisy = record if np.isinf(decibel) else _noisy(record, decibel)
             f1 = score_beats(noisy).f1
             rows.append({"method": name, "x": None if np.isinf(decibel) else decibel, "cost_ns": None, "error": 1 - f1})
-            corner: dict[str, object] = {"x": left + j * width, "y": top + i * height, "width": width, "height": height}
-            shade = f"{0.75 * (1.0 - f1) ** 0.5:.3f}"
-            parts.append(element("rect", class_="dot s1", fill_opacity=shade, **corner))
+            shade, x, y = f"{0.75 * (1.0 - f1) ** 0.5:.3f}", left + j * width, top + i * height
+            parts.append(element("rect", class_="dot s1", fill_opacity=shade, x=x, y=y, width=width, height=height))
             parts.append(word(left + (j + 0.5) * width, top + (i + 0.62) * height, f"{f1:.3f}", "strong", "middle"))
     for i, decibel in enumerate(_DECIBELS):
         told = "no noise" if np.isinf(decibel) else f"{decibel:g} dB"
