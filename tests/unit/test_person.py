@@ -33,6 +33,7 @@ def test_on_a_robot_of_its_own_time_the_mouse_only_stops(real_time: bool):
         scenario=SimpleNamespace(via_points_world=()),
         picture=SimpleNamespace(ray=lambda right, up: ((right, up, 2.0), (0.0, 0.0, -1.0)), surface=Window()),
         haptics=SimpleNamespace(plugin=SimpleNamespace(real_time=real_time)),
+        inputs=SimpleNamespace(signals=()),
     )
     inputs = person_inputs(session)
     inputs.aim(Aim(APPLE, close=True))

@@ -38,6 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--surface", choices=("egl", "window"), default="egl", help="of frame: where the picture is drawn"
     )
+    parser.add_argument("--charts", type=Path, metavar="DIR", help="of physio: write its figures here")
     parser.add_argument("--scene", type=Path, default=Path("scenes/wavy_tunnel.json"), help="scene of the load")
     parser.add_argument("--seconds", type=positive_time, default=60.0, help="length of each real-time measurement [s]")
     parser.add_argument(
@@ -204,7 +205,12 @@ def _measure_physio(args: argparse.Namespace) -> dict[str, Any]:
     from mimics_app.lab.physio.bench import measure_physio
 
     folder = args.data or (Path(os.environ["PHYSIO_DATA"]) if os.environ.get("PHYSIO_DATA") else None)
-    return measure_physio(folder, Path(os.environ["PEERS"]) if os.environ.get("PEERS") else None)
+    answer = measure_physio(folder, Path(os.environ["PEERS"]) if os.environ.get("PEERS") else None)
+    if args.charts is not None:
+        from mimics_app.lab.physio_figures import draw_figures
+
+        answer["charts"] = draw_figures(args.charts)
+    return answer
 
 
 _MEASURES = {
