@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
 __all__ = ["SceneReload"]
 
-_LOOK_NS = 250_000_000
+_LOOK_NS = 500_000_000
+"""Between two looks at the files [ns]: a stat of each of them takes longer than all other watching."""
 _SHOW_NS = 6_000_000_000
 _NEW_TABLES = "models, paths or force fields changed, or there are more objects than there is room for"
 
@@ -78,7 +79,7 @@ class SceneReload:
         session.scene, session.scenario = scene, open_scenario(scene, session.world)
         if session.picture is not None:
             session.picture.show(scene, session.world)
-        other_limits = session.desk.replace(*side.parameters(session.scenario.scene_block()))
+        other_limits = session.parameter_store.replace(*side.parameters(session.scenario.scene_block()))
         self._watcher.watch(scene.files)
         later = changes.sections | changes.systems | ({"limits"} if other_limits else set())
         self._say(now_ns, "scene reloaded" + (f"; {', '.join(sorted(later))} at the next start" if later else ""))

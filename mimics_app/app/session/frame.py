@@ -19,6 +19,7 @@ from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import FRAMES_PER_SECOND, TICK_NS, ticks_until_frame
 from mimics_app.contracts.haptic import EVENT
 from mimics_app.contracts.messages import HapticSnapshot, TaskAction, TaskOrders, VRInput
+from mimics_app.contracts.stage_timer import UNTIMED
 
 __all__ = ["Frames"]
 
@@ -36,6 +37,7 @@ class Frames:
         losses: What of the scene's objects is not simulated any more.
         safety: What stopped or held the loop.
         events: What had happened in the haptic loop since the frame before, EVENT records.
+        timer: Where the times of the frame's stages go.
     """
 
     def __init__(self, core: SessionCore) -> None:
@@ -44,6 +46,7 @@ class Frames:
         self._effects = EffectCues(core.world)
         self._motion = MotionCues(core.world)
         self._action: TaskAction | None = None
+        self.timer = UNTIMED
         self.number = 0
         self.orders = TaskOrders()
         self.snapshot: HapticSnapshot | None = None
@@ -80,34 +83,42 @@ class Frames:
         What the learning system chooses after a frame takes effect in the next one, so that it can go by what the task
         came to; before the first frame it is asked for what the session begins with.
         """
-        core = self._core
+        core, stage = self._core, self.timer.stage
         now_ns = core.clock.now_ns()
-        vr = core.inputs.poll(now_ns)
-        features = core.dsp.process(vr.signals, now_ns)
-        state = core.estimation.update(features)
-        if self.number == 0:
+        with stage("inputs"):
+            vr = core.inputs.poll(now_ns)
+        with stage("signals"):
+            features = core.dsp.process(vr.signals, now_ns)
+            state = core.estimation.update(features)
+            if self.number == 0:
+                self._action = core.learning.choose(state, now_ns)
+        with stage("watch"):
+            snapshot, events = core.haptics.snapshot(), core.haptics.events()
+            self.losses.see(events)
+            self.safety.see(events)
+            self._recorder.look()
+        with stage("tasks"):
+            orders = core.tasks.step(vr, self._action, snapshot, events, now_ns)
             self._action = core.learning.choose(state, now_ns)
-        snapshot, events = core.haptics.snapshot(), core.haptics.events()
-        self.losses.see(events)
-        self.safety.see(events)
-        self._recorder.look()
-        orders = core.tasks.step(vr, self._action, snapshot, events, now_ns)
-        self._action = core.learning.choose(state, now_ns)
-        self._touch(vr, orders, snapshot)
-        core.scenario.apply(orders, snapshot)
-        core.desk.change(core.scenario.haptic_orders())
-        core.inputs.aim(core.scenario.aim(snapshot))
-        self._motion.step(orders, events, now_ns)
-        core.world.update()
-        self._effects.step(orders, events, now_ns)
-        core.sound.step(orders, core.world, now_ns)
-        self._journal(snapshot, now_ns)
+            self._touch(vr, orders, snapshot)
+        with stage("scenario"):
+            core.scenario.apply(orders, snapshot)
+            core.parameter_store.change(core.scenario.haptic_orders())
+            core.inputs.aim(core.scenario.aim(snapshot))
+        with stage("world update"):
+            self._motion.step(orders, events, now_ns)
+            core.world.update()
+        with stage("sound"):
+            self._effects.step(orders, events, now_ns)
+            core.sound.step(orders, core.world, now_ns)
+        with stage("record"):
+            self._journal(snapshot, now_ns)
         self.number, self.orders, self.snapshot, self.events = self.number + 1, orders, snapshot, events
 
     def _journal(self, snapshot: HapticSnapshot, now_ns: int) -> None:
         """What this frame saw: the tick, and where every haptic body was."""
         line: dict[str, object] = {"frame": self.number, "tick": snapshot.tick, "t_ns": now_ns}
-        bodies = int(self._core.desk.block["objects"]["bodies"][0])
+        bodies = int(self._core.parameter_store.block["objects"]["bodies"][0])
         if bodies:
             line["bodies"] = snapshot.poses[:bodies].tolist()
         self._core.recorder.journal("frame", line)
@@ -119,10 +130,10 @@ class Frames:
             core.haptics.stop_key()
         haptic = dict(orders.haptic)
         if "r" in vr.pressed:
-            haptic["resets"] = int(core.desk.block["resets"][0]) + 1
-        core.desk.change(haptic)
+            haptic["resets"] = int(core.parameter_store.block["resets"][0]) + 1
+        core.parameter_store.change(haptic)
         if orders.view.robot_leads:
             x, y, z = snapshot.hip_world
             core.inputs.hold_at((float(x), float(y), float(z)))
-        trial = int(core.desk.block["trial"][0])
+        trial = int(core.parameter_store.block["trial"][0])
         self._inbox.tell(vr.pointer, trial=trial, may_act=orders.person_may_act)
