@@ -51,6 +51,7 @@ def test_the_python_of_the_guide_runs(tmp_path: Path, model: Path) -> None:
     found = {piece.purpose: piece for piece in PIECES if piece.language == "python"}
     heights = written_module(tmp_path, found["walk"]).poses(model)
     assert len(heights) == 30 and max(heights) > min(heights) + 0.2
+    assert callable(written_module(tmp_path, found["capture"]).add_take)
     module = written_module(tmp_path, found["twin"])
     from mimics_app.world.gltf.model_world import load_model_world
 

@@ -175,7 +175,7 @@ class Walk:
         ahead = math.cos(turn)  # 1: the left foot is ahead
         hips = slots["hips"]
         step = self._pace().step
-        sink = self._leg * (_SINK * min(2.0, (step / (0.5 * self._leg)) ** 2) if self._leg > 0.0 else 0.0)
+        sink = self._leg * (_SINK * min(2.6, (step / (0.5 * self._leg)) ** 2) if self._leg > 0.0 else 0.0)
         pose.translations[hips] = self._rig.rest.translations[hips] + (
             _SWAY * vigour * math.sin(turn),
             -sink - _BOB * vigour * math.cos(2.0 * turn),

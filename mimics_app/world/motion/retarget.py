@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from mimics_app.world.motion.animator import Rig
 from mimics_app.world.motion.humanoid import BONES, HumanoidMap
+from mimics_app.world.motion.kernels.chain import multiply_rows
 from mimics_app.world.motion.pose import Pose
 from mimics_app.world.motion.reach import Chain
 
@@ -94,6 +95,6 @@ def _conjugate(q: F8) -> F8:
 
 def _multiply(a: F8, b: F8) -> F8:
     """Products of quaternions row by row, [n, 4]."""
-    vector = a[:, 3:] * b[:, :3] + b[:, 3:] * a[:, :3] + np.cross(a[:, :3], b[:, :3])
-    scalar = a[:, 3:] * b[:, 3:] - np.sum(a[:, :3] * b[:, :3], axis=1, keepdims=True)
-    return np.concatenate([vector, scalar], axis=1)
+    product = np.empty_like(a)
+    multiply_rows(a, b, product)
+    return product

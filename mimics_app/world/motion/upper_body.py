@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from mimics_app.maths.quat import slerp
 from mimics_app.world.motion.animator import Animator, Rig
 from mimics_app.world.motion.humanoid import HumanoidMap
+from mimics_app.world.motion.kernels.chain import slerp_rows
 from mimics_app.world.motion.kernels.upper_body import STATE, solve_upper_body
 from mimics_app.world.motion.pose import Pose
 from mimics_app.world.motion.reach import SWIVEL_RATE, Chain
@@ -214,8 +215,7 @@ class DelayedTwin:
         second = self._line[1]
         share = min(1.0, (time - first[0]) / max(second[0] - first[0], 1e-12))
         between = np.empty_like(first[1])
-        for slot in range(len(between)):
-            slerp(first[1][slot], second[1][slot], share, between[slot])
+        slerp_rows(first[1], second[1], share, between)
         return between, (1.0 - share) * first[2] + share * second[2]
 
 

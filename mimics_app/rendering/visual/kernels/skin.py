@@ -12,7 +12,6 @@ from mimics_app.contracts.kernel import kernel
 __all__ = ["morph_vertices", "skin_dual", "skin_linear"]
 
 F4 = NDArray[np.float32]
-F8 = NDArray[np.float64]
 U2 = NDArray[np.uint16]
 
 
@@ -93,16 +92,12 @@ def skin_linear(positions: F4, normals: F4, joints: U2, weights: F4, rows: F4, s
 
 
 @kernel
-def _turn(q: F8, x: float, y: float, z: float) -> tuple[float, float, float]:
+def _turn(qx: float, qy: float, qz: float, qw: float, x: float, y: float, z: float) -> tuple[float, float, float]:
     """A vector turned by a unit quaternion."""
-    tx = 2.0 * (q[1] * z - q[2] * y)
-    ty = 2.0 * (q[2] * x - q[0] * z)
-    tz = 2.0 * (q[0] * y - q[1] * x)
-    return (
-        x + q[3] * tx + q[1] * tz - q[2] * ty,
-        y + q[3] * ty + q[2] * tx - q[0] * tz,
-        z + q[3] * tz + q[0] * ty - q[1] * tx,
-    )
+    tx = 2.0 * (qy * z - qz * y)
+    ty = 2.0 * (qz * x - qx * z)
+    tz = 2.0 * (qx * y - qy * x)
+    return x + qw * tx + qy * tz - qz * ty, y + qw * ty + qz * tx - qx * tz, z + qw * tz + qx * ty - qy * tx
 
 
 @kernel
@@ -117,30 +112,42 @@ def skin_dual(positions: F4, normals: F4, joints: U2, weights: F4, duals: F4, ou
         duals: Palette: real part, dual part, xyzw each; [joints, 8].
         out: Position and normal are written, the rest is left; [n, 8].
     """
-    d = np.empty(8)
     for v in range(positions.shape[0]):
-        heaviest = joints[v, 0]
-        for i in range(8):
-            d[i] = weights[v, 0] * duals[heaviest, i]
+        heaviest, share = joints[v, 0], weights[v, 0]
+        hx, hy, hz, hw = duals[heaviest, 0], duals[heaviest, 1], duals[heaviest, 2], duals[heaviest, 3]
+        x, y, z, w = share * hx, share * hy, share * hz, share * hw
+        sx, sy, sz = share * duals[heaviest, 4], share * duals[heaviest, 5], share * duals[heaviest, 6]
+        sw = share * duals[heaviest, 7]
         for k in range(1, joints.shape[1]):
-            share = float(weights[v, k])
+            share = weights[v, k]
             if share <= 0.0:
                 break
             j = joints[v, k]
-            side = 0.0
-            for i in range(4):
-                side += duals[heaviest, i] * duals[j, i]
-            if side < 0.0:
+            if hx * duals[j, 0] + hy * duals[j, 1] + hz * duals[j, 2] + hw * duals[j, 3] < 0.0:
                 share = -share
-            for i in range(8):
-                d[i] += share * duals[j, i]
-        scale = 1.0 / math.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + d[3] * d[3])
-        for i in range(8):
-            d[i] *= scale
-        x, y, z = _turn(d, positions[v, 0], positions[v, 1], positions[v, 2])
+            x, y, z, w = (
+                x + share * duals[j, 0],
+                y + share * duals[j, 1],
+                z + share * duals[j, 2],
+                w + share * duals[j, 3],
+            )
+            sx, sy, sz = sx + share * duals[j, 4], sy + share * duals[j, 5], sz + share * duals[j, 6]
+            sw += share * duals[j, 7]
+        scale = 1.0 / math.sqrt(x * x + y * y + z * z + w * w)
+        x, y, z, w, sx, sy, sz, sw = (
+            x * scale,
+            y * scale,
+            z * scale,
+            w * scale,
+            sx * scale,
+            sy * scale,
+            sz * scale,
+            sw * scale,
+        )
+        px, py, pz = _turn(x, y, z, w, positions[v, 0], positions[v, 1], positions[v, 2])
         # The shift is 2 (dual) (real)*; what of the dual part is along the real one falls out of it.
-        out[v, 0] = x + 2.0 * (d[3] * d[4] - d[7] * d[0] + d[1] * d[6] - d[2] * d[5])
-        out[v, 1] = y + 2.0 * (d[3] * d[5] - d[7] * d[1] + d[2] * d[4] - d[0] * d[6])
-        out[v, 2] = z + 2.0 * (d[3] * d[6] - d[7] * d[2] + d[0] * d[5] - d[1] * d[4])
-        nx, ny, nz = _turn(d, normals[v, 0], normals[v, 1], normals[v, 2])
+        out[v, 0] = px + 2.0 * (w * sx - sw * x + y * sz - z * sy)
+        out[v, 1] = py + 2.0 * (w * sy - sw * y + z * sx - x * sz)
+        out[v, 2] = pz + 2.0 * (w * sz - sw * z + x * sy - y * sx)
+        nx, ny, nz = _turn(x, y, z, w, normals[v, 0], normals[v, 1], normals[v, 2])
         _store_normal(nx, ny, nz, v, out)

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
-from mimics_app.maths.quat import multiply, normalise, rotate
+from mimics_app.maths.quat import multiply, normalise, rotate, slerp
 
-__all__ = ["arc", "follow_chain", "follow_one", "localise"]
+__all__ = ["arc", "follow_chain", "follow_one", "localise", "multiply_rows", "slerp_rows"]
 
 F8 = NDArray[np.float64]
 I4 = NDArray[np.int32]
@@ -79,3 +79,17 @@ def arc(a: F8, b: F8, out: F8) -> None:
         w = 0.0
     out[0], out[1], out[2], out[3] = x, y, z, w
     normalise(out, out)
+
+
+@kernel
+def slerp_rows(a: F8, b: F8, share: float, out: F8) -> None:
+    """Set each row of out to the rotation a share of the way from that of a to that of b, [n, 4]."""
+    for row in range(a.shape[0]):
+        slerp(a[row], b[row], share, out[row])
+
+
+@kernel
+def multiply_rows(a: F8, b: F8, out: F8) -> None:
+    """Set each row of out to the product of those of a and b, [n, 4]."""
+    for row in range(a.shape[0]):
+        multiply(a[row], b[row], out[row])

@@ -1,0 +1,219 @@
+"""Motion capture in BVH files: a skeleton and its angles frame by frame, carried over to the bones of a model.
+
+The format has no specification but its makers' description (Biovision, 1996): offsets and channels of each joint, then
+one line of numbers a frame. Files of a metre and of a centimetre look alike: the height of the hips tells.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.world.motion.animator import Rig
+from mimics_app.world.motion.clip import Clip, Interpolation, Track, TrackPath, pack_clip
+from mimics_app.world.motion.humanoid import HumanoidMap, find_humanoid
+from mimics_app.world.motion.pose import Pose
+from mimics_app.world.motion.retarget import Retarget
+from mimics_app.world.scene.source import read_bytes
+
+__all__ = ["MotionCapture", "capture_clip", "read_bvh"]
+
+F8 = NDArray[np.float64]
+
+_MOST_BYTES = 64 * 1024 * 1024
+_MOST_JOINTS, _MOST_FRAMES = 1000, 1_000_000
+_AXES = {"Xrotation": 0, "Yrotation": 1, "Zrotation": 2}
+_SHIFTS = {"Xposition": 0, "Yposition": 1, "Zposition": 2}
+
+
+@dataclass(frozen=True, eq=False)
+class MotionCapture:
+    """A recorded motion.
+
+    Attributes:
+        rig: The recorded skeleton, without entities.
+        seconds: Of a frame [s].
+        rotations: Local rotations xyzw, [frames, joints, 4].
+        translations: Local translations in the file's unit, [frames, joints, 3].
+    """
+
+    rig: Rig
+    seconds: float
+    rotations: F8
+    translations: F8
+
+
+@dataclass
+class _Joint:
+    name: str
+    parent: int
+    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    channels: tuple[str, ...] = ()
+    end: bool = False
+
+
+def read_bvh(path: Path) -> MotionCapture:
+    """Read a BVH file.
+
+    Raises:
+        SceneError: it cannot be read, or is none; the pointer is the line.
+    """
+    text = read_bytes(path, str(path), _MOST_BYTES).decode("utf-8", errors="replace")
+    return _Reader(str(path), text.splitlines()).read()
+
+
+def capture_clip(capture: MotionCapture, name: str, target: Rig, bones: HumanoidMap) -> tuple[Clip, list[str]]:
+    """A clip of a model that does what was recorded, and what was found and guessed on the way.
+
+    Args:
+        capture: What was recorded.
+        name: Of the clip.
+        target: Nodes of the model.
+        bones: Its bones.
+
+    Raises:
+        ValueError: the recorded skeleton is no person's.
+    """
+    found = find_humanoid(capture.rig)
+    if found.missing:
+        raise ValueError(f"the recorded skeleton has no {', '.join(found.missing)}")
+    retarget = Retarget(capture.rig, found, target, bones)
+    pose, frames = target.rest.copy(), len(capture.rotations)
+    rotations = np.zeros((frames, len(target.names), 4))
+    places = np.zeros((frames, 3))
+    for k in range(frames):
+        retarget.apply(capture.rotations[k], capture.translations[k], pose)
+        rotations[k], places[k] = pose.rotations, pose.translations[bones.slots["hips"]]
+    times = (capture.seconds * np.arange(frames)).astype(np.float32)
+    moved = [bones.slots[bone] for bone in bones.slots if bone in found.slots]
+    tracks = [_track(slot, TrackPath.ROTATION, times, rotations[:, slot]) for slot in moved]
+    tracks.append(_track(bones.slots["hips"], TrackPath.TRANSLATION, times, places))
+    return pack_clip(name, tracks), [*found.guesses, *retarget.report]
+
+
+def _track(slot: int, path: TrackPath, times: NDArray[np.float32], values: F8) -> Track:
+    return Track(slot, path, Interpolation.LINEAR, times, values.astype(np.float32)[:, None, :])
+
+
+class _Reader:
+    """Goes through the lines once."""
+
+    def __init__(self, file: str, lines: list[str]) -> None:
+        self._file, self._lines, self._at = file, lines, 0
+        self._joints: list[_Joint] = []
+
+    def read(self) -> MotionCapture:
+        if self._next() != ["HIERARCHY"]:
+            self._fail("is no BVH file: it does not begin with HIERARCHY")
+        self._read_joints()
+        frames = self._numbers(self._labelled("Frames:"), 1)[0]
+        seconds = self._numbers(self._labelled("Frame", "Time:"), 1)[0]
+        if not (1 <= frames <= _MOST_FRAMES and 0.0 < seconds < 10.0):
+            self._fail(f"{frames:g} frames of {seconds:g} s cannot be")
+        width = sum(len(joint.channels) for joint in self._joints)
+        values = np.array([self._numbers(self._next(), width) for _ in range(int(frames))])
+        return self._capture(values, seconds)
+
+    def _read_joints(self) -> None:
+        """The tree, without recursion; ends of chains count as joints that do not move."""
+        above: list[int] = []
+        while (words := self._next()) != ["MOTION"]:
+            if words[0] in ("ROOT", "JOINT", "End"):
+                if len(self._joints) >= _MOST_JOINTS:
+                    self._fail(f"more than {_MOST_JOINTS} joints")
+                name = " ".join(words[1:]) if words[0] != "End" else ""
+                self._joints.append(_Joint(name, above[-1] if above else -1, end=words[0] == "End"))
+            elif words[0] == "{":
+                above.append(len(self._joints) - 1)
+            elif words[0] == "}" and above:
+                above.pop()
+            elif words[0] == "OFFSET" and self._joints:
+                x, y, z = self._numbers(words[1:], 3)
+                self._joints[-1].offset = (x, y, z)
+            elif words[0] == "CHANNELS" and self._joints:
+                self._joints[-1].channels = self._channels(words[1:])
+            else:
+                self._fail(f'"{" ".join(words)[:40]}" is not understood')
+        if above or not self._joints:
+            self._fail("the braces of its joints do not match")
+
+    def _channels(self, words: list[str]) -> tuple[str, ...]:
+        count = self._numbers(words[:1], 1)[0]
+        names = tuple(words[1:])
+        if len(names) != count or any(name not in _AXES and name not in _SHIFTS for name in names):
+            self._fail("its channels are not as many as it says, or have other names than Xposition, Zrotation ...")
+        return names
+
+    def _capture(self, values: F8, seconds: float) -> MotionCapture:
+        joints = self._joints
+        frames, count = len(values), len(joints)
+        rotations = np.tile([0.0, 0.0, 0.0, 1.0], (frames, count, 1))
+        translations = np.tile(np.array([joint.offset for joint in joints]), (frames, 1, 1))
+        column = 0
+        for k, joint in enumerate(joints):
+            for channel in joint.channels:
+                if channel in _SHIFTS:
+                    translations[:, k, _SHIFTS[channel]] = values[:, column]
+                else:
+                    rotations[:, k] = _turned(rotations[:, k], _AXES[channel], np.radians(values[:, column]))
+                column += 1
+        rest = Pose(
+            np.array([joint.offset for joint in joints]),
+            np.tile([0.0, 0.0, 0.0, 1.0], (count, 1)),
+            np.ones((count, 3)),
+            np.zeros(0),
+        )
+        rest.translations[0] = self._standing_root()
+        names = tuple(joint.name for joint in joints)
+        parents = np.array([joint.parent for joint in joints], np.int32)
+        rig = Rig(names, np.full(count, -1, np.int32), parents, rest, np.zeros(count + 1, np.int32), ())
+        return MotionCapture(rig, seconds, rotations, translations)
+
+    def _standing_root(self) -> tuple[float, float, float]:
+        """Where the root is when the lowest joint stands on the ground: most files have it at the origin."""
+        heights = np.zeros(len(self._joints))
+        for k, joint in enumerate(self._joints):
+            heights[k] = (heights[joint.parent] + joint.offset[1]) if joint.parent >= 0 else 0.0
+        return 0.0, -float(heights.min()), 0.0
+
+    def _next(self) -> list[str]:
+        """The words of the next line that has any."""
+        while self._at < len(self._lines):
+            words = self._lines[self._at].split()
+            self._at += 1
+            if words:
+                return words
+        self._fail("ends too early")
+        return []
+
+    def _labelled(self, *label: str) -> list[str]:
+        words = self._next()
+        if tuple(words[: len(label)]) != label:
+            self._fail(f'"{" ".join(label)}" is missing')
+        return words[len(label) :]
+
+    def _numbers(self, words: list[str], count: int) -> list[float]:
+        try:
+            numbers = [float(word) for word in words]
+        except ValueError:
+            numbers = []
+        if len(numbers) != count or not all(math.isfinite(number) for number in numbers):
+            self._fail(f"{count} numbers are wanted")
+        return numbers
+
+    def _fail(self, what: str) -> None:
+        raise SceneError(Issue(self._file, f"line {self._at}", what))
+
+
+def _turned(q: F8, axis: int, angles: F8) -> F8:
+    """Rotations followed by turns about an axis of their own: channels are applied in the order they are written."""
+    turn = np.zeros_like(q)
+    turn[:, axis], turn[:, 3] = np.sin(0.5 * angles), np.cos(0.5 * angles)
+    vector = q[:, 3:] * turn[:, :3] + turn[:, 3:] * q[:, :3] + np.cross(q[:, :3], turn[:, :3])
+    scalar = q[:, 3:] * turn[:, 3:] - np.sum(q[:, :3] * turn[:, :3], axis=1, keepdims=True)
+    return np.concatenate([vector, scalar], axis=1)
