@@ -22,6 +22,7 @@ from mimics_app.scenarios.stand_in_figure import FIGURE_PARTS, StandInFigure
 from mimics_app.scenarios.touch_scene import TouchScene
 from mimics_app.tasks.kinds.avatar_cord import HALF_FRAME_NS
 from mimics_app.world.components.cord import CordComponent
+from mimics_app.world.components.objects import ForceField
 from mimics_app.world.cords import Cord
 from mimics_app.world.meshes.primitives import sphere
 from mimics_app.world.scene.scene import Scene
@@ -50,6 +51,8 @@ _BEHIND = (1.6, 0.35)
 """Third person: behind and above the subject's eyes [m]."""
 _THREAT_FROM, _THREAT_BALL, _G = 2.2, 0.16, 9.81
 """The threat falls from so far over the avatar's head [m]; its radius [m]; gravity [m/s^2]."""
+_TOUCH, _TOUCH_BALL = "cord_touch", 0.012
+"""Entity whose force field makes the cord be felt; radius of the ball that touches [m]."""
 _SWING_HZ, _SWING_DAMPING, _SWING_PER_M_S = 0.8, 1.1, 0.35
 """Of the cord: frequency, damping [1/s], and angle a sideways speed of its ends sets off [rad s/m]."""
 
@@ -90,6 +93,8 @@ class AvatarCord(TouchScene):
         clothes = ("shirt", "skin", "trousers")
         self.subject, self.avatar = (StandInFigure(world, name, *clothes) for name in ("subject", "avatar"))
         self._eye = world.cameras[0].node
+        fields = {entity: field for entity, field, _ in scene.components(ForceField)}
+        self._touch = fields.get(_TOUCH)
         self._settings: dict[str, Any] = {
             "cord.shown": True,
             "cord.length_factor": 1.0,
@@ -131,6 +136,18 @@ class AvatarCord(TouchScene):
         super().apply(orders, snapshot)
         self._settings.update({name: value for name, value in orders.visual.items() if name in self._settings})
         self._arrange()
+
+    def haptic_orders(self) -> Mapping[str, object]:
+        """The cord that is felt where it is seen: its field follows it, and is gone with it."""
+        touch = self._touch
+        if touch is None:
+            return {}
+        curve, field = self._cord.curve, np.array([*touch.parameters, *[0.0] * (8 - len(touch.parameters))])
+        flat = curve.along * [1.0, 0.0, 1.0]
+        flat = flat / max(float(np.linalg.norm(flat)), 1e-9)
+        field[:5] = (flat[0], flat[2], curve.a, curve.q, curve.length if self._cord.visible else 0.0)
+        field[5] = self._cord.shown_radius + _TOUCH_BALL
+        return {f"effects.{_TOUCH}.position": curve.start, f"effects.{_TOUCH}.parameters": field}
 
     def _arrange(self) -> None:
         """Put everything where it is in this frame."""

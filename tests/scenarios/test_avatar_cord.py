@@ -86,6 +86,7 @@ def test_a_whole_session_with_every_tap_logged(tmp_path: Path) -> None:
     assert all(row["ownership"] is not None and row["drift_m"] is not None for row in journal.rows)
 
 
+@pytest.mark.slow
 def test_a_session_that_broke_off_goes_on_with_the_trial_that_is_chosen(tmp_path: Path) -> None:
     whole = play(tmp_path, {"together": {}, "apart": {"mode": "none"}})
     rest = play(tmp_path, {"together": {}, "apart": {"mode": "none"}}, from_trial=2)
@@ -95,6 +96,7 @@ def test_a_session_that_broke_off_goes_on_with_the_trial_that_is_chosen(tmp_path
     assert same == [row["value"] for row in whole.of("answer") if row["trial"] == 1]
 
 
+@pytest.mark.slow
 def test_the_cord_follows_the_bodies_and_changes_in_a_frame(tmp_path: Path) -> None:
     lengths: dict[str, set] = {}
 

@@ -15,6 +15,8 @@ from mimics_app.app.study.subjects import SubjectRun
 from mimics_app.app.study.tables import read_study, summarise_conditions, write_table
 from mimics_app.contracts.clock import FRAME_NS
 from mimics_app.contracts.messages import TactileEvent
+from mimics_app.maths.cord import hang
+from mimics_app.rendering.haptic.cord_field import cord
 from mimics_app.rendering.tactile.emulated import EmulatedVibrators
 from mimics_app.rendering.tactile.vibrators import NoVibrators, SerialVibrators
 from mimics_app.rendering.tactile.wire import FRAME_BYTES, Command, CommandReader, command_bytes
@@ -257,3 +259,31 @@ def test_tables_of_a_study_are_tidy(tmp_path: Path) -> None:
     ]
     write_table(tmp_path / "t.csv", trials)
     assert (tmp_path / "t.csv").read_text().splitlines()[0] == "subject,seed,trial,label,outcome,ownership"
+
+
+def test_the_cord_is_felt_where_its_surface_is() -> None:
+    """The field's force against the nearest of many points of the float64 curve, in any direction and at both ends."""
+    chance = np.random.default_rng(8)
+    curve = hang([0.2, 1.1, -0.1], [0.5, 1.3, -1.2], 1.35)
+    fine = curve.point(np.linspace(0.0, curve.length, 40_001))
+    flat = curve.along * [1.0, 0.0, 1.0]
+    parameters = np.array([flat[0], flat[2], curve.a, curve.q, curve.length, 0.04, 500.0, 0.0])
+    out, pushed = np.zeros(3), 0
+    for _ in range(300):
+        at = curve.point(chance.uniform(-0.0, curve.length))[0] + chance.normal(size=3) * 0.02
+        cord(parameters, at - curve.start, np.zeros(3), 0.0, out)
+        away = fine - at
+        nearest = away[np.argmin(np.linalg.norm(away, axis=1))]
+        distance = float(np.linalg.norm(nearest))
+        wanted = -nearest / distance * 500.0 * max(0.0, 0.04 - distance)
+        # Half the distance of the reference's points turns the direction by 1.7e-5 m over the distance.
+        np.testing.assert_allclose(out, wanted, atol=0.01 + 20.0 * 2e-5 / distance)
+        pushed += bool(out.any())
+    assert pushed > 100
+    cord(parameters, np.array([0.0, 0.03, 0.0]), np.array([0.0, 1e3, 0.0]), 0.0, out)
+    parameters[7] = 3.0
+    cord(parameters, np.array([0.0, 0.03, 0.0]), np.array([0.0, 1e3, 0.0]), 0.0, out)
+    assert not out.any()  # what leaves is not held back
+    parameters[4] = 0.0
+    cord(parameters, np.zeros(3), np.zeros(3), 0.0, out)
+    assert not out.any()

@@ -46,6 +46,7 @@ def answers(monkeypatch: pytest.MonkeyPatch) -> dict[str, dict[str, Any]]:
         "sound": {"ok": True, "library": "libopenal.so.1", "hrtf": True, "device": ""},
         "scheduler": {"ok": True, "recipe": "ordinary+slack1ns", "fifo": False, "cores": 2},
         "attached": {"ok": False, "error": "no display"},
+        "headset": {"ok": False, "error": "no OpenXR runtime"},
     }
     monkeypatch.setattr(probes, "probe", lambda name: found[name])
     return found

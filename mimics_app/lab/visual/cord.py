@@ -66,7 +66,12 @@ def _rope_error(iterations: int) -> float:
 
 def _rope_cost(iterations: int) -> float:
     points = link_rope(1, 0.5)
-    return shortest_us(lambda: [_relax(points, _LENGTH / (_POINTS - 1)) for _ in range(iterations)])
+
+    def relax() -> None:
+        for _ in range(iterations):
+            _relax(points, _LENGTH / (_POINTS - 1))
+
+    return shortest_us(relax)
 
 
 def _drawn_error() -> float:
@@ -77,7 +82,12 @@ def _drawn_error() -> float:
 def _shader_cost() -> float:
     cord = Cord(_ENDS.copy(), _LENGTH, _RADIUS, taps=[(r.s, r.theta, 0.0, r.height) for r in _RIPPLES])
     data, eye, sun = np.zeros((), CORD_BLOCK), np.zeros(3), np.array([0.0, 1.0, 0.0])
-    return shortest_us(lambda: (fill_cord_block(data, cord, eye, sun, 0.2), data.tobytes()))
+
+    def fill() -> bytes:
+        fill_cord_block(data, cord, eye, sun, 0.2)
+        return data.tobytes()
+
+    return shortest_us(fill)
 
 
 def _mesh_cost() -> float:

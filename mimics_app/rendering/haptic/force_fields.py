@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.errors import Issue, nearest
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.loop_ports import FIELD, FIELD_PARAMETERS
+from mimics_app.rendering.haptic.cord_field import cord
 from mimics_app.world.components.objects import ForceField
 from mimics_app.world.components.registry import register_check
 from mimics_app.world.scene.scene import Scene
@@ -72,7 +73,7 @@ def well(parameters: Vec, p: Vec, v: Vec, t: float, out: Vec) -> None:
         out[i] = share * p[i]
 
 
-_FIELDS: dict[str, Any] = {"curl": curl, "saddle": saddle, "well": well}
+_FIELDS: dict[str, Any] = {"cord": cord, "curl": curl, "saddle": saddle, "well": well}
 
 
 def add_field(name: str, field: Any) -> None:

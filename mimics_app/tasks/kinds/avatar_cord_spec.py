@@ -48,7 +48,7 @@ class TapsSpec(Component, frozen=True):
         Annotated[str, Meta(pattern=r"^[a-z_0-9]{1,32}$")],
         Meta(description="Where on the subject's body taps on the cord are felt: a vibrator's name"),
     ] = "stomach"
-    strength: _Share = 1.0
+    strength: Annotated[_Share, Meta(description="Of what is felt")] = 1.0
     lasts_s: Annotated[float, Meta(ge=0.005, le=1.0, description="Of what is felt [s]")] = 0.06
 
 
@@ -73,9 +73,9 @@ class ConditionSpec(Component, frozen=True):
     visuo_motor_ms: Annotated[
         float, Meta(ge=0.0, le=2000.0, description="How late the avatar follows the body [ms]")
     ] = 0.0
-    cord: bool = True
-    length_factor: Annotated[float, Meta(ge=0.25, le=8.0)] = 1.0
-    radius_factor: Annotated[float, Meta(ge=0.25, le=8.0)] = 1.0
+    cord: Annotated[bool, Meta(description="False: there is none")] = True
+    length_factor: Annotated[float, Meta(ge=0.25, le=8.0, description="Of its slack over the scene's own")] = 1.0
+    radius_factor: Annotated[float, Meta(ge=0.25, le=8.0, description="Over the scene's own")] = 1.0
     distance_m: Annotated[float, Meta(ge=0.4, le=20.0, description="Of the avatar before the subject [m]")] = 1.2
     viewpoint: Annotated[
         Literal["first", "third"], Meta(description="From the subject's own eyes, or from behind it")
@@ -86,14 +86,14 @@ class ConditionSpec(Component, frozen=True):
     ] = "same"
     baseline_s: Annotated[_Seconds, Meta(description="Without taps, before them [s]")] = 5.0
     duration_s: Annotated[_Seconds, Meta(description="Of the taps [s]; ownership takes some 50 s")] = 60.0
-    threat: ThreatSpec | None = None
+    threat: Annotated[ThreatSpec | None, Meta(description="Absent: none")] = None
 
 
 class ItemSpec(Component, frozen=True):
     """One statement to be rated."""
 
     id: Annotated[str, Meta(pattern=r"^[A-Za-z0-9_]{1,32}$", description="Column of the answer")]
-    text: Annotated[str, Meta(min_length=1, max_length=400)]
+    text: Annotated[str, Meta(min_length=1, max_length=400, description="What is read")]
     scale: Annotated[
         Literal["ownership", "agency", "control", "touch", "location", "other"], Meta(description="What it measures")
     ] = "other"
@@ -102,7 +102,7 @@ class ItemSpec(Component, frozen=True):
 class QuestionnaireSpec(Component, frozen=True):
     """Statements rated after every trial, in the picture: left and right choose, enter answers."""
 
-    items: Annotated[list[ItemSpec], Meta(min_length=1, max_length=100)]
+    items: Annotated[list[ItemSpec], Meta(min_length=1, max_length=100, description="The statements")]
     least: Annotated[int, Meta(ge=-10, le=10, description="Not at all")] = -3
     most: Annotated[int, Meta(ge=-10, le=10, description="Completely")] = 3
     order: Annotated[Literal["listed", "shuffled"], Meta(description="shuffled: anew for every trial")] = "shuffled"
@@ -130,9 +130,9 @@ class AvatarCordSpec(Component, frozen=True):
     """An experiment on the bodily connection to an avatar."""
 
     conditions: Annotated[dict[_Label, ConditionSpec], Meta(min_length=1, max_length=200, description="By their label")]
-    taps: TapsSpec = field(default_factory=TapsSpec)
-    questionnaire: QuestionnaireSpec | None = None
-    probe: ProbeSpec | None = None
+    taps: Annotated[TapsSpec, Meta(description="When and where")] = field(default_factory=TapsSpec)
+    questionnaire: Annotated[QuestionnaireSpec | None, Meta(description="After each trial; absent: none")] = None
+    probe: Annotated[ProbeSpec | None, Meta(description="Before the statements; absent: none")] = None
     simulated: Annotated[SubjectModel, Meta(description="Who answers where nobody is there")] = field(
         default_factory=SubjectModel
     )

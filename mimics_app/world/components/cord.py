@@ -28,8 +28,8 @@ class CordComponent(Component, frozen=True):
     length: Annotated[float, Meta(gt=0.0, le=50.0, description="[m]; shorter than the way: taut")] = 1.4
     radius: Annotated[float, Meta(gt=0.0, le=1.0, description="[m]")] = 0.025
     colour: Annotated[tuple[_Share, _Share, _Share], Meta(description="Linear RGB")] = (0.75, 0.25, 0.2)
-    roughness: _Share = 0.45
-    visible: bool = True
+    roughness: Annotated[_Share, Meta(description="Of its surface; 0: a mirror")] = 0.45
+    visible: Annotated[bool, Meta(description="False: it is there and not seen")] = True
     wave_speed: Annotated[float, Meta(gt=0.0, le=20.0, description="Of ripples [m/s]")] = 0.5
     wavelength: Annotated[float, Meta(gt=1e-3, le=1.0, description="Of ripples [m]")] = 0.05
 

@@ -162,7 +162,7 @@ class HapticEffect(_Acting, frozen=True, kw_only=True):
 class ForceField(_Acting, frozen=True, kw_only=True):
     """A force computed by a compiled function of the application, a scenario or a plug-in."""
 
-    function: Annotated[str, Meta(description="Its name: curl, saddle, well, or that of a plug-in's force field")]
+    function: Annotated[str, Meta(description="Its name: curl, saddle, well, cord, or that of a plug-in's force field")]
     parameters: Annotated[
         Annotated[tuple[Number, ...], Meta(max_length=8)], Meta(description="Its numbers, as its own guide says")
     ] = ()

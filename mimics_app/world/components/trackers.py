@@ -25,7 +25,12 @@ class TrackerSpec(Component, frozen=True):
     """One device."""
 
     name: Annotated[_Name, Meta(description="For messages")]
-    kind: Literal["fastrak", "flock", "vrpn", "osc", "lsl", "scripted", "pointer", "tape"]
+    kind: Annotated[
+        Literal["fastrak", "flock", "vrpn", "osc", "lsl", "scripted", "pointer", "tape"],
+        Meta(
+            description="Protocol; scripted: a person who is not there; pointer: mouse and gamepad; tape: a recording"
+        ),
+    ]
     address: Annotated[
         str,
         Meta(
@@ -53,7 +58,9 @@ class TrackerSpec(Component, frozen=True):
 class TrackersSettings(Component, frozen=True):
     """All devices; of two that know one part of a body the first counts."""
 
-    devices: Annotated[list[TrackerSpec], Meta(max_length=16)] = field(default_factory=list)
+    devices: Annotated[list[TrackerSpec], Meta(max_length=16, description="In order of precedence")] = field(
+        default_factory=list
+    )
     tape: Annotated[bool, Meta(description="True: every report is kept in the run folder, as trackers.jsonl")] = False
 
 

@@ -1,0 +1,78 @@
+"""A cord that can be touched: a hanging tube as a force field, its numbers changed as the cord moves."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel, typed_kernel
+from mimics_app.contracts.loop_ports import FIELD
+
+__all__ = ["cord"]
+
+Vec = NDArray[np.float64]
+
+_SAMPLES = 16
+"""Places along the cord among which the nearest begins Newton's method."""
+_STEPS = 4
+_LEAST_SLOPE = 0.2
+"""Of the function whose zero is sought, at least: near the middle of a bend the closest point runs ahead."""
+
+
+@kernel
+def _place(a: float, q: float, s: float, out: Vec) -> None:
+    """Along and up of the middle line at an arc length, then the tangent's two; see maths.cord.Catenary.point."""
+    w = s / a
+    p = q + w
+    root_p, root_q = math.sqrt(1.0 + p * p), math.sqrt(1.0 + q * q)
+    apart = w * (p + q) / (p * root_q + q * root_p) if p * q > 0.0 else p * root_q - q * root_p
+    out[0] = a * math.asinh(apart)
+    out[1] = s * (p + q) / (root_p + root_q)
+    out[2] = 1.0 / root_p
+    out[3] = p / root_p
+
+
+@kernel
+def _nearest(a: float, q: float, length: float, x: float, y: float, at: Vec) -> None:
+    """The place of the cord that is nearest in its own plane, into `at` as `_place` has it."""
+    best, s = np.inf, 0.0
+    for k in range(_SAMPLES + 1):
+        _place(a, q, length * k / _SAMPLES, at)
+        away = (x - at[0]) ** 2 + (y - at[1]) ** 2
+        if away < best:
+            best, s = away, length * k / _SAMPLES
+    for _ in range(_STEPS):
+        _place(a, q, s, at)
+        dx, dy = x - at[0], y - at[1]
+        bend = at[2] * at[2] / a
+        slope = 1.0 - bend * (dy * at[2] - dx * at[3])
+        s += (dx * at[2] + dy * at[3]) / max(slope, _LEAST_SLOPE)
+        s = min(max(s, 0.0), length)
+    _place(a, q, s, at)
+
+
+@typed_kernel(FIELD)
+def cord(parameters: Vec, p: Vec, v: Vec, t: float, out: Vec) -> None:
+    """A tube about a hanging line pushes out what is in it, and pulls nothing.
+
+    Its place is where the cord begins. Parameters: direction of the other end along world x and z (unit), a [m] and the
+    slope at the start (maths.cord.Catenary), length [m], radius of the tube and the hand together [m],
+    stiffness [N/m], damping [N s/m]. A length of 0: none.
+    """
+    out[0] = out[1] = out[2] = 0.0
+    ax, az, a, length, radius = parameters[0], parameters[1], parameters[2], parameters[4], parameters[5]
+    if length <= 0.0 or a <= 0.0:
+        return
+    x, z = ax * p[0] + az * p[2], ax * p[2] - az * p[0]
+    at = np.empty(4)
+    _nearest(a, parameters[3], length, x, p[1], at)
+    dx, dy = x - at[0], p[1] - at[1]
+    away = math.sqrt(dx * dx + dy * dy + z * z)
+    if away >= radius or away < 1e-6:
+        return
+    nx, ny, nz = (ax * dx - az * z) / away, dy / away, (az * dx + ax * z) / away
+    leaving = nx * v[0] + ny * v[1] + nz * v[2]
+    force = max(0.0, parameters[6] * (radius - away) - parameters[7] * leaving)
+    out[0], out[1], out[2] = force * nx, force * ny, force * nz
