@@ -94,21 +94,32 @@ def frame_at(t_ns: int, origin_ns: int, rate: int) -> int:
 
 
 class Mixer(Protocol):
-    """Starts, moves and mixes sounds by name. World positions [m], linear gains, session times.
+    """Starts, moves and mixes sounds by name. World positions [m], linear gains, session times."""
 
-    Attributes:
-        rate: Samples per second.
-        channels: Of what it mixes.
-        position: Frames mixed so far.
-        refused: Sounds that found every voice busy with louder ones.
-        timing: How session time and frames meet.
-    """
+    @property
+    def rate(self) -> int:
+        """Samples per second."""
+        ...
 
-    rate: int
-    channels: int
-    position: int
-    refused: int
-    timing: Timing
+    @property
+    def channels(self) -> int:
+        """Of what it mixes."""
+        ...
+
+    @property
+    def position(self) -> int:
+        """Frames mixed so far."""
+        ...
+
+    @property
+    def refused(self) -> int:
+        """Sounds that found every voice busy with louder ones."""
+        ...
+
+    @property
+    def timing(self) -> Timing:
+        """How session time and frames meet."""
+        ...
 
     def start(self, sound: str, t_ns: int, position_world: Vec3 | None, gain: float) -> Start:
         """Start a sound at t_ns plus the mixer's constant latency, at once when that has passed."""

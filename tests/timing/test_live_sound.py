@@ -23,18 +23,21 @@ ROUNDS = 3
 CHUNK = 48  # frames: one millisecond
 
 
-def measure_heard(seconds: float, period: int = 128) -> dict[str, Any]:
-    """A measurement in which every contact was heard.
+BOUND_MS = 20.0
+
+
+def measure_heard(seconds: float, period: int = 128, mixer: str = "openal", bound_ms: float = 1e3) -> dict[str, Any]:
+    """A measurement in which every contact was heard, within a bound where one is given.
 
     What the machine held back for 100 ms is not played, on purpose, and counted; such a round is measured again.
     Nothing else may be missing where sound goes before ordinary work. Where the system does not grant that, a busy
     machine may cut a sound short: not in each of three rounds.
     """
     for seed in range(ROUNDS):
-        result = measure_live_latency(seconds, period, seed)
+        result = measure_live_latency(seconds, period, seed, mixer)
         heard = result["heard"] == result["played"] == result["events"] - result["stale"]
         assert heard or not precedence_granted(), result
-        if heard and result["stale"] == 0:
+        if heard and result["stale"] == 0 and result["latency_ms"]["max"] <= bound_ms:
             return result
     pytest.fail(f"this machine was too busy for sound in each of {ROUNDS} rounds: {result}")
 
@@ -45,10 +48,11 @@ def precedence_granted() -> bool:
 
 
 @needs_pulse
-def test_every_contact_is_heard_on_a_live_sound_server():
-    """And the device's own buffers hold less than the bound; what a busy machine adds is measured by the slow test."""
-    result = measure_heard(5.0)
-    assert (result["sink"], result["hrtf"], result["rate"]) == ("device", True, 48_000)
+@pytest.mark.parametrize(("mixer", "period"), [("openal", 128), ("spectral", 64)])
+def test_every_contact_is_heard_within_20_ms_on_a_live_sound_server(mixer, period):
+    """D2.1 6.3, each of them; what else runs on the machine is not the mixer's, so one round of three counts."""
+    result = measure_heard(4.0, period, mixer, BOUND_MS)
+    assert (result["sink"], result["hrtf"], result["rate"], result["mixer"]) == ("device", True, 48_000, mixer)
     assert result["events"] >= 10
     assert 0.0 < result["buffers_ms"] <= 20.0
     assert 0.0 < result["latency_ms"]["p50"] <= result["latency_ms"]["p95"] <= result["latency_ms"]["max"]

@@ -16,8 +16,10 @@ from mimics_app import builders as builders_room
 from mimics_app.app import cli
 from mimics_app.builders import catalogue
 from mimics_app.builders.catalogue import find_builder, find_builders
+from mimics_app.builders.sounds.picture import draw_spectrograms
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.resources import root
+from mimics_app.rendering.audio.wav_file import WavWriter
 
 
 def test_builders_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
@@ -96,5 +98,17 @@ def test_what_was_built_is_drawn_from_six_sides(tmp_path: Path, capsys: pytest.C
     assert (width, height) == (6 * 406 + 6, 2 * 306 + 6)
     stone = [pixels[312:612, 6 + 406 * side : 406 + 406 * side] for side in range(6)]
     assert all((one != two).any() for one, two in itertools.pairwise(stone))
-    assert cli.main(["assets", "build", "sounds", "--out", str(tmp_path), "--picture", str(picture)]) == 2
-    assert "nothing of sounds is a model" in capsys.readouterr().err
+    assert cli.main(["assets", "build", "sprites", "--out", str(tmp_path), "--picture", str(picture)]) == 2
+    assert "nothing of sprites is a model" in capsys.readouterr().err
+
+
+def test_sounds_are_drawn_as_spectra(tmp_path: Path) -> None:
+    """A tone of 4 kHz stands at a quarter of the picture's height, whose top is 16 kHz."""
+    tone = (0.5 * np.sin(2 * np.pi * 4000.0 * np.arange(24_000) / 48_000)).astype(np.float32)
+    writer = WavWriter(tmp_path / "tone.wav", 48_000)
+    writer.append(np.repeat(tone[:, None], 2, axis=1))
+    writer.close()
+    draw_spectrograms([tmp_path / "tone.wav"], tmp_path / "sheet.png")
+    with Image.open(tmp_path / "sheet.png") as sheet:
+        light = np.asarray(sheet.convert("L"), np.float64)[16:170, 20:280].mean(axis=1)
+    assert 1.0 - int(np.argmax(light)) / len(light) == pytest.approx(0.25, abs=0.02)

@@ -29,7 +29,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=_seed, default=1, help="the same seed makes the same bytes on any machine")
     parser.add_argument("--out", type=Path, default=Path("."), metavar="DIR", help="folder of the files")
     parser.add_argument(
-        "--picture", type=Path, metavar="PNG", help="of build: draw the models built, each from six sides"
+        "--picture",
+        type=Path,
+        metavar="PNG",
+        help="of build: draw the models built from six sides each, of sounds their spectra",
     )
     parser.add_argument(
         "--shares", type=_share, nargs="+", metavar="SHARE", help="of levels: of the triangles, falling (0.5 0.2 0.06)"
@@ -106,9 +109,14 @@ def _draw(name: str, files: list[Path], picture: Path) -> None:
     from mimics_app.app.viewer.shown import MODEL_SUFFIXES
     from mimics_app.contracts.errors import UsageError
 
+    sounds = [file for file in files if file.suffix == ".wav" and not file.stem[-1].isdigit()]  # one of each family
+    if sounds:
+        from mimics_app.builders.sounds.picture import draw_spectrograms
+
+        return draw_spectrograms(sounds, picture)
     models = [file for file in files if file.suffix in MODEL_SUFFIXES]
     if not models:
-        raise UsageError(f"nothing of {name} is a model", "its files themselves are to be looked at or listened to")
+        raise UsageError(f"nothing of {name} is a model or a sound", "its files themselves are to be looked at")
     draw_models(models, picture, sides=_SIDES)
 
 

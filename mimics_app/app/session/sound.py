@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mimics_app.app.cues.sound_stage import SoundStage
-from mimics_app.app.cues.sound_surroundings import SoundSurroundings
 from mimics_app.app.session.preparation import Preparation
 from mimics_app.app.session.switched_off import NullSound, SoundPort
 from mimics_app.contracts.session_memory import SessionMemory
@@ -36,6 +34,8 @@ def open_sound(parts: Preparation, memory: SessionMemory, folder: Path, file: Pa
     system = scene.system(AudioSettings) or AudioSettings()
     if not sounds or not system.enabled or wanted == "off":
         return NullSound()
+    from mimics_app.app.cues.sound_stage import SoundStage
+    from mimics_app.app.cues.sound_surroundings import SoundSurroundings
     from mimics_app.rendering.audio.offline import OfflineAudio
     from mimics_app.rendering.audio.process import AudioProcess
     from mimics_app.rendering.audio.scene_sounds import settings_from_components

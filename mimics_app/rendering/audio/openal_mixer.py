@@ -216,8 +216,8 @@ class OpenALMixer:
     def _aim(self, source: int, spec: SoundSpec) -> None:
         """At rest, and loud where its cone is."""
         self._call.alSource3f(source, AL.VELOCITY, 0.0, 0.0, 0.0)
-        self._call.alSourcef(source, AL.CONE_INNER_ANGLE, degrees(spec.cone_inner))
-        self._call.alSourcef(source, AL.CONE_OUTER_ANGLE, degrees(spec.cone_outer))
+        self._call.alSourcef(source, AL.CONE_INNER_ANGLE, min(360.0, degrees(spec.cone_inner)))
+        self._call.alSourcef(source, AL.CONE_OUTER_ANGLE, min(360.0, degrees(spec.cone_outer)))
         self._call.alSourcef(source, AL.CONE_OUTER_GAIN, spec.cone_gain)
 
     def _play(self, voice: _Voice, frame: int, sound: Sound) -> None:

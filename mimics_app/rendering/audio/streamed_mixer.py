@@ -32,8 +32,9 @@ _QUEUED = 2
 LIVE_LATENCY = _QUEUED * LIVE_BLOCK + 72
 """Frames from an event to its start: what is queued, and 1.5 ms for the event to be read."""
 
-_DRIFT = 200e-6
-"""Share by which the device's clock may be slower than ours."""
+_DRIFT = 0.02
+"""Share by which the device may fall behind our clock: far more than crystals differ, so that a pause of the device is
+followed within a second, and so little that a reading every 2.5 ms moves no sound by more than 50 us."""
 
 
 class StreamedMixer:
@@ -111,11 +112,12 @@ class StreamedMixer:
             self._queue(self._free.pop(), frames)
         state = ctypes.c_int()
         self._call.alGetSourcei(self._source, AL.SOURCE_STATE, ctypes.byref(state))
-        if state.value != AL.PLAYING:
+        ran_empty = state.value != AL.PLAYING
+        if ran_empty:
             self.underruns += self.position > _QUEUED * frames
             self._call.alSourcePlay(self._source)
         self._context.library.check("keep a stream filled")
-        self._follow_device(frames)
+        self._follow_device(frames, ran_empty)
         return np.zeros((0, self.channels), np.float32)
 
     def connected(self) -> bool:
@@ -139,12 +141,11 @@ class StreamedMixer:
         self._call.alBufferData(buffer, AL.FORMAT_STEREO_FLOAT32, block.ctypes.data, block.nbytes, self.rate)
         self._call.alSourceQueueBuffers(self._source, 1, ctypes.byref(ctypes.c_uint(buffer)))
 
-    def _follow_device(self, frames: int) -> None:
+    def _follow_device(self, frames: int, ran_empty: bool) -> None:
         """Set when frame 0 was taken: each reading says too late a time, or the right one; the lowest counts."""
         now, timing = self._clock.now_ns(), self._mixer.timing
         read = now - (self.position - _QUEUED * frames) * 1_000_000_000 // self.rate
         slack = round((now - self._told_ns) * _DRIFT)
         self._told_ns = now
-        late = timing.origin_ns + slack
-        jumped = read - late > 50_000_000  # the queue ran empty, or the device stood still
-        self._mixer.timing = Timing(read if jumped else min(read, late), timing.latency, timing.pipeline)
+        origin = read if ran_empty else min(read, timing.origin_ns + slack)
+        self._mixer.timing = Timing(origin, timing.latency, timing.pipeline)

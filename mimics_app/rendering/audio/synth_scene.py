@@ -170,7 +170,7 @@ def synthesise_tone(notes_hz: tuple[float, ...], rate: int = 48_000) -> Samples:
     parts = []
     for note in notes_hz:
         time = np.arange(int(0.09 * rate)) / rate
-        parts.append(np.sin(2.0 * np.pi * note * time) * np.sin(np.pi * time / 0.09) ** 0.5)
+        parts.append(np.sin(2.0 * np.pi * note * time) * np.sin(np.pi * time / 0.09) ** 2)
     return _finish(np.concatenate(parts))
 
 
