@@ -50,7 +50,7 @@ def write_figure(figure: Figure, seed: int) -> bytes:
         "skin_body": Paint(_linear(person.looks.skin, _HAND_TINT), 0.62, _HANDS, _HANDS_SLOPES),
         "eye": Paint((1.0, 1.0, 1.0), 0.12, paint_eye(person.looks.iris, seed)),
         "mouth": Paint((1.0, 1.0, 1.0), 0.35),
-        "hair": Paint(_linear(person.looks.hair, 205.0), 0.52, _HAIR, _HAIR_SLOPES),
+        "hair": Paint(_linear(person.looks.hair, 205.0), 0.66, _HAIR, _HAIR_SLOPES),
         "shoes": Paint(_linear(clothes["shoes"]), 0.5),
     }
     for name, colour in person.clothes:

@@ -63,6 +63,7 @@ class FigureWriter(GltfWriter):
         )
         self._morphed: dict[str, tuple[int, list[str]]] = {}
         self._pictures: dict[bytes | str, int] = {}
+        self._known: dict[bytes, int] = {}
 
     def add_skinned(self, name: str, pieces: Sequence[Piece], paints: Mapping[str, Paint]) -> None:
         """Add a node with parts on the skeleton; all of them get every morph that one of them has."""
@@ -100,7 +101,7 @@ class FigureWriter(GltfWriter):
         def add(node: int, path: str, values: F8) -> None:
             moving = float(np.ptp(values, axis=0).max()) > _STILL
             kept = values if moving else values[:1]
-            output = self._array(kept.astype(np.float32), 0)
+            output = self._keys(kept)
             samplers.append({"input": long if moving else brief, "output": output, "interpolation": "LINEAR"})
             channels.append({"sampler": len(samplers) - 1, "target": {"node": node, "path": path}})
 
@@ -116,7 +117,7 @@ class FigureWriter(GltfWriter):
                 samplers.append(
                     {
                         "input": often,
-                        "output": self._array(shares.reshape(-1, 1).astype(np.float32), 0),
+                        "output": self._keys(shares.reshape(-1, 1)),
                         "interpolation": "LINEAR",
                     }
                 )
@@ -125,8 +126,15 @@ class FigureWriter(GltfWriter):
         self._add("animations", {"name": name, "channels": channels, "samplers": samplers, "extras": extras})
 
     def _times(self, times: F8) -> int:
-        index = self._array(times.reshape(-1, 1).astype(np.float32), 0, bounds=True)
-        return index
+        return self._keys(times.reshape(-1, 1), bounds=True)
+
+    def _keys(self, values: F8, *, bounds: bool = False) -> int:
+        """An accessor of keys; equal ones are kept once."""
+        stored = values.astype(np.float32)
+        name = stored.tobytes() + bytes([stored.shape[1]])
+        if name not in self._known:
+            self._known[name] = self._array(stored, 0, bounds=bounds)
+        return self._known[name]
 
     def _attributes(self, piece: Piece) -> dict[str, int]:
         joints, shares = _strongest(piece.weights)

@@ -19,7 +19,7 @@ __all__ = ["IRIS", "make_ears", "make_eyes", "make_mouth"]
 IRIS = 0.0059
 """Radius of the coloured part of an eye [m]."""
 
-_AROUND = 12
+_AROUND = 10
 _RINGS = (0.0, 0.22, 0.50, 0.70, 1.05, 1.75)
 """Angles of an eyeball's rings from its front [rad]."""
 _BULGE = 0.0009
@@ -93,7 +93,7 @@ def make_mouth(head: Head, bones: Skeleton) -> Piece:
 def _arch(head: Head, low: float, high: float, back: float, colour: tuple[float, float, float]) -> tuple[F8, I8, F8]:
     """A row of teeth: an arch with notches between the teeth on its biting edge."""
     sheet = Sheet()
-    count = 13
+    count = 11
     turn = np.linspace(-1.25, 1.25, count)
     middle = head.mark(0.0, 0.0, 66.0 + back)
     notch = 0.5 + 0.5 * np.cos(math.pi * np.arange(count))
@@ -110,7 +110,7 @@ def _arch(head: Head, low: float, high: float, back: float, colour: tuple[float,
         sheet.join(one, two, ring=False, flip=outwards)
     for end in (0, -1):
         face = tuple(int(row[end]) for row in rows)
-        sheet.faces.append(face if (end == 0) == outwards else face[::-1])
+        sheet.faces.append(face if (end == 0) != outwards else face[::-1])
     places = sheet.places()
     return places, triangles_of(sheet.faces, places), np.array(colour)
 
@@ -134,7 +134,7 @@ def _tongue(head: Head) -> tuple[F8, I8, F8]:
 
 def make_ears(head: Head, bones: Skeleton) -> Piece:
     """Two ears: bowl, inner fold, outer rim and lobe as a dish, and its back."""
-    around = 12
+    around = 10
     turn = 2.0 * math.pi * np.arange(around) / around
     # outline seen from the side: ahead and up of its middle [mm]
     high, low = 31.0, 30.0

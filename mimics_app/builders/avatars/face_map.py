@@ -74,10 +74,13 @@ class _Points:
 
     def __init__(self) -> None:
         self.turns: list[F8] = []
+        self.laid: list[F8] = []
 
-    def add(self, turns: F8) -> I8:
+    def add(self, turns: F8, laid: F8 | None = None) -> I8:
+        """Points, and where they are laid for the triangles: lips touch, but their rings must not."""
         first = len(self.turns)
         self.turns.extend(turns)
+        self.laid.extend(turns if laid is None else laid)
         return np.arange(first, first + len(turns))
 
 
@@ -95,11 +98,11 @@ def lay_map(head: Head, face: Face, neck_ring: F8) -> FaceMap:
     border = points.add(rim)
     lids, eyes = _lid_points(points, head, face)
     lips = _lip_points(points, head, face)
-    features = np.array(points.turns)
+    features = np.array(points.laid)
     _fill(points, head, features, rim, lids, lips)
     top = points.add(np.stack([np.linspace(0.0, math.pi, 8), np.full(8, _TOP)], axis=1))
     turns = np.array(points.turns)
-    triangles = triangulate(turns * [0.85, 1.0])
+    triangles = triangulate(np.array(points.laid) * [0.85, 1.0])
     for ring in (border, lids[0], lips[0]):
         triangles = triangles[~np.isin(triangles, ring).all(axis=1)]
     return FaceMap(turns, triangles, border, top, lids, lips, eyes)
@@ -132,21 +135,29 @@ def _lip_points(points: _Points, head: Head, face: Face) -> list[I8]:
     lower = 9.2 * face.lips * (1.0 - share**2.4)
     rings = []
     for grow in (0.0, *_LIP_RINGS):
-        gap, wide = 0.45 + grow * 0.1, 1.0 + (0.06 * grow if grow <= 1.0 else 0.06 + 0.30 * (grow - 1.0))
+        gap, wide = 1.2, 1.0 + (0.06 * grow if grow <= 1.0 else 0.06 + 0.30 * (grow - 1.0))
         more = max(grow - 1.0, 0.0) * 6.0
         above = np.stack(
-            [x * wide, line + gap * (1.0 - share**4) + upper * min(grow, 1.0) + more * (1.0 - share**3)], axis=1
+            [x * wide, line + gap * (1.0 - share**2) + upper * min(grow, 1.0) + more * (1.0 - share**3)], axis=1
         )
         below = np.stack(
-            [x * wide, line - gap * (1.0 - share**4) - lower * min(grow, 1.0) - more * (1.0 - share**3)], axis=1
+            [x * wide, line - gap * (1.0 - share**2) - lower * min(grow, 1.0) - more * (1.0 - share**3)], axis=1
         )
         flat = np.vstack([above, below[-2::-1]])
         depth = 102.0 - 9.5 * (flat[:, 0] / half) ** 2
         places = np.stack([flat[:, 0], flat[:, 1], depth], axis=1) * head.size * 1e-3
         turns = turns_of(places)
         turns[[0, -1], 0] = 0.0
-        rings.append(points.add(turns))
+        rings.append(points.add(turns, _spread_lips(turns, grow, half)))
     return rings
+
+
+def _spread_lips(turns: F8, grow: float, half: float) -> F8:
+    """A ring of the lips drawn apart to half an ellipse about the mouth, azimuths and elevations."""
+    t = np.linspace(0.0, math.pi, len(turns))
+    wide = half + 2.0 * grow + 5.0 * max(grow - 1.0, 0.0)
+    middle = np.array([0.0, turns[len(turns) // 2, 1]])
+    return middle + np.stack([wide * np.sin(t), (1.6 + 6.5 * grow) * np.cos(t)], axis=1) * 1e-3 / 0.115
 
 
 def _fill(points: _Points, head: Head, features: F8, rim: F8, lids: list[I8], lips: list[I8]) -> None:
@@ -178,7 +189,7 @@ def _spacing(azimuth: float, elevation: float) -> float:
     nose = azimuth < 0.24 and -0.50 < elevation < 0.04
     face = azimuth < 0.85 and -1.05 < elevation < 0.30
     side = azimuth < 1.45 and elevation < 0.5
-    return 0.0048 if nose else 0.0092 if face else 0.0145 if side else 0.0290
+    return 0.0048 if nose else 0.0098 if face else 0.0160 if side else 0.0320
 
 
 def _apart(one: F8, other: F8) -> float:

@@ -70,6 +70,8 @@ def make_face(person: Person, head: Head, neck_ring: F8) -> FaceMesh:
     doubled = np.abs(flat.turns[:, 0]) > 1e-6
     right = left.copy()
     right[doubled] = sheet.add(places[doubled] * [-1.0, 1.0, 1.0])
+    for corner, place in zip(right[flat.border][1:-1], neck_ring[:16:-1], strict=True):
+        sheet.corners[int(corner)] = place
     turns = [*flat.turns, *(flat.turns[doubled] * [-1.0, 1.0])]
     sheet.faces += [(int(a), int(b), int(c)) for a, b, c in left[flat.triangles]]
     sheet.faces += [(int(a), int(c), int(b)) for a, b, c in right[flat.triangles]]

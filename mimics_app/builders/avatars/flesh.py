@@ -50,7 +50,7 @@ def _trunk(person: Person, bones: Skeleton) -> Field:
     """Pelvis, waist, ribs, shoulders and neck."""
     body = person.body
     h, low, high = body.stature, 0.458, 0.848
-    chest = body.chest - (0.55 * body.bust + 0.03 if body.woman else 0.02)
+    chest = body.chest - (0.55 * body.bust + 0.085 if body.woman else 0.02)
     wide_hip, narrow = (0.71, 0.74) if body.woman else (0.74, 0.76)
     rows = []
     for level, girth, flat, back in (
@@ -68,8 +68,8 @@ def _trunk(person: Person, bones: Skeleton) -> Field:
         (0.765, 0.94 * chest, 0.70, -0.012),
         (0.790, 0.80 * chest, 0.64, -0.020),
         (0.812, 0.57 * chest, 0.62, -0.026),
-        (0.832, 1.14 * body.neck, 0.86, -0.030),
-        (0.848, 1.02 * body.neck, 0.96, -0.028),
+        (0.832, 0.92 * body.neck, 0.90, -0.030),
+        (0.848, 0.66 * body.neck, 0.96, -0.028),
     ):
         rows.append(((level - low) / (high - low), *half_axes(girth, flat, 2.3), 0.0, back))
     parts: list[Field] = [Loft((0.0, low * h, 0.0), (0.0, high * h, 0.0), rows, power=2.3), make_neck(person)]
@@ -127,7 +127,7 @@ def _arm(person: Person, bones: Skeleton, side: int, word: str) -> Field:
         (0.5, 0.88 * f, 0.93 * f, 0.0, 0.002), (0.8, 0.85 * w, 1.10 * w, 0.0, 0.0), (1.0, 0.77 * w, 1.16 * w, 0.0, 0.0),
     ]  # fmt: skip
     cap = shoulder + 0.020 * along + (0.004 if body.woman else 0.008) * back
-    size = 1.18 * r
+    size = 1.10 * r
     return Blend(
         [
             Loft(shoulder, elbow, upper, thumb),
@@ -141,8 +141,8 @@ def _arm(person: Person, bones: Skeleton, side: int, word: str) -> Field:
 def _leg(person: Person, bones: Skeleton, side: int, word: str) -> Field:
     body = person.body
     hip, knee, ankle = (bones.place(f"{word}{name}") for name in ("UpperLeg", "LowerLeg", "Foot"))
-    t, c, a = (girth / (2.0 * math.pi) for girth in (body.thigh, body.calf, body.ankle))
-    k = 0.5 * (0.62 * t + 1.0 * c)
+    t, c, a = (girth / (2.0 * math.pi) for girth in (1.06 * body.thigh, body.calf, body.ankle))
+    k = 0.5 * (0.585 * t + 1.0 * c)
     upper = [
         (0.0, 0.93 * t, 1.00 * t, -0.006 * side, -0.004), (0.2, 0.99 * t, 1.02 * t, -0.004 * side, 0.0),
         (0.45, 0.88 * t, 0.93 * t, 0.0, 0.006),

@@ -14,7 +14,7 @@ from mimics_app.builders.avatars.skeleton import Skeleton
 
 __all__ = ["make_shoes"]
 
-_AROUND = 14
+_AROUND = 12
 _SECTIONS = (
     # share of the length from the heel; half breadth, height of the top, shift outwards of a foot 270 mm long [m]
     (0.000, 0.018, 0.050, 0.000), (0.025, 0.029, 0.066, 0.000), (0.10, 0.0345, 0.080, 0.000),

@@ -19,7 +19,7 @@ from mimics_app.builders.kit.chance import Chance
 
 __all__ = ["hairline", "make_hair"]
 
-_COLUMNS = 28
+_COLUMNS = 26
 _CROWN = 1.45
 """Elevation where the hair begins to part all ways [rad]."""
 
@@ -46,9 +46,9 @@ class _Style:
 
 
 _STYLES = {
-    "short": _Style((0.019, 0.008), 0.0, 30, (0.060, 0.019), 0.55, 0.8),
+    "short": _Style((0.019, 0.008), 0.0, 19, (0.060, 0.020), 0.55, 0.8),
     "crop": _Style((0.006, 0.0045), 0.0, 0, (0.02, 0.01), 0.0, 0.3),
-    "bob": _Style((0.016, 0.014), 0.125, 22, (0.17, 0.022), 0.10, 0.5),
+    "bob": _Style((0.016, 0.014), 0.125, 14, (0.17, 0.026), 0.10, 0.5),
     "tail": _Style((0.010, 0.007), 0.0, 14, (0.12, 0.018), 0.15, 0.3),
 }
 
@@ -98,9 +98,9 @@ def _path(head: Head, worn: _Style, azimuth: F8, share: F8, lift: F8) -> F8:
     elevation = _CROWN + (line - _CROWN) * np.minimum(share, 1.0)
     turns = np.stack([azimuth, elevation], axis=1)
     thick = worn.thick[0] + (worn.thick[1] - worn.thick[0]) * step(0.9, 0.1, elevation)
-    rooted = 0.25 + 0.75 * step(1.0, 0.72, share) if worn.fall == 0.0 else np.ones(len(share))
+    rooted = -0.12 + 1.12 * step(1.0, 0.66, share) if worn.fall == 0.0 else np.ones(len(share))
     front = step(1.15, 0.75, np.abs(azimuth))
-    thick = thick * np.where(worn.fall > 0.0, 1.0 - 0.75 * front * step(0.72, 1.0, share), rooted)
+    thick = thick * np.where(worn.fall > 0.0, 1.0 - 1.04 * front * step(0.60, 1.0, share), rooted)
     places = _skull(head, turns, thick + lift)
     beyond = np.maximum(share - 1.0, 0.0)
     if worn.fall > 0.0:

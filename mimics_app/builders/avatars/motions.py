@@ -62,6 +62,8 @@ def _pulse(t: float, at: float, seconds: float) -> float:
 
 def _hanging(pose: Pose, swing: tuple[float, float] = (0.0, 0.0), bend: tuple[float, float] = (14.0, 14.0)) -> Pose:
     """Arms at the sides, swung ahead and bent by degrees (left, right)."""
+    for side, word in SIDES:
+        pose.turn(f"{word}Shoulder", (Z, -side * 5.0))
     for number, (side, _) in enumerate(SIDES):
         a, b = math.radians(swing[number]), math.radians(swing[number] + bend[number])
         pose.arm(side, (side * 0.15, -math.cos(a), math.sin(a) - 0.01), (side * 0.05, -math.cos(b), math.sin(b)))
@@ -225,8 +227,8 @@ def _clap(bones: Skeleton, t: float) -> Pose:
     pose = _standing(bones, t, 0.3)
     gap = 0.5 - 0.5 * math.cos(_TURN * t / 0.48)
     for side, _ in SIDES:
-        inwards = -0.62 + 0.42 * gap
-        pose.arm(side, (side * (0.40 + 0.10 * gap), -0.88, 0.42), (side * inwards, 0.42, 0.82), 18.0)
+        inwards = -0.66 + 0.36 * gap
+        pose.arm(side, (side * (0.14 + 0.12 * gap), -0.82, 0.52), (side * inwards, 0.48, 0.80), -20.0)
         pose.hand(side, 0.03, thumb=0.0)
     pose.morphs |= {"smile": 0.8, "brows": 0.25}
     return pose.ground()
@@ -266,7 +268,7 @@ def _point(bones: Skeleton, t: float) -> Pose:
 def _beckon(bones: Skeleton, t: float) -> Pose:
     pose, share = _standing(bones, t, 0.4), _raised(t, 2.8)
     curl = share * (0.5 - 0.5 * math.cos(_TURN * 1.6 * t))
-    _towards(pose, -1, share, (-0.35, -0.72, 0.62), (-0.10, 0.35 + 0.30 * curl, 0.95 - 0.30 * curl), -70.0)
+    _towards(pose, -1, share, (-0.30, -0.90, 0.35), (-0.10, 0.45 + 0.30 * curl, 0.90 - 0.30 * curl), 60.0)
     pose.hand(-1, 0.15 + 0.55 * curl, thumb=0.2)
     pose.turn("head", (X, 3.0 * curl), (Z, 3.0 * share))
     pose.morphs |= {"smile": 0.7 * share, "brows": 0.4 * share}
@@ -278,11 +280,11 @@ MOTIONS: Mapping[str, Motion] = {
     "walk": Motion(1.08, True, _walk, 1.25),
     "run": Motion(_RUN_PERIOD, True, _run, 3.0),
     "kick": Motion(1.4, False, _kick),
-    "wave": Motion(3.0, False, _wave),
+    "wave": Motion(3.0, False, _wave, rate=14.0),
     "clap": Motion(0.96, True, _clap),
-    "cheer": Motion(2.4, False, _cheer),
+    "cheer": Motion(2.4, False, _cheer, rate=14.0),
     "step_back": Motion(1.2, True, _step_back, -0.6),
-    "point": Motion(2.6, False, _point),
-    "beckon": Motion(2.8, False, _beckon),
+    "point": Motion(2.6, False, _point, rate=10.0),
+    "beckon": Motion(2.8, False, _beckon, rate=12.0),
 }
 """By name."""

@@ -50,6 +50,8 @@ def paint_hands(uvs: F8, triangles: I8, places: F8, joints: dict[str, F8]) -> tu
         knuckle = joints[f"{finger}0"]
         sinew = np.exp(-(((at[:, 2] - knuckle[2] * (0.35 + 0.65 * at[:, 0] / knuckle[0])) / 0.0028) ** 2))
         heights += bones * 0.0007 * sinew * step(0.03, 0.07, at[:, 0]) * step(0.095, 0.08, at[:, 0])
+    below = np.repeat(np.arange(_HAND_SIZE) > 0.82 * _HAND_SIZE, _HAND_SIZE)  # plain skin: arms, legs, neck
+    colour[below], heights[below] = 238.0, 0.0
     pitch = 0.5 * 0.16 / (_HAND_SIZE // 2) * 2.0
     picture = colour.reshape(_HAND_SIZE, _HAND_SIZE, 3)
     return encode(picture, 84), encode(slopes(heights.reshape(_HAND_SIZE, _HAND_SIZE), pitch), 84)

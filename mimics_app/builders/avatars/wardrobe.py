@@ -63,7 +63,7 @@ _SEWN: Mapping[str, Sewing] = {
     "jersey": _shirt(3, hem=3, ease=0.013, hang=0.95, loose=0.022),
     "tunic": _shirt(3, hem=1, ease=0.013, hang=0.97, loose=0.018),
     "trousers": _trousers(_ANKLE, least=0.066),
-    "shorts": _trousers(4, least=0.098, ease=0.012, drape=0.0035),
+    "shorts": _trousers(4, least=0.098, ease=0.010, drape=0.0015),
     "skirt": _skirt,
     "socks": _socks,
     "shoes": _shoes,
