@@ -215,10 +215,14 @@ def _jaw(places: F8, head: Head, lips: I8, flat: FaceMap, left: I8, right: I8, i
             middle = len(ring) // 2
             upper.append(half[ring[:middle]])
             lower.append(half[ring[middle + 1 :]])
-            share[half[ring[middle]]] = 0.45
+            share[half[ring[middle]]] = 0.30
     share[np.concatenate(upper)] = 0.0
-    share[np.concatenate(lower)] = 1.0
-    share[inside:] = np.where(mm[inside:, 1] < -65.0, 1.0, 0.0) * step(30.0, 80.0, mm[inside:, 2])
+    # the mouth opens as an oval: less towards its corners
+    across = np.abs(places[:, 0]) / head.mouth
+    oval = 0.30 + 0.70 * np.sqrt(np.clip(1.0 - across**2, 0.0, 1.0))
+    low = np.concatenate(lower)
+    share[low] = oval[low]
+    share[inside:] = np.where(mm[inside:, 1] < -65.0, oval[inside:], 0.0) * step(30.0, 80.0, mm[inside:, 2])
     return share[:, None] * turned
 
 

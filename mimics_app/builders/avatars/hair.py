@@ -174,7 +174,7 @@ def _lock(
     if worn.fall == 0.0 and style == "short":
         line[-1] += (line[-1] - head.middle) * 0.05
     _spindle(
-        draft, shades, head, bones, line, worn.lock[1] * (0.7 + 0.6 * chance.share()), 0.72 + 0.42 * chance.share()
+        draft, shades, head, bones, line, worn.lock[1] * (0.7 + 0.6 * chance.share()), 0.78 + 0.26 * chance.share()
     )
 
 
@@ -200,8 +200,8 @@ def _spindle(
             ]
         )
         rings.append(draft.add(places, _held(bones, places, head, np.ones(4))))
-        tone = shade * (0.75 + 0.30 * wide)
-        shades += [np.full(3, 0.85 * tone), np.full(3, 0.6 * tone), np.full(3, 0.85 * tone), np.full(3, tone)]
+        tone = shade * (0.84 + 0.18 * wide)
+        shades += [np.full(3, 0.92 * tone), np.full(3, 0.7 * tone), np.full(3, 0.92 * tone), np.full(3, tone)]
     u = [0.0, 0.25, 0.5, 0.25, 0.0]
     for number, (one, two) in enumerate(itertools.pairwise(rings)):
         draft.band(one, two, u, (number / len(rings), (number + 1) / len(rings)))

@@ -44,7 +44,7 @@ def paint_hands(uvs: F8, triangles: I8, places: F8, joints: dict[str, F8]) -> tu
         colour, heights = _finger(finger, joints, at, back, colour, heights)
     palm = ~back & held.ravel()
     heights -= palm * _palm_lines(at)
-    colour *= 1.0 - (palm * 180.0 * _palm_lines(at))[:, None] * [0.6, 1.0, 1.0]
+    colour *= 1.0 - (palm * 80.0 * _palm_lines(at))[:, None] * [0.6, 1.0, 1.0]
     bones = back & held.ravel()
     for finger in FINGERS[1:]:
         knuckle = joints[f"{finger}0"]
@@ -112,7 +112,7 @@ def _palm_lines(at: F8) -> F8:
     far = np.hypot(along - 0.018, across - 0.034)
     life = np.exp(-(((far - 0.036) / 0.0012) ** 2)) * step(0.020, 0.010, across - 0.015) * step(0.062, 0.050, along)
     wrist = np.exp(-(((along - 0.002) / 0.0010) ** 2))
-    result: F8 = 0.0007 * (heart + head + life) + 0.0005 * wrist
+    result: F8 = 0.0005 * (heart + head + life) + 0.0002 * wrist
     return result
 
 
