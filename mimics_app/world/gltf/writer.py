@@ -18,7 +18,7 @@ _ARRAY_BUFFER, _ELEMENT_BUFFER = 34962, 34963
 _CODES = {"|u1": 5121, "<u2": 5123, "<u4": 5125, "<f4": 5126}
 _JSON_CHUNK, _BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 _PLACE = ("translation", "rotation", "scale")
-_SHAPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
+_SHAPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
 _SHORT_LIMIT = 65535
 """16-bit indices end before this: 65535 itself is kept for restarting strips (glTF 2.0 3.7.2.1)."""
 
@@ -226,7 +226,7 @@ class GltfWriter:
 
     def _array(self, values: NDArray[Any], target: int, *, normalized: bool = False, bounds: bool = False) -> int:
         stored = np.ascontiguousarray(values, values.dtype.newbyteorder("<"))
-        view = self._view(stored.tobytes(), target)
+        view = self._view(stored.tobytes(), target or None)
         accessor: dict[str, Any] = {"bufferView": view, "componentType": _CODES[stored.dtype.str]}
         accessor |= {"count": len(stored), "type": _SHAPES[stored.shape[1]]}
         if normalized:

@@ -1,0 +1,3 @@
+"""The project's own people: bodies after published proportions, faces, hands, hair, clothes, skeletons, motions."""
+
+__all__: list[str] = []

@@ -1,0 +1,104 @@
+"""The people: women, men, twins, soccer players and a therapist, each a model on a skeleton with motions."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mimics_app.builders.avatars.export import FigureWriter, Paint
+from mimics_app.builders.avatars.figure import Figure, make_figure
+from mimics_app.builders.avatars.motions import MOTIONS
+from mimics_app.builders.avatars.paint_face import paint_face
+from mimics_app.builders.avatars.paint_stuff import paint_cloth, paint_eye, paint_hair, paint_hands
+from mimics_app.builders.avatars.person import EVERYBODY
+from mimics_app.builders.avatars.piece import Piece
+from mimics_app.builders.avatars.sheet import I8
+from mimics_app.builders.avatars.skeleton import FINGERS, arm_axes
+from mimics_app.builders.kit.picture import Rgb
+
+__all__ = ["compose", "write_figure"]
+
+_GENERATOR = "mimics_app assets build avatars"
+_CLOTH, _HANDS, _HANDS_SLOPES = "cloth_normal.jpg", "hands_base.jpg", "hands_normal.jpg"
+_HAIR, _HAIR_SLOPES = "hair_base.jpg", "hair_normal.jpg"
+_HAND_TINT = 238.0
+"""Of the hands' picture where nothing is painted, sRGB."""
+
+
+def compose(seed: int) -> dict[str, bytes]:
+    """Everybody as a GLB file, and the pictures they share.
+
+    Args:
+        seed: Of the hair.
+    """
+    files: dict[str, bytes] = {_CLOTH: paint_cloth()}
+    files[_HAIR], files[_HAIR_SLOPES] = paint_hair()
+    for person in EVERYBODY:
+        figure = make_figure(person, seed)
+        if _HANDS not in files:
+            files[_HANDS], files[_HANDS_SLOPES] = _hands(figure)
+        files[f"{person.name}.glb"] = write_figure(figure, seed)
+    return files
+
+
+def write_figure(figure: Figure, seed: int) -> bytes:
+    """A person as a GLB file."""
+    person, pieces = figure.person, figure.pieces
+    base, slopes = paint_face(person, figure.head, pieces["head"], figure.face_corners)
+    clothes = dict(person.clothes)
+    paints = {
+        "skin_head": Paint((1.0, 1.0, 1.0), 0.58, base, slopes),
+        "skin_body": Paint(_linear(person.looks.skin, _HAND_TINT), 0.62, _HANDS, _HANDS_SLOPES),
+        "eye": Paint((1.0, 1.0, 1.0), 0.12, paint_eye(person.looks.iris, seed)),
+        "mouth": Paint((1.0, 1.0, 1.0), 0.35),
+        "hair": Paint(_linear(person.looks.hair, 205.0), 0.66, _HAIR, _HAIR_SLOPES),
+        "shoes": Paint(_linear(clothes["shoes"]), 0.5),
+    }
+    for name, colour in person.clothes:
+        if name != "shoes":
+            rough = 0.92 if name in ("socks", "jersey") else 0.85
+            paints[pieces[name].material] = Paint(_linear(colour), rough, "", _CLOTH)
+    writer = FigureWriter(_GENERATOR, figure.bones, person.name)
+    writer.add_skinned("face", [pieces["head"], pieces["mouth"]], paints)
+    worn = [pieces[name] for name, _ in person.clothes if name != "shoes"]
+    writer.add_skinned("body", [pieces["skin"], *worn], paints)
+    writer.add_skinned("things", [pieces["hair"], pieces["eyes"], pieces["shoes"]], paints)
+    for name, motion in MOTIONS.items():
+        writer.add_motion(name, motion)
+    return writer.to_bytes()
+
+
+def _linear(colour: Rgb, white: float = 255.0) -> tuple[float, float, float]:
+    """Linear factors of an sRGB colour (IEC 61966-2-1) on a picture whose plain tone is `white`."""
+    one, base = (np.asarray(c, float) / 255.0 for c in (colour, (white,) * 3))
+    red, green, blue = (float(_curve(c) / _curve(w)) for c, w in zip(one, base, strict=True))
+    return min(red, 1.0), min(green, 1.0), min(blue, 1.0)
+
+
+def _curve(value: float) -> float:
+    return value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4
+
+
+def _hands(figure: Figure) -> tuple[bytes, bytes]:
+    """The shared picture of hands, painted on the first person's left hand."""
+    bones, piece = figure.bones, figure.pieces["skin"]
+    along, back, thumb = arm_axes(1)
+    wrist = bones.place("leftHand")
+    axes = np.stack([along, back, thumb])
+    size = 0.190 / figure.person.body.hand
+    hand = _left_hand(piece)
+    joints = {}
+    for finger in FINGERS:
+        kinds = ("Metacarpal", "Proximal", "Distal") if finger == "Thumb" else ("Proximal", "Intermediate", "Distal")
+        for number, kind in enumerate(kinds):
+            joints[f"{finger}{number}"] = size * (axes @ (bones.place(f"left{finger}{kind}") - wrist))
+        joints[f"{finger}3"] = size * (axes @ (bones.tips[f"left{finger}Tip"] - wrist))
+    places = size * ((piece.places - wrist) @ axes.T)
+    return paint_hands(piece.uvs, hand, places, joints)
+
+
+def _left_hand(piece: Piece) -> I8:
+    """Triangles of the left hand: those on its part of the picture."""
+    left = piece.places[piece.triangles][:, :, 0].min(axis=1) > 0.0
+    shown = piece.uvs[piece.triangles][:, :, 1].max(axis=1) < 0.82
+    wanted: I8 = piece.triangles[left & shown]
+    return wanted

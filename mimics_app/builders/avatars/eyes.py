@@ -1,0 +1,188 @@
+"""Eyeballs, teeth, tongue, ears: what is set into a head."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from mimics_app.builders.avatars.face_mesh import face_uvs, welded_normals
+from mimics_app.builders.avatars.face_shape import EYE_RADIUS, Head
+from mimics_app.builders.avatars.fields import F8, step
+from mimics_app.builders.avatars.piece import Piece, joined
+from mimics_app.builders.avatars.sheet import I8, Sheet, triangles_of
+from mimics_app.builders.avatars.skeleton import Skeleton
+from mimics_app.builders.avatars.weights import rigid
+
+__all__ = ["IRIS", "make_ears", "make_eyes", "make_mouth"]
+
+IRIS = 0.0059
+"""Radius of the coloured part of an eye [m]."""
+
+_AROUND = 10
+_RINGS = (0.0, 0.22, 0.50, 0.70, 1.05, 1.75)
+"""Angles of an eyeball's rings from its front [rad]."""
+_BULGE = 0.0009
+"""How far the cornea stands out [m]."""
+
+
+def make_eyes(head: Head, bones: Skeleton) -> Piece:
+    """Both eyeballs; the picture shows them from the front, its radius 0.5 the ring at 1.75 rad."""
+    parts = []
+    for eye, name in zip(head.eyes, ("leftEye", "rightEye"), strict=True):
+        sheet, uvs = Sheet(), []
+        turn = 2.0 * math.pi * np.arange(_AROUND) / _AROUND
+        rim = None
+        for angle in _RINGS[1:]:
+            far = EYE_RADIUS + _BULGE * float(step(0.50, 0.0, np.array([angle]))[0])
+            way = np.stack(
+                [np.sin(angle) * np.cos(turn), np.sin(angle) * np.sin(turn), np.full(_AROUND, np.cos(angle))], 1
+            )
+            ring = sheet.add(eye + far * way)
+            size = 0.5 * min(angle / 1.75, 1.0)
+            uvs += [(0.5 + size * math.cos(t), 0.5 - size * math.sin(t)) for t in turn]
+            if rim is None:
+                sheet.cap(ring, eye + [0.0, 0.0, EYE_RADIUS + _BULGE])
+                uvs.append((0.5, 0.5))
+            else:
+                sheet.join(ring, rim)
+            rim = ring
+        assert rim is not None
+        sheet.close(rim, eye - [0.0, 0.0, EYE_RADIUS])
+        uvs.append((0.5, 0.02))
+        places = sheet.places()
+        triangles = triangles_of(sheet.faces, places)
+        hooded = step(0.55, 1.0, (places[:, 1] - eye[1]) / EYE_RADIUS * 1.6 + 0.25)
+        shades = (1.0 - 0.55 * hooded)[:, None] * np.ones(3)
+        parts.append(
+            Piece(
+                "eye",
+                places,
+                (places - eye) / np.linalg.norm(places - eye, axis=1)[:, None],
+                np.array(uvs),
+                triangles,
+                rigid(bones, name, len(places)),
+                shades,
+            )
+        )
+    return joined(parts)
+
+
+def make_mouth(head: Head, bones: Skeleton) -> Piece:
+    """Two rows of teeth and a tongue; the lower ones go down with the jaw."""
+    upper = _arch(head, -66.2, -57.0, 0.0, (0.86, 0.82, 0.72))
+    lower = _arch(head, -76.5, -67.4, -2.2, (0.80, 0.76, 0.66))
+    tongue = _tongue(head)
+    angle = math.radians(14.0)
+    hinge = head.mark(0.0, -18.0, 10.0)
+    pieces = []
+    for (places, triangles, colour), moves in ((upper, False), (lower, True), (tongue, True)):
+        offset = places - hinge
+        steps = np.zeros_like(places)
+        if moves:
+            steps[:, 1] = (math.cos(angle) - 1.0) * offset[:, 1] - math.sin(angle) * offset[:, 2]
+            steps[:, 2] = math.sin(angle) * offset[:, 1] + (math.cos(angle) - 1.0) * offset[:, 2]
+        shades = np.tile(colour, (len(places), 1)) * step(0.035, 0.002, head.stomion[2] - places[:, 2])[:, None]
+        pieces.append(
+            Piece("mouth", places, welded_normals(places, triangles), np.zeros((len(places), 2)), triangles,
+                  rigid(bones, "head", len(places)), shades, {"jaw": steps})
+        )  # fmt: skip
+    return joined(pieces)
+
+
+def _arch(head: Head, low: float, high: float, back: float, colour: tuple[float, float, float]) -> tuple[F8, I8, F8]:
+    """A row of teeth: an arch with notches between the teeth on its biting edge."""
+    sheet = Sheet()
+    count = 11
+    turn = np.linspace(-1.25, 1.25, count)
+    middle = head.mark(0.0, 0.0, 66.0 + back)
+    notch = 0.5 + 0.5 * np.cos(math.pi * np.arange(count))
+    biting, root = (low, high) if back == 0.0 else (high, low)
+    rows = []
+    for radius, bite in ((1.0, False), (1.0, True), (0.80, True), (0.80, False)):
+        x = 22.5 * radius * np.sin(turn) * head.size[0] * 1e-3
+        z = 27.5 * radius * np.cos(turn) * 1e-3
+        edge = biting + (0.7 * notch if back == 0.0 else -0.7 * notch)
+        y = head.middle[1] + (edge if bite else np.full(count, root)) * head.size[1] * 1e-3
+        rows.append(sheet.add(np.stack([x, y, middle[2] + z], axis=1)))
+    outwards = back == 0.0
+    for one, two in zip(rows, (*rows[1:], rows[0]), strict=True):
+        sheet.join(one, two, ring=False, flip=outwards)
+    for end in (0, -1):
+        face = tuple(int(row[end]) for row in rows)
+        sheet.faces.append(face if (end == 0) != outwards else face[::-1])
+    places = sheet.places()
+    return places, triangles_of(sheet.faces, places), np.array(colour)
+
+
+def _tongue(head: Head) -> tuple[F8, I8, F8]:
+    sheet = Sheet()
+    turn = 2.0 * math.pi * np.arange(8) / 8
+    rim = None
+    for z, wide, thick in ((84.0, 9.0, 2.0), (76.0, 15.0, 4.0), (60.0, 17.0, 5.5), (50.0, 14.0, 5.0)):
+        ring = sheet.add(np.array([head.mark(wide * math.cos(t), -73.0 + thick * math.sin(t), z) for t in turn]))
+        if rim is None:
+            sheet.cap(ring, head.mark(0.0, -73.0, 86.5))
+        else:
+            sheet.join(ring, rim)
+        rim = ring
+    assert rim is not None
+    sheet.close(rim, head.mark(0.0, -73.0, 48.0))
+    places = sheet.places()
+    return places, triangles_of(sheet.faces, places), np.array([0.52, 0.20, 0.19])
+
+
+def make_ears(head: Head, bones: Skeleton) -> Piece:
+    """Two ears: bowl, inner fold, outer rim and lobe as a dish, and its back."""
+    around = 10
+    turn = 2.0 * math.pi * np.arange(around) / around
+    # outline seen from the side: ahead and up of its middle [mm]
+    high, low = 31.0, 30.0
+    ahead = np.where(np.cos(turn) > 0.0, 12.0, 18.5) * (1.0 + 0.10 * np.sin(turn))
+    rim_x = ahead * np.cos(turn)
+    rim_y = np.where(np.sin(turn) > 0.0, high, low) * np.sin(turn)
+    rim_x = (
+        np.where(np.sin(turn) < -0.2, rim_x * (1.0 - 0.42 * (-np.sin(turn) - 0.2)), rim_x)
+        + 3.0 * np.minimum(np.sin(turn), 0.0) * -1.0
+    )
+    front = np.cos(turn) > 0.55
+    parts = []
+    for side in (1, -1):
+        sheet = Sheet()
+        rim = None
+        rings = (
+            # share of the outline, height over the head [mm]: behind, then over the rim into the bowl
+            (0.60, -5.0), (0.95, 5.0), (1.0, 9.0), (0.93, 10.8), (0.80, 8.0), (0.60, 8.6), (0.42, 4.2), (0.22, -0.5),
+        )  # fmt: skip
+        for share, height in rings:
+            x, y = share * rim_x, share * rim_y
+            lift = np.where(front & (share > 0.3), np.minimum(height, 1.0 + 2.0 * (share < 0.6)), height)
+            lift = lift + 0.18 * np.maximum(-x, 0.0) * (share > 0.3)  # the back edge stands off the head
+            if share > 0.85:
+                lift = lift - 2.6 * step(-0.35, -0.95, np.sin(turn))
+            leaning = -0.22 * y
+            corners = np.array([
+                head.mark(side * (71.5 + height_), y_ - 7.0, -6.0 + x_ + lean)
+                for x_, y_, height_, lean in zip(x, y, lift, leaning, strict=True)
+            ])  # fmt: skip
+            ring = sheet.add(corners)
+            if rim is None:
+                sheet.cap(ring, head.mark(side * 62.0, -7.0, -6.0), flip=side > 0)
+            else:
+                sheet.join(rim, ring, flip=side < 0)
+            rim = ring
+        assert rim is not None
+        sheet.close(rim, head.mark(side * 70.0, -9.0, -3.0))
+        places = sheet.places()
+        triangles = triangles_of(sheet.faces, places)
+        offset = places - head.middle
+        turns = np.stack(
+            [np.arctan2(offset[:, 0], offset[:, 2]), np.arcsin(offset[:, 1] / np.linalg.norm(offset, axis=1))], axis=1
+        )
+        depth = (np.abs(offset[:, 0]) / head.size[0] * 1e3 - 70.0) / 10.0
+        shades = 0.55 + 0.45 * np.clip(depth, 0.0, 1.0)[:, None] * np.ones(3)
+        parts.append(
+            Piece("skin_head", places, welded_normals(places, triangles), face_uvs(turns), triangles,
+                  rigid(bones, "head", len(places)), shades * np.array([1.0, 0.93, 0.90]))
+        )  # fmt: skip
+    return joined(parts)

@@ -1,0 +1,180 @@
+"""A person put together: skin, face, hair and clothes on one skeleton."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from mimics_app.builders.avatars.cage import AROUND, Cage, make_cage
+from mimics_app.builders.avatars.cloth import Tailor
+from mimics_app.builders.avatars.draft import Draft, openness
+from mimics_app.builders.avatars.eyes import make_ears, make_eyes, make_mouth
+from mimics_app.builders.avatars.face_mesh import FaceMesh, face_uvs, make_face
+from mimics_app.builders.avatars.face_shape import Head, make_head
+from mimics_app.builders.avatars.fields import F8, step
+from mimics_app.builders.avatars.flesh import Flesh, make_flesh, make_neck
+from mimics_app.builders.avatars.hair import make_hair
+from mimics_app.builders.avatars.hand import Hand, make_hand
+from mimics_app.builders.avatars.person import Person
+from mimics_app.builders.avatars.piece import Piece, joined
+from mimics_app.builders.avatars.sheet import corner_normals, triangles_of
+from mimics_app.builders.avatars.skeleton import Skeleton, arm_axes, make_skeleton
+from mimics_app.builders.avatars.wardrobe import cover_of, dress
+from mimics_app.builders.avatars.weights import cage_weights, spine_weights
+
+__all__ = ["HAND_PICTURE", "Figure", "make_figure"]
+
+HAND_PICTURE = (0.16, 0.21)
+"""How much of a hand its picture shows across and along [m]: the back in its left half, the palm in its right."""
+_BREATH = 0.006
+"""How far the chest rises in a deep breath [m]."""
+_BIB_ROW = 15
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A person as triangles.
+
+    Attributes:
+        person: Whose.
+        bones: Joints at rest.
+        head: Shape of the head.
+        pieces: By what they are: "head", "eyes", "mouth", "skin", "hair" and the clothes.
+        face_corners: How many of the head's first corners are the face's outside; mouth, lids' edges and ears follow.
+    """
+
+    person: Person
+    bones: Skeleton
+    head: Head
+    pieces: dict[str, Piece]
+    face_corners: int
+
+
+def make_figure(person: Person, seed: int) -> Figure:
+    """Model a person; the seed is of their hair."""
+    bones = make_skeleton(person)
+    flesh = make_flesh(person, bones)
+    cage = make_cage(person, bones, flesh)
+    weights = cage_weights(cage, bones)
+    tailor = Tailor.of(cage, flesh, weights)
+    head = make_head(person, bones, make_neck(person))
+    face = make_face(person, head, cage.places[cage.trunk[-1]])
+    pieces = {"skin": _skin(person, bones, cage, flesh, weights, tailor)}
+    pieces |= _head_pieces(person, bones, head, face, cage, weights, flesh)
+    pieces["hair"] = make_hair(head, bones, person.looks.style, seed)
+    for name, piece in dress(tailor, person, bones).items():
+        pieces[name] = piece if name == "shoes" else _breathing(piece, bones)
+    pieces["skin"] = _breathing(pieces["skin"], bones)
+    return Figure(person, bones, head, pieces, face.outside)
+
+
+def _head_pieces(
+    person: Person, bones: Skeleton, head: Head, face: FaceMesh, cage: Cage, weights: F8, flesh: Flesh
+) -> dict[str, Piece]:
+    own = spine_weights(bones, face.places)
+    own[face.border] = weights[cage.trunk[-1]]
+    own[face.inside] = 0.0
+    own[face.inside, bones.index("head")] = 1.0
+    open_ = openness(head.field, face.places, face.normals)
+    shades = (0.45 + 0.55 * open_)[:, None] * np.ones(3)
+    shades[face.inside] = (0.22, 0.05, 0.05)
+    normals = face.normals.copy()
+    normals[face.border] = _shared_normals(face, cage)
+    skin = Piece("skin_head", face.places, normals, face_uvs(face.turns), face.triangles, own, shades, face.moves)
+    return {
+        "head": joined([skin, make_ears(head, bones)]),
+        "eyes": make_eyes(head, bones),
+        "mouth": make_mouth(head, bones),
+    }
+
+
+def _shared_normals(face: FaceMesh, cage: Cage) -> F8:
+    """Normals of the neck's ring, of the faces on both sides of it."""
+    places = np.vstack([cage.places, face.places])
+    start = len(cage.places)
+    triangles = np.vstack([triangles_of(cage.faces, cage.places), face.triangles + start])
+    same = np.arange(len(places))
+    same[start + face.border] = cage.trunk[-1]
+    normals = corner_normals(places, same[triangles])
+    result: F8 = normals[cage.trunk[-1]]
+    return result
+
+
+def _skin(person: Person, bones: Skeleton, cage: Cage, flesh: Flesh, weights: F8, tailor: Tailor) -> Piece:
+    """Bare skin: the root of the neck, arms from within the sleeves, hands, legs from within the hem."""
+    cover = cover_of(person)
+    parts = [_bib(cage, weights, flesh)]
+    for side, word in ((1, "left"), (-1, "right")):
+        wrist = cage.arms[side][-1]
+        hand = make_hand(bones, side, person.body.hand, cage.places[wrist], weights[wrist])
+        parts.append(_arm(cage, flesh, weights, hand, bones, side, word, max(cover.arm - 1, 1), person.body.hand))
+        first, last = cover.leg
+        if last > first:
+            parts.append(tailor.sleeve("skin_body", "legs", side, range(first, last + 1), 0.0, _leg_uv))
+    return joined(parts)
+
+
+def _leg_uv(row: int, place: int) -> tuple[float, float]:
+    return 0.05 + 0.9 * place / 20.0, 0.86 + 0.10 * row / 16.0
+
+
+def _bib(cage: Cage, weights: F8, flesh: Flesh) -> Piece:
+    draft = Draft(weights.shape[1])
+    rows = [cage.trunk[row] for row in range(_BIB_ROW + 1, len(cage.trunk))]
+    rings = [draft.add(cage.places[row], weights[row]) for row in rows]
+    for number, (one, two) in enumerate(itertools.pairwise(rings)):
+        u = [0.05 + 0.9 * i / AROUND for i in range(AROUND + 1)]
+        draft.band(one, two, u, (0.96 - 0.02 * number, 0.94 - 0.02 * number))
+    draft.lid(rings[0], cage.places[rows[0]].mean(axis=0), (0.5, 0.96), flip=True)
+    draft.lid(rings[-1], cage.places[rows[-1]].mean(axis=0), (0.5, 0.96))
+    return draft.finish("skin_body", dim=flesh.trunk)
+
+
+def _arm(
+    cage: Cage, flesh: Flesh, weights: F8, hand: Hand, bones: Skeleton, side: int, word: str, first: int, length: float
+) -> Piece:
+    """Forearm and hand as one surface; the hand's picture is laid from the back and from the palm."""
+    draft = Draft(weights.shape[1])
+    rows = cage.arms[side][first:-1]
+    rings = [draft.add(cage.places[row], weights[row]) for row in rows]
+    own = draft.add(hand.places, hand.weights)
+    rings.append(own[: len(rows[0])])
+    u = [0.05 + 0.9 * i / len(rows[0]) for i in range(len(rows[0]) + 1)]
+    for number, (one, two) in enumerate(itertools.pairwise(rings)):
+        draft.band(one, two, u, (0.84 + 0.008 * number, 0.848 + 0.008 * number), flip=side < 0)
+    draft.lid(rings[0], cage.places[rows[0]].mean(axis=0), (0.5, 0.84), flip=side > 0)
+    along, back, thumb = arm_axes(side)
+    offset = hand.places - bones.place(f"{word}Hand")
+    size = 0.190 / length
+    for corners in hand.faces:
+        a, b, c = (hand.places[i] for i in (corners[0], corners[1], corners[2]))
+        palm = float(np.cross(b - a, c - a) @ back) < 0.0
+        uvs = [_hand_uv(float(offset[i] @ thumb) * size, float(offset[i] @ along) * size, palm) for i in corners]
+        draft.face([own[i] for i in corners], uvs)
+    return draft.finish("skin_body", dim=flesh.whole)
+
+
+def _hand_uv(across: float, along: float, palm: bool) -> tuple[float, float]:
+    wide, long = HAND_PICTURE
+    u = 0.5 * min(max((across + 0.055) / wide, 0.0), 1.0)
+    return u + (0.5 if palm else 0.0), 0.01 + 0.80 * min(max((along + 0.005) / long, 0.0), 1.0)
+
+
+def _breathing(piece: Piece, bones: Skeleton) -> Piece:
+    """The chest swells ahead and a little to the sides, the belly less."""
+    places = piece.places
+    chest, spine = bones.place("upperChest")[1], bones.place("spine")[1]
+    weights = piece.weights
+    trunk = sum(weights[:, bones.index(name)] for name in ("spine", "chest", "upperChest"))
+    height = 0.55 * np.exp(-(((places[:, 1] - chest) / 0.11) ** 2)) + 0.45 * np.exp(
+        -(((places[:, 1] - spine - 0.04) / 0.09) ** 2)
+    )
+    ahead = step(-0.06, 0.06, places[:, 2])
+    push = _BREATH * trunk * height * (0.25 + 0.75 * ahead)
+    steps = push[:, None] * np.stack(
+        [0.35 * np.sign(places[:, 0]) * step(0.0, 0.08, np.abs(places[:, 0])), 0.3 + 0 * ahead, 1.3 * ahead - 0.25],
+        axis=1,
+    )
+    return replace(piece, moves=piece.moves | {"breathe": steps})

@@ -1,0 +1,134 @@
+"""A surface in the making: corners, faces of three or four of them, and what lies about a corner."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.builders.avatars.fields import F8, Field, gradient
+
+__all__ = ["I8", "Sheet", "corner_normals", "neighbour_means", "settle", "triangles_of"]
+
+I8 = NDArray[np.int64]
+
+
+class Sheet:
+    """Corners that are added one by one or in rows, and faces between them, counter-clockwise seen from outside.
+
+    Attributes:
+        corners: Places [m].
+        faces: Indices of three or four corners.
+    """
+
+    def __init__(self) -> None:
+        self.corners: list[F8] = []
+        self.faces: list[tuple[int, ...]] = []
+
+    def add(self, places: F8) -> I8:
+        """Add corners [n, 3]; returns their indices [n]."""
+        first = len(self.corners)
+        self.corners.extend(places)
+        return np.arange(first, first + len(places))
+
+    def join(
+        self, lower: Sequence[int] | I8, upper: Sequence[int] | I8, *, ring: bool = True, flip: bool = False
+    ) -> None:
+        """Faces between two rows of equally many corners; the outside lies where lower's direction x upwards points."""
+        count = len(lower)
+        for i in range(count if ring else count - 1):
+            j = (i + 1) % count
+            face = (int(lower[i]), int(lower[j]), int(upper[j]), int(upper[i]))
+            self.faces.append(face[::-1] if flip else face)
+
+    def grow(self, rim: Sequence[int] | I8, places: F8) -> I8:
+        """Continue the surface over a closed rim by another ring of corners [n, 3]; returns them."""
+        ring = self.add(places)
+        first, second = int(rim[0]), int(rim[1])
+        known = any((first, second) in zip(face, (*face[1:], face[0]), strict=True) for face in self.faces)
+        self.join(rim, ring, flip=known)
+        return ring
+
+    def close(self, rim: Sequence[int] | I8, place: F8) -> int:
+        """Continue the surface over a closed rim by a fan to one corner, which is returned."""
+        first, second = int(rim[0]), int(rim[1])
+        known = any((first, second) in zip(face, (*face[1:], face[0]), strict=True) for face in self.faces)
+        return self.cap(rim, place, flip=known)
+
+    def cap(self, ring: Sequence[int] | I8, place: F8, *, flip: bool = False) -> int:
+        """Close a ring by a fan about a new corner, which is returned."""
+        middle = int(self.add(place[None])[0])
+        count = len(ring)
+        for i in range(count):
+            face = (int(ring[i]), int(ring[(i + 1) % count]), middle)
+            self.faces.append(face[::-1] if flip else face)
+        return middle
+
+    def places(self) -> F8:
+        """All corners [n, 3]."""
+        return np.array(self.corners)
+
+
+def triangles_of(faces: Sequence[tuple[int, ...]], places: F8) -> I8:
+    """Faces as triangles [m, 3]; a face of four is cut along its shorter diagonal."""
+    rows: list[tuple[int, int, int]] = []
+    for face in faces:
+        if len(face) == 3:
+            rows.append((face[0], face[1], face[2]))
+            continue
+        a, b, c, d = face
+        if ((places[a] - places[c]) ** 2).sum() <= 1.0001 * ((places[b] - places[d]) ** 2).sum():
+            rows += [(a, b, c), (a, c, d)]
+        else:
+            rows += [(a, b, d), (b, c, d)]
+    return np.array(rows, np.int64).reshape(-1, 3)
+
+
+def corner_normals(places: F8, triangles: I8) -> F8:
+    """Unit normals at corners, weighed by the triangles' angles there, [n, 3]."""
+    total = np.zeros_like(places)
+    for i in range(3):
+        at, to, also = places[triangles[:, i]], places[triangles[:, (i + 1) % 3]], places[triangles[:, (i + 2) % 3]]
+        one, two = to - at, also - at
+        face = np.cross(one, two)
+        size = np.linalg.norm(face, axis=1)
+        angle = np.arctan2(size, (one * two).sum(axis=1))
+        np.add.at(total, triangles[:, i], face * (angle / np.maximum(size, 1e-15))[:, None])
+    unit: F8 = total / np.maximum(np.linalg.norm(total, axis=1), 1e-15)[:, None]
+    return unit
+
+
+def neighbour_means(count: int, faces: Sequence[tuple[int, ...]], values: F8) -> F8:
+    """Mean of the values at the other ends of each corner's edges, [n, k]."""
+    pairs = np.array([(f[i], f[(i + 1) % len(f)]) for f in faces for i in range(len(f))], np.int64)
+    ends = np.unique(np.vstack([pairs, pairs[:, ::-1]]), axis=0)
+    total, number = np.zeros((count, values.shape[1])), np.zeros(count)
+    np.add.at(total, ends[:, 0], values[ends[:, 1]])
+    np.add.at(number, ends[:, 0], 1.0)
+    means: F8 = np.where(number[:, None] > 0.0, total / np.maximum(number, 1.0)[:, None], values)
+    return means
+
+
+def settle(places: F8, faces: Sequence[tuple[int, ...]], free: F8, field: Field, rounds: int, lift: float = 0.0) -> F8:
+    """Even out corners and lay them on a field again and again.
+
+    Args:
+        places: Of the corners [m], [n, 3].
+        faces: Between them.
+        free: How far each may move with its neighbours, 0 to 1, [n]; those at 0 keep their places.
+        field: Whose surface they lie on.
+        rounds: How often.
+        lift: How far outside of the surface they lie [m].
+    """
+    places = places.copy()
+    moving = free > 0.0
+    for _ in range(rounds):
+        means = neighbour_means(len(places), faces, places)
+        places += 0.6 * free[:, None] * (means - places)
+        at = places[moving]
+        slope = gradient(field, at)
+        steep = np.maximum((slope * slope).sum(axis=1), 0.15)
+        away = np.clip((field.at(at) - lift) / steep, -0.03, 0.03)
+        places[moving] = at - away[:, None] * slope
+    return places

@@ -1,0 +1,140 @@
+"""How much each joint carries each place of the skin: smooth shares along the chains of joints."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from mimics_app.builders.avatars.cage import ARM_ROWS, LEG_ROWS, LIMB_AROUND, Cage
+from mimics_app.builders.avatars.fields import F8, step
+from mimics_app.builders.avatars.sheet import neighbour_means
+from mimics_app.builders.avatars.skeleton import Skeleton, arm_axes
+
+__all__ = ["cage_weights", "rigid", "spine_weights"]
+
+_SPINE = ("hips", "spine", "chest", "upperChest", "neck", "head")
+_ELBOW, _KNEE = (0.13, 0.17), (0.12, 0.18)
+"""Half of the zone where one bone hands over to the next, in lengths of the bones: outside of the bend, and how much
+longer inside of it, so that the skin there has room to fold."""
+_ROUNDS = 5
+
+
+def rigid(bones: Skeleton, name: str, count: int) -> F8:
+    """Weights of places that one joint carries alone, [n, joints]."""
+    weights = np.zeros((count, len(bones.names)))
+    weights[:, bones.index(name)] = 1.0
+    return weights
+
+
+def spine_weights(bones: Skeleton, places: F8) -> F8:
+    """Shares of hips, spine, chest, neck and head after the height, [n, joints].
+
+    Under the jaw the head takes over farther up than at the nape, as the hinge lies behind.
+    """
+    heights = [bones.place(name)[1] for name in _SPINE]
+    y = places[:, 1]
+    weights = np.zeros((len(places), len(bones.names)))
+    left = np.ones(len(places))
+    widths = (0.055, 0.055, 0.065, 0.035, 0.042)
+    for number, wide in enumerate(widths):
+        joint = heights[number + 1]
+        lean: F8 | float = 0.0
+        if number == 4:
+            ahead = places[:, 2] - bones.place("head")[2]
+            lean = 0.45 * ahead + 1.5 * np.maximum(ahead - 0.055, 0.0)
+        passed = step(joint - wide, joint + wide, y + lean)
+        weights[:, bones.index(_SPINE[number])] = left * (1.0 - passed)
+        left = left * passed
+    weights[:, bones.index("head")] = left
+    return weights
+
+
+def cage_weights(cage: Cage, bones: Skeleton) -> F8:
+    """Of every corner of the cage, [n, joints]."""
+    weights = spine_weights(bones, cage.places)
+    for side, word in ((1, "left"), (-1, "right")):
+        _shoulder(weights, cage, bones, side, word)
+        _leg(weights, cage, bones, side, word)
+        _arm(weights, cage, bones, side, word)
+    smooth = weights
+    soft = np.zeros(len(weights))
+    soft[cage.trunk[cage.trunk >= 0]] = 1.0
+    for side in (1, -1):
+        soft[cage.arms[side][:5].ravel()] = 1.0
+        soft[cage.legs[side][:4].ravel()] = 1.0
+    soft[cage.trunk[-2:].ravel()] = 0.0
+    for _ in range(_ROUNDS):
+        smooth = smooth + 0.5 * soft[:, None] * (neighbour_means(len(smooth), cage.faces, smooth) - smooth)
+    result: F8 = smooth / smooth.sum(axis=1, keepdims=True)
+    return result
+
+
+def _shoulder(weights: F8, cage: Cage, bones: Skeleton, side: int, word: str) -> None:
+    """The collarbone moves the yoke; near the armhole the arm pulls."""
+    places = cage.places
+    collar, shoulder, elbow = (bones.place(f"{word}{name}") for name in ("Shoulder", "UpperArm", "LowerArm"))
+    out = step(0.30 * shoulder[0] * side, 0.95 * shoulder[0] * side, places[:, 0] * side)
+    high = step(collar[1] - 0.13, collar[1] - 0.02, places[:, 1])
+    _hand_over(weights, bones.index(f"{word}Shoulder"), 0.75 * out * high)
+    along = (elbow - shoulder) / np.linalg.norm(elbow - shoulder)
+    offset = places - shoulder
+    reach = offset @ along
+    # the top of the shoulder stays with the collarbone longer than the armpit
+    late = reach - 1.15 * np.maximum(offset @ arm_axes(side)[1], 0.0)
+    away = np.linalg.norm(offset - reach[:, None] * along, axis=1)
+    arm = step(-0.055, 0.075, late) * (1.0 - step(0.075, 0.14, away)) * step(0.0, 0.10, places[:, 0] * side)
+    _hand_over(weights, bones.index(f"{word}UpperArm"), arm)
+
+
+def _hand_over(weights: F8, joint: int, share: F8) -> None:
+    """Give a share of everything so far to one joint."""
+    weights *= (1.0 - share)[:, None]
+    weights[:, joint] += share
+
+
+def _bent(row: float, half: tuple[float, float], inside: F8) -> F8:
+    """Share of the lower bone round a ring; `inside` is 1 where the bend is."""
+    share: F8 = np.clip(0.5 + 0.5 * (row - 1.0) / (half[0] + half[1] * inside), 0.0, 1.0)
+    return share
+
+
+def _arm(weights: F8, cage: Cage, bones: Skeleton, side: int, word: str) -> None:
+    turn = 2.0 * math.pi * np.arange(LIMB_AROUND) / LIMB_AROUND
+    upper, lower, hand = (bones.index(f"{word}{name}") for name in ("UpperArm", "LowerArm", "Hand"))
+    for number, row in enumerate(ARM_ROWS, 1):
+        corners = cage.arms[side][number]
+        if row < 0.4:
+            continue
+        bent = _bent(row, _ELBOW, 0.5 - 0.5 * np.sin(turn))
+        turned = float(step(1.88, 2.12, np.array([row]))[0])
+        weights[corners] = 0.0
+        weights[corners, upper] = 1.0 - bent
+        weights[corners, lower] = bent * (1.0 - 0.5 * turned)
+        weights[corners, hand] = bent * 0.5 * turned
+
+
+def _leg(weights: F8, cage: Cage, bones: Skeleton, side: int, word: str) -> None:
+    """From the fold of the groin the thigh; round the hip joint behind it takes over higher, where the seat is."""
+    turn = 2.0 * math.pi * np.arange(LIMB_AROUND) / LIMB_AROUND
+    thigh, shank, foot = (bones.index(f"{word}{name}") for name in ("UpperLeg", "LowerLeg", "Foot"))
+    places, hip = cage.places, bones.place(f"{word}UpperLeg")
+    own = step(-0.030, 0.030, places[:, 0] * side)
+    tall = hip[1] - 0.010 + 0.30 * np.maximum(side * places[:, 0] - 0.06, 0.0)
+    torso = np.zeros(len(places))
+    torso[cage.trunk[cage.trunk >= 0]] = 1.0
+    torso[cage.legs[side].ravel()] = 1.0
+    ahead = step(-0.02, 0.08, places[:, 2])
+    share = torso * step(tall + 0.055 + 0.05 * ahead, tall - 0.085 - 0.06 * ahead, places[:, 1])
+    reach = step(0.70 * hip[1], 0.72 * hip[1], places[:, 1])
+    _hand_over(weights, thigh, np.where(places[:, 1] < hip[1] + 0.12, own * share * np.maximum(reach, 0.0), 0.0))
+    for number, row in enumerate(LEG_ROWS, 1):
+        corners = cage.legs[side][number]
+        if row < 0.3:
+            continue
+        bent = _bent(row, _KNEE, 0.5 + 0.5 * np.sin(turn - math.pi * 0.9))
+        ankle = float(step(1.90, 2.06, np.array([row]))[0])
+        weights[corners] = 0.0
+        weights[corners, thigh] = 1.0 - bent
+        weights[corners, shank] = bent * (1.0 - ankle)
+        weights[corners, foot] = bent * ankle
