@@ -19,7 +19,7 @@ class Figure:
     """One figure of the gallery. The keys of its JSON file are a contract with those who read it.
 
     Attributes:
-        kind: "chart" or "stability".
+        kind: "chart", "stability" or "figure": one that is neither.
         name: Of the group or the experiment.
         command: What makes it again.
         machine: Where it was made, in words.

@@ -46,18 +46,19 @@ class _Shown:
 
 
 def write_gallery(folder: Path) -> Path:
-    """Write `index.html` with every figure whose two files lie in a folder; charts first, then S1, S2 and so on.
+    """Write `index.html` with every figure whose two files lie in a folder: charts, then S1, S2 and so on, then the rest.
 
     Raises:
         OSError: The folder cannot be read or written.
     """
     shown = [_Shown(json.loads(f.read_text(encoding="utf-8")), _inline(f)) for f in sorted(folder.glob("*.json"))]
     charts = [one for one in shown if one.data["kind"] == "chart"]
+    figures = [one for one in shown if one.data["kind"] == "figure"]
     maps = sorted((one for one in shown if one.data["kind"] == "stability"), key=_number_of)
     page = folder / "index.html"
     environment = load_templates(_TEMPLATES, number=_number, cell=_cell)
     text = environment.get_template("gallery.html.j2").render(
-        charts=charts, maps=maps, most_rows=_MOST_ROWS, drawing_style=Markup(STYLE)
+        charts=charts, maps=maps, figures=figures, most_rows=_MOST_ROWS, drawing_style=Markup(STYLE)
     )
     page.write_text(text, encoding="utf-8")
     return page

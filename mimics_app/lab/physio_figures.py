@@ -94,7 +94,7 @@ def _figure(
     machine = str(describe_machine())
     svg = str(document(*size, title, parts, [_WARNING, f"{_COMMAND}   on   {machine}"]))
     whole = [{**row, "valid": True} for row in rows]
-    return Figure("chart", name, _COMMAND, machine, whole, [], "", no_boundary(), svg, {"what": title, "unit": "1"})
+    return Figure("figure", name, _COMMAND, machine, whole, [], "", no_boundary(), svg, {"what": title, "unit": "1"})
 
 
 def _record(disturbance: Disturbance) -> Annotated:
