@@ -92,7 +92,7 @@ def test_the_probe_sees_sound_where_there_is_some(tmp_path):
     heard = play(SCENE, tmp_path)
     assert heard["sound"]
     assert loaded(heard, SOUND) == set(SOUND)
-    assert heard["plan"]["spatialiser"] == {"hrtf": True}
+    assert heard["plan"]["spatialiser"] == {"hrtf": True, "mixer": "openal"}
 
 
 PICTURE_OF = """
