@@ -5,9 +5,7 @@ from __future__ import annotations
 import os
 import random
 import select
-import termios
 import threading
-import tty
 from collections.abc import Callable
 
 from mimics_app.contracts.clock import Clock, MonotonicClock
@@ -62,6 +60,9 @@ class EmulatedLine:
         self._period_ns = round(_NS / rate)
         self._lose, self._chance = lose, random.Random(seed)
         self._clock = clock or MonotonicClock()
+        import termios
+        import tty
+
         self._own, other = os.openpty()
         tty.setraw(other, termios.TCSANOW)
         self._other = other

@@ -5,8 +5,6 @@ from __future__ import annotations
 import threading
 from typing import Protocol
 
-import serial
-
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink, TrackerSource
@@ -65,6 +63,8 @@ class SerialTracker(TrackerSource):
         return self._parser.rejected + self._unlikely
 
     def start(self, sink: TrackerSink) -> None:
+        import serial
+
         try:
             self._line = serial.Serial(self._port, self._baud, timeout=_PATIENCE_S)
             self._line.write(self._begin)

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import os
 import select
-import termios
 import threading
-import tty
 
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.rendering.tactile.wire import Command, CommandReader, answer_bytes
@@ -26,6 +24,9 @@ class EmulatedVibrators:
 
     def __init__(self, clock: Clock | None = None) -> None:
         self._clock = clock or MonotonicClock()
+        import termios
+        import tty
+
         self._own, self._other = os.openpty()
         tty.setraw(self._other, termios.TCSANOW)
         self.port = os.ttyname(self._other)
