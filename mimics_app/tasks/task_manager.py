@@ -48,7 +48,7 @@ class TaskManager:
         context: What it must know of the scene.
         seed: Of the session; decides the order of the trials.
         on_trial: Called with the row of each attempt at its end (columns: `tasks.attempts.Row`).
-        on_event: Called with a kind ("state", "action", "clipped") and its data, for the journal.
+        on_event: Called with a kind ("state", "action", "clipped", "session_end") and its data, for the journal.
     """
 
     def __init__(
@@ -136,6 +136,7 @@ class TaskManager:
 
     def end_session(self, now_ns: int) -> None:
         """Somebody ends the session before the task is done: write the row of an attempt under way."""
+        self._on_event("session_end", {"t_ns": now_ns})
         self._attempts.end(ABORTED, SESSION_ENDED, self._adaptation.values, now_ns)
         self._state = TrialState.DONE
 

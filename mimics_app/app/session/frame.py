@@ -89,7 +89,8 @@ class Frames:
         self.losses.see(events)
         self.safety.see(events)
         self._recorder.look()
-        orders = core.tasks.step(vr, self._action, snapshot, events, now_ns)
+        taken = self._action
+        orders = core.tasks.step(vr, taken, snapshot, events, now_ns)
         self._action = core.learning.choose(state, now_ns)
         self._touch(vr, orders, snapshot)
         core.scenario.apply(orders, snapshot)
@@ -98,12 +99,20 @@ class Frames:
         core.world.update()
         self._effects.step(orders, events, now_ns)
         core.sound.step(orders, core.world, now_ns)
-        self._journal(snapshot, now_ns)
+        self._journal(vr, taken, snapshot, len(events), now_ns)
         self.number, self.orders, self.snapshot, self.events = self.number + 1, orders, snapshot, events
 
-    def _journal(self, snapshot: HapticSnapshot, now_ns: int) -> None:
-        """What this frame saw: the tick, and where every haptic body was."""
+    def _journal(
+        self, vr: VRInput, action: TaskAction | None, snapshot: HapticSnapshot, events: int, now_ns: int
+    ) -> None:
+        """What this frame saw: tick, events, keys and action, as a replay of the task needs them, and the bodies."""
         line: dict[str, object] = {"frame": self.number, "tick": snapshot.tick, "t_ns": now_ns}
+        if events:
+            line["events"] = events
+        if vr.pressed:
+            line["pressed"] = vr.pressed
+        if action is not None:
+            line["action"] = {"values": dict(action.values), "at_trial": action.at_trial}
         bodies = int(self._core.desk.block["objects"]["bodies"][0])
         if bodies:
             line["bodies"] = snapshot.poses[:bodies].tolist()
