@@ -43,7 +43,7 @@ void main() {
     vec3 view = position_eye / -distance;
     Surface surface = make_surface(shown, 0.0, 1.0, n, view);
     vec2 sun = sun_and_tone(position_eye, n);
-    vec3 light = shine(surface, 1.0, position_eye, sun.x, screen_openness(position_eye));
+    vec3 light = shine(surface, 1.0, position_eye, sun.x, screen_visibility(position_eye));
     colour = vec4(sun.y * encode_output(apply_fog(light, distance)) * cover, cover);
 #endif
 }

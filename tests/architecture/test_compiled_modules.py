@@ -59,7 +59,7 @@ DEVIATIONS: dict[str, tuple[tuple[str, ...], str]] = {
     "contracts/descriptors.py": (("os", "select", "socket"), "numbers of the system's calls on descriptors"),
     "contracts/kernel.py": (("mimics_app.contracts.kernel_cache", "warnings"), "makes the compiler of all others"),
     "contracts/probe.py": (("mimics_app.contracts.clock",), "times what it calls"),
-    "rendering/haptic/announce.py": (("mimics_app.rendering.haptic.channels",), "the type of its channels"),
+    "rendering/haptic/publish.py": (("mimics_app.rendering.haptic.channels",), "the type of its channels"),
     "rendering/haptic/devices/bench.py": ((_ERRORS,), "refuses a device in words"),
     "rendering/haptic/devices/emulators/hapticmaster_machine.py": ((_DEVICES,), "built from a robot's request"),
     "rendering/haptic/devices/hapticmaster_loop.py": ((_DESCRIPTORS, _DEVICES), "reads and writes a socket"),
@@ -172,7 +172,7 @@ def test_the_loop_the_laws_and_the_devices_are_among_the_compiled_modules() -> N
     """Otherwise the test above would look at nothing."""
     assert {
         "rendering/haptic/loop.py",
-        "rendering/haptic/announce.py",
+        "rendering/haptic/publish.py",
         "rendering/haptic/simulate.py",
         "rendering/haptic/control/admittance.py",
         "rendering/haptic/devices/serial_robot.py",

@@ -1,4 +1,4 @@
-"""What is done to a finished picture: smoothed edges, glow; both off unless asked for, and kept inside each view."""
+"""What is done to a finished picture: anti-aliasing, bloom; both off unless asked for, and kept inside each view."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ def test_the_way_through_half_floats_changes_nothing(settings):
     assert (np.abs(ours - theirs) > 1.0).any(axis=-1).mean() < 2e-3
 
 
-def test_glow_of_one_colour_is_that_colour():
+def test_bloom_of_one_colour_is_that_colour():
     picture = draw(
         make_card(),
         replace(PLAIN, bloom=0.5),
@@ -158,7 +158,7 @@ def test_a_square_is_spread_round_about_and_no_light_is_lost():
     assert shown[128, 128] == pytest.approx(0.5 + 0.5 * light[128, 128], abs=0.01)
 
 
-def test_what_dazzles_glows_farther_than_what_is_white():
+def test_what_dazzles_spreads_farther_than_what_is_white():
     far = [
         draw(make_lamp(strength), replace(PLAIN, bloom=0.1), [card_view()])[54, 96 + 14, 0] for strength in (1.0, 20.0)
     ]
@@ -239,6 +239,6 @@ def test_effects_are_given_up_before_sharpness_and_come_back():
         assert surface.ctx.error == "GL_NO_ERROR"
 
 
-def test_a_glow_that_cannot_be_is_refused():
+def test_a_bloom_that_cannot_be_is_refused():
     with pytest.raises(UsageError):
         RenderSettings(bloom=1.5)

@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 from mimics_app.app.viewer.shown import open_shown
-from mimics_app.app.viewer.stage import ViewerStage
+from mimics_app.app.viewer.viewport import Viewport
 from mimics_app.contracts.errors import SceneError
 from mimics_app.rendering.visual import renderer as renderer_module
 from mimics_app.rendering.visual.materials.picture_arrays import halved
@@ -77,8 +77,8 @@ def test_a_picture_of_8192_texels_is_uploaded_or_drawn_smaller(tmp_path):
     document["materials"] = [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]
     document["meshes"][0]["primitives"][0]["material"] = 0
     with create_surface("egl", (160, 90)) as surface:
-        stage = ViewerStage(surface, open_shown(write_gltf(tmp_path / "large.gltf", document)))
-        stage.draw()
+        viewport = Viewport(surface, open_shown(write_gltf(tmp_path / "large.gltf", document)))
+        viewport.draw()
         assert surface.ctx.error == "GL_NO_ERROR"
         assert read_pixels(surface)[45, 80, :3].min() > 30
     Image.new("L", (8193, 16), 128).save(file)
@@ -116,7 +116,7 @@ def test_whoever_looks_at_a_model_without_its_pictures_sees_a_checker(tmp_path, 
     shown = open_shown(file)
     assert 'model.gltf#/images/0/uri: no file "lost.png"' in shown.notes[0]
     with create_surface("egl", (64, 36)) as surface:
-        ViewerStage(surface, shown).draw()
+        Viewport(surface, shown).draw()
     assert capsys.readouterr().err.count("a checker is drawn in its place") == 1
     assert MISSING_PICTURE.pixels.shape == (8, 8, 4)
 

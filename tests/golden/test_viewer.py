@@ -15,10 +15,10 @@ import pytest
 from PIL import Image
 
 from mimics_app.app.cli import main
-from mimics_app.app.viewer.sheet import TILE, draw_sheet
+from mimics_app.app.viewer.contact_sheet import TILE, draw_sheet
 from mimics_app.app.viewer.shown import open_shown
-from mimics_app.app.viewer.stage import ViewerStage
 from mimics_app.app.viewer.stills import draw_turntable
+from mimics_app.app.viewer.viewport import Viewport
 from mimics_app.contracts.errors import SceneError
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
@@ -110,11 +110,11 @@ def test_a_model_of_any_size_looks_the_same_with_its_words(tmp_path, scale):
         document["nodes"][0]["scale"] = [factor] * 3
         file = write_gltf(tmp_path / "square.gltf", document)
         with create_surface("egl", (160, 90)) as surface:
-            stage = ViewerStage(surface, open_shown(file))
-            stage.studio.toggle_floor()
-            stage.shown.world.update()
-            stage.renderer.hud.text(20.0, 300.0, "words", 120.0)
-            stage.draw()
+            viewport = Viewport(surface, open_shown(file))
+            viewport.studio.toggle_floor()
+            viewport.shown.world.update()
+            viewport.renderer.hud.text(20.0, 300.0, "words", 120.0)
+            viewport.draw()
             pictures.append(read_pixels(surface).astype(int))
     away = np.abs(pictures[0] - pictures[1]).max(axis=-1)
     assert (away > 3).mean() < 0.01

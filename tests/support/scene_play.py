@@ -29,7 +29,12 @@ class ScenePlay:
         self.objects = objects_of_scene(scene)
         self._play = CorePlay.of(scene, seed)
         core = self._play.core
-        self.world, self.scenario, self.desk, self.tasks = core.world, core.scenario, core.desk, core.tasks
+        self.world, self.scenario, self.parameter_store, self.tasks = (
+            core.world,
+            core.scenario,
+            core.parameter_store,
+            core.tasks,
+        )
         self.memory, self.haptics = core.memory, core.haptics
         self.statics = ObjectStatics.from_arrays(core.side.statics.arrays, core.side.statics.fields)
         self.blocks, self.rows = self._play.recorder.blocks, self._play.recorder.rows

@@ -50,8 +50,8 @@ class Play:
         return self._play.core.tasks.rows
 
     @property
-    def desk(self) -> Any:
-        return self._play.core.desk
+    def parameter_store(self) -> Any:
+        return self._play.core.parameter_store
 
     @property
     def samples(self) -> Any:

@@ -171,9 +171,9 @@ def test_sessions_of_one_scene_share_no_row_that_can_be_changed() -> None:
     first, second = (prepare_scene(scene, RunSettings(scene.path)) for _ in range(2))
     for parts in (first, second):
         parts.plugin.close()
-    before = second.desk.value("bodies.apple.mass")
-    first.desk.change({"bodies.apple.mass": before + 1.0})
-    assert second.desk.value("bodies.apple.mass") == before
+    before = second.parameter_store.value("bodies.apple.mass")
+    first.parameter_store.change({"bodies.apple.mass": before + 1.0})
+    assert second.parameter_store.value("bodies.apple.mass") == before
     assert objects_of_scene(scene).rows.bodies[0]["mass"] == before
 
 

@@ -16,7 +16,7 @@ from mimics_app.app.session.header import describe_session
 from mimics_app.app.session.preparation import prepare
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.touch.device_fit import device_values
-from mimics_app.app.touch.parameter_desk import ParameterDesk
+from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.haptic import FEEL, LIMIT_NAMES, SCENE, TUNNEL
 from mimics_app.contracts.resources import root
@@ -51,31 +51,31 @@ def test_a_limit_is_refused_by_its_name_with_what_may_be_named(name: str):
 
 @pytest.mark.parametrize("name", sorted(LIMIT_NAMES))
 def test_nothing_that_runs_changes_a_limit(name: str):
-    desk = ParameterDesk(scene_from_components())
-    before = desk.block.tobytes()
+    store = ParameterStore(scene_from_components())
+    before = store.block.tobytes()
     for spelling in (name, f"haptic.{name}"):
         with pytest.raises(UsageError, match="is a limit of the haptic loop"):
-            desk.change({"virtual_mass": 9.0, spelling: 0.0})
-    assert desk.block.tobytes() == before, "not even what came with it"
+            store.change({"virtual_mass": 9.0, spelling: 0.0})
+    assert store.block.tobytes() == before, "not even what came with it"
 
 
 def test_the_device_is_fitted_before_the_first_block_and_never_after():
-    desk = ParameterDesk(scene_from_components())
-    desk.fit({"device_delay": 0.004, "passivity": 0})
-    desk.hand_to(lambda block, rows: None)
-    assert (desk.block["device_delay"][0], desk.block["passivity"][0]) == (0.004, 0)
+    store = ParameterStore(scene_from_components())
+    store.fit({"device_delay": 0.004, "passivity": 0})
+    store.hand_to(lambda block, rows: None)
+    assert (store.block["device_delay"][0], store.block["passivity"][0]) == (0.004, 0)
     with pytest.raises(UsageError, match="once"):
-        desk.fit({"device_delay": 0.0})
+        store.fit({"device_delay": 0.0})
 
 
 @pytest.mark.parametrize(("safety", "others"), [(Safety(), False), (Safety(force_limit=10.0), True)])
 def test_a_reloaded_scene_keeps_the_limits_of_the_start_and_says_whether_it_asks_for_others(safety, others):
-    desk = ParameterDesk(scene_from_components())
-    desk.fit({"device_delay": 0.004, "late_latches": 0})
-    desk.hand_to(lambda block, rows: None)
-    desk.change({"virtual_mass": 4.0})
-    assert desk.replace(scene_from_components(admittance=Admittance(damping=7.0), safety=safety)) is others
-    record = desk.block[0]
+    store = ParameterStore(scene_from_components())
+    store.fit({"device_delay": 0.004, "late_latches": 0})
+    store.hand_to(lambda block, rows: None)
+    store.change({"virtual_mass": 4.0})
+    assert store.replace(scene_from_components(admittance=Admittance(damping=7.0), safety=safety)) is others
+    record = store.block[0]
     assert (record["virtual_damping"], record["virtual_mass"]) == (7.0, 4.0)
     assert (record["force_limit"], record["device_delay"], record["late_latches"]) == (60.0, 0.004, 0)
 
@@ -108,9 +108,9 @@ def test_limits_read_back_from_the_block_are_those_that_were_asked_for(force, la
 def test_the_header_states_the_limits_that_run(scene: str):
     """The first has no `safety`: it ran 60 N, 2,000 N/s and 1.5 m/s, and stated 80 N, 20,000 N/s and 1.2 m/s."""
     parts = prepare(RunSettings(root() / f"scenes/{scene}.json"), live=False)
-    parts.desk.fit({**device_values(parts.plugin, parts.scene), "passivity": 0, "force_limit": 41.0})
+    parts.parameter_store.fit({**device_values(parts.plugin, parts.scene), "passivity": 0, "force_limit": 41.0})
     told = describe_session(parts)["safety"]
-    record = parts.desk.block[0]
+    record = parts.parameter_store.block[0]
     for name in ("force_limit", "force_rate_limit", "velocity_limit", "power_limit", "energy_limit", "arm_damping"):
         assert told[name] == record[name], name
     assert (told["force_limit"], told["passivity"], told["late_latches"]) == (41.0, False, False)

@@ -135,7 +135,7 @@ def test_what_a_frame_does_not_bear_gives_way_to_the_best_it_bears_and_says_why(
 
 
 def test_what_is_taken_leaves_less_for_what_is_missed_less(of):
-    """8.5 ms: shadows take 2, the filter 3, corners 2; the glow's 2 are more than the 1.5 that are left."""
+    """8.5 ms: shadows take 2, the filter 3, corners 2; the bloom's 2 are more than the 1.5 that are left."""
     taken = methods(of(bloom=0.2, ambient_occlusion=1.0), pixels=PIXELS)
     assert (taken["ambient occlusion"], taken["bloom"]) == ("eight places", "none")
     assert methods(of(bloom=0.2), pixels=PIXELS)["bloom"] == "six copies"

@@ -58,7 +58,12 @@ def test_explain_lists_what_the_picture_goes_without(tmp_path):
         loaded = load_scene(write(tmp_path, document))
         return {left["part"] for left in explain_plan(loaded, plan_scene(loaded, "training"))["left_out"]}
 
-    parts = {"glow, per frame", "darker corners, per frame", "filter of edges, per frame", "pictures over the display"}
+    parts = {
+        "bloom, per frame",
+        "ambient occlusion, per frame",
+        "filter of edges, per frame",
+        "pictures over the display",
+    }
     assert parts <= left_out(scene(thing("eye", camera={})))
     visual = {"bloom": 0.1, "ambient_occlusion": 1.0, "anti_aliasing": "filter"}
     full = scene(thing("eye", camera={}), thing("rear", inset={"camera": "eye"}), systems={"visual": visual})

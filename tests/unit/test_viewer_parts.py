@@ -1,13 +1,13 @@
-"""The viewer's eye and hand, and meshes without normals: geometry with closed forms."""
+"""The viewer's orbit and selection, and meshes without normals: geometry with closed forms."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from mimics_app.app.viewer.eye import ViewerEye
-from mimics_app.app.viewer.hand import Hand, drag_offset
-from mimics_app.app.viewer.handles import axis_under, handle_arrows
+from mimics_app.app.viewer.gizmo import axis_under, gizmo_arrows
+from mimics_app.app.viewer.orbit_camera import OrbitCamera
+from mimics_app.app.viewer.selection import Selection, drag_offset
 from mimics_app.app.viewer.shown import Shown, open_shown
 from mimics_app.contracts.errors import SceneError
 from mimics_app.world.extent import world_extent
@@ -19,64 +19,64 @@ SIZE = (1280, 720)
 EXTENT = (np.array([-1.0, 0.0, -2.0]), np.array([1.0, 1.0, 2.0]))
 
 
-def project(eye: ViewerEye, point: np.ndarray) -> np.ndarray:
-    x, y, _, w = eye.view(SIZE).clip_from_world @ [*point, 1.0]
+def project(orbit: OrbitCamera, point: np.ndarray) -> np.ndarray:
+    x, y, _, w = orbit.view(SIZE).clip_from_world @ [*point, 1.0]
     return np.array([x, y]) / w
 
 
 def test_a_framed_box_is_seen_whole_from_every_side():
-    eye = ViewerEye()
-    eye.frame(EXTENT, SIZE)
+    orbit = OrbitCamera()
+    orbit.frame(EXTENT, SIZE)
     corners = [np.where(mask, EXTENT[0], EXTENT[1]) for mask in np.ndindex(2, 2, 2)]
     for _ in range(12):
-        assert np.abs([project(eye, corner) for corner in corners]).max() < 1.0
-        eye.orbit(100.0, 7.0)
+        assert np.abs([project(orbit, corner) for corner in corners]).max() < 1.0
+        orbit.orbit(100.0, 7.0)
 
 
 def test_panning_keeps_the_target_under_the_pointer():
-    eye = ViewerEye()
-    eye.frame(EXTENT, SIZE)
-    before = eye.target.copy()
-    eye.pan(64.0, -36.0, SIZE[1])
-    assert project(eye, before) == pytest.approx([64.0 / 640.0, -36.0 / 360.0], abs=1e-9)
+    orbit = OrbitCamera()
+    orbit.frame(EXTENT, SIZE)
+    before = orbit.target.copy()
+    orbit.pan(64.0, -36.0, SIZE[1])
+    assert project(orbit, before) == pytest.approx([64.0 / 640.0, -36.0 / 360.0], abs=1e-9)
 
 
 def test_a_look_round_leaves_the_eye_where_it_is_and_never_tips_over():
-    eye = ViewerEye()
-    here = eye.position
-    eye.look_round(333.0, 4000.0)
-    assert eye.position == pytest.approx(here, abs=1e-12)
-    assert eye.pose[1, 1] > 0.0, "its up is never down"
+    orbit = OrbitCamera()
+    here = orbit.position
+    orbit.look_round(333.0, 4000.0)
+    assert orbit.position == pytest.approx(here, abs=1e-12)
+    assert orbit.pose[1, 1] > 0.0, "its up is never down"
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_dragging_along_an_axis_follows_the_pointer_and_stays_on_it(axis):
-    eye = ViewerEye()
-    eye.frame(EXTENT, SIZE)
+    orbit = OrbitCamera()
+    orbit.frame(EXTENT, SIZE)
     grabbed, wanted = np.array([0.3, 0.5, 0.2]), np.zeros(3)
     wanted[axis] = 0.4
-    offset = drag_offset(grabbed, eye.view(SIZE).ray(*project(eye, grabbed + wanted)), eye.view(SIZE), axis)
+    offset = drag_offset(grabbed, orbit.view(SIZE).ray(*project(orbit, grabbed + wanted)), orbit.view(SIZE), axis)
     assert offset == pytest.approx(wanted, abs=1e-9)
 
 
 def test_dragging_over_the_floor_stays_at_its_height_and_flat_views_drag_across():
-    eye = ViewerEye()
-    eye.frame(EXTENT, SIZE)
+    orbit = OrbitCamera()
+    orbit.frame(EXTENT, SIZE)
     grabbed = np.array([0.3, 0.5, 0.2])
-    offset = drag_offset(grabbed, eye.view(SIZE).ray(0.2, -0.1), eye.view(SIZE), None)
+    offset = drag_offset(grabbed, orbit.view(SIZE).ray(0.2, -0.1), orbit.view(SIZE), None)
     assert offset[1] == pytest.approx(0.0, abs=1e-12) and np.linalg.norm(offset) > 0.01
-    assert project(eye, grabbed + offset) == pytest.approx([0.2, -0.1], abs=1e-9)
-    eye.pitch = 0.01
-    offset = drag_offset(grabbed, eye.view(SIZE).ray(0.2, -0.1), eye.view(SIZE), None)
-    assert offset @ eye.backward == pytest.approx(0.0, abs=1e-9) and abs(offset[1]) > 0.01
+    assert project(orbit, grabbed + offset) == pytest.approx([0.2, -0.1], abs=1e-9)
+    orbit.pitch = 0.01
+    offset = drag_offset(grabbed, orbit.view(SIZE).ray(0.2, -0.1), orbit.view(SIZE), None)
+    assert offset @ orbit.backward == pytest.approx(0.0, abs=1e-9) and abs(offset[1]) > 0.01
 
 
 @pytest.mark.parametrize("axis", [0, None])
 def test_a_ray_along_the_axis_or_the_floor_moves_nothing(axis):
-    eye = ViewerEye()
-    eye.frame(EXTENT, SIZE)
-    ray = (eye.position, np.array([1.0, 0.0, 0.0]))
-    assert drag_offset(np.zeros(3), ray, eye.view(SIZE), axis) == pytest.approx(np.zeros(3), abs=0.0)
+    orbit = OrbitCamera()
+    orbit.frame(EXTENT, SIZE)
+    ray = (orbit.position, np.array([1.0, 0.0, 0.0]))
+    assert drag_offset(np.zeros(3), ray, orbit.view(SIZE), axis) == pytest.approx(np.zeros(3), abs=0.0)
 
 
 def test_a_hand_moves_what_hangs_on_a_turned_and_scaled_parent_and_puts_it_back():
@@ -85,20 +85,20 @@ def test_a_hand_moves_what_hangs_on_a_turned_and_scaled_parent_and_puts_it_back(
     stand = world.root.create_child("model", orientation=(0.0, np.sin(0.4), 0.0, np.cos(0.4)), scale=(2.0, 2.0, 2.0))
     stand.create_child("thing").create_entity("box")
     world.update()
-    eye, hand = ViewerEye(), Hand(Shown(path=None, world=world, stand=stand))
-    eye.frame(world_extent(world), SIZE)
-    assert hand.choose(eye.view(SIZE).ray(0.0, 0.0)).name == "model/thing" or hand.chosen.name == "thing"
-    hand.axis = 0
-    assert hand.grab(eye.view(SIZE).ray(0.0, 0.0), eye.view(SIZE))
-    hand.drag(eye.view(SIZE).ray(0.3, 0.0), eye.view(SIZE))
-    hand.release()
+    orbit, selection = OrbitCamera(), Selection(Shown(path=None, world=world, stand=stand))
+    orbit.frame(world_extent(world), SIZE)
+    assert selection.choose(orbit.view(SIZE).ray(0.0, 0.0)).name == "model/thing" or selection.chosen.name == "thing"
+    selection.axis = 0
+    assert selection.grab(orbit.view(SIZE).ray(0.0, 0.0), orbit.view(SIZE))
+    selection.drag(orbit.view(SIZE).ray(0.3, 0.0), orbit.view(SIZE))
+    selection.release()
     world.update()
-    moved = hand.chosen.world_matrix()[:3, 3]
+    moved = selection.chosen.world_matrix()[:3, 3]
     assert moved[0] > 0.05 and moved[1:] == pytest.approx([0.0, 0.0], abs=2e-4)  # rounded to a tenth of a millimetre
-    assert hand.undo() and not hand.undo()
-    assert hand.chosen.position == pytest.approx(np.zeros(3), abs=0.0)
-    assert hand.choose(eye.view(SIZE).ray(0.99, 0.99)) is None and not hand.grab(
-        eye.view(SIZE).ray(0.0, 0.0), eye.view(SIZE)
+    assert selection.undo() and not selection.undo()
+    assert selection.chosen.position == pytest.approx(np.zeros(3), abs=0.0)
+    assert selection.choose(orbit.view(SIZE).ray(0.99, 0.99)) is None and not selection.grab(
+        orbit.view(SIZE).ray(0.0, 0.0), orbit.view(SIZE)
     )
 
 
@@ -191,28 +191,30 @@ def test_a_file_of_no_kind_and_one_that_is_not_there_are_named(tmp_path):
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_an_arrow_is_grabbed_where_it_is_drawn_and_moves_along_itself(axis):
-    eye = ViewerEye()
-    eye.frame(EXTENT, SIZE)
-    view, place = eye.view(SIZE), np.array([0.3, 0.5, 0.2])
-    arrow = handle_arrows(place, view, None)[axis]
-    assert axis_under(place, view.ray(*project(eye, place + 0.7 * arrow.vector)), view) == axis
-    assert axis_under(place, view.ray(*project(eye, place + 2.0 * arrow.vector)), view) is None
+    orbit = OrbitCamera()
+    orbit.frame(EXTENT, SIZE)
+    view, place = orbit.view(SIZE), np.array([0.3, 0.5, 0.2])
+    arrow = gizmo_arrows(place, view, None)[axis]
+    assert axis_under(place, view.ray(*project(orbit, place + 0.7 * arrow.vector)), view) == axis
+    assert axis_under(place, view.ray(*project(orbit, place + 2.0 * arrow.vector)), view) is None
     # Twenty pixels beside it, as the screen has it, it is not.
     half = np.array(SIZE) / 2.0
-    way = (project(eye, place + arrow.vector) - project(eye, place)) * half
+    way = (project(orbit, place + arrow.vector) - project(orbit, place)) * half
     aside = 20.0 * np.array([-way[1], way[0]]) / np.linalg.norm(way)
-    beside = project(eye, place + 0.7 * arrow.vector) + aside / half
+    beside = project(orbit, place + 0.7 * arrow.vector) + aside / half
     assert axis_under(place, view.ray(*beside), view) != axis
-    faint = [each.tint[3] for each in handle_arrows(place, view, axis)]
+    faint = [each.tint[3] for each in gizmo_arrows(place, view, axis)]
     assert faint[axis] == 1.0 and sorted(faint)[1] < 0.5
 
 
 def test_arrows_look_equally_long_from_near_and_far():
     lengths = []
     for distance in (1.0, 30.0):
-        eye = ViewerEye()
-        eye.distance = distance
-        ends = [project(eye, arrow.origin + arrow.vector) for arrow in handle_arrows(eye.target, eye.view(SIZE), None)]
+        orbit = OrbitCamera()
+        orbit.distance = distance
+        ends = [
+            project(orbit, arrow.origin + arrow.vector) for arrow in gizmo_arrows(orbit.target, orbit.view(SIZE), None)
+        ]
         lengths.append(ends[1][1])
     # The ends of arrows are nearer or farther than their feet: equal up to perspective, which does not change either.
     assert lengths[0] == pytest.approx(lengths[1], rel=1e-9)

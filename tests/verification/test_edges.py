@@ -1,4 +1,4 @@
-"""The ways to smooth edges, by the figures that the chart shows."""
+"""The methods of anti-aliasing, by the figures that the chart shows."""
 
 from __future__ import annotations
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.rendering.visual.drawing.sealing import seal, unmatched_edges
 from mimics_app.rendering.visual.drawing.solids import find_solid
+from mimics_app.rendering.visual.drawing.t_junctions import seal, unmatched_edges
 from mimics_app.rendering.visual.kernels.solid import winding_number
 from mimics_app.world.meshes.mesh import MeshData, compute_normals
 from mimics_app.world.meshes.primitives import box, cylinder, icosphere, plane, sphere, torus

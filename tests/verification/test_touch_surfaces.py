@@ -311,4 +311,4 @@ def test_four_points_are_four_contacts():
 def test_nothing_to_touch_costs_no_step():
     play = new_touch_play()
     assert not at_rest(play, (0.0, 0.0, 0.0)).any()
-    assert play.work.desk[0]["tick"] == 0
+    assert play.work.contact_scratch[0]["tick"] == 0

@@ -102,7 +102,7 @@ def _build(args: argparse.Namespace) -> int:
 
 
 def _draw(name: str, files: list[Path], picture: Path) -> None:
-    from mimics_app.app.viewer.sheet import draw_models
+    from mimics_app.app.viewer.contact_sheet import draw_models
     from mimics_app.app.viewer.shown import MODEL_SUFFIXES
     from mimics_app.contracts.errors import UsageError
 

@@ -101,7 +101,7 @@ def _draw(args: argparse.Namespace, shown: Shown) -> int:
 
 
 def _draw_sheet(args: argparse.Namespace) -> int:
-    from mimics_app.app.viewer.sheet import draw_sheet
+    from mimics_app.app.viewer.contact_sheet import draw_sheet
 
     sheet = draw_sheet(args.sheet, args.output, backend=args.backend)
     models = [

@@ -224,18 +224,18 @@ def _filters_left_out(scene: Scene, plan: Plan) -> list[LeftOut]:
     visual = visual_of(scene)
     left = [
         LeftOut(
-            f"{part}, per frame",
+            f"{group}, per frame",
             f"systems.visual.{group.replace(' ', '_')} does not request it",
             _extra_us(plan, group),
         )
-        for part, group, used in (
-            ("glow", "bloom", visual.bloom > 0.0),
-            ("darker corners", "ambient occlusion", visual.ambient_occlusion > 0.0),
+        for group, used in (
+            ("bloom", visual.bloom > 0.0),
+            ("ambient occlusion", visual.ambient_occlusion > 0.0),
         )
         if not used
     ]
     if not plan.settings.get("anti aliasing", {"fxaa": True})["fxaa"]:
-        left.append(LeftOut("filter of edges, per frame", "see smooth edges above: another way runs, or none", None))
+        left.append(LeftOut("filter of edges, per frame", "see anti-aliasing above: another way runs, or none", None))
     return left
 
 

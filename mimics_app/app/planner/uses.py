@@ -271,11 +271,11 @@ USES: Mapping[str, Use] = {
     "occlusion": Use("bodies hidden behind others", _shows_models),
     "level of detail": Use("coarser forms of far bodies", _shows_models),
     "sun shadows": Use("shadows of the sun", _has_sun_shadow, _named_shadows, _may_shadow, _PROBE_PX),
-    "anti aliasing": Use("smooth edges", _has(CameraComponent), _named_edges, pixels=_PROBE_PX),
+    "anti aliasing": Use("anti-aliasing", _has(CameraComponent), _named_edges, pixels=_PROBE_PX),
     "ambient occlusion": Use(
-        "darker corners", lambda scene: visual_of(scene).ambient_occlusion > 0.0, pixels=_PROBE_PX
+        "ambient occlusion", lambda scene: visual_of(scene).ambient_occlusion > 0.0, pixels=_PROBE_PX
     ),
-    "bloom": Use("glow", lambda scene: visual_of(scene).bloom > 0.0, pixels=_PROBE_PX),
+    "bloom": Use("bloom", lambda scene: visual_of(scene).bloom > 0.0, pixels=_PROBE_PX),
 }
 """Groups the planner knows, by name; those that share the frame's budget from what is missed most to what least.
 

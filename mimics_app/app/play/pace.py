@@ -8,7 +8,7 @@ from mimics_app.app.picture.governor import FrameGovernor
 from mimics_app.app.planner.tolerances import tolerances_of
 from mimics_app.app.play.device_watch import DeviceWatch
 from mimics_app.app.play.reload import SceneReload
-from mimics_app.app.play.view_desk import ViewDesk
+from mimics_app.app.play.view_keys import ViewKeys
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.contracts.clock import FRAME_NS
@@ -43,7 +43,7 @@ def run_live(session: Session, frames: Frames, after_frame: Progress) -> None:
     A haptic loop that ended by itself ends the run too; stopping the session then says why. So does a picture that is
     lost for good.
     """
-    picture, desk = session.picture, ViewDesk(session)
+    picture, keys = session.picture, ViewKeys(session)
     reload, watch = SceneReload(session), DeviceWatch(session)
     governor = session.governor = _govern(session)
     limit = session.clock.now_ns() + _limit_ns(session)
@@ -54,12 +54,12 @@ def run_live(session: Session, frames: Frames, after_frame: Progress) -> None:
         frames.step()
         trouble = watch.look()
         if picture is not None and governor is not None:
-            desk.step(frames)
+            keys.step(frames)
             message = _message(session, frames, reload, trouble)
             try:
                 done_ns = picture.show_frame(frames.board.saying(message), session.clock)
             except DeviceError as error:
-                desk.give_up(error)
+                keys.give_up(error)
                 return
             governor.note((done_ns - begun_ns) * 1e-6, done_ns)
         after_frame(frames)

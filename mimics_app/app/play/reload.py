@@ -78,7 +78,7 @@ class SceneReload:
         session.scene, session.scenario = scene, open_scenario(scene, session.world)
         if session.picture is not None:
             session.picture.show(scene, session.world)
-        other_limits = session.desk.replace(*side.parameters(session.scenario.scene_block()))
+        other_limits = session.parameter_store.replace(*side.parameters(session.scenario.scene_block()))
         self._watcher.watch(scene.files)
         later = changes.sections | changes.systems | ({"limits"} if other_limits else set())
         self._say(now_ns, "scene reloaded" + (f"; {', '.join(sorted(later))} at the next start" if later else ""))

@@ -39,7 +39,7 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
     parts = prepare(settings, live=live)
     with ExitStack() as stack:
         stack.callback(parts.plugin.close)
-        parts.desk.fit(device_values(parts.plugin, parts.scene))
+        parts.parameter_store.fit(device_values(parts.plugin, parts.scene))
         session = _assemble(parts, stack)
         session.recorder.wait_until_ready()
         session.on_close = stack.pop_all()

@@ -13,7 +13,7 @@ from mimics_app.app.session.preparation import Preparation
 from mimics_app.app.session.switched_off import NullRecorder, NullSound, RecorderPort, SoundPort
 from mimics_app.app.touch.device_fit import device_values, fit_context
 from mimics_app.app.touch.haptic_side import HapticSide
-from mimics_app.app.touch.parameter_desk import ParameterDesk
+from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.clock import Clock, MonotonicClock, VirtualClock
 from mimics_app.contracts.scenario_port import Scenario
 from mimics_app.contracts.session_memory import SessionMemory
@@ -54,7 +54,7 @@ class SessionCore:
         self.live: bool = parts.live
         self.memory = memory
         self.clock: Clock = MonotonicClock() if parts.live else VirtualClock()
-        self.desk: ParameterDesk = parts.desk
+        self.parameter_store: ParameterStore = parts.parameter_store
         self.haptics: HapticEngine = parts.side.engine(memory, parts.plugin, recipe=parts.settings.recipe)
         context, seed = fit_context(parts.scenario.task_context, parts.plugin), parts.settings.seed
         self.tasks = TaskManager(parts.task, context, seed, on_trial=recorder.trial, on_event=recorder.journal)
@@ -68,7 +68,7 @@ class SessionCore:
 
     def begin(self) -> None:
         """Hand the first parameters on: to the recorder that keeps them, then to the loop that obeys them."""
-        self.desk.hand_to(self.recorder.parameters, self.haptics.publish)
+        self.parameter_store.hand_to(self.recorder.parameters, self.haptics.publish)
 
     def stop(self) -> None:
         """End the task and the loop, and close the device."""
@@ -94,7 +94,7 @@ def open_core(parts: Preparation, recorder: Callable[[SessionMemory], RecorderPo
     Raises:
         DeviceError: the robot cannot be had.
     """
-    parts.desk.fit(device_values(parts.plugin, parts.scene))
+    parts.parameter_store.fit(device_values(parts.plugin, parts.scene))
     memory = parts.side.memory()
     core = SessionCore(parts, memory, recorder(memory), NullSound())
     core.begin()

@@ -94,7 +94,7 @@ class Frames:
         self._action = core.learning.choose(state, now_ns)
         self._touch(vr, orders, snapshot)
         core.scenario.apply(orders, snapshot)
-        core.desk.change(core.scenario.haptic_orders())
+        core.parameter_store.change(core.scenario.haptic_orders())
         core.inputs.aim(core.scenario.aim(snapshot))
         core.world.update()
         self._effects.step(orders, events, now_ns)
@@ -113,7 +113,7 @@ class Frames:
             line["pressed"] = vr.pressed
         if action is not None:
             line["action"] = {"values": dict(action.values), "at_trial": action.at_trial}
-        bodies = int(self._core.desk.block["objects"]["bodies"][0])
+        bodies = int(self._core.parameter_store.block["objects"]["bodies"][0])
         if bodies:
             line["bodies"] = snapshot.poses[:bodies].tolist()
         self._core.recorder.journal("frame", line)
@@ -125,10 +125,10 @@ class Frames:
             core.haptics.stop_key()
         haptic = dict(orders.haptic)
         if "r" in vr.pressed:
-            haptic["resets"] = int(core.desk.block["resets"][0]) + 1
-        core.desk.change(haptic)
+            haptic["resets"] = int(core.parameter_store.block["resets"][0]) + 1
+        core.parameter_store.change(haptic)
         if orders.view.robot_leads:
             x, y, z = snapshot.hip_world
             core.inputs.hold_at((float(x), float(y), float(z)))
-        trial = int(core.desk.block["trial"][0])
+        trial = int(core.parameter_store.block["trial"][0])
         self._inbox.tell(vr.pointer, trial=trial, may_act=orders.person_may_act)

@@ -34,8 +34,8 @@ def describe_session(parts: Preparation) -> dict[str, Any]:
         "live": parts.live,
         "moved_by": {"device": parts.robot.device, **_person(parts)},
         "safety": {
-            **msgspec.structs.asdict(safety_of(parts.desk.block)),
-            "late_latches": bool(parts.desk.block["late_latches"][0]),
+            **msgspec.structs.asdict(safety_of(parts.parameter_store.block)),
+            "late_latches": bool(parts.parameter_store.block["late_latches"][0]),
         },
         "settings": {
             name: str(value) if isinstance(value, Path) else value for name, value in asdict(settings).items()

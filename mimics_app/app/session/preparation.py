@@ -13,7 +13,7 @@ from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.touch.haptic_side import HapticSide
-from mimics_app.app.touch.parameter_desk import ParameterDesk
+from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.contracts.scenario_port import Scenario
 from mimics_app.contracts.stages import Learning
@@ -46,7 +46,7 @@ class Preparation:
         world: Built from the scene.
         scenario: What plays it.
         side: What of it can be touched.
-        desk: Its haptic parameters.
+        parameter_store: Its haptic parameters.
         task: The task, its trial file read and its parameters' defaults taken from the scene.
         learning: What chooses the task's actions.
         robot: The scene's, with the device of this run.
@@ -61,7 +61,7 @@ class Preparation:
     world: World
     scenario: Scenario
     side: HapticSide
-    desk: ParameterDesk
+    parameter_store: ParameterStore
     task: TaskSpec
     learning: Learning
     robot: Robot
@@ -93,8 +93,8 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False) ->
     world.effects.seed = settings.seed
     scenario = open_scenario(scene, world)
     side = HapticSide(scene)
-    desk = side.desk(scenario.scene_block())
-    task = fill_defaults(resolve_trials(task_of(scene), scene.path.parent, scene.root), desk.value)
+    store = side.parameter_store(scenario.scene_block())
+    task = fill_defaults(resolve_trials(task_of(scene), scene.path.parent, scene.root), store.value)
     learning = _learning(settings, task)
     robot, patient = _who_moves(settings, scene, live=live)
     way, objects = scenario.via_points_world, side.for_robot(robot)
@@ -107,7 +107,7 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False) ->
         world=world,
         scenario=scenario,
         side=side,
-        desk=desk,
+        parameter_store=store,
         task=task,
         learning=learning,
         robot=robot,

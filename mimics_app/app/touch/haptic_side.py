@@ -1,4 +1,4 @@
-"""What a scene can touch, made ready for a session: room in its memory, rows on its desk, arrays for its loop."""
+"""What a scene can touch, made ready for a session: memory, rows of the parameter store, arrays of the loop."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from mimics_app.app.touch.parameter_desk import ParameterDesk
+from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.contracts.object_rows import Rows
 from mimics_app.contracts.session_memory import Capacities, SessionMemory
@@ -65,12 +65,12 @@ class HapticSide:
         """Shared memory with room for them."""
         return SessionMemory(Capacities(objects=self._objects.capacities) if self._some else None)
 
-    def desk(self, block: NDArray[Any]) -> ParameterDesk:
-        """A desk with the scene's parameter block and the rows of its objects."""
-        return ParameterDesk(*self.parameters(block))
+    def parameter_store(self, block: NDArray[Any]) -> ParameterStore:
+        """A store with the scene's parameter block and the rows of its objects."""
+        return ParameterStore(*self.parameters(block))
 
     def parameters(self, block: NDArray[Any]) -> tuple[NDArray[Any], Rows | None, Names]:
-        """The block with its objects counted, copies of their rows and the names of these; what a desk takes."""
+        """The block with its objects counted, copies of their rows and the names of these; what a store takes."""
         if not self._some:
             return block, None, {}
         block["objects"] = self._objects.counts[0]

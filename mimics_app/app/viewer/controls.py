@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from mimics_app.app.viewer.hand import Hand, Ray
-from mimics_app.app.viewer.stage import ViewerStage
+from mimics_app.app.viewer.selection import Ray, Selection
+from mimics_app.app.viewer.viewport import Viewport
 from mimics_app.contracts.window_input import InputEvent
 from mimics_app.world.extent import world_extent
 
@@ -22,25 +22,25 @@ _SHIFT, _CONTROL = frozenset({"left_shift", "right_shift"}), frozenset({"left_co
 
 
 class ViewerControls:
-    """Turns events into movements of the eye and the hand.
+    """Turns events into movements of the orbit camera and the selection.
 
     Args:
-        stage: Whose eye.
-        hand: What chooses and moves.
+        viewport: Whose orbit camera.
+        selection: What chooses and moves.
         commands: What a key does, by its name ("s" with Control held: "ctrl+s").
 
     Attributes:
         dirty: True when the picture is another than the one drawn last; whoever draws sets it to False.
     """
 
-    def __init__(self, stage: ViewerStage, hand: Hand, commands: dict[str, Callable[[], object]]) -> None:
-        self._stage, self._hand = stage, hand
+    def __init__(self, viewport: Viewport, selection: Selection, commands: dict[str, Callable[[], object]]) -> None:
+        self._viewport, self._selection = viewport, selection
         self._commands = {
             **commands,
             "f": self._frame,
-            "home": stage.reset,
+            "home": viewport.reset,
             **{key: self._along(axis) for axis, key in enumerate("xyz")},
-            "ctrl+z": hand.undo,
+            "ctrl+z": selection.undo,
         }
         self._button = ""
         self._travelled = 0.0
@@ -62,19 +62,19 @@ class ViewerControls:
             elif event.kind == "move":
                 self._move(event)
             elif event.kind == "wheel":
-                self._stage.eye.zoom(event.y)
+                self._viewport.orbit.zoom(event.y)
 
     def fly(self, seconds: float) -> None:
-        """Move the eye by the keys that are held, for the time since the last call [s]."""
-        keys = self._stage.surface.keys
+        """Move the orbit by the keys that are held, for the time since the last call [s]."""
+        keys = self._viewport.surface.keys
         if keys & _CONTROL:
             return
         way = np.sum([step for key, step in _FLIGHT.items() if key in keys] or [(0, 0, 0)], axis=0)
         if not way.any():
             return
-        eye = self._stage.eye
-        step = _FLY_PER_S * seconds * eye.distance * (_FASTER if keys & _SHIFT else 1.0)
-        eye.fly(*(step * way / np.linalg.norm(way)).tolist())
+        orbit = self._viewport.orbit
+        step = _FLY_PER_S * seconds * orbit.distance * (_FASTER if keys & _SHIFT else 1.0)
+        orbit.fly(*(step * way / np.linalg.norm(way)).tolist())
         self.dirty = True
 
     def _press_key(self, name: str) -> None:
@@ -86,44 +86,46 @@ class ViewerControls:
         if event.pressed and not self._button:
             self._button, self._travelled, self._last = event.name, 0.0, (event.x, event.y)
             if event.name == "left" and not self._held & _SHIFT:
-                self._hand.grab(self.ray(event.x, event.y), self._stage.eye.view(self._stage.surface.size))
+                self._selection.grab(self.ray(event.x, event.y), self._viewport.orbit.view(self._viewport.surface.size))
         elif not event.pressed and event.name == self._button:
             clicked = self._button == "left" and self._travelled < _CLICK_PX
             self._button = ""
-            self._hand.release()
+            self._selection.release()
             if clicked:
-                self._hand.choose(self.ray(event.x, event.y))
+                self._selection.choose(self.ray(event.x, event.y))
 
     def _move(self, event: InputEvent) -> None:
         if not self._button:
             return
-        width, height = self._stage.surface.size
+        width, height = self._viewport.surface.size
         right, up = 0.5 * (event.x - self._last[0]) * width, 0.5 * (event.y - self._last[1]) * height
         self._last = (event.x, event.y)
         self._travelled += abs(right) + abs(up)
-        eye, shift = self._stage.eye, bool(self._held & _SHIFT)
-        if self._hand.holding:
+        orbit, shift = self._viewport.orbit, bool(self._held & _SHIFT)
+        if self._selection.holding:
             if self._travelled >= _CLICK_PX:
-                self._hand.drag(self.ray(event.x, event.y), eye.view(self._stage.surface.size))
+                self._selection.drag(self.ray(event.x, event.y), orbit.view(self._viewport.surface.size))
         elif self._button == "right":
-            eye.look_round(right, up)
+            orbit.look_round(right, up)
         elif self._button == "middle" or shift:
-            eye.pan(right, up, height)
+            orbit.pan(right, up, height)
         else:
-            eye.orbit(right, up)
+            orbit.orbit(right, up)
 
     def ray(self, x: float, y: float) -> Ray:
         """The ray through a place of the window, each coordinate in [-1, 1]."""
-        return self._stage.eye.view(self._stage.surface.size).ray(x, y)
+        return self._viewport.orbit.view(self._viewport.surface.size).ray(x, y)
 
     def _frame(self) -> None:
-        chosen = self._hand.chosen
-        extent = self._stage.shown.extent if chosen is None else world_extent(self._stage.shown.world, chosen.index)
+        chosen = self._selection.chosen
+        extent = (
+            self._viewport.shown.extent if chosen is None else world_extent(self._viewport.shown.world, chosen.index)
+        )
         if extent is not None:
-            self._stage.eye.frame(extent, self._stage.surface.size, turn=False)
+            self._viewport.orbit.frame(extent, self._viewport.surface.size, turn=False)
 
     def _along(self, axis: int) -> Callable[[], object]:
         def toggle() -> None:
-            self._hand.axis = None if self._hand.axis == axis else axis
+            self._selection.axis = None if self._selection.axis == axis else axis
 
         return toggle

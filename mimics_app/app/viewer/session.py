@@ -9,10 +9,10 @@ from pathlib import Path
 from mimics_app.app.picture.overlay_keys import toggle_overlay
 from mimics_app.app.settings import Profile
 from mimics_app.app.viewer.controls import ViewerControls
-from mimics_app.app.viewer.hand import Hand
 from mimics_app.app.viewer.page import draw_caption, draw_hint, draw_keys, draw_message
+from mimics_app.app.viewer.selection import Selection
 from mimics_app.app.viewer.shown import Shown, Up, open_shown
-from mimics_app.app.viewer.stage import ViewerStage
+from mimics_app.app.viewer.viewport import Viewport
 from mimics_app.contracts.clock import FRAME_NS, Clock, MonotonicClock
 from mimics_app.contracts.errors import MimicsError, SceneError
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
@@ -37,7 +37,7 @@ class ViewerSession:
         shown: What is shown first.
         size: Of the window [px].
         profile: Quality of a scene's picture.
-        camera: As `ViewerStage`.
+        camera: As `Viewport`.
         up: Of a mesh file, for reading it anew.
 
     Attributes:
@@ -50,9 +50,9 @@ class ViewerSession:
         self._clock: Clock = MonotonicClock()
         self._up = up
         self._surface = create_surface("window", size, f"{shown.title} - mimics")
-        self._stage = ViewerStage(self._surface, shown, profile, camera)
-        self._hand = Hand(shown)
-        self._controls = ViewerControls(self._stage, self._hand, self._commands())
+        self._viewport = Viewport(self._surface, shown, profile, camera)
+        self._selection = Selection(shown)
+        self._controls = ViewerControls(self._viewport, self._selection, self._commands())
         self._watcher = SceneWatcher(shown.files)
         self._keys_shown = self._left = self._alarm = self._marked = self._warned = False
         self._message, self._message_until_ns = "", 0
@@ -67,7 +67,7 @@ class ViewerSession:
         while not (self._surface.should_close or self._left):
             now = self._clock.now_ns()
             events = self._surface.poll()
-            toggle_overlay(self._stage.renderer, events)
+            toggle_overlay(self._viewport.renderer, events)
             self._controls.handle(events)
             self._controls.fly(min((now - before) / _NS, _LONGEST_STEP_S))
             before = now
@@ -75,8 +75,8 @@ class ViewerSession:
             if now - looked >= _LOOK_NS:
                 looked = now
                 self._look(now)
-            if self._controls.dirty or self._stage.renderer.shows("graph"):
-                self._controls.dirty, drawn, rested = False, now, not self._stage.in_software
+            if self._controls.dirty or self._viewport.renderer.shows("graph"):
+                self._controls.dirty, drawn, rested = False, now, not self._viewport.in_software
                 self._draw(smooth=rested)
             elif not rested and now - drawn > _REST_NS:
                 rested = True
@@ -88,18 +88,18 @@ class ViewerSession:
         return self
 
     def __exit__(self, *exception: object) -> None:
-        for name, node in self._hand.unsaved.items():
+        for name, node in self._selection.unsaved.items():
             sys.stderr.write(f"mimics: not saved: {name}, moved to {node.position.tolist()}\n")
-        self._stage.release()
+        self._viewport.release()
         self._surface.close()
 
     def _draw(self, *, smooth: bool) -> None:
-        """Draw a frame: with smooth edges, or quickly, while a picture drawn by the processor moves."""
-        shown, hud = self._stage.shown, self._stage.renderer.hud
+        """Draw a frame: with anti-aliasing, or quickly, while a picture drawn by the processor moves."""
+        shown, hud = self._viewport.shown, self._viewport.renderer.hud
         shown.world.update()
         hud.clear()
         lines = [shown.size]
-        if self._hand.chosen is not None:
+        if self._selection.chosen is not None:
             lines.append(self._describe_chosen())
         self._mark_chosen()
         draw_caption(hud, shown.title, lines, shown.notes)
@@ -107,31 +107,31 @@ class ViewerSession:
         draw_message(hud, self._message, alarm=self._alarm)
         if self._keys_shown:
             draw_keys(hud)
-        self._stage.draw(smooth=smooth)
+        self._viewport.draw(smooth=smooth)
         self._surface.swap()
 
     def _pass_time(self, seconds: float) -> None:
         """Let particles fly; a scene without them is drawn only when something else changes."""
-        effects = self._stage.shown.world.effects
+        effects = self._viewport.shown.world.effects
         effects.time = seconds
         self._controls.dirty = self._controls.dirty or bool(effects.emitters)
 
     def _mark_chosen(self) -> None:
         """Have a box drawn about what is chosen; there is no overlay before something is."""
-        if self._hand.chosen is not None:
+        if self._selection.chosen is not None:
             self._marked = True
-            overlay = self._stage.renderer.overlay
-            overlay.chosen = self._hand.chosen.index
-            overlay.handles = self._hand.handles(self._stage.eye.view(self._surface.size))
+            overlay = self._viewport.renderer.overlay
+            overlay.chosen = self._selection.chosen.index
+            overlay.handles = self._selection.handles(self._viewport.orbit.view(self._surface.size))
         elif self._marked:
-            self._stage.renderer.overlay.chosen = None
+            self._viewport.renderer.overlay.chosen = None
 
     def _describe_chosen(self) -> str:
-        node = self._hand.chosen
+        node = self._selection.chosen
         assert node is not None
         x, y, z = node.world_matrix()[:3, 3]
-        axis = "" if self._hand.axis is None else f", along {'xyz'[self._hand.axis]}"
-        unsaved = ", not saved (Ctrl + S)" if node.name in self._hand.unsaved else ""
+        axis = "" if self._selection.axis is None else f", along {'xyz'[self._selection.axis]}"
+        unsaved = ", not saved (Ctrl + S)" if node.name in self._selection.unsaved else ""
         return f"{node.name or 'a part'} at {x:.3f}, {y:.3f}, {z:.3f} m{axis}{unsaved}"
 
     def _commands(self) -> dict[str, Callable[[], object]]:
@@ -148,11 +148,11 @@ class ViewerSession:
         self._keys_shown = not self._keys_shown
 
     def _toggle_floor(self) -> None:
-        if self._stage.studio is not None:
-            self._stage.studio.toggle_floor()
+        if self._viewport.studio is not None:
+            self._viewport.studio.toggle_floor()
 
     def _toggle_lights(self) -> None:
-        studio = self._stage.studio
+        studio = self._viewport.studio
         if studio is None or not studio.has_own_lights:
             self._say("it has no lights of its own" if studio is not None else "the scene has its own light")
         else:
@@ -162,31 +162,31 @@ class ViewerSession:
         """Close what is open first: the page of keys, then what is chosen, then the window."""
         if self._keys_shown:
             self._keys_shown = False
-        elif self._hand.chosen is not None:
-            self._hand.chosen = None
-        elif self._hand.unsaved and not self._warned:
+        elif self._selection.chosen is not None:
+            self._selection.chosen = None
+        elif self._selection.unsaved and not self._warned:
             self._warned = True
-            self._say(f"not saved: {', '.join(self._hand.unsaved)}; Ctrl + S saves, Esc leaves", alarm=True)
+            self._say(f"not saved: {', '.join(self._selection.unsaved)}; Ctrl + S saves, Esc leaves", alarm=True)
         else:
             self._left = True
 
     def _take_picture(self) -> None:
-        """Keep the window's picture, with smooth edges and without the news of the one before."""
+        """Keep the window's picture, with anti-aliasing and without the news of the one before."""
         self._message = ""
         self._draw(smooth=True)
         number = 1
-        while (file := Path(f"{self._stage.shown.path.stem}_{number:03d}.png")).exists():
+        while (file := Path(f"{self._viewport.shown.path.stem}_{number:03d}.png")).exists():
             number += 1
         save_png(self._surface, file)
         self.pictures.append(file)
         self._say(f"picture: {file}")
 
     def _save(self) -> None:
-        if self._stage.shown.scene is None:
+        if self._viewport.shown.scene is None:
             self._say("a model is changed in its modeller; what is saved here are scene files", alarm=True)
             return
         try:
-            files = self._hand.save()
+            files = self._selection.save()
         except SceneError as error:
             self._say(str(error.issues[0]), alarm=True)
             return
@@ -200,13 +200,13 @@ class ViewerSession:
         """Take over changed files, and let old news go."""
         if self._message and now_ns > self._message_until_ns:
             self._message, self._controls.dirty = "", True
-        renderer = self._stage.renderer
+        renderer = self._viewport.renderer
         before = renderer.shaders_replaced
         for issue in renderer.reload_shaders():
             sys.stderr.write(f"mimics: {issue}\n")
             self._say(str(issue), alarm=True)
         self._controls.dirty = self._controls.dirty or renderer.shaders_replaced != before
-        if self._hand.holding or not self._watcher.changed():
+        if self._selection.holding or not self._watcher.changed():
             return
         try:
             self._take_over()
@@ -216,11 +216,11 @@ class ViewerSession:
 
     def _take_over(self) -> None:
         """Show the file as it is now; where that cannot be, the old picture stays."""
-        shown = self._stage.shown
+        shown = self._viewport.shown
         if shown.scene is None:
             fresh = open_shown(shown.path, self._up)
-            self._stage.show(fresh)
-            self._hand.show(fresh)
+            self._viewport.show(fresh)
+            self._selection.show(fresh)
         else:
             from mimics_app.app.viewer.resting import rest
             from mimics_app.world.scene.reload import reload_scene
@@ -228,7 +228,7 @@ class ViewerSession:
             shown.scene, _ = reload_scene(shown.world, shown.scene)
             rest(shown.scene, shown.world)
             shown.files, shown.notes = list(shown.scene.files), list(shown.scene.notes)
-        self._watcher.watch(self._stage.shown.files)
+        self._watcher.watch(self._viewport.shown.files)
 
     def _say(self, text: str, *, alarm: bool = False) -> None:
         self._message, self._alarm = text, alarm

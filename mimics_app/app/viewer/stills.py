@@ -12,7 +12,7 @@ from mimics_app.app.picture.video import draw_film
 from mimics_app.app.settings import Profile
 from mimics_app.app.viewer.page import draw_caption
 from mimics_app.app.viewer.shown import Shown
-from mimics_app.app.viewer.stage import ViewerStage
+from mimics_app.app.viewer.viewport import Viewport
 from mimics_app.rendering.visual.frame_set import FrameSet
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen, save_png
 from mimics_app.rendering.visual.surfaces.surface import Size
@@ -42,7 +42,7 @@ def draw_turntable(
         frames: How many, >= 1.
         backend: "auto", "egl", "osmesa" or "window".
         profile: Quality of a scene's picture.
-        camera: As `ViewerStage`.
+        camera: As `Viewport`.
         caption: True writes name and notes over the picture.
         video: File of a film (see `video.film_place`) instead of PNG files, or None.
 
@@ -52,34 +52,34 @@ def draw_turntable(
     """
     output.parent.mkdir(parents=True, exist_ok=True)
     surface = open_offscreen(backend, size)
-    stage = ViewerStage(surface, shown, profile, camera)
+    viewport = Viewport(surface, shown, profile, camera)
     if caption:
-        stage.renderer.hud.width = 720.0 * size[0] / size[1]
-        draw_caption(stage.renderer.hud, shown.title, [shown.size], shown.notes)
-    yaw = stage.eye.yaw
+        viewport.renderer.hud.width = 720.0 * size[0] / size[1]
+        draw_caption(viewport.renderer.hud, shown.title, [shown.size], shown.notes)
+    yaw = viewport.orbit.yaw
 
     def views(number: int) -> list[View]:
-        stage.eye.yaw = yaw + 2.0 * math.pi * number / frames
-        return stage.views()
+        viewport.orbit.yaw = yaw + 2.0 * math.pi * number / frames
+        return viewport.views()
 
-    stage.draw()
+    viewport.draw()
     surface.ctx.finish()
     if video is not None:
-        made = draw_film(stage.renderer, surface, frames, views, video)
+        made = draw_film(viewport.renderer, surface, frames, views, video)
     else:
-        made = _draw_files(stage, frames, views, output)
+        made = _draw_files(viewport, frames, views, output)
     drawn = Drawn.on(surface, made)
-    stage.release()
+    viewport.release()
     surface.close()
     return drawn
 
 
-def _draw_files(stage: ViewerStage, frames: int, views: Callable[[int], list[View]], output: Path) -> FrameSet:
+def _draw_files(viewport: Viewport, frames: int, views: Callable[[int], list[View]], output: Path) -> FrameSet:
     """One PNG file a frame: of one alone the very file that was asked for."""
     files, spent = [], []
     for number in range(frames):
-        spent.append(stage.renderer.draw_finished(views(number)).cpu_ms)
+        spent.append(viewport.renderer.draw_finished(views(number)).cpu_ms)
         file = output if frames == 1 else output.with_name(f"{output.stem}_{number:03d}{output.suffix}")
-        save_png(stage.surface, file)
+        save_png(viewport.surface, file)
         files.append(file)
     return FrameSet(files, median(spent))

@@ -18,7 +18,7 @@ from mimics_app.contracts.probe import shortest_us
 from mimics_app.lab.haptic.numbered import NumberedRival, register_numbered
 from mimics_app.lab.haptic.probe import reference_us
 from mimics_app.lab.haptic.touch_probe import RADIUS, STIFFNESS, ball_mesh, slide_way
-from mimics_app.rendering.haptic.kernels.objects.desk import DESK
+from mimics_app.rendering.haptic.kernels.objects.contact_scratch import CONTACT_SCRATCH
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
     ANYWHERE,
     closest_on_triangle,
@@ -62,25 +62,25 @@ def _hold_nearest(meshes: MeshTable, mesh: Any, p: Array, brute: bool, out: Arra
 
 @kernel
 def _slide_finger(
-    number: int, meshes: MeshTable, way: Array, desks: Any, memories: Any, vectors: Array, forces: Array
+    number: int, meshes: MeshTable, way: Array, scratches: Any, memories: Any, vectors: Array, forces: Array
 ) -> None:
-    desk, contact = desks[0], memories[0].contact
+    scratch, contact = scratches[0], memories[0].contact
     out, n = vectors[0], vectors[1]
     for tick in range(way.shape[0]):
         if number > 0:
             _hold_nearest(meshes, meshes.rows[0], way[tick], number == 2, out, n, forces[tick])
             continue
         for i in range(3):
-            desk.p[i] = way[tick, i]
-        probe_mesh(meshes, 0, desk, contact)
+            scratch.p[i] = way[tick, i]
+        probe_mesh(meshes, 0, scratch, contact)
         for i in range(3):
             forces[tick, i] = STIFFNESS * contact.depth * contact.normal[i]
 
 
 def _slide(number: int, meshes: MeshTable, way: Array) -> tuple[Array, Callable[[], None]]:
     forces, vectors = np.zeros_like(way), np.zeros((2, 3))
-    desks, memories = np.zeros(1, DESK), np.zeros(1, MEMORY)
-    return forces, lambda: _slide_finger(number, meshes, way, desks, memories, vectors, forces)
+    scratches, memories = np.zeros(1, CONTACT_SCRATCH), np.zeros(1, MEMORY)
+    return forces, lambda: _slide_finger(number, meshes, way, scratches, memories, vectors, forces)
 
 
 def false_slide(number: int) -> float:

@@ -1,4 +1,4 @@
-"""Rival ways to smooth edges, with the cost of a frame and how far edges are from what they should be.
+"""Rival methods of anti-aliasing, with the cost of a frame and how far edges are from what they should be.
 
 Importing this module registers them. Cost: a finished frame of 640 x 360 pixels of three hundred lit boxes. Error: a
 straight edge across 192 x 108 pixels at nine angles against the share of each pixel that it covers, root mean square
@@ -153,7 +153,7 @@ def _register(name: str, source: str, settings: RenderSettings, *, default: bool
 registry.describe(
     Group(
         name=GROUP,
-        what="smooth edges: a frame of 300 lit boxes, 640x360; error: share of cut pixels, edges at nine angles",
+        what="anti-aliasing: a frame of 300 lit boxes, 640x360; error: share of cut pixels, edges at nine angles",
         unit="px",
         work="",
         reference=reference_us,

@@ -1,7 +1,7 @@
-"""What glow and darkened corners cost, beside a picture without, and how much of the effect is missing.
+"""What bloom and ambient occlusion cost, beside a picture without, and how much of the effect is missing.
 
 Importing this module registers both groups. Cost: a finished frame of 640 x 360 pixels of a hall of pillars and lamps.
-Error, as a share of the effect: of glow the light that is lost or made when a lamp's is spread; of corners what is
+Error, as a share of the effect: of bloom the light that is lost or made when a lamp's is spread; of corners what is
 missing of the half that an endless wall takes from its foot. Without the effect all of it is missing.
 """
 
@@ -25,11 +25,11 @@ from mimics_app.world.materials.material import Material
 from mimics_app.world.meshes.primitives import box, cylinder, plane, sphere
 from mimics_app.world.world import World
 
-__all__ = ["CORNERS", "GLOW", "corner_error", "glow_error"]
+__all__ = ["BLOOM", "CORNERS", "bloom_error", "corner_error"]
 
 F8 = NDArray[np.float64]
 
-GLOW, CORNERS = "bloom", "ambient occlusion"
+BLOOM, CORNERS = "bloom", "ambient occlusion"
 
 _FRAME, _PROBE = (640, 360), (192, 108)
 _FRAMES = 3
@@ -67,7 +67,7 @@ def _light(picture: NDArray[np.uint8]) -> F8:
     return np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
 
 
-def glow_error(settings: RenderSettings) -> float:
+def bloom_error(settings: RenderSettings) -> float:
     """Light that a lit square loses or gains when it is spread, over what it has; 1 where nothing is spread."""
     if settings.bloom == 0.0:
         return 1.0
@@ -127,7 +127,7 @@ def _register(
 
 registry.describe(
     Group(
-        name=GLOW,
+        name=BLOOM,
         what="a frame of a hall with 12 lamps, 640x360; error: light lost or made by spreading it, 1 without",
         unit="of the effect",
         work="",
@@ -145,13 +145,13 @@ registry.describe(
         few="how many copies, or places, is compiled into the shader: there is the effect and its absence",
     )
 )
-_register(GLOW, "none", "light stays where it is seen", _PLAIN, glow_error, {"bloom": 0.0})
+_register(BLOOM, "none", "light stays where it is seen", _PLAIN, bloom_error, {"bloom": 0.0})
 _register(
-    GLOW,
+    BLOOM,
     "six copies",
     "a share of the light in six copies of half the size",
     replace(_PLAIN, bloom=_SHARE),
-    glow_error,
+    bloom_error,
     {},
 )
 _register(CORNERS, "none", "all of the sky arrives everywhere", _PLAIN, corner_error, {"ambient_occlusion": 0.0})

@@ -35,7 +35,6 @@ from mimics_app.contracts.object_rows import Rows
 from mimics_app.contracts.ring import push
 from mimics_app.contracts.session_memory import ControlWord
 from mimics_app.contracts.triple_buffer import acquire
-from mimics_app.rendering.haptic.announce import announce_events, announce_state
 from mimics_app.rendering.haptic.channels import CHANNELS, WORK, Channels, Work
 from mimics_app.rendering.haptic.histogram import count
 from mimics_app.rendering.haptic.kernels.safety import (
@@ -50,6 +49,7 @@ from mimics_app.rendering.haptic.kernels.stability import follow_period
 from mimics_app.rendering.haptic.kernels.tick import tick
 from mimics_app.rendering.haptic.kernels.vectors import rotate_back
 from mimics_app.rendering.haptic.objects import ROW_STACK, SIMULATE
+from mimics_app.rendering.haptic.publish import publish_events, publish_state
 
 __all__ = ["advance_ticks", "late_class", "replay_recorded", "run_live"]
 
@@ -153,8 +153,8 @@ def _run_tick(
     control[_HELD] += 1 if held != IN_TIME else 0
     control[_STALE] += state.stale
     control[_STOPS if is_stopped(state) else _HOLDS] += state.tripped
-    announce_state(channels, work, scene.objects, t_ns)
-    announce_events(channels, work, rows, scene.objects, t_ns)
+    publish_state(channels, work, scene.objects, t_ns)
+    publish_events(channels, work, rows, scene.objects, t_ns)
     return scene.late_stop_ns
 
 
@@ -325,8 +325,8 @@ def replay_recorded(
             work.command,
             out,
         )
-        announce_state(channels, work, scene.objects, (state.tick - 1) * period_ns)
-        announce_events(channels, work, rows, scene.objects, state.tick * period_ns)
+        publish_state(channels, work, scene.objects, (state.tick - 1) * period_ns)
+        publish_events(channels, work, rows, scene.objects, state.tick * period_ns)
         out.lateness_ns = 0.0
         out.duration_ns = 0.0
     return inputs.shape[0]

@@ -20,7 +20,7 @@ from mimics_app.contracts.haptic_objects import MAX_POINTS, MOTION, OBJECT_COUNT
 from mimics_app.contracts.loop_ports import FIELD_PARAMETERS, FIELDS
 from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
 from mimics_app.rendering.haptic.kernels.directions import MOST_TOUCHED, TOUCHED
-from mimics_app.rendering.haptic.kernels.objects.desk import BEFORE, BIRTH, DESK
+from mimics_app.rendering.haptic.kernels.objects.contact_scratch import BEFORE, BIRTH, CONTACT_SCRATCH
 from mimics_app.rendering.haptic.kernels.objects.effect_memory import EFFECT_MEMORY
 from mimics_app.rendering.haptic.kernels.objects.hand import HAND_LENGTH
 from mimics_app.rendering.haptic.kernels.objects.records import (
@@ -73,7 +73,7 @@ class ObjectWork(NamedTuple):
         paths: TUNNEL records by EFFECT.path, shape [paths]; filled before the loop starts.
         field_parameters: What a force field is given, shape [FIELD_PARAMETERS].
         field_vectors: Likewise place and velocity, and the force it gives, shape [3, 3].
-        desk: DESK, shape [1]: the point and the shape at hand.
+        contact_scratch: CONTACT_SCRATCH, shape [1]: the point and the shape at hand.
         memories: MEMORY of each point at each shape, shape [MAX_POINTS, shapes].
         births: BIRTH, shape [shapes].
         befores: BEFORE, shape [bodies].
@@ -115,7 +115,7 @@ class ObjectWork(NamedTuple):
     paths: Records
     field_parameters: NDArray[np.float64]
     field_vectors: NDArray[np.float64]
-    desk: Records
+    contact_scratch: Records
     memories: Records
     births: Records
     befores: Records
@@ -163,7 +163,7 @@ def new_object_work(capacities: ObjectCapacities, meshes: MeshTable | None = Non
         paths=np.zeros(capacities.paths, TUNNEL),
         field_parameters=np.zeros(FIELD_PARAMETERS),
         field_vectors=np.zeros((3, 3)),
-        desk=np.zeros(1, DESK),
+        contact_scratch=np.zeros(1, CONTACT_SCRATCH),
         memories=np.zeros((MAX_POINTS, shapes), MEMORY),
         births=np.zeros(shapes, BIRTH),
         befores=np.zeros(bodies, BEFORE),

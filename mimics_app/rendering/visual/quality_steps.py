@@ -36,7 +36,7 @@ class PictureStep:
 
 
 def quality_steps(renderer: Renderer) -> list[PictureStep]:
-    """The steps of a renderer, from what is missed least: glow first, shadows last.
+    """The steps of a renderer, from what is missed least: bloom first, shadows last.
 
     Each begins at the quality the renderer has now; one that it does without anyway is left out.
     """

@@ -35,7 +35,7 @@ class PictureTarget:
         self._most_samples = surface.ctx.max_samples
         self._bloom = BloomPass(surface.ctx, shaders, settings)
         self._edges = PictureFilter(surface.ctx, shaders, "post/edges.frag", steps=_EDGE_STEPS)
-        self._enlarge = PictureFilter(surface.ctx, shaders, "post/enlarge.frag")
+        self._enlarge = PictureFilter(surface.ctx, shaders, "post/resample.frag")
         self._made_for: object = None
         self._multisampled: moderngl.Framebuffer | None = None
         # The surface without depth: copying resolves every attachment both sides have, and depth is not wanted.

@@ -46,9 +46,7 @@ class VisualSettings(Component, frozen=True):
         float, Meta(ge=0, le=4, description="How much near surfaces take off each other's light from the sky; 0: none")
     ] = 0.0
     ambient_radius: Annotated[Length, Meta(description="Within which surfaces do so [m]")] = 0.3
-    bloom: Annotated[float, Meta(ge=0, le=1, description="Share of the light that glows about its source; 0: none")] = (
-        0.0
-    )
+    bloom: Annotated[float, Meta(ge=0, le=1, description="Share of the light that spreads around it; 0: none")] = 0.0
     shadow_size: Annotated[
         Annotated[int, Meta(ge=0, le=8192)] | Literal["auto"],
         Meta(description="Side of the shadow map [pixels]; 0: no shadows; auto: the planner (mimics explain)"),
@@ -102,7 +100,7 @@ class Tolerances(Component, frozen=True):
         _Limit | None, Meta(description="Pixels that may differ by what is left out or coarser, of all of them")
     ] = None
     effect_share: Annotated[
-        _Limit | None, Meta(description="What may be missing of glow or darker corners, of all of it; 1: both")
+        _Limit | None, Meta(description="What may be missing of bloom or ambient occlusion, of all of it; 1: both")
     ] = None
 
 

@@ -14,7 +14,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.rendering.visual.drawing.sealing import seal, unmatched_edges
+from mimics_app.rendering.visual.drawing.t_junctions import seal, unmatched_edges
 from mimics_app.rendering.visual.kernels.solid import find_best_box, grow_box, label_cells, mark_cells, winding_number
 from mimics_app.world.meshes.mesh import MeshData
 

@@ -34,8 +34,8 @@ class AmbientPass:
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, arena: MeshArena, frame: FrameBuffers) -> None:
         self._ctx = ctx
         self._arena, self._frame = arena, frame
-        self._find = ScreenPass(ctx, shaders, "ambient/openness.frag")
-        self._smooth = ScreenPass(ctx, shaders, "ambient/smooth.frag")
+        self._find = ScreenPass(ctx, shaders, "ambient/ssao.frag")
+        self._smooth = ScreenPass(ctx, shaders, "ambient/blur.frag")
         self._size: Size = (0, 0)
         self._depth: moderngl.Framebuffer | None = None
         self._found: list[moderngl.Framebuffer] = []

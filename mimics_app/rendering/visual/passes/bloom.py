@@ -41,9 +41,9 @@ class BloomPass:
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, settings: RenderSettings) -> None:
         self.settings = settings
         self._ctx = ctx
-        self._first = ScreenPass(ctx, shaders, "post/spread.frag", ("FROM_DISPLAY",))
-        self._spread = ScreenPass(ctx, shaders, "post/spread.frag")
-        self._gather = ScreenPass(ctx, shaders, "post/gather.frag")
+        self._first = ScreenPass(ctx, shaders, "post/downsample.frag", ("FROM_DISPLAY",))
+        self._spread = ScreenPass(ctx, shaders, "post/downsample.frag")
+        self._gather = ScreenPass(ctx, shaders, "post/upsample.frag")
         self._mix = ScreenPass(ctx, shaders, "post/bloom.frag")
         self._levels: dict[Size, list[moderngl.Framebuffer]] = {}
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.rendering.visual.drawing.sealing import unmatched_edges
+from mimics_app.rendering.visual.drawing.t_junctions import unmatched_edges
 from mimics_app.world.meshes.mesh import MeshData
 
 __all__ = ["VolumeSource", "extrude"]

@@ -13,7 +13,7 @@ from typing import Any
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths import quat
 from mimics_app.rendering.haptic.kernels.contact import forget
-from mimics_app.rendering.haptic.kernels.objects.desk import DISABLED, PLACED, TRACED
+from mimics_app.rendering.haptic.kernels.objects.contact_scratch import DISABLED, PLACED, TRACED
 from mimics_app.rendering.haptic.kernels.vectors import copy, rotate_back
 
 __all__ = ["follow_point", "forget_touch", "keep_poses", "notice_changes", "recall"]
@@ -54,37 +54,37 @@ def _keep_form(shape: Any, form: Any) -> None:
 
 
 @kernel
-def notice_changes(shapes: Any, motions: Any, counts: Any, desk: Any, births: Any, befores: Any) -> None:
+def notice_changes(shapes: Any, motions: Any, counts: Any, scratch: Any, births: Any, befores: Any) -> None:
     """Begin a tick: note which shapes are new, edited, or on a body that was put back to its start."""
-    desk.tick += 1
-    if counts.revision != desk.revision or desk.tick == 1:
-        desk.revision = counts.revision
+    scratch.tick += 1
+    if counts.revision != scratch.revision or scratch.tick == 1:
+        scratch.revision = counts.revision
         for i in range(counts.shapes):
             if not _same_form(shapes[i], births[i].form):
                 _keep_form(shapes[i], births[i].form)
-                births[i].tick = desk.tick
+                births[i].tick = scratch.tick
     for body in range(counts.bodies):
         if motions[body].spawn != befores[body].spawn:
             befores[body].spawn = motions[body].spawn
             for i in range(counts.shapes):
                 if shapes[i].body == body:
-                    births[i].tick = desk.tick
+                    births[i].tick = scratch.tick
 
 
 @kernel
-def follow_point(desk: Any, point: int, enabled: bool, dt: float) -> None:
-    """Whether the last place of the point at hand (desk.point) is where it came from."""
+def follow_point(scratch: Any, point: int, enabled: bool, dt: float) -> None:
+    """Whether the last place of the point at hand (scratch.point) is where it came from."""
     jump = 0.0
     for i in range(3):
-        desk.last[i] = desk.last_points[point, i]
-        desk.last_points[point, i] = desk.point[i]
-        jump += (desk.point[i] - desk.last[i]) ** 2
+        scratch.last[i] = scratch.last_points[point, i]
+        scratch.last_points[point, i] = scratch.point[i]
+        jump += (scratch.point[i] - scratch.last[i]) ** 2
     if not enabled:
-        desk.known[point] = DISABLED
-    elif desk.tick == 1 or desk.known[point] == DISABLED or not jump <= (_FASTEST * dt) ** 2:
-        desk.known[point] = PLACED
+        scratch.known[point] = DISABLED
+    elif scratch.tick == 1 or scratch.known[point] == DISABLED or not jump <= (_FASTEST * dt) ** 2:
+        scratch.known[point] = PLACED
     else:
-        desk.known[point] = TRACED
+        scratch.known[point] = TRACED
 
 
 @kernel
@@ -98,38 +98,38 @@ def keep_poses(motions: Any, bodies: int, befores: Any) -> None:
 
 
 @kernel
-def _last_place_on_body(desk: Any, shape: Any, before: Any) -> None:
-    """desk.c: where the point was in the shape's frame, from the last pose of its body [m]."""
+def _last_place_on_body(scratch: Any, shape: Any, before: Any) -> None:
+    """scratch.c: where the point was in the shape's frame, from the last pose of its body [m]."""
     for i in range(3):
-        desk.a[i] = desk.last[i] - before.position[i]
-    rotate_back(before.rotation, desk.a, desk.b)
+        scratch.a[i] = scratch.last[i] - before.position[i]
+    rotate_back(before.rotation, scratch.a, scratch.b)
     for i in range(3):
-        desk.b[i] -= shape.position[i]
-    quat.rotate_back(shape.orientation, desk.b, desk.c)
+        scratch.b[i] -= shape.position[i]
+    quat.rotate_back(shape.orientation, scratch.b, scratch.c)
 
 
 @kernel
-def recall(desk: Any, point: int, shape: Any, born: int, befores: Any, memory: Any) -> None:
+def recall(scratch: Any, point: int, shape: Any, born: int, befores: Any, memory: Any) -> None:
     """Make the memory of the point and shape at hand hold the last tick, or nothing where nothing is known of it.
 
     Args:
-        desk: DESK record with the point and the pose of the shape at hand.
+        scratch: CONTACT_SCRATCH record with the point and the pose of the shape at hand.
         point: Row of the point.
         shape: SHAPE row at hand.
         born: Tick in which it became what it is.
         befores: Bodies at the last tick.
         memory: MEMORY of the two, updated.
     """
-    traced = desk.known[point] == TRACED and born != desk.tick
-    if not traced or memory.tick != desk.tick - 1:
+    traced = scratch.known[point] == TRACED and born != scratch.tick
+    if not traced or memory.tick != scratch.tick - 1:
         forget_touch(memory)
         if traced:
             if shape.body < 0:
                 for i in range(3):
-                    desk.a[i] = desk.last[i] - desk.position[i]
-                rotate_back(desk.rotation, desk.a, desk.c)
+                    scratch.a[i] = scratch.last[i] - scratch.position[i]
+                rotate_back(scratch.rotation, scratch.a, scratch.c)
             else:
-                _last_place_on_body(desk, shape, befores[shape.body])
-            copy(desk.c, memory.contact.previous)
+                _last_place_on_body(scratch, shape, befores[shape.body])
+            copy(scratch.c, memory.contact.previous)
             memory.contact.known = 1
-    memory.tick = desk.tick
+    memory.tick = scratch.tick

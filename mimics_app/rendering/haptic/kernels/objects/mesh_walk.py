@@ -99,77 +99,77 @@ def _is_rim(meshes: Any, t: int, region: int) -> bool:
 
 
 @kernel
-def _entered(meshes: Any, mesh: Any, desk: Any, contact: Any) -> int:
+def _entered(meshes: Any, mesh: Any, scratch: Any, contact: Any) -> int:
     """The triangle by which the point comes in, or which its ball touches; -1: it does not."""
     vertices, corners, boxes = meshes.vertices, meshes.corners, meshes.boxes
     if contact.known == 1:
-        t = first_crossing(mesh, vertices, corners, boxes, contact.previous, desk.p, desk.a)
+        t = first_crossing(mesh, vertices, corners, boxes, contact.previous, scratch.p, scratch.a)
         if t >= 0:
             return t
     elif mesh.closed == 1:
-        t = closest_triangle(mesh, vertices, corners, boxes, desk.p, math.inf, ANYWHERE, desk.a)
-        if t >= 0 and _distance_behind(meshes, t, desk) > 0.0:
+        t = closest_triangle(mesh, vertices, corners, boxes, scratch.p, math.inf, ANYWHERE, scratch.a)
+        if t >= 0 and _distance_behind(meshes, t, scratch) > 0.0:
             return t
-    if desk.radius > 0.0:
-        t = closest_triangle(mesh, vertices, corners, boxes, desk.p, desk.radius, ANYWHERE, desk.a)
-        if t >= 0 and _distance_behind(meshes, t, desk) <= 0.0:
+    if scratch.radius > 0.0:
+        t = closest_triangle(mesh, vertices, corners, boxes, scratch.p, scratch.radius, ANYWHERE, scratch.a)
+        if t >= 0 and _distance_behind(meshes, t, scratch) <= 0.0:
             return t
     return -1
 
 
 @kernel
-def _distance_behind(meshes: Any, t: int, desk: Any) -> float:
-    """How far [m] the point is behind a triangle's plane; desk.c becomes the plane's unit normal."""
-    size = triangle_normal(meshes.vertices, meshes.corners, t, desk.c)
+def _distance_behind(meshes: Any, t: int, scratch: Any) -> float:
+    """How far [m] the point is behind a triangle's plane; scratch.c becomes the plane's unit normal."""
+    size = triangle_normal(meshes.vertices, meshes.corners, t, scratch.c)
     first = meshes.corners[t, 0]
     behind = 0.0
     for i in range(3):
-        desk.c[i] /= size
-        behind -= desk.c[i] * (desk.p[i] - meshes.vertices[first, i])
+        scratch.c[i] /= size
+        behind -= scratch.c[i] * (scratch.p[i] - meshes.vertices[first, i])
     return behind
 
 
 @kernel
-def _rest(meshes: Any, desk: Any, t: int, region: int, contact: Any) -> None:
-    """Depth and normal from the point to its stand-in desk.a on triangle t."""
-    behind = _distance_behind(meshes, t, desk)
-    distance = math.sqrt(_square(desk.p, desk.a))
+def _rest(meshes: Any, scratch: Any, t: int, region: int, contact: Any) -> None:
+    """Depth and normal from the point to its stand-in scratch.a on triangle t."""
+    behind = _distance_behind(meshes, t, scratch)
+    distance = math.sqrt(_square(scratch.p, scratch.a))
     if behind > 0.0:
-        contact.depth = 0.0 if _is_rim(meshes, t, region) else distance + desk.radius
+        contact.depth = 0.0 if _is_rim(meshes, t, region) else distance + scratch.radius
     else:
-        contact.depth = desk.radius - distance
+        contact.depth = scratch.radius - distance
     if not contact.depth > 0.0:
         contact.depth = 0.0
         return
     for i in range(3):
-        n = desk.c[i]
+        n = scratch.c[i]
         if region != INSIDE and distance > _TOUCHING:
-            n = (desk.a[i] - desk.p[i]) / distance if behind > 0.0 else (desk.p[i] - desk.a[i]) / distance
+            n = (scratch.a[i] - scratch.p[i]) / distance if behind > 0.0 else (scratch.p[i] - scratch.a[i]) / distance
         contact.normal[i] = n
     contact.feature = t + 1
 
 
 @kernel
-def probe_mesh(meshes: Any, row: int, desk: Any, contact: Any) -> None:
+def probe_mesh(meshes: Any, row: int, scratch: Any, contact: Any) -> None:
     """Depth and normal of the point at hand at a mesh.
 
     Args:
         meshes: MeshTable.
         row: Of the mesh.
-        desk: DESK record: p, radius; scratch is used.
+        scratch: CONTACT_SCRATCH record: p, radius; scratch is used.
         contact: Record of `CONTACT`, updated; its feature is 1 + the triangle the stand-in is on.
     """
     mesh = meshes.rows[row]
     start = contact.feature - 1 if contact.inside == 1 else -1
-    if start >= 0 and desk.radius > 0.0 and _distance_behind(meshes, start, desk) <= 0.0:
+    if start >= 0 and scratch.radius > 0.0 and _distance_behind(meshes, start, scratch) <= 0.0:
         start = -1
     if start < 0:
-        start = _entered(meshes, mesh, desk, contact)
+        start = _entered(meshes, mesh, scratch, contact)
     contact.depth = 0.0
     contact.feature = 0
     if start >= 0:
-        t, region = _walk(meshes, start, desk.p, desk.a, desk.b)
-        _rest(meshes, desk, t, region, contact)
+        t, region = _walk(meshes, start, scratch.p, scratch.a, scratch.b)
+        _rest(meshes, scratch, t, region, contact)
     contact.inside = contact.depth > 0.0
-    copy(desk.p, contact.previous)
+    copy(scratch.p, contact.previous)
     contact.known = 1

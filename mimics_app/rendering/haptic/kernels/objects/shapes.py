@@ -20,19 +20,19 @@ _CAPSULE = int(ShapeKind.CAPSULE)
 
 
 @kernel
-def probe_shape(shape: Any, desk: Any, contact: Any) -> None:
+def probe_shape(shape: Any, scratch: Any, contact: Any) -> None:
     """Find depth and normal of the point at hand in any analytic shape.
 
     Args:
         shape: SHAPE row at hand.
-        desk: DESK record: p, v, radius; scratch is used.
+        scratch: CONTACT_SCRATCH record: p, v, radius; scratch is used.
         contact: Record of `CONTACT`, updated; depth 0 outside.
     """
-    p, v, radius = desk.p, desk.v, desk.radius
+    p, v, radius = scratch.p, scratch.v, scratch.radius
     if shape.kind == _SPHERE:
         sphere(p, v, shape.size[0] + radius, contact)
     elif shape.kind == _BOX:
-        core = desk.a
+        core = scratch.a
         for i in range(3):
             core[i] = shape.size[i] - 2.0 * shape.rounding
         box(p, v, core, shape.rounding + radius, contact)
@@ -40,7 +40,7 @@ def probe_shape(shape: Any, desk: Any, contact: Any) -> None:
         core_length = shape.size[1] - 2.0 * shape.rounding
         cylinder(p, v, shape.size[0] - shape.rounding, core_length, shape.rounding + radius, contact)
     elif shape.kind == _CAPSULE:
-        capsule(p, v, shape.size[0] + radius, shape.size[1], desk.a, desk.b, contact)
+        capsule(p, v, shape.size[0] + radius, shape.size[1], scratch.a, scratch.b, contact)
     elif shape.kind == _WALL:
         p[2] -= radius
         wall(p, contact)

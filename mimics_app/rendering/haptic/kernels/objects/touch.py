@@ -27,119 +27,119 @@ _TORQUE_ON_OBJECT = int(BodyFlag.TORQUE_ON_OBJECT)
 
 
 @kernel
-def _take_point(desk: Any, point: int, rows: Any, work: Any) -> None:
-    """Put a point on the desk."""
+def _take_point(scratch: Any, point: int, rows: Any, work: Any) -> None:
+    """Put a point in the scratch."""
     for i in range(3):
-        desk.felt[i] = 0.0
-        desk.point[i] = work.point_positions[point, i]
-        desk.point_velocity[i] = work.point_velocities[point, i]
-    desk.radius = rows.points[point].radius
+        scratch.felt[i] = 0.0
+        scratch.point[i] = work.point_positions[point, i]
+        scratch.point_velocity[i] = work.point_velocities[point, i]
+    scratch.radius = rows.points[point].radius
 
 
 @kernel
-def _take_motion(desk: Any, motion: Any) -> None:
-    """Let the shape on the desk move with its body: velocity of its origin, and spin."""
-    copy(motion.omega, desk.spin)
-    spin = desk.spin
-    x = desk.position[0] - motion.centre[0]
-    y = desk.position[1] - motion.centre[1]
-    z = desk.position[2] - motion.centre[2]
-    desk.drift[0] = motion.velocity[0] + spin[1] * z - spin[2] * y
-    desk.drift[1] = motion.velocity[1] + spin[2] * x - spin[0] * z
-    desk.drift[2] = motion.velocity[2] + spin[0] * y - spin[1] * x
+def _take_motion(scratch: Any, motion: Any) -> None:
+    """Let the shape in the scratch move with its body: velocity of its origin, and spin."""
+    copy(motion.omega, scratch.spin)
+    spin = scratch.spin
+    x = scratch.position[0] - motion.centre[0]
+    y = scratch.position[1] - motion.centre[1]
+    z = scratch.position[2] - motion.centre[2]
+    scratch.drift[0] = motion.velocity[0] + spin[1] * z - spin[2] * y
+    scratch.drift[1] = motion.velocity[1] + spin[2] * x - spin[0] * z
+    scratch.drift[2] = motion.velocity[2] + spin[0] * y - spin[1] * x
 
 
 @kernel
-def _take_shape(desk: Any, row: int, body: int, work: Any) -> None:
-    """Put the pose of a shape on the desk, and the motion of its body."""
+def _take_shape(scratch: Any, row: int, body: int, work: Any) -> None:
+    """Put the pose of a shape in the scratch, and the motion of its body."""
     for i in range(3):
-        desk.position[i] = work.shape_positions[row, i]
-        desk.drift[i] = 0.0
-        desk.spin[i] = 0.0
+        scratch.position[i] = work.shape_positions[row, i]
+        scratch.drift[i] = 0.0
+        scratch.spin[i] = 0.0
         for j in range(3):
-            desk.rotation[i, j] = work.shape_rotations[row, i, j]
+            scratch.rotation[i, j] = work.shape_rotations[row, i, j]
     if body >= 0:
-        _take_motion(desk, work.motions[body])
+        _take_motion(scratch, work.motions[body])
 
 
 @kernel
-def _look(desk: Any) -> None:
+def _look(scratch: Any) -> None:
     """Place and velocity of the point in the frame of the shape, (8)."""
     to_object(
-        desk.rotation,
-        desk.position,
-        desk.drift,
-        desk.spin,
-        desk.point,
-        desk.point_velocity,
-        desk.p,
-        desk.v,
+        scratch.rotation,
+        scratch.position,
+        scratch.drift,
+        scratch.spin,
+        scratch.point,
+        scratch.point_velocity,
+        scratch.p,
+        scratch.v,
     )
 
 
 @kernel
-def _feel(desk: Any, shape: Any, memory: Any, meshes: Any) -> bool:
+def _feel(scratch: Any, shape: Any, memory: Any, meshes: Any) -> bool:
     """Depth of the point in the shape, and its rate; False while they do not touch."""
     contact = memory.contact
     if shape.kind == _MESH:
-        probe_mesh(meshes, shape.mesh, desk, contact)
+        probe_mesh(meshes, shape.mesh, scratch, contact)
     else:
-        probe_shape(shape, desk, contact)
+        probe_shape(shape, scratch, contact)
     if contact.depth > 0.0:
-        lower_by_ripple(shape, desk.p, contact, desk.slope)
+        lower_by_ripple(shape, scratch.p, contact, scratch.slope)
     if not contact.depth > 0.0:
         memory.touching = 0
         return False
-    desk.rate = 0.0
+    scratch.rate = 0.0
     for i in range(3):
-        desk.rate -= desk.v[i] * (contact.normal[i] - desk.slope[i])
+        scratch.rate -= scratch.v[i] * (contact.normal[i] - scratch.slope[i])
     return True
 
 
 @kernel
-def _press(desk: Any, shape: Any, memory: Any, depth: float) -> bool:
+def _press(scratch: Any, shape: Any, memory: Any, depth: float) -> bool:
     """Force of the contact at hand on the user, its normal, stiffness and damping; False when it is not finite."""
     n = memory.contact.normal
-    push, desk.stiffness, desk.damping = normal_force(shape, depth, desk.rate)
-    touched, force = desk.a, desk.b
+    push, scratch.stiffness, scratch.damping = normal_force(shape, depth, scratch.rate)
+    touched, force = scratch.a, scratch.b
     for i in range(3):
-        touched[i] = desk.p[i] - desk.radius * n[i]
-    rub(shape, touched, desk.v, n, push, desk.damping, memory, force)
-    desk.hold = anchor_stiffness(shape) if memory.sticking == 1 else 0.0
+        touched[i] = scratch.p[i] - scratch.radius * n[i]
+    rub(shape, touched, scratch.v, n, push, scratch.damping, memory, force)
+    scratch.hold = anchor_stiffness(shape) if memory.sticking == 1 else 0.0
     for i in range(3):
-        force[i] += push * (n[i] - desk.slope[i])
-    rotate(desk.rotation, force, desk.force)
-    rotate(desk.rotation, n, desk.normal)
+        force[i] += push * (n[i] - scratch.slope[i])
+    rotate(scratch.rotation, force, scratch.force)
+    rotate(scratch.rotation, n, scratch.normal)
     # A clamp hides what is not a number, hence all that goes into it is asked too.
-    total = desk.force[0] + desk.force[1] + desk.force[2] + desk.stiffness + desk.damping + desk.rate
+    total = scratch.force[0] + scratch.force[1] + scratch.force[2] + scratch.stiffness + scratch.damping + scratch.rate
     return math.isfinite(total)
 
 
 @kernel
-def _count(desk: Any, totals: Any, touched: Any, row: int, direction: Any, depth: float, is_static: bool) -> None:
+def _count(scratch: Any, totals: Any, touched: Any, row: int, direction: Any, depth: float, is_static: bool) -> None:
     """Add the contact at hand to the results of the point and of the tick, and to the list of contacts."""
     totals.touching += 1
     totals.static_touching += 1 if is_static else 0
-    totals.stiffness += desk.stiffness
+    totals.stiffness += scratch.stiffness
     if totals.listed < MOST_TOUCHED:
-        note_contact(touched[totals.listed], row, direction, desk.stiffness, desk.damping, desk.hold)
+        note_contact(touched[totals.listed], row, direction, scratch.stiffness, scratch.damping, scratch.hold)
         totals.listed += 1
     else:
-        totals.even_stiffness += max(desk.stiffness, desk.hold)
+        totals.even_stiffness += max(scratch.stiffness, scratch.hold)
     for i in range(3):
-        totals.shape_force[i] += desk.force[i]
-        desk.felt[i] += desk.force[i]
+        totals.shape_force[i] += scratch.force[i]
+        scratch.felt[i] += scratch.force[i]
     if depth > totals.depth:
         totals.depth = depth
         totals.shape = row
-        totals.approach_speed = desk.rate
-        copy(desk.normal, totals.normal)
+        totals.approach_speed = scratch.rate
+        copy(scratch.normal, totals.normal)
 
 
 @kernel
-def _react(desk: Any, motion: Any, flags: int) -> None:
+def _react(scratch: Any, motion: Any, flags: int) -> None:
     """The opposite of the force at hand on the shape's body, at the touched point, as its flags allow."""
-    force = desk.force
+    force = scratch.force
     motion.touched = 1
     for i in range(3):
         motion.force_user[i] += force[i]
@@ -147,44 +147,46 @@ def _react(desk: Any, motion: Any, flags: int) -> None:
             motion.force[i] -= force[i]
     if not flags & _TORQUE_ON_OBJECT:
         return
-    x = desk.point[0] - desk.radius * desk.normal[0] - motion.centre[0]
-    y = desk.point[1] - desk.radius * desk.normal[1] - motion.centre[1]
-    z = desk.point[2] - desk.radius * desk.normal[2] - motion.centre[2]
+    x = scratch.point[0] - scratch.radius * scratch.normal[0] - motion.centre[0]
+    y = scratch.point[1] - scratch.radius * scratch.normal[1] - motion.centre[1]
+    z = scratch.point[2] - scratch.radius * scratch.normal[2] - motion.centre[2]
     motion.torque[0] -= y * force[2] - z * force[1]
     motion.torque[1] -= z * force[0] - x * force[2]
     motion.torque[2] -= x * force[1] - y * force[0]
 
 
 @kernel
-def _note_wall(desk: Any, wall: Any, row: int, contact: Any) -> None:
+def _note_wall(scratch: Any, wall: Any, row: int, contact: Any) -> None:
     """Keep what pressing a wall needs until all walls of the point are known."""
     wall.row = row
     wall.depth = contact.depth
-    wall.rate = desk.rate
-    rotate(desk.rotation, contact.normal, wall.normal)
+    wall.rate = scratch.rate
+    rotate(scratch.rotation, contact.normal, wall.normal)
     copy(wall.normal, wall.direction)
-    copy(desk.slope, wall.slope)
+    copy(scratch.slope, wall.slope)
 
 
 @kernel
-def _settle(desk: Any, shape: Any, row: int, memory: Any, depth: float, direction: Any, rows: Any, work: Any) -> None:
-    """Press the shape at hand and hand the force to all whom it concerns; stiff it is along `direction`."""
+def _settle(
+    scratch: Any, shape: Any, row: int, memory: Any, depth: float, direction: Any, rows: Any, work: Any
+) -> None:
+    """Press the shape at hand, add its force to all sums it belongs to; it is stiff along `direction`."""
     totals = work.totals[0]
-    if not _press(desk, shape, memory, depth):
+    if not _press(scratch, shape, memory, depth):
         forget(memory.contact)
         memory.touching = 0
         totals.status = 1
         return
-    _count(desk, totals, work.touched, row, direction, depth, shape.body < 0)
+    _count(scratch, totals, work.touched, row, direction, depth, shape.body < 0)
     if shape.body >= 0:
-        _react(desk, work.motions[shape.body], rows.bodies[shape.body].flags)
+        _react(scratch, work.motions[shape.body], rows.bodies[shape.body].flags)
 
 
 @kernel
-def _settle_walls(desk: Any, point: int, met: int, rows: Any, work: Any) -> None:
+def _settle_walls(scratch: Any, point: int, met: int, rows: Any, work: Any) -> None:
     """Press the walls that the point at hand met, their corner shared out."""
     walls = work.walls
-    if share_corner(walls, met, desk.a, desk.b, desk.c):
+    if share_corner(walls, met, scratch.a, scratch.b, scratch.c):
         part_walls(walls, met)
     for k in range(met):
         row = walls[k].row
@@ -192,32 +194,32 @@ def _settle_walls(desk: Any, point: int, met: int, rows: Any, work: Any) -> None
         if walls[k].depth <= 0.0:
             memory.touching = 0
             continue
-        _take_shape(desk, row, shape.body, work)
-        _look(desk)
-        copy(walls[k].slope, desk.slope)
-        desk.rate = walls[k].rate
-        _settle(desk, shape, row, memory, walls[k].depth, walls[k].direction, rows, work)
+        _take_shape(scratch, row, shape.body, work)
+        _look(scratch)
+        copy(walls[k].slope, scratch.slope)
+        scratch.rate = walls[k].rate
+        _settle(scratch, shape, row, memory, walls[k].depth, walls[k].direction, rows, work)
 
 
 @kernel
-def _touch_near(desk: Any, point: int, found: int, rows: Any, work: Any) -> None:
+def _touch_near(scratch: Any, point: int, found: int, rows: Any, work: Any) -> None:
     """Press every shape that the point at hand is in, of those found near it."""
     met = 0
     for k in range(found):
         row = work.near[k]
         shape, memory = rows.shapes[row], work.memories[point, row]
-        _take_shape(desk, row, shape.body, work)
-        recall(desk, point, shape, work.births[row].tick, work.befores, memory)
-        _look(desk)
-        if not _feel(desk, shape, memory, work.meshes):
+        _take_shape(scratch, row, shape.body, work)
+        recall(scratch, point, shape, work.births[row].tick, work.befores, memory)
+        _look(scratch)
+        if not _feel(scratch, shape, memory, work.meshes):
             continue
         if shape.kind == _WALL and met < MOST_WALLS:
-            _note_wall(desk, work.walls[met], row, memory.contact)
+            _note_wall(scratch, work.walls[met], row, memory.contact)
             met += 1
         else:
-            _settle(desk, shape, row, memory, memory.contact.depth, desk.normal, rows, work)
+            _settle(scratch, shape, row, memory, memory.contact.depth, scratch.normal, rows, work)
     if met > 0:
-        _settle_walls(desk, point, met, rows, work)
+        _settle_walls(scratch, point, met, rows, work)
 
 
 @kernel
@@ -235,17 +237,17 @@ def touch_points(rows: Any, work: Any, counts: Any, dt: float) -> None:
     """
     if counts.shapes == 0:
         return
-    desk = work.desk[0]
-    notice_changes(rows.shapes, work.motions, counts, desk, work.births, work.befores)
+    scratch = work.contact_scratch[0]
+    notice_changes(rows.shapes, work.motions, counts, scratch, work.births, work.befores)
     for point in range(counts.points):
         is_enabled = rows.points[point].enabled != 0
-        _take_point(desk, point, rows, work)
-        follow_point(desk, point, is_enabled, dt)
+        _take_point(scratch, point, rows, work)
+        follow_point(scratch, point, is_enabled, dt)
         if not is_enabled:
             continue
-        found = find_near(work.bounds, counts.shapes, desk.point, desk.radius, work.near)
+        found = find_near(work.bounds, counts.shapes, scratch.point, scratch.radius, work.near)
         if found > 0:
-            _touch_near(desk, point, found, rows, work)
+            _touch_near(scratch, point, found, rows, work)
         for i in range(3):
-            work.point_forces[point, i] += desk.felt[i]
+            work.point_forces[point, i] += scratch.felt[i]
     keep_poses(work.motions, counts.bodies, work.befores)

@@ -1,4 +1,4 @@
-"""The eye of the viewer: it goes round a point, nearer and farther, sideways, or flies."""
+"""Orbit camera of the viewer: it goes round a point, nearer and farther, sideways, or flies."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.camera import Camera
 from mimics_app.world.extent import Extent
 
-__all__ = ["ViewerEye"]
+__all__ = ["OrbitCamera"]
 
 F8 = NDArray[np.float64]
 
@@ -32,7 +32,7 @@ _LOOKED_DOWN, _LOOKED_ASIDE = math.radians(20.0), math.radians(32.0)
 """From where a model is first seen."""
 
 
-class ViewerEye:
+class OrbitCamera:
     """Looks at a target from a distance; +y is up.
 
     Attributes:

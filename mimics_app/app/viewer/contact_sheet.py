@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from mimics_app.app.viewer.page import draw_caption, draw_reason
 from mimics_app.app.viewer.shown import MODEL_SUFFIXES, Shown, open_shown
-from mimics_app.app.viewer.stage import ViewerStage
+from mimics_app.app.viewer.viewport import Viewport
 from mimics_app.contracts.errors import Issue, SceneError, UsageError
 from mimics_app.rendering.visual.displays.desktop import compute_tangents
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT
@@ -41,7 +41,7 @@ _MOST_NOTES = 3
 _SCALE = 1.8
 """Of the letters on a tile."""
 _RAISED, _BACK = 0.11, -1.9
-"""How far a model is lifted above its caption, in tiles, and the eye taken back, in steps of the wheel."""
+"""How far a model is lifted above its caption, in tiles, and the camera moved back, in steps of the wheel."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +130,7 @@ class _Press:
 
     def __init__(self, surface: Surface) -> None:
         self._surface = surface
-        self._stage: ViewerStage | None = None
+        self._viewport: Viewport | None = None
         wall = World()
         wall.environment = Sky(_WALL, _WALL, _WALL, 0.0)
         self._wall = Renderer(surface, wall, RenderSettings(msaa=0, shadow_size=0, fog_density=0.0))
@@ -147,30 +147,30 @@ class _Press:
             nothing = [Issue(str(file), "", f"nothing to see: {why}")]
             self._print_reason(file.name, "nothing to see", [Issue("", "", why)])
             return Tile(file, nothing, empty=True)
-        stage = self._put_on(shown)
-        stage.eye.yaw += turn
-        stage.eye.pan(0.0, _RAISED * TILE[1], TILE[1])
-        stage.eye.zoom(_BACK)
-        hud = stage.renderer.hud
+        viewport = self._put_on(shown)
+        viewport.orbit.yaw += turn
+        viewport.orbit.pan(0.0, _RAISED * TILE[1], TILE[1])
+        viewport.orbit.zoom(_BACK)
+        hud = viewport.renderer.hud
         hud.clear()
         hud.width = CANVAS_HEIGHT * TILE[0] / TILE[1]
         draw_caption(hud, file.name, [shown.size], shown.notes[:1], scale=_SCALE)
-        stage.draw_finished()
+        viewport.draw_finished()
         return Tile(file, [])
 
     def release(self) -> None:
         """Free everything but the surface."""
         self._wall.release()
-        if self._stage is not None:
-            self._stage.release()
+        if self._viewport is not None:
+            self._viewport.release()
 
-    def _put_on(self, shown: Shown) -> ViewerStage:
-        if self._stage is None:
-            self._stage = ViewerStage(self._surface, shown)
+    def _put_on(self, shown: Shown) -> Viewport:
+        if self._viewport is None:
+            self._viewport = Viewport(self._surface, shown)
         else:
-            self._stage.show(shown)
-            self._stage.reset()
-        return self._stage
+            self._viewport.show(shown)
+            self._viewport.reset()
+        return self._viewport
 
     def _print_reason(self, name: str, verdict: str, issues: Sequence[Issue]) -> None:
         hud = self._wall.hud

@@ -14,7 +14,7 @@ from mimics_app.rendering.haptic.kernels.rows import write_snapshot
 from mimics_app.rendering.haptic.kernels.state import CONTACT_BEGAN, CONTACT_ENDED
 from mimics_app.rendering.haptic.kernels.vectors import norm
 
-__all__ = ["announce_events", "announce_state"]
+__all__ = ["publish_events", "publish_state"]
 
 _CONTACT_BEGIN = int(EventKind.CONTACT_BEGIN)
 _CONTACT_END = int(EventKind.CONTACT_END)
@@ -30,7 +30,7 @@ _QUARANTINE = int(EventKind.QUARANTINE)
 
 
 @kernel
-def announce_state(channels: Channels, work: Work, counts: Any, t_ns: int) -> None:
+def publish_state(channels: Channels, work: Work, counts: Any, t_ns: int) -> None:
     """Offer the newest state and poses to main and audio.
 
     Args:
@@ -71,7 +71,7 @@ def _tell(outlets: _Outlets, kind: int, force: float) -> None:
 
 
 @kernel
-def announce_events(channels: Channels, work: Work, rows: Any, counts: Any, t_ns: int) -> None:
+def publish_events(channels: Channels, work: Work, rows: Any, counts: Any, t_ns: int) -> None:
     """Events of this tick, in the order parameters, state, trip, margin, cap, old data, contacts, impact, losses."""
     outlets = _Outlets(
         work.event,
@@ -83,13 +83,13 @@ def announce_events(channels: Channels, work: Work, rows: Any, counts: Any, t_ns
         channels.recorder_events,
     )
     state = work.state[0]
-    _announce_tick(outlets, state, t_ns)
+    _publish_tick(outlets, state, t_ns)
     totals = work.objects.totals[0]
     if counts.shapes > 0:
-        _announce_touches(outlets, state, totals, work.objects.touches, rows.shapes, counts.bodies, t_ns)
-        _announce_impact(outlets, state, totals, t_ns)
+        _publish_touches(outlets, state, totals, work.objects.touches, rows.shapes, counts.bodies, t_ns)
+        _publish_impact(outlets, state, totals, t_ns)
     if counts.shapes + counts.effects > 0:
-        _announce_losses(outlets, state, totals, t_ns)
+        _publish_losses(outlets, state, totals, t_ns)
 
 
 @kernel
@@ -103,7 +103,7 @@ def _begin(event: Any, state: Any, t_ns: int, body_a: int, body_b: int) -> None:
 
 
 @kernel
-def _announce_monitor(outlets: _Outlets, state: Any) -> None:
+def _publish_monitor(outlets: _Outlets, state: Any) -> None:
     """What the monitors of stability and of the device's data have to tell."""
     if state.margin_lost == 1:
         _tell(outlets, _MARGIN, state.margin)
@@ -114,7 +114,7 @@ def _announce_monitor(outlets: _Outlets, state: Any) -> None:
 
 
 @kernel
-def _announce_tick(outlets: _Outlets, state: Any, t_ns: int) -> None:
+def _publish_tick(outlets: _Outlets, state: Any, t_ns: int) -> None:
     news = state.parameters_taken + state.state_changed + state.tripped + state.contact_change
     if news + state.margin_lost + state.cap_began + state.stale_began == 0:
         return
@@ -132,7 +132,7 @@ def _announce_tick(outlets: _Outlets, state: Any, t_ns: int) -> None:
         _tell(outlets, _STATE, float(state.safety))
     if state.tripped == 1:
         _tell(outlets, _TRIP, float(state.cause))
-    _announce_monitor(outlets, state)
+    _publish_monitor(outlets, state)
     if state.contact_change == CONTACT_BEGAN:
         _tell(outlets, _CONTACT_BEGIN, norm(state.f_user_world))
     elif state.contact_change == CONTACT_ENDED:
@@ -140,7 +140,7 @@ def _announce_tick(outlets: _Outlets, state: Any, t_ns: int) -> None:
 
 
 @kernel
-def _announce_touches(
+def _publish_touches(
     outlets: _Outlets, state: Any, totals: Any, touches: Any, shapes: Any, bodies: int, t_ns: int
 ) -> None:
     """Contacts of the hand with the static scene (partner 0) and with bodies."""
@@ -161,7 +161,7 @@ def _announce_touches(
 
 
 @kernel
-def _announce_impact(outlets: _Outlets, state: Any, totals: Any, t_ns: int) -> None:
+def _publish_impact(outlets: _Outlets, state: Any, totals: Any, t_ns: int) -> None:
     """The hardest contact between bodies that began in this tick."""
     if totals.impact <= 0.0:
         return
@@ -178,7 +178,7 @@ def _announce_impact(outlets: _Outlets, state: Any, totals: Any, t_ns: int) -> N
 
 
 @kernel
-def _announce_losses(outlets: _Outlets, state: Any, totals: Any, t_ns: int) -> None:
+def _publish_losses(outlets: _Outlets, state: Any, totals: Any, t_ns: int) -> None:
     """What of the scene is not simulated any more: pairs without room, and a force field that was put away."""
     if totals.left_out == 0 and totals.quarantined < 0:
         return

@@ -9,18 +9,18 @@ import numpy as np
 
 from mimics_app.contracts.haptic_objects import MAX_POINTS, SHAPE
 
-__all__ = ["BEFORE", "BIRTH", "DESK", "DISABLED", "PLACED", "TRACED"]
+__all__ = ["BEFORE", "BIRTH", "CONTACT_SCRATCH", "DISABLED", "PLACED", "TRACED"]
 
 TRACED = 1
-"""DESK.known: the point's last place is where it came from."""
+"""CONTACT_SCRATCH.known: the point's last place is where it came from."""
 
 PLACED = 0
-"""DESK.known: the point was put where it is."""
+"""CONTACT_SCRATCH.known: the point was put where it is."""
 
 DISABLED = -1
-"""DESK.known: the point touches nothing."""
+"""CONTACT_SCRATCH.known: the point touches nothing."""
 
-DESK = np.dtype(
+CONTACT_SCRATCH = np.dtype(
     [
         ("tick", "i8"),  # ticks so far
         ("revision", "i8"),  # of the rows last seen

@@ -10,12 +10,12 @@ from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.contracts.errors import MimicsError
 
-__all__ = ["ViewDesk"]
+__all__ = ["ViewKeys"]
 
 _KEEP = "f12"
 
 
-class ViewDesk:
+class ViewKeys:
     """Reads the window's events once a frame."""
 
     def __init__(self, session: Session) -> None:

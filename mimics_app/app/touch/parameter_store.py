@@ -12,14 +12,14 @@ from mimics_app.contracts.errors import UsageError, nearest
 from mimics_app.contracts.haptic import LIMIT_NAMES, SCENE, TUNNEL
 from mimics_app.contracts.object_rows import Rows
 
-__all__ = ["ParameterDesk"]
+__all__ = ["ParameterStore"]
 
 _PREFIX = "haptic."
 
 Receiver = Callable[[NDArray[Any], Rows | None], object]
 
 
-class ParameterDesk:
+class ParameterStore:
     """Keeps the current parameters and hands a numbered block on whenever a value in it changes.
 
     A dotted name is a field of SCENE ("virtual_mass"), of its tunnel ("tunnel.stiffness"), or of a row of a table of
@@ -27,7 +27,7 @@ class ParameterDesk:
     the device: what changes names none of them, and whole new parameters keep them.
 
     Args:
-        block: The first SCENE record, shape [1]; the desk's own from now on.
+        block: The first SCENE record, shape [1]; the store's own from now on.
         rows: The tables of objects it counts; None where it counts none.
         names: Per table, the row of each name; several rows may share one.
     """
@@ -61,14 +61,14 @@ class ParameterDesk:
         changed = [self._set(name, value) for name, value in values.items()]
         self._fitted.update(values)
         if any(changed):
-            self._announce()
+            self._publish()
 
     def hand_to(self, *receivers: Receiver) -> None:
         """Hand every block from the present one on to the recorder that keeps it and the loop that obeys it."""
         self._receivers = receivers
-        self._announce()
+        self._publish()
 
-    def _announce(self) -> None:
+    def _publish(self) -> None:
         """Number the record and hand it, with its rows, to everybody."""
         self._block["sequence"] += 1
         for receive in self._receivers:
@@ -91,11 +91,11 @@ class ParameterDesk:
         for name, value in {**self._fitted, **self._ordered}.items():
             self._set(name, value)
         others = [self._set(name, value) for name, value in kept.items()]
-        self._announce()
+        self._publish()
         return any(others)
 
     def change(self, values: Mapping[str, object]) -> bool:
-        """Set fields by dotted name, e.g. {"tunnel.stiffness": 1500.0}; announce once if anything differs.
+        """Set fields by dotted name, e.g. {"tunnel.stiffness": 1500.0}; publish once if anything differs.
 
         Returns:
             Whether a value changed.
@@ -108,7 +108,7 @@ class ParameterDesk:
         changed = [self._set(name, value) for name, value in values.items()]
         self._ordered.update(values)
         if any(changed):
-            self._announce()
+            self._publish()
         return any(changed)
 
     def _refuse_limit(self, name: str) -> None:

@@ -9,7 +9,7 @@ from mimics_app.rendering.visual.figures.hud import Colour
 from mimics_app.rendering.visual.overlay.layers import Arrow
 from mimics_app.rendering.visual.view import View
 
-__all__ = ["axis_under", "handle_arrows"]
+__all__ = ["axis_under", "gizmo_arrows"]
 
 F8 = NDArray[np.float64]
 
@@ -22,7 +22,7 @@ _TINTS: tuple[Colour, ...] = ((0.95, 0.30, 0.28, 1.0), (0.40, 0.85, 0.35, 1.0), 
 _FAINT = 0.35
 
 
-def handle_arrows(place: F8, view: View, axis: int | None) -> list[Arrow]:
+def gizmo_arrows(place: F8, view: View, axis: int | None) -> list[Arrow]:
     """Arrows along x, y and z; where it moves along one of them only, the others are faint.
 
     Args:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from mimics_app.app.play.reload import SceneReload
-from mimics_app.app.play.view_desk import ViewDesk
+from mimics_app.app.play.view_keys import ViewKeys
 from mimics_app.contracts.clock import VirtualClock
 from mimics_app.contracts.errors import DeviceError, Issue
 from mimics_app.contracts.haptic import EVENT
@@ -62,31 +62,31 @@ def make_frames() -> SimpleNamespace:
 def test_arrows_are_laid_out_only_while_they_are_looked_at(tmp_path):
     picture = Picture()
     session = make_session(tmp_path, picture)
-    desk = ViewDesk(session)
-    desk.step(make_frames())
+    keys = ViewKeys(session)
+    keys.step(make_frames())
     assert picture.renderer.overlay.arrows == []
     session.inputs.frame.events = (press("f5"),)
-    desk.step(make_frames())
+    keys.step(make_frames())
     assert len(picture.renderer.overlay.arrows) == 1 and picture.layers == {"forces"}
 
 
 def test_pictures_are_kept_in_the_run_and_told(tmp_path, capsys):
-    desk = ViewDesk(make_session(tmp_path, Picture(), press("f12")))
-    desk.step(make_frames())
-    desk.step(make_frames())
+    keys = ViewKeys(make_session(tmp_path, Picture(), press("f12")))
+    keys.step(make_frames())
+    keys.step(make_frames())
     assert sorted(file.name for file in (tmp_path / "pictures").iterdir()) == ["kept_001.png", "kept_002.png"]
     assert capsys.readouterr().err.count("mimics: picture ") == 2
 
 
 def test_without_a_picture_nothing_is_done(tmp_path):
-    ViewDesk(make_session(tmp_path, None, press("f12"), press("f1"))).step(make_frames())
+    ViewKeys(make_session(tmp_path, None, press("f12"), press("f1"))).step(make_frames())
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_picture_that_is_lost_is_told_and_journalled(tmp_path, capsys):
     picture = Picture()
     session = make_session(tmp_path, picture)
-    ViewDesk(session).give_up(DeviceError("no context"))
+    ViewKeys(session).give_up(DeviceError("no context"))
     assert session.picture is None and picture.abandoned
     assert session.journal == [("picture", {"lost": "no context"})]
     assert "the picture is lost: no context; the run ends here" in capsys.readouterr().err

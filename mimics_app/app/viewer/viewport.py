@@ -1,4 +1,4 @@
-"""The viewer's stage: what is shown, with studio or without, before an eye, on a surface."""
+"""The viewer's viewport: what is shown, with studio or without, through an orbit camera, on a surface."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import sys
 from mimics_app.app.picture.lost_picture import draw_or_recover
 from mimics_app.app.picture.picture import draws_in_software, picture_quality
 from mimics_app.app.settings import Profile
-from mimics_app.app.viewer.eye import ViewerEye
+from mimics_app.app.viewer.orbit_camera import OrbitCamera
 from mimics_app.app.viewer.shown import Shown
 from mimics_app.app.viewer.studio import Studio, studio_settings
 from mimics_app.contracts.errors import Issue, SceneError, nearest
@@ -19,22 +19,22 @@ from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.camera import Camera
 
-__all__ = ["ViewerStage"]
+__all__ = ["Viewport"]
 
 
-class ViewerStage:
+class Viewport:
     """Draws one thing.
 
     Args:
         surface: Where to draw; owned by the caller.
         shown: What.
         profile: Quality of a scene's picture.
-        camera: Entity whose camera the eye begins at; "": the scene's first one, or one that sees all.
+        camera: Entity whose camera the orbit begins at; "": the scene's first one, or one that sees all.
 
     Attributes:
         surface: Where it is drawn.
         shown: What is shown now.
-        eye: From where.
+        orbit: The orbit camera it is seen through.
         renderer: What draws it.
         studio: What was put about a model; None for a scene.
 
@@ -44,7 +44,7 @@ class ViewerStage:
 
     def __init__(self, surface: Surface, shown: Shown, profile: Profile = "training", camera: str = "") -> None:
         self.surface = surface
-        self.eye = ViewerEye()
+        self.orbit = OrbitCamera()
         self._profile: Profile = profile
         self._camera = camera
         self.studio: Studio | None = None
@@ -60,7 +60,7 @@ class ViewerStage:
         return draws_in_software(self.surface)
 
     def show(self, shown: Shown) -> None:
-        """Show another thing, or the same read anew; the eye stays where it is."""
+        """Show another thing, or the same read anew; the orbit camera stays where it is."""
         self._furnish(shown)
         self.shown = shown
         self.renderer.world = shown.world
@@ -70,9 +70,9 @@ class ViewerStage:
         start, extent = self._start(), self.shown.extent
         if start is not None:
             reach = 1.0 if extent is None else 0.5 * float(((extent[1] - extent[0]) ** 2).sum() ** 0.5)
-            self.eye.stand_at(start, reach)
+            self.orbit.stand_at(start, reach)
         elif extent is not None:
-            self.eye.frame(extent, self.surface.size)
+            self.orbit.frame(extent, self.surface.size)
 
     def draw(self, *, smooth: bool = True) -> FrameStats:
         """Draw one frame with what is on the heads-up display; a context that was lost is made anew.
@@ -99,10 +99,10 @@ class ViewerStage:
         self.renderer.renew()
 
     def views(self) -> list[View]:
-        """The eye as the renderer wants it; the display's canvas takes the picture's shape."""
+        """The view as the renderer wants it; the display's canvas takes the picture's shape."""
         width, height = self.surface.size
         self.renderer.hud.width = CANVAS_HEIGHT * width / height
-        return [self.eye.view(self.surface.size)]
+        return [self.orbit.view(self.surface.size)]
 
     def _tell(self, stats: FrameStats) -> FrameStats:
         """Say on stderr what was drawn otherwise than the file asks, a line for each fault, once."""
@@ -116,7 +116,7 @@ class ViewerStage:
         extent = shown.extent
         if extent is None:
             raise SceneError(Issue(str(shown.path), "", "there is nothing to see: no mesh in its scene"))
-        before, self.studio = self.studio, Studio(shown.world, extent, ViewerEye().yaw)
+        before, self.studio = self.studio, Studio(shown.world, extent, OrbitCamera().yaw)
         if before is not None:
             self.studio.take_over(before)
         return studio_settings(extent)

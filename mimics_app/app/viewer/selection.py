@@ -1,4 +1,4 @@
-"""The person's hand in the viewer: chooses what is under the pointer, drags it, and saves where it was put."""
+"""Selection in the viewer: picks what is under the pointer, drags it, and saves where it was put."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.app.viewer.handles import axis_under, handle_arrows
+from mimics_app.app.viewer.gizmo import axis_under, gizmo_arrows
 from mimics_app.app.viewer.shown import Shown
 from mimics_app.rendering.visual.overlay.layers import Arrow
 from mimics_app.rendering.visual.view import View
@@ -16,7 +16,7 @@ from mimics_app.world.raycast import cast_ray
 from mimics_app.world.scene.edit import is_written_in_file, write_translation
 from mimics_app.world.scene_node import SceneNode
 
-__all__ = ["Hand", "drag_offset"]
+__all__ = ["Selection", "drag_offset"]
 
 F8 = NDArray[np.float64]
 Ray = tuple[F8, F8]
@@ -26,7 +26,7 @@ _FLAT = 0.17
 _UP = np.array([0.0, 1.0, 0.0])
 
 
-class Hand:
+class Selection:
     """Chooses and moves nodes of what is shown.
 
     Attributes:
@@ -96,7 +96,7 @@ class Hand:
         if self.chosen is None:
             return []
         axis = self._handle if self.holding and self._handle is not None else self.axis
-        return handle_arrows(self.chosen.world_matrix()[:3, 3], view, axis)
+        return gizmo_arrows(self.chosen.world_matrix()[:3, 3], view, axis)
 
     def release(self) -> None:
         """Let go."""
