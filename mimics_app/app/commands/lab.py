@@ -88,13 +88,14 @@ def _folder(args: argparse.Namespace) -> Path:
 
 def _groups(words: list[str]) -> list[str]:
     """Names of groups as given: with blanks, hyphens or underscores; several words may be one name."""
-    from mimics_app.lab.catalogue import GROUPS
+    from mimics_app.lab.catalogue import all_groups
 
+    groups = all_groups()
     names = [word.replace("_", " ").replace("-", " ").lower() for word in words]
-    if len(names) > 1 and " ".join(names) in GROUPS:
+    if len(names) > 1 and " ".join(names) in groups:
         return [" ".join(names)]
-    known = {group.replace("-", " ").lower(): group for group in GROUPS}
-    return [known.get(name, name) for name in names] or list(GROUPS)
+    known = {group.replace("-", " ").lower(): group for group in groups}
+    return [known.get(name, name) for name in names] or groups
 
 
 def _measure(groups: list[str], rounds: int) -> list[MeasuredGroup]:
