@@ -10,15 +10,16 @@ from typing import Any
 import msgspec
 import pytest
 
+from mimics_app.app.session.replay import TaskFrame, play_again
 from mimics_app.contracts.errors import PartialDataError
 from mimics_app.contracts.haptic import Controller, EventKind
 from mimics_app.contracts.messages import TaskAction
 from mimics_app.contracts.scenario_port import Home, TaskContext
 from mimics_app.recording.task_lines import TASK_KINDS, compare_lines, compare_rows, gather_task
 from mimics_app.recording.trial_table import as_read
-from mimics_app.tasks.replay import TaskFrame, play_again, task_of_record, task_record
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.task_manager import TaskManager
+from mimics_app.tasks.task_record import task_of_record, task_record
 from tests.support.task_play import START, Player, make_events, make_snapshot
 
 SPEC = {

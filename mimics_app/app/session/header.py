@@ -13,7 +13,7 @@ from mimics_app.app.session.preparation import Preparation
 from mimics_app.app.touch.device_fit import fit_context
 from mimics_app.rendering.haptic.devices.device_names import POINTER
 from mimics_app.rendering.haptic.scene_block import safety_of
-from mimics_app.tasks.replay import task_record
+from mimics_app.tasks.task_record import task_record
 
 __all__ = ["describe_session"]
 

@@ -1,22 +1,17 @@
-"""What a session's task was given, as plain objects of JSON, and the same task played again over recorded frames."""
+"""A task and what it knows of its scene as plain objects of JSON, as a recording keeps them, and back."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import msgspec
-from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import Controller
-from mimics_app.contracts.messages import HapticSnapshot, TaskAction, VRInput
 from mimics_app.contracts.scenario_port import Home, TaskContext, Vec3
-from mimics_app.tasks.attempts import Row
 from mimics_app.tasks.task import TaskSpec
-from mimics_app.tasks.task_manager import TaskManager
 
-__all__ = ["PlayedAgain", "TaskFrame", "play_again", "task_of_record", "task_record"]
+__all__ = ["task_of_record", "task_record"]
 
 
 class _HomeRecord(msgspec.Struct):
@@ -36,25 +31,6 @@ class _ContextRecord(msgspec.Struct):
 class _TaskRecord(msgspec.Struct):
     spec: dict[str, Any]
     context: _ContextRecord
-
-
-@dataclass(frozen=True, slots=True)
-class TaskFrame:
-    """What the task manager was given in one frame; see `TaskManager.step`."""
-
-    pressed: tuple[str, ...]
-    action: TaskAction | None
-    snapshot: HapticSnapshot
-    events: NDArray[Any]
-    now_ns: int
-
-
-@dataclass(frozen=True, slots=True)
-class PlayedAgain:
-    """What a task came to: (kind, data) of each line for the journal, and the rows of its attempts."""
-
-    lines: list[tuple[str, dict[str, object]]] = field(default_factory=list)
-    rows: list[Row] = field(default_factory=list)
 
 
 def task_record(spec: TaskSpec, context: TaskContext) -> dict[str, Any]:
@@ -85,29 +61,6 @@ def task_of_record(record: Mapping[str, Any]) -> tuple[TaskSpec, TaskContext]:
         feel=Controller(known.feel),
     )
     return msgspec.convert(kept.spec, TaskSpec), context
-
-
-def play_again(
-    spec: TaskSpec, context: TaskContext, seed: int, frames: Iterable[TaskFrame], end_ns: int | None
-) -> PlayedAgain:
-    """Give a task the frames it had.
-
-    Args:
-        spec: The task.
-        context: What it knew of its scene.
-        seed: Of the session.
-        frames: From the first on.
-        end_ns: When the session was ended; None where it never was.
-    """
-    again = PlayedAgain()
-    manager = TaskManager(
-        spec, context, seed, again.rows.append, lambda kind, data: again.lines.append((kind, dict(data)))
-    )
-    for frame in frames:
-        manager.step(VRInput(pressed=frame.pressed), frame.action, frame.snapshot, frame.events, frame.now_ns)
-    if end_ns is not None:
-        manager.end_session(end_ns)
-    return again
 
 
 def _texts(plain: object) -> Iterator[str]:
