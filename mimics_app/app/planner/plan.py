@@ -206,11 +206,11 @@ def _row_of(named: Settings, rows: Sequence[Row]) -> Row:
     return next((row for row in rows if row.settings == named), unknown)
 
 
-def settle(scene: Scene, profile: Profile) -> Plan:
-    """Plan a scene and write the choice into it: whatever is built from the scene afterwards runs the plan.
+def settle(scene: Scene, profile: Profile, plan: Plan | None = None) -> Plan:
+    """Plan a scene, where no plan is given, and write the choice into it: whatever is built from it then runs the plan.
 
     What a live picture gives up for time is chosen when it is opened, as that depends on who draws it.
     """
-    plan = plan_scene(scene, profile)
+    plan = plan or plan_scene(scene, profile)
     scene.methods = plan.settings
     return plan
