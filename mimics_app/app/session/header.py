@@ -38,7 +38,9 @@ def describe_session(parts: Preparation) -> dict[str, Any]:
             "late_latches": bool(parts.parameter_store.block["late_latches"][0]),
         },
         "settings": {
-            name: str(value) if isinstance(value, Path) else value for name, value in asdict(settings).items()
+            name: str(value) if isinstance(value, Path) else value
+            for name, value in asdict(settings).items()
+            if name != "journey"
         },
         "task": task_record(parts.task, fit_context(parts.scenario.task_context, parts.plugin)),
         "facts": parts.scenario.facts,
