@@ -2,7 +2,7 @@
 # The words of the Makefile, for any machine with a POSIX shell:
 #
 #   sh .ci/dev.sh run [arguments of mimics run]      set up what is missing, then travel the wavy tunnel
-#   sh .ci/dev.sh setup | test | test-long | check | bench | clean | pins
+#   sh .ci/dev.sh setup | test | test-long | nightly | check | bench | clean | pins
 #
 # It never asks anything. Python packages go to .venv, exact and checked by hash (requirements.txt). System packages
 # come through apt where this user is root or may use sudo without a password; otherwise the one line to type is said.
@@ -270,6 +270,12 @@ case $word in
         prepare run test
         pytest_on_two --hypothesis-profile=random "$@"
         ;;
+    nightly) # properties alone, many fresh examples of each; what fails is kept in tests/properties/found
+        prepare run test
+        # shellcheck disable=SC2046
+        pytest_on_two --hypothesis-profile=nightly -m "not hardware and not gpu" "$@" \
+            $(grep -l --recursive --include='test_*.py' '^from hypothesis import' tests)
+        ;;
     check)
         prepare run
         check
@@ -293,7 +299,7 @@ case $word in
         rm requirements.txt.new
         ;;
     *)
-        say "sh .ci/dev.sh setup | run | test | test-long | check | bench | clean | pins"
+        say "sh .ci/dev.sh setup | run | test | test-long | nightly | check | bench | clean | pins"
         exit 2
         ;;
 esac

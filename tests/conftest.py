@@ -1,19 +1,40 @@
-"""The same examples every time: a chance find belongs to `make test-long`, not to the day a change lands.
+"""The same examples every time, and those that were found: a chance find belongs to `make test-long`, not to the day.
 
-What `make test-long` finds is kept in `tests/properties/found` and tried first from then on, by everybody once it is
-committed; its line `@reproduce_failure` says how to see it again. The fault mended, it becomes an `@example` of the
-test, which `make test` tries every time.
+What `make test-long` and `make nightly` find is kept in `tests/properties/found`, and tried first from then on: by both
+of them, and by `make test` too, by everybody once it is committed. Its line `@reproduce_failure` tells how to see it.
+The fault mended, it becomes an `@example` of the test, which stays when the test's text changes.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from hypothesis import settings
-from hypothesis.database import DirectoryBasedExampleDatabase
+import pytest
+from hypothesis import is_hypothesis_test, settings
+from hypothesis.database import DirectoryBasedExampleDatabase, ReadOnlyDatabase
+from hypothesis.internal.reflection import function_digest
 
 FOUND = Path(__file__).parent / "properties" / "found"
+_SEED = "_hypothesis_internal_use_seed"
+"""What `hypothesis.seed` sets. A test of this folder turns red if another version calls it otherwise."""
 
-settings.register_profile("same", derandomize=True)
-settings.register_profile("random", derandomize=False, print_blob=True, database=DirectoryBasedExampleDatabase(FOUND))
-settings.load_profile("same")
+DAILY, RANDOM, NIGHTLY = "same", "random", "nightly"
+
+_FOUND = DirectoryBasedExampleDatabase(FOUND)
+
+# `derandomize`, `@seed` and a global seed all switch the kept examples off: a seed of each test does not, see below.
+settings.register_profile(DAILY, database=ReadOnlyDatabase(_FOUND))
+settings.register_profile(RANDOM, print_blob=True, database=_FOUND)
+settings.register_profile(NIGHTLY, parent=settings.get_profile(RANDOM), max_examples=2000, deadline=None)
+settings.load_profile(DAILY)
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Every test draws from a seed of its own text, whatever ran before it; with another profile from chance."""
+    if config.getoption("hypothesis_profile", None) not in (None, DAILY):
+        return
+    for item in items:
+        test = getattr(item, "obj", None)
+        if is_hypothesis_test(test) and getattr(test, _SEED, None) is None:
+            seed = int.from_bytes(function_digest(test.hypothesis.inner_test), "big")
+            setattr(getattr(test, "__func__", test), _SEED, seed)

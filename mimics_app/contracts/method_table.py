@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import asdict, dataclass, field
+from collections.abc import Collection, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 from mimics_app.contracts import resources
@@ -107,6 +109,16 @@ class Table:
         """
         return Table({**self.groups, **newer.groups}, newer.machine, {**self.reference_us, **newer.reference_us})
 
+    def with_rows(self, group: str, rows: Sequence[Row]) -> Table:
+        """This table with rows for methods it does not have yet, their costs told by its own reference loop."""
+        known = {row.method for row in self.groups.get(group, ())}
+        loop_us = self.reference_us.get(group) or _middle(self.reference_us.values())
+        added = [replace(row, cost_us=row.ratio * loop_us) for row in rows if row.method not in known]
+        if not added:
+            return self
+        groups = {**self.groups, group: [*self.groups.get(group, ()), *added]}
+        return Table(groups, self.machine, {group: loop_us, **self.reference_us})
+
     def as_dict(self) -> dict[str, Any]:
         """Plain values; an infinite error is null, as JSON has no infinity."""
         groups = {
@@ -114,6 +126,11 @@ class Table:
             for group, rows in self.groups.items()
         }
         return {"machine": self.machine, "reference_us": self.reference_us, "groups": groups}
+
+
+def _middle(costs: Collection[float]) -> float:
+    """Of the reference loops of all groups, which are one loop timed beside each [us]; 1 where there are none."""
+    return median(costs) if costs else 1.0
 
 
 def saved_file() -> Path | None:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import cache
 from importlib import import_module
 
 from mimics_app.contracts.errors import UsageError, nearest
 from mimics_app.contracts.methods import Registry, registry
+from mimics_app.world.scene.method_plugins import method_plugins
 
-__all__ = ["GROUPS", "load_methods"]
+__all__ = ["GROUPS", "all_groups", "load_methods"]
 
 GROUPS = {
     "integrator": "haptic.integrators",
@@ -48,14 +50,30 @@ GROUPS = {
 """Group -> the module of this package that registers it."""
 
 
+def all_groups() -> list[str]:
+    """Names of the groups, then those that installed packages bring."""
+    return list(dict.fromkeys([*GROUPS, *(plugin.group for plugin in method_plugins())]))
+
+
 def load_methods(groups: Iterable[str] | None = None) -> Registry:
     """Register the methods of some groups, or of all, and return the registry; modules of others stay unimported.
 
     Raises:
         UsageError: There is no such group.
     """
-    for group in GROUPS if groups is None else groups:
-        if group not in GROUPS:
-            raise UsageError(f'there is no group of methods "{group}"', nearest(group, GROUPS))
-        import_module(f"{__package__}.{GROUPS[group]}")
+    known = all_groups()
+    for group in known if groups is None else groups:
+        if group not in known:
+            raise UsageError(f'there is no group of methods "{group}"', nearest(group, known))
+        if group in GROUPS:
+            import_module(f"{__package__}.{GROUPS[group]}")
+        _register_plugins(group)
     return registry
+
+
+@cache
+def _register_plugins(group: str) -> None:
+    """Add what installed packages bring to a group, once."""
+    for plugin in method_plugins():
+        if plugin.group == group:
+            plugin.register(registry)

@@ -72,6 +72,7 @@ def _row(row: Measured) -> dict[str, object]:
         "method": row.method.name,
         "x": row.ratio,
         "cost_ns": row.cost_us * 1e3,
+        "spread_ns": [cost * 1e3 for cost in row.spread_us] if row.spread_us[1] else None,
         "error": row.error if math.isfinite(row.error) else None,
         "valid": math.isfinite(row.error),
     }
@@ -158,7 +159,8 @@ def _error_scale(measured: MeasuredGroup) -> Axis:
 
 def _error_panel(measured: MeasuredGroup, front: list[str], width: float, height: float) -> Panel:
     unit = _unit_for([row.cost_us for row in measured.rows])
-    x = Axis.around(unit.label, [unit.of(row.cost_us) for row in measured.rows], log=True)
+    costs = [cost for row in measured.rows for cost in (row.cost_us, row.spread_us[1]) if cost > 0.0]
+    x = Axis.around(unit.label, [unit.of(cost) for cost in costs], log=True)
     panel = Panel(6.0, _HEAD, width, height, x, _error_scale(measured))
     if panel.y.log:
         of_front = [row for row in measured.rows if row.method.name in front]
@@ -191,6 +193,10 @@ def _mark(panel: Panel, row: Measured, unit: _Unit, on_front: bool) -> None:
         panel.label(Label(cost, panel.y.high, f"{name} (fails)", "bad"))
         return
     error = max(row.error, panel.y.low)
+    least, most = (unit.of(each) for each in row.spread_us)
+    panel.line(
+        [(least, error), (most, error)], "spread", f"{name}: {least:.3g} to {most:.3g} {unit.name} over the rounds"
+    )
     if method.default:
         panel.dot(cost, error, "ring", hover, _RING)
     panel.dot(cost, error, "dot" if on_front else "open" if method.runnable else "open yardstick", hover)

@@ -24,7 +24,8 @@ class Figure:
         command: What makes it again.
         machine: Where it was made, in words.
         rows: Each with "method", "x", "cost_ns", "error", "valid". Chart: x is the cost as a multiple of the reference
-            loop. Stability: method says whose point it is, x is that of the map; what is not measured is null.
+            loop, and "spread_ns" the least and greatest cost over the rounds, null where there was one. Stability:
+            method says whose point it is, x is that of the map; what is not measured is null.
         front: Methods on the Pareto front, cheapest first.
         default: The method the product uses by itself, "" where none is.
         boundary: "simulated", "exact": lists of [x, y]; "rule": such a list by name; "disagreement".

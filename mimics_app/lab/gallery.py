@@ -46,7 +46,7 @@ class _Shown:
 
 
 def write_gallery(folder: Path) -> Path:
-    """Write `index.html` with every figure whose two files lie in a folder: charts, then S1, S2 and so on, then the rest.
+    """Write `index.html` with every figure whose two files lie in a folder: charts, S1, S2 and so on, then the rest.
 
     Raises:
         OSError: The folder cannot be read or written.

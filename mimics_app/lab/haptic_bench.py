@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numba import types
@@ -41,6 +41,9 @@ from mimics_app.rendering.haptic.objects import SIMULATE, ObjectWork, new_object
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.rendering.haptic.simulate import simulate_objects
 from mimics_app.world.components.robot import Patient, Robot
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import ObjectCountsRecord, ObjectWork, Rows
 
 __all__ = ["BODY_WORKLOADS", "SLIDE", "Scene", "measure_haptic", "reference_us"]
 
@@ -140,9 +143,9 @@ class Scene:
 @typed_kernel(types.void(types.FunctionType(SIMULATE), *SIMULATE.args, types.float64[:, ::1], types.int64, types.int64))
 def _simulate_often(
     simulate: Any,
-    rows: Any,
-    work: Any,
-    counts: Any,
+    rows: Rows,
+    work: ObjectWork,
+    counts: ObjectCountsRecord,
     hand: Array,
     fields: Any,
     dt: float,

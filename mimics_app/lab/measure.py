@@ -43,6 +43,7 @@ class Measured:
         ratio: Cost as a multiple of the reference loop timed right before and after.
         error: In the method's unit; infinite where it fails.
         growth: None where none is probed.
+        spread_us: Least and greatest cost over the rounds [us per call]; both 0 where nobody measured twice.
     """
 
     method: Method
@@ -50,6 +51,7 @@ class Measured:
     ratio: float
     error: float
     growth: Growth | None
+    spread_us: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,9 +126,12 @@ def _least(rows: Sequence[Measured]) -> Measured:
     first, grown = rows[0], [row.growth for row in rows if row.growth is not None]
     growth = first.growth
     if growth is not None and len(grown) > 1:
-        costs = tuple(min(one) for one in zip(*(each.cost_us for each in grown), strict=True))
-        growth = Growth(growth.sizes, costs, fit_exponent(growth.sizes, costs))
-    return replace(first, cost_us=min(row.cost_us for row in rows), ratio=min(row.ratio for row in rows), growth=growth)
+        least = tuple(min(one) for one in zip(*(each.cost_us for each in grown), strict=True))
+        growth = Growth(growth.sizes, least, fit_exponent(growth.sizes, least))
+    costs = [row.cost_us for row in rows]
+    spread = (min(costs), max(costs)) if len(costs) > 1 else first.spread_us
+    ratio = min(row.ratio for row in rows)
+    return replace(first, cost_us=min(costs), ratio=ratio, growth=growth, spread_us=spread)
 
 
 def _size_of(error: float) -> float:

@@ -10,7 +10,7 @@ Importing this module registers the group.
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,9 @@ from mimics_app.rendering.haptic.kernels.contact import rate_of_depth, wall
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import ContactRecord, ObserverRecord, Table
 
 __all__ = ["DEPTH", "GROUP", "RATES", "SPEED", "STIFFNESS", "tap_leak"]
 
@@ -47,7 +50,7 @@ _UP = 1e-3
 
 
 @kernel
-def _tap(rate: int, phase: float, k: float, contact: Any, observer: Any) -> float:
+def _tap(rate: int, phase: float, k: float, contact: ContactRecord, observer: ObserverRecord) -> float:
     """Energy given away by the wall in one tap [J]; the first tick falls `phase` of a tick after the touch."""
     dt = 1.0 / rate
     ticks = int(2.0 * DEPTH / SPEED * rate) + 3
@@ -65,7 +68,7 @@ def _tap(rate: int, phase: float, k: float, contact: Any, observer: Any) -> floa
 
 
 @kernel
-def _taps(rate: int, phases: int, k: float, contact: Any, observers: Any) -> float:
+def _taps(rate: int, phases: int, k: float, contact: ContactRecord, observers: Table[ObserverRecord]) -> float:
     """Mean over evenly spread phases [J]."""
     total = 0.0
     for i in range(phases):

@@ -26,6 +26,7 @@ STYLE = """
 .lab .grid { stroke: var(--rule); fill: none; } .lab .frame { stroke: var(--soft); fill: none; }
 .lab .lead { stroke: var(--soft); stroke-width: 0.8; fill: none; opacity: 0.7; }
 .lab .line { fill: none; stroke: var(--c, var(--ink)); stroke-width: 2; stroke-linejoin: round; }
+.lab .spread { stroke: var(--soft); stroke-width: 3; stroke-linecap: round; opacity: 0.6; fill: none; }
 .lab .front { stroke: var(--front); stroke-width: 2.2; fill: none; stroke-dasharray: 1 0; opacity: 0.55; }
 .lab .dashed { stroke-dasharray: 7 5; stroke-width: 1.7; } .lab .dotted { stroke-dasharray: 2 4; stroke-width: 1.7; }
 .lab .dot { fill: var(--c, var(--front)); stroke: var(--paper); stroke-width: 1; }

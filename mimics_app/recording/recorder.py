@@ -195,8 +195,9 @@ class Recorder:
 
         The kinds the report reads, all with plain values; others are kept as they are:
 
-            frame       frame (number), tick (of the snapshot it saw), t_ns; where there are haptic bodies also bodies:
-                        position [m] and quaternion xyzw of each, world
+            frame       frame (number), tick (of the snapshot it saw), t_ns; where there were any, events (number since
+                        the frame before), pressed (keys), action (chosen for the task); where there are haptic bodies
+                        also bodies: position [m] and quaternion xyzw of each, world
             sound       sound (name), tick (of the contact event; -1 for others), t_ns, sample (index in the mix),
                         latency_ms (from the event to that sample)
             scheduler   recipe (what the live loop got)

@@ -22,6 +22,9 @@ from mimics_app.recording.statics import Statics, read_statics
 __all__ = ["Difference", "ReplayData", "compare", "compare_events", "gather"]
 
 
+_WITHOUT = {"late_latches": 1}
+"""Parameters that earlier versions did not have, and the value that does as they did: late ticks always latched."""
+
 _WIDTHS = {name: int(np.prod(EVENT[name].shape)) for name in EVENT.names or () if name != "t_ns"}
 _EVENT_COLUMNS = [name for name, width in _WIDTHS.items() for _ in range(width)]
 
@@ -91,13 +94,27 @@ def gather(run: Run) -> ReplayData:
     wanted = {int(sequence) for sequence in np.unique(samples["sequence"])} - {0}  # 0: nothing was published yet
     if missing := sorted(wanted - set(blocks)):
         raise PartialDataError(f"{run.folder}: parameter block {missing[0]} is missing", "it cannot be replayed")
-    if any(blocks[sequence].dtype != SCENE for sequence in wanted):
+    blocks = {sequence: _block_of_now(run, blocks[sequence]) for sequence in sorted(wanted)}
+    rows = {sequence: run.rows[sequence] for sequence in sorted(wanted) if sequence in run.rows}
+    return ReplayData(samples, blocks, rows, read_statics(run.folder))
+
+
+def _block_of_now(run: Run, block: NDArray[Any]) -> NDArray[Any]:
+    """A parameter block as this version has it; what its version did not know yet is as it was without.
+
+    Raises:
+        PartialDataError: Its version knew other parameters.
+    """
+    if block.dtype == SCENE:
+        return block
+    names = set(block.dtype.names or ())
+    if names | set(_WITHOUT) != set(SCENE.names or ()) or any(block.dtype[name] != SCENE[name] for name in names):
         version = run.session.get("versions", {}).get("mimics_app", "another version")
         raise PartialDataError(f"{run.folder} was recorded by {version}, whose parameters differ", "use that version")
-    rows = {sequence: run.rows[sequence] for sequence in sorted(wanted) if sequence in run.rows}
-    return ReplayData(
-        samples, {sequence: blocks[sequence] for sequence in sorted(wanted)}, rows, read_statics(run.folder)
-    )
+    now = np.zeros(1, SCENE)
+    for name in SCENE.names or ():
+        now[name] = block[name] if name in names else _WITHOUT[name]
+    return now
 
 
 def compare(recorded: NDArray[Any], replayed: NDArray[Any]) -> Difference | None:

@@ -46,6 +46,7 @@ _SHAPES: dict[str, Any] = {
     "plan": _Object,
     "scene": _Object | str,
     "settings": _Object,
+    "task": _Object,
     "versions": _Object,
 }
 

@@ -15,9 +15,10 @@ from typing import Any
 
 from mimics_app.contracts.regular_file import read_regular
 from mimics_app.recording.append_file import AppendFile
+from mimics_app.recording.event_log import to_json
 from mimics_app.recording.run_folder import write_atomically
 
-__all__ = ["TrialTable", "read_table", "read_trials", "table_text"]
+__all__ = ["TrialTable", "as_read", "read_table", "read_trials", "table_text"]
 
 
 class TrialTable:
@@ -68,6 +69,12 @@ def table_text(rows: Sequence[Mapping[str, object]]) -> bytes:
     columns = _columns(rows)
     lines = [_line(columns)] if columns else []
     return b"".join([*lines, *(_line([_cell(row.get(name)) for name in columns]) for row in rows)])
+
+
+def as_read(row: Mapping[str, object]) -> dict[str, Any]:
+    """What a reader finds of a row that was written: plain values, without empty cells."""
+    cells = {name: _cell(value) for name, value in json.loads(to_json(row)).items()}
+    return {name: _value(cell) for name, cell in cells.items() if cell != ""}
 
 
 def read_trials(path: Path) -> list[dict[str, Any]]:

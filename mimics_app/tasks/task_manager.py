@@ -58,7 +58,7 @@ class TaskManager:
         context: What it must know of the scene.
         seed: Of the session; decides the order of the trials.
         on_trial: Called with the row of each attempt at its end (columns: `tasks.attempts.Row`).
-        on_event: Called with a kind ("state", "action", "clipped") and its data, for the journal.
+        on_event: Called with a kind ("state", "action", "clipped", "session_end") and its data, for the journal.
         first_trial: Trial to begin with, 0 first; those before it are left out.
 
     Raises:
@@ -155,6 +155,7 @@ class TaskManager:
 
     def end_session(self, now_ns: int) -> None:
         """Somebody ends the session before the task is done: write the row of an attempt under way."""
+        self._on_event("session_end", {"t_ns": now_ns})
         self._attempts.end(ABORTED, SESSION_ENDED, self._adaptation.values, now_ns)
         self._state = TrialState.DONE
 

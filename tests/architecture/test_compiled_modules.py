@@ -27,6 +27,7 @@ KERNELS_MAY_IMPORT = (
     "mimics_app.contracts.loop_fields",
     "mimics_app.contracts.loop_ports",
     "mimics_app.contracts.record_copy",
+    "mimics_app.contracts.record_types",  # a stub: no module at run time
     "mimics_app.contracts.ring",
     "mimics_app.contracts.triple_buffer",
 )
@@ -95,7 +96,7 @@ DEVIATIONS: dict[str, tuple[tuple[str, ...], str]] = {
 }
 """Path or folder -> what is imported beyond the rule, and why."""
 
-MOST_UNTYPED = 815
+MOST_UNTYPED = 144
 """Annotations `Any` in signatures of compiled functions of touch: only ever lowered, as records get their types."""
 
 

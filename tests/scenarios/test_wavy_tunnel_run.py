@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -13,6 +14,7 @@ from typing import Any
 import pyarrow.ipc
 import pytest
 
+from mimics_app.app.cli import main
 from mimics_app.contracts.resources import root
 
 SCENE = root() / "scenes" / "wavy_tunnel.json"
@@ -96,6 +98,26 @@ def test_replay_is_equal_bit_for_bit_and_one_flipped_bit_is_seen(answer, tmp_pat
     content[len(content) // 2] ^= 1
     (spoilt / "haptic.arrows").write_bytes(content)
     assert mimics("replay", spoilt).returncode == 6
+
+
+@pytest.mark.parametrize(
+    ("file", "was", "becomes", "said"),
+    [
+        ("events.jsonl", r'("kind":"state",.*"state":)"travel"', r'\1"rest"', "(state), state: recorded 'rest'"),
+        ("trials.csv", r"(?m)^0,1,practice,", "0,1,other,", "trials.csv row 0, block: recorded 'other'"),
+        ("session.json", r'("ready_s": )[0-9.]+', r"\g<1>0.1", "task event"),
+    ],
+)
+def test_a_changed_event_or_figure_of_the_task_is_named_by_its_replay(
+    answer, tmp_path, capsys, file, was, becomes, said
+):
+    spoilt = tmp_path / "spoilt"
+    shutil.copytree(answer["run_dir"], spoilt)
+    text, count = re.subn(was, becomes, (spoilt / file).read_text())
+    assert count >= 1
+    (spoilt / file).write_text(text)
+    assert main(["replay", str(spoilt)]) == 6
+    assert said in capsys.readouterr().err
 
 
 def test_every_file_of_a_run_is_its_users_alone(answer):

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from mimics_app.app.play.reload import SceneReload
@@ -15,8 +17,9 @@ from mimics_app.app.session.core import SessionCore, open_core
 from mimics_app.app.session.preparation import prepare, prepare_scene
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.resources import root
-from mimics_app.rendering.haptic import scene_objects, scene_tunnel
+from mimics_app.rendering.haptic import scene_object, scene_objects, scene_tunnel
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
+from tests.support.object_scenes import at, gltf_box, thing, written
 
 SCENES = root() / "scenes"
 
@@ -54,7 +57,9 @@ def test_the_table_of_meshes_is_made_once(made: list[str]) -> None:
     assert made == ["_gather", "build_mesh_table"]
 
 
-def test_a_reload_works_everything_out_once_more_and_no_oftener(made: list[str], tmp_path: Path) -> None:
+def test_a_reload_of_the_same_scene_works_nothing_out_but_the_tables_rows_are_put_together_in(
+    made: list[str], tmp_path: Path
+) -> None:
     shutil.copytree(SCENES, tmp_path / "scenes", ignore=shutil.ignore_patterns("*.png"))
     (tmp_path / "assets").symlink_to(root() / "assets")
     file = tmp_path / "scenes" / "wavy_tunnel.json"
@@ -67,7 +72,7 @@ def test_a_reload_works_everything_out_once_more_and_no_oftener(made: list[str],
         file.write_text(file.read_text() + "\n")
         look_later(reload, core)
         assert core.scene is not scene, reload.message
-    assert sorted(made) == ["_gather", "build_mesh_table", "tunnel_from_component"]
+    assert made == ["_gather"]
 
 
 def look_later(reload: SceneReload, core: SessionCore) -> None:
@@ -75,6 +80,90 @@ def look_later(reload: SceneReload, core: SessionCore) -> None:
     for second in range(1, 4):
         core.clock.sleep_until_ns(second * 1_000_000_000)
         reload.look()
+
+
+def many_things(folder: Path) -> Path:
+    """A scene of forty boxes, two bodies of one model, walls and a tunnel."""
+    boxes = [
+        at(0.1 * i, 0.0, 0.0, thing(f"box_{i}", haptic_object={
+            "shapes": [{"shape": "cube", "size": [0.02, 0.03, 0.04]}], "stiffness": 500.0 + i, "damping": 5.0,
+            "mass": 2.0, "enable_translation": i % 2 == 0, "material": f"m{i % 3}",
+        }))
+        for i in range(40)
+    ]  # fmt: skip
+    shapes = [{"shape": "mesh", "source": "model", "fit": "hull"}]
+    bodies = [
+        at(0.0, 0.2 * i, 1.0, thing(f"model_{i}", haptic_object={
+            "shapes": shapes, "stiffness": 400.0, "damping": 4.0, "mass": 1.0, "enable_translation": True,
+        }))
+        for i in range(2)
+    ]  # fmt: skip
+    tube = {"control_points": [[0.02 * i - 0.1, 0.0, 0.0] for i in range(9)], "radius": 0.02}
+    rest = [thing("room", haptic_walls={"size": [4.0, 4.0, 4.0]}), thing("tube", tunnel=tube)]
+    model = gltf_box(folder, (0.05, 0.05, 0.05)).name
+    return written(folder, *boxes, *bodies, *rest, assets={"model": {"uri": model}})
+
+
+def bits(tables: Iterable[Any]) -> list[dict[str, bytes]]:
+    """Every bit of tables that says something; between fields lies what nobody wrote."""
+    fields: Any = [{name: table[name] for name in table.dtype.names or ()} or {"": table} for table in tables]
+    return [{name: np.ascontiguousarray(column).tobytes() for name, column in each.items()} for each in fields]
+
+
+def test_one_changed_stiffness_makes_its_own_object_anew_and_no_other(
+    made: list[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    file = many_things(tmp_path)
+    real = scene_object._make_object
+    monkeypatch.setattr(scene_object, "_make_object", lambda scene, entity, *rest: (
+        made.append(entity), real(scene, entity, *rest))[1])  # fmt: skip
+    first = load_checked_scene(file)
+    assert len([name for name in made if name.startswith(("box_", "model_"))]) == 42
+    made.clear()
+    document = json.loads(file.read_text())
+    document["entities"][17]["components"]["haptic_object"]["stiffness"] = 640.0
+    document["entities"].insert(0, document["entities"].pop(30))  # and another stands elsewhere in the file
+    file.write_text(json.dumps(document))
+    second = load_checked_scene(file, before=first)
+    assert made == ["_gather", "box_17"]
+    third = load_checked_scene(file)
+    one, other = objects_of_scene(second), objects_of_scene(third)
+    assert bits(one.rows) == bits(other.rows) and bits(one.mesh_table) == bits(other.mesh_table)
+    assert (one.body_entities, one.shape_entities, one.materials) == (
+        other.body_entities, other.shape_entities, other.materials
+    )  # fmt: skip
+    assert one.mesh_table is objects_of_scene(first).mesh_table
+    assert one.rows.shapes[one.shape_entities.index("box_17")]["stiffness"] == 640.0
+
+
+@pytest.mark.parametrize("change", ["place", "parent", "mesh", "planned"])
+def test_whatever_an_object_goes_by_makes_it_anew(tmp_path: Path, change: str) -> None:
+    """What is taken over is what a full load would make."""
+    file = written(
+        tmp_path,
+        thing("frame"),
+        {"parent": "frame", **thing(
+            "box", mesh={"primitive": {"shape": "box", "size": [0.1, 0.1, 0.1]}, "material": "grey"},
+            haptic_object={"stiffness": 300.0, "damping": 3.0, "mass": 1.0, "enable_translation": True},
+        )},
+        materials={"grey": {}},
+    )  # fmt: skip
+    first = load_checked_scene(file)
+    document = json.loads(file.read_text())
+    frame, box = document["entities"][:2]
+    if change == "place":
+        box["transform"] = {"translation": [0.0, 0.1, 0.0]}
+    elif change == "parent":
+        frame["transform"] = {"rotation": [0.0, 0.6, 0.0, 0.8]}
+    elif change == "mesh":
+        box["components"]["mesh"]["primitive"]["size"] = [0.2, 0.1, 0.1]
+    file.write_text(json.dumps(document))
+    second, third = load_checked_scene(file, before=first), load_checked_scene(file)
+    for scene in (second, third):
+        scene.methods = {"colliding bodies": {"integrator": "explicit"}} if change == "planned" else {}
+    one, other = objects_of_scene(second), objects_of_scene(third)
+    assert bits(one.rows) == bits(other.rows)
+    assert bits(one.rows) != bits(objects_of_scene(first).rows)
 
 
 def test_sessions_of_one_scene_share_no_row_that_can_be_changed() -> None:

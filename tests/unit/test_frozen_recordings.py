@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mimics_app.app.cli import main
 from mimics_app.recording.recover import recover
 from mimics_app.recording.report import page_of, write_report
 from mimics_app.recording.run import Run
@@ -59,3 +60,13 @@ def test_frozen_recording_is_reported_and_recovered(folder: Path, tmp_path: Path
     again = Run.open(copy)
     assert again.haptic.tobytes() == before and again.losses() == Run.open(folder).losses()
     assert json.loads((copy / "session.json").read_text()) == json.loads((folder / "session.json").read_text())
+
+
+def test_frozen_recording_is_replayed_where_its_inputs_suffice(capsys: pytest.CaptureFixture[str]) -> None:
+    """The newest of the three: what it does not know yet is as it was without. The others say what they lack."""
+    assert main(["replay", str(FROZEN[0])]) == 0
+    told = capsys.readouterr().out
+    assert "300 ticks replayed, every output and 7 events equal" in told and "its task is not compared" in told
+    for folder in FROZEN[1:]:
+        assert main(["replay", str(folder)]) == 6
+        assert "recorded with other columns; replay it with the version it names" in capsys.readouterr().err

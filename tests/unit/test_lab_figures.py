@@ -69,7 +69,7 @@ def test_chart_file_has_the_keys_in_order_and_finite_numbers(chart, tmp_path):
     data = _read(tmp_path, "two_<words>")
     assert list(data)[: len(KEYS)] == KEYS
     assert data["kind"] == "chart" and data["name"] == "two <words>"
-    assert all(set(one) == ROW_KEYS for one in data["rows"])
+    assert all(set(one) == ROW_KEYS | {"spread_ns"} for one in data["rows"])
     assert set(data["boundary"]) == BOUNDARY_KEYS
     assert data["front"] == ["quick", "exact"] and data["default"] == "exact"
     assert [one["valid"] for one in data["rows"]] == [True, True, True, False]

@@ -76,10 +76,11 @@ def test_every_group_that_is_announced_is_loaded() -> None:
     from mimics_app.rendering.haptic.devices import device_names
     from mimics_app.tasks.kinds import registry
     from mimics_app.world.components import plugins
+    from mimics_app.world.scene import method_plugins
 
     assert set(GROUPS) == {
         place.ENTRY_POINT_GROUP
-        for place in (catalogue, force_fields, device_names, registry, plugins, policies, sources)
+        for place in (catalogue, force_fields, device_names, registry, plugins, method_plugins, policies, sources)
     }
 
 

@@ -190,9 +190,12 @@ def test_events_are_compared_up_to_the_last_row(
         _seq, offset, _length = np.fromfile(folder / "haptic.arrows.idx", np.int64).reshape(-1, 3)[until // 50].tolist()
         os.truncate(folder / "haptic.arrows", offset + 100)
     recover(folder)
-    again = SimpleNamespace(samples=gather(Run.open(folder)).samples, events=events[events["tick"] < until])
-    tick = SimpleNamespace(replay_run=lambda *_: again)  # the compiled one is not what is tested
-    monkeypatch.setitem(sys.modules, "mimics_app.rendering.haptic.replay", tick)
+    samples, told = gather(Run.open(folder)).samples, events[events["tick"] < until]
+    again = SimpleNamespace(samples=samples, events=told, snapshots={})
+    tick = SimpleNamespace(
+        play_loop=lambda *_: again, play_task=lambda *_: (None, None)
+    )  # the compiled one is not what is tested
+    monkeypatch.setitem(sys.modules, "mimics_app.app.session.replay", tick)
     monkeypatch.setattr("mimics_app.app.terminal.first_start.say_if_cold", lambda: None)
     assert main(["replay", str(folder)]) == 0
     told = capsys.readouterr().out

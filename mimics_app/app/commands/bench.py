@@ -161,11 +161,11 @@ def _median_round(rows: list[dict[str, Any]]) -> dict[str, Any]:
 
 def _measure_methods(args: argparse.Namespace) -> dict[str, Any]:
     """Cost and error of every registered method."""
-    from mimics_app.lab.catalogue import GROUPS, load_methods
+    from mimics_app.lab.catalogue import all_groups, load_methods
     from mimics_app.lab.measure import as_dict, measure
 
     registry = load_methods()
-    return {"groups": {group: as_dict(measure(group, registry)) for group in GROUPS}}
+    return {"groups": {group: as_dict(measure(group, registry)) for group in all_groups()}}
 
 
 def _measure_audio(args: argparse.Namespace) -> dict[str, Any]:

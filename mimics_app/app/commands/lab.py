@@ -27,7 +27,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=("measure", "chart", "stability"),
         help="measure: cost and error as a table; chart: as figures; stability: experiments as figures",
     )
-    parser.add_argument("name", nargs="*", help="groups of methods, or experiments such as S3; none: all of them")
+    parser.add_argument(
+        "name",
+        nargs="*",
+        help='groups of methods, "whole scenes", or experiments such as S3; none: all groups or experiments',
+    )
     parser.add_argument("--all", action="store_true", help="all groups or experiments, as without a name")
     parser.add_argument("--save", action="store_true", help="measure: keep the figures for the planner of this machine")
     parser.add_argument(
@@ -88,21 +92,29 @@ def _folder(args: argparse.Namespace) -> Path:
 
 def _groups(words: list[str]) -> list[str]:
     """Names of groups as given: with blanks, hyphens or underscores; several words may be one name."""
-    from mimics_app.lab.catalogue import GROUPS
+    from mimics_app.app.bench.whole_scenes import GROUPS
+    from mimics_app.lab.catalogue import all_groups
 
+    groups = all_groups()
+    if [word.replace("_", " ").lower() for word in words] in (["whole scenes"], ["whole", "scenes"]):
+        return list(GROUPS)
     names = [word.replace("_", " ").replace("-", " ").lower() for word in words]
-    if len(names) > 1 and " ".join(names) in GROUPS:
+    if len(names) > 1 and " ".join(names) in (*groups, *GROUPS):
         return [" ".join(names)]
-    known = {group.replace("-", " ").lower(): group for group in GROUPS}
-    return [known.get(name, name) for name in names] or list(GROUPS)
+    known = {group.replace("-", " ").lower(): group for group in groups}
+    return [known.get(name, name) for name in names] or groups
 
 
 def _measure(groups: list[str], rounds: int) -> list[MeasuredGroup]:
+    from mimics_app.app.bench.whole_scenes import GROUPS, register_whole
     from mimics_app.app.terminal.progress import ProgressBar
     from mimics_app.lab.catalogue import load_methods
     from mimics_app.lab.measure import count_probes, measure
 
-    registry = load_methods(groups)
+    registry = load_methods([group for group in groups if group not in GROUPS])
+    for group in groups:
+        if group in GROUPS:
+            register_whole(registry, group)
     with ProgressBar(sys.stderr, count_probes(registry, groups, rounds)) as bar:
         return [measure(group, registry, bar.step, rounds) for group in groups]
 
@@ -127,10 +139,14 @@ def _show_table(args: argparse.Namespace, measured: list[MeasuredGroup]) -> int:
 
 def _save_table(measured: list[MeasuredGroup], *, shipped: bool) -> Path | None:
     """Put the figures of these groups into the shipped table, or into this machine's own; where it is."""
+    from mimics_app.app.bench.whole_scenes import GROUPS  # charted, and nothing to choose from
     from mimics_app.contracts.method_table import Table, shipped_file
     from mimics_app.lab.measure import to_table
 
-    newer, older = to_table(measured), Table.load_shipped() if shipped else Table.load_saved()
+    newer, older = (
+        to_table([one for one in measured if one.group.name not in GROUPS]),
+        Table.load_shipped() if shipped else Table.load_saved(),
+    )
     return (older.with_groups(newer) if older else newer).save(shipped_file() if shipped else None)
 
 

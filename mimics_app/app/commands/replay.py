@@ -14,10 +14,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Replay and compare.
+    """Replay and compare: first the loop, then the task on what the loop made.
 
     Raises:
-        PartialDataError: a tick comes out differently, or the run misses ticks or parameters.
+        PartialDataError: a tick or the task comes out differently, or the run misses ticks, parameters or frames.
     """
     from mimics_app.app.terminal import output
     from mimics_app.app.terminal.first_start import say_if_cold
@@ -25,22 +25,17 @@ def run(args: argparse.Namespace) -> int:
 
     recorded = Run.open(args.run_folder)
     say_if_cold()
+    from mimics_app.app.session.replay import play_loop, play_task
     from mimics_app.contracts.errors import PartialDataError
     from mimics_app.recording.replay import compare, compare_events, gather
-    from mimics_app.rendering.haptic.replay import replay_run
 
-    data = gather(recorded)
-    statics = None
-    if data.statics is not None:
-        from mimics_app.rendering.haptic.object_statics import ObjectStatics
-
-        statics = ObjectStatics.from_arrays(data.statics.arrays, data.statics.fields)
-    replayed = replay_run(data.samples, data.blocks, data.rows, statics)
-    end = recorded.comparable_end
+    data, end = gather(recorded), recorded.comparable_end
+    replayed = play_loop(recorded, data)
     difference = compare(data.samples, replayed.samples) or compare_events(recorded.events, replayed.events, end)
-    if difference is not None:
+    told, task_difference = (None, None) if difference else play_task(recorded, replayed.snapshots)
+    if difference or task_difference:
         raise PartialDataError(
-            f"{args.run_folder} replays differently: {difference}",
+            f"{args.run_folder} replays differently: {difference or task_difference}",
             "its inputs were changed, or another version or machine recorded it",
         )
     from mimics_app.app.session.body_replay import replay_body
@@ -54,15 +49,23 @@ def run(args: argparse.Namespace) -> int:
     ticks, events = len(data.samples), int((recorded.events["tick"] < end).sum())
     left = len(recorded.events) - events
     if args.json:
-        answer = {"ticks": ticks, "events": events, "events_not_compared": left, "equal": True}
+        answer = {"ticks": ticks, "events": events, "events_not_compared": left, "task": told, "equal": True}
         if body is not None:
             answer |= {"features": body.features, "states": body.states, "choices": body.choices}
         output.write_object("replay", {"run_dir": args.run_folder, **answer})
     else:
         print(f"{ticks} ticks replayed, every output and {events} events equal bit for bit{_left_out(left, end)}")
+        print(_task_line(told))
         if body is not None:
             print(f"{body.features} frames of features, {body.states} states and {body.choices} choices equal")
     return 0
+
+
+def _task_line(told: dict[str, int] | None) -> str:
+    """What was compared of the task."""
+    if told is None:
+        return "its task is not compared: the recording does not say what it was given"
+    return f"its task: {told['events']} events and {told['rows']} rows of trials.csv equal"
 
 
 def _left_out(events: int, end: int) -> str:

@@ -7,6 +7,8 @@ from typing import Any
 
 from mimics_app.world.components.plugins import ENTRY_POINT_GROUP as COMPONENTS
 from mimics_app.world.components.plugins import fault_of_type
+from mimics_app.world.scene.method_plugins import ENTRY_POINT_GROUP as METHODS
+from mimics_app.world.scene.method_plugins import fault_of_method
 
 __all__ = ["GROUPS", "PluginReport", "list_plugins"]
 
@@ -18,6 +20,7 @@ GROUPS = (
     "mimics_app.force_fields",
     "mimics_app.policies",
     "mimics_app.signal_sources",
+    METHODS,
 )
 """The groups of entry points a package may offer something in: each is loaded by the stage that has a place for it."""
 
@@ -62,4 +65,5 @@ def _report(group: str, point: Any) -> PluginReport:
             raise
         return PluginReport(group, point.name, point.value, package, f"{type(error).__name__}: {error}")
     fault = fault_of_type(point.name, loaded) if group == COMPONENTS else ""
+    fault = fault_of_method(loaded) if group == METHODS else fault
     return PluginReport(group, point.name, point.value, package, fault, loaded)

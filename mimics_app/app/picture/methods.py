@@ -9,7 +9,7 @@ from typing import Any
 from mimics_app.contracts.methods import Settings
 from mimics_app.rendering.visual.settings import RenderSettings
 
-__all__ = ["with_methods"]
+__all__ = ["PICTURE_GROUPS", "with_methods"]
 
 _FIELDS: Mapping[str, tuple[str, ...]] = {
     "anti aliasing": ("msaa", "fxaa"),
@@ -21,6 +21,9 @@ _FIELDS: Mapping[str, tuple[str, ...]] = {
     "skinning": ("skinning",),
 }
 """Fields of the renderer's settings that the methods of a group may set; how cascades are placed is the scene's."""
+
+PICTURE_GROUPS: tuple[str, ...] = tuple(_FIELDS)
+"""Groups of methods that a picture runs."""
 
 
 def with_methods(settings: RenderSettings, methods: Mapping[str, Settings]) -> RenderSettings:

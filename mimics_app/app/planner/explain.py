@@ -12,12 +12,12 @@ import msgspec
 from mimics_app.app.planner.plan import Choice, Dearer, Plan
 from mimics_app.app.planner.uses import (
     TOUCH,
-    USES,
     WHOLE_TICK,
     grips,
     points_of,
     shadow_distance_of,
     touched_shape,
+    uses,
     visual_of,
 )
 from mimics_app.contracts.method_table import Row, Table
@@ -114,7 +114,7 @@ def describe_plan(scene: Scene, plan: Plan) -> dict[str, Any]:
 
 def _part(scene: Scene, choice: Choice, plan: Plan) -> Part:
     taken, refused, dearer = choice.taken, choice.refused, choice.dearer
-    timed = bool(plan.pixels and USES[choice.group].pixels)
+    timed = bool(plan.pixels and uses()[choice.group].pixels)
     return Part(
         part=choice.what,
         group=choice.group,
@@ -127,8 +127,8 @@ def _part(scene: Scene, choice: Choice, plan: Plan) -> Part:
         too_dear=None if dearer is None else _too_dear(dearer),
         more_ms=choice.more_ms if timed else None,
         note=_note(scene, choice, plan),
-        within=USES[choice.group].within,
-        tick_us=taken.cost_us * USES[choice.group].count(scene) if choice.group in _OF_TICK else None,
+        within=uses()[choice.group].within,
+        tick_us=taken.cost_us * uses()[choice.group].count(scene) if choice.group in _OF_TICK else None,
     )
 
 
@@ -242,7 +242,7 @@ def _filters_left_out(scene: Scene, plan: Plan) -> list[LeftOut]:
 def _extra_us(plan: Plan, group: str) -> float | None:
     """What the dearest way costs more than the cheapest in the plan's picture [us]; None where none is timed."""
     costs = [row.cost_us for row in plan.table.groups.get(group, [])]
-    return (max(costs) - min(costs)) * plan.pixels / USES[group].pixels if costs and plan.pixels else None
+    return (max(costs) - min(costs)) * plan.pixels / uses()[group].pixels if costs and plan.pixels else None
 
 
 _NOBODY = "none"

@@ -15,10 +15,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from mimics_app.app.planner.tolerances import FIELD_OF_UNIT, tolerances_of
-from mimics_app.app.planner.uses import USES, Use
+from mimics_app.app.planner.uses import uses
 from mimics_app.app.settings import Profile
 from mimics_app.contracts.method_table import Row, Table
 from mimics_app.contracts.methods import Settings
+from mimics_app.world.scene.method_plugins import Use, method_plugins
 from mimics_app.world.scene.scene import Scene
 
 __all__ = ["ROOM", "Choice", "Dearer", "Plan", "choose", "load_table", "plan_scene", "settle"]
@@ -77,7 +78,7 @@ class Plan:
         tolerances: By field of `systems.tolerances`.
         table: The figures it was chosen by.
         origin: Where those are from: "shipped", "saved" on this machine, or "given" by the caller.
-        choices: In the order of `USES`; only groups the scene has a use for.
+        choices: In the order of `uses`; only groups the scene has a use for.
         pixels: Of the live picture it was made for [px]; 0 where no frame has to keep time.
     """
 
@@ -101,7 +102,7 @@ class Plan:
     @property
     def without_picture(self) -> Plan:
         """The plan less what is chosen only when a live picture is opened."""
-        return replace(self, choices=tuple(choice for choice in self.choices if not USES[choice.group].pixels))
+        return replace(self, choices=tuple(choice for choice in self.choices if not uses()[choice.group].pixels))
 
 
 def choose(rivals: Sequence[Row], tolerance: float, most_us: float = math.inf) -> Row:
@@ -125,10 +126,14 @@ def choose(rivals: Sequence[Row], tolerance: float, most_us: float = math.inf) -
 def load_table() -> tuple[Table, str]:
     """The figures to plan by, and where they are from: "shipped", or "saved" where this machine measured itself.
 
-    A saved table that holds some groups only stands before the shipped one.
+    A saved table that holds some groups only stands before the shipped one. Methods of installed packages that are in
+    neither stand with the figures their package brings.
     """
     shipped, saved = Table.load_shipped(), Table.load_saved()
-    return (shipped, "shipped") if saved is None else (shipped.with_groups(saved), "saved")
+    table, origin = (shipped, "shipped") if saved is None else (shipped.with_groups(saved), "saved")
+    for plugin in method_plugins():
+        table = table.with_rows(plugin.group, plugin.rows)
+    return table, origin
 
 
 def plan_scene(scene: Scene, profile: Profile, table: Table | None = None, pixels: int = 0) -> Plan:
@@ -145,7 +150,7 @@ def plan_scene(scene: Scene, profile: Profile, table: Table | None = None, pixel
     tolerances = tolerances_of(scene, profile)
     room_ms = ROOM * tolerances["frame_ms"] if pixels and profile != "study" else math.inf
     choices = list[Choice]()
-    for group, use in USES.items():
+    for group, use in uses().items():
         if group in table.groups and use.used(scene):
             scale = pixels / use.pixels if use.pixels else 0.0
             choices.append(_choice(scene, group, use, table.groups[group], tolerances, _Budget(room_ms, scale)))
@@ -201,11 +206,11 @@ def _row_of(named: Settings, rows: Sequence[Row]) -> Row:
     return next((row for row in rows if row.settings == named), unknown)
 
 
-def settle(scene: Scene, profile: Profile) -> Plan:
-    """Plan a scene and write the choice into it: whatever is built from the scene afterwards runs the plan.
+def settle(scene: Scene, profile: Profile, plan: Plan | None = None) -> Plan:
+    """Plan a scene, where no plan is given, and write the choice into it: whatever is built from it then runs the plan.
 
     What a live picture gives up for time is chosen when it is opened, as that depends on who draws it.
     """
-    plan = plan_scene(scene, profile)
+    plan = plan or plan_scene(scene, profile)
     scene.methods = plan.settings
     return plan

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import TypeVar
 
 import msgspec
@@ -15,6 +14,7 @@ from mimics_app.world.components.objects import HapticObject, HapticWalls, Inter
 from mimics_app.world.components.robot import Admittance, Robot, Tunnel
 from mimics_app.world.components.systems import AudioSettings, HapticSettings, VisualSettings
 from mimics_app.world.components.visible import CameraComponent, LightComponent, MeshComponent, Sound
+from mimics_app.world.scene.method_plugins import Use, method_plugins
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.scene.spread import ENOUGH, spread_of_casters
 
@@ -30,44 +30,9 @@ __all__ = [
     "points_of",
     "shadow_distance_of",
     "touched_shape",
+    "uses",
     "visual_of",
 ]
-
-
-def _anything(scene: Scene, settings: Settings) -> bool:
-    return True
-
-
-def _one(scene: Scene) -> int:
-    return 1
-
-
-def _nothing_named(scene: Scene) -> Settings | None:
-    return None
-
-
-@dataclass(frozen=True, slots=True)
-class Use:
-    """What a scene uses a group of methods for.
-
-    Attributes:
-        what: In words.
-        used: Whether a scene has a use for it.
-        named: Settings of the method a scene names; None where it leaves the choice to the planner.
-        allowed: Whether the planner may take a method, by its settings, for a scene that names none.
-        pixels: Of the frame its costs were measured at [px], where they grow with the picture and are borne by the
-            frame's budget; 0 where they are not.
-        within: The part of `explain` whose cost holds this one's already; "" where it stands for itself.
-        count: How many times a scene pays its cost in a tick, of a group of the haptic loop.
-    """
-
-    what: str
-    used: Callable[[Scene], bool]
-    named: Callable[[Scene], Settings | None] = _nothing_named
-    allowed: Callable[[Scene, Settings], bool] = _anything
-    pixels: int = 0
-    within: str = ""
-    count: Callable[[Scene], int] = _one
 
 
 def visual_of(scene: Scene) -> VisualSettings:
@@ -310,6 +275,13 @@ USES: Mapping[str, Use] = {
 
 Some have one method that the product can run: nothing is chosen there, and `explain` says so beside its cost.
 """
+
+
+def uses() -> Mapping[str, Use]:
+    """Those groups, then those that installed packages bring with a use of their own."""
+    brought = {plugin.group: plugin.use for plugin in method_plugins() if plugin.use is not None}
+    return {**brought, **USES}
+
 
 NOT_PLANNED: Mapping[str, str] = {
     "integrator": 'the integrators of bodies on one wall alone; "colliding bodies" chooses among all a body can have',

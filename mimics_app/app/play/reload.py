@@ -64,7 +64,7 @@ class SceneReload:
     def _take(self, now_ns: int) -> None:
         session = self._session
         try:
-            scene = load_checked_scene(session.scene.path)
+            scene = load_checked_scene(session.scene.path, before=session.scene)
             open_scenario(scene, build_world(scene))  # in a world of its own: its faults must not end this one
             side = HapticSide(scene)
             if not side.fits(session.side, session.memory):

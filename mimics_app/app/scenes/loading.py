@@ -28,13 +28,17 @@ __all__ = ["load_checked_scene"]
 _REACH_CHECKS = 100
 
 
-def load_checked_scene(path: Path) -> Scene:
+def load_checked_scene(path: Path, before: Scene | None = None) -> Scene:
     """Read a scene and everything it names, and check what no single stage can.
+
+    Args:
+        path: The scene file, or a shipped scene's name.
+        before: The scene it replaces, see `load_scene`.
 
     Raises:
         SceneError: every fault found, each with file and JSON pointer.
     """
-    scene = load_scene(find_scene(path))
+    scene = load_scene(find_scene(path), before=before)
     issues = _check_widest_tunnel(scene) + _check_reach(scene) + _check_carry_reach(scene) + check_objects(scene)
     if issues:
         raise SceneError(issues)

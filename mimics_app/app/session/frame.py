@@ -106,7 +106,8 @@ class Frames:
             self.safety.see(events)
             self._recorder.look()
         with stage("tasks"):
-            orders = core.tasks.step(vr, self._action, snapshot, events, now_ns)
+            taken = self._action
+            orders = core.tasks.step(vr, taken, snapshot, events, now_ns)
             self._choose(state, orders.result, now_ns)
             self._touch(vr, orders, snapshot)
             self._feel(orders, now_ns)
@@ -125,7 +126,7 @@ class Frames:
         with stage("record"):
             core.inputs.feel(experience_of(orders, snapshot, now_ns))
             core.tap.step(self.number, vr.signals, features, state)
-            self._journal(snapshot, now_ns)
+            self._journal(vr, taken, snapshot, len(events), now_ns)
         self.number, self.orders, self.snapshot, self.events = self.number + 1, orders, snapshot, events
 
     def _feel(self, orders: TaskOrders, now_ns: int) -> None:
@@ -140,9 +141,17 @@ class Frames:
         self._action = core.learning.choose(state, result, reward, now_ns)
         core.tap.choice(self.number, result, reward, self._action)
 
-    def _journal(self, snapshot: HapticSnapshot, now_ns: int) -> None:
-        """What this frame saw: the tick, and where every haptic body was."""
+    def _journal(
+        self, vr: VRInput, action: TaskAction | None, snapshot: HapticSnapshot, events: int, now_ns: int
+    ) -> None:
+        """What this frame saw: tick, events, keys and action, as a replay of the task needs them, and the bodies."""
         line: dict[str, object] = {"frame": self.number, "tick": snapshot.tick, "t_ns": now_ns}
+        if events:
+            line["events"] = events
+        if vr.pressed:
+            line["pressed"] = vr.pressed
+        if action is not None:
+            line["action"] = {"values": dict(action.values), "at_trial": action.at_trial}
         bodies = int(self._core.parameter_store.block["objects"]["bodies"][0])
         if bodies:
             line["bodies"] = snapshot.poses[:bodies].tolist()

@@ -10,14 +10,16 @@ import msgspec
 
 from mimics_app.app.planner.explain import describe_plan
 from mimics_app.app.session.preparation import Preparation
+from mimics_app.app.touch.device_fit import fit_context
 from mimics_app.rendering.haptic.devices.device_names import POINTER
 from mimics_app.rendering.haptic.scene_block import safety_of
+from mimics_app.tasks.task_record import task_record
 
 __all__ = ["describe_session"]
 
 
 def describe_session(parts: Preparation) -> dict[str, Any]:
-    """Scene, seed, who moved it, limits, settings, plan: as plain objects of JSON."""
+    """Scene, seed, who moved it, limits, settings, task, plan: as plain objects of JSON."""
     scene, settings = parts.scene, parts.settings
     return {
         "scene": {
@@ -40,6 +42,7 @@ def describe_session(parts: Preparation) -> dict[str, Any]:
             for name, value in asdict(settings).items()
             if name != "journey"
         },
+        "task": task_record(parts.task, fit_context(parts.scenario.task_context, parts.plugin)),
         "facts": parts.scenario.facts,
         **({"body": parts.body.header} if parts.body.header else {}),
         "plan": describe_plan(scene, parts.plan.without_picture if parts.live else parts.plan),

@@ -80,14 +80,20 @@ def prepare(settings: RunSettings, *, live: bool) -> Preparation:
     return prepare_scene(load_checked_scene(settings.scene), settings, live=live)
 
 
-def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False) -> Preparation:
+def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, plan: Plan | None = None) -> Preparation:
     """As `prepare`, of a checked scene that is there already.
+
+    Args:
+        scene: What is played.
+        settings: What was asked for.
+        live: Whether the haptic loop is to run in real time.
+        plan: What runs; None: what the planner chooses for the profile.
 
     Raises:
         SceneError: the action file is wrong.
         DeviceError: the robot cannot be had.
     """
-    plan = settle(scene, settings.profile)
+    plan = settle(scene, settings.profile, plan)
     world = build_world(scene)
     world.effects.seed = settings.seed
     scenario = open_scenario(scene, world)

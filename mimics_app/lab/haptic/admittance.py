@@ -5,7 +5,7 @@ Importing this module registers them.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,9 @@ from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import reference_us, shortest_us
 from mimics_app.rendering.haptic.control.admittance import admit
 from mimics_app.rendering.haptic.kernels.kinematics import apply_inverse_jacobian, apply_jacobian
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import Floats
 
 __all__ = ["GROUP", "false_force"]
 
@@ -36,7 +39,7 @@ _SOURCES = {
 
 
 @kernel
-def _run(form: int, calls: int, dt: float, q: Any, v: Any, dq: Any, scratch: Any) -> None:
+def _run(form: int, calls: int, dt: float, q: Floats, v: Floats, dq: Floats, scratch: Floats) -> None:
     force = np.zeros(3)
     for _ in range(calls):
         admit(form, q, force, _MASS, 0.0, _FREE, _FREE, _D1, dt, scratch, v, dq)

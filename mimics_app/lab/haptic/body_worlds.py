@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,9 @@ from mimics_app.rendering.haptic.kernels.objects.collisions import collide_bodie
 from mimics_app.rendering.haptic.kernels.objects.poses import pose_shapes
 from mimics_app.rendering.haptic.kernels.objects.totals import clear_totals
 from mimics_app.rendering.haptic.objects import ObjectWork, new_object_work
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import ObjectCountsRecord, ObjectWork, Rows
 
 __all__ = ["FREE", "GRAVITY", "BodyWorld", "box_inertia", "heap_of_boxes", "new_world", "rest_on_floor"]
 
@@ -36,7 +39,7 @@ Edges = tuple[float, float, float]
 
 
 @kernel
-def _run(rows: Any, work: Any, counts: Any, dt: float, ticks: int) -> None:
+def _run(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, dt: float, ticks: int) -> None:
     rows, work = borrowed(rows), borrowed(work)
     for _ in range(ticks):
         clear_totals(work.totals[0])

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,9 @@ from mimics_app.rendering.haptic.kernels.contact import cube, cube_nearest_face,
 from mimics_app.rendering.haptic.kernels.contact_law import hunt_crossley, spring_damper, spring_damper_printed
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 from mimics_app.rendering.haptic.kernels.integrators import step_semi_implicit
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import ContactRecord, Table
 
 __all__ = [
     "BOX_GROUP",
@@ -181,7 +184,7 @@ _INWARD = np.array([0.0, 0.0, -0.008])
 
 
 @kernel
-def _touch(number: int, p: Array, v: Array, dimensions: Array, contact: Any) -> None:
+def _touch(number: int, p: Array, v: Array, dimensions: Array, contact: ContactRecord) -> None:
     if number == 0:
         cube(p, v, dimensions, contact)
     elif number == 1:
@@ -191,7 +194,9 @@ def _touch(number: int, p: Array, v: Array, dimensions: Array, contact: Any) -> 
 
 
 @kernel
-def _slide(number: int, path: Array, v: Array, dimensions: Array, contacts: Any, forces: Array) -> None:
+def _slide(
+    number: int, path: Array, v: Array, dimensions: Array, contacts: Table[ContactRecord], forces: Array
+) -> None:
     contact = contacts[0]
     for tick in range(path.shape[0]):
         _touch(number, path[tick], v, dimensions, contact)

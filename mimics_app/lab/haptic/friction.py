@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,9 @@ from mimics_app.rendering.haptic.kernels.friction import (
     regularised,
     regularised_printed,
 )
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import FrictionRecord, Table
 
 __all__ = ["GROUP", "LAWS", "Hold", "hold"]
 
@@ -96,7 +99,7 @@ class Hold:
 
 
 @kernel
-def _friction(number: int, x: Array, v: Array, load: Array, state: Any, out: Array) -> None:
+def _friction(number: int, x: Array, v: Array, load: Array, state: FrictionRecord, out: Array) -> None:
     if number == 0:
         regularised_printed(v, _NORMAL, _MU, _THRESHOLD, out)
     elif number == 1:
@@ -117,7 +120,7 @@ def _load_at(tick: int) -> float:
 
 
 @kernel
-def _hold(number: int, ticks: int, states: Any, vectors: Array, path: Array) -> float:
+def _hold(number: int, ticks: int, states: Table[FrictionRecord], vectors: Array, path: Array) -> float:
     """Place [m] at every tick into path; returns the greatest friction force [N]."""
     x, v, load, force = vectors[0], vectors[1], vectors[2], vectors[3]
     state = states[0]
@@ -157,7 +160,7 @@ def _error(law: str) -> float:
 
 
 @kernel
-def _slide(number: int, ticks: int, states: Any, x: Array, v: Array, load: Array, out: Array) -> None:
+def _slide(number: int, ticks: int, states: Table[FrictionRecord], x: Array, v: Array, load: Array, out: Array) -> None:
     for i in range(x.shape[0]):
         x_i, v_i, load_i, state_i, out_i = x[i], v[i], load[i], states[i], out[i]
         for _ in range(ticks):

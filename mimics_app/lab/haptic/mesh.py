@@ -7,7 +7,7 @@ top on 2 kN/m, against k d straight up.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,9 @@ from mimics_app.rendering.haptic.kernels.objects.mesh_walk import probe_mesh
 from mimics_app.rendering.haptic.kernels.objects.records import MEMORY
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import ContactScratchRecord, MemoryRecord, MeshRecord, Table
+
 __all__ = ["GROUP", "false_slide"]
 
 Array = NDArray[np.float64]
@@ -40,7 +43,9 @@ _TYPICAL = 1000
 
 
 @kernel
-def _hold_nearest(meshes: MeshTable, mesh: Any, p: Array, brute: bool, out: Array, n: Array, force: Array) -> None:
+def _hold_nearest(
+    meshes: MeshTable, mesh: MeshRecord, p: Array, brute: bool, out: Array, n: Array, force: Array
+) -> None:
     """Push out of the closest triangle of every tick, found through the tree or among all."""
     if brute:
         t, best = -1, np.inf
@@ -62,7 +67,13 @@ def _hold_nearest(meshes: MeshTable, mesh: Any, p: Array, brute: bool, out: Arra
 
 @kernel
 def _slide_finger(
-    number: int, meshes: MeshTable, way: Array, scratches: Any, memories: Any, vectors: Array, forces: Array
+    number: int,
+    meshes: MeshTable,
+    way: Array,
+    scratches: Table[ContactScratchRecord],
+    memories: Table[MemoryRecord],
+    vectors: Array,
+    forces: Array,
 ) -> None:
     scratch, contact = scratches[0], memories[0].contact
     out, n = vectors[0], vectors[1]

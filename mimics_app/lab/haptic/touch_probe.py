@@ -7,7 +7,7 @@ while it slides +-4 mm, with friction.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,9 @@ from mimics_app.rendering.haptic.kernels.objects.totals import clear_totals
 from mimics_app.rendering.haptic.kernels.objects.touch import touch_points
 from mimics_app.rendering.haptic.mesh_table import build_mesh_table
 from mimics_app.rendering.haptic.objects import ObjectWork, new_object_work
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import ObjectCountsRecord, ObjectWork, Rows
 
 __all__ = ["DT", "RADIUS", "STIFFNESS", "TouchScene", "ball_mesh", "slide_way", "touch_scene"]
 
@@ -48,12 +51,16 @@ _SIZES = {
 
 
 @kernel
-def _touch_often(rows: Any, work: Any, counts: Any, way: Array, velocities: Array, dt: float, forces: Array) -> None:
+def _touch_often(
+    rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, way: Array, velocities: Array, dt: float, forces: Array
+) -> None:
     _touch_borrowed(borrowed(rows), borrowed(work), counts, way, velocities, dt, forces)
 
 
 @kernel
-def _touch_borrowed(rows: Any, work: Any, counts: Any, way: Array, velocities: Array, dt: float, forces: Array) -> None:
+def _touch_borrowed(
+    rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, way: Array, velocities: Array, dt: float, forces: Array
+) -> None:
     pose_shapes(rows, work, counts)
     for tick in range(way.shape[0]):
         clear_totals(work.totals[0])

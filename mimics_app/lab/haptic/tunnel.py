@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache, partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,9 @@ from mimics_app.rendering.haptic.kernels.tunnel_projection import (
     track_one_step,
 )
 from mimics_app.rendering.haptic.tunnel import TunnelCurve, build_tunnel
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import Table, TunnelRecord, TunnelStateRecord
 
 __all__ = ["FRAME_GROUP", "PROJECTION_GROUP", "closest_by_roots", "helix", "twist_between"]
 
@@ -85,7 +88,7 @@ def _probe_tunnel(pieces: int = _PIECES) -> tuple[TunnelCurve, NDArray[Any], Arr
 
 
 @kernel
-def _walk(number: int, tunnels: Any, path: Array, states: Any, out: Array) -> None:
+def _walk(number: int, tunnels: Table[TunnelRecord], path: Array, states: Table[TunnelStateRecord], out: Array) -> None:
     """The parameter found at every point of a path, by the rival of a number."""
     for i in range(path.shape[0]):
         x, y, z = path[i, 0], path[i, 1], path[i, 2]

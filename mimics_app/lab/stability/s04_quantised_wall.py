@@ -11,7 +11,7 @@ must then come to rest from everywhere; beyond, it may swing for ever.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,9 @@ from mimics_app.rendering.haptic.kernels import robot
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe
 from mimics_app.rendering.haptic.kernels.robot import sense
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import ObserverRecord
 
 __all__ = ["EXPERIMENT", "Device", "closed_limit", "largest_swing", "simulated_limit"]
 
@@ -75,7 +78,7 @@ def _wall_force(x: float, k: float, memory: Vec, still: Vec, data: Vec) -> float
 
 
 @kernel
-def _work_of_cycle(near: float, far: float, k: float, memory: Vec, data: Vec, observer: Any) -> float:
+def _work_of_cycle(near: float, far: float, k: float, memory: Vec, data: Vec, observer: ObserverRecord) -> float:
     """Energy [J] the wall takes while a hand goes from depth `near` to `far` in one tick and back in the next."""
     still = np.zeros(3)
     position = np.zeros(3)
@@ -93,7 +96,9 @@ def _work_of_cycle(near: float, far: float, k: float, memory: Vec, data: Vec, ob
 
 
 @kernel
-def _is_passive(k: float, quantum: float, friction: float, damping: float, memory: Vec, observer: Any) -> bool:
+def _is_passive(
+    k: float, quantum: float, friction: float, damping: float, memory: Vec, observer: ObserverRecord
+) -> bool:
     """Whether no motion over 1 to _MOST_STEPS steps of the encoder draws energy from wall and device together."""
     data = np.zeros(DATA_LENGTH)
     steps = 1

@@ -8,7 +8,7 @@ T f v instead of held force times way sees nothing of it.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import ObserverRecord
 
 __all__ = ["EXPERIMENT", "closed_leak", "observed_leak"]
 
@@ -27,7 +30,7 @@ _PHASES = 400
 
 @kernel
 def _tap(
-    speed: float, depth: float, k: float, dt: float, phase: float, late: int, observer: Any
+    speed: float, depth: float, k: float, dt: float, phase: float, late: int, observer: ObserverRecord
 ) -> tuple[float, float]:
     """One tap sampled `phase` ticks after its start: energy taken by the held force, and by summing T f v [J].
 

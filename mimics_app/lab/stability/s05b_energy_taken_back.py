@@ -8,7 +8,7 @@ out it acts in the last part, where the spring would give what the hold has made
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from mimics_app.lab.stability.s05_energy_leak import closed_leak
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe
 from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import ObserverRecord
 
 __all__ = ["EXPERIMENT", "given_by_taps"]
 
@@ -32,7 +35,7 @@ OFF, UNLIMITED = 0.0, math.inf
 
 @kernel
 def _tap(
-    speed: float, depth: float, k: float, b: float, dt: float, phase: float, most: float, observer: Any
+    speed: float, depth: float, k: float, b: float, dt: float, phase: float, most: float, observer: ObserverRecord
 ) -> tuple[float, float]:
     """One tap sampled `phase` ticks after its start: energy given to the hand [J], most force taken away [N]."""
     place, push, v = np.zeros(3), np.zeros(3), np.zeros(3)

@@ -13,7 +13,7 @@ simulated motion without a model of it: the two multipliers that explain every t
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numba import types
@@ -29,6 +29,9 @@ from mimics_app.rendering.haptic.kernels.contact_law import pair_force, pair_for
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 from mimics_app.rendering.haptic.kernels.integrators import step_semi_implicit
 from mimics_app.rendering.haptic.kernels.rotation import rotate_exponential, rotate_printed
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import ContactRecord, Table
 
 __all__ = ["EXPERIMENT", "object_law_printed", "pd_rate", "pressed_rate", "sphere_rate"]
 
@@ -90,7 +93,9 @@ def _press(law: Any, m1: float, m2: float, k: float, b: float, dt: float, motion
 
 
 @kernel
-def _touch_sphere(printed: bool, load: float, mass: float, b: float, dt: float, contacts: Any, motion: Vec) -> None:
+def _touch_sphere(
+    printed: bool, load: float, mass: float, b: float, dt: float, contacts: Table[ContactRecord], motion: Vec
+) -> None:
     """A mass on a sphere along (1, 2, 2), pressed on by `load`; how deep it is under where it began."""
     along = np.array([1.0, 2.0, 2.0]) / 3.0
     p, v = np.zeros(3), np.zeros(3)

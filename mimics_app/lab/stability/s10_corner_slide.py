@@ -8,7 +8,7 @@ point leaves through the side, where k d falls to zero: inherent to the law of t
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numba import from_dtype, types
@@ -20,6 +20,9 @@ from mimics_app.lab.stability.laws import SHAPE
 from mimics_app.rendering.haptic.kernels.contact import cube, cube_nearest_face, rate_of_depth
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import ContactRecord, Table
 
 __all__ = ["EXPERIMENT", "slide"]
 
@@ -34,7 +37,7 @@ _UNFELT = 0.1
 
 
 @kernel
-def nearest(p: Vec, v: Vec, dimensions: Vec, contact: Any) -> None:
+def nearest(p: Vec, v: Vec, dimensions: Vec, contact: ContactRecord) -> None:
     """`cube_nearest_face` by the signature of `cube`."""
     cube_nearest_face(p, dimensions, contact)
 
@@ -42,7 +45,7 @@ def nearest(p: Vec, v: Vec, dimensions: Vec, contact: Any) -> None:
 @typed_kernel(
     types.void(SHAPE, types.float64, types.int64, types.float64[::1], from_dtype(CONTACT)[::1], types.float64[::1])
 )
-def _slide(shape: Any, depth: float, ticks: int, dimensions: Vec, contacts: Any, out: Vec) -> None:
+def _slide(shape: Any, depth: float, ticks: int, dimensions: Vec, contacts: Table[ContactRecord], out: Vec) -> None:
     """out: greatest change of the force in one tick inside [N], on leaving [N], ticks pushed by another face."""
     contact = contacts[0]
     p = np.array([0.5 * dimensions[0] - depth - _RUN_UP, 0.0, 0.5 * dimensions[2] + 1e-3])

@@ -10,7 +10,7 @@ drops what is left.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,9 @@ from mimics_app.rendering.haptic.kernels.contact import rate_of_depth
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 from mimics_app.rendering.haptic.kernels.objects.shapes_box import box
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import ContactRecord, Table
 
 __all__ = ["EXPERIMENT", "exact_change", "leaving_change"]
 
@@ -37,7 +40,7 @@ _RUN_UP = 2e-3
 
 
 @kernel
-def _leave(rounding: float, ticks: int, core: Vec, p: Vec, v: Vec, contacts: Any, force: Vec) -> float:
+def _leave(rounding: float, ticks: int, core: Vec, p: Vec, v: Vec, contacts: Table[ContactRecord], force: Vec) -> float:
     """Greatest change of the force in one tick of a slide along +x [N], until the point is out."""
     contact = contacts[0]
     greatest = 0.0

@@ -8,7 +8,7 @@ Hayward and Armstrong hold. LuGre holds a constant load, and creeps under a trem
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,9 @@ from mimics_app.rendering.haptic.kernels.friction import (
     regularised,
 )
 from mimics_app.rendering.haptic.kernels.integrators import step_semi_implicit
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import FrictionRecord, Table
 
 __all__ = ["EXPERIMENT", "MODELS", "cone_excess", "exact_creep", "hold"]
 
@@ -48,7 +51,7 @@ _CONE_ROUNDING = 1e-12
 
 
 @kernel
-def _friction(model: int, x: Vec, v: Vec, load: Vec, dt: float, state: Any, out: Vec) -> None:
+def _friction(model: int, x: Vec, v: Vec, load: Vec, dt: float, state: FrictionRecord, out: Vec) -> None:
     """One of `MODELS`, by its place, with the coefficients of this experiment."""
     if model == 0:
         regularised(v, _NORMAL, _MU, _THRESHOLD, out)
@@ -63,7 +66,7 @@ def _friction(model: int, x: Vec, v: Vec, load: Vec, dt: float, state: Any, out:
 
 
 @kernel
-def _hold(model: int, share: float, seconds: float, dt: float, states: Any, out: Vec) -> None:
+def _hold(model: int, share: float, seconds: float, dt: float, states: Table[FrictionRecord], out: Vec) -> None:
     """out: mean place in the last second less that in the first after settling [m], largest friction / cone - 1."""
     x, v, load, force = np.zeros(1), np.zeros(1), np.zeros(1), np.zeros(1)
     settled = round(_SETTLED / dt)
@@ -88,7 +91,7 @@ def _hold(model: int, share: float, seconds: float, dt: float, states: Any, out:
 
 
 @kernel
-def _excess(model: int, ticks: int, dt: float, path: Vec, states: Any) -> float:
+def _excess(model: int, ticks: int, dt: float, path: Vec, states: Table[FrictionRecord]) -> float:
     """Largest friction as a share of the cone - 1 along a prescribed path [m]."""
     v, load, force = np.zeros(1), np.zeros(1), np.zeros(1)
     worst = -1.0

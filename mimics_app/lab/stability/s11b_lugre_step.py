@@ -7,7 +7,7 @@ steady sliding. The implicit form divides instead, and settles at g / sigma0 in 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,9 @@ from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disag
 from mimics_app.lab.stability.linear import find_limit
 from mimics_app.rendering.haptic.kernels.contact_records import FRICTION
 from mimics_app.rendering.haptic.kernels.friction import lugre_explicit, lugre_implicit
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import FrictionRecord, Table
 
 __all__ = ["EXPERIMENT", "deflection", "exact_limit", "largest_tick"]
 
@@ -32,7 +35,7 @@ _LOST = 3.0
 
 
 @kernel
-def _slide(implicit: bool, speed: float, dt: float, ticks: int, states: Any) -> float:
+def _slide(implicit: bool, speed: float, dt: float, ticks: int, states: Table[FrictionRecord]) -> float:
     """Greatest deflection of the bristles [m] in the last tenth of a slide at constant speed."""
     v, force = np.full(1, speed), np.zeros(1)
     worst = 0.0

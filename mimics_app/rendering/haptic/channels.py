@@ -9,14 +9,16 @@ import numpy as np
 from numba import from_dtype, typeof, types
 from numpy.typing import NDArray
 
+from mimics_app.contracts import triple_buffer
 from mimics_app.contracts.haptic import EVENT, SAMPLE
+from mimics_app.contracts.loop_fields import HapticSnapshot
 from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_LENGTH, INBOX_LENGTH
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows
 from mimics_app.contracts.session_memory import SHARED_ARRAYS, SessionMemory
 from mimics_app.rendering.haptic.kernels.state import new_state
 from mimics_app.rendering.haptic.objects import ROW_STACK, ObjectWork, new_object_work
 
-__all__ = ["CHANNELS", "WORK", "Channels", "Work", "channels_of", "new_work"]
+__all__ = ["CHANNELS", "WORK", "Channels", "Work", "channels_of", "new_work", "newest_snapshot"]
 
 Words = NDArray[np.int64]
 Records = NDArray[Any]
@@ -73,6 +75,16 @@ def new_work(objects: ObjectWork) -> Work:
         inbox=np.zeros(INBOX_LENGTH),
         timespec=np.zeros(2, np.int64),
     )
+
+
+def newest_snapshot(memory: SessionMemory) -> HapticSnapshot:
+    """The newest state that the loop offered; its arrays are copies."""
+    slot, _ = triple_buffer.acquire(memory.snapshot_words)
+    record = memory.snapshots[slot]
+    values: dict[str, Any] = {
+        name: np.array(record[name]) if record[name].ndim else record[name].item() for name in record.dtype.names
+    }
+    return HapticSnapshot(**values, poses=memory.poses[slot].copy())
 
 
 def _channel_type(name: str) -> Any:

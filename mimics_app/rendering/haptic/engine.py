@@ -20,7 +20,7 @@ from mimics_app.contracts.object_rows import Rows, slot_of
 from mimics_app.contracts.session_memory import ControlWord, SessionMemory
 from mimics_app.rendering.haptic import scheduler
 from mimics_app.rendering.haptic.block_check import check_block
-from mimics_app.rendering.haptic.channels import channels_of, new_work
+from mimics_app.rendering.haptic.channels import channels_of, new_work, newest_snapshot
 from mimics_app.rendering.haptic.histogram import LatenessReport, percentile_us
 from mimics_app.rendering.haptic.loop import advance_ticks, run_live
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, load_simulation, no_objects
@@ -132,13 +132,7 @@ class HapticEngine:
 
     def snapshot(self) -> HapticSnapshot:
         """The newest state of the loop; its arrays are copies."""
-        memory = self._memory
-        slot, _ = triple_buffer.acquire(memory.snapshot_words)
-        record = memory.snapshots[slot]
-        values: dict[str, Any] = {
-            name: np.array(record[name]) if record[name].ndim else record[name].item() for name in record.dtype.names
-        }
-        return HapticSnapshot(**values, poses=memory.poses[slot].copy())
+        return newest_snapshot(self._memory)
 
     def events(self) -> Records:
         """Events since the last call, EVENT records, oldest first."""

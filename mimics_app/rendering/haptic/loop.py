@@ -276,10 +276,10 @@ def replay_recorded(
     period_ns: int,
     outputs: NDArray[Any],
 ) -> int:
-    """Run the tick over recorded inputs and tell its events.
+    """Run the tick over recorded inputs and tell its events and its newest state.
 
     Args:
-        channels: Arrays of a session of its own; the events go to their rings.
+        channels: Arrays of a session of its own; what is told goes there.
         work: Arrays of the loop, advanced.
         scenes: SCENE blocks, shape [m].
         stack: Tables of objects beside each of them, shape [m, capacity].
@@ -325,6 +325,7 @@ def replay_recorded(
             work.command,
             out,
         )
+        publish_state(channels, work, scene.objects, (state.tick - 1) * period_ns)
         publish_events(channels, work, rows, scene.objects, state.tick * period_ns)
         out.lateness_ns = 0.0
         out.duration_ns = 0.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from mimics_app.contracts.haptic import EventKind
 from mimics_app.contracts.kernel import kernel
@@ -13,6 +13,18 @@ from mimics_app.rendering.haptic.kernels.objects.published import write_poses
 from mimics_app.rendering.haptic.kernels.rows import write_snapshot
 from mimics_app.rendering.haptic.kernels.state import CONTACT_BEGAN, CONTACT_ENDED
 from mimics_app.rendering.haptic.kernels.vectors import norm
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import (
+        EventRecord,
+        ObjectCountsRecord,
+        Rows,
+        ShapeRecord,
+        StateRecord,
+        Table,
+        TotalsRecord,
+        TouchRecord,
+    )
 
 __all__ = ["publish_events", "publish_state"]
 
@@ -30,7 +42,7 @@ _QUARANTINE = int(EventKind.QUARANTINE)
 
 
 @kernel
-def publish_state(channels: Channels, work: Work, counts: Any, t_ns: int) -> None:
+def publish_state(channels: Channels, work: Work, counts: ObjectCountsRecord, t_ns: int) -> None:
     """Offer the newest state and poses to main and audio.
 
     Args:
@@ -71,7 +83,7 @@ def _tell(outlets: _Outlets, kind: int, force: float) -> None:
 
 
 @kernel
-def publish_events(channels: Channels, work: Work, rows: Any, counts: Any, t_ns: int) -> None:
+def publish_events(channels: Channels, work: Work, rows: Rows, counts: ObjectCountsRecord, t_ns: int) -> None:
     """Events of this tick, in the order parameters, state, trip, margin, cap, old data, contacts, impact, losses."""
     outlets = _Outlets(
         work.event,
@@ -93,7 +105,7 @@ def publish_events(channels: Channels, work: Work, rows: Any, counts: Any, t_ns:
 
 
 @kernel
-def _begin(event: Any, state: Any, t_ns: int, body_a: int, body_b: int) -> None:
+def _begin(event: EventRecord, state: StateRecord, t_ns: int, body_a: int, body_b: int) -> None:
     event.t_ns = t_ns
     event.tick = state.tick - 1
     event.body_a = body_a
@@ -103,7 +115,7 @@ def _begin(event: Any, state: Any, t_ns: int, body_a: int, body_b: int) -> None:
 
 
 @kernel
-def _publish_monitor(outlets: _Outlets, state: Any) -> None:
+def _publish_monitor(outlets: _Outlets, state: StateRecord) -> None:
     """What the monitors of stability and of the device's data have to tell."""
     if state.margin_lost == 1:
         _tell(outlets, _MARGIN, state.margin)
@@ -114,7 +126,7 @@ def _publish_monitor(outlets: _Outlets, state: Any) -> None:
 
 
 @kernel
-def _publish_tick(outlets: _Outlets, state: Any, t_ns: int) -> None:
+def _publish_tick(outlets: _Outlets, state: StateRecord, t_ns: int) -> None:
     news = state.parameters_taken + state.state_changed + state.tripped + state.contact_change
     if news + state.margin_lost + state.cap_began + state.stale_began == 0:
         return
@@ -141,7 +153,13 @@ def _publish_tick(outlets: _Outlets, state: Any, t_ns: int) -> None:
 
 @kernel
 def _publish_touches(
-    outlets: _Outlets, state: Any, totals: Any, touches: Any, shapes: Any, bodies: int, t_ns: int
+    outlets: _Outlets,
+    state: StateRecord,
+    totals: TotalsRecord,
+    touches: Table[TouchRecord],
+    shapes: Table[ShapeRecord],
+    bodies: int,
+    t_ns: int,
 ) -> None:
     """Contacts of the hand with the static scene (partner 0) and with bodies."""
     for k in range(bodies + 1):
@@ -161,7 +179,7 @@ def _publish_touches(
 
 
 @kernel
-def _publish_impact(outlets: _Outlets, state: Any, totals: Any, t_ns: int) -> None:
+def _publish_impact(outlets: _Outlets, state: StateRecord, totals: TotalsRecord, t_ns: int) -> None:
     """The hardest contact between bodies that began in this tick."""
     if totals.impact <= 0.0:
         return
@@ -178,7 +196,7 @@ def _publish_impact(outlets: _Outlets, state: Any, totals: Any, t_ns: int) -> No
 
 
 @kernel
-def _publish_losses(outlets: _Outlets, state: Any, totals: Any, t_ns: int) -> None:
+def _publish_losses(outlets: _Outlets, state: StateRecord, totals: TotalsRecord, t_ns: int) -> None:
     """What of the scene is not simulated any more: pairs without room, and a force field that was put away."""
     if totals.left_out == 0 and totals.quarantined < 0:
         return

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts import ring
 from mimics_app.contracts.haptic import EVENT, SAMPLE, SCENE
+from mimics_app.contracts.loop_fields import HapticSnapshot
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, count_rows, new_rows, slot_of
 from mimics_app.contracts.session_memory import Capacities, SessionMemory
-from mimics_app.rendering.haptic.channels import channels_of, new_work
+from mimics_app.rendering.haptic.channels import channels_of, new_work, newest_snapshot
 from mimics_app.rendering.haptic.loop import replay_recorded
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, load_simulation, no_objects
 from mimics_app.rendering.haptic.objects import new_object_work
@@ -32,10 +33,17 @@ _EVENTS = 1 << 16
 
 @dataclass(frozen=True, slots=True)
 class Replayed:
-    """What a replay computed: SAMPLE rows, shape [n], with timing fields 0, and EVENT records, shape [m], in order."""
+    """What a replay computed.
+
+    Attributes:
+        samples: SAMPLE rows, shape [n], with timing fields 0.
+        events: EVENT records, shape [m], in order.
+        snapshots: What was newest after each tick that was asked for, by tick.
+    """
 
     samples: Records
     events: Records
+    snapshots: dict[int, HapticSnapshot] = field(default_factory=dict)
 
 
 def replay_ticks(
@@ -57,6 +65,7 @@ def replay_run(
     statics: ObjectStatics | None = None,
     *,
     period_ns: int = 1_000_000,
+    seen: Sequence[int] = (),
 ) -> Replayed:
     """Simulate recorded inputs again; equal bit for bit except for the timing fields.
 
@@ -66,6 +75,7 @@ def replay_run(
         rows: The tables of objects beside them, by the same numbers; none where there are no objects.
         statics: What the objects were given once; None where they were given nothing.
         period_ns: Length of a tick [ns].
+        seen: Ticks after which somebody looked at the newest state; those beyond the inputs are left out.
 
     Raises:
         KeyError: An input names a sequence that is not in `scenes` (0, before the first block, is known), or objects
@@ -89,13 +99,22 @@ def replay_run(
     fields = NO_FIELDS if statics is None else statics.functions()
     inputs, outputs = np.ascontiguousarray(inputs), np.zeros(inputs.shape[0], SAMPLE)
     events: list[Records] = []
-    for start in range(0, len(inputs), _TICKS_AT_ONCE):
-        part = slice(start, start + _TICKS_AT_ONCE)
+    snapshots: dict[int, HapticSnapshot] = {}
+    looked = {tick for tick in seen if 0 <= tick < len(inputs)}
+    for part in _parts(len(inputs), looked):
         replay_recorded(
             channels, work, blocks, stack, which[part], inputs[part], simulate, fields, period_ns, outputs[part]
         )
         events.append(_taken(memory))
-    return Replayed(outputs, np.concatenate([np.zeros(0, EVENT), *events]))
+        if part.stop - 1 in looked:
+            snapshots[part.stop - 1] = newest_snapshot(memory)
+    return Replayed(outputs, np.concatenate([np.zeros(0, EVENT), *events]), snapshots)
+
+
+def _parts(ticks: int, looked: set[int]) -> list[slice]:
+    """All ticks in pieces that end after those somebody looked at, and are no longer than their events have room."""
+    ends = sorted({*range(_TICKS_AT_ONCE, ticks, _TICKS_AT_ONCE), *(tick + 1 for tick in looked), ticks} - {0})
+    return [slice(start, end) for start, end in zip([0, *ends], ends, strict=False)]
 
 
 def _taken(memory: SessionMemory) -> Records:

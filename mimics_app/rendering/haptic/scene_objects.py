@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -19,40 +20,25 @@ from mimics_app.contracts.haptic_objects import (
     SHAPE,
     STATIC,
     WIRE,
-    BodyFlag,
-    ForceLaw,
-    ObjectIntegrator,
     ShapeKind,
 )
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows
 from mimics_app.rendering.haptic.body_checks import check_bodies
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 from mimics_app.rendering.haptic.scene_effects import EffectRows
-from mimics_app.world.components.haptic_shapes import (
-    CapsuleSolid,
-    CubeSolid,
-    CylinderSolid,
-    MeshSolid,
-    Solid,
-    SphereSolid,
-    TouchSurface,
-    surface_of,
-)
-from mimics_app.world.components.object_bodies import ObjectFault, mass_properties_of, mesh_of, rotation_of, shapes_of
+from mimics_app.rendering.haptic.scene_object import MeshKey, ObjectRows, rows_of_object, rows_of_walls
+from mimics_app.world.components.object_bodies import ObjectFault, digest_of
 from mimics_app.world.components.objects import (
-    SIDES,
     Connections,
     ForceField,
     HapticEffect,
     HapticObject,
     HapticWalls,
     InteractionPoints,
-    Wall,
 )
 from mimics_app.world.components.robot import Ball
 from mimics_app.world.components.signals import parse_source, parse_target
 from mimics_app.world.meshes.solids import SolidMesh, hull_corners
-from mimics_app.world.scene.placing import pose_of
 from mimics_app.world.scene.scene import Scene
 
 __all__ = ["SceneObjects", "check_objects", "objects_of_scene"]
@@ -61,31 +47,6 @@ Records = NDArray[Any]
 
 _TICK_S = 1e-3
 """Tick of the haptic loop that masses are checked for [s]."""
-
-_INTEGRATORS = {each.name.lower(): each for each in ObjectIntegrator}
-"""By the word of `haptic_object.integrator`."""
-
-_LAWS = {"spring_damper": ForceLaw.SPRING_DAMPER, "hunt_crossley": ForceLaw.HUNT_CROSSLEY}
-_HALF = float(np.sqrt(0.5))
-_SIDE_TURNS = {
-    "left": (0.0, _HALF, 0.0, _HALF),
-    "right": (0.0, -_HALF, 0.0, _HALF),
-    "floor": (-_HALF, 0.0, 0.0, _HALF),
-    "ceiling": (_HALF, 0.0, 0.0, _HALF),
-    "back": (0.0, 0.0, 0.0, 1.0),
-    "front": (0.0, 1.0, 0.0, 0.0),
-}
-"""Rotation of each side's wall: local +z into the room."""
-
-_SIDE_PLACES = {
-    side: np.array(place)
-    for side, place in zip(
-        SIDES,
-        [(-0.5, 0, 0), (0.5, 0, 0), (0, -0.5, 0), (0, 0.5, 0), (0, 0, -0.5), (0, 0, 0.5)],
-        strict=True,
-    )
-}
-"""Middle of each side, in shares of the room's size."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,6 +64,7 @@ class SceneObjects:
         meshes: Triangles by SHAPE.mesh, shape frame.
         paths: TUNNEL records by EFFECT.path, shape [n].
         fields: Names of the force fields by EFFECT.field.
+        make_table: Makes `mesh_table`.
     """
 
     rows: Rows
@@ -115,6 +77,7 @@ class SceneObjects:
     meshes: tuple[SolidMesh, ...]
     paths: Records
     fields: tuple[str, ...]
+    make_table: Callable[[], MeshTable]
 
     @cached_property
     def mesh_table(self) -> MeshTable:
@@ -123,10 +86,20 @@ class SceneObjects:
         Raises:
             ValueError: a mesh cannot be touched; `check_objects` tells.
         """
-        shapes = self.rows.shapes
-        carried = set(shapes["mesh"][(shapes["kind"] == ShapeKind.MESH) & (shapes["body"] != STATIC)].tolist())
-        hulls = {number: hull_corners(self.meshes[number]) for number in carried}
-        return build_mesh_table([(mesh.vertices, mesh.triangles) for mesh in self.meshes], hulls)
+        return self.make_table()
+
+
+def _table_of_meshes(scene: Scene, meshes: Mapping[MeshKey, SolidMesh], shapes: Records) -> MeshTable:
+    """The table of the meshes that are touched, with the hulls of those that bodies carry; SHAPE records, shape [n]."""
+    carried = set(shapes["mesh"][(shapes["kind"] == ShapeKind.MESH) & (shapes["body"] != STATIC)].tolist())
+
+    def make() -> MeshTable:
+        solids = list(meshes.values())
+        hulls = {number: hull_corners(solids[number]) for number in carried}
+        return build_mesh_table([(mesh.vertices, mesh.triangles) for mesh in solids], hulls)
+
+    source = (tuple((key, digest_of(scene, key[0])) for key in meshes), carried)
+    return scene.derive(("mesh table", tuple(meshes)), make, source)
 
 
 def objects_of_scene(scene: Scene) -> SceneObjects:
@@ -188,38 +161,35 @@ class _Gathered:
     shapes: list[Records] = field(default_factory=list)
     shape_entities: list[str] = field(default_factory=list)
     materials: list[str] = field(default_factory=lambda: [""])
-    meshes: dict[tuple[str, str, float], SolidMesh] = field(default_factory=dict)
+    meshes: dict[MeshKey, SolidMesh] = field(default_factory=dict)
 
     def add_object(self, entity: str, thing: HapticObject) -> None:
         """Add an object with its shapes."""
-        solids = shapes_of(self.scene, entity, thing)
+        moves = thing.enable_translation or thing.enable_rotation or entity in self._named
+        integrator = _planned_integrator(self.scene)
+        rows = rows_of_object(self.scene, entity, thing, moves=moves, integrator=integrator)
         body = STATIC
-        if thing.enable_translation or thing.enable_rotation or entity in self._named():
+        if rows.body is not None:
             body = len(self.bodies)
-            self.bodies.append(self._body(entity, thing, solids))
+            self.bodies.append(rows.body)
             self.body_entities.append(entity)
-        for solid in solids:
-            row = self._surface_row(surface_of(solid, thing), body, entity)
-            row["position"], row["orientation"] = solid.position, _unit(solid.rotation)
-            if body == STATIC:
-                place, turn = pose_of(self.scene, entity)
-                row["position"] = place + rotation_of(tuple(turn)) @ np.array(solid.position)
-                row["orientation"] = _product(turn, row["orientation"])
-            self._size(row, solid)
+        self._add_shapes(entity, rows, body)
 
     def add_walls(self, entity: str, walls: HapticWalls) -> None:
-        """Add six walls, disabled ones too, so that they keep their rows."""
-        place, turn = pose_of(self.scene, entity)
-        R = rotation_of(tuple(turn))
-        for side in SIDES:
-            wall: Wall = getattr(walls, side)
-            row = self._surface_row(surface_of(wall, walls), STATIC, entity)
-            row["kind"], row["enabled"] = ShapeKind.WALL, wall.enabled
-            size = np.array(walls.size or (0.0, 0.0, 0.0))
-            own = _SIDE_PLACES[side] * size if wall.position is None else np.array(wall.position)
-            row["position"] = place + R @ own
-            row["orientation"] = _product(turn, _unit(wall.rotation or _SIDE_TURNS[side]))
-            row["size"] = 1.0
+        """Add six walls."""
+        self._add_shapes(entity, rows_of_walls(self.scene, entity, walls), STATIC)
+
+    def _add_shapes(self, entity: str, rows: ObjectRows, body: int) -> None:
+        for shape in rows.shapes:
+            row = shape.row.copy()
+            if shape.material not in self.materials:
+                self.materials.append(shape.material)
+            row["body"], row["material"] = body, self.materials.index(shape.material)
+            if shape.key is not None and shape.mesh is not None:
+                self.meshes.setdefault(shape.key, shape.mesh)
+                row["mesh"] = list(self.meshes).index(shape.key)
+            self.shapes.append(row)
+            self.shape_entities.append(entity)
 
     def finish(self) -> SceneObjects:
         """All tables."""
@@ -253,8 +223,10 @@ class _Gathered:
             meshes=tuple(self.meshes.values()),
             paths=_table(effects.paths, TUNNEL),
             fields=tuple(effects.fields),
+            make_table=lambda: _table_of_meshes(self.scene, self.meshes, rows.shapes),
         )
 
+    @cached_property
     def _named(self) -> set[str]:
         """Entities that an effect or a wire names: they need a body even when they do not move."""
         objects = [entity for entity, _, _ in self.scene.components(HapticObject)]
@@ -268,64 +240,6 @@ class _Gathered:
                 named.add(parse_source(wire.source, objects).object)
                 named |= {name for name in objects if wire.target.startswith(f"{name}.")}
         return named
-
-    def _body(self, entity: str, thing: HapticObject, solids: tuple[Solid, ...]) -> Records:
-        row = np.zeros(1, BODY)
-        flags = [
-            (thing.enable_translation, BodyFlag.TRANSLATION),
-            (thing.enable_rotation, BodyFlag.ROTATION),
-            (thing.enable_force_on_object, BodyFlag.FORCE_ON_OBJECT),
-            (thing.enable_torque_on_object, BodyFlag.TORQUE_ON_OBJECT),
-            (thing.sleeps, BodyFlag.SLEEPS),
-        ]
-        row["flags"] = sum(int(flag) for wanted, flag in flags if wanted)
-        stated = thing.integrator
-        row["integrator"] = _INTEGRATORS[_planned_integrator(self.scene) if stated == "auto" else stated]
-        row["spawn"] = 1
-        weight = mass_properties_of(self.scene, thing, solids)
-        row["mass"], row["centre"], row["inertia"] = weight.mass, weight.centre, weight.inertia
-        row["position"], row["orientation"] = pose_of(self.scene, entity)
-        row["velocity"], row["omega"] = thing.initial_velocity, thing.initial_angular_velocity
-        row["gravity"] = thing.gravity
-        row["damping_translation"] = thing.environment_translation_damping
-        row["damping_rotation"] = thing.environment_rotation_damping
-        row["force_aux"], row["torque_aux"] = thing.force_aux, thing.torque_aux
-        row["grip"], row["crush_force"] = thing.grip, thing.crush_force
-        return row
-
-    def _surface_row(self, surface: TouchSurface, body: int, entity: str) -> Records:
-        """A new row of shapes with everything but its kind, place and size."""
-        row = np.zeros(1, SHAPE)
-        name = surface.material or ""
-        if name not in self.materials:
-            self.materials.append(name)
-        row["body"], row["enabled"], row["material"], row["mesh"] = body, 1, self.materials.index(name), -1
-        row["law"] = _LAWS[surface.law or "spring_damper"]
-        for key in ("stiffness", "damping", "exponent", "texture_height", "texture_length"):
-            row[key] = getattr(surface, key)
-        for key in ("friction_static", "friction_dynamic", "friction_stiffness"):
-            row[key] = getattr(surface, key)
-        self.shapes.append(row)
-        self.shape_entities.append(entity)
-        return row
-
-    def _size(self, row: Records, solid: Solid) -> None:
-        match solid:
-            case CubeSolid():
-                row["kind"], row["size"], row["rounding"] = ShapeKind.BOX, solid.size, solid.rounding
-            case SphereSolid():
-                row["kind"], row["size"] = ShapeKind.SPHERE, (solid.radius, solid.radius, solid.radius)
-            case CylinderSolid():
-                row["kind"], row["rounding"] = ShapeKind.CYLINDER, solid.rounding
-                row["size"] = (solid.radius, solid.length, solid.radius)
-            case CapsuleSolid():
-                row["kind"], row["size"] = ShapeKind.CAPSULE, (solid.radius, solid.length, solid.radius)
-            case MeshSolid():
-                key = (solid.source, solid.fit, solid.scale)
-                if key not in self.meshes:
-                    self.meshes[key] = mesh_of(self.scene, solid)
-                row["kind"], row["size"] = ShapeKind.MESH, 1.0
-                row["mesh"] = list(self.meshes).index(key)
 
     def _points(self) -> Records:
         found, ball = self.scene.first(InteractionPoints), self.scene.first(Ball)
@@ -353,21 +267,3 @@ class _Gathered:
 
 def _table(rows: list[Records], dtype: Any) -> Records:
     return np.concatenate(rows) if rows else np.zeros(0, dtype)
-
-
-def _unit(quaternion: tuple[float, ...]) -> NDArray[np.float64]:
-    unit: NDArray[np.float64] = np.array(quaternion) / np.linalg.norm(quaternion)
-    return unit
-
-
-def _product(a: NDArray[np.float64], b: Any) -> NDArray[np.float64]:
-    """The rotation b followed by a, both xyzw."""
-    (ax, ay, az, aw), (bx, by, bz, bw) = a, np.asarray(b).reshape(4)
-    return np.array(
-        [
-            aw * bx + ax * bw + ay * bz - az * by,
-            aw * by - ax * bz + ay * bw + az * bx,
-            aw * bz + ax * by - ay * bx + az * bw,
-            aw * bw - ax * bx - ay * by - az * bz,
-        ]
-    )

@@ -34,6 +34,7 @@ from mimics_app.world.scene.scene import Scene
 __all__ = [
     "BodyMass",
     "ObjectFault",
+    "digest_of",
     "mass_properties_of",
     "mesh_of",
     "rotation_of",
@@ -80,11 +81,23 @@ def mesh_of(scene: Scene, shape: MeshSolid, place: str = "") -> SolidMesh:
     Raises:
         ObjectFault: there are none, or they lie in a plane.
     """
+    hull = shape.fit != "mesh"
+    key = ("solid mesh", shape.source, shape.scale, hull)
     try:
-        return solid_mesh(scene.assets, shape.source, shape.scale, hull=shape.fit != "mesh")
+        return scene.derive(
+            key,
+            lambda: solid_mesh(scene.assets, shape.source, shape.scale, hull=hull),
+            source=digest_of(scene, shape.source),
+        )
     except (KeyError, ValueError) as error:
         what = f'"{shape.source}" cannot be touched: {error.args[0]}'
         raise ObjectFault(f"{place}/source", what) from None
+
+
+def digest_of(scene: Scene, source: str) -> str:
+    """SHA-256 of the file that a mesh comes from, "" where there is none."""
+    asset = scene.assets.get(source.partition("#")[0])
+    return "" if asset is None else asset.digest
 
 
 def mass_properties_of(scene: Scene, thing: HapticObject, shapes: tuple[Solid, ...]) -> BodyMass:

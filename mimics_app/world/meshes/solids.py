@@ -54,13 +54,7 @@ def solid_mesh(assets: dict[str, SceneAsset], source: str, scale: float = 1.0, *
         KeyError: the source refers to nothing.
         ValueError: it holds no triangles, or its hull is flat.
     """
-    return _solid(find_in_model(assets, source).asset, source, scale, hull)
-
-
-@lru_cache(maxsize=64)
-def _solid(asset: SceneAsset, source: str, scale: float, hull: bool) -> SolidMesh:
-    """`solid_mesh` of one asset, made once: a check, a scenario and a session all ask for it."""
-    vertices, triangles = _gather(find_in_model({asset.id: asset}, source))
+    vertices, triangles = _gather(find_in_model(assets, source))
     vertices = vertices * scale
     if hull:
         vertices, triangles = convex_hull(vertices)

@@ -59,12 +59,13 @@ REGISTERING = (
 """Modules whose import makes the built-in component types, systems and checks known."""
 
 
-def load_scene(path: Path, root: Path | None = None) -> Scene:
+def load_scene(path: Path, root: Path | None = None, before: Scene | None = None) -> Scene:
     """Read a scene file and everything it names.
 
     Args:
         path: The scene file.
         root: Folder that every file it names must stay inside; default: see `paths.find_root`.
+        before: The scene it replaces; what was worked out of that and would come out the same is taken over.
 
     Raises:
         SceneError: every fault found, each with file, JSON pointer, what is wrong, and the nearest right name.
@@ -75,6 +76,8 @@ def load_scene(path: Path, root: Path | None = None) -> Scene:
     sources = read_sources(path, folder, issues)
     _stop_after_many(issues, path)
     scene = SceneLoader(sources, folder, issues).load()
+    if before is not None:
+        scene.take_over(before)
     _stop_after_many(issues, path)
     unusable = [issue for issue in issues if any(what in issue.what for what in (NOT_FINITE, TOO_LARGE, TORN))]
     above = _with_all_above(unusable)

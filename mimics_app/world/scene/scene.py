@@ -46,6 +46,15 @@ class SceneEntity:
     in_model: bool = False
 
 
+@dataclass(frozen=True, slots=True)
+class _Derived:
+    """What was worked out, what all of it came from (None: of the scene as a whole), and what `make` read."""
+
+    made: Any
+    source: object
+    used: set[str]
+
+
 @dataclass(eq=False)
 class Scene:
     """What a scene file and all it includes say.
@@ -95,7 +104,8 @@ class Scene:
     named_files: list[Path] = field(default_factory=list)
     methods: dict[str, Settings] = field(default_factory=dict)
     read: set[str] = field(default_factory=set)
-    _derived: dict[Hashable, tuple[Any, set[str]]] = field(default_factory=dict)
+    _derived: dict[Hashable, _Derived] = field(default_factory=dict)
+    _before: dict[Hashable, _Derived] = field(default_factory=dict)
     _by_id: dict[str, SceneEntity] = field(default_factory=dict)
     _indexed: int = 0
 
@@ -137,26 +147,39 @@ class Scene:
         """Component types of the scene that nothing asked for the values of since `read` was cleared, in order."""
         return sorted({name for entity in self.entities for name in entity.components} - self.read)
 
-    def derive(self, key: Hashable, make: Callable[[], D]) -> D:
+    def derive(self, key: Hashable, make: Callable[[], D], source: object = None) -> D:
         """What is worked out of the scene once and then handed on: tables of objects, curves, meshes.
 
         Nobody may change what this returns; who needs a copy makes one. What `make` read counts as read by every
-        caller. A reloaded file is another scene, with nothing worked out yet.
+        caller. A reloaded file is another scene, which takes over what was made from an equal source.
 
         Args:
             key: Of what is made.
             make: Makes it; what it raises is raised, and nothing is kept.
+            source: All that `make` goes by, as values that compare; None: it may go by anything, and is never taken
+                over.
         """
         if key not in self._derived:
-            before, self.read = self.read, set()
-            try:
-                made = make()
-            finally:
-                used, self.read = self.read, before | self.read
-            self._derived[key] = made, used
-        found, used = self._derived[key]
-        self.read |= used
-        return cast("D", found)
+            before = self._before.get(key)
+            if source is not None and before is not None and before.source == source:
+                self._derived[key] = before
+            else:
+                self._derived[key] = self._worked_out(make, source)
+        found = self._derived[key]
+        self.read |= found.used
+        return cast("D", found.made)
+
+    def _worked_out(self, make: Callable[[], Any], source: object) -> _Derived:
+        before, self.read = self.read, set()
+        try:
+            made = make()
+        finally:
+            used, self.read = self.read, before | self.read
+        return _Derived(made, source, used)
+
+    def take_over(self, before: Scene) -> None:
+        """Let what was worked out of the scene that this one replaces serve again, where it comes from the same."""
+        self._before = dict(before._derived)
 
     def first(self, wanted: type[S]) -> S | None:
         """The first component of a type, None where the scene has none: `scene.first(Robot) or Robot()`."""

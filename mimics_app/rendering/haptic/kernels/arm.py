@@ -109,6 +109,10 @@ _LEAVES_REST = 2.5
 """A settled hand moves again when the target is farther than this many times the distance that contents it."""
 
 
+_SHORTEST_REACH, _REACH_SPREAD = 0.8, 0.4
+"""A movement reaches this share of the person's reach, and up to so much more by chance [-]."""
+
+
 @kernel
 def min_jerk(share: float) -> float:
     """Minimum-jerk profile: share of the way done at a share 0-1 of the duration; at rest at both ends."""
@@ -139,7 +143,7 @@ def _plan_movement(arm: Vec) -> None:
     here = _nearest_way_point(arm)
     arm[INDEX] = here
     arm[FROM_INDEX] = here
-    reach = arm[REACH] * (0.8 + 0.4 * uniform(arm, GENERATOR))
+    reach = arm[REACH] * (_SHORTEST_REACH + _REACH_SPREAD * uniform(arm, GENERATOR))
     there = min(int(arm[WAY_POINTS]) - 1, here + max(1, int(reach / arm[WAY_STEP])))
     arm[TO_INDEX] = there
     error = arm[AIM_ERROR] * min(1.0, (there - here) * arm[WAY_STEP] / arm[REACH])
@@ -204,7 +208,7 @@ def _aim(arm: Vec, target: Vec) -> None:
     share = 0.0
     error = 0.0
     if arm[SETTLED] == 0.0:
-        reach = arm[REACH] * (0.8 + 0.4 * uniform(arm, GENERATOR))
+        reach = arm[REACH] * (_SHORTEST_REACH + _REACH_SPREAD * uniform(arm, GENERATOR))
         share = min(1.0, reach / missing)
         error = arm[AIM_ERROR] * min(1.0, share * missing / max(arm[REACH], _WHOLE_AIM))
     length = 0.0

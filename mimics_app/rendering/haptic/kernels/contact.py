@@ -17,12 +17,15 @@ What is printed and why it is changed:
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import ContactRecord
 
 __all__ = [
     "cube",
@@ -44,7 +47,7 @@ _CENTRE = 1e-12
 
 
 @kernel
-def forget(contact: Any) -> None:
+def forget(contact: ContactRecord) -> None:
     """Drop the memory of a contact: the next call starts as if the point had never been seen."""
     contact.depth = 0.0
     contact.feature = 0
@@ -53,7 +56,7 @@ def forget(contact: Any) -> None:
 
 
 @kernel
-def _leave(p: Vec, contact: Any) -> None:
+def _leave(p: Vec, contact: ContactRecord) -> None:
     contact.depth = 0.0
     contact.feature = 0
     contact.inside = 0
@@ -61,7 +64,7 @@ def _leave(p: Vec, contact: Any) -> None:
 
 
 @kernel
-def _remember(p: Vec, contact: Any) -> None:
+def _remember(p: Vec, contact: ContactRecord) -> None:
     for i in range(3):
         contact.previous[i] = p[i]
     contact.known = 1
@@ -91,13 +94,13 @@ def to_object(R: Mat, centre: Vec, v_object: Vec, omega: Vec, hip: Vec, v_hip: V
 
 
 @kernel
-def rate_of_depth(v: Vec, contact: Any) -> float:
+def rate_of_depth(v: Vec, contact: ContactRecord) -> float:
     """Rate of depth d' = -v.n [m/s], positive going in; v is the HIP's velocity in the object's frame (`to_object`)."""
     return -(v[0] * contact.normal[0] + v[1] * contact.normal[1] + v[2] * contact.normal[2])
 
 
 @kernel
-def wall(p: Vec, contact: Any) -> None:
+def wall(p: Vec, contact: ContactRecord) -> None:
     """Half-space z < 0 with its free side at +z, (16): d = -HIP'(z), n = +e_z. Any depth is inside."""
     if p[2] >= 0.0:
         _leave(p, contact)
@@ -109,7 +112,7 @@ def wall(p: Vec, contact: Any) -> None:
 
 
 @kernel
-def _flat(axis: int, sign: float, contact: Any) -> None:
+def _flat(axis: int, sign: float, contact: ContactRecord) -> None:
     for i in range(3):
         contact.normal[i] = 0.0
     contact.normal[axis] = sign
@@ -117,7 +120,7 @@ def _flat(axis: int, sign: float, contact: Any) -> None:
 
 
 @kernel
-def sphere(p: Vec, v: Vec, radius: float, contact: Any) -> None:
+def sphere(p: Vec, v: Vec, radius: float, contact: ContactRecord) -> None:
     """Sphere, (13): d = r - |HIP'|, n = HIP' / |HIP'|, with a memory at the centre.
 
     A point that crosses the centre within one tick keeps its last normal, and d = r - HIP'.n goes on growing: without
@@ -161,7 +164,7 @@ def _against(v: Vec, n: Vec) -> None:
 
 
 @kernel
-def sphere_nearest(p: Vec, radius: float, contact: Any) -> None:
+def sphere_nearest(p: Vec, radius: float, contact: ContactRecord) -> None:
     """Sphere, (13) with the right sign but no memory: rival of `sphere` that lets fast points through its centre."""
     distance = math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])
     if distance >= radius:
@@ -177,7 +180,7 @@ def sphere_nearest(p: Vec, radius: float, contact: Any) -> None:
 
 
 @kernel
-def cube(p: Vec, v: Vec, dimensions: Vec, contact: Any) -> None:
+def cube(p: Vec, v: Vec, dimensions: Vec, contact: ContactRecord) -> None:
     """Box, (14) with the face of entry held while the HIP is inside (Figure 27): d = dim_i/2 - s HIP'_i, n = s e_i.
 
     The face is the last of the slab planes that the segment from the last HIP' to this one crosses; on an edge or
@@ -200,7 +203,7 @@ def cube(p: Vec, v: Vec, dimensions: Vec, contact: Any) -> None:
 
 
 @kernel
-def cube_nearest_face(p: Vec, dimensions: Vec, contact: Any) -> None:
+def cube_nearest_face(p: Vec, dimensions: Vec, contact: ContactRecord) -> None:
     """Box with the nearest face of every tick: rival of `cube` whose force flips where two faces are equally near.
 
     At 3 mm on 2 kN/m the force turns by sqrt(2) k d = 8.485 N within one tick.
@@ -213,7 +216,7 @@ def cube_nearest_face(p: Vec, dimensions: Vec, contact: Any) -> None:
 
 
 @kernel
-def cube_printed(p: Vec, dimensions: Vec, contact: Any) -> None:
+def cube_printed(p: Vec, dimensions: Vec, contact: ContactRecord) -> None:
     """Box with the face that (14) names: least of |HIP'_i| - dim_i/2, which inside is the farthest. Demonstration."""
     if not _in_box(p, dimensions):
         _leave(p, contact)
@@ -235,7 +238,7 @@ def _in_box(p: Vec, dimensions: Vec) -> bool:
 
 
 @kernel
-def _hold(p: Vec, dimensions: Vec, contact: Any) -> None:
+def _hold(p: Vec, dimensions: Vec, contact: ContactRecord) -> None:
     """Depth and normal of the contact's face."""
     face = contact.feature
     axis = abs(face) - 1

@@ -6,7 +6,7 @@ One contact has a closed form (`stability`); several, or a shape and the tunnel'
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.directions import (
@@ -18,22 +18,32 @@ from mimics_app.rendering.haptic.kernels.directions import (
 )
 from mimics_app.rendering.haptic.kernels.stability import contact_share, margin_of, share_of_need
 
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import SceneRecord, StateRecord, Table, TotalsRecord, TouchedRecord
+
 __all__ = ["common_share", "is_pressed", "touched_margin"]
 
 
 @kernel
-def is_pressed(state: Any) -> bool:
+def is_pressed(state: StateRecord) -> bool:
     """Whether the tunnel's wall pushes."""
     return state.tunnel.wall_force > 0.0
 
 
 @kernel
-def _is_alone(state: Any, totals: Any) -> bool:
+def _is_alone(state: StateRecord, totals: TotalsRecord) -> bool:
     return totals.touching == 1 and not is_pressed(state)
 
 
 @kernel
-def _gather(scene: Any, state: Any, totals: Any, touched: Any, share: float, wall_share: float) -> None:
+def _gather(
+    scene: SceneRecord,
+    state: StateRecord,
+    totals: TotalsRecord,
+    touched: Table[TouchedRecord],
+    share: float,
+    wall_share: float,
+) -> None:
     """state.span from all contacts of the tick, those with shapes and the spring of the wall at their shares."""
     span = state.span
     begin_span(span, totals.even_stiffness, totals.even_damping)
@@ -47,7 +57,9 @@ def _gather(scene: Any, state: Any, totals: Any, touched: Any, share: float, wal
 
 
 @kernel
-def common_share(scene: Any, state: Any, totals: Any, touched: Any, own: float, lag: float) -> float:
+def common_share(
+    scene: SceneRecord, state: StateRecord, totals: TotalsRecord, touched: Table[TouchedRecord], own: float, lag: float
+) -> float:
     """Share 0-1 of all that is touched, springs and dampers alike, that keeps SCENE.cap_margin in every direction.
 
     Args:
@@ -69,7 +81,7 @@ def common_share(scene: Any, state: Any, totals: Any, touched: Any, own: float, 
 
 
 @kernel
-def _margin_alone(state: Any, totals: Any, contact: Any, own: float, lag: float) -> None:
+def _margin_alone(state: StateRecord, totals: TotalsRecord, contact: TouchedRecord, own: float, lag: float) -> None:
     """state.span.limit and margin of the only contact."""
     span, share = state.span, state.acting.shape_share
     span.limit = (own + share * contact.damping + totals.even_damping) / lag
@@ -84,7 +96,9 @@ def _margin_alone(state: Any, totals: Any, contact: Any, own: float, lag: float)
 
 
 @kernel
-def touched_margin(scene: Any, state: Any, totals: Any, touched: Any, own: float, lag: float) -> None:
+def touched_margin(
+    scene: SceneRecord, state: StateRecord, totals: TotalsRecord, touched: Table[TouchedRecord], own: float, lag: float
+) -> None:
     """Limit and margin, as rendered, of the worst direction into state.span; `margin` of each contact along its normal.
 
     No contact has less than the worst direction. Arguments as of `common_share`.

@@ -14,7 +14,7 @@ lends nothing. The condition is sufficient, not necessary: contacts that couple 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,9 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.eigen import diagonalise, largest
 from mimics_app.rendering.haptic.kernels.stability import LARGEST_MARGIN, margin_of
 from mimics_app.rendering.haptic.kernels.vectors import copy
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import SpanRecord, TouchedRecord
 
 __all__ = [
     "MOST_TOUCHED",
@@ -74,8 +77,14 @@ _ROUNDING = 1e-9
 """Share of the damping that stands for none, so that a direction without any has a limit of next to nothing."""
 
 
+_NEXT_TO_NOTHING = 1e-300
+"""Damping that is added where there is none, so that nothing is divided by 0 [N s/m]."""
+
+
 @kernel
-def note_contact(touched: Any, shape: int, normal: Vec, stiffness: float, damping: float, hold: float) -> None:
+def note_contact(
+    touched: TouchedRecord, shape: int, normal: Vec, stiffness: float, damping: float, hold: float
+) -> None:
     """Fill a TOUCHED record.
 
     Args:
@@ -96,7 +105,7 @@ def note_contact(touched: Any, shape: int, normal: Vec, stiffness: float, dampin
 
 
 @kernel
-def begin_span(span: Any, stiffness: float, damping: float) -> None:
+def begin_span(span: SpanRecord, stiffness: float, damping: float) -> None:
     """Begin with what is alike in all directions [N/m], [N s/m]."""
     for i in range(3):
         for j in range(3):
@@ -106,7 +115,7 @@ def begin_span(span: Any, stiffness: float, damping: float) -> None:
 
 @kernel
 def add_contact(
-    span: Any, normal: Vec, stiffness: float, damping: float, hold_stiffness: float, hold_damping: float
+    span: SpanRecord, normal: Vec, stiffness: float, damping: float, hold_stiffness: float, hold_damping: float
 ) -> None:
     """Add a contact: along its normal, shape [3], and across it."""
     for i in range(3):
@@ -129,7 +138,7 @@ def along(matrix: Mat, u: Vec) -> float:
 
 
 @kernel
-def needed_damping(span: Any, lag: float) -> float:
+def needed_damping(span: SpanRecord, lag: float) -> float:
     """Damping b [N s/m] that device and arm must have in the worst direction: the largest eigenvalue of L K - B."""
     for i in range(3):
         for j in range(3):
@@ -140,11 +149,11 @@ def needed_damping(span: Any, lag: float) -> float:
 
 
 @kernel
-def _factor(span: Any, own: float) -> None:
+def _factor(span: SpanRecord, own: float) -> None:
     """span.tensor: lower triangle C of own + B = C C^T (Cholesky); where there is no damping, next to nothing."""
     C = span.tensor
     trace = span.damping[0, 0] + span.damping[1, 1] + span.damping[2, 2]
-    least = _ROUNDING * (own + trace) + 1e-300
+    least = _ROUNDING * (own + trace) + _NEXT_TO_NOTHING
     for i in range(3):
         for j in range(i + 1):
             total = span.damping[i, j] + (own if i == j else 0.0)
@@ -171,7 +180,7 @@ def _transpose(M: Mat) -> None:
 
 
 @kernel
-def worst_direction(span: Any, own: float, lag: float) -> None:
+def worst_direction(span: SpanRecord, own: float, lag: float) -> None:
     """Set direction, limit and margin of the direction that is nearest to its limit; `stiffness` is used up.
 
     Args:

@@ -12,12 +12,15 @@ therefore the anchor of Hayward and Armstrong.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import FrictionRecord, MemoryRecord
 
 __all__ = [
     "forget_friction",
@@ -33,7 +36,7 @@ Vec = NDArray[np.float64]
 
 
 @kernel
-def forget_friction(state: Any) -> None:
+def forget_friction(state: FrictionRecord) -> None:
     """Drop the memory: the contact ended, was teleported or disabled."""
     for i in range(2):
         state.anchor[i] = 0.0
@@ -79,7 +82,14 @@ def regularised_printed(v: Vec, normal_force: float, mu: float, threshold: float
 
 @kernel
 def karnopp(
-    v: Vec, load: Vec, normal_force: float, mu: float, mu_static: float, threshold: float, state: Any, out: Vec
+    v: Vec,
+    load: Vec,
+    normal_force: float,
+    mu: float,
+    mu_static: float,
+    threshold: float,
+    state: FrictionRecord,
+    out: Vec,
 ) -> None:
     """Karnopp (1985): within +-threshold the body counts as at rest and the load is cancelled up to mu_static F_N.
 
@@ -111,7 +121,9 @@ def karnopp(
 
 
 @kernel
-def hayward_armstrong(x: Vec, normal_force: float, mu: float, stiffness: float, state: Any, out: Vec) -> None:
+def hayward_armstrong(
+    x: Vec, normal_force: float, mu: float, stiffness: float, state: FrictionRecord | MemoryRecord, out: Vec
+) -> None:
     """Friction by position alone (Hayward & Armstrong 2000): a spring to an anchor that is dragged at the cone.
 
     F = -k_t (x - w), and w follows at distance mu F_N / k_t: no velocity, no drift, never outside the cone, and no rate
@@ -165,7 +177,7 @@ def lugre_explicit(
     stiffness: float,
     damping: float,
     dt: float,
-    state: Any,
+    state: FrictionRecord,
     out: Vec,
 ) -> None:
     """LuGre bristles (Canudas de Wit et al. 1995), z' = v - s0 |v| z / g(v), by explicit Euler.
@@ -205,7 +217,7 @@ def lugre_implicit(
     stiffness: float,
     damping: float,
     dt: float,
-    state: Any,
+    state: FrictionRecord,
     out: Vec,
 ) -> None:
     """LuGre bristles by implicit Euler in z: z = (z + dt v) / (1 + dt s0 |v| / g(v)), stable in any tick.
@@ -225,7 +237,7 @@ def lugre_implicit(
 
 
 @kernel
-def _no_bristles(state: Any, out: Vec) -> None:
+def _no_bristles(state: FrictionRecord, out: Vec) -> None:
     for i in range(out.shape[0]):
         state.bristle[i] = 0.0
         out[i] = 0.0

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from mimics_app.contracts.haptic import DeviceStatus
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.vectors import copy
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import SceneRecord, StateRecord
 
 __all__ = ["note_jump"]
 
@@ -14,7 +17,7 @@ _FRESH = int(DeviceStatus.FRESH)
 
 
 @kernel
-def note_jump(scene: Any, state: Any, status: int, last_age: float, dt: float) -> None:
+def note_jump(scene: SceneRecord, state: StateRecord, status: int, last_age: float, dt: float) -> None:
     """state.jumped: the position moved further than `velocity_limit` allows, whatever the told velocity says.
 
     |x_k - x_j| > velocity_limit (t_k - t_j + late_hold) + position_jump, where x_j is the last position told, as old as

@@ -7,12 +7,15 @@ zero is the passivity controller's.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import ObserverRecord
 
 __all__ = ["OBSERVER", "observe", "reset_observer"]
 
@@ -32,7 +35,7 @@ OBSERVER = np.dtype(
 
 
 @kernel
-def reset_observer(observer: Any) -> None:
+def reset_observer(observer: ObserverRecord) -> None:
     """Start again at 0 J, as in free motion."""
     observer.energy = 0.0
     observer.lowest = 0.0
@@ -40,7 +43,7 @@ def reset_observer(observer: Any) -> None:
 
 
 @kernel
-def observe(observer: Any, position: Vec, force_on_user: Vec) -> float:
+def observe(observer: ObserverRecord, position: Vec, force_on_user: Vec) -> float:
     """Count one tick and return the energy [J] taken from the user so far: E += (-F_{k-1}).(x_k - x_{k-1}).
 
     Args:

@@ -10,10 +10,13 @@ The search prunes with a bound that cannot miss: no point of a piece is farther 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 from mimics_app.contracts.haptic import Projection
 from mimics_app.contracts.kernel import kernel
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import TunnelRecord, TunnelStateRecord
 
 __all__ = [
     "axis",
@@ -61,7 +64,7 @@ _BRUTE_SAMPLES = 256
 
 
 @kernel
-def locate(tunnel: Any, s: float) -> tuple[int, float]:
+def locate(tunnel: TunnelRecord, s: float) -> tuple[int, float]:
     """Piece and local parameter u in [0, 1] of tunnel parameter s; s is clamped to the tunnel."""
     s = min(max(s, 0.0), float(tunnel.pieces))
     piece = min(int(s), tunnel.pieces - 1)
@@ -69,7 +72,7 @@ def locate(tunnel: Any, s: float) -> tuple[int, float]:
 
 
 @kernel
-def axis(tunnel: Any, piece: int, i: int, u: float) -> tuple[float, float, float]:
+def axis(tunnel: TunnelRecord, piece: int, i: int, u: float) -> tuple[float, float, float]:
     """Coordinate i of the bisector [m], and its first and second derivative by u."""
     a0 = tunnel.centre[piece, i, 0]
     a1 = tunnel.centre[piece, i, 1]
@@ -79,7 +82,7 @@ def axis(tunnel: Any, piece: int, i: int, u: float) -> tuple[float, float, float
 
 
 @kernel
-def slope(tunnel: Any, px: float, py: float, pz: float, s: float) -> tuple[float, float, float, float]:
+def slope(tunnel: TunnelRecord, px: float, py: float, pz: float, s: float) -> tuple[float, float, float, float]:
     """D = |C(s) - p|^2 [m^2], D'/2, D''/2 and |C'(s)|^2."""
     piece, u = locate(tunnel, s)
     x, x1, x2 = axis(tunnel, piece, 0, u)
@@ -98,7 +101,7 @@ def slope(tunnel: Any, px: float, py: float, pz: float, s: float) -> tuple[float
 
 
 @kernel
-def _distance2(tunnel: Any, px: float, py: float, pz: float, piece: int, u: float) -> float:
+def _distance2(tunnel: TunnelRecord, px: float, py: float, pz: float, piece: int, u: float) -> float:
     """Square distance of p to one point of the bisector [m^2]."""
     x, _, _ = axis(tunnel, piece, 0, u)
     y, _, _ = axis(tunnel, piece, 1, u)
@@ -114,7 +117,7 @@ def _newton_step(gradient: float, bend: float, speed2: float) -> float:
 
 
 @kernel
-def refine(tunnel: Any, px: float, py: float, pz: float, s: float) -> tuple[float, float, bool]:
+def refine(tunnel: TunnelRecord, px: float, py: float, pz: float, s: float) -> tuple[float, float, bool]:
     """Nearest local minimum of the distance, by Newton steps that are halved until they go downhill.
 
     Returns:
@@ -139,7 +142,7 @@ def refine(tunnel: Any, px: float, py: float, pz: float, s: float) -> tuple[floa
 
 
 @kernel
-def _best_in_piece(tunnel: Any, px: float, py: float, pz: float, piece: int) -> tuple[float, float, bool]:
+def _best_in_piece(tunnel: TunnelRecord, px: float, py: float, pz: float, piece: int) -> tuple[float, float, bool]:
     """(s, distance [m], whether it is a minimum) of the nearest that Newton reaches within one piece.
 
     It starts from every one of five points that is nearer than its neighbours: a piece that bends back on itself, as a
@@ -159,7 +162,7 @@ def _best_in_piece(tunnel: Any, px: float, py: float, pz: float, piece: int) -> 
 
 @kernel
 def _look_over(
-    tunnel: Any, px: float, py: float, pz: float, first: int, stop: int, s: float, bound: float, tie: float
+    tunnel: TunnelRecord, px: float, py: float, pz: float, first: int, stop: int, s: float, bound: float, tie: float
 ) -> tuple[float, float]:
     """Look for a minimum nearer than `bound` [m] in pieces first..stop-1; each later one must win by `tie` [m]."""
     for piece in range(first, stop):
@@ -173,14 +176,14 @@ def _look_over(
 
 
 @kernel
-def search(tunnel: Any, px: float, py: float, pz: float, tie: float) -> float:
+def search(tunnel: TunnelRecord, px: float, py: float, pz: float, tie: float) -> float:
     """Parameter s of the closest point over the whole bisector; the earliest one wins unless beaten by `tie` [m]."""
     s, _ = _look_over(tunnel, px, py, pz, 0, tunnel.pieces, 0.0, _FAR, tie)
     return s
 
 
 @kernel
-def _radius_here(tunnel: Any, s: float) -> float:
+def _radius_here(tunnel: TunnelRecord, s: float) -> float:
     """Tunnel radius at s, scaled, never negative [m]."""
     piece, u = locate(tunnel, s)
     a = tunnel.radius[piece]
@@ -189,7 +192,7 @@ def _radius_here(tunnel: Any, s: float) -> float:
 
 
 @kernel
-def track(tunnel: Any, px: float, py: float, pz: float, state: Any) -> float:
+def track(tunnel: TunnelRecord, px: float, py: float, pz: float, state: TunnelStateRecord) -> float:
     """Follow the closest point from tick to tick; the method of the 1 kHz loop.
 
     The point stays on the branch it is on, so that crossing and closed tunnels keep their progress, until the branch
@@ -211,7 +214,7 @@ def track(tunnel: Any, px: float, py: float, pz: float, state: Any) -> float:
 
 
 @kernel
-def track_one_step(tunnel: Any, px: float, py: float, pz: float, state: Any) -> float:
+def track_one_step(tunnel: TunnelRecord, px: float, py: float, pz: float, state: TunnelStateRecord) -> float:
     """Rival: `track` with a single Newton step a tick; its error is of the order of the square of a tick's motion.
 
     The step that leads uphill or starts where the distance is not convex is given to the guarded search of `track`.
@@ -229,7 +232,14 @@ def track_one_step(tunnel: Any, px: float, py: float, pz: float, state: Any) -> 
 
 @kernel
 def _keep_branch(
-    tunnel: Any, px: float, py: float, pz: float, state: Any, s: float, distance2: float, found: bool
+    tunnel: TunnelRecord,
+    px: float,
+    py: float,
+    pz: float,
+    state: TunnelStateRecord,
+    s: float,
+    distance2: float,
+    found: bool,
 ) -> float:
     """Take s as the tracked point, unless the branch is lost; see `track`."""
     moved = math.sqrt((px - state.tracked[0]) ** 2 + (py - state.tracked[1]) ** 2 + (pz - state.tracked[2]) ** 2)
@@ -257,7 +267,7 @@ def _keep_branch(
 
 
 @kernel
-def project(tunnel: Any, px: float, py: float, pz: float, state: Any) -> float:
+def project(tunnel: TunnelRecord, px: float, py: float, pz: float, state: TunnelStateRecord) -> float:
     """The closest point by the method the parameter block names (contracts.haptic.Projection)."""
     if tunnel.projection == _NEWTON_ONE_STEP:
         return track_one_step(tunnel, px, py, pz, state)
@@ -275,7 +285,7 @@ def project(tunnel: Any, px: float, py: float, pz: float, state: Any) -> float:
 
 
 @kernel
-def project_brute_force(tunnel: Any, px: float, py: float, pz: float, state: Any) -> float:
+def project_brute_force(tunnel: TunnelRecord, px: float, py: float, pz: float, state: TunnelStateRecord) -> float:
     """Rival: the best of 256 points per piece; cannot be lost, exact to half their spacing. Leaves `state` alone."""
     best2 = _FAR
     best: float = state.s
@@ -290,7 +300,7 @@ def project_brute_force(tunnel: Any, px: float, py: float, pz: float, state: Any
 
 
 @kernel
-def project_golden_section(tunnel: Any, px: float, py: float, pz: float, state: Any) -> float:
+def project_golden_section(tunnel: TunnelRecord, px: float, py: float, pz: float, state: TunnelStateRecord) -> float:
     """Rival: golden section around the best of 8 points per piece; no derivatives. Leaves `state` alone.
 
     Comparing distances instead of slopes, it finds s to the square root of machine precision only.
@@ -316,7 +326,7 @@ def project_golden_section(tunnel: Any, px: float, py: float, pz: float, state: 
 
 
 @kernel
-def _golden_section(tunnel: Any, px: float, py: float, pz: float, low: float, high: float) -> float:
+def _golden_section(tunnel: TunnelRecord, px: float, py: float, pz: float, low: float, high: float) -> float:
     left = high - _GOLDEN * (high - low)
     right = low + _GOLDEN * (high - low)
     left2, _, _, _ = slope(tunnel, px, py, pz, left)

@@ -13,7 +13,7 @@ nothing but velocities below `_STILL_SPEED`, and depends on nothing but the stat
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,19 @@ from mimics_app.rendering.haptic.kernels.integrators import (
 from mimics_app.rendering.haptic.kernels.objects.inertia import find_principal_axes
 from mimics_app.rendering.haptic.kernels.rotation import product, turn_body, turned
 from mimics_app.rendering.haptic.kernels.vectors import all_finite, copy, fill
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import (
+        BodyRecord,
+        DynamicsRecord,
+        MotionRecord,
+        ObjectCountsRecord,
+        ObjectWork,
+        Rows,
+        Table,
+        TotalsRecord,
+        TrackingRecord,
+    )
 
 __all__ = ["is_free", "place_bodies", "rest_time", "step_bodies", "wake"]
 
@@ -60,20 +73,20 @@ _STILL_TORQUE_RATE = 0.05
 
 
 @kernel
-def is_free(body: Any) -> bool:
+def is_free(body: BodyRecord) -> bool:
     """True when forces can move a body: neither is it the static scene nor are both of its motions disabled."""
     return body.flags & (_TRANSLATION | _ROTATION) != 0
 
 
 @kernel
-def wake(motion: Any) -> None:
+def wake(motion: MotionRecord) -> None:
     """Let a body take part again."""
     motion.asleep = 0
     motion.quiet_ticks = 0
 
 
 @kernel
-def _place(body: Any, motion: Any, dynamics: Any) -> None:
+def _place(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsRecord) -> None:
     """Put a body to the pose and velocities of its row."""
     quat.normalise(body.orientation, motion.orientation)
     copy(body.position, motion.position)
@@ -92,7 +105,7 @@ def _place(body: Any, motion: Any, dynamics: Any) -> None:
 
 
 @kernel
-def _orient(body: Any, motion: Any) -> None:
+def _orient(body: BodyRecord, motion: MotionRecord) -> None:
     """The rotation matrix of the orientation; what may not move stands still."""
     quat.to_matrix(motion.orientation, motion.rotation)
     if body.flags & _TRANSLATION == 0:
@@ -103,7 +116,7 @@ def _orient(body: Any, motion: Any) -> None:
 
 
 @kernel
-def _spin_up(motion: Any, dynamics: Any) -> None:
+def _spin_up(motion: MotionRecord, dynamics: DynamicsRecord) -> None:
     """L = R I R^T omega; about an axis that does not turn there is none."""
     q, axes = motion.orientation, dynamics.axes
     principal = product((q[0], q[1], q[2], q[3]), (axes[0], axes[1], axes[2], axes[3]))
@@ -117,7 +130,7 @@ def _spin_up(motion: Any, dynamics: Any) -> None:
 
 
 @kernel
-def _take_inertia(body: Any, motion: Any, dynamics: Any) -> None:
+def _take_inertia(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsRecord) -> None:
     """Principal axes of a new or changed inertia; a body that turns goes on at the same speed."""
     same = True
     for i in range(3):
@@ -130,7 +143,7 @@ def _take_inertia(body: Any, motion: Any, dynamics: Any) -> None:
 
 
 @kernel
-def _begin(body: Any, motion: Any, dynamics: Any, changed: bool) -> None:
+def _begin(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsRecord, changed: bool) -> None:
     """One body at the start of a tick."""
     if changed:
         _take_inertia(body, motion, dynamics)
@@ -147,7 +160,13 @@ def _begin(body: Any, motion: Any, dynamics: Any, changed: bool) -> None:
 
 
 @kernel
-def _begin_all(bodies: Any, motions: Any, dynamics: Any, tracking: Any, counts: Any) -> None:
+def _begin_all(
+    bodies: Table[BodyRecord],
+    motions: Table[MotionRecord],
+    dynamics: Table[DynamicsRecord],
+    tracking: TrackingRecord,
+    counts: ObjectCountsRecord,
+) -> None:
     changed = tracking.placed_revision != counts.revision + 1
     tracking.placed_revision = counts.revision + 1
     for k in range(counts.bodies):
@@ -155,7 +174,7 @@ def _begin_all(bodies: Any, motions: Any, dynamics: Any, tracking: Any, counts: 
 
 
 @kernel
-def place_bodies(rows: Any, work: Any, counts: Any) -> None:
+def place_bodies(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord) -> None:
     """Begin a tick: bodies whose `spawn` changed go to their place, and nothing has touched or pulled any yet.
 
     Args:
@@ -167,7 +186,7 @@ def place_bodies(rows: Any, work: Any, counts: Any) -> None:
 
 
 @kernel
-def _move(body: Any, motion: Any, dt: float) -> None:
+def _move(body: BodyRecord, motion: MotionRecord, dt: float) -> None:
     """Advance the centre of mass by (11)."""
     x, v, f, m, b = motion.centre, motion.velocity, motion.force, body.mass, body.damping_translation
     if body.integrator == _EXACT_DRAG:
@@ -197,7 +216,7 @@ def _slowed(integrator: int, rate: float, torque: float, inertia: float, b: floa
 
 
 @kernel
-def _push_round(body: Any, motion: Any, dynamics: Any, dt: float) -> None:
+def _push_round(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsRecord, dt: float) -> None:
     """Bring a tick's torque and drag into L: without drag the torque alone, so that L is exact."""
     b = body.damping_rotation
     if b == 0.0:
@@ -217,7 +236,7 @@ def _push_round(body: Any, motion: Any, dynamics: Any, dt: float) -> None:
 
 
 @kernel
-def _advance(body: Any, motion: Any, dynamics: Any, dt: float) -> None:
+def _advance(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsRecord, dt: float) -> None:
     """One tick of a body that is awake."""
     if body.flags & _TRANSLATION:
         _move(body, motion, dt)
@@ -231,13 +250,13 @@ def _advance(body: Any, motion: Any, dynamics: Any, dt: float) -> None:
 
 
 @kernel
-def _is_sound(motion: Any) -> bool:
+def _is_sound(motion: MotionRecord) -> bool:
     still = all_finite(motion.position) and all_finite(motion.orientation) and all_finite(motion.centre)
     return still and all_finite(motion.velocity) and all_finite(motion.omega) and all_finite(motion.momentum)
 
 
 @kernel
-def _advance_soundly(body: Any, motion: Any, dynamics: Any, dt: float) -> bool:
+def _advance_soundly(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsRecord, dt: float) -> bool:
     """`_advance`; a motion beyond all numbers leaves the body where it was, at rest, and is told by False."""
     x, c, q = motion.position, motion.centre, motion.orientation
     place, centre, turn = (x[0], x[1], x[2]), (c[0], c[1], c[2]), (q[0], q[1], q[2], q[3])
@@ -260,7 +279,7 @@ def _square(a: Vec) -> float:
 
 
 @kernel
-def _is_still(body: Any, motion: Any, dynamics: Any) -> bool:
+def _is_still(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsRecord) -> bool:
     """Nothing moves the body and it does not move."""
     if motion.touched:
         return False
@@ -280,7 +299,7 @@ def rest_time(dt: float) -> int:
 
 
 @kernel
-def _fall_asleep(motion: Any) -> None:
+def _fall_asleep(motion: MotionRecord) -> None:
     motion.asleep = 1
     fill(motion.velocity, 0.0)
     fill(motion.omega, 0.0)
@@ -288,7 +307,7 @@ def _fall_asleep(motion: Any) -> None:
 
 
 @kernel
-def _end(body: Any, motion: Any, dynamics: Any, dt: float) -> bool:
+def _end(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsRecord, dt: float) -> bool:
     """One body at the end of a tick; False when its forces, or where they lead, are not finite."""
     if motion.asleep:
         return True
@@ -303,14 +322,21 @@ def _end(body: Any, motion: Any, dynamics: Any, dt: float) -> bool:
 
 
 @kernel
-def _end_all(bodies: Any, motions: Any, dynamics: Any, totals: Any, count: int, dt: float) -> None:
+def _end_all(
+    bodies: Table[BodyRecord],
+    motions: Table[MotionRecord],
+    dynamics: Table[DynamicsRecord],
+    totals: TotalsRecord,
+    count: int,
+    dt: float,
+) -> None:
     for k in range(count):
         if not _end(bodies[k], motions[k], dynamics[k], dt):
             totals.status = 1
 
 
 @kernel
-def step_bodies(rows: Any, work: Any, counts: Any, dt: float) -> None:
+def step_bodies(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, dt: float) -> None:
     """End a tick: every body that is awake moves by (11) and (12).
 
     A body whose forces, or where they lead, are not finite is not moved, and the tick is told by `totals.status`.

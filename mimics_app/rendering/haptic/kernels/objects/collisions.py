@@ -5,7 +5,7 @@ Figures 40-44 and beyond: sphere, capsule, cylinder, box, wall and mesh, each wi
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from mimics_app.contracts.haptic_objects import STATIC, ShapeKind
 from mimics_app.contracts.kernel import kernel
@@ -24,6 +24,24 @@ from mimics_app.rendering.haptic.kernels.objects.resolve import part, push_apart
 from mimics_app.rendering.haptic.kernels.objects.sweep import find_pairs, near
 from mimics_app.rendering.haptic.kernels.objects.triples import Three, dot, times
 
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import (
+        BodyRecord,
+        DynamicsRecord,
+        MeshTable,
+        MotionRecord,
+        ObjectCountsRecord,
+        ObjectWork,
+        PairRecord,
+        RidgeTable,
+        Rows,
+        ScratchRecord,
+        SolidRecord,
+        SweepRecord,
+        Table,
+        TotalsRecord,
+    )
+
 __all__ = ["collide_bodies"]
 
 _WALL = int(ShapeKind.WALL)
@@ -40,7 +58,7 @@ _PRESSED = 0.01
 
 
 @kernel
-def _lay_features(a: Any, b: Any, n: Three, rounded: float, room: Any) -> int:
+def _lay_features(a: SolidRecord, b: SolidRecord, n: Three, rounded: float, room: ScratchRecord) -> int:
     """Contact points of two solids along n."""
     count_a, out_a, lone_a = write_feature(a, n, room.feature_a)
     count_b, out_b, lone_b = write_feature(b, times(-1.0, n), room.feature_b)
@@ -55,7 +73,7 @@ def _lay_features(a: Any, b: Any, n: Three, rounded: float, room: Any) -> int:
 
 
 @kernel
-def _touch(pair: Any, a: Any, b: Any, room: Any) -> int:
+def _touch(pair: PairRecord, a: SolidRecord, b: SolidRecord, room: ScratchRecord) -> int:
     """Contact points of one pair into `room.points`, and its normal; returns how many."""
     last = (pair.normal[0], pair.normal[1], pair.normal[2])
     count, n = 0, last
@@ -79,13 +97,15 @@ def _touch(pair: Any, a: Any, b: Any, room: Any) -> int:
 
 
 @kernel
-def _is_awake(bodies: Any, motions: Any, k: int) -> bool:
+def _is_awake(bodies: Table[BodyRecord], motions: Table[MotionRecord], k: int) -> bool:
     """True for a body that can move and does not sleep."""
     return k >= 0 and motions[k].asleep == 0 and is_free(bodies[k])
 
 
 @kernel
-def _stir(pair: Any, sleeper: Any, mover: Any, dynamics: Any, mass: float, doze: int) -> None:
+def _stir(
+    pair: PairRecord, sleeper: MotionRecord, mover: MotionRecord, dynamics: DynamicsRecord, mass: float, doze: int
+) -> None:
     """A neighbour that moves, or presses otherwise than it did, wakes a sleeper; a restless one keeps the other up."""
     if sleeper.asleep:
         if mover.quiet_ticks == 0 or abs(pair.force - pair.rest_force) > _PRESSED * mass:
@@ -95,7 +115,13 @@ def _stir(pair: Any, sleeper: Any, mover: Any, dynamics: Any, mass: float, doze:
 
 
 @kernel
-def _rouse(pair: Any, bodies: Any, motions: Any, dynamics: Any, doze: int) -> None:
+def _rouse(
+    pair: PairRecord,
+    bodies: Table[BodyRecord],
+    motions: Table[MotionRecord],
+    dynamics: Table[DynamicsRecord],
+    doze: int,
+) -> None:
     """What a contact means for the sleep of its two bodies."""
     i, j = pair.body_a, pair.body_b
     if i < 0 or j < 0 or not is_free(bodies[i]) or not is_free(bodies[j]):
@@ -110,7 +136,9 @@ def _rouse(pair: Any, bodies: Any, motions: Any, dynamics: Any, doze: int) -> No
 
 
 @kernel
-def _touch_mesh(pair: Any, a: Any, b: Any, table: Any, ridges: Any, room: Any) -> int:
+def _touch_mesh(
+    pair: PairRecord, a: SolidRecord, b: SolidRecord, table: MeshTable, ridges: RidgeTable, room: ScratchRecord
+) -> int:
     """`_touch` of a mesh: it alone needs the tables of triangles."""
     last = (pair.normal[0], pair.normal[1], pair.normal[2])
     if a.kind == _MESH or b.body != STATIC:
@@ -124,7 +152,7 @@ def _touch_mesh(pair: Any, a: Any, b: Any, table: Any, ridges: Any, room: Any) -
 
 
 @kernel
-def _tell_left_out(sweep: Any, totals: Any) -> None:
+def _tell_left_out(sweep: SweepRecord, totals: TotalsRecord) -> None:
     """Pairs without room are told when there are more of them than ever before."""
     if sweep.left_out > sweep.most_left_out:
         sweep.most_left_out = sweep.left_out
@@ -132,7 +160,7 @@ def _tell_left_out(sweep: Any, totals: Any) -> None:
 
 
 @kernel
-def _collide_pair(pair: Any, rows: Any, work: Any, doze: int, dt: float) -> None:
+def _collide_pair(pair: PairRecord, rows: Rows, work: ObjectWork, doze: int, dt: float) -> None:
     """One pair of which a body is awake: its points, its forces, who wakes whom."""
     i, j = pair.body_a, pair.body_b
     a, b, room = work.solids[pair.a], work.solids[pair.b], work.scratch[0]
@@ -152,7 +180,7 @@ def _collide_pair(pair: Any, rows: Any, work: Any, doze: int, dt: float) -> None
 
 
 @kernel
-def collide_bodies(rows: Any, work: Any, counts: Any, dt: float) -> None:
+def collide_bodies(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, dt: float) -> None:
     """Add F_aux, T_aux, weight and the forces of all contacts to the bodies; `totals.impact*` tells the hardest.
 
     Deep overlaps (bodies spawned in one another) push out along the way that is shortest, with the force of (17): at

@@ -7,13 +7,16 @@ places; contact points are laid over each other by `manifold`.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.triples import Three, axis, cross, dot, into, middle, minus, times
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import SolidRecord
 
 __all__ = ["separate_boxes"]
 
@@ -30,7 +33,7 @@ _PARALLEL = 1e-6
 
 
 @kernel
-def _compare_axes(a: Any, b: Any, cosines: Mat) -> None:
+def _compare_axes(a: SolidRecord, b: SolidRecord, cosines: Mat) -> None:
     """Cosines between the axes of a (rows) and b (columns)."""
     for i in range(3):
         n = axis(a, i)
@@ -39,7 +42,9 @@ def _compare_axes(a: Any, b: Any, cosines: Mat) -> None:
 
 
 @kernel
-def _faces(a: Any, b: Any, cosines: Mat, first: Three, second: Three, feature: int) -> tuple[int, float, float]:
+def _faces(
+    a: SolidRecord, b: SolidRecord, cosines: Mat, first: Three, second: Three, feature: int
+) -> tuple[int, float, float]:
     """(axis, overlap, overlap as weighed) of the faces 1-6; axis 0: apart.
 
     Args:
@@ -72,7 +77,7 @@ def _faces(a: Any, b: Any, cosines: Mat, first: Three, second: Three, feature: i
 
 @kernel
 def _edges(
-    a: Any, b: Any, cosines: Mat, first: Three, feature: int, faces: tuple[int, float, float]
+    a: SolidRecord, b: SolidRecord, cosines: Mat, first: Three, feature: int, faces: tuple[int, float, float]
 ) -> tuple[int, float]:
     """(axis, overlap) of the best of `faces` and the crossed edges 7-15; axis 0: apart.
 
@@ -101,7 +106,7 @@ def _edges(
 
 
 @kernel
-def _direction(a: Any, b: Any, number: int) -> Three:
+def _direction(a: SolidRecord, b: SolidRecord, number: int) -> Three:
     """Unit vector along one of the 15 axes."""
     if number < 4:
         return axis(a, number - 1)
@@ -112,7 +117,7 @@ def _direction(a: Any, b: Any, number: int) -> Three:
 
 
 @kernel
-def separate_boxes(a: Any, b: Any, feature: int, last: Three, cosines: Mat) -> tuple[int, float, Three]:
+def separate_boxes(a: SolidRecord, b: SolidRecord, feature: int, last: Three, cosines: Mat) -> tuple[int, float, Three]:
     """Axis of least overlap of two boxes.
 
     Args:

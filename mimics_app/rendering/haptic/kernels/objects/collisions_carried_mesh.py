@@ -14,7 +14,7 @@ crossing twice, once from each side, with half a quarter each.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
@@ -34,6 +34,9 @@ from mimics_app.rendering.haptic.kernels.objects.triples import (
     unit,
 )
 
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import MeshTable, ScratchRecord, SolidRecord
+
 __all__ = ["CORNER_SHARE", "depth_of", "edge_in", "keep_point", "touch_carried_mesh"]
 
 _WALL = int(ShapeKind.WALL)
@@ -51,7 +54,7 @@ _ASIDE = 1e-3
 
 
 @kernel
-def keep_point(p: Three, depth: float, n: Three, share: float, room: Any, count: int) -> int:
+def keep_point(p: Three, depth: float, n: Three, share: float, room: ScratchRecord, count: int) -> int:
     """Add a point with its normal; in a full table in the place of the shallowest. Returns how many there are."""
     points, normals = room.points, room.normals
     at = count
@@ -69,7 +72,7 @@ def keep_point(p: Three, depth: float, n: Three, share: float, room: Any, count:
 
 
 @kernel
-def _thinnest(solid: Any) -> float:
+def _thinnest(solid: SolidRecord) -> float:
     """Least extent of a shape with bounds along the world's axes [m]."""
     least = math.inf
     for k in range(3):
@@ -78,7 +81,7 @@ def _thinnest(solid: Any) -> float:
 
 
 @kernel
-def _is_within(p: Three, solid: Any) -> bool:
+def _is_within(p: Three, solid: SolidRecord) -> bool:
     """True for a point within the bounds of a shape that has some, or no farther out than a corner may stand aside."""
     for k in range(3):
         if p[k] < solid.low[k] - _ASIDE or p[k] > solid.high[k] + _ASIDE:
@@ -87,7 +90,9 @@ def _is_within(p: Three, solid: Any) -> bool:
 
 
 @kernel
-def depth_of(p: Three, other: Any, toward: Three, reach: float, table: Any, room: Any) -> tuple[float, Three]:
+def depth_of(
+    p: Three, other: SolidRecord, toward: Three, reach: float, table: MeshTable, room: ScratchRecord
+) -> tuple[float, Three]:
     """Depth of a point in a shape by the faces that look along `toward`, 0 or less outside; normal out of them."""
     if other.kind == _WALL:
         n = axis(other, 2)
@@ -105,7 +110,15 @@ def depth_of(p: Three, other: Any, toward: Three, reach: float, table: Any, room
 
 
 @kernel
-def _corners_in(carried: Any, other: Any, toward: Three, side: float, table: Any, room: Any, count: int) -> int:
+def _corners_in(
+    carried: SolidRecord,
+    other: SolidRecord,
+    toward: Three,
+    side: float,
+    table: MeshTable,
+    room: ScratchRecord,
+    count: int,
+) -> int:
     """Add the corners of a carried mesh's hull that are in another shape.
 
     Args:
@@ -148,13 +161,13 @@ def _weight(n: Three, way: Three, from_corner: float) -> float:
 def edge_in(
     p: Three,
     q: Three,
-    other: Any,
+    other: SolidRecord,
     toward: Three,
     side: float,
     share: float,
     reach: float,
-    table: Any,
-    room: Any,
+    table: MeshTable,
+    room: ScratchRecord,
     count: int,
 ) -> int:
     """Add what of one edge is in another shape: between its two faces, and the ends of its chord under others."""
@@ -181,7 +194,15 @@ def edge_in(
 
 
 @kernel
-def _edges_in(carried: Any, other: Any, toward: Three, side: float, table: Any, room: Any, count: int) -> int:
+def _edges_in(
+    carried: SolidRecord,
+    other: SolidRecord,
+    toward: Three,
+    side: float,
+    table: MeshTable,
+    room: ScratchRecord,
+    count: int,
+) -> int:
     """Add what of the sharp edges of a carried mesh is in another shape; arguments as `_corners_in`."""
     if other.kind == _WALL or other.kind == _SPHERE:  # their corners and middle say all
         return count
@@ -197,7 +218,7 @@ def _edges_in(carried: Any, other: Any, toward: Three, side: float, table: Any, 
 
 
 @kernel
-def _gather(a: Any, b: Any, n: Three, table: Any, room: Any) -> tuple[int, float]:
+def _gather(a: SolidRecord, b: SolidRecord, n: Three, table: MeshTable, room: ScratchRecord) -> tuple[int, float]:
     """Points of both in each other whose faces look along the normal n from a to b, and the sum of their depths."""
     count, out = 0, times(-1.0, n)
     if a.kind == _MESH:
@@ -215,7 +236,7 @@ def _gather(a: Any, b: Any, n: Three, table: Any, room: Any) -> tuple[int, float
 
 
 @kernel
-def _least_overlap(a: Any, b: Any) -> Three:
+def _least_overlap(a: SolidRecord, b: SolidRecord) -> Three:
     """The world axis along which the bounds of two shapes overlap least, from a to b."""
     least, n = math.inf, (0.0, 0.0, 0.0)
     for k in range(3):
@@ -228,7 +249,7 @@ def _least_overlap(a: Any, b: Any) -> Three:
 
 
 @kernel
-def _share_out(count: int, room: Any) -> None:
+def _share_out(count: int, room: ScratchRecord) -> None:
     """Spread the stiffness over the points by their depth; none gets more than it came with."""
     points, total = room.points, 0.0
     for k in range(count):
@@ -238,7 +259,9 @@ def _share_out(count: int, room: Any) -> None:
 
 
 @kernel
-def touch_carried_mesh(a: Any, b: Any, last: Three, table: Any, room: Any) -> tuple[int, Three]:
+def touch_carried_mesh(
+    a: SolidRecord, b: SolidRecord, last: Three, table: MeshTable, room: ScratchRecord
+) -> tuple[int, Three]:
     """Contact points of a pair of which one is a mesh that a body carries, the other anything.
 
     The faces that count are those which look along the normal of the contact. A new contact takes the deeper of two:

@@ -11,7 +11,7 @@ four of them.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
@@ -28,6 +28,9 @@ from mimics_app.rendering.haptic.kernels.objects.triples import (
     times,
     unit,
 )
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import MeshTable, ScratchRecord, SolidRecord
 
 __all__ = ["chord_in", "may_pass", "way_between"]
 
@@ -54,7 +57,7 @@ Chord = tuple[bool, float, float, Three, Three]
 
 
 @kernel
-def may_pass(p: Three, q: Three, solid: Any) -> bool:
+def may_pass(p: Three, q: Three, solid: SolidRecord) -> bool:
     """The bounds of the way p -> q overlap those of a shape that has some."""
     for k in range(3):
         if max(p[k], q[k]) < solid.low[k] or min(p[k], q[k]) > solid.high[k]:
@@ -68,7 +71,7 @@ def _face(j: int, sign: float) -> Three:
 
 
 @kernel
-def _chord_in_box(solid: Any, p: Three, q: Three) -> Chord:
+def _chord_in_box(solid: SolidRecord, p: Three, q: Three) -> Chord:
     """Clip by the six faces, in the frame of the box."""
     a, b = into(solid, minus(p, middle(solid))), into(solid, minus(q, middle(solid)))
     t0, t1, n0, n1 = 0.0, 1.0, _NONE, _NONE
@@ -89,7 +92,7 @@ def _chord_in_box(solid: Any, p: Three, q: Three) -> Chord:
 
 
 @kernel
-def _deepest(solid: Any, p: Three, way: Three) -> float:
+def _deepest(solid: SolidRecord, p: Three, way: Three) -> float:
     """Share of the way at which a round shape is deepest, by golden section: its distance is convex along a line."""
     low, high = 0.0, 1.0
     left, right = high - _GOLDEN, low + _GOLDEN
@@ -108,7 +111,7 @@ def _deepest(solid: Any, p: Three, way: Three) -> float:
 
 
 @kernel
-def _surface(solid: Any, p: Three, way: Three, inside: float, end: float) -> tuple[float, Three]:
+def _surface(solid: SolidRecord, p: Three, way: Three, inside: float, end: float) -> tuple[float, Three]:
     """(share, normal) at which the way comes out of a shape between a place inside and its end; _NONE: it does not."""
     far, _ = distance_to(solid, along(p, end, way), ANYWHERE)
     if far <= 0.0:
@@ -126,7 +129,7 @@ def _surface(solid: Any, p: Three, way: Three, inside: float, end: float) -> tup
 
 
 @kernel
-def _chord_in_round(solid: Any, p: Three, q: Three) -> Chord:
+def _chord_in_round(solid: SolidRecord, p: Three, q: Three) -> Chord:
     """Of a cylinder or capsule, by its distance alone."""
     way = minus(q, p)
     t = _deepest(solid, p, way)
@@ -139,7 +142,7 @@ def _chord_in_round(solid: Any, p: Three, q: Three) -> Chord:
 
 
 @kernel
-def _entry(solid: Any, a: Three, b: Three, table: Any, room: Any) -> tuple[bool, float, Three]:
+def _entry(solid: SolidRecord, a: Three, b: Three, table: MeshTable, room: ScratchRecord) -> tuple[bool, float, Three]:
     """(whether, at which share, normal of the face) the way a -> b goes into a mesh, in its frame."""
     mesh, first, last, n = table.rows[solid.mesh], room.mesh_point, room.mesh_closest, room.mesh_normal
     first[0], first[1], first[2] = a
@@ -156,7 +159,7 @@ def _entry(solid: Any, a: Three, b: Three, table: Any, room: Any) -> tuple[bool,
 
 
 @kernel
-def _chord_in_mesh(solid: Any, p: Three, q: Three, table: Any, room: Any) -> Chord:
+def _chord_in_mesh(solid: SolidRecord, p: Three, q: Three, table: MeshTable, room: ScratchRecord) -> Chord:
     """From where the way first goes in to where it last comes out; what lies between in a hollow is not told."""
     a, b = into(solid, minus(p, middle(solid))), into(solid, minus(q, middle(solid)))
     enters, t0, n0 = _entry(solid, a, b, table, room)
@@ -168,7 +171,7 @@ def _chord_in_mesh(solid: Any, p: Three, q: Three, table: Any, room: Any) -> Cho
 
 
 @kernel
-def chord_in(solid: Any, p: Three, q: Three, table: Any, room: Any) -> Chord:
+def chord_in(solid: SolidRecord, p: Three, q: Three, table: MeshTable, room: ScratchRecord) -> Chord:
     """The part of a straight way that lies in a shape.
 
     Args:
@@ -191,7 +194,7 @@ def chord_in(solid: Any, p: Three, q: Three, table: Any, room: Any) -> Chord:
 
 @kernel
 def way_between(
-    solid: Any, p: Three, q: Three, chord: Chord, toward: Three, table: Any, room: Any
+    solid: SolidRecord, p: Three, q: Three, chord: Chord, toward: Three, table: MeshTable, room: ScratchRecord
 ) -> tuple[float, Three, Three]:
     """The way out of a shape for an edge that passes through it.
 

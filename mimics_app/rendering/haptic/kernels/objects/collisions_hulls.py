@@ -10,7 +10,7 @@ bounded by the smaller solid.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,9 @@ from mimics_app.rendering.haptic.kernels.objects.triples import (
     times,
     unit,
 )
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import Floats, SolidRecord
 
 __all__ = ["separate_hulls", "support"]
 
@@ -48,18 +51,28 @@ _KEEP = 0.9
 """The last normal counts as so much less deep than it is."""
 
 
+_THICKEST_SKIN = 0.9
+"""Most that a rounding may be as a skin, as a share of half of the thinnest side: a core is left."""
+
+_AT_ORIGIN = 1e-20
+"""Square of a distance that counts as none [m^2]."""
+
+_TOUCHING = 1e-9
+"""Distance of two cores below which its direction says nothing [m]."""
+
+
 @kernel
-def _skin(solid: Any) -> float:
+def _skin(solid: SolidRecord) -> float:
     size = solid.size
     if solid.kind == _BOX:
         thin = 0.5 * min(size[0], min(size[1], size[2]))
     else:
         thin = min(size[0], 0.5 * size[1])
-    return max(_SKIN * thin, min(solid.rounding, 0.9 * thin))
+    return max(_SKIN * thin, min(solid.rounding, _THICKEST_SKIN * thin))
 
 
 @kernel
-def support(solid: Any, d: Three, skin: float) -> Three:
+def support(solid: SolidRecord, d: Three, skin: float) -> Three:
     """Farthest point [m] along d of a box or cylinder without its skin."""
     size, p = solid.size, middle(solid)
     if solid.kind == _BOX:
@@ -189,7 +202,7 @@ def _on_simplex(simplex: Simplex, count: int) -> tuple[int, Three]:
 
 
 @kernel
-def _gap(a: Any, b: Any, start: Three, skin_a: float, skin_b: float, simplex: Any) -> Three:
+def _gap(a: SolidRecord, b: SolidRecord, start: Three, skin_a: float, skin_b: float, simplex: Floats) -> Three:
     """Shortest vector from the core of b to that of a; zero when they overlap."""
     v, count = start, 0
     for _ in range(_TURNS):
@@ -201,13 +214,13 @@ def _gap(a: Any, b: Any, start: Three, skin_a: float, skin_b: float, simplex: An
             break
         _keep(simplex, count, w)
         count, v = _on_simplex(simplex, count + 1)
-        if count == 4 or dot(v, v) < 1e-20:
+        if count == 4 or dot(v, v) < _AT_ORIGIN:
             return 0.0, 0.0, 0.0
     return v
 
 
 @kernel
-def _overlap(a: Any, b: Any, n: Three) -> float:
+def _overlap(a: SolidRecord, b: SolidRecord, n: Three) -> float:
     """How deep the whole solids overlap along n, from a to b."""
     at_a = support(a, n, 0.0)
     at_b = support(b, times(-1.0, n), 0.0)
@@ -215,7 +228,7 @@ def _overlap(a: Any, b: Any, n: Three) -> float:
 
 
 @kernel
-def _candidate(a: Any, b: Any, i: int) -> Three:
+def _candidate(a: SolidRecord, b: SolidRecord, i: int) -> Three:
     """Directions worth trying of two solids that overlap: their axes and the crossings of these."""
     if i < 3:
         return axis(a, i)
@@ -226,7 +239,7 @@ def _candidate(a: Any, b: Any, i: int) -> Three:
 
 
 @kernel
-def _least_overlap(a: Any, b: Any, last: Three) -> tuple[float, Three]:
+def _least_overlap(a: SolidRecord, b: SolidRecord, last: Three) -> tuple[float, Three]:
     """Overlap and normal of two solids whose cores overlap: along the last normal or the best of the candidates."""
     between = minus(middle(b), middle(a))
     normal = unit(last, unit(between, (0.0, 1.0, 0.0)))
@@ -243,7 +256,7 @@ def _least_overlap(a: Any, b: Any, last: Three) -> tuple[float, Three]:
 
 
 @kernel
-def separate_hulls(a: Any, b: Any, last: Three, simplex: Any) -> tuple[float, float, Three]:
+def separate_hulls(a: SolidRecord, b: SolidRecord, last: Three, simplex: Floats) -> tuple[float, float, Three]:
     """Overlap and normal of two solids of which one is a cylinder, the other a cylinder or box.
 
     Args:
@@ -262,7 +275,7 @@ def separate_hulls(a: Any, b: Any, last: Three, simplex: Any) -> tuple[float, fl
     gap = math.sqrt(dot(v, v))
     if gap > skin_a + skin_b:
         return 0.0, 0.0, last
-    if gap > 1e-9:
+    if gap > _TOUCHING:
         n = times(-1.0 / gap, v)
         overlap = skin_a + skin_b - gap
         return overlap, _overlap(a, b, n) - overlap, n

@@ -9,7 +9,7 @@ by depth.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,9 @@ from mimics_app.rendering.haptic.kernels.objects.triples import (
     unit,
 )
 
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import MeshRecord, ScratchRecord, SolidRecord, Table
+
 __all__ = ["depth_in_mesh", "points_in_mesh", "project_depths", "touch_mesh"]
 
 Array = NDArray[np.float64]
@@ -54,8 +57,12 @@ _DEEPEST = 0.5
 """How deep a corner is looked for behind the surface, as a share of the shape's thinnest side: beyond it is through."""
 
 
+_OF_A_CORNER = 0.25
+"""Share of a face's stiffness that each of its four corners has [-]."""
+
+
 @kernel
-def _samples(solid: Any) -> tuple[int, float, float, float]:
+def _samples(solid: SolidRecord) -> tuple[int, float, float, float]:
     """(points, their radius [m], share of the stiffness of each, how far behind the surface they are seen [m])."""
     size = solid.size
     if solid.kind == _SPHERE:
@@ -63,12 +70,12 @@ def _samples(solid: Any) -> tuple[int, float, float, float]:
     if solid.kind == _CAPSULE:
         return 2, size[0], 0.5, size[0]
     if solid.kind == _BOX:
-        return 8, 0.0, 0.25, _DEEPEST * min(size[0], min(size[1], size[2]))
+        return 8, 0.0, _OF_A_CORNER, _DEEPEST * min(size[0], min(size[1], size[2]))
     return 2 * _RIM, 0.0, 1.0 / _RIM, _DEEPEST * min(2.0 * size[0], size[1])
 
 
 @kernel
-def _sample(solid: Any, k: int) -> Three:
+def _sample(solid: SolidRecord, k: int) -> Three:
     """Point k of a shape, world [m]."""
     size, p = solid.size, middle(solid)
     if solid.kind == _SPHERE:
@@ -87,16 +94,16 @@ def _sample(solid: Any, k: int) -> Three:
 
 @kernel
 def depth_in_mesh(
-    b: Any,
+    b: SolidRecord,
     p: Three,
     radius: float,
     reach: float,
     toward: Three,
-    meshes: Any,
+    meshes: Table[MeshRecord],
     vertices: Array,
     corners: Indices,
     boxes: Array,
-    room: Any,
+    room: ScratchRecord,
 ) -> tuple[float, Three]:
     """Depth of a ball in a mesh [m], 0 where it does not touch, and the outward normal there, world.
 
@@ -133,7 +140,7 @@ def depth_in_mesh(
 
 
 @kernel
-def project_depths(up: Three, count: int, room: Any) -> None:
+def project_depths(up: Three, count: int, room: ScratchRecord) -> None:
     """Depths of points along one normal for all of them, from those along their own in `room.normals`."""
     normals = room.normals
     for k in range(count):
@@ -142,7 +149,14 @@ def project_depths(up: Three, count: int, room: Any) -> None:
 
 @kernel
 def points_in_mesh(
-    a: Any, b: Any, toward: Three, meshes: Any, vertices: Array, corners: Indices, boxes: Array, room: Any
+    a: SolidRecord,
+    b: SolidRecord,
+    toward: Three,
+    meshes: Table[MeshRecord],
+    vertices: Array,
+    corners: Indices,
+    boxes: Array,
+    room: ScratchRecord,
 ) -> tuple[int, Three]:
     """What of shape a is inside a mesh; arguments as `touch_mesh` and `depth_in_mesh`, but balls look anywhere.
 
@@ -164,7 +178,14 @@ def points_in_mesh(
 
 @kernel
 def touch_mesh(
-    a: Any, b: Any, last: Three, meshes: Any, vertices: Array, corners: Indices, boxes: Array, room: Any
+    a: SolidRecord,
+    b: SolidRecord,
+    last: Three,
+    meshes: Table[MeshRecord],
+    vertices: Array,
+    corners: Indices,
+    boxes: Array,
+    room: ScratchRecord,
 ) -> tuple[int, Three]:
     """Contact points of shape a at a mesh of the static scene.
 

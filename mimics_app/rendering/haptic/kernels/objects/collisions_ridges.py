@@ -9,7 +9,7 @@ A body that stands on its corners already has its whole stiffness: ridges share 
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,13 +35,16 @@ from mimics_app.rendering.haptic.kernels.objects.triples import (
     unit,
 )
 
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import Floats, MeshTable, RidgeTable, ScratchRecord, SolidRecord
+
 __all__ = ["touch_ridged_mesh"]
 
 Array = NDArray[np.float64]
 
 
 @kernel
-def _bounds_in(b: Any, a: Any, room: Any) -> None:
+def _bounds_in(b: SolidRecord, a: SolidRecord, room: ScratchRecord) -> None:
     """Bounds of shape a along the axes of shape b [m], into rows 0 and 1 of `room.feature_a`."""
     centre, half = (0.0, 0.0, 0.0), (0.5 * (a.high[0] - a.low[0]), 0.5 * (a.high[1] - a.low[1]), 0.0)
     half = (half[0], half[1], 0.5 * (a.high[2] - a.low[2]))
@@ -56,7 +59,7 @@ def _bounds_in(b: Any, a: Any, room: Any) -> None:
 
 
 @kernel
-def _overlaps(boxes: Array, node: int, room: Any) -> bool:
+def _overlaps(boxes: Array, node: int, room: ScratchRecord) -> bool:
     """The bounds in `room.feature_a` overlap those of a node."""
     for i in range(3):
         if room.feature_a[0, i] > boxes[node, 3 + i] or room.feature_a[1, i] < boxes[node, i]:
@@ -65,7 +68,7 @@ def _overlaps(boxes: Array, node: int, room: Any) -> bool:
 
 
 @kernel
-def _tip_in(p: Three, a: Any, last: Three, table: Any, room: Any, count: int) -> int:
+def _tip_in(p: Three, a: SolidRecord, last: Three, table: MeshTable, room: ScratchRecord, count: int) -> int:
     """Add the end of ridges that pokes into shape a."""
     depth, n = depth_of(p, a, last, 0.0, table, room)
     if depth > 0.0:
@@ -74,7 +77,9 @@ def _tip_in(p: Three, a: Any, last: Three, table: Any, room: Any, count: int) ->
 
 
 @kernel
-def _ridge_in(a: Any, b: Any, line: Any, last: Three, table: Any, room: Any, count: int) -> int:
+def _ridge_in(
+    a: SolidRecord, b: SolidRecord, line: Floats, last: Three, table: MeshTable, room: ScratchRecord, count: int
+) -> int:
     """Add what of one ridge, a row of `RidgeTable.lines`, is in shape a; other arguments as `touch_ridged_mesh`."""
     p = along(middle(b), 1.0, out_of(b, (line[0], line[1], line[2])))
     q = along(middle(b), 1.0, out_of(b, (line[3], line[4], line[5])))
@@ -91,7 +96,9 @@ def _ridge_in(a: Any, b: Any, line: Any, last: Three, table: Any, room: Any, cou
 
 
 @kernel
-def _ridges_in(a: Any, b: Any, last: Three, table: Any, ridges: Any, room: Any, count: int) -> int:
+def _ridges_in(
+    a: SolidRecord, b: SolidRecord, last: Three, table: MeshTable, ridges: RidgeTable, room: ScratchRecord, count: int
+) -> int:
     """Add what of the ridges of mesh b is in shape a."""
     mesh, node = ridges.rows[b.mesh], 0
     _bounds_in(b, a, room)
@@ -111,7 +118,7 @@ def _ridges_in(a: Any, b: Any, last: Three, table: Any, ridges: Any, room: Any, 
 
 
 @kernel
-def _share_rest(own: int, count: int, room: Any) -> None:
+def _share_rest(own: int, count: int, room: ScratchRecord) -> None:
     """Give the points from `own` on what those before leave of the stiffness, by depth; none more than it came with.
 
     A corner uses as much of its share as it is deep beside the deepest point: none when it only begins to touch.
@@ -131,7 +138,9 @@ def _share_rest(own: int, count: int, room: Any) -> None:
 
 
 @kernel
-def touch_ridged_mesh(a: Any, b: Any, last: Three, table: Any, ridges: Any, room: Any) -> tuple[int, Three]:
+def touch_ridged_mesh(
+    a: SolidRecord, b: SolidRecord, last: Three, table: MeshTable, ridges: RidgeTable, room: ScratchRecord
+) -> tuple[int, Three]:
     """Contact points of shape a at a mesh of the static scene that has ridges.
 
     Args:

@@ -8,7 +8,7 @@ between the ends. All three move without a jump when the capsule rolls, tips ove
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,9 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.distances import distance_to
 from mimics_app.rendering.haptic.kernels.objects.manifold import add_point
 from mimics_app.rendering.haptic.kernels.objects.triples import Three, along, axis, dot, into, middle, minus, times
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import Floats, SolidRecord
 
 __all__ = ["touch_by_capsule", "touch_by_sphere"]
 
@@ -37,8 +40,15 @@ _FACE = 1.0 - 1e-9
 """Cosine of a normal with an axis of the solid from which it is that of a face."""
 
 
+_NOWHERE = 1e-12
+"""Length below which something has no direction [m]."""
+
+_NO_RUN = 1e-24
+"""Square of a length below which something has no direction [m^2]."""
+
+
 @kernel
-def touch_by_sphere(a: Any, b: Any, last: Three, points: Points) -> tuple[int, Three]:
+def touch_by_sphere(a: SolidRecord, b: SolidRecord, last: Three, points: Points) -> tuple[int, Three]:
     """Contact point of sphere a with shape b (not a wall).
 
     Args:
@@ -59,7 +69,7 @@ def touch_by_sphere(a: Any, b: Any, last: Three, points: Points) -> tuple[int, T
 
 
 @kernel
-def _nearest(b: Any, start: Three, run: Three, hint: Three) -> tuple[float, float, Three]:
+def _nearest(b: SolidRecord, start: Three, run: Three, hint: Three) -> tuple[float, float, Three]:
     """Where on the axis the distance to shape b is least: (share of the axis, distance, normal).
 
     The distance is convex along the axis and its slope is the normal's component along it, so halving finds it.
@@ -82,7 +92,7 @@ def _nearest(b: Any, start: Three, run: Three, hint: Three) -> tuple[float, floa
 @kernel
 def _slab(p: float, run: float, half: float, span: Span) -> Span:
     """Part of a span of the axis within |p + t run| <= half."""
-    if abs(run) < 1e-12:
+    if abs(run) < _NOWHERE:
         return span if abs(p) <= half else (1.0, 0.0)
     s, t = (-half - p) / run, (half - p) / run
     return max(span[0], min(s, t)), min(span[1], max(s, t))
@@ -92,7 +102,7 @@ def _slab(p: float, run: float, half: float, span: Span) -> Span:
 def _disc(p: Three, run: Three, radius: float, span: Span) -> Span:
     """Part of a span of the axis over a cap, x^2 + z^2 <= r^2."""
     square = run[0] * run[0] + run[2] * run[2]
-    if square < 1e-24:
+    if square < _NO_RUN:
         return span
     b = (p[0] * run[0] + p[2] * run[2]) / square
     c = (p[0] * p[0] + p[2] * p[2] - radius * radius) / square
@@ -103,7 +113,7 @@ def _disc(p: Three, run: Three, radius: float, span: Span) -> Span:
 
 
 @kernel
-def _common_part(kind: int, size: Any, p: Three, run: Three, n: Three) -> Span:
+def _common_part(kind: int, size: Floats, p: Three, run: Three, n: Three) -> Span:
     """Part of the axis that runs over the face with normal n; reversed where there is none. All in the frame of b."""
     span = (0.0, 1.0)
     if kind == _BOX:
@@ -121,7 +131,7 @@ def _common_part(kind: int, size: Any, p: Three, run: Three, n: Three) -> Span:
 
 
 @kernel
-def touch_by_capsule(a: Any, b: Any, last: Three, points: Points) -> tuple[int, Three]:
+def touch_by_capsule(a: SolidRecord, b: SolidRecord, last: Three, points: Points) -> tuple[int, Three]:
     """Contact points of capsule a with shape b (capsule, cylinder or box); arguments as `touch_by_sphere`."""
     radius = a.size[0]
     run = times(a.size[1], axis(a, 1))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,9 @@ from mimics_app.rendering.haptic.kernels.objects.triples import (
     times,
 )
 
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import Floats, SolidRecord
+
 __all__ = ["touch_wall"]
 
 Points = NDArray[np.float64]
@@ -27,6 +30,10 @@ Points = NDArray[np.float64]
 _SPHERE = int(ShapeKind.SPHERE)
 _BOX = int(ShapeKind.BOX)
 _CAPSULE = int(ShapeKind.CAPSULE)
+
+
+_OF_A_CORNER = 0.25
+"""Share of a face's stiffness that each of its four corners has [-]."""
 
 
 @kernel
@@ -38,7 +45,7 @@ def _sink(p: Three, height: float, share: float, n: Three, points: Points, count
 
 
 @kernel
-def _box(solid: Any, height: float, n: Three, points: Points) -> int:
+def _box(solid: SolidRecord, height: float, n: Three, points: Points) -> int:
     """The corners below the wall: of a box that is not in it to the middle at most four."""
     size, centre = solid.size, middle(solid)
     x, y, z = axis(solid, 0), axis(solid, 1), axis(solid, 2)
@@ -54,12 +61,12 @@ def _box(solid: Any, height: float, n: Three, points: Points) -> int:
         h = height + i * ex + j * ey + k * ez
         if h < 0.0:
             p = along(along(along(centre, i * hx, x), j * hy, y), k * hz, z)
-            count = _sink(p, h, 0.25, n, points, count)
+            count = _sink(p, h, _OF_A_CORNER, n, points, count)
     return count
 
 
 @kernel
-def touch_wall(a: Any, b: Any, corners: Any, points: Points) -> tuple[int, Three]:
+def touch_wall(a: SolidRecord, b: SolidRecord, corners: Floats, points: Points) -> tuple[int, Three]:
     """Contact points of shape a in wall b.
 
     Args:

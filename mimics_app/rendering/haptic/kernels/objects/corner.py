@@ -8,13 +8,16 @@ at most three planes; every wall then pushes by lambda_i in place of its depth.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.vectors import norm, scale
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import Table, WallTouchRecord
 
 __all__ = ["part_walls", "share_corner"]
 
@@ -31,12 +34,12 @@ _SLACK = 1e-12
 
 
 @kernel
-def _cosine(a: Any, b: Any) -> float:
+def _cosine(a: WallTouchRecord, b: WallTouchRecord) -> float:
     return a.normal[0] * b.normal[0] + a.normal[1] * b.normal[1] + a.normal[2] * b.normal[2]
 
 
 @kernel
-def _is_orthogonal(walls: Any, count: int) -> bool:
+def _is_orthogonal(walls: Table[WallTouchRecord], count: int) -> bool:
     for i in range(count):
         for j in range(i + 1, count):
             if abs(_cosine(walls[i], walls[j])) > _ORTHOGONAL:
@@ -45,7 +48,7 @@ def _is_orthogonal(walls: Any, count: int) -> bool:
 
 
 @kernel
-def _solve(walls: Any, i: int, j: int, k: int, of: Numbers, out: Numbers) -> bool:
+def _solve(walls: Table[WallTouchRecord], i: int, j: int, k: int, of: Numbers, out: Numbers) -> bool:
     """Out = G^-1 of for the Gram matrix of two (k < 0) or three normals; False where they are parallel."""
     a = _cosine(walls[i], walls[j])
     if k < 0:
@@ -67,7 +70,7 @@ def _solve(walls: Any, i: int, j: int, k: int, of: Numbers, out: Numbers) -> boo
 
 
 @kernel
-def _is_outside(walls: Any, count: int, i: int, j: int, k: int, pushes: Numbers) -> bool:
+def _is_outside(walls: Table[WallTouchRecord], count: int, i: int, j: int, k: int, pushes: Numbers) -> bool:
     """No push pulls, and the stand-in they lead to is behind no wall."""
     if pushes[0] < 0.0 or pushes[1] < 0.0 or pushes[2] < 0.0:
         return False
@@ -83,7 +86,9 @@ def _is_outside(walls: Any, count: int, i: int, j: int, k: int, pushes: Numbers)
 
 
 @kernel
-def _replace(walls: Any, count: int, rows: tuple[int, int, int], rates: Numbers, pushes: Numbers) -> None:
+def _replace(
+    walls: Table[WallTouchRecord], count: int, rows: tuple[int, int, int], rates: Numbers, pushes: Numbers
+) -> None:
     """Depths and rates of the walls in `rows` (those >= 0) become these; those of others are 0."""
     for m in range(count):
         walls[m].depth = 0.0
@@ -95,7 +100,9 @@ def _replace(walls: Any, count: int, rows: tuple[int, int, int], rates: Numbers,
 
 
 @kernel
-def _try(walls: Any, count: int, i: int, j: int, k: int, of: Numbers, pushes: Numbers, rates: Numbers) -> bool:
+def _try(
+    walls: Table[WallTouchRecord], count: int, i: int, j: int, k: int, of: Numbers, pushes: Numbers, rates: Numbers
+) -> bool:
     """Whether the stand-in rests on just these planes (those >= 0); if so their depths and rates are replaced."""
     rows = (i, j, k)
     for m in range(3):
@@ -115,7 +122,7 @@ def _try(walls: Any, count: int, i: int, j: int, k: int, of: Numbers, pushes: Nu
 
 
 @kernel
-def share_corner(walls: Any, count: int, of: Numbers, pushes: Numbers, rates: Numbers) -> bool:
+def share_corner(walls: Table[WallTouchRecord], count: int, of: Numbers, pushes: Numbers, rates: Numbers) -> bool:
     """Replace the depths and rates of walls touched at once by what each contributes to the way out.
 
     Orthogonal walls, and walls that leave no room at all (facing one another), keep their depths: False.
@@ -140,7 +147,7 @@ def share_corner(walls: Any, count: int, of: Numbers, pushes: Numbers, rates: Nu
 
 
 @kernel
-def part_walls(walls: Any, count: int) -> None:
+def part_walls(walls: Table[WallTouchRecord], count: int) -> None:
     """Directions of the walls that share a corner, made square to each other one after the other (Gram and Schmidt).
 
     A point moved along the normal of one of them changes that one's share alone: force and damping have the normals as

@@ -8,11 +8,14 @@ All are convex: their distance is a convex function of the point.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.triples import Three, across, dot, into, middle, minus, out_of, unit
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import Floats, SolidRecord
 
 __all__ = ["depth_under", "distance_to", "shape_distance"]
 
@@ -30,11 +33,15 @@ _ALIKE = 0.9
 """Cosine above which a hint means a face."""
 
 
+_NOWHERE = 1e-12
+"""Length below which something has no direction [m]."""
+
+
 @kernel
 def _from_centre(q: Three, radius: float, hint: Three) -> tuple[float, Three]:
     """Distance to a ball; at its centre the normal is the hint, or up."""
     far = math.sqrt(dot(q, q))
-    if far < 1e-12:
+    if far < _NOWHERE:
         return far - radius, unit(hint, (0.0, 1.0, 0.0))
     return far - radius, (q[0] / far, q[1] / far, q[2] / far)
 
@@ -60,7 +67,7 @@ def _box(q: Three, half: Three, hint: Three) -> tuple[float, Three]:
 @kernel
 def _cylinder(q: Three, radius: float, half: float, hint: Three) -> tuple[float, Three]:
     rho = math.sqrt(q[0] * q[0] + q[2] * q[2])
-    if rho > 1e-12:
+    if rho > _NOWHERE:
         side = (q[0] / rho, 0.0, q[2] / rho)
     else:
         side = unit((hint[0], 0.0, hint[2]), (1.0, 0.0, 0.0))
@@ -80,7 +87,7 @@ def _cylinder(q: Three, radius: float, half: float, hint: Three) -> tuple[float,
 
 
 @kernel
-def shape_distance(kind: int, size: Any, q: Three, hint: Three) -> tuple[float, Three]:
+def shape_distance(kind: int, size: Floats, q: Three, hint: Three) -> tuple[float, Three]:
     """(distance [m], outward unit normal) of a point from a sphere, box, cylinder or capsule.
 
     Args:
@@ -105,7 +112,7 @@ def shape_distance(kind: int, size: Any, q: Three, hint: Three) -> tuple[float, 
 
 
 @kernel
-def distance_to(solid: Any, p: Three, hint: Three) -> tuple[float, Three]:
+def distance_to(solid: SolidRecord, p: Three, hint: Three) -> tuple[float, Three]:
     """`shape_distance` of a SOLID, with point, hint and normal in the world."""
     far, n = shape_distance(solid.kind, solid.size, into(solid, minus(p, middle(solid))), into(solid, hint))
     return far, out_of(solid, n)
@@ -120,10 +127,10 @@ def _least(depth: float, cosine: float, best: float, out: Three, n: Three) -> tu
 
 
 @kernel
-def _under_cylinder(size: Any, q: Three, toward: Three) -> tuple[float, Three, float]:
+def _under_cylinder(size: Floats, q: Three, toward: Three) -> tuple[float, Three, float]:
     """(depth under the face that looks along `toward`, its normal, distance within its border); local frame."""
     half, rho = 0.5 * size[1], math.sqrt(q[0] * q[0] + q[2] * q[2])
-    side = (q[0] / rho, 0.0, q[2] / rho) if rho > 1e-12 else unit((toward[0], 0.0, toward[2]), (1.0, 0.0, 0.0))
+    side = (q[0] / rho, 0.0, q[2] / rho) if rho > _NOWHERE else unit((toward[0], 0.0, toward[2]), (1.0, 0.0, 0.0))
     up = math.copysign(1.0, toward[1])
     by_side, by_cap = size[0] - rho, half - up * q[1]
     depth, n = _least(by_side, dot(side, toward), math.inf, side, toward)
@@ -134,7 +141,7 @@ def _under_cylinder(size: Any, q: Three, toward: Three) -> tuple[float, Three, f
 
 
 @kernel
-def _under_box(size: Any, q: Three, toward: Three) -> tuple[float, Three, float]:
+def _under_box(size: Floats, q: Three, toward: Three) -> tuple[float, Three, float]:
     """As `_under_cylinder`."""
     sx, sy, sz = math.copysign(1.0, toward[0]), math.copysign(1.0, toward[1]), math.copysign(1.0, toward[2])
     depth, n = _least(0.5 * size[0] - sx * q[0], abs(toward[0]), math.inf, (sx, 0.0, 0.0), toward)
@@ -150,7 +157,7 @@ def _under_box(size: Any, q: Three, toward: Three) -> tuple[float, Three, float]
 
 
 @kernel
-def depth_under(solid: Any, p: Three, toward: Three) -> tuple[float, Three]:
+def depth_under(solid: SolidRecord, p: Three, toward: Three) -> tuple[float, Three]:
     """Depth of a point in a box, cylinder or capsule by the faces that look along a direction, 0 or less outside.
 
     A point that is beside the face by no more than it is under it counts: a corner that stands just on an edge is held.

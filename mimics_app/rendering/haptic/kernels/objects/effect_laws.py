@@ -7,12 +7,15 @@ guidance, vibration, constant forces, and force fields do, and those no more tha
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import EffectMemoryRecord, EffectRecord
 
 __all__ = [
     "add_bounded",
@@ -39,7 +42,7 @@ def _norm(a: Vec) -> float:
 
 
 @kernel
-def is_within(effect: Any, memory: Any) -> bool:
+def is_within(effect: EffectRecord, memory: EffectMemoryRecord) -> bool:
     """Whether what feels the effect is near enough to its place."""
     return effect.radius <= 0.0 or _norm(memory.p) <= effect.radius
 
@@ -75,7 +78,7 @@ def add_bounded(force: Vec, damper: Vec, limit: float) -> None:
 
 
 @kernel
-def spring(effect: Any, memory: Any) -> None:
+def spring(effect: EffectRecord, memory: EffectMemoryRecord) -> None:
     """F = -k (r - dead band) p/r - b v, outside of the dead band."""
     r = _norm(memory.p)
     beyond = r - effect.slip
@@ -89,7 +92,7 @@ def spring(effect: Any, memory: Any) -> None:
 
 
 @kernel
-def brake(effect: Any, memory: Any) -> None:
+def brake(effect: EffectRecord, memory: EffectMemoryRecord) -> None:
     """F = -b v."""
     if not is_within(effect, memory):
         return
@@ -100,7 +103,7 @@ def brake(effect: Any, memory: Any) -> None:
 
 
 @kernel
-def push(effect: Any, memory: Any) -> None:
+def push(effect: EffectRecord, memory: EffectMemoryRecord) -> None:
     """F = f e."""
     if is_within(effect, memory):
         for i in range(3):
@@ -108,7 +111,7 @@ def push(effect: Any, memory: Any) -> None:
 
 
 @kernel
-def magnet(effect: Any, memory: Any) -> None:
+def magnet(effect: EffectRecord, memory: EffectMemoryRecord) -> None:
     """F = -min(k r, f (1 - r/R)) p/r - b (1 - r/R) v: continuous, nothing at R and at its place."""
     r = _norm(memory.p)
     if r >= effect.radius:
@@ -122,7 +125,7 @@ def magnet(effect: Any, memory: Any) -> None:
 
 
 @kernel
-def shake(effect: Any, memory: Any, t: float) -> None:
+def shake(effect: EffectRecord, memory: EffectMemoryRecord, t: float) -> None:
     """F = a sin(2 pi f t) e."""
     if is_within(effect, memory):
         phase = effect.frequency * t
@@ -132,7 +135,7 @@ def shake(effect: Any, memory: Any, t: float) -> None:
 
 
 @kernel
-def stick_and_slip(effect: Any, local: Vec, memory: Any) -> None:
+def stick_and_slip(effect: EffectRecord, local: Vec, memory: EffectMemoryRecord) -> None:
     """F = -k (x - w), and w jumps to x when it is `slip` away: the energy of the spring is lost each time.
 
     Args:
@@ -163,7 +166,7 @@ def _wall(depth: float, rate: float, k: float, b: float) -> float:
 
 
 @kernel
-def pull_back(effect: Any, memory: Any) -> None:
+def pull_back(effect: EffectRecord, memory: EffectMemoryRecord) -> None:
     """Walls of a ball about the place, or of a box whose half edges are effect.direction, pushing inwards."""
     k, b = memory.stiffness, effect.damping
     if effect.radius > 0.0:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.effect_laws import add_bounded, is_within
 from mimics_app.rendering.haptic.kernels.tunnel import arc_at, fade_at_end
 from mimics_app.rendering.haptic.kernels.tunnel_projection import axis, locate, track
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import EffectMemoryRecord, EffectRecord, TunnelRecord
 
 __all__ = ["find_path", "guide", "pull_to_path"]
 
@@ -16,7 +19,7 @@ _SMALLEST = 1e-12
 
 
 @kernel
-def find_path(path: Any, memory: Any) -> float:
+def find_path(path: TunnelRecord, memory: EffectMemoryRecord) -> float:
     """Go to the closest point: memory.p becomes the offset from it, memory.path.tangent its direction.
 
     Args:
@@ -43,7 +46,7 @@ def find_path(path: Any, memory: Any) -> float:
 
 
 @kernel
-def pull_to_path(effect: Any, memory: Any) -> None:
+def pull_to_path(effect: EffectRecord, memory: EffectMemoryRecord) -> None:
     """F = -k (r - dead band) e/r - b v', with v' the velocity across the path; beyond an end also along it.
 
     e.t is 0 except beyond an end, where v' takes in the share (e.t/r)^2 of the motion along t: no step where it begins.
@@ -63,7 +66,7 @@ def pull_to_path(effect: Any, memory: Any) -> None:
 
 
 @kernel
-def guide(effect: Any, memory: Any, remaining: float) -> None:
+def guide(effect: EffectRecord, memory: EffectMemoryRecord, remaining: float) -> None:
     """F = (f - b v.t) t, where f fades before the end and is gone beyond it."""
     if not is_within(effect, memory):
         return

@@ -8,7 +8,7 @@ alone pulls at its centre of mass about a place in the world, and the user feels
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,18 @@ from mimics_app.rendering.haptic.kernels.objects.effect_laws import (
 from mimics_app.rendering.haptic.kernels.objects.effect_paths import find_path, guide, pull_to_path
 from mimics_app.rendering.haptic.kernels.objects.hand import HAND_POSITION, HAND_TIME, HAND_VELOCITY
 from mimics_app.rendering.haptic.kernels.tunnel import restart_tracking
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import (
+        BodyRecord,
+        EffectMemoryRecord,
+        EffectRecord,
+        MotionRecord,
+        ObjectCountsRecord,
+        ObjectWork,
+        Rows,
+        TotalsRecord,
+    )
 
 __all__ = ["apply_effects"]
 
@@ -53,7 +65,7 @@ _FARTHEST = 1e6
 
 
 @kernel
-def _forget(memory: Any) -> None:
+def _forget(memory: EffectMemoryRecord) -> None:
     """A disabled effect begins anew when it is enabled."""
     memory.quarantined = 0
     memory.sticking = 0
@@ -61,7 +73,9 @@ def _forget(memory: Any) -> None:
 
 
 @kernel
-def _place(effect: Any, work: Any, counts: Any, hand: Vec, memory: Any) -> None:
+def _place(
+    effect: EffectRecord, work: ObjectWork, counts: ObjectCountsRecord, hand: Vec, memory: EffectMemoryRecord
+) -> None:
     """Motion of what feels the effect, relative to the effect's place, into memory.p and memory.v."""
     on_body = effect.on_body != 0
     for i in range(3):
@@ -89,7 +103,7 @@ def _place(effect: Any, work: Any, counts: Any, hand: Vec, memory: Any) -> None:
 
 
 @kernel
-def _stick(effect: Any, work: Any, counts: Any, memory: Any) -> None:
+def _stick(effect: EffectRecord, work: ObjectWork, counts: ObjectCountsRecord, memory: EffectMemoryRecord) -> None:
     """Stick-slip in the frame its anchor is kept in: the body's, where it acts between user and body."""
     if effect.on_body != 0 or not 0 <= effect.body < counts.bodies:
         stick_and_slip(effect, memory.p, memory)
@@ -106,7 +120,7 @@ def _stick(effect: Any, work: Any, counts: Any, memory: Any) -> None:
 
 
 @kernel
-def _along_path(effect: Any, work: Any, memory: Any) -> None:
+def _along_path(effect: EffectRecord, work: ObjectWork, memory: EffectMemoryRecord) -> None:
     """Path spring and guidance; their path stays in the world."""
     far = 0.0
     for i in range(3):
@@ -126,7 +140,7 @@ def _along_path(effect: Any, work: Any, memory: Any) -> None:
 
 
 @kernel
-def _call_field(effect: Any, work: Any, fields: Any, t: float, memory: Any) -> None:
+def _call_field(effect: EffectRecord, work: ObjectWork, fields: Any, t: float, memory: EffectMemoryRecord) -> None:
     """Force of a compiled function of somebody else's; it is given copies, and plain arrays of their own."""
     if not (0 <= effect.field < MAX_FIELDS and is_within(effect, memory)):
         return
@@ -144,7 +158,14 @@ def _call_field(effect: Any, work: Any, fields: Any, t: float, memory: Any) -> N
 
 
 @kernel
-def _act(effect: Any, work: Any, counts: Any, fields: Any, t: float, memory: Any) -> None:
+def _act(
+    effect: EffectRecord,
+    work: ObjectWork,
+    counts: ObjectCountsRecord,
+    fields: Any,
+    t: float,
+    memory: EffectMemoryRecord,
+) -> None:
     """The law of the effect."""
     kind = effect.kind
     if kind == _SPRING:
@@ -168,7 +189,7 @@ def _act(effect: Any, work: Any, counts: Any, fields: Any, t: float, memory: Any
 
 
 @kernel
-def _wants_touch(effect: Any, work: Any, counts: Any) -> bool:
+def _wants_touch(effect: EffectRecord, work: ObjectWork, counts: ObjectCountsRecord) -> bool:
     """Vibration and stick-slip of a body wait until the user touches it."""
     of_body = 0 <= effect.body < counts.bodies and effect.on_body == 0
     surface = effect.kind == _VIBRATION or effect.kind == _STICK_SLIP
@@ -176,7 +197,9 @@ def _wants_touch(effect: Any, work: Any, counts: Any) -> bool:
 
 
 @kernel
-def _hand_over(effect: Any, body: Any, motion: Any, memory: Any, totals: Any) -> None:
+def _hand_over(
+    effect: EffectRecord, body: BodyRecord, motion: MotionRecord, memory: EffectMemoryRecord, totals: TotalsRecord
+) -> None:
     """The effect's force to the user, and its opposite to the body it moves with."""
     for i in range(3):
         totals.effect_force[i] += memory.force[i]
@@ -191,7 +214,9 @@ def _hand_over(effect: Any, body: Any, motion: Any, memory: Any, totals: Any) ->
 
 
 @kernel
-def _deliver(effect: Any, rows: Any, work: Any, counts: Any, memory: Any) -> None:
+def _deliver(
+    effect: EffectRecord, rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, memory: EffectMemoryRecord
+) -> None:
     """The force to whom it belongs."""
     totals = work.totals[0]
     of_body = 0 <= effect.body < counts.bodies
@@ -213,12 +238,12 @@ def _deliver(effect: Any, rows: Any, work: Any, counts: Any, memory: Any) -> Non
 
 
 @kernel
-def _is_finite(memory: Any) -> bool:
+def _is_finite(memory: EffectMemoryRecord) -> bool:
     return math.isfinite(memory.force[0] + memory.force[1] + memory.force[2])
 
 
 @kernel
-def apply_effects(rows: Any, work: Any, counts: Any, hand: Vec, fields: Any) -> None:
+def apply_effects(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, hand: Vec, fields: Any) -> None:
     """Add the forces of all effects to totals.effect_force and to the bodies they act on.
 
     A force that is not finite counts as zero: one of a force field puts the field into quarantine and is told in

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import Floats, MeshRecord, ShapeRecord
 
 __all__ = ["half_extent", "mesh_extent"]
 
@@ -21,7 +24,7 @@ _CAPSULE = int(ShapeKind.CAPSULE)
 
 
 @kernel
-def half_extent(shape: Any, R: Any, u: Vec) -> float:
+def half_extent(shape: ShapeRecord, R: Floats, u: Vec) -> float:
     """How far a shape that is alike on both sides reaches from its middle along u [m].
 
     Args:
@@ -43,7 +46,7 @@ def half_extent(shape: Any, R: Any, u: Vec) -> float:
 
 
 @kernel
-def mesh_extent(mesh: Any, hulls: Any, R: Any, u: Vec) -> tuple[float, float]:
+def mesh_extent(mesh: MeshRecord, hulls: Floats, R: Floats, u: Vec) -> tuple[float, float]:
     """From where to where a mesh reaches along u from its origin [m], by the corners of its hull.
 
     Args:

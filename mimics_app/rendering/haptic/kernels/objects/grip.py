@@ -11,7 +11,7 @@ pressure, Coulomb). What the body feels the user feels with the opposite sign.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,20 @@ from mimics_app.contracts.haptic_objects import BodyFlag, ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.friction import forget_friction, hayward_armstrong
 from mimics_app.rendering.haptic.kernels.objects.extents import half_extent, mesh_extent
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import (
+        BodyRecord,
+        Floats,
+        FrictionRecord,
+        GripRecord,
+        MotionRecord,
+        ObjectCountsRecord,
+        ObjectWork,
+        Rows,
+        ShapeRecord,
+        TotalsRecord,
+    )
 
 __all__ = ["grip_bodies"]
 
@@ -50,13 +64,17 @@ _FORCE_ON = int(BodyFlag.FORCE_ON_OBJECT)
 _TORQUE_ON = int(BodyFlag.TORQUE_ON_OBJECT)
 
 
+_UPRIGHT = 0.1
+"""Level part of a unit vector below which it stands upright: 6 degrees [-]."""
+
+
 @kernel
 def _dot(a: Vec, b: Vec) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @kernel
-def _find_hand(rows: Any, work: Any, counts: Any, grip: Any) -> None:
+def _find_hand(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, grip: GripRecord) -> None:
     """Where the fingers are: the first two interaction points, or both sides of the only one along the world's x."""
     two = counts.points > 1 and rows.points[0].enabled != 0 and rows.points[1].enabled != 0
     last = 1 if two else 0
@@ -74,10 +92,10 @@ def _find_hand(rows: Any, work: Any, counts: Any, grip: Any) -> None:
 
 
 @kernel
-def _complete_frame(u: Vec, across: Any) -> None:
+def _complete_frame(u: Vec, across: Floats) -> None:
     """Two unit vectors across u: the first lies level where u is not upright."""
     level = math.sqrt(u[0] * u[0] + u[2] * u[2])
-    if level > 0.1:
+    if level > _UPRIGHT:
         across[0, 0], across[0, 1], across[0, 2] = -u[2] / level, 0.0, u[0] / level
     else:
         size = math.sqrt(u[0] * u[0] + u[1] * u[1])
@@ -88,7 +106,7 @@ def _complete_frame(u: Vec, across: Any) -> None:
 
 
 @kernel
-def _measure(rows: Any, work: Any, counts: Any, body: int, grip: Any) -> int:
+def _measure(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, body: int, grip: GripRecord) -> int:
     """Extent of a body along the axis, into grip.low and grip.high.
 
     Returns:
@@ -118,7 +136,7 @@ def _measure(rows: Any, work: Any, counts: Any, body: int, grip: Any) -> int:
 
 
 @kernel
-def _distance_across(motion: Any, grip: Any) -> float:
+def _distance_across(motion: MotionRecord, grip: GripRecord) -> float:
     """Of the body's centre of mass from the fingers' axis [m]."""
     square = 0.0
     for axis in range(2):
@@ -130,7 +148,7 @@ def _distance_across(motion: Any, grip: Any) -> float:
 
 
 @kernel
-def _span(rows: Any, counts: Any) -> float:
+def _span(rows: Rows, counts: ObjectCountsRecord) -> float:
     """Half the distance between the fingers [m]; 0 for a single point."""
     if counts.points < 2 or rows.points[0].enabled == 0 or rows.points[1].enabled == 0:
         return 0.0
@@ -142,7 +160,7 @@ def _span(rows: Any, counts: Any) -> float:
 
 
 @kernel
-def _seek(rows: Any, work: Any, counts: Any, grip: Any) -> None:
+def _seek(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, grip: GripRecord) -> None:
     """Close the fingers: take the first body that lies between them."""
     span = _span(rows, counts)
     for body in range(counts.bodies):
@@ -170,7 +188,7 @@ def _seek(rows: Any, work: Any, counts: Any, grip: Any) -> None:
 
 
 @kernel
-def _stick(motion: Any, grip: Any, along: float, contact: Vec) -> None:
+def _stick(motion: MotionRecord, grip: GripRecord, along: float, contact: Vec) -> None:
     """Where a finger meets the body: on the axis, `along` from the hand's middle; in the body's frame."""
     for i in range(3):
         grip.place[i] = grip.centre[i] + along * grip.axis[i] - motion.position[i]
@@ -181,7 +199,7 @@ def _stick(motion: Any, grip: Any, along: float, contact: Vec) -> None:
 
 
 @kernel
-def _locate(motion: Any, grip: Any, contact: Vec) -> None:
+def _locate(motion: MotionRecord, grip: GripRecord, contact: Vec) -> None:
     """A contact point: into grip.place from the centre of mass, into grip.moving its velocity against the hand."""
     for i in range(3):
         grip.place[i] = motion.position[i] - motion.centre[i]
@@ -194,7 +212,7 @@ def _locate(motion: Any, grip: Any, contact: Vec) -> None:
 
 
 @kernel
-def _press(motion: Any, grip: Any, k: float, b: float) -> float:
+def _press(motion: MotionRecord, grip: GripRecord, k: float, b: float) -> float:
     """Push k d + b d' [N] of the body's middle along the axis against the hand's."""
     d = 0.0
     rate = 0.0
@@ -211,7 +229,14 @@ def _press(motion: Any, grip: Any, k: float, b: float) -> float:
 
 @kernel
 def _hold_with(
-    surface: Any, motion: Any, grip: Any, contact: Vec, friction: Any, normal_force: float, side: float, k: float
+    surface: ShapeRecord,
+    motion: MotionRecord,
+    grip: GripRecord,
+    contact: Vec,
+    friction: FrictionRecord,
+    normal_force: float,
+    side: float,
+    k: float,
 ) -> None:
     """One finger's force on the body: its push along the axis, and its friction across it; added to the motion.
 
@@ -253,7 +278,7 @@ def _hold_with(
 
 
 @kernel
-def _add(body: Any, motion: Any, grip: Any, totals: Any) -> None:
+def _add(body: BodyRecord, motion: MotionRecord, grip: GripRecord, totals: TotalsRecord) -> None:
     """One finger's force to the body's and, the other way round, to the user's."""
     for i in range(3):
         j, m = (i + 1) % 3, (i + 2) % 3
@@ -266,7 +291,9 @@ def _add(body: Any, motion: Any, grip: Any, totals: Any) -> None:
 
 
 @kernel
-def _hold_twist(surface: Any, body: Any, motion: Any, grip: Any, pressed: float, k: float, dt: float) -> None:
+def _hold_twist(
+    surface: ShapeRecord, body: BodyRecord, motion: MotionRecord, grip: GripRecord, pressed: float, k: float, dt: float
+) -> None:
     """The patches of contact against turning about the axis: a spring and damper that slips at its Coulomb torque."""
     radius = _PATCH_RADIUS * grip.half_width
     stiffness = 2.0 * k * radius * radius
@@ -283,13 +310,13 @@ def _hold_twist(surface: Any, body: Any, motion: Any, grip: Any, pressed: float,
 
 
 @kernel
-def _let_go(grip: Any) -> None:
+def _let_go(grip: GripRecord) -> None:
     grip.body = -1
     grip.slipping = 0
 
 
 @kernel
-def grip_bodies(rows: Any, work: Any, counts: Any, grasp: float, dt: float) -> None:
+def grip_bodies(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, grasp: float, dt: float) -> None:
     """Let the fingers take, hold and lose bodies for one tick.
 
     Adds to totals.grip_force, stiffness, even_stiffness and even_damping, to force, torque and force_user of the body

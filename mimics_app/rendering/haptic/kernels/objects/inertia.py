@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths import quat
 from mimics_app.rendering.haptic.kernels.eigen import diagonalise
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import DynamicsRecord
 
 __all__ = ["find_principal_axes"]
 
@@ -20,7 +23,7 @@ _NOTHING = 1e-9
 
 
 @kernel
-def find_principal_axes(inertia: Mat, dynamics: Any) -> None:
+def find_principal_axes(inertia: Mat, dynamics: DynamicsRecord) -> None:
     """Set `axes` and `inverse` of a body from its inertia (Jacobi 1846), and remember the inertia.
 
     A tensor that is diagonal already keeps its axes to the last bit. Moments that are nothing beside the greatest (a

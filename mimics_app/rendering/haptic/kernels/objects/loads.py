@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.bodies import wake
 from mimics_app.rendering.haptic.kernels.vectors import copy
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import BodyRecord, DynamicsRecord, Floats, MotionRecord, Table
 
 __all__ = ["load_bodies"]
 
@@ -30,7 +33,14 @@ def _differs(a: Vec, b: Vec) -> bool:
 
 
 @kernel
-def load_bodies(bodies: Any, motions: Any, dynamics: Any, aux_forces: Any, aux_torques: Any, count: int) -> None:
+def load_bodies(
+    bodies: Table[BodyRecord],
+    motions: Table[MotionRecord],
+    dynamics: Table[DynamicsRecord],
+    aux_forces: Floats,
+    aux_torques: Floats,
+    count: int,
+) -> None:
     """Add F_aux, T_aux and weight to what touch, effects and grip gathered; a sleeper that feels anything new wakes.
 
     Args:

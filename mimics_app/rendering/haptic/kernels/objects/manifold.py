@@ -16,7 +16,7 @@ Points are rows x, y, z, depth, share of an array [MOST_POINTS, 5]; polygons are
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,9 @@ from mimics_app.rendering.haptic.kernels.objects.triples import (
     unit,
 )
 
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import Floats, SolidRecord
+
 __all__ = ["add_point", "lay_over", "write_feature"]
 
 Points = NDArray[np.float64]
@@ -51,6 +54,19 @@ Plane = tuple[float, float, float]
 """Height over the plane of contact as h = a + b u + c v."""
 
 
+_NOWHERE = 1e-12
+"""Length below which something has no direction [m]."""
+
+_NO_RUN = 1e-24
+"""Square of a length below which something has no direction [m^2]."""
+
+_PARALLEL = 1e-9
+"""Sine of the angle between two lines below which they are parallel, times the ratio of their lengths [-]."""
+
+_OF_A_CORNER = 0.25
+"""Share of a face's stiffness that each of its four corners has [-]."""
+
+
 @kernel
 def add_point(points: Points, count: int, p: Three, depth: float, share: float) -> int:
     """Append a contact point; returns how many there are."""
@@ -63,7 +79,7 @@ def add_point(points: Points, count: int, p: Three, depth: float, share: float) 
 
 
 @kernel
-def _box_face(solid: Any, d: Three, corners: Any) -> Three:
+def _box_face(solid: SolidRecord, d: Three, corners: Floats) -> Three:
     """Write the four corners of the face of a box that looks most along d, in order; returns its outward normal."""
     size = solid.size
     axes = (axis(solid, 0), axis(solid, 1), axis(solid, 2))
@@ -90,7 +106,7 @@ def _box_face(solid: Any, d: Three, corners: Any) -> Three:
 
 
 @kernel
-def _cylinder_feature(solid: Any, d: Three, corners: Any) -> tuple[int, Three]:
+def _cylinder_feature(solid: SolidRecord, d: Three, corners: Floats) -> tuple[int, Three]:
     """Write the cap or the side line of a cylinder that looks along d; returns how many points and the normal."""
     size, up, centre = solid.size, axis(solid, 1), middle(solid)
     looks = dot(up, d)
@@ -112,7 +128,7 @@ def _cylinder_feature(solid: Any, d: Three, corners: Any) -> tuple[int, Three]:
 
 
 @kernel
-def write_feature(solid: Any, d: Three, corners: Any) -> tuple[int, Three, float]:
+def write_feature(solid: SolidRecord, d: Three, corners: Floats) -> tuple[int, Three, float]:
     """Write the feature of a box or cylinder that looks along d.
 
     Args:
@@ -124,7 +140,7 @@ def write_feature(solid: Any, d: Three, corners: Any) -> tuple[int, Three, float
         (corners, outward normal of the feature, share of a lone corner of it). Two corners are a line.
     """
     if solid.kind == _BOX:
-        return 4, _box_face(solid, d, corners), 0.25
+        return 4, _box_face(solid, d, corners), _OF_A_CORNER
     count, n = _cylinder_feature(solid, d, corners)
     if count == 2:
         # From a half of each end of a lying cylinder to the eighth that a point of the rim has, without a step.
@@ -134,14 +150,14 @@ def write_feature(solid: Any, d: Three, corners: Any) -> tuple[int, Three, float
 
 
 @kernel
-def _flatten(corners: Any, count: int, origin: Three, u: Three, v: Three, polygon: Polygon) -> None:
+def _flatten(corners: Floats, count: int, origin: Three, u: Three, v: Three, polygon: Polygon) -> None:
     for k in range(count):
         q = minus((corners[k, 0], corners[k, 1], corners[k, 2]), origin)
         polygon[k, 0], polygon[k, 1] = dot(q, u), dot(q, v)
 
 
 @kernel
-def _plane_of(corners: Any, count: int, m: Three, origin: Three, u: Three, v: Three, n: Three) -> Plane:
+def _plane_of(corners: Floats, count: int, m: Three, origin: Three, u: Three, v: Three, n: Three) -> Plane:
     """Height of a feature along n as a linear function: of its face, or along a line and level across it."""
     first = (corners[0, 0], corners[0, 1], corners[0, 2])
     q = minus(first, origin)
@@ -151,13 +167,13 @@ def _plane_of(corners: Any, count: int, m: Three, origin: Three, u: Three, v: Th
     else:
         run = minus((corners[1, 0], corners[1, 1], corners[1, 2]), first)
         eu, ev = dot(run, u), dot(run, v)
-        slope = dot(run, n) / max(eu * eu + ev * ev, 1e-24)
+        slope = dot(run, n) / max(eu * eu + ev * ev, _NO_RUN)
         b, c = slope * eu, slope * ev
     return dot(q, n) - b * dot(q, u) - c * dot(q, v), b, c
 
 
 @kernel
-def _clip_edge(polygon: Any, count: int, ax: float, ay: float, nx: float, ny: float, out: Any) -> int:
+def _clip_edge(polygon: Floats, count: int, ax: float, ay: float, nx: float, ny: float, out: Floats) -> int:
     """Keep the part of a polygon or line with (p - a) . n <= 0 (Sutherland & Hodgman 1974); returns its corners."""
     kept = 0
     before = (polygon[count - 1, 0] - ax) * nx + (polygon[count - 1, 1] - ay) * ny
@@ -178,7 +194,7 @@ def _clip_edge(polygon: Any, count: int, ax: float, ay: float, nx: float, ny: fl
 
 
 @kernel
-def _clip(subject: Any, count: int, window: Any, sides: int, room: Any) -> int:
+def _clip(subject: Floats, count: int, window: Floats, sides: int, room: Floats) -> int:
     """Clip `subject` by every side of the convex `window`; the result is left in `subject`."""
     turn = 0.0
     for k in range(sides):
@@ -197,9 +213,9 @@ def _clip(subject: Any, count: int, window: Any, sides: int, room: Any) -> int:
 
 
 @kernel
-def _spread(polygon: Any, count: int, lone: float, k: int, outline: float) -> float:
+def _spread(polygon: Floats, count: int, lone: float, k: int, outline: float) -> float:
     """Share of corner k: half of its two sides of the outline."""
-    if count < 3 or outline < 1e-12:
+    if count < 3 or outline < _NOWHERE:
         return lone
     last = k - 1 if k > 0 else count - 1
     after = k + 1 if k + 1 < count else 0
@@ -209,7 +225,7 @@ def _spread(polygon: Any, count: int, lone: float, k: int, outline: float) -> fl
 
 
 @kernel
-def _outline(polygon: Any, count: int) -> float:
+def _outline(polygon: Floats, count: int) -> float:
     total = 0.0
     for k in range(count):
         after = k + 1 if k + 1 < count else 0
@@ -218,13 +234,13 @@ def _outline(polygon: Any, count: int) -> float:
 
 
 @kernel
-def _cross_lines(a: Any, b: Any, out: Any) -> int:
+def _cross_lines(a: Floats, b: Floats, out: Floats) -> int:
     """Where two lines are above each other: the ends of the part they run side by side, then where they cross.
 
     Returns how many points: 0, 2 (parallel), or 3.
     """
     ax, ay, bx, by = a[1, 0] - a[0, 0], a[1, 1] - a[0, 1], b[1, 0] - b[0, 0], b[1, 1] - b[0, 1]
-    square = max(ax * ax + ay * ay, 1e-24)
+    square = max(ax * ax + ay * ay, _NO_RUN)
     s = ((b[0, 0] - a[0, 0]) * ax + (b[0, 1] - a[0, 1]) * ay) / square
     t = ((b[1, 0] - a[0, 0]) * ax + (b[1, 1] - a[0, 1]) * ay) / square
     low, high = max(0.0, min(s, t)), min(1.0, max(s, t))
@@ -233,7 +249,7 @@ def _cross_lines(a: Any, b: Any, out: Any) -> int:
     out[0, 0], out[0, 1] = a[0, 0] + low * ax, a[0, 1] + low * ay
     out[1, 0], out[1, 1] = a[0, 0] + high * ax, a[0, 1] + high * ay
     area = ax * by - ay * bx
-    if abs(area) < 1e-9 * square:
+    if abs(area) < _PARALLEL * square:
         return 2
     at = min(max(((b[0, 0] - a[0, 0]) * by - (b[0, 1] - a[0, 1]) * bx) / area, low), high)
     out[2, 0], out[2, 1] = a[0, 0] + at * ax, a[0, 1] + at * ay
@@ -246,10 +262,10 @@ def _height(plane: Plane, x: float, y: float) -> float:
 
 
 @kernel
-def _aside(line: Any, x: float, y: float) -> float:
+def _aside(line: Floats, x: float, y: float) -> float:
     """Distance of a point of the plane from the line of a cylinder's side."""
     ex, ey = line[1, 0] - line[0, 0], line[1, 1] - line[0, 1]
-    return abs((x - line[0, 0]) * ey - (y - line[0, 1]) * ex) / max(math.hypot(ex, ey), 1e-12)
+    return abs((x - line[0, 0]) * ey - (y - line[0, 1]) * ex) / max(math.hypot(ex, ey), _NOWHERE)
 
 
 @kernel
@@ -260,17 +276,17 @@ def _sag(radius: float, aside: float) -> float:
 
 @kernel
 def lay_over(
-    corners_a: Any,
+    corners_a: Floats,
     count_a: int,
     normal_a: Three,
-    corners_b: Any,
+    corners_b: Floats,
     count_b: int,
     normal_b: Three,
     n: Three,
     lone: float,
     round_b: float,
     correction: float,
-    polygons: Any,
+    polygons: Floats,
     points: Points,
 ) -> int:
     """Contact points of two features laid over each other along n.
@@ -320,7 +336,7 @@ def lay_over(
             share = 0.5
         elif lines:
             # What the crossing is deeper than the two ends of the common part; parallel lines have no crossing.
-            share = max(depth - side_by_side, 0.0) / max(depth, 1e-12)
+            share = max(depth - side_by_side, 0.0) / max(depth, _NOWHERE)
         if depth > 0.0:
             p = along(along(along(origin, x, u), y, v), 0.5 * (height_a + height_b), n)
             count = add_point(points, count, p, depth, share)

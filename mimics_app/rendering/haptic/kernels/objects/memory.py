@@ -8,13 +8,25 @@ disabled, enabled, or displaced faster than anything moves.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths import quat
 from mimics_app.rendering.haptic.kernels.contact import forget
 from mimics_app.rendering.haptic.kernels.objects.contact_scratch import DISABLED, PLACED, TRACED
 from mimics_app.rendering.haptic.kernels.vectors import copy, rotate_back
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import (
+        BeforeRecord,
+        BirthRecord,
+        ContactScratchRecord,
+        MemoryRecord,
+        MotionRecord,
+        ObjectCountsRecord,
+        ShapeRecord,
+        Table,
+    )
 
 __all__ = ["follow_point", "forget_touch", "keep_poses", "notice_changes", "recall"]
 
@@ -23,7 +35,7 @@ _FASTEST = 50.0
 
 
 @kernel
-def forget_touch(memory: Any) -> None:
+def forget_touch(memory: MemoryRecord) -> None:
     """Start as if the point had never been near the shape."""
     forget(memory.contact)
     memory.touching = 0
@@ -31,7 +43,7 @@ def forget_touch(memory: Any) -> None:
 
 
 @kernel
-def _same_form(a: Any, b: Any) -> bool:
+def _same_form(a: ShapeRecord, b: ShapeRecord) -> bool:
     """Two SHAPE rows that are the same place to touch; stiffness and friction may differ."""
     if a.kind != b.kind or a.body != b.body or a.enabled != b.enabled or a.mesh != b.mesh:
         return False
@@ -45,7 +57,7 @@ def _same_form(a: Any, b: Any) -> bool:
 
 
 @kernel
-def _keep_form(shape: Any, form: Any) -> None:
+def _keep_form(shape: ShapeRecord, form: ShapeRecord) -> None:
     form.kind, form.body, form.enabled, form.mesh = shape.kind, shape.body, shape.enabled, shape.mesh
     copy(shape.position, form.position)
     copy(shape.orientation, form.orientation)
@@ -54,7 +66,14 @@ def _keep_form(shape: Any, form: Any) -> None:
 
 
 @kernel
-def notice_changes(shapes: Any, motions: Any, counts: Any, scratch: Any, births: Any, befores: Any) -> None:
+def notice_changes(
+    shapes: Table[ShapeRecord],
+    motions: Table[MotionRecord],
+    counts: ObjectCountsRecord,
+    scratch: ContactScratchRecord,
+    births: Table[BirthRecord],
+    befores: Table[BeforeRecord],
+) -> None:
     """Begin a tick: note which shapes are new, edited, or on a body that was put back to its start."""
     scratch.tick += 1
     if counts.revision != scratch.revision or scratch.tick == 1:
@@ -72,7 +91,7 @@ def notice_changes(shapes: Any, motions: Any, counts: Any, scratch: Any, births:
 
 
 @kernel
-def follow_point(scratch: Any, point: int, enabled: bool, dt: float) -> None:
+def follow_point(scratch: ContactScratchRecord, point: int, enabled: bool, dt: float) -> None:
     """Whether the last place of the point at hand (scratch.point) is where it came from."""
     jump = 0.0
     for i in range(3):
@@ -88,7 +107,7 @@ def follow_point(scratch: Any, point: int, enabled: bool, dt: float) -> None:
 
 
 @kernel
-def keep_poses(motions: Any, bodies: int, befores: Any) -> None:
+def keep_poses(motions: Table[MotionRecord], bodies: int, befores: Table[BeforeRecord]) -> None:
     """End a tick: the poses of the bodies that the next one calls the last."""
     for body in range(bodies):
         copy(motions[body].position, befores[body].position)
@@ -98,7 +117,7 @@ def keep_poses(motions: Any, bodies: int, befores: Any) -> None:
 
 
 @kernel
-def _last_place_on_body(scratch: Any, shape: Any, before: Any) -> None:
+def _last_place_on_body(scratch: ContactScratchRecord, shape: ShapeRecord, before: BeforeRecord) -> None:
     """scratch.c: where the point was in the shape's frame, from the last pose of its body [m]."""
     for i in range(3):
         scratch.a[i] = scratch.last[i] - before.position[i]
@@ -109,7 +128,14 @@ def _last_place_on_body(scratch: Any, shape: Any, before: Any) -> None:
 
 
 @kernel
-def recall(scratch: Any, point: int, shape: Any, born: int, befores: Any, memory: Any) -> None:
+def recall(
+    scratch: ContactScratchRecord,
+    point: int,
+    shape: ShapeRecord,
+    born: int,
+    befores: Table[BeforeRecord],
+    memory: MemoryRecord,
+) -> None:
     """Make the memory of the point and shape at hand hold the last tick, or nothing where nothing is known of it.
 
     Args:

@@ -7,12 +7,15 @@ curve. So it needs neither pointers nor a stack: the next node is known from the
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import MeshRecord
 
 __all__ = [
     "ANYWHERE",
@@ -168,7 +171,7 @@ def _crossing(vertices: Array, corners: Indices, t: int, a: Vec, b: Vec, n: Vec)
 
 
 @kernel
-def first_crossing(mesh: Any, vertices: Array, corners: Indices, boxes: Array, a: Vec, b: Vec, n: Vec) -> int:
+def first_crossing(mesh: MeshRecord, vertices: Array, corners: Indices, boxes: Array, a: Vec, b: Vec, n: Vec) -> int:
     """The first triangle that the way a -> b passes from front to back, -1: none.
 
     Args:
@@ -211,7 +214,7 @@ def _box_distance(boxes: Array, node: int, p: Vec) -> float:
 
 @kernel
 def closest_triangle(
-    mesh: Any, vertices: Array, corners: Indices, boxes: Array, p: Vec, limit: float, toward: Three, out: Vec
+    mesh: MeshRecord, vertices: Array, corners: Indices, boxes: Array, p: Vec, limit: float, toward: Three, out: Vec
 ) -> int:
     """The triangle closest to p, -1: none is closer than `limit` [m]. Of equally close ones that which p faces most.
 

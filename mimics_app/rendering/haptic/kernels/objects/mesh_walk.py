@@ -12,7 +12,7 @@ A point with a radius is pushed away from the closest point of the surface while
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,9 @@ from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
     triangle_normal,
 )
 from mimics_app.rendering.haptic.kernels.vectors import copy
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import ContactRecord, ContactScratchRecord, MeshRecord, MeshTable
 
 __all__ = ["probe_mesh"]
 
@@ -51,7 +54,7 @@ def _square(p: Vec, q: Vec) -> float:
 
 
 @kernel
-def _around_corner(meshes: Any, corner: int, p: Vec, best: float, out: Vec) -> int:
+def _around_corner(meshes: MeshTable, corner: int, p: Vec, best: float, out: Vec) -> int:
     """A triangle round a vertex that is closer to p than `best` [m^2], the closest of them; -1: none."""
     found = -1
     for k in range(meshes.fan_starts[corner], meshes.fan_starts[corner + 1]):
@@ -64,7 +67,7 @@ def _around_corner(meshes: Any, corner: int, p: Vec, best: float, out: Vec) -> i
 
 
 @kernel
-def _walk(meshes: Any, start: int, p: Vec, rest: Vec, trial: Vec) -> tuple[int, int]:
+def _walk(meshes: MeshTable, start: int, p: Vec, rest: Vec, trial: Vec) -> tuple[int, int]:
     """Walk from a triangle towards p; (triangle, region) where no neighbour is closer, rest its closest point."""
     t = start
     region = closest_on_triangle(meshes.vertices, meshes.corners, t, p, rest)
@@ -88,7 +91,7 @@ def _walk(meshes: Any, start: int, p: Vec, rest: Vec, trial: Vec) -> tuple[int, 
 
 
 @kernel
-def _is_rim(meshes: Any, t: int, region: int) -> bool:
+def _is_rim(meshes: MeshTable, t: int, region: int) -> bool:
     """The stand-in is at the open edge of a sheet."""
     if region == INSIDE:
         return False
@@ -99,7 +102,7 @@ def _is_rim(meshes: Any, t: int, region: int) -> bool:
 
 
 @kernel
-def _entered(meshes: Any, mesh: Any, scratch: Any, contact: Any) -> int:
+def _entered(meshes: MeshTable, mesh: MeshRecord, scratch: ContactScratchRecord, contact: ContactRecord) -> int:
     """The triangle by which the point comes in, or which its ball touches; -1: it does not."""
     vertices, corners, boxes = meshes.vertices, meshes.corners, meshes.boxes
     if contact.known == 1:
@@ -118,7 +121,7 @@ def _entered(meshes: Any, mesh: Any, scratch: Any, contact: Any) -> int:
 
 
 @kernel
-def _distance_behind(meshes: Any, t: int, scratch: Any) -> float:
+def _distance_behind(meshes: MeshTable, t: int, scratch: ContactScratchRecord) -> float:
     """How far [m] the point is behind a triangle's plane; scratch.c becomes the plane's unit normal."""
     size = triangle_normal(meshes.vertices, meshes.corners, t, scratch.c)
     first = meshes.corners[t, 0]
@@ -130,7 +133,7 @@ def _distance_behind(meshes: Any, t: int, scratch: Any) -> float:
 
 
 @kernel
-def _rest(meshes: Any, scratch: Any, t: int, region: int, contact: Any) -> None:
+def _rest(meshes: MeshTable, scratch: ContactScratchRecord, t: int, region: int, contact: ContactRecord) -> None:
     """Depth and normal from the point to its stand-in scratch.a on triangle t."""
     behind = _distance_behind(meshes, t, scratch)
     distance = math.sqrt(_square(scratch.p, scratch.a))
@@ -150,7 +153,7 @@ def _rest(meshes: Any, scratch: Any, t: int, region: int, contact: Any) -> None:
 
 
 @kernel
-def probe_mesh(meshes: Any, row: int, scratch: Any, contact: Any) -> None:
+def probe_mesh(meshes: MeshTable, row: int, scratch: ContactScratchRecord, contact: ContactRecord) -> None:
     """Depth and normal of the point at hand at a mesh.
 
     Args:

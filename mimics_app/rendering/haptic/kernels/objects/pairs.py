@@ -7,7 +7,7 @@ other. Pairs lie densely in one array; a hash of both shapes finds one when the 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,9 @@ from numpy.typing import NDArray
 from mimics_app.contracts.haptic_objects import ForceLaw
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact_law import pair_damping, pair_stiffness
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import DynamicsRecord, PairRecord, ShapeRecord, Table
 
 __all__ = ["add_pair", "drop_pairs", "find_pair", "forget_contact", "forget_pairs", "join_surfaces"]
 
@@ -32,7 +35,7 @@ _LONG_APART = 1 << 30
 
 
 @kernel
-def forget_contact(pair: Any) -> None:
+def forget_contact(pair: PairRecord) -> None:
     """The contact ended."""
     for i in range(3):
         pair.stretch[i] = 0.0
@@ -44,7 +47,7 @@ def forget_contact(pair: Any) -> None:
 
 
 @kernel
-def _forget(pair: Any) -> None:
+def _forget(pair: PairRecord) -> None:
     """As if the two had never met."""
     forget_contact(pair)
     for i in range(3):
@@ -55,7 +58,7 @@ def _forget(pair: Any) -> None:
 
 
 @kernel
-def _series_of_powers(first: Any, second: Any, pair: Any) -> None:
+def _series_of_powers(first: ShapeRecord, second: ShapeRecord, pair: PairRecord) -> None:
     """Two Hunt-Crossley surfaces of one exponent: the force is the same in both, the depths add.
 
     k = (k1^(-1/n) + k2^(-1/n))^-n, and at low speed a = s1^2 a1 + s2^2 a2 with the shares s = (k/ki)^(1/n) of depth.
@@ -69,7 +72,7 @@ def _series_of_powers(first: Any, second: Any, pair: Any) -> None:
 
 
 @kernel
-def _as_spring(shape: Any) -> tuple[float, float]:
+def _as_spring(shape: ShapeRecord) -> tuple[float, float]:
     """Stiffness [N/m] and damping [N s/m] of a surface; a Hunt-Crossley one acts as it does `_USUAL_DEPTH` deep."""
     if shape.law != _HUNT_CROSSLEY:
         return shape.stiffness, shape.damping
@@ -78,7 +81,7 @@ def _as_spring(shape: Any) -> tuple[float, float]:
 
 
 @kernel
-def join_surfaces(first: Any, second: Any, pair: Any) -> None:
+def join_surfaces(first: ShapeRecord, second: ShapeRecord, pair: PairRecord) -> None:
     """Set the pair's stiffness, damping and friction from its two shapes, (17) corrected.
 
     Two Hunt-Crossley surfaces of one exponent are one of that law; any others meet as spring-dampers in series.
@@ -116,7 +119,7 @@ def _home(a: int, b: int, slots: Slots) -> int:
 
 
 @kernel
-def find_pair(a: int, b: int, pairs: Any, slots: Slots) -> int:
+def find_pair(a: int, b: int, pairs: Table[PairRecord], slots: Slots) -> int:
     """Row of the pair of shapes a and b, or minus the free slot found, less 1."""
     slot = _home(a, b, slots)
     while slots[slot] >= 0:
@@ -128,7 +131,7 @@ def find_pair(a: int, b: int, pairs: Any, slots: Slots) -> int:
 
 
 @kernel
-def add_pair(i: int, j: int, shapes: Any, pairs: Any, slots: Slots, count: int) -> int:
+def add_pair(i: int, j: int, shapes: Table[ShapeRecord], pairs: Table[PairRecord], slots: Slots, count: int) -> int:
     """Keep the pair of shapes i and j, or begin it; returns how many pairs there are, or -1 when the table is full.
 
     Args:
@@ -160,7 +163,7 @@ def add_pair(i: int, j: int, shapes: Any, pairs: Any, slots: Slots, count: int) 
 
 
 @kernel
-def drop_pairs(pairs: Any, slots: Slots, count: int) -> int:
+def drop_pairs(pairs: Table[PairRecord], slots: Slots, count: int) -> int:
     """Leave out pairs that were not kept, the others in their order; returns how many are left."""
     left = 0
     for k in range(count):
@@ -183,7 +186,7 @@ def drop_pairs(pairs: Any, slots: Slots, count: int) -> int:
 
 
 @kernel
-def forget_pairs(pairs: Any, count: int, dynamics: Any) -> None:
+def forget_pairs(pairs: Table[PairRecord], count: int, dynamics: Table[DynamicsRecord]) -> None:
     """Drop the memory of pairs of which a body was put somewhere else."""
     for k in range(count):
         pair = pairs[k]

@@ -3,11 +3,25 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 from mimics_app.contracts.haptic_objects import STATIC, ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths import quat
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import (
+        Floats,
+        Ints,
+        MotionRecord,
+        ObjectCountsRecord,
+        ObjectWork,
+        Rows,
+        ShapeRecord,
+        SolidRecord,
+        Table,
+        TrackingRecord,
+    )
 
 __all__ = ["pose_shapes"]
 
@@ -18,7 +32,7 @@ _CAPSULE = int(ShapeKind.CAPSULE)
 
 
 @kernel
-def bounding_radius(shape: Any) -> float:
+def bounding_radius(shape: ShapeRecord) -> float:
     """Radius [m] of the sphere about a shape's origin that holds it; inf where none is known (walls, meshes)."""
     size = shape.size
     if shape.kind == _SPHERE:
@@ -33,7 +47,7 @@ def bounding_radius(shape: Any) -> float:
 
 
 @kernel
-def _take_row(shape: Any, solid: Any, turn: Any) -> None:
+def _take_row(shape: ShapeRecord, solid: SolidRecord, turn: Floats) -> None:
     """What does not change while a shape moves."""
     solid.kind, solid.body, solid.enabled = shape.kind, shape.body, shape.enabled
     solid.mesh, solid.rounding = shape.mesh, shape.rounding
@@ -50,7 +64,9 @@ def _take_row(shape: Any, solid: Any, turn: Any) -> None:
 
 
 @kernel
-def _take_rows(shapes: Any, solids: Any, moving: Any, tracking: Any, count: int) -> None:
+def _take_rows(
+    shapes: Table[ShapeRecord], solids: Table[SolidRecord], moving: Ints, tracking: TrackingRecord, count: int
+) -> None:
     """Solids from changed rows, the static scene in its place, and the list of what moves."""
     tracking.moving = 0
     for i in range(count):
@@ -61,7 +77,7 @@ def _take_rows(shapes: Any, solids: Any, moving: Any, tracking: Any, count: int)
 
 
 @kernel
-def _carry(shape: Any, motion: Any, solid: Any) -> None:
+def _carry(shape: ShapeRecord, motion: MotionRecord, solid: SolidRecord) -> None:
     """Pose of one shape of a body."""
     R, p, local = motion.rotation, shape.position, solid.local
     for j in range(3):
@@ -71,7 +87,14 @@ def _carry(shape: Any, motion: Any, solid: Any) -> None:
 
 
 @kernel
-def _carry_all(shapes: Any, motions: Any, solids: Any, moving: Any, tracking: Any, changed: bool) -> None:
+def _carry_all(
+    shapes: Table[ShapeRecord],
+    motions: Table[MotionRecord],
+    solids: Table[SolidRecord],
+    moving: Ints,
+    tracking: TrackingRecord,
+    changed: bool,
+) -> None:
     for n in range(tracking.moving):
         i = moving[n]
         motion = motions[shapes[i].body]
@@ -80,7 +103,7 @@ def _carry_all(shapes: Any, motions: Any, solids: Any, moving: Any, tracking: An
 
 
 @kernel
-def _show(solids: Any, rotations: Any, positions: Any, bounds: Any, i: int) -> None:
+def _show(solids: Table[SolidRecord], rotations: Floats, positions: Floats, bounds: Floats, i: int) -> None:
     """Copy one pose to the tables that touch reads."""
     solid = solids[i]
     for j in range(3):
@@ -92,7 +115,15 @@ def _show(solids: Any, rotations: Any, positions: Any, bounds: Any, i: int) -> N
 
 
 @kernel
-def _show_all(solids: Any, rotations: Any, positions: Any, bounds: Any, moving: Any, tracking: Any, every: int) -> None:
+def _show_all(
+    solids: Table[SolidRecord],
+    rotations: Floats,
+    positions: Floats,
+    bounds: Floats,
+    moving: Ints,
+    tracking: TrackingRecord,
+    every: int,
+) -> None:
     """Copy the poses of what moves, or of the first `every` shapes."""
     if every > 0:
         for i in range(every):
@@ -104,15 +135,15 @@ def _show_all(solids: Any, rotations: Any, positions: Any, bounds: Any, moving: 
 
 @kernel
 def _pose(
-    shapes: Any,
-    motions: Any,
-    solids: Any,
-    moving: Any,
-    rotations: Any,
-    positions: Any,
-    bounds: Any,
-    tracking: Any,
-    counts: Any,
+    shapes: Table[ShapeRecord],
+    motions: Table[MotionRecord],
+    solids: Table[SolidRecord],
+    moving: Ints,
+    rotations: Floats,
+    positions: Floats,
+    bounds: Floats,
+    tracking: TrackingRecord,
+    counts: ObjectCountsRecord,
 ) -> None:
     changed = tracking.posed_revision != counts.revision + 1
     if changed:
@@ -123,7 +154,7 @@ def _pose(
 
 
 @kernel
-def pose_shapes(rows: Any, work: Any, counts: Any) -> None:
+def pose_shapes(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord) -> None:
     """Set rotation, position and bounding sphere of every shape; the static scene only when its rows changed.
 
     Args:

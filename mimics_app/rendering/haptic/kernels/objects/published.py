@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import MotionRecord, Table
 
 __all__ = ["sum_motions", "write_poses"]
 
@@ -18,7 +21,7 @@ _MASK = (1 << 52) - 1
 
 
 @kernel
-def write_poses(motions: Any, bodies: int, poses: NDArray[np.float64]) -> None:
+def write_poses(motions: Table[MotionRecord], bodies: int, poses: NDArray[np.float64]) -> None:
     """Fill poses, shape [capacity, 7], position [m] and quaternion; rows beyond the bodies are left alone."""
     for k in range(bodies):
         motion = motions[k]

@@ -10,7 +10,7 @@ mu N, with mu_s while it sticks and mu_d while it slides. At rest nothing but po
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,9 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact_law import hunt_crossley, pair_force
 from mimics_app.rendering.haptic.kernels.objects.pairs import forget_contact
 from mimics_app.rendering.haptic.kernels.objects.triples import Three, along, cross, dot, minus, times
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import Floats, MotionRecord, PairRecord, TotalsRecord
 
 __all__ = ["part", "push_apart"]
 
@@ -37,19 +40,19 @@ _STILL = (0.0, 0.0, 0.0)
 
 
 @kernel
-def _vector(a: Any) -> Three:
+def _vector(a: Floats) -> Three:
     return a[0], a[1], a[2]
 
 
 @kernel
-def _velocity_at(motion: Any, p: Three) -> Three:
+def _velocity_at(motion: MotionRecord, p: Three) -> Three:
     """Velocity of a body's matter at p [m/s]."""
     v = cross(_vector(motion.omega), minus(p, _vector(motion.centre)))
     return v[0] + motion.velocity[0], v[1] + motion.velocity[1], v[2] + motion.velocity[2]
 
 
 @kernel
-def _push(motion: Any, sign: float, force: Three, moment: Three, p: Three) -> None:
+def _push(motion: MotionRecord, sign: float, force: Three, moment: Three, p: Three) -> None:
     """Give a body its side of a contact."""
     turning = cross(minus(p, _vector(motion.centre)), force)
     for i in range(3):
@@ -60,7 +63,7 @@ def _push(motion: Any, sign: float, force: Three, moment: Three, p: Three) -> No
 
 @kernel
 def _press(
-    pair: Any, points: Points, count: int, first: Any, second: Any, n: Three
+    pair: PairRecord, points: Points, count: int, first: MotionRecord, second: MotionRecord, n: Three
 ) -> tuple[float, float, float, Three]:
     """(normal force [N], share of stiffness that touches, greatest approach speed [m/s], centre of pressure).
 
@@ -102,7 +105,7 @@ def _patch_radius(points: Points, count: int, total: float, centre: Three) -> fl
 
 
 @kernel
-def _hold(pair: Any, slip: Three, spin: float, n: Three, total: float, dt: float) -> Three:
+def _hold(pair: PairRecord, slip: Three, spin: float, n: Three, total: float, dt: float) -> Three:
     """Tangential force on body a [N]; the stretch follows the contact."""
     # The contact turned by the mean of both bodies about n since the last tick, and the stretch with it.
     s = _vector(pair.stretch)
@@ -127,7 +130,7 @@ def _hold(pair: Any, slip: Three, spin: float, n: Three, total: float, dt: float
 
 
 @kernel
-def _hold_twist(pair: Any, rate: float, radius: float, total: float, dt: float) -> float:
+def _hold_twist(pair: PairRecord, rate: float, radius: float, total: float, dt: float) -> float:
     """Moment on body a about n [N m]: a patch of contact does not let it spin freely."""
     k = pair.friction_stiffness * pair.share * radius * radius
     if k <= 0.0:
@@ -144,7 +147,7 @@ def _hold_twist(pair: Any, rate: float, radius: float, total: float, dt: float) 
 
 
 @kernel
-def _tell(pair: Any, totals: Any, speed: float, force: float, p: Three, n: Three, dt: float) -> None:
+def _tell(pair: PairRecord, totals: TotalsRecord, speed: float, force: float, p: Three, n: Three, dt: float) -> None:
     """The strongest contact that began in this tick is the impact of the tick."""
     if pair.ticks_apart * dt < _NEW_AFTER or speed <= totals.impact:
         return
@@ -158,7 +161,7 @@ def _tell(pair: Any, totals: Any, speed: float, force: float, p: Three, n: Three
 
 
 @kernel
-def part(pair: Any) -> None:
+def part(pair: PairRecord) -> None:
     """The two do not touch in this tick."""
     if pair.touching:
         forget_contact(pair)
@@ -167,7 +170,15 @@ def part(pair: Any) -> None:
 
 
 @kernel
-def push_apart(pair: Any, points: Points, count: int, first: Any, second: Any, totals: Any, dt: float) -> None:
+def push_apart(
+    pair: PairRecord,
+    points: Points,
+    count: int,
+    first: MotionRecord,
+    second: MotionRecord,
+    totals: TotalsRecord,
+    dt: float,
+) -> None:
     """Apply the forces of one contact to both of its bodies.
 
     Args:

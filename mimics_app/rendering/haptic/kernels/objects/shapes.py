@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact import sphere, wall
 from mimics_app.rendering.haptic.kernels.objects.shapes_box import box
 from mimics_app.rendering.haptic.kernels.objects.shapes_round import capsule, cylinder
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import ContactRecord, ContactScratchRecord, ShapeRecord
 
 __all__ = ["probe_shape"]
 
@@ -20,7 +23,7 @@ _CAPSULE = int(ShapeKind.CAPSULE)
 
 
 @kernel
-def probe_shape(shape: Any, scratch: Any, contact: Any) -> None:
+def probe_shape(shape: ShapeRecord, scratch: ContactScratchRecord, contact: ContactRecord) -> None:
     """Find depth and normal of the point at hand in any analytic shape.
 
     Args:

@@ -7,7 +7,7 @@ since the points at which it touches a shape are those within its radius of it.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,9 @@ from numpy.typing import NDArray
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact import cube
 from mimics_app.rendering.haptic.kernels.vectors import copy
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import ContactRecord
 
 __all__ = ["SHELL", "box"]
 
@@ -43,7 +46,7 @@ def _in_core(p: Vec, core: Vec) -> bool:
 
 
 @kernel
-def _still_held(p: Vec, core: Vec, contact: Any) -> bool:
+def _still_held(p: Vec, core: Vec, contact: ContactRecord) -> bool:
     """The point is behind the core's face by which it came into the core."""
     face = contact.feature
     if contact.inside == 0 or face == SHELL:
@@ -54,7 +57,7 @@ def _still_held(p: Vec, core: Vec, contact: Any) -> bool:
 
 
 @kernel
-def _shell(p: Vec, core: Vec, reach: float, distance: float, contact: Any) -> None:
+def _shell(p: Vec, core: Vec, reach: float, distance: float, contact: ContactRecord) -> None:
     """Depth under the offset surface; its normal is the direction from the core's closest point."""
     for i in range(3):
         over = max(abs(p[i]) - 0.5 * core[i], 0.0)
@@ -64,7 +67,7 @@ def _shell(p: Vec, core: Vec, reach: float, distance: float, contact: Any) -> No
 
 
 @kernel
-def box(p: Vec, v: Vec, core: Vec, reach: float, contact: Any) -> None:
+def box(p: Vec, v: Vec, core: Vec, reach: float, contact: ContactRecord) -> None:
     """Depth and normal in the offset surface of a box.
 
     In the shell around the core the surface is smooth: the normal turns round the edges. Deeper than the reach the

@@ -7,7 +7,7 @@ them counts. As with the box a cylinder here is everything within a reach of its
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,9 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact import sphere
 from mimics_app.rendering.haptic.kernels.objects.shapes_box import SHELL
 from mimics_app.rendering.haptic.kernels.vectors import copy
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import ContactRecord
 
 __all__ = ["CAP", "SIDE", "capsule", "cylinder"]
 
@@ -69,7 +72,7 @@ def _nearest_feature(p: Vec, rho: float, radius: float, half: float) -> int:
 
 
 @kernel
-def _hold_side(p: Vec, v: Vec, rho: float, radius: float, fresh: bool, contact: Any) -> None:
+def _hold_side(p: Vec, v: Vec, rho: float, radius: float, fresh: bool, contact: ContactRecord) -> None:
     """Depth under the side; a point that crosses the axis within a tick keeps its last normal."""
     n = contact.normal
     along = p[0] * n[0] + p[2] * n[2]
@@ -87,7 +90,7 @@ def _hold_side(p: Vec, v: Vec, rho: float, radius: float, fresh: bool, contact: 
 
 
 @kernel
-def _hold_feature(p: Vec, v: Vec, rho: float, radius: float, half: float, fresh: bool, contact: Any) -> None:
+def _hold_feature(p: Vec, v: Vec, rho: float, radius: float, half: float, fresh: bool, contact: ContactRecord) -> None:
     """Depth and normal of the core's feature."""
     if contact.feature == SIDE:
         _hold_side(p, v, rho, radius, fresh, contact)
@@ -98,7 +101,7 @@ def _hold_feature(p: Vec, v: Vec, rho: float, radius: float, half: float, fresh:
 
 
 @kernel
-def _still_held(p: Vec, rho: float, radius: float, half: float, contact: Any) -> bool:
+def _still_held(p: Vec, rho: float, radius: float, half: float, contact: ContactRecord) -> bool:
     """The point is behind the core's feature by which it came into the core."""
     if contact.inside == 0 or contact.feature == SHELL:
         return False
@@ -108,7 +111,7 @@ def _still_held(p: Vec, rho: float, radius: float, half: float, contact: Any) ->
 
 
 @kernel
-def cylinder(p: Vec, v: Vec, radius: float, length: float, reach: float, contact: Any) -> None:
+def cylinder(p: Vec, v: Vec, radius: float, length: float, reach: float, contact: ContactRecord) -> None:
     """Depth and normal in the offset surface of a cylinder about y, (15) corrected.
 
     In the shell around the core one smooth surface, rim included; in the core the feature of entry is held, a cap with
@@ -153,7 +156,7 @@ def cylinder(p: Vec, v: Vec, radius: float, length: float, reach: float, contact
 
 
 @kernel
-def capsule(p: Vec, v: Vec, radius: float, length: float, around: Vec, sideways: Vec, contact: Any) -> None:
+def capsule(p: Vec, v: Vec, radius: float, length: float, around: Vec, sideways: Vec, contact: ContactRecord) -> None:
     """Depth and normal in a capsule: a sphere about the axis' closest point, with a sphere's memory at the axis.
 
     Args:

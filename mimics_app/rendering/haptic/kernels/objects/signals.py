@@ -6,7 +6,7 @@ diagram whose loops are cut by one delay. A wire from a body that has not been p
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,9 @@ from mimics_app.rendering.haptic.kernels.objects.hand import (
     HAND_TIME,
     HAND_VELOCITY,
 )
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import MotionRecord, ObjectCountsRecord, ObjectWork, Rows, WireRecord
 
 __all__ = ["carry_signals"]
 
@@ -64,7 +67,7 @@ def _of_hand(hand: Vec, source: int, i: int) -> float:
 
 
 @kernel
-def _of_body(motion: Any, source: int, i: int) -> float:
+def _of_body(motion: MotionRecord, source: int, i: int) -> float:
     """Component i of an output of a body."""
     if source == _POSITION_OBJECT:
         return motion.position[i]
@@ -82,13 +85,13 @@ def _of_body(motion: Any, source: int, i: int) -> float:
 
 
 @kernel
-def _is_placed(motion: Any) -> bool:
+def _is_placed(motion: MotionRecord) -> bool:
     q = motion.orientation
     return q[0] != 0.0 or q[1] != 0.0 or q[2] != 0.0 or q[3] != 0.0
 
 
 @kernel
-def _read(rows: Any, work: Any, counts: Any, wire: Any, hand: Vec, i: int) -> float:
+def _read(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, wire: WireRecord, hand: Vec, i: int) -> float:
     """Component i of what a wire starts from; 0 from a body there is not."""
     if wire.source <= _TIME:
         return _of_hand(hand, wire.source, i)
@@ -98,7 +101,7 @@ def _read(rows: Any, work: Any, counts: Any, wire: Any, hand: Vec, i: int) -> fl
 
 
 @kernel
-def _bring(work: Any, counts: Any, wire: Any, i: int, value: float) -> None:
+def _bring(work: ObjectWork, counts: ObjectCountsRecord, wire: WireRecord, i: int, value: float) -> None:
     """Add component i of a value to an input."""
     row = wire.target_row
     if wire.target <= _TORQUE_AUX:
@@ -118,7 +121,7 @@ def _bring(work: Any, counts: Any, wire: Any, i: int, value: float) -> None:
 
 
 @kernel
-def carry_signals(rows: Any, work: Any, counts: Any, hand: Vec) -> None:
+def carry_signals(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, hand: Vec) -> None:
     """Set every input to its row's own value and add what the wires bring.
 
     Call it before `place_bodies`, which clears what the bodies felt in the last tick.

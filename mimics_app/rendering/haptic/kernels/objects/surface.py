@@ -9,7 +9,7 @@ clamped to the same cone.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,9 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact_law import hunt_crossley, spring_damper
 from mimics_app.rendering.haptic.kernels.friction import hayward_armstrong
 from mimics_app.rendering.haptic.kernels.vectors import fill, norm
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import ContactRecord, MemoryRecord, ShapeRecord
 
 __all__ = ["anchor_stiffness", "lower_by_ripple", "normal_force", "rub"]
 
@@ -31,7 +34,7 @@ _AT_REST = 1e-9
 
 
 @kernel
-def lower_by_ripple(shape: Any, p: Vec, contact: Any, slope: Vec) -> None:
+def lower_by_ripple(shape: ShapeRecord, p: Vec, contact: ContactRecord, slope: Vec) -> None:
     """Take the surface's ripple off a contact's depth.
 
     The surface lies h(q) = height/2 (1 - g(q)) under the smooth one, where g is the mean of sines along the two tangent
@@ -63,7 +66,7 @@ def lower_by_ripple(shape: Any, p: Vec, contact: Any, slope: Vec) -> None:
 
 
 @kernel
-def normal_force(shape: Any, depth: float, rate: float) -> tuple[float, float, float]:
+def normal_force(shape: ShapeRecord, depth: float, rate: float) -> tuple[float, float, float]:
     """Force [N] of the shape's law, its stiffness [N/m] and its damping [N s/m] at this depth [m] and rate [m/s]."""
     if shape.law == _HUNT_CROSSLEY:
         lam = shape.stiffness * shape.damping
@@ -74,13 +77,13 @@ def normal_force(shape: Any, depth: float, rate: float) -> tuple[float, float, f
 
 
 @kernel
-def anchor_stiffness(shape: Any) -> float:
+def anchor_stiffness(shape: ShapeRecord) -> float:
     """Stiffness of the spring to the anchor of friction [N/m]."""
     return shape.friction_stiffness if shape.friction_stiffness > 0.0 else shape.stiffness
 
 
 @kernel
-def _into_plane(memory: Any, touched: Vec, normal: Vec) -> float:
+def _into_plane(memory: MemoryRecord, touched: Vec, normal: Vec) -> float:
     """Move the anchor along the normal into the tangent plane of the touched point; its distance from there [m]."""
     off = 0.0
     for i in range(3):
@@ -105,7 +108,9 @@ def _damp(v: Vec, normal: Vec, damping: float, most: float, out: Vec) -> None:
 
 
 @kernel
-def rub(shape: Any, touched: Vec, v: Vec, normal: Vec, push: float, damping: float, memory: Any, out: Vec) -> None:
+def rub(
+    shape: ShapeRecord, touched: Vec, v: Vec, normal: Vec, push: float, damping: float, memory: MemoryRecord, out: Vec
+) -> None:
     """Friction of one contact; |out| <= mu_s push while it holds, = mu_d push while it slides.
 
     Args:

@@ -9,7 +9,7 @@ each moving shape by its room. Cost: O(n) a tick, and now and then O(n + pairs).
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,22 @@ from mimics_app.contracts.haptic_objects import STATIC, ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.bodies import is_free
 from mimics_app.rendering.haptic.kernels.objects.pairs import add_pair, drop_pairs, forget_pairs, join_surfaces
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import (
+        BodyRecord,
+        DynamicsRecord,
+        Floats,
+        MeshRecord,
+        MotionRecord,
+        ObjectCountsRecord,
+        PairRecord,
+        ShapeRecord,
+        SolidRecord,
+        SweepRecord,
+        Table,
+        TrackingRecord,
+    )
 
 __all__ = ["find_pairs", "near"]
 
@@ -41,7 +57,7 @@ _SPREAD = 4.0
 
 
 @kernel
-def near(a: Any, b: Any) -> bool:
+def near(a: SolidRecord, b: SolidRecord) -> bool:
     """True when the bounds of two SOLIDs overlap."""
     for k in range(3):
         if a.low[k] > b.high[k] or b.low[k] > a.high[k]:
@@ -50,7 +66,7 @@ def near(a: Any, b: Any) -> bool:
 
 
 @kernel
-def _may_come_near(a: Any, b: Any) -> bool:
+def _may_come_near(a: SolidRecord, b: SolidRecord) -> bool:
     """True for shapes of different bodies whose rooms overlap."""
     for k in range(3):
         if a.room_low[k] > b.room_high[k] or b.room_low[k] > a.room_high[k]:
@@ -59,7 +75,7 @@ def _may_come_near(a: Any, b: Any) -> bool:
 
 
 @kernel
-def _extent(solid: Any, k: int) -> float:
+def _extent(solid: SolidRecord, k: int) -> float:
     """Half of a shape's extent along world axis k [m]; inf for one without bounds."""
     size, R = solid.size, solid.rotation
     if solid.kind == _BOX:
@@ -75,7 +91,7 @@ def _extent(solid: Any, k: int) -> float:
 
 
 @kernel
-def _bound(solid: Any) -> None:
+def _bound(solid: SolidRecord) -> None:
     for k in range(3):
         reach = _extent(solid, k)
         solid.low[k] = solid.position[k] - reach
@@ -83,7 +99,7 @@ def _bound(solid: Any) -> None:
 
 
 @kernel
-def _bound_mesh(solid: Any, mesh: Any, boxes: Any) -> None:
+def _bound_mesh(solid: SolidRecord, mesh: MeshRecord, boxes: Floats) -> None:
     """Bounds of a mesh, by the box of its whole tree."""
     R, node = solid.rotation, mesh.first_node
     for k in range(3):
@@ -96,7 +112,7 @@ def _bound_mesh(solid: Any, mesh: Any, boxes: Any) -> None:
 
 
 @kernel
-def _bound_any(solid: Any, meshes: Any, boxes: Any) -> None:
+def _bound_any(solid: SolidRecord, meshes: Table[MeshRecord], boxes: Floats) -> None:
     if solid.kind == _MESH:
         _bound_mesh(solid, meshes[solid.mesh], boxes)
     else:
@@ -104,14 +120,14 @@ def _bound_any(solid: Any, meshes: Any, boxes: Any) -> None:
 
 
 @kernel
-def _draw_room(solid: Any, room: float) -> None:
+def _draw_room(solid: SolidRecord, room: float) -> None:
     for k in range(3):
         solid.room_low[k] = solid.low[k] - room
         solid.room_high[k] = solid.high[k] + room
 
 
 @kernel
-def _room_of(solid: Any, motion: Any, dt: float) -> float:
+def _room_of(solid: SolidRecord, motion: MotionRecord, dt: float) -> float:
     """How far a moving shape may go [m]."""
     v, w = motion.velocity, motion.omega
     radius = solid.radius
@@ -125,7 +141,7 @@ def _room_of(solid: Any, motion: Any, dt: float) -> float:
 
 
 @kernel
-def _has_left(solid: Any) -> bool:
+def _has_left(solid: SolidRecord) -> bool:
     """True when a shape is no longer in its room; one that is nowhere (not finite) has left too."""
     for k in range(3):
         if not (solid.room_low[k] <= solid.low[k] and solid.high[k] <= solid.room_high[k]):
@@ -134,7 +150,9 @@ def _has_left(solid: Any) -> bool:
 
 
 @kernel
-def _take_shapes(solids: Any, meshes: Any, boxes: Any, order: Order, sweep: Any, count: int) -> None:
+def _take_shapes(
+    solids: Table[SolidRecord], meshes: Table[MeshRecord], boxes: Floats, order: Order, sweep: SweepRecord, count: int
+) -> None:
     """Fill the order from changed rows: enabled shapes with bounds from the front, walls from the back."""
     sweep.sorted = 0
     sweep.walls = 0
@@ -154,7 +172,7 @@ def _take_shapes(solids: Any, meshes: Any, boxes: Any, order: Order, sweep: Any,
 
 
 @kernel
-def _choose_axis(solids: Any, order: Order, sweep: Any) -> None:
+def _choose_axis(solids: Table[SolidRecord], order: Order, sweep: SweepRecord) -> None:
     """Sweep along the axis the shapes are spread widest on."""
     widest, spread = sweep.axis, 0.0
     for turn in range(3):
@@ -171,7 +189,7 @@ def _choose_axis(solids: Any, order: Order, sweep: Any) -> None:
 
 
 @kernel
-def _mend_order(solids: Any, order: Order, sweep: Any) -> None:
+def _mend_order(solids: Table[SolidRecord], order: Order, sweep: SweepRecord) -> None:
     """Insertion sort by the lower end of the rooms."""
     k = sweep.axis
     for n in range(1, sweep.sorted):
@@ -185,12 +203,14 @@ def _mend_order(solids: Any, order: Order, sweep: Any) -> None:
 
 
 @kernel
-def _can_move(bodies: Any, solid: Any) -> bool:
+def _can_move(bodies: Table[BodyRecord], solid: SolidRecord) -> bool:
     return solid.body != STATIC and is_free(bodies[solid.body])
 
 
 @kernel
-def _link_moving(bodies: Any, solids: Any, order: Order, following: Order, sweep: Any) -> None:
+def _link_moving(
+    bodies: Table[BodyRecord], solids: Table[SolidRecord], order: Order, following: Order, sweep: SweepRecord
+) -> None:
     """For each place in the order, the next place of a shape that can move."""
     after = sweep.sorted
     for n in range(sweep.sorted - 1, -1, -1):
@@ -200,7 +220,7 @@ def _link_moving(bodies: Any, solids: Any, order: Order, following: Order, sweep
 
 
 @kernel
-def _reaches_wall(solid: Any, wall: Any) -> bool:
+def _reaches_wall(solid: SolidRecord, wall: SolidRecord) -> bool:
     """True when the room of a shape dips into a wall's half-space, and the two are not of one body."""
     height, reach = 0.0, 0.0
     for k in range(3):
@@ -211,7 +231,9 @@ def _reaches_wall(solid: Any, wall: Any) -> bool:
 
 
 @kernel
-def _add(i: int, j: int, shapes: Any, pairs: Any, slots: Order, sweep: Any) -> None:
+def _add(
+    i: int, j: int, shapes: Table[ShapeRecord], pairs: Table[PairRecord], slots: Order, sweep: SweepRecord
+) -> None:
     count = add_pair(i, j, shapes, pairs, slots, sweep.pairs)
     if count < 0:
         sweep.left_out += 1
@@ -221,7 +243,14 @@ def _add(i: int, j: int, shapes: Any, pairs: Any, slots: Order, sweep: Any) -> N
 
 @kernel
 def _sweep(
-    bodies: Any, shapes: Any, solids: Any, order: Order, following: Order, pairs: Any, slots: Order, sweep: Any
+    bodies: Table[BodyRecord],
+    shapes: Table[ShapeRecord],
+    solids: Table[SolidRecord],
+    order: Order,
+    following: Order,
+    pairs: Table[PairRecord],
+    slots: Order,
+    sweep: SweepRecord,
 ) -> None:
     """Keep or begin a pair of all shapes whose rooms overlap and of which one can move."""
     k = sweep.axis
@@ -241,7 +270,14 @@ def _sweep(
 
 
 @kernel
-def _look(solids: Any, meshes: Any, boxes: Any, motions: Any, moving: Order, tracking: Any) -> bool:
+def _look(
+    solids: Table[SolidRecord],
+    meshes: Table[MeshRecord],
+    boxes: Floats,
+    motions: Table[MotionRecord],
+    moving: Order,
+    tracking: TrackingRecord,
+) -> bool:
     """Bounds of what is awake; True when a shape has left its room."""
     stale = False
     for n in range(tracking.moving):
@@ -253,7 +289,7 @@ def _look(solids: Any, meshes: Any, boxes: Any, motions: Any, moving: Order, tra
 
 
 @kernel
-def _forget_placed(pairs: Any, dynamics: Any, sweep: Any, count: int) -> None:
+def _forget_placed(pairs: Table[PairRecord], dynamics: Table[DynamicsRecord], sweep: SweepRecord, count: int) -> None:
     """Drop what pairs remember of bodies that were put somewhere else."""
     placed = False
     for k in range(count):
@@ -266,7 +302,15 @@ def _forget_placed(pairs: Any, dynamics: Any, sweep: Any, count: int) -> None:
 
 
 @kernel
-def _prepare(solids: Any, motions: Any, moving: Order, pairs: Any, tracking: Any, sweep: Any, dt: float) -> None:
+def _prepare(
+    solids: Table[SolidRecord],
+    motions: Table[MotionRecord],
+    moving: Order,
+    pairs: Table[PairRecord],
+    tracking: TrackingRecord,
+    sweep: SweepRecord,
+    dt: float,
+) -> None:
     """Draw the rooms of what moves anew, and take all pairs as not found yet."""
     sweep.remade += 1
     sweep.left_out = 0
@@ -279,7 +323,7 @@ def _prepare(solids: Any, motions: Any, moving: Order, pairs: Any, tracking: Any
 
 
 @kernel
-def _join_anew(shapes: Any, pairs: Any, count: int) -> None:
+def _join_anew(shapes: Table[ShapeRecord], pairs: Table[PairRecord], count: int) -> None:
     """Surfaces of all pairs from rows that changed; contacts go on."""
     for k in range(count):
         pair = pairs[k]
@@ -289,21 +333,21 @@ def _join_anew(shapes: Any, pairs: Any, count: int) -> None:
 
 @kernel
 def find_pairs(
-    bodies: Any,
-    shapes: Any,
-    motions: Any,
-    dynamics: Any,
-    solids: Any,
-    meshes: Any,
-    boxes: Any,
+    bodies: Table[BodyRecord],
+    shapes: Table[ShapeRecord],
+    motions: Table[MotionRecord],
+    dynamics: Table[DynamicsRecord],
+    solids: Table[SolidRecord],
+    meshes: Table[MeshRecord],
+    boxes: Floats,
     moving: Order,
     order: Order,
     following: Order,
-    pairs: Any,
+    pairs: Table[PairRecord],
     slots: Order,
-    tracking: Any,
-    sweep: Any,
-    counts: Any,
+    tracking: TrackingRecord,
+    sweep: SweepRecord,
+    counts: ObjectCountsRecord,
     dt: float,
 ) -> None:
     """Bring the list of pairs up to date: `pairs`, of which `sweep.pairs` count.

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mimics_app.contracts.kernel import kernel
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import TotalsRecord
 
 __all__ = ["TOTALS", "clear_totals"]
 
@@ -43,7 +46,7 @@ TOTALS = np.dtype(
 
 
 @kernel
-def clear_totals(totals: Any) -> None:
+def clear_totals(totals: TotalsRecord) -> None:
     """Begin a tick: nothing touched, no force."""
     for i in range(3):
         totals.shape_force[i] = 0.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 from mimics_app.contracts.haptic_objects import BodyFlag, ShapeKind
 from mimics_app.contracts.kernel import kernel
@@ -18,6 +18,24 @@ from mimics_app.rendering.haptic.kernels.objects.shapes import probe_shape
 from mimics_app.rendering.haptic.kernels.objects.surface import anchor_stiffness, lower_by_ripple, normal_force, rub
 from mimics_app.rendering.haptic.kernels.vectors import copy, rotate
 
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import (
+        ContactRecord,
+        ContactScratchRecord,
+        Floats,
+        MemoryRecord,
+        MeshTable,
+        MotionRecord,
+        ObjectCountsRecord,
+        ObjectWork,
+        Rows,
+        ShapeRecord,
+        Table,
+        TotalsRecord,
+        TouchedRecord,
+        WallTouchRecord,
+    )
+
 __all__ = ["touch_points"]
 
 _WALL = int(ShapeKind.WALL)
@@ -27,7 +45,7 @@ _TORQUE_ON_OBJECT = int(BodyFlag.TORQUE_ON_OBJECT)
 
 
 @kernel
-def _take_point(scratch: Any, point: int, rows: Any, work: Any) -> None:
+def _take_point(scratch: ContactScratchRecord, point: int, rows: Rows, work: ObjectWork) -> None:
     """Put a point in the scratch."""
     for i in range(3):
         scratch.felt[i] = 0.0
@@ -37,7 +55,7 @@ def _take_point(scratch: Any, point: int, rows: Any, work: Any) -> None:
 
 
 @kernel
-def _take_motion(scratch: Any, motion: Any) -> None:
+def _take_motion(scratch: ContactScratchRecord, motion: MotionRecord) -> None:
     """Let the shape in the scratch move with its body: velocity of its origin, and spin."""
     copy(motion.omega, scratch.spin)
     spin = scratch.spin
@@ -50,7 +68,7 @@ def _take_motion(scratch: Any, motion: Any) -> None:
 
 
 @kernel
-def _take_shape(scratch: Any, row: int, body: int, work: Any) -> None:
+def _take_shape(scratch: ContactScratchRecord, row: int, body: int, work: ObjectWork) -> None:
     """Put the pose of a shape in the scratch, and the motion of its body."""
     for i in range(3):
         scratch.position[i] = work.shape_positions[row, i]
@@ -63,7 +81,7 @@ def _take_shape(scratch: Any, row: int, body: int, work: Any) -> None:
 
 
 @kernel
-def _look(scratch: Any) -> None:
+def _look(scratch: ContactScratchRecord) -> None:
     """Place and velocity of the point in the frame of the shape, (8)."""
     to_object(
         scratch.rotation,
@@ -78,7 +96,7 @@ def _look(scratch: Any) -> None:
 
 
 @kernel
-def _feel(scratch: Any, shape: Any, memory: Any, meshes: Any) -> bool:
+def _feel(scratch: ContactScratchRecord, shape: ShapeRecord, memory: MemoryRecord, meshes: MeshTable) -> bool:
     """Depth of the point in the shape, and its rate; False while they do not touch."""
     contact = memory.contact
     if shape.kind == _MESH:
@@ -97,7 +115,7 @@ def _feel(scratch: Any, shape: Any, memory: Any, meshes: Any) -> bool:
 
 
 @kernel
-def _press(scratch: Any, shape: Any, memory: Any, depth: float) -> bool:
+def _press(scratch: ContactScratchRecord, shape: ShapeRecord, memory: MemoryRecord, depth: float) -> bool:
     """Force of the contact at hand on the user, its normal, stiffness and damping; False when it is not finite."""
     n = memory.contact.normal
     push, scratch.stiffness, scratch.damping = normal_force(shape, depth, scratch.rate)
@@ -116,7 +134,15 @@ def _press(scratch: Any, shape: Any, memory: Any, depth: float) -> bool:
 
 
 @kernel
-def _count(scratch: Any, totals: Any, touched: Any, row: int, direction: Any, depth: float, is_static: bool) -> None:
+def _count(
+    scratch: ContactScratchRecord,
+    totals: TotalsRecord,
+    touched: Table[TouchedRecord],
+    row: int,
+    direction: Floats,
+    depth: float,
+    is_static: bool,
+) -> None:
     """Add the contact at hand to the results of the point and of the tick, and to the list of contacts."""
     totals.touching += 1
     totals.static_touching += 1 if is_static else 0
@@ -137,7 +163,7 @@ def _count(scratch: Any, totals: Any, touched: Any, row: int, direction: Any, de
 
 
 @kernel
-def _react(scratch: Any, motion: Any, flags: int) -> None:
+def _react(scratch: ContactScratchRecord, motion: MotionRecord, flags: int) -> None:
     """The opposite of the force at hand on the shape's body, at the touched point, as its flags allow."""
     force = scratch.force
     motion.touched = 1
@@ -156,7 +182,7 @@ def _react(scratch: Any, motion: Any, flags: int) -> None:
 
 
 @kernel
-def _note_wall(scratch: Any, wall: Any, row: int, contact: Any) -> None:
+def _note_wall(scratch: ContactScratchRecord, wall: WallTouchRecord, row: int, contact: ContactRecord) -> None:
     """Keep what pressing a wall needs until all walls of the point are known."""
     wall.row = row
     wall.depth = contact.depth
@@ -168,7 +194,14 @@ def _note_wall(scratch: Any, wall: Any, row: int, contact: Any) -> None:
 
 @kernel
 def _settle(
-    scratch: Any, shape: Any, row: int, memory: Any, depth: float, direction: Any, rows: Any, work: Any
+    scratch: ContactScratchRecord,
+    shape: ShapeRecord,
+    row: int,
+    memory: MemoryRecord,
+    depth: float,
+    direction: Floats,
+    rows: Rows,
+    work: ObjectWork,
 ) -> None:
     """Press the shape at hand, add its force to all sums it belongs to; it is stiff along `direction`."""
     totals = work.totals[0]
@@ -183,7 +216,7 @@ def _settle(
 
 
 @kernel
-def _settle_walls(scratch: Any, point: int, met: int, rows: Any, work: Any) -> None:
+def _settle_walls(scratch: ContactScratchRecord, point: int, met: int, rows: Rows, work: ObjectWork) -> None:
     """Press the walls that the point at hand met, their corner shared out."""
     walls = work.walls
     if share_corner(walls, met, scratch.a, scratch.b, scratch.c):
@@ -202,7 +235,7 @@ def _settle_walls(scratch: Any, point: int, met: int, rows: Any, work: Any) -> N
 
 
 @kernel
-def _touch_near(scratch: Any, point: int, found: int, rows: Any, work: Any) -> None:
+def _touch_near(scratch: ContactScratchRecord, point: int, found: int, rows: Rows, work: ObjectWork) -> None:
     """Press every shape that the point at hand is in, of those found near it."""
     met = 0
     for k in range(found):
@@ -223,7 +256,7 @@ def _touch_near(scratch: Any, point: int, found: int, rows: Any, work: Any) -> N
 
 
 @kernel
-def touch_points(rows: Any, work: Any, counts: Any, dt: float) -> None:
+def touch_points(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, dt: float) -> None:
     """Forces between the points in use and all shapes: on the user, and the opposite on the bodies.
 
     Args:

@@ -3,13 +3,23 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 from mimics_app.contracts.kernel import kernel
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import SolidRecord
 
 __all__ = ["Three", "across", "along", "axis", "cross", "dot", "into", "middle", "minus", "out_of", "times", "unit"]
 
 Three = tuple[float, float, float]
+
+
+_NO_SIZE = 1e-12
+"""Length below which a vector has no direction, in its own unit."""
+
+_ALONG_X = 0.6
+"""Part of a unit vector along x from which the other axis is taken to cross it with [-]."""
 
 
 @kernel
@@ -46,7 +56,7 @@ def along(a: Three, factor: float, b: Three) -> Three:
 def unit(a: Three, otherwise: Three) -> Three:
     """Return a / |a|, or `otherwise` where a has no direction."""
     size = math.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
-    if size < 1e-12:
+    if size < _NO_SIZE:
         return otherwise
     return a[0] / size, a[1] / size, a[2] / size
 
@@ -54,31 +64,31 @@ def unit(a: Three, otherwise: Three) -> Three:
 @kernel
 def across(n: Three) -> Three:
     """A unit vector perpendicular to the unit vector n; the same one for the same n."""
-    if abs(n[0]) < 0.6:
+    if abs(n[0]) < _ALONG_X:
         return unit((0.0, n[2], -n[1]), (0.0, 0.0, 1.0))
     return unit((-n[2], 0.0, n[0]), (0.0, 1.0, 0.0))
 
 
 @kernel
-def middle(solid: Any) -> Three:
+def middle(solid: SolidRecord) -> Three:
     """Origin of a SOLID in the world [m]."""
     return solid.position[0], solid.position[1], solid.position[2]
 
 
 @kernel
-def axis(solid: Any, j: int) -> Three:
+def axis(solid: SolidRecord, j: int) -> Three:
     """Axis j of a SOLID in the world: column j of its rotation."""
     return solid.rotation[0, j], solid.rotation[1, j], solid.rotation[2, j]
 
 
 @kernel
-def into(solid: Any, a: Three) -> Three:
+def into(solid: SolidRecord, a: Three) -> Three:
     """R^T a: a world direction in the frame of a SOLID."""
     return dot(axis(solid, 0), a), dot(axis(solid, 1), a), dot(axis(solid, 2), a)
 
 
 @kernel
-def out_of(solid: Any, a: Three) -> Three:
+def out_of(solid: SolidRecord, a: Three) -> Three:
     """R a: a direction of a SOLID in the world."""
     R = solid.rotation
     return (

@@ -1,0 +1,109 @@
+"""A recorded session simulated again: its loop from the inputs of every tick, its task from the frames it was given."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import PartialDataError
+from mimics_app.contracts.messages import HapticSnapshot, TaskAction, VRInput
+from mimics_app.contracts.scenario_port import TaskContext
+from mimics_app.recording.replay import ReplayData
+from mimics_app.recording.run import Run
+from mimics_app.recording.task_lines import FrameLine, TaskDifference, compare_lines, compare_rows, gather_task
+from mimics_app.rendering.haptic.object_statics import ObjectStatics
+from mimics_app.rendering.haptic.replay import Replayed, replay_run
+from mimics_app.tasks.attempts import Row
+from mimics_app.tasks.task import TaskSpec
+from mimics_app.tasks.task_manager import TaskManager
+from mimics_app.tasks.task_record import task_of_record
+
+__all__ = ["PlayedAgain", "TaskFrame", "play_again", "play_loop", "play_task"]
+
+
+@dataclass(frozen=True, slots=True)
+class TaskFrame:
+    """What the task manager was given in one frame; see `TaskManager.step`."""
+
+    pressed: tuple[str, ...]
+    action: TaskAction | None
+    snapshot: HapticSnapshot
+    events: NDArray[Any]
+    now_ns: int
+
+
+@dataclass(frozen=True, slots=True)
+class PlayedAgain:
+    """What a task came to: (kind, data) of each line for the journal, and the rows of its attempts."""
+
+    lines: list[tuple[str, dict[str, object]]] = field(default_factory=list)
+    rows: list[Row] = field(default_factory=list)
+
+
+def play_loop(run: Run, data: ReplayData) -> Replayed:
+    """Every tick again, with what each frame saw of it."""
+    kept = data.statics
+    statics = None if kept is None else ObjectStatics.from_arrays(kept.arrays, kept.fields)
+    seen = [line["tick"] for line in run.lines_of("app", "frame") if isinstance(line.get("tick"), int)]
+    return replay_run(data.samples, data.blocks, data.rows, statics, seen=seen)
+
+
+def play_task(run: Run, snapshots: Mapping[int, HapticSnapshot]) -> tuple[dict[str, int] | None, TaskDifference | None]:
+    """The task again, on what the replayed loop showed its frames.
+
+    Returns:
+        How many "events" and "rows" were compared, and the first that differs. None and None for a recording that does
+        not say what its task was given, as those of earlier versions.
+
+    Raises:
+        PartialDataError: What it says of its task or of a frame is missing or damaged.
+    """
+    if "task" not in run.session:
+        return None, None
+    try:
+        spec, context = task_of_record(run.session["task"])
+    except ValueError as error:
+        fix = "install the kinds of task that it was recorded with"
+        raise PartialDataError(f"{run.folder}: session.json#/task cannot be used: {error}", fix) from error
+    recorded = gather_task(run)
+    frames = _frames(run, recorded.frames, snapshots)
+    again = play_again(spec, context, int(run.session.get("seed", 0)), frames, recorded.end_ns)
+    difference = compare_lines(recorded.lines, again.lines)
+    difference = difference or compare_rows(recorded.rows, again.rows, whole=recorded.whole)
+    return {"events": len(recorded.lines), "rows": min(len(recorded.rows), len(again.rows))}, difference
+
+
+def play_again(
+    spec: TaskSpec, context: TaskContext, seed: int, frames: Iterable[TaskFrame], end_ns: int | None
+) -> PlayedAgain:
+    """Give a task the frames it had.
+
+    Args:
+        spec: The task.
+        context: What it knew of its scene.
+        seed: Of the session.
+        frames: From the first on.
+        end_ns: When the session was ended; None where it never was.
+    """
+    again = PlayedAgain()
+    manager = TaskManager(
+        spec, context, seed, again.rows.append, lambda kind, data: again.lines.append((kind, dict(data)))
+    )
+    for frame in frames:
+        manager.step(VRInput(pressed=frame.pressed), frame.action, frame.snapshot, frame.events, frame.now_ns)
+    if end_ns is not None:
+        manager.end_session(end_ns)
+    return again
+
+
+def _frames(run: Run, lines: list[FrameLine], snapshots: Mapping[int, HapticSnapshot]) -> Iterator[TaskFrame]:
+    first = 0
+    for line in lines:
+        if line.tick not in snapshots:
+            raise PartialDataError(f"{run.folder}: frame {line.frame} saw tick {line.tick}, which is not there")
+        events = run.events[first : first + line.events]
+        first += line.events
+        yield TaskFrame(line.pressed, line.chosen, snapshots[line.tick], events, line.t_ns)

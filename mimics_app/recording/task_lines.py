@@ -1,0 +1,161 @@
+"""What a run recorded of its task: the frames it was given, and the lines and rows it left, to be compared."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import msgspec
+
+from mimics_app.contracts.errors import PartialDataError
+from mimics_app.contracts.messages import TaskAction
+from mimics_app.recording.event_log import to_json
+from mimics_app.recording.run import Run
+from mimics_app.recording.trial_table import as_read
+
+__all__ = ["TASK_KINDS", "FrameLine", "TaskDifference", "TaskLines", "compare_lines", "compare_rows", "gather_task"]
+
+TASK_KINDS = ("state", "action", "clipped", "session_end")
+"""Kinds of the app's lines that the task manager journals."""
+
+
+class _ActionLine(msgspec.Struct):
+    values: dict[str, float]
+    at_trial: int | None = None
+
+
+class FrameLine(msgspec.Struct):
+    """One frame as it was recorded.
+
+    Attributes:
+        frame: Its number.
+        tick: Of the snapshot it saw.
+        t_ns: When.
+        events: How many events of the loop had come since the frame before.
+        pressed: Keys and buttons that went down.
+        action: What the learning system had chosen.
+    """
+
+    frame: int
+    tick: int
+    t_ns: int
+    events: int = 0
+    pressed: tuple[str, ...] = ()
+    action: _ActionLine | None = None
+
+    @property
+    def chosen(self) -> TaskAction | None:
+        """The action as the task takes it."""
+        return None if self.action is None else TaskAction(self.action.values, self.action.at_trial)
+
+
+@dataclass(frozen=True, slots=True)
+class TaskLines:
+    """What there is to compare.
+
+    Attributes:
+        frames: From the first on; of a run that was cut off those whose ticks are there.
+        lines: What the task journaled up to the last of them, as recorded.
+        rows: Of its attempts.
+        end_ns: When the session was ended; None where it never was.
+        whole: False for a run that was cut off: its last rows may be later than the last frame.
+    """
+
+    frames: list[FrameLine]
+    lines: list[dict[str, Any]]
+    rows: list[dict[str, Any]]
+    end_ns: int | None
+    whole: bool
+
+
+@dataclass(frozen=True, slots=True)
+class TaskDifference:
+    """The first thing that the task did otherwise.
+
+    Attributes:
+        where: Which, e.g. "task event 3 (state), trial" or "trials.csv row 0, score".
+        recorded, replayed: The two values; None where there is none.
+    """
+
+    where: str
+    recorded: object
+    replayed: object
+
+    def __str__(self) -> str:
+        return f"{self.where}: recorded {self.recorded!r}, replayed {self.replayed!r}"
+
+
+def gather_task(run: Run) -> TaskLines:
+    """Frames, lines and rows of a run.
+
+    Raises:
+        PartialDataError: Frames are missing, or what is recorded of one is damaged.
+    """
+    whole, end = run.status == "clean", run.end_of_ticks
+    frames: list[FrameLine] = []
+    lines: list[dict[str, Any]] = []
+    waiting: list[dict[str, Any]] = []
+    for line in (line for line in run.lines if line["source"] == "app"):
+        if line["kind"] in TASK_KINDS:
+            waiting.append(line)
+        elif line["kind"] == "frame":
+            frame = _frame(run, line, len(frames))
+            if not whole and frame.tick >= end:
+                waiting.clear()
+                break
+            frames.append(frame)
+            lines += waiting
+            waiting.clear()
+    if whole:
+        lines += waiting
+    ends = [line["t_ns"] for line in lines if line["kind"] == "session_end"]
+    return TaskLines(frames, lines, run.trials, ends[-1] if ends else None, whole)
+
+
+def _frame(run: Run, line: dict[str, Any], number: int) -> FrameLine:
+    try:
+        frame = msgspec.convert(line, FrameLine)
+    except msgspec.ValidationError as error:
+        raise PartialDataError(f"{run.folder}: frame {number} is damaged: {error}") from error
+    if frame.frame != number:
+        raise PartialDataError(f"{run.folder}: frame {number} is missing", "its task cannot be replayed")
+    return frame
+
+
+def compare_lines(
+    recorded: Sequence[Mapping[str, Any]], replayed: Sequence[tuple[str, Mapping[str, object]]]
+) -> TaskDifference | None:
+    """First line of the journal that the task wrote otherwise, or None."""
+    plain = [msgspec.json.decode(to_json({"source": "app", "kind": kind, **data})) for kind, data in replayed]
+    for number, (one, other) in enumerate(zip(recorded, plain, strict=False)):
+        if found := _differing(one, other):
+            return TaskDifference(f"task event {number} ({one['kind']}), {found}", one.get(found), other.get(found))
+    if len(recorded) != len(plain):
+        return TaskDifference("number of task events", len(recorded), len(plain))
+    return None
+
+
+def compare_rows(
+    recorded: Sequence[Mapping[str, Any]], replayed: Sequence[Mapping[str, object]], *, whole: bool
+) -> TaskDifference | None:
+    """First figure of the trial rows that came out otherwise, or None.
+
+    Args:
+        recorded: As read from trials.csv.
+        replayed: As the task made them.
+        whole: Both must be equally long; else the longer one's last rows are not compared.
+    """
+    for number, (one, made) in enumerate(zip(recorded, replayed, strict=False)):
+        other = as_read(made)
+        if found := _differing(one, other):
+            return TaskDifference(f"trials.csv row {number}, {found}", one.get(found), other.get(found))
+    if whole and len(recorded) != len(replayed):
+        return TaskDifference("number of trial rows", len(recorded), len(replayed))
+    return None
+
+
+def _differing(one: Mapping[str, Any], other: Mapping[str, Any]) -> str:
+    """The first name whose values are not the same, "" for none; a number that is none is the same as itself."""
+    names = dict.fromkeys([*one, *other])
+    return next((name for name in names if repr(one.get(name)) != repr(other.get(name))), "")

@@ -1,0 +1,221 @@
+"""One haptic object, or one set of walls, of a scene as rows; which row of which table they get is said later."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic_objects import BODY, SHAPE, STATIC, BodyFlag, ForceLaw, ObjectIntegrator, ShapeKind
+from mimics_app.world.components.haptic_shapes import (
+    CapsuleSolid,
+    CubeSolid,
+    CylinderSolid,
+    MeshSolid,
+    Solid,
+    SphereSolid,
+    TouchSurface,
+    surface_of,
+)
+from mimics_app.world.components.object_bodies import (
+    digest_of,
+    mass_properties_of,
+    mesh_of,
+    rotation_of,
+    shapes_of,
+)
+from mimics_app.world.components.objects import SIDES, HapticObject, HapticWalls, Wall
+from mimics_app.world.meshes.solids import SolidMesh
+from mimics_app.world.scene.placing import pose_of
+from mimics_app.world.scene.scene import Scene
+
+__all__ = ["MeshKey", "ObjectRows", "ShapeRow", "rows_of_object", "rows_of_walls"]
+
+Records = NDArray[Any]
+Array = NDArray[np.float64]
+
+MeshKey = tuple[str, str, float]
+"""Source, fit and scale of a mesh that is touched."""
+
+_INTEGRATORS = {each.name.lower(): each for each in ObjectIntegrator}
+"""By the word of `haptic_object.integrator`."""
+
+_LAWS = {"spring_damper": ForceLaw.SPRING_DAMPER, "hunt_crossley": ForceLaw.HUNT_CROSSLEY}
+_HALF = float(np.sqrt(0.5))
+_SIDE_TURNS = {
+    "left": (0.0, _HALF, 0.0, _HALF),
+    "right": (0.0, -_HALF, 0.0, _HALF),
+    "floor": (-_HALF, 0.0, 0.0, _HALF),
+    "ceiling": (_HALF, 0.0, 0.0, _HALF),
+    "back": (0.0, 0.0, 0.0, 1.0),
+    "front": (0.0, 1.0, 0.0, 0.0),
+}
+"""Rotation of each side's wall: local +z into the room."""
+
+_SIDE_PLACES = {
+    side: np.array(place)
+    for side, place in zip(
+        SIDES,
+        [(-0.5, 0, 0), (0.5, 0, 0), (0, -0.5, 0), (0, 0.5, 0), (0, 0, -0.5), (0, 0, 0.5)],
+        strict=True,
+    )
+}
+"""Middle of each side, in shares of the room's size."""
+
+
+@dataclass(frozen=True, eq=False)
+class ShapeRow:
+    """A SHAPE record, shape [1], without the numbers of its body, material and mesh, and what these are."""
+
+    row: Records
+    material: str
+    key: MeshKey | None = None
+    mesh: SolidMesh | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class ObjectRows:
+    """Rows of one object: a BODY record, shape [1], or None where it belongs to the static scene, and its shapes."""
+
+    body: Records | None
+    shapes: tuple[ShapeRow, ...]
+
+
+def rows_of_object(scene: Scene, entity: str, thing: HapticObject, *, moves: bool, integrator: str) -> ObjectRows:
+    """The rows of an object, made anew only where something they go by differs.
+
+    Args:
+        scene: The checked scene.
+        entity: Its id.
+        thing: Its component.
+        moves: Whether it has a body.
+        integrator: Planned for bodies that leave it open.
+
+    Raises:
+        ObjectFault: it cannot be made.
+    """
+    mesh = scene.entity(entity).components.get("mesh")
+    digests = tuple(digest_of(scene, shape.source) for shape in thing.shapes or () if isinstance(shape, MeshSolid))
+    key = ("haptic object", entity, moves, integrator)
+    source = (thing, mesh, _place(scene, entity), digests)
+    return scene.derive(key, lambda: _make_object(scene, entity, thing, moves, integrator), source)
+
+
+def rows_of_walls(scene: Scene, entity: str, walls: HapticWalls) -> ObjectRows:
+    """The rows of six walls, disabled ones too, so that they keep their rows."""
+    return scene.derive(
+        ("haptic walls", entity), lambda: _make_walls(scene, entity, walls), (walls, _place(scene, entity))
+    )
+
+
+def _place(scene: Scene, entity: str) -> tuple[float, ...]:
+    position, turn = pose_of(scene, entity)
+    return (*position.tolist(), *turn.tolist())
+
+
+def _make_object(scene: Scene, entity: str, thing: HapticObject, moves: bool, integrator: str) -> ObjectRows:
+    solids = shapes_of(scene, entity, thing)
+    body = _body(scene, entity, thing, solids, integrator) if moves else None
+    shapes = []
+    for solid in solids:
+        surface = surface_of(solid, thing)
+        row = _surface_row(surface)
+        row["position"], row["orientation"] = solid.position, _unit(solid.rotation)
+        if not moves:
+            place, turn = pose_of(scene, entity)
+            row["position"] = place + rotation_of(tuple(turn)) @ np.array(solid.position)
+            row["orientation"] = _product(turn, row["orientation"])
+        _size(row, solid)
+        mesh = mesh_of(scene, solid) if isinstance(solid, MeshSolid) else None
+        key = (solid.source, solid.fit, solid.scale) if isinstance(solid, MeshSolid) else None
+        shapes.append(ShapeRow(row, surface.material or "", key, mesh))
+    return ObjectRows(body, tuple(shapes))
+
+
+def _make_walls(scene: Scene, entity: str, walls: HapticWalls) -> ObjectRows:
+    place, turn = pose_of(scene, entity)
+    R = rotation_of(tuple(turn))
+    shapes = []
+    for side in SIDES:
+        wall: Wall = getattr(walls, side)
+        surface = surface_of(wall, walls)
+        row = _surface_row(surface)
+        row["kind"], row["enabled"] = ShapeKind.WALL, wall.enabled
+        size = np.array(walls.size or (0.0, 0.0, 0.0))
+        own = _SIDE_PLACES[side] * size if wall.position is None else np.array(wall.position)
+        row["position"] = place + R @ own
+        row["orientation"] = _product(turn, _unit(wall.rotation or _SIDE_TURNS[side]))
+        row["size"] = 1.0
+        shapes.append(ShapeRow(row, surface.material or ""))
+    return ObjectRows(None, tuple(shapes))
+
+
+def _body(scene: Scene, entity: str, thing: HapticObject, solids: tuple[Solid, ...], integrator: str) -> Records:
+    row = np.zeros(1, BODY)
+    flags = [
+        (thing.enable_translation, BodyFlag.TRANSLATION),
+        (thing.enable_rotation, BodyFlag.ROTATION),
+        (thing.enable_force_on_object, BodyFlag.FORCE_ON_OBJECT),
+        (thing.enable_torque_on_object, BodyFlag.TORQUE_ON_OBJECT),
+        (thing.sleeps, BodyFlag.SLEEPS),
+    ]
+    row["flags"] = sum(int(flag) for wanted, flag in flags if wanted)
+    row["integrator"] = _INTEGRATORS[integrator if thing.integrator == "auto" else thing.integrator]
+    row["spawn"] = 1
+    weight = mass_properties_of(scene, thing, solids)
+    row["mass"], row["centre"], row["inertia"] = weight.mass, weight.centre, weight.inertia
+    row["position"], row["orientation"] = pose_of(scene, entity)
+    row["velocity"], row["omega"] = thing.initial_velocity, thing.initial_angular_velocity
+    row["gravity"] = thing.gravity
+    row["damping_translation"] = thing.environment_translation_damping
+    row["damping_rotation"] = thing.environment_rotation_damping
+    row["force_aux"], row["torque_aux"] = thing.force_aux, thing.torque_aux
+    row["grip"], row["crush_force"] = thing.grip, thing.crush_force
+    return row
+
+
+def _surface_row(surface: TouchSurface) -> Records:
+    """A row of shapes with everything but its kind, place and size."""
+    row = np.zeros(1, SHAPE)
+    row["body"], row["enabled"], row["mesh"] = STATIC, 1, -1
+    row["law"] = _LAWS[surface.law or "spring_damper"]
+    for key in ("stiffness", "damping", "exponent", "texture_height", "texture_length"):
+        row[key] = getattr(surface, key)
+    for key in ("friction_static", "friction_dynamic", "friction_stiffness"):
+        row[key] = getattr(surface, key)
+    return row
+
+
+def _size(row: Records, solid: Solid) -> None:
+    match solid:
+        case CubeSolid():
+            row["kind"], row["size"], row["rounding"] = ShapeKind.BOX, solid.size, solid.rounding
+        case SphereSolid():
+            row["kind"], row["size"] = ShapeKind.SPHERE, (solid.radius, solid.radius, solid.radius)
+        case CylinderSolid():
+            row["kind"], row["rounding"] = ShapeKind.CYLINDER, solid.rounding
+            row["size"] = (solid.radius, solid.length, solid.radius)
+        case CapsuleSolid():
+            row["kind"], row["size"] = ShapeKind.CAPSULE, (solid.radius, solid.length, solid.radius)
+        case MeshSolid():
+            row["kind"], row["size"] = ShapeKind.MESH, 1.0
+
+
+def _unit(quaternion: tuple[float, ...]) -> Array:
+    unit: Array = np.array(quaternion) / np.linalg.norm(quaternion)
+    return unit
+
+
+def _product(a: Array, b: Any) -> Array:
+    """The rotation b followed by a, both xyzw."""
+    (ax, ay, az, aw), (bx, by, bz, bw) = a, np.asarray(b).reshape(4)
+    return np.array(
+        [
+            aw * bx + ax * bw + ay * bz - az * by,
+            aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw,
+            aw * bw - ax * bx - ay * by - az * bz,
+        ]
+    )

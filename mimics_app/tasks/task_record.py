@@ -1,0 +1,75 @@
+"""A task and what it knows of its scene as plain objects of JSON, as a recording keeps them, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import msgspec
+
+from mimics_app.contracts.haptic import Controller
+from mimics_app.contracts.scenario_port import Home, TaskContext, Vec3
+from mimics_app.tasks.task import TaskSpec
+
+__all__ = ["task_of_record", "task_record"]
+
+
+class _HomeRecord(msgspec.Struct):
+    target: Vec3
+    controller: int
+
+
+class _ContextRecord(msgspec.Struct):
+    start_joints: Vec3
+    home: _HomeRecord | None
+    bodies: tuple[str, ...]
+    places: dict[str, Vec3]
+    offers: list[str]
+    feel: int
+
+
+class _TaskRecord(msgspec.Struct):
+    spec: dict[str, Any]
+    context: _ContextRecord
+
+
+def task_record(spec: TaskSpec, context: TaskContext) -> dict[str, Any]:
+    """A task and what it knows of its scene. Of the places only those are kept that the task names."""
+    plain = msgspec.to_builtins(spec)
+    known = set(context.places)
+    home = None if context.home is None else _HomeRecord(context.home.target, int(context.home.controller))
+    places = {name: context.places[name] for name in dict.fromkeys(_texts(plain)) if name in known}
+    kept = _ContextRecord(context.start_joints, home, context.bodies, places, sorted(context.offers), int(context.feel))
+    record: dict[str, Any] = msgspec.to_builtins(_TaskRecord(plain, kept))
+    return record
+
+
+def task_of_record(record: Mapping[str, Any]) -> tuple[TaskSpec, TaskContext]:
+    """The same again.
+
+    Raises:
+        ValueError: It is no such record, or names a kind of task that is not installed.
+    """
+    kept = msgspec.convert(record, _TaskRecord)
+    known = kept.context
+    context = TaskContext(
+        start_joints=known.start_joints,
+        home=None if known.home is None else Home(known.home.target, Controller(known.home.controller)),
+        bodies=known.bodies,
+        places=known.places,
+        offers=frozenset(known.offers),
+        feel=Controller(known.feel),
+    )
+    return msgspec.convert(kept.spec, TaskSpec), context
+
+
+def _texts(plain: object) -> Iterator[str]:
+    """Every text in plain objects of JSON."""
+    if isinstance(plain, str):
+        yield plain
+    elif isinstance(plain, Mapping):
+        for value in plain.values():
+            yield from _texts(value)
+    elif isinstance(plain, list | tuple):
+        for value in plain:
+            yield from _texts(value)

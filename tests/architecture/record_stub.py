@@ -1,0 +1,112 @@
+"""The stub of record types, made from the dtypes: `python -m tests.architecture.record_stub` writes it anew."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+__all__ = ["STUB", "stub_text"]
+
+ROOT = Path(__file__).resolve().parents[2]
+STUB = ROOT / "mimics_app" / "contracts" / "record_types.pyi"
+"""What it is written to."""
+
+_HAPTIC = "mimics_app.rendering.haptic.kernels"
+
+MODULES = (
+    "mimics_app.contracts.haptic_objects",
+    "mimics_app.contracts.haptic",
+    f"{_HAPTIC}.contact_records",
+    f"{_HAPTIC}.objects.records",
+    f"{_HAPTIC}.objects.contact_scratch",
+    f"{_HAPTIC}.objects.effect_memory",
+    f"{_HAPTIC}.objects.totals",
+    f"{_HAPTIC}.objects.touches",
+    f"{_HAPTIC}.directions",
+    f"{_HAPTIC}.passivity",
+    f"{_HAPTIC}.acting",
+    f"{_HAPTIC}.state",
+)
+"""Where records are declared: every dtype with fields that a module of these names in capitals."""
+
+_HEAD = '''"""Types of the records that compiled functions take, for type checkers: there is no module at run time.
+
+One class for each numpy record dtype, with the Python type of each field; what a field is stands at the dtype. It is
+written by `python -m tests.architecture.record_stub`, and a test holds it against the dtypes. Kernels import from here
+under `TYPE_CHECKING` only: the cache of machine code, which is keyed by the sources a kernel reaches, does not look
+at a stub, so no kernel is tied to every record.
+"""
+
+from typing import Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.object_rows import Rows as Rows
+from mimics_app.rendering.haptic.mesh_table import MeshTable as MeshTable
+from mimics_app.rendering.haptic.objects import ObjectWork as ObjectWork
+from mimics_app.rendering.haptic.ridge_table import RidgeTable as RidgeTable
+
+Floats = NDArray[np.float64]
+Floats32 = NDArray[np.float32]
+Ints = NDArray[np.int64]
+Ints32 = NDArray[np.int32]
+Ints16 = NDArray[np.int16]
+
+R = TypeVar("R")
+
+class Table(Protocol[R]):
+    """An array of records."""
+
+    @property
+    def shape(self) -> tuple[int, ...]: ...
+    @property
+    def size(self) -> int: ...
+    def __len__(self) -> int: ...
+    def __getitem__(self, index: int, /) -> R: ...
+    def __setitem__(self, index: int, value: R, /) -> None: ...
+'''
+
+_ARRAYS = {"f8": "Floats", "f4": "Floats32", "i8": "Ints", "i4": "Ints32", "i2": "Ints16"}
+
+
+def _records() -> Iterator[tuple[str, str, np.dtype[Any]]]:
+    """(module, name, dtype) of every record, each once, where it is declared first."""
+    seen: list[np.dtype[Any]] = []
+    for module in MODULES:
+        for name, dtype in vars(import_module(module)).items():
+            if isinstance(dtype, np.dtype) and dtype.names and dtype not in seen:
+                seen.append(dtype)
+                yield module, name, dtype
+
+
+def _class(name: str) -> str:
+    return "".join(word.capitalize() for word in name.split("_")) + "Record"
+
+
+def _annotation(dtype: np.dtype[Any], classes: dict[np.dtype[Any], str]) -> str:
+    if dtype.subdtype:
+        base = dtype.subdtype[0]
+        return f"Table[{classes[base]}]" if base.names else _ARRAYS[f"{base.kind}{base.itemsize}"]
+    return classes[dtype] if dtype.names else "float" if dtype.kind == "f" else "int"
+
+
+def stub_text() -> str:
+    """The stub as the dtypes are now."""
+    records = list(_records())
+    classes = {dtype: _class(name) for _, name, dtype in records}
+    parts = [_HEAD]
+    for module, name, dtype in records:
+        fields = [f"    {field}: {_annotation(dtype[field], classes)}" for field in dtype.names or ()]
+        parts.append("\n".join([f"class {classes[dtype]}:", f'    """`{module}.{name}`."""', "", *fields, ""]))
+    return "\n".join(parts)
+
+
+if __name__ == "__main__":
+    STUB.write_text(stub_text(), encoding="utf-8")
+    sys.stdout.write(f"{STUB.relative_to(ROOT)}\n")

@@ -1,0 +1,128 @@
+"""A group of methods of another package, with the scenario that runs them: measured, drawn, planned and run.
+
+Nothing of the product knows it; it is installed as packages are, so it touches no existing file.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mimics_app.contracts.resources import root
+
+ENTRY_POINTS = """
+[mimics_app.methods]
+guessing = lab_of_guesses:GUESSES
+broken = lab_of_guesses:no_such_thing
+wrong = lab_of_guesses:Guesser
+[mimics_app.scenarios]
+guesses = lab_of_guesses:Guesser
+"""
+
+PACKAGE = """
+import math
+from mimics_app.contracts.method_table import Row
+from mimics_app.contracts.methods import Group, Method
+from mimics_app.scenarios.touch_scene import TouchScene
+from mimics_app.world.components.robot import Robot
+from mimics_app.world.scene.method_plugins import MethodPlugin, Use
+
+GROUP = "square root"
+
+
+def series(x, steps):
+    guess = x
+    for _ in range(steps):
+        guess = 0.5 * (guess + x / guess)
+    return guess
+
+
+def register(registry):
+    from mimics_app.contracts.probe import reference_us, shortest_us
+
+    registry.describe(Group(GROUP, "the square root of 2", "m", "", reference_us, few="an example"))
+    for steps in (1, 6):
+        registry.register(Method(
+            GROUP, f"{steps} steps", "Heron", lambda steps=steps: shortest_us(lambda: series(2.0, steps)),
+            lambda steps=steps: abs(series(2.0, steps) - math.sqrt(2.0)), "m", "x > 0", {"steps": steps}, steps == 6))
+
+
+GUESSES = MethodPlugin(
+    GROUP, register,
+    rows=(Row("1 steps", 0.0, 0.1, 0.0858, "m", {"steps": 1}), Row("6 steps", 0.0, 0.4, 2e-16, "m", {"steps": 6})),
+    use=Use("square roots", lambda scene: scene.has(Robot)))
+
+
+class Guesser(TouchScene):
+    @property
+    def facts(self):
+        return {**super().facts, "root": series(2.0, self._scene.methods[GROUP]["steps"])}
+"""
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("site")
+    about = folder / "lab_of_guesses-1.0.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: lab-of-guesses\nVersion: 1.0\n")
+    (about / "entry_points.txt").write_text(ENTRY_POINTS)
+    (folder / "lab_of_guesses.py").write_text(PACKAGE)
+    return folder
+
+
+def mimics(site: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "mimics_app.app.cli", *map(str, arguments)]
+    environment = {**os.environ, "PYTHONPATH": str(site)}
+    return subprocess.run(command, capture_output=True, text=True, timeout=240, check=False, env=environment)
+
+
+def scene(folder: Path, position_m: float) -> Path:
+    document = json.loads((root() / "scenes" / "examples" / "free_objects.json").read_text())
+    document["scenario"] = "guesses"
+    document.setdefault("systems", {})["tolerances"] = {"position_m": position_m}
+    path = folder / f"guesses_{position_m}.json"
+    path.write_text(json.dumps(document))
+    return path
+
+
+def test_it_is_measured_and_drawn_as_the_built_in_ones_are(installed: Path, tmp_path: Path) -> None:
+    done = mimics(installed, "lab", "chart", "square root", "--json", "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    (figure,) = json.loads(done.stdout)["figures"]
+    assert (figure["default"], set(figure["front"])) == ("6 steps", {"1 steps", "6 steps"})
+    assert "1 steps" in Path(figure["svg"]).read_text(encoding="utf-8")
+    unknown = mimics(installed.parent, "lab", "chart", "square root")
+    assert unknown.returncode == 2 and 'no group of methods "square root"' in unknown.stderr
+
+
+def test_the_planner_takes_the_cheapest_within_and_that_one_runs(installed: Path, tmp_path: Path) -> None:
+    roots: dict[float, Any] = {}
+    for tolerance in (0.1, 1e-9):
+        options = ("--headless", "--seconds", 0.1, "--pictures", 0, "--sound", "off", "--json", "--runs", tmp_path)
+        done = mimics(installed, "run", scene(tmp_path, tolerance), *options)
+        assert done.returncode == 0, done.stderr
+        session = json.loads((Path(json.loads(done.stdout)["run_dir"]) / "session.json").read_text())
+        roots[tolerance] = session["facts"]["root"]
+        assert "square root" in json.dumps(session["plan"])
+    assert roots[0.1] == 1.5 and roots[1e-9] == pytest.approx(2.0**0.5, abs=1e-12)
+    assert 'methods "broken" cannot be imported' in done.stderr and 'methods "wrong" are left out' in done.stderr
+
+
+def test_explain_says_what_it_costs_and_errs(installed: Path, tmp_path: Path) -> None:
+    done = mimics(installed, "explain", scene(tmp_path, 0.1))
+    assert done.returncode == 0, done.stderr
+    assert "square roots" in done.stdout and "1 steps" in done.stdout
+
+
+def test_doctor_tells_which_cannot_be_had(installed: Path) -> None:
+    rows = json.loads(mimics(installed, "doctor", "--json").stdout)["plugins"]
+    faults = {row["name"]: row["error"] for row in rows if row["group"] == "mimics_app.methods"}
+    assert faults["guessing"] == ""
+    assert "AttributeError" in faults["broken"] and "is no mimics_app" in faults["wrong"]
