@@ -6,8 +6,9 @@
     SAMPLE    loop -> recorder, one per tick, through a ring: inputs for replay and every output
     EVENT     loop -> main, audio, recorder: 64 bytes, one ring each
 
-Frames: `world` is the scene's (right-handed, +y up, metres), `robot` is the HapticMaster's WCS (x radial, y lateral,
-z up). Forces named `user` act on the user. SI units throughout.
+Frames: `world` is the scene's (right-handed, +y up, metres), `robot` is the device's own (of the HapticMaster its WCS:
+x radial, y lateral, z up). Joints are in m or rad, as the device's descriptor says; a vector of them has MAX_JOINTS
+places. Forces named `user` act on the user. SI units throughout.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from mimics_app.contracts.haptic_objects import OBJECT_COUNTS
-from mimics_app.contracts.loop_fields import LOOP_FIELDS, sample_dtype, snapshot_dtype
+from mimics_app.contracts.loop_fields import LOOP_FIELDS, MAX_CONTACTS, MAX_JOINTS, sample_dtype, snapshot_dtype
 
 __all__ = [
     "EVENT",
@@ -26,6 +27,7 @@ __all__ = [
     "INBOX",
     "LIMITS",
     "LIMIT_NAMES",
+    "MAX_GEOMETRY",
     "MAX_PIECES",
     "POSE",
     "SAMPLE",
@@ -41,6 +43,9 @@ __all__ = [
     "SafetyState",
     "TripCause",
 ]
+
+MAX_GEOMETRY = 16
+"""Numbers of a device's geometry."""
 
 MAX_PIECES = 96
 """Most cubic pieces one tunnel may have; fixes the size of a parameter block."""
@@ -87,7 +92,7 @@ class Controller(IntEnum):
 
 
 class AdmittanceForm(IntEnum):
-    """How the virtual mass is integrated: as printed (6, 7), polar with its coupling terms, or Cartesian."""
+    """How the virtual mass of a polar device moves: as printed (6, 7), with its coupling terms, or Cartesian."""
 
     SEED = 0
     POLAR = 1
@@ -164,8 +169,10 @@ LIMITS: list[tuple[Any, ...]] = [
     ("max_acceleration", "f8"),  # [m/s^2] of the virtual mass
     ("max_velocity", "f8"),  # [m/s] of the command
     ("drive_force", "f8"),  # [N] most that drive_stiffness and drive_damping do
-    ("joint_min", "f8", (3,)),  # q1 [m], q2 [rad], q3 [m]
-    ("joint_max", "f8", (3,)),
+    ("joint_min", "f8", (MAX_JOINTS,)),
+    ("joint_max", "f8", (MAX_JOINTS,)),
+    ("joint_velocity", "f8", (MAX_JOINTS,)),  # of the command, largest per joint
+    ("joint_acceleration", "f8", (MAX_JOINTS,)),  # likewise of its change
     ("workspace_margin", "f8"),  # [m, rad] beyond the joint limits before SAFE_STOP
     ("ramp_time", "f8"),  # [s] soft start 0 -> 1
     ("ramp_force", "f8"),  # [N] the force must be below this to start the ramp
@@ -209,13 +216,19 @@ SCENE = np.dtype(
         ("trial", "i8"),  # counts trials; devices with a simulated person restart on change
         ("controller", "i8"),  # Controller
         ("form", "i8"),  # AdmittanceForm
-        ("target", "f8", (3,)),  # PD reference: joints for JOINT_PD, robot frame [m] for WORLD_PD
-        ("kp", "f8", (3,)),  # [1/s] per joint
-        ("kd", "f8", (3,)),  # [-] per joint
-        ("force_driven", "i8"),  # 1: the device is told forces (COMMAND_FORCE), 0: velocities (COMMAND_DQ)
+        ("target", "f8", (3 * MAX_CONTACTS,)),  # PD reference: joints for JOINT_PD, points in the robot frame [m] else
+        ("kp", "f8", (MAX_JOINTS,)),  # [1/s] per joint
+        ("kd", "f8", (MAX_JOINTS,)),  # [-] per joint
+        ("through_joints", "i8"),  # 1: WORLD_PD by inverse kinematics and joint PD (4.2.6), 0: straight
+        ("force_driven", "i8"),  # 1: the device is told forces (COMMAND_FORCE, _TORQUE), 0: velocities (COMMAND_DQ)
         ("drive_stiffness", "f8"),  # [N/m] of the spring that draws a force driven device to a target
         ("drive_damping", "f8"),  # [N s/m] of the damper beside it
-        ("axis_offset", "f8"),  # d1 [m] of (1)
+        ("joints", "i8"),  # of the device, 1 to MAX_JOINTS
+        ("contacts", "i8"),  # its points of contact, 1 to MAX_CONTACTS
+        ("torques", "i8"),  # 1: it takes torques at its joints
+        ("polar", "i8"),  # 1: its joints are radial, angle, vertical (4.2.7); 0: motion is computed in its joints
+        ("geometry", "f8", (MAX_GEOMETRY,)),  # what its kinematics functions are given; polar: d1 [m] of (1)
+        ("joint_inertia", "f8", (MAX_JOINTS,)),  # virtual inertia of each joint itself [kg, kg m^2]
         ("R_world_from_robot", "f8", (3, 3)),
         ("origin_world", "f8", (3,)),  # WCS origin in the world [m]
         *FEEL,

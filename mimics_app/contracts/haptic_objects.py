@@ -233,13 +233,14 @@ EFFECT = np.dtype(
 
 POINT = np.dtype(
     [
-        ("offset", "f8", (3,)),  # from the HIP, world [m]
+        ("offset", "f8", (3,)),  # from its point of contact, world [m]
         ("radius", "f8"),  # of the point as a ball [m]; 0: a point
         ("enabled", "i4"),
+        ("contact", "i4"),  # number of the device's point of contact that carries it
     ],
     align=True,
 )
-"""One interaction point: fixed to the end-effector, which does not turn."""
+"""One interaction point: fixed to a point of contact of the device, which does not turn."""
 
 WIRE = np.dtype(
     [

@@ -16,6 +16,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from mimics_app.contracts import ring, triple_buffer
 from mimics_app.contracts.haptic import EVENT, INBOX, POSE, SAMPLE, SCENE, SNAPSHOT
+from mimics_app.contracts.loop_fields import Extent
 from mimics_app.contracts.object_rows import ROW_DTYPES, ObjectCapacities, Rows
 from mimics_app.contracts.segment import ArraySpec, Segment
 
@@ -45,6 +46,7 @@ class Capacities:
     samples: int = 16384  # 16 s at 1 kHz, twice what a recorder on a busy machine takes to be replaced; a power of two
     events: int = 2048  # for as long; a power of two
     lateness_bins: int = 2048
+    extent: Extent = field(default_factory=Extent)  # which of the loop's numbers the device has
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.errors import PartialDataError
 from mimics_app.contracts.haptic import EVENT, SCENE
 from mimics_app.contracts.object_rows import Rows
-from mimics_app.recording.columns import OUTPUT_FIELDS, column_names, field_columns, rows_of
+from mimics_app.recording.columns import OUTPUT_FIELDS, field_columns, name_of, rows_of
 from mimics_app.recording.run import Run
 from mimics_app.recording.statics import Statics, read_statics
 
@@ -120,7 +120,7 @@ def compare(recorded: NDArray[Any], replayed: NDArray[Any]) -> Difference | None
     row, column = np.unravel_index(int(differs.argmax()), differs.shape)
     return Difference(
         tick=int(recorded["tick"][row]),
-        column=column_names()[columns[column]],
+        column=name_of(int(columns[column])),
         recorded=float(one[row, column]),
         replayed=float(other[row, column]),
         count=int(differs.sum()),

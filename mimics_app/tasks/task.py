@@ -218,8 +218,8 @@ class StartSpec(Component, frozen=True):
     """How the robot is brought to the start of a trial."""
 
     tolerance: Annotated[
-        tuple[Tolerance, Tolerance, Tolerance],
-        Meta(description="Largest joint error that counts as arrived [m, rad, m]."),
+        Annotated[tuple[Tolerance, ...], Meta(min_length=1, max_length=8)],
+        Meta(description="Largest joint error that counts as arrived [m or rad], the last for all joints behind."),
     ] = (0.005, 0.02, 0.005)
     hold_s: Annotated[Seconds, Meta(description="How long it must stay so [s].")] = 0.2
     ready_s: Annotated[

@@ -66,7 +66,7 @@ def _pressed(
     rows = script(rest + 200)
     scene = scene_from_components()[0]
     for row, step in zip(rows, steps, strict=True):
-        inverse(scene["R_world_from_robot"].T @ (step * WAY * way), float(scene["axis_offset"]), row[:3])
+        inverse(scene["R_world_from_robot"].T @ (step * WAY * way), float(scene["geometry"][0]), row[:3])
     bench = scripted_with(play, rows)
     bench.publish(virtual_damping=OWN, device_delay=DELAY * T, arm_damping=0.0, device_damping=0.0, **values)
     samples = bench.advance(rest + 200)

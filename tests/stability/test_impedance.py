@@ -7,7 +7,7 @@ import pytest
 
 from mimics_app.contracts.haptic import Controller, SafetyState
 from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.contracts.loop_ports import READ, DevicePlugin
+from mimics_app.contracts.loop_ports import DATA_GRASP, READ, DevicePlugin
 from mimics_app.rendering.haptic.control.impedance import draw_along
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.devices.simulated_impedance import write_force
@@ -35,7 +35,7 @@ def _robot(push: int = 0) -> np.ndarray:
 def read_pushed_light(memory, inbox, data, tick):
     if tick > 0:
         step_light_robot(memory[:LENGTH], memory[PUSH : PUSH + 3])
-    data[9] = 20.0
+    data[DATA_GRASP] = 20.0
     light_robot.sense_position(memory[:LENGTH], data)
     return 0
 

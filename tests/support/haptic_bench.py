@@ -10,10 +10,22 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts import ring
 from mimics_app.contracts.haptic import INBOX, SAMPLE, Controller
-from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.contracts.loop_ports import DATA_LENGTH, READ, WRITE, DevicePlugin
+from mimics_app.contracts.kernel import kernel, typed_kernel
+from mimics_app.contracts.loop_ports import (
+    DATA_AGE,
+    DATA_BUTTONS,
+    DATA_DELAY,
+    DATA_DQ,
+    DATA_FORCE,
+    DATA_GRASP,
+    DATA_Q,
+    READ,
+    WRITE,
+    DevicePlugin,
+)
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.contracts.session_memory import Capacities, SessionMemory
+from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.simulated_hapticmaster import robot_delay, write_robot, write_robot_memory
@@ -23,16 +35,30 @@ from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.rendering.haptic.tunnel import build_tunnel
 from mimics_app.world.components.robot import Patient, Robot
 
-ROW = DATA_LENGTH + 1
-"""One scripted tick: a data vector and a DeviceStatus."""
+Q, DQ, FORCE, GRASP, BUTTONS, AGE, DELAY, STATUS = 0, 3, 6, 9, 10, 11, 12, 13
+ROW = 14
+"""One scripted tick of three joints and a hand: their data one behind the other, and a DeviceStatus."""
+
+_PLACES = np.array(
+    [DATA_Q + i for i in range(3)]
+    + [DATA_DQ + i for i in range(3)]
+    + [DATA_FORCE + i for i in range(3)]
+    + [DATA_GRASP, DATA_BUTTONS, DATA_AGE, DATA_DELAY]
+)
+KIN = tuple(HAPTICMASTER.kinematics)
+
+
+@kernel
+def script_data(memory, row, data):
+    for i in range(STATUS):
+        data[_PLACES[i]] = memory[row + i]
 
 
 @typed_kernel(READ)
 def read_script(memory, inbox, data, tick):
     row = min(tick, memory.shape[0] // ROW - 1) * ROW
-    for i in range(DATA_LENGTH):
-        data[i] = memory[row + i]
-    return np.int64(memory[row + DATA_LENGTH])
+    script_data(memory, row, data)
+    return np.int64(memory[row + STATUS])
 
 
 @typed_kernel(WRITE)
@@ -61,7 +87,7 @@ def read_pushed(memory, inbox, data, tick):
     machine = memory[:ROBOT_LENGTH]
     if tick > 0:
         step_robot(machine)
-    data[9] = 20.0
+    data[DATA_GRASP] = 20.0
     sense(machine, memory[PUSH : PUSH + 3], data)
     return 0
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.contracts.loop_ports import READ, WRITE, DevicePlugin
+from mimics_app.contracts.loop_ports import DATA_AGE, DATA_DQ, READ, WRITE, DevicePlugin
 from mimics_app.rendering.haptic.devices.conformance import CHECKS, Finding, check_device
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.world.components.robot import Patient, Robot
@@ -56,7 +56,7 @@ def write_nothing(memory, command, tick):
 
 @typed_kernel(READ)
 def read_nan(memory, inbox, data, tick):
-    data[3] = np.nan
+    data[DATA_DQ] = np.nan
     return 0
 
 
@@ -72,7 +72,7 @@ def read_unknown_status(memory, inbox, data, tick):
 
 @typed_kernel(READ)
 def read_older_and_older(memory, inbox, data, tick):
-    data[11] = 0.002 * (tick % 9)
+    data[DATA_AGE] = 0.002 * (tick % 9)
     return 0
 
 

@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.device_descriptor import Kinematics
 
 __all__ = ["add_arguments", "run"]
 
@@ -35,7 +40,7 @@ def run(args: argparse.Namespace) -> int:
         from mimics_app.rendering.haptic.object_statics import ObjectStatics
 
         statics = ObjectStatics.from_arrays(data.statics.arrays, data.statics.fields)
-    replayed = replay_run(data.samples, data.blocks, data.rows, statics)
+    replayed = replay_run(data.samples, data.blocks, data.rows, statics, kinematics=_kinematics(recorded.session))
     end = recorded.comparable_end
     difference = compare(data.samples, replayed.samples) or compare_events(recorded.events, replayed.events, end)
     if difference is not None:
@@ -51,6 +56,20 @@ def run(args: argparse.Namespace) -> int:
     else:
         print(f"{ticks} ticks replayed, every output and {events} events equal bit for bit{_left_out(left, end)}")
     return 0
+
+
+def _kinematics(session: Mapping[str, Any]) -> Kinematics:
+    """Of the device that was recorded; runs that name none are of a HapticMaster's kind.
+
+    Raises:
+        DeviceError: Its plug-in is not installed here.
+    """
+    from mimics_app.rendering.haptic.devices.described import descriptor_of
+    from mimics_app.rendering.haptic.devices.device_names import SIMULATED
+
+    moved_by = session.get("moved_by")
+    name = moved_by.get("kind") or moved_by.get("device") if isinstance(moved_by, dict) else None
+    return descriptor_of(str(name or SIMULATED)).kinematics
 
 
 def _left_out(events: int, end: int) -> str:

@@ -11,8 +11,8 @@ import mimics_app.tasks.scene_section  # noqa: F401  registers the task block
 from mimics_app.app.scenes.finding import find_scene
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.rendering.haptic import force_fields, scene_effects  # noqa: F401  their checks
-from mimics_app.rendering.haptic.kernels.kinematics import inverse
-from mimics_app.rendering.haptic.scene_block import axis_offset, robot_from_world
+from mimics_app.rendering.haptic.devices import robot_checks  # noqa: F401  its checks
+from mimics_app.rendering.haptic.devices.reach import Reach
 from mimics_app.rendering.haptic.scene_objects import check_objects
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
 from mimics_app.tasks.actions import haptic_field
@@ -66,9 +66,10 @@ def _check_reach(scene: Scene) -> list[Issue]:
         return []
     _, robot, pointer = scene.one(Robot)
     curve, _ = tunnel_of_scene(scene)
+    reach = Reach(robot)
     for arc in np.linspace(0.0, curve.length, _REACH_CHECKS):
         point = curve.point(curve.parameter_at(arc))[0]
-        if not _reaches(robot, point):
+        if not reach.reaches(point):
             what = f"the robot does not reach the tunnel {arc:.3f} m from its start, at {_place(point)}"
             return [scene.issue(f"{pointer}/robot_to_world", what, "move the robot or the tunnel")]
     return []
@@ -82,22 +83,17 @@ def _check_carry_reach(scene: Scene) -> list[Issue]:
         return []
     robot = scene.one(Robot)[1]
     mark = pose_of(scene, carry.to)[0]
-    if not _reaches(robot, mark):
+    reach = Reach(robot)
+    if not reach.reaches(mark):
         what = f'the robot does not reach "{carry.to}" at {_place(mark)}'
         return [scene.issue("/task/carry/to", what, "move the robot or the mark")]
     box, height = carry.falls_from, robot.robot_to_world.translation[1]
     corners = [(x, height, z) for x in (box.low[0], box.high[0]) for z in (box.low[2], box.high[2])] if box else []
     for corner in corners:
-        if not _reaches(robot, np.array(corner)):
+        if not reach.reaches(np.array(corner)):
             what = f"the robot does not reach what lies below its corner at {_place(np.array(corner))}"
             return [scene.issue("/task/carry/falls_from", what, "make it smaller or move the robot")]
     return []
-
-
-def _reaches(robot: Robot, point_world: NDArray[np.float64]) -> bool:
-    q = np.zeros(3)
-    inverse(robot_from_world(robot, point_world.reshape(1, 3))[0], axis_offset(robot), q)
-    return bool(np.all(q >= robot.joint_min) and np.all(q <= robot.joint_max))
 
 
 def _place(point: NDArray[np.float64]) -> str:

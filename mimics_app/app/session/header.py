@@ -10,8 +10,10 @@ import msgspec
 
 from mimics_app.app.planner.explain import describe_plan
 from mimics_app.app.session.preparation import Preparation
-from mimics_app.rendering.haptic.devices.device_names import POINTER
+from mimics_app.rendering.haptic.devices.address import split_device
+from mimics_app.rendering.haptic.devices.device_names import POINTER, REPLAY
 from mimics_app.rendering.haptic.scene_block import safety_of
+from mimics_app.world.components.robot import Robot
 
 __all__ = ["describe_session"]
 
@@ -30,7 +32,7 @@ def describe_session(parts: Preparation) -> dict[str, Any]:
         "seed": settings.seed,
         "profile": settings.profile,
         "live": parts.live,
-        "moved_by": {"device": parts.robot.device, **_person(parts)},
+        "moved_by": {"device": parts.robot.device, **_person(parts), **_kind(parts)},
         "safety": {
             **msgspec.structs.asdict(safety_of(parts.parameter_store.block)),
             "late_latches": bool(parts.parameter_store.block["late_latches"][0]),
@@ -41,6 +43,12 @@ def describe_session(parts: Preparation) -> dict[str, Any]:
         "facts": parts.scenario.facts,
         "plan": describe_plan(scene, parts.plan.without_picture if parts.live else parts.plan),
     }
+
+
+def _kind(parts: Preparation) -> dict[str, str]:
+    """The device whose joints a replayed recording is of."""
+    planned = (parts.scene.first(Robot) or Robot()).device
+    return {"kind": planned} if split_device(parts.robot.device).name == REPLAY else {}
 
 
 def _person(parts: Preparation) -> dict[str, str]:

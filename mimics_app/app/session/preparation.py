@@ -20,6 +20,7 @@ from mimics_app.contracts.stages import Learning
 from mimics_app.learning.action_sequence import load_action_sequence
 from mimics_app.learning.stage import NullLearning
 from mimics_app.recording.run import Run
+from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.devices.device_names import POINTER, SIMULATED
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.tasks.actions import build_action_space, fill_defaults
@@ -98,7 +99,9 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False) ->
     learning = _learning(settings, task)
     robot, patient = _who_moves(settings, scene, live=live)
     way, objects = scenario.via_points_world, side.for_robot(robot)
-    plugin = build_device(robot, patient, way, settings.seed, samples=_recorded(settings), objects=objects)
+    recorded = _recorded(settings)
+    descriptor = None if recorded is None else descriptor_of((scene.first(Robot) or Robot()).device)
+    plugin = build_device(robot, patient, way, settings.seed, samples=recorded, descriptor=descriptor, objects=objects)
     return Preparation(
         settings=settings,
         live=live or plugin.real_time,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from typing import Any
 
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.contracts.object_rows import Rows
 from mimics_app.contracts.session_memory import Capacities, SessionMemory
 from mimics_app.recording.statics import Statics
+from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.device_objects import DEFAULT_INERTIA, DeviceObject
 from mimics_app.rendering.haptic.devices.objects_of_rows import device_objects_of
 from mimics_app.rendering.haptic.engine import HapticEngine
@@ -61,9 +63,11 @@ class HapticSide:
             sys.stderr.write(f'mimics: "{entity}" cannot be felt: the robot does not make it, {reason}\n')
         return objects
 
-    def memory(self) -> SessionMemory:
-        """Shared memory with room for them."""
-        return SessionMemory(Capacities(objects=self._objects.capacities) if self._some else None)
+    def memory(self, plugin: DevicePlugin) -> SessionMemory:
+        """Shared memory with room for them, and for what the device has."""
+        extent = (plugin.descriptor or HAPTICMASTER).extent
+        capacities = Capacities(objects=self._objects.capacities) if self._some else Capacities()
+        return SessionMemory(replace(capacities, extent=extent))
 
     def parameter_store(self, block: NDArray[Any]) -> ParameterStore:
         """A store with the scene's parameter block and the rows of its objects."""

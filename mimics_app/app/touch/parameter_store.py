@@ -128,8 +128,9 @@ class ParameterStore:
         records, field = self._find(name)
         changed = False
         for record in records:
-            if not np.array_equal(record[field], value):  # type: ignore[arg-type]
-                record[field] = value
+            wanted = _as_long_as(record[field], value)
+            if not np.array_equal(record[field], wanted):
+                record[field] = wanted
                 changed = True
         if changed and name.removeprefix(_PREFIX).split(".")[0] in Rows._fields:
             self._block[0]["objects"]["revision"] += 1
@@ -154,3 +155,10 @@ class ParameterStore:
         if who not in known:
             raise UsageError(f'"{name}" is no parameter of the haptic scene', nearest(who, known))
         return [table[row] for row in known[who]]
+
+
+def _as_long_as(place: Any, value: object) -> Any:
+    """A value for a place, a vector of a device's joints followed by zeros for those it does not have."""
+    if np.ndim(place) == 0 or not 0 < np.size(value) < np.size(place):  # type: ignore[arg-type]
+        return value
+    return np.concatenate([np.ravel(value), np.zeros(np.size(place) - np.size(value))])  # type: ignore[arg-type]

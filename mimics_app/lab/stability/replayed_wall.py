@@ -22,9 +22,10 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_DQ, DATA_LENGTH, DATA_Q
 from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
 from mimics_app.lab.stability.linear import find_limit
+from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe
 from mimics_app.rendering.haptic.kernels.safety import HOLD, IN_TIME, LATE_DAMP
-from mimics_app.rendering.haptic.kernels.state import new_state
+from mimics_app.rendering.haptic.kernels.state import new_states
 from mimics_app.rendering.haptic.kernels.tick import tick
 from mimics_app.rendering.haptic.loop import late_class
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, no_objects
@@ -150,6 +151,9 @@ def _classes(scenes: Any, late_ns: Any, held: Any) -> None:
         before = late_ns[i]
 
 
+_KIN = tuple(HAPTICMASTER.kinematics)
+
+
 @kernel
 def _stroke(
     scenes: Any,
@@ -175,7 +179,8 @@ def _stroke(
             objects,
             no_objects,
             NO_FIELDS,
-            states[0],
+            _KIN,
+            states,
             data,
             0,
             0,
@@ -216,7 +221,7 @@ def energy_of(wakes: Wakes, damping: float, policy: bool, stroke: Stroke = Strok
     held = classes_of(wakes, policy)
     samples, observers = np.zeros(1, SAMPLE), np.zeros(1, OBSERVER)
     rows, objects = new_rows(ObjectCapacities()), new_object_work(ObjectCapacities())
-    _stroke(_scene(damping), rows, objects, depth, rate, held, PERIOD, new_state(), samples, observers, out)
+    _stroke(_scene(damping), rows, objects, depth, rate, held, PERIOD, new_states(), samples, observers, out)
     return float(out[-1])
 
 

@@ -17,6 +17,7 @@ from mimics_app.contracts.haptic_objects import (
     SignalSource,
     SignalTarget,
 )
+from mimics_app.contracts.loop_fields import MAX_CONTACTS, MAX_JOINTS
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, count_rows
 from mimics_app.rendering.haptic.row_checks import check_points, check_shapes
 
@@ -27,6 +28,8 @@ Records = NDArray[Any]
 _LARGEST = {
     "controller": max(Controller),
     "form": max(AdmittanceForm),
+    "joints": MAX_JOINTS,
+    "contacts": MAX_CONTACTS,
     "tunnel.projection": max(Projection),
     "tunnel.pieces": MAX_PIECES,
 }
@@ -78,6 +81,7 @@ def _check_rows(counts: Any, rows: Rows | None, capacities: ObjectCapacities) ->
     if rows is None:
         return
     last_body, last_effect = used["bodies"] - 1, used["effects"] - 1
+    _check_column("points.contact", rows.points["contact"][: used["points"]], 0, MAX_CONTACTS - 1)
     wires = rows.wires[: used["wires"]]
     _check_column("shapes.body", rows.shapes["body"][: used["shapes"]], STATIC, last_body)
     _check_column("effects.body", rows.effects["body"][: used["effects"]], STATIC, last_body)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.borrowed import borrowed_type
 from mimics_app.contracts.haptic import TUNNEL
 from mimics_app.contracts.haptic_objects import MAX_POINTS, MOTION, OBJECT_COUNTS
+from mimics_app.contracts.loop_fields import MAX_CONTACTS
 from mimics_app.contracts.loop_ports import FIELD_PARAMETERS, FIELDS
 from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
 from mimics_app.rendering.haptic.kernels.directions import MOST_TOUCHED, TOUCHED
@@ -79,7 +80,7 @@ class ObjectWork(NamedTuple):
         befores: BEFORE, shape [bodies].
         near: Rows of the shapes near the point at hand, shape [shapes].
         walls: WALL_TOUCH, shape [MOST_WALLS]: walls that the point at hand touches.
-        touched: TOUCHED, shape [MOST_TOUCHED]: contacts of this tick, TOTALS.listed of them.
+        touched: TOUCHED, shape [MAX_CONTACTS, MOST_TOUCHED]: what each point of contact touches, TOTALS.listed of them.
         margins: Least stability margin of each shape while it was felt, inf: never, shape [shapes].
         order: Shapes in the order of the sweep, walls from the back, shape [shapes].
         next_moving: For each place in the order, the next of a shape that can move.
@@ -149,7 +150,7 @@ def new_object_work(capacities: ObjectCapacities, meshes: MeshTable | None = Non
         bounds=np.zeros((4, shapes)),
         aux_forces=np.zeros((bodies, 3)),
         aux_torques=np.zeros((bodies, 3)),
-        totals=np.zeros(1, TOTALS),
+        totals=np.zeros(MAX_CONTACTS, TOTALS),
         grip=new_grip(),
         touches=np.zeros(1 + bodies, TOUCH),
         motion_words=motions.view(np.int64).reshape(bodies, MOTION.itemsize // 8),
@@ -169,7 +170,7 @@ def new_object_work(capacities: ObjectCapacities, meshes: MeshTable | None = Non
         befores=np.zeros(bodies, BEFORE),
         near=np.zeros(shapes, np.int64),
         walls=np.zeros(MOST_WALLS, WALL_TOUCH),
-        touched=np.zeros(MOST_TOUCHED, TOUCHED),
+        touched=np.zeros((MAX_CONTACTS, MOST_TOUCHED), TOUCHED),
         margins=np.full(shapes, np.inf),
         order=np.zeros(shapes, np.int64),
         next_moving=np.zeros(shapes, np.int64),

@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts import ring
+from mimics_app.contracts.device_descriptor import Kinematics
 from mimics_app.contracts.haptic import EVENT, SAMPLE, SCENE
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, count_rows, new_rows, slot_of
 from mimics_app.contracts.session_memory import Capacities, SessionMemory
 from mimics_app.rendering.haptic.channels import channels_of, new_work
+from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.loop import replay_recorded
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, load_simulation, no_objects
 from mimics_app.rendering.haptic.objects import new_object_work
@@ -44,10 +46,11 @@ def replay_ticks(
     rows: Mapping[int, Rows] | None = None,
     statics: ObjectStatics | None = None,
     *,
+    kinematics: Kinematics = HAPTICMASTER.kinematics,
     period_ns: int = 1_000_000,
 ) -> Records:
     """The samples of `replay_run`."""
-    return replay_run(inputs, scenes, rows, statics, period_ns=period_ns).samples
+    return replay_run(inputs, scenes, rows, statics, kinematics=kinematics, period_ns=period_ns).samples
 
 
 def replay_run(
@@ -56,6 +59,7 @@ def replay_run(
     rows: Mapping[int, Rows] | None = None,
     statics: ObjectStatics | None = None,
     *,
+    kinematics: Kinematics = HAPTICMASTER.kinematics,
     period_ns: int = 1_000_000,
 ) -> Replayed:
     """Simulate recorded inputs again; equal bit for bit except for the timing fields.
@@ -65,6 +69,7 @@ def replay_run(
         scenes: SCENE record (a record, or an array of shape [1]) for each sequence number in the inputs.
         rows: The tables of objects beside them, by the same numbers; none where there are no objects.
         statics: What the objects were given once; None where they were given nothing.
+        kinematics: Of the device that was recorded.
         period_ns: Length of a tick [ns].
 
     Raises:
@@ -87,12 +92,13 @@ def replay_run(
     work = new_work(new_object_work(capacities) if statics is None else statics.work(capacities))
     simulate = load_simulation() if rows else no_objects
     fields = NO_FIELDS if statics is None else statics.functions()
+    kin = tuple(kinematics)
     inputs, outputs = np.ascontiguousarray(inputs), np.zeros(inputs.shape[0], SAMPLE)
     events: list[Records] = []
     for start in range(0, len(inputs), _TICKS_AT_ONCE):
         part = slice(start, start + _TICKS_AT_ONCE)
         replay_recorded(
-            channels, work, blocks, stack, which[part], inputs[part], simulate, fields, period_ns, outputs[part]
+            channels, work, blocks, stack, which[part], inputs[part], simulate, fields, kin, period_ns, outputs[part]
         )
         events.append(_taken(memory))
     return Replayed(outputs, np.concatenate([np.zeros(0, EVENT), *events]))

@@ -26,6 +26,7 @@ from mimics_app.contracts.haptic_objects import (
 )
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows
 from mimics_app.rendering.haptic.body_checks import check_bodies
+from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 from mimics_app.rendering.haptic.scene_effects import EffectRows
 from mimics_app.world.components.haptic_shapes import (
@@ -49,7 +50,7 @@ from mimics_app.world.components.objects import (
     InteractionPoints,
     Wall,
 )
-from mimics_app.world.components.robot import Ball
+from mimics_app.world.components.robot import Ball, Robot
 from mimics_app.world.components.signals import parse_source, parse_target
 from mimics_app.world.meshes.solids import SolidMesh, hull_corners
 from mimics_app.world.scene.placing import pose_of
@@ -329,10 +330,14 @@ class _Gathered:
 
     def _points(self) -> Records:
         found, ball = self.scene.first(InteractionPoints), self.scene.first(Ball)
-        rows = np.zeros(1 if found is None else len(found.points), POINT)
+        contacts = descriptor_of((self.scene.first(Robot) or Robot()).device).contacts
+        rows = np.zeros(len(contacts) if found is None else len(found.points), POINT)
         rows["enabled"], rows["radius"] = 1, 0.0 if ball is None else ball.radius_max
+        if found is None:
+            rows["contact"] = np.arange(len(contacts))
         for row, point in zip(rows, () if found is None else found.points, strict=False):
             row["offset"], row["radius"], row["enabled"] = point.offset, point.radius, point.enabled
+            row["contact"] = 0 if point.contact is None else contacts.index(point.contact)
         return rows
 
     def _wires(self, effects: list[str]) -> Records:

@@ -24,7 +24,17 @@ from mimics_app.rendering.haptic.kernels.stability import spring_share, stiffnes
 from mimics_app.rendering.haptic.kernels.tank import payable_share, settle_account
 from mimics_app.rendering.haptic.kernels.vectors import fill, norm, rotate, rotate_back, scale
 
-__all__ = ["ACTING", "FREE_TIME", "account", "act", "acting_contact", "cap_wall", "device_delay", "own_damping"]
+__all__ = [
+    "ACTING",
+    "FREE_TIME",
+    "account",
+    "act",
+    "acting_contact",
+    "cap_wall",
+    "device_delay",
+    "has_wall",
+    "own_damping",
+]
 
 Vec = NDArray[np.float64]
 
@@ -84,6 +94,12 @@ def device_delay(scene: Any, state: Any) -> float:
 def own_damping(scene: Any) -> float:
     """Damping that every contact can count on: virtual, the device's own, and the arm's [N s/m]."""
     return scene.virtual_damping + scene.device_damping + scene.arm_damping
+
+
+@kernel
+def has_wall(scene: Any, state: Any) -> bool:
+    """Whether this point of contact meets the wall of a tunnel: the first one does, where there is a tunnel."""
+    return scene.tunnel.pieces > 0 and state.contact == 0
 
 
 @kernel

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.acting import account, act, cap_wall
+from mimics_app.rendering.haptic.kernels.contacts import collect, pass_on, publish_others, virtual_forces
 from mimics_app.rendering.haptic.kernels.drive import control, note_arrival
 from mimics_app.rendering.haptic.kernels.jumps import note_jump
 from mimics_app.rendering.haptic.kernels.objects.hand import write_hand
@@ -34,6 +35,7 @@ __all__ = ["tick"]
 Vec = NDArray[np.float64]
 Simulate = Callable[..., Any]
 Fields = tuple[Callable[..., Any], ...]
+Kin = tuple[Callable[..., Any], ...]
 
 _ACTIVE = int(SafetyState.ACTIVE)
 _DEGRADED = int(SafetyState.DEGRADED)
@@ -54,7 +56,8 @@ def tick(
     objects: Any,
     simulate: Simulate,
     fields: Fields,
-    state: Any,
+    kin: Kin,
+    states: Any,
     data: Vec,
     status: int,
     stop_word: int,
@@ -72,7 +75,8 @@ def tick(
         objects: Working arrays of the objects, advanced by one tick.
         simulate: The objects' part of the tick, see rendering.haptic.objects.SIMULATE.
         fields: Force fields of the objects.
-        state: STATE record, advanced by one tick.
+        kin: Kinematics functions of the device, in the order of contracts.device_descriptor.
+        states: STATE records, one for each point of contact, advanced by one tick.
         data: What the device's read gave, shape [DATA_LENGTH].
         status: DeviceStatus of that read.
         stop_word: Not 0 while the stop key asks for E_STOP.
@@ -82,6 +86,7 @@ def tick(
         command: What the device's write takes, shape [COMMAND_LENGTH], filled here.
         row: SAMPLE record, filled here except for the timing fields.
     """
+    state = states[0]
     state.tripped = 0
     state.parameters_taken = 1 if scene.sequence != state.sequence else 0
     state.sequence = scene.sequence
@@ -91,32 +96,39 @@ def tick(
     write_inputs(data, status, stop_word, held, period, state, dt, row)
 
     last_age = state.age
-    take_data(scene, state, data, status, dt)
-    find_motion(scene, state)
-    note_jump(scene, state, status, last_age, dt)
-    account(scene, state, dt)
+    take_data(scene, states, data, status, dt)
+    find_motion(kin, scene, states)
+    pass_on(scene, states)
+    for c in range(max(1, scene.contacts)):
+        note_jump(scene, states[c], status, last_age, dt)
+        account(scene, states[c], dt)
     size_ball(scene, state, dt)
     cap_wall(scene, state, period)
     tunnel_force(scene.tunnel, state.hip_world, state.v_world, state.ball_radius, state.tunnel)
     copy(state.tunnel.force_world, state.f_virt_world)
-    write_hand(state, dt, objects.hand)
+    write_hand(states, scene.contacts, dt, objects.hand)
     simulate(rows, objects, scene.objects, objects.hand, fields, dt, objects.force)
     state.objects_failed = objects.totals[0].status
     for i in range(3):
         state.f_virt_world[i] += objects.force[i]
 
-    note_arrival(scene, state)
-    step_safety(scene, state, status, stop_word, held, dt)
+    virtual_forces(scene, states, objects.totals)
+    note_arrival(kin, scene, states)
+    step_safety(scene, states, status, stop_word, held, dt)
     before = state.safety
-    totals = objects.totals[0]
-    act(scene, state, totals, objects.touched, held, period, dt)
+    pass_on(scene, states)
+    for c in range(max(1, scene.contacts)):
+        act(scene, states[c], objects.totals[c], objects.touched[c], held, period, dt)
     _follow_contacts(objects, scene.objects, state, dt)
-    watch_margin(scene, state, objects, period)
-    watch_contact(scene, state, objects, dt)
-    control(scene, state, held, dt)
+    for c in range(max(1, scene.contacts)):
+        watch_margin(scene, states[c], objects, period)
+        watch_contact(scene, states[c], objects, dt)
+    collect(scene, states)
+    control(kin, scene, states, held, dt)
     if state.safety != before:
         state.state_changed = 1
-    write_command(state, command)
+    write_command(scene, states, command)
+    publish_others(scene, states, objects.totals)
     state.bodies = sum_motions(objects.motion_words, scene.objects.bodies)
-    write_outputs(state, totals, row)
+    write_outputs(state, objects.totals[0], row)
     state.tick += 1

@@ -6,7 +6,7 @@ from typing import Any
 
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.acting import FREE_TIME, acting_contact, device_delay, own_damping
+from mimics_app.rendering.haptic.kernels.acting import FREE_TIME, acting_contact, device_delay, has_wall, own_damping
 from mimics_app.rendering.haptic.kernels.contact_limits import is_pressed, touched_margin
 from mimics_app.rendering.haptic.kernels.passivity import observe, reset_observer
 from mimics_app.rendering.haptic.kernels.stability import LARGEST_MARGIN, margin_of, stiffness_limit
@@ -31,7 +31,7 @@ def felt_share(scene: Any, state: Any, totals: Any) -> float:
     share = 1.0
     if totals.touching > 0:
         share = state.acting.shape_share
-    if scene.tunnel.pieces > 0 and (totals.touching == 0 or state.tunnel.penetration > 0.0):
+    if has_wall(scene, state) and (totals.touching == 0 or state.tunnel.penetration > 0.0):
         share = min(share, state.acting.wall_share)
     return share
 
@@ -48,13 +48,13 @@ def watch_margin(scene: Any, state: Any, objects: Any, period: float) -> None:
     delay = device_delay(scene, state)
     state.period = period
     state.stiffness_limit = stiffness_limit(own + tunnel.damping, period, delay)
-    stiffness = state.acting.wall_share * tunnel.stiffness + tunnel.centring if tunnel.pieces > 0 else 0.0
+    stiffness = state.acting.wall_share * tunnel.stiffness + tunnel.centring if has_wall(scene, state) else 0.0
     state.margin = margin_of(state.stiffness_limit, stiffness)
     state.wall_margin = state.margin
-    totals = objects.totals[0]
+    totals = objects.totals[state.contact]
     if totals.touching > 0:
-        touched_margin(scene, state, totals, objects.touched, own, 0.5 * period + delay)
-        if state.span.margin < state.margin or tunnel.pieces == 0:
+        touched_margin(scene, state, totals, objects.touched[state.contact], own, 0.5 * period + delay)
+        if state.span.margin < state.margin or not has_wall(scene, state):
             state.margin = state.span.margin
             state.stiffness_limit = state.span.limit
     lost = _is_felt(state) and state.margin < 0.0 and state.warned == 0
@@ -83,8 +83,8 @@ def _follow_observer(scene: Any, state: Any, felt: bool, dt: float) -> None:
 @kernel
 def _keep_least(state: Any, objects: Any) -> None:
     """The least margin of each contact."""
-    for i in range(objects.totals[0].listed):
-        touched = objects.touched[i]
+    for i in range(objects.totals[state.contact].listed):
+        touched = objects.touched[state.contact, i]
         objects.margins[touched.shape] = min(objects.margins[touched.shape], touched.margin)
     if is_pressed(state):
         state.least_wall_margin = state.wall_margin if state.wall_touched == 0 else state.least_wall_margin
@@ -102,7 +102,7 @@ def watch_contact(scene: Any, state: Any, objects: Any, dt: float) -> None:
         objects: ObjectWork after this tick.
         dt: Tick [s].
     """
-    totals = objects.totals[0]
+    totals = objects.totals[state.contact]
     felt = _is_felt(state)
     _follow_observer(scene, state, felt, dt)
     state.cap_began = 0
