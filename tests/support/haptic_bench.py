@@ -112,7 +112,11 @@ class Bench:
             *path, last = name.split("__")
             for step in path:
                 part = part[step]
-            part[last] = value
+            place = part[last]
+            if np.ndim(place) and 1 < np.size(value) < np.size(place):  # joints, or points, of the device
+                place[: np.size(value)], place[np.size(value) :] = value, 0.0
+            else:
+                part[last] = value
         self.scene[0]["sequence"] = len(self.blocks) + 1
         self.blocks[len(self.blocks) + 1] = self.scene.copy()
         self.row_blocks[len(self.blocks)] = Rows(*(table.copy() for table in self.rows))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -128,6 +129,6 @@ def test_late_ticks_latch_no_stop_of_a_simulated_device(device: str, latches: in
 
 def test_late_ticks_latch_a_stop_of_every_device_that_does_not_say_it_is_simulated(tmp_path: Path):
     plugin = build_device(Robot(device="simulated_hapticmaster"))
-    real: Any = SimpleNamespace(delay=plugin.delay, follows=plugin.follows, simulated=False)
+    real = replace(plugin, simulated=False)
     scene: Any = SimpleNamespace(first=lambda kind: None)
     assert device_values(real, scene)["late_latches"] == 1 and scene_from_components()["late_latches"][0] == 1

@@ -101,8 +101,8 @@ _STOP_GAP = 0.02
 
 _SPEED_FILTER_HZ = 60.0
 
-_BRAKE = 8.0
-"""Damping of drives that are not enabled [N m s/rad]: short-circuited motors."""
+_BRAKE = 40.0
+"""Damping of drives that are not enabled [N m s/rad]: short-circuited motors behind their gears."""
 
 
 @kernel
