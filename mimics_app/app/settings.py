@@ -6,12 +6,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-__all__ = ["PROFILES", "RECIPES", "SOUNDS", "Profile", "RunSettings", "SoundChoice"]
+__all__ = ["PROFILES", "QUALITIES", "RECIPES", "SOUNDS", "Profile", "Quality", "RunSettings", "SoundChoice"]
 
 Profile = Literal["draft", "training", "study"]
 SoundChoice = Literal["auto", "device", "file", "off"]
+Quality = Literal["auto", "full"]
 
 PROFILES: tuple[Profile, ...] = ("draft", "training", "study")
+QUALITIES: tuple[Quality, ...] = ("auto", "full")
 SOUNDS: tuple[SoundChoice, ...] = ("auto", "device", "file", "off")
 RECIPES = ("auto", "fifo", "ordinary", "plain")
 """What `rendering.haptic.scheduler` knows; named here too so that --help imports no haptics (a test compares them)."""
@@ -27,6 +29,8 @@ class RunSettings:
         seconds: Simulated time after which the run ends [s]; None: when the task is done.
         seed: Of everything random: trial order, patient, sensor noise.
         profile: How much the picture and the tolerances may give up.
+        quality: "auto": a live picture is drawn as well as its frame time allows; "full": as the scene asks, whatever
+            time that takes.
         device: Instead of the scene's robot device; "" keeps it (a window takes "pointer").
         recording: Run folder whose sensors the device "replay" plays, or None.
         patient: Preset instead of the scene's; "" keeps it.
@@ -36,6 +40,8 @@ class RunSettings:
         video: File of a film, or folder for every frame as PNG, or None.
         action: File of task actions to replay, or None.
         runs: Folder the run folder is made in.
+        participant: Code of the person, for results over time; "": none.
+        journey: File that hears how far the start has come and what the person chose on the page of results, or None.
         recipe: Scheduler of the live haptic loop, one of RECIPES.
     """
 
@@ -44,6 +50,7 @@ class RunSettings:
     seconds: float | None = None
     seed: int = 1
     profile: Profile = "training"
+    quality: Quality = "auto"
     device: str = ""
     recording: Path | None = None
     patient: str = ""
@@ -54,3 +61,5 @@ class RunSettings:
     action: Path | None = None
     runs: Path = field(default_factory=lambda: Path("runs"))
     recipe: str = "auto"
+    participant: str = ""
+    journey: Path | None = None

@@ -87,6 +87,15 @@ class Attempts:
         return self.plan[max(self.number, 0)]
 
     @property
+    def which(self) -> str:
+        """The current trial in a person's words: practice, or which of those that count."""
+        if self.trial.practice:
+            return "Practice"
+        counted = [trial for trial in self.plan if not trial.practice]
+        number = sum(not trial.practice for trial in self.plan[: max(self.number, 0) + 1])
+        return f"Trial {number} of {len(counted)}"
+
+    @property
     def trials_left(self) -> bool:
         """Whether another trial follows the current one."""
         return self.number + 1 < len(self.plan)

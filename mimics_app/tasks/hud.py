@@ -12,7 +12,7 @@ __all__ = ["BUILT_IN", "Announcement", "cause_words", "state_message"]
 
 BUILT_IN: Mapping[TrialState, str] = {
     TrialState.APPROACH: "The robot moves to the start",
-    TrialState.READY: "Get ready",
+    TrialState.READY: "{which}: get ready",
     TrialState.TRAVEL: "Go!",
     TrialState.FINISHED: "Well done: {score} points",
     TrialState.TIMEOUT: "Time is over: {score} points",
@@ -21,7 +21,8 @@ BUILT_IN: Mapping[TrialState, str] = {
     TrialState.REST: "Rest: {seconds} s",
     TrialState.DONE: "Finished: {score} points",
 }
-"""Text of each state unless the scene has its own; {score}, {seconds}, {cause}, {trial}, {trials} are filled in."""
+"""Text of each state unless the scene has its own; {score}, {seconds}, {cause}, {trial}, {trials} and {which}
+(practice, or which trial of how many) are filled in."""
 
 _WITHOUT_SCORE: Mapping[TrialState, str] = {
     TrialState.FINISHED: "Well done",

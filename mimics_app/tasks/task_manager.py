@@ -269,6 +269,7 @@ class TaskManager:
             "seconds": str(max(0, math.ceil(self._rest_s() - view.elapsed_s))),
             "trial": str(view.trial),
             "trials": str(view.trials),
+            "which": attempts.which,
         }
         prompt = ""
         for play in self._plays.values():

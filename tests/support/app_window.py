@@ -71,8 +71,11 @@ class AppWindow:
         pytest.fail(f"no {what} within {seconds} s")
 
     def leave(self) -> tuple[int, dict[str, Any]]:
-        """(exit code, what --json told) after Escape."""
+        """(exit code, what --json told) after Escape, twice: the first one asks where a trial is under way."""
         self.tell("key", "Escape")
+        time.sleep(1.0)
+        if self.process.poll() is None:
+            self.tell("key", "Escape")
         told, self.terminal = self.process.communicate(timeout=40)
         return self.process.returncode, json.loads(told)
 

@@ -138,7 +138,7 @@ def test_an_option_is_not_abbreviated_and_the_nearest_is_named(
         ("record verify --json RUN", {"action": "verify", "folder": Path("RUN"), "json": True}),
         ("devices check --recording RUN replay", {"action": "check", "device": "replay", "recording": Path("RUN")}),
         ("assets build --seed 3 apple", {"action": "build", "name": "apple", "seed": 3}),
-        ("bench render --frames 3 nodes", {"what": "render", "workload": "nodes", "frames": 3}),
+        ("bench render --frames 3 nodes", {"what": "render", "names": ["nodes"], "frames": 3}),
         ("run --headless scenes/a.json --seed 2", {"scene": Path("scenes/a.json"), "headless": True, "seed": 2}),
         ("check -- --odd.json", {"files": [Path("--odd.json")]}),
     ],

@@ -119,7 +119,7 @@ def test_a_headless_run_on_a_robot_with_a_time_of_its_own_is_live(stdin, tmp_pat
     told = capsys.readouterr()
     answer = json.loads(told.out)
     assert code == 5 and answer["safety"]["state"] == "SAFE_STOP"
-    # The emulator shares this process: where it stalls for 20 ms, the loop stops for stale data before the plug is pulled.
+    # The emulator shares this process: where that stalls for 20 ms, it stops for stale data before it is unplugged.
     assert answer["safety"]["stops"] == 1 and answer["safety"]["cause"] in ("DEVICE_FAULT", "STALE_DEVICE")
     if answer["safety"]["cause"] == "DEVICE_FAULT":
         assert "safety stop: the device reports a fault, or is gone; look at" in told.err

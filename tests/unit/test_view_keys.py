@@ -13,6 +13,8 @@ from mimics_app.app.play.view_keys import ViewKeys
 from mimics_app.contracts.clock import VirtualClock
 from mimics_app.contracts.errors import DeviceError, Issue
 from mimics_app.contracts.haptic import EVENT
+from mimics_app.contracts.messages import TaskOrders
+from mimics_app.contracts.trial_state import TaskView, TrialState
 from mimics_app.contracts.window_input import InputEvent
 
 
@@ -26,6 +28,7 @@ class Picture:
             overlay=overlay, shows=lambda layer: layer in self.layers, reload_shaders=lambda: issues or []
         )
         self.abandoned = False
+        self.keys: tuple[tuple[str, str], ...] = ()
 
     def save(self, file: Path) -> None:
         file.write_bytes(b"a picture")
@@ -41,6 +44,8 @@ def make_session(folder: Path, picture: Picture | None, *events: InputEvent) -> 
         folder=folder,
         clock=VirtualClock(),
         trouble="",
+        window=None,
+        haptics=SimpleNamespace(plugin=SimpleNamespace(real_time=False)),
         journal=journal,
         scene=SimpleNamespace(files=()),
         recorder=SimpleNamespace(journal=lambda kind, data: journal.append((kind, data))),
@@ -56,7 +61,33 @@ def make_frames() -> SimpleNamespace:
     push = np.array([4.0, 0.0, 0.0])
     still = np.zeros(3)
     snapshot = SimpleNamespace(hip_world=still, f_user_world=push, f_meas_world=still, f_grip=still)
-    return SimpleNamespace(snapshot=snapshot, events=np.zeros(0, EVENT))
+    return SimpleNamespace(snapshot=snapshot, events=np.zeros(0, EVENT), orders=TaskOrders())
+
+
+def seen(state: TrialState, trial: int) -> SimpleNamespace:
+    frames = make_frames()
+    frames.orders = TaskOrders(view=TaskView(state, trial=trial))
+    return frames
+
+
+def test_h_turns_the_page_of_keys_on_and_off(tmp_path):
+    session = make_session(tmp_path, picture := Picture(), press("h"))
+    keys = ViewKeys(session)
+    keys.step(make_frames())
+    assert ("Space, gamepad B", "stop the force at once") in picture.keys
+    keys.step(make_frames())
+    assert picture.keys == ()
+
+
+def test_a_person_reads_the_keys_until_the_first_trial_begins(tmp_path):
+    session = make_session(tmp_path, picture := Picture())
+    session.window = object()
+    keys = ViewKeys(session)
+    for state, shown in ((TrialState.APPROACH, True), (TrialState.READY, True), (TrialState.TRAVEL, False)):
+        keys.step(seen(state, 1))
+        assert bool(picture.keys) == shown
+    keys.step(seen(TrialState.READY, 2))
+    assert picture.keys == ()
 
 
 def test_arrows_are_laid_out_only_while_they_are_looked_at(tmp_path):

@@ -16,7 +16,10 @@ from mimics_app.contracts.errors import DeviceError, UsageError
 __all__ = ["add_arguments", "run"]
 
 _KINDS = ("product", "rival_python_thread", "unprivileged")
-_ALL_SECONDS = 10.0
+_ALL_SECONDS, _FRAME_SECONDS = 10.0, 6.0
+"""Longest that a measurement takes where all are made [s]."""
+
+WORKLOADS = ("city", "nodes", "crowd", "walk")
 
 _rounds = whole_number("number of rounds", range(1, 1001))
 _frames = whole_number("number of frames", range(1, 1001))
@@ -27,9 +30,12 @@ _frame_rate = real_number("frame rate from 1 to 1000", lambda fps: 1.0 <= fps <=
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics bench`."""
     parser.add_argument(
-        "what", choices=("all", "realtime", "methods", "audio", "haptic", "render"), help="what to measure"
+        "what", choices=("all", "realtime", "methods", "audio", "haptic", "frame", "render"), help="what to measure"
     )
     _add_render_arguments(parser)
+    parser.add_argument(
+        "--surface", choices=("egl", "window"), default="egl", help="of frame: where the picture is drawn"
+    )
     parser.add_argument("--scene", type=Path, default=Path("scenes/wavy_tunnel.json"), help="scene of the load")
     parser.add_argument("--seconds", type=positive_time, default=60.0, help="length of each real-time measurement [s]")
     parser.add_argument(
@@ -40,7 +46,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics bench render`; the same as other renderers' measurements take."""
     parser.add_argument(
-        "workload", nargs="?", choices=("city", "nodes", "crowd", "walk"), help="of render: what is drawn"
+        "names",
+        nargs="*",
+        metavar="NAME",
+        help="of render: city, nodes, crowd or walk; of frame: scenes (default: all)",
     )
     parser.add_argument(
         "--data",
@@ -48,7 +57,7 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
         help="of render: folder with city.glb and cube.glb, which city and nodes draw; else RENDER_DATA names it",
     )
     parser.add_argument(
-        "--size", type=picture_size, default="1280x720", metavar="WxH", help="of render: of the picture [px]"
+        "--size", type=picture_size, default="1280x720", metavar="WxH", help="of render and frame: of the picture [px]"
     )
     parser.add_argument(
         "--msaa",
@@ -74,7 +83,9 @@ def run(args: argparse.Namespace) -> int:
     if args.what == "render":
         return _run_render(args)
 
-    parts = ("methods", "audio", "haptic", "realtime") if args.what == "all" else (args.what,)
+    if args.names and args.what != "frame":
+        raise UsageError(f"bench {args.what} takes no name, not {' '.join(args.names)}", f"mimics bench {args.what}")
+    parts = ("methods", "audio", "haptic", "frame", "realtime") if args.what == "all" else (args.what,)
     answer: dict[str, Any] = {}
     for part in parts:
         measured = _MEASURES[part](args)
@@ -90,13 +101,15 @@ def _run_render(args: argparse.Namespace) -> int:
     from mimics_app.app.bench.render_bench import RenderBench, measure_render
     from mimics_app.app.terminal import output
 
-    if args.workload is None:
-        raise UsageError("a workload to draw is missing", "mimics bench render walk, city or nodes")
+    workload = args.names[0] if len(args.names) == 1 else ""
+    if workload not in WORKLOADS:
+        what = f"{' '.join(args.names) or 'nothing'} is no workload" if args.names else "a workload to draw is missing"
+        raise UsageError(what, f"mimics bench render {', '.join(WORKLOADS[:-1])} or {WORKLOADS[-1]}")
     folder = args.data or (Path(os.environ["RENDER_DATA"]) if "RENDER_DATA" in os.environ else None)
     options = tuple(args.opt.replace(",", " ").split())
     answer = measure_render(
         RenderBench(
-            args.workload,
+            workload,
             folder,
             args.size,
             args.msaa,
@@ -163,13 +176,24 @@ def _measure_haptic(_: argparse.Namespace) -> dict[str, Any]:
     """Shapes, meshes and bodies against a reference loop and the peers; PEERS names a folder with further ones."""
     from mimics_app.lab.haptic_bench import measure_haptic
 
-    def tell(what: str) -> None:
-        sys.stderr.write(f"{what}\n")
+    return measure_haptic(_say, Path(os.environ["PEERS"]) if os.environ.get("PEERS") else None)
 
-    return measure_haptic(tell, Path(os.environ["PEERS"]) if os.environ.get("PEERS") else None)
+
+def _measure_frame(args: argparse.Namespace) -> dict[str, Any]:
+    """Whole frames of live sessions, with everything on."""
+    from mimics_app.app.bench.frame_bench import measure_frames
+
+    seconds = min(args.seconds, _FRAME_SECONDS) if args.what == "all" else args.seconds
+    scenes = [Path(name) for name in args.names]
+    return measure_frames(scenes, args.size, args.surface, seconds, _say)
+
+
+def _say(what: str) -> None:
+    sys.stderr.write(f"{what}\n")
 
 
 _MEASURES = {
+    "frame": _measure_frame,
     "realtime": _measure_realtime,
     "methods": _measure_methods,
     "audio": _measure_audio,

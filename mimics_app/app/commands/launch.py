@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Mapping
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mimics_app.contracts.errors import DeviceError
 
 if TYPE_CHECKING:
+    from mimics_app.app.play.journey import Opening
+    from mimics_app.app.settings import RunSettings
     from mimics_app.rendering.visual.launcher.launcher import ScenarioCard
+    from mimics_app.rendering.visual.surfaces.surface import Surface
 
 __all__ = ["run"]
 
@@ -22,31 +27,76 @@ _WORDS = {"pointer": "mouse, keys, gamepad", "simulated_hapticmaster": "simulate
 
 
 def run(args: argparse.Namespace) -> int:
-    """Show the launcher until a scenario is chosen or the window closes, then run it.
+    """Show the launcher, play what is chosen, and come back to it until the person leaves.
 
     Raises:
         DeviceError: there is no display.
     """
+    from mimics_app.app.play.journey import play_through
     from mimics_app.app.play.play import play
-    from mimics_app.app.settings import RunSettings
     from mimics_app.app.terminal.display import has_display
 
     if not has_display():
         raise DeviceError("the launcher needs a display", "try: mimics run scenes/wavy_tunnel.json")
-    choice = _choose()
-    if choice is None:
-        return 0
-    scene, options = choice
+    while True:
+        with ExitStack() as window:
+            surface = window.enter_context(_opened_window())
+            choice = _choose(surface)
+            if choice is None:
+                return 0
+            settings = _settings(*choice)
+            if settings.headless:
+                return play(settings, as_json=args.json)
+            code, other = play_through(settings, _waiting(surface, choice[0], window))
+        if not other:
+            return code
+
+
+def _settings(scene: Path, options: Mapping[str, str]) -> RunSettings:
+    """What the person chose, as the settings of a run."""
+    from mimics_app.app.settings import RunSettings
+
     headless = options["display"] == "headless"
     patient = options["patient"]
-    settings = RunSettings(
+    return RunSettings(
         scene=scene,
         headless=headless,
         profile=options["profile"],  # type: ignore[arg-type]
         device="" if headless else next((d for d, w in _WORDS.items() if w == options["device"]), options["device"]),
         patient="" if patient == _OWN else patient,
     )
-    return play(settings, as_json=args.json)
+
+
+def _opened_window() -> Surface:
+    from mimics_app.rendering.visual.surfaces.contexts import create_surface
+
+    return create_surface("window", _SIZE, "mimics")
+
+
+def _waiting(surface: Surface, scene: Path, window: ExitStack) -> Opening:
+    """Shows on the launcher's window what the start of a session is doing, and closes it for the session's own."""
+    from mimics_app.app.play.journey import Opening
+    from mimics_app.rendering.visual.launcher.waiting_page import WaitingPage
+
+    page: WaitingPage | None = WaitingPage(surface, _title(scene))
+
+    class Waiting(Opening):
+        def look(self, doing: str) -> bool:
+            if page is None:  # played again: the session before has had the window closed
+                return True
+            left = any(event.kind == "key" and event.name == "escape" and event.pressed for event in surface.poll())
+            if left or surface.should_close:
+                return False
+            page.draw(doing)
+            surface.swap()
+            return True
+
+        def shown(self) -> None:
+            nonlocal page
+            page = None
+            window.close()
+
+    return Waiting()
 
 
 def _options() -> dict[str, list[str]]:
@@ -62,14 +112,12 @@ def _options() -> dict[str, list[str]]:
     }
 
 
-def _choose() -> tuple[Path, dict[str, str]] | None:
+def _choose(surface: Surface) -> tuple[Path, dict[str, str]] | None:
     from mimics_app.contracts.clock import FRAME_NS, MonotonicClock
     from mimics_app.rendering.visual.launcher.launcher import Launcher
-    from mimics_app.rendering.visual.surfaces.contexts import create_surface
 
-    clock = MonotonicClock()
-    with create_surface("window", _SIZE, "mimics") as surface:
-        launcher = Launcher(surface, _cards(), _options())
+    clock, launcher = MonotonicClock(), Launcher(surface, _cards(), _options())
+    try:
         while not surface.should_close and not launcher.left:
             launcher.handle(surface.poll())
             if launcher.choice is not None:
@@ -77,7 +125,9 @@ def _choose() -> tuple[Path, dict[str, str]] | None:
             launcher.draw()
             surface.swap()
             clock.sleep_until_ns(clock.now_ns() + FRAME_NS // 4)
-    return None
+        return None
+    finally:
+        launcher.release()
 
 
 def _cards() -> list[ScenarioCard]:
@@ -101,6 +151,10 @@ def _cards() -> list[ScenarioCard]:
             )
         )
     return cards
+
+
+def _title(scene: Path) -> str:
+    return str(json.loads(scene.read_text(encoding="utf-8")).get("title", scene.stem))
 
 
 def _picture(uri: str, folder: Path) -> Path | None:

@@ -6,7 +6,7 @@ import argparse
 from dataclasses import fields
 from pathlib import Path
 
-from mimics_app.app.settings import PROFILES, RECIPES, SOUNDS, RunSettings
+from mimics_app.app.settings import PROFILES, QUALITIES, RECIPES, SOUNDS, RunSettings
 from mimics_app.app.terminal.arguments import picture_size, positive_time, random_seed, whole_number
 
 __all__ = ["add_arguments", "run"]
@@ -25,6 +25,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seconds", type=positive_time, help="end after this much simulated time [s]")
     parser.add_argument("--seed", type=random_seed, default=1, help="of trial order, patient and sensor noise")
     parser.add_argument("--profile", choices=PROFILES, default="training", help="quality profile")
+    parser.add_argument(
+        "--quality",
+        choices=QUALITIES,
+        default="auto",
+        help="auto holds the frame time; full draws all the scene asks for",
+    )
     parser.add_argument("--device", default="", help="driven by, instead of the scene's robot (see mimics devices)")
     parser.add_argument("--recording", type=Path, metavar="RUN", help="run folder that --device replay plays")
     parser.add_argument(
@@ -44,6 +50,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--action", type=Path, metavar="FILE", help="replay task actions from a JSON file")
     parser.add_argument("--runs", type=Path, default=Path("runs"), metavar="DIR", help="where the run folder is made")
+    parser.add_argument(
+        "--participant", default="", metavar="CODE", help="of the person, never a name: results over time go by it"
+    )
+    parser.add_argument("--journey", type=Path, metavar="FILE", help=argparse.SUPPRESS)
     parser.add_argument("--recipe", choices=RECIPES, default="auto", help="scheduler of the live haptic loop")
 
 
@@ -53,10 +63,26 @@ def run(args: argparse.Namespace) -> int:
 
     _find_what_is_named(args)
     say_if_cold()
+    settings = RunSettings(**{field.name: getattr(args, field.name) for field in fields(RunSettings)})
+    if _is_for_a_person(settings) and not args.json:
+        from mimics_app.app.play.journey import play_through
+
+        code, other = play_through(settings)
+        if not other:
+            return code
+        from mimics_app.app.commands.launch import run as launch
+
+        return launch(args)
     from mimics_app.app.play.play import play
 
-    settings = RunSettings(**{field.name: getattr(args, field.name) for field in fields(RunSettings)})
     return play(settings, as_json=args.json)
+
+
+def _is_for_a_person(settings: RunSettings) -> bool:
+    """Whether somebody sits at a window and will want to know what it came to; a script says when it ends."""
+    from mimics_app.app.terminal.display import has_display
+
+    return not settings.headless and has_display() and settings.seconds is None and settings.journey is None
 
 
 def _find_what_is_named(args: argparse.Namespace) -> None:

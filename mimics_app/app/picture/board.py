@@ -8,7 +8,10 @@ from mimics_app.contracts.board import Bar, Board, Card, Tone
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Colour, Hud
 from mimics_app.rendering.visual.figures.palette import ACCENT, FAINT, INK
 
-__all__ = ["draw_board"]
+__all__ = ["OPERATORS_CARDS", "draw_board"]
+
+OPERATORS_CARDS = frozenset({"margin"})
+"""Figures that tell the person at the task nothing: they come with the forces of F5."""
 
 Place = tuple[float, float, float]
 """Left, lower edge and width of what is inside a card, in units of the canvas."""

@@ -91,6 +91,16 @@ class FrameGovernor:
         """What was given up last, e.g. "resolution scale 0.75"; FULL while nothing is."""
         return self._ladder[self._given_up - 1].label if self._given_up else FULL
 
+    @property
+    def given_up(self) -> list[str]:
+        """What is given up now, in the order it was."""
+        return [move.label for move in self._ladder[: self._given_up]]
+
+    @property
+    def last_ms(self) -> float:
+        """How long the newest frame took [ms]; 0.0 before the first."""
+        return self._times_ms[-1] if self._times_ms else 0.0
+
     def note(self, frame_ms: float, now_ns: int) -> None:
         """Count a frame that took `frame_ms` [ms] and ended at `now_ns`, and give up or take back one level."""
         self._counts[self.state] = self._counts.get(self.state, 0) + 1

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from mimics_app.app.picture.board import draw_board
+from mimics_app.app.picture.board import OPERATORS_CARDS, draw_board
+from mimics_app.app.picture.key_page import Keys, draw_keys
 from mimics_app.app.picture.lost_picture import draw_or_recover
 from mimics_app.app.picture.methods import with_methods
 from mimics_app.app.picture.video import Film
@@ -18,6 +19,7 @@ from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import SceneError, nearest
 from mimics_app.contracts.input_port import Ray
+from mimics_app.contracts.stage_timer import UNTIMED, StageTimer
 from mimics_app.rendering.visual.displays.desktop import desktop_views
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT
 from mimics_app.rendering.visual.frame_stats import FrameStats
@@ -91,6 +93,8 @@ class Picture:
         surface: Where it is drawn.
         renderer: What draws it.
         film: Gets every frame that is shown; None: there is no film.
+        keys: A page of keys that covers the middle; () for none.
+        stats: What the frame drawn last cost; None before the first.
 
     Raises:
         SceneError: the scene has no camera, or none of that name.
@@ -103,6 +107,8 @@ class Picture:
         self._wanted = camera
         self.renderer = Renderer(surface, world, settings)
         self.film: Film | None = None
+        self.keys: Keys = ()
+        self.stats: FrameStats | None = None
         self._software = draws_in_software(surface)
         self.show(scene, world)
 
@@ -126,10 +132,22 @@ class Picture:
 
     def draw(self, board: Board) -> FrameStats:
         """Draw one frame with a board over it."""
-        self.lay_out(board)
-        stats = self.renderer.draw(self.views)
+        with self.timer.stage("board"):
+            self.lay_out(board)
+        self.stats = self.renderer.draw(self.views)
         self.tell_issues()
-        return stats
+        return self.stats
+
+    def begin_frame(self) -> StageTimer:
+        """Where the times of the stages go that come before the picture; the frame begins with them."""
+        if self.renderer.times is not None:
+            self.renderer.times.begin()
+        return self.timer
+
+    @property
+    def timer(self) -> StageTimer:
+        """Where the times of a frame's stages go."""
+        return self.renderer.times or UNTIMED
 
     def show_frame(self, board: Board, clock: Clock) -> int:
         """Draw one frame, bring it to the glass, and tell when its work was done [ns].
@@ -164,14 +182,17 @@ class Picture:
     def _show(self, board: Board, clock: Clock) -> int:
         if self._software:
             self.draw(board)
-            self.surface.swap()
+            with self.timer.stage("swap"):
+                self.surface.swap()
             done_ns = clock.now_ns()
             self._take_to_film(done_ns)
             return done_ns
-        self.lay_out(board)
-        self.renderer.draw_finished(self.views)
+        with self.timer.stage("board"):
+            self.lay_out(board)
+        self.stats = self.renderer.draw_finished(self.views)
         done_ns = clock.now_ns()
-        self.surface.swap()
+        with self.timer.stage("swap"):
+            self.surface.swap()
         self._take_to_film(done_ns)
         self.tell_issues()
         return done_ns
@@ -193,7 +214,11 @@ class Picture:
         if self._board is None:
             hud.clear()
         else:
-            draw_board(hud, board, self._board.show, self._board.force_full)
+            operator = self.renderer.shows("forces")
+            show = [name for name in self._board.show if operator or name not in OPERATORS_CARDS]
+            draw_board(hud, board, show, self._board.force_full)
+        if self.keys:
+            draw_keys(hud, self.keys)
 
     def ray(self, right: float, up: float) -> Ray | None:
         """The ray through a place of the window, each coordinate in [-1, 1]."""
@@ -210,12 +235,13 @@ class Picture:
             self.film.forget()
             self.film.finish()
 
-    def close(self) -> None:
-        """Finish the film, and free everything, the surface included."""
+    def close(self, *, keep_surface: bool = False) -> None:
+        """Finish the film, and free everything, the surface included unless somebody else draws on it next."""
         if self.film is not None:
             self.film.finish()
         self.renderer.release()
-        self.surface.close()
+        if not keep_surface:
+            self.surface.close()
 
 
 def _triple(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> tuple[float, float, float]:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from mimics_app.app.picture.governor import FrameGovernor
 from mimics_app.app.planner.tolerances import tolerances_of
 from mimics_app.app.play.device_watch import DeviceWatch
+from mimics_app.app.play.leaving import Leaving
 from mimics_app.app.play.reload import SceneReload
 from mimics_app.app.play.view_keys import ViewKeys
 from mimics_app.app.session.frame import Frames
@@ -38,24 +39,27 @@ def run_virtual(session: Session, frames: Frames, after_frame: Progress) -> None
 
 
 def run_live(session: Session, frames: Frames, after_frame: Progress) -> None:
-    """Frames beside the live loop until the window closes, Escape is pressed, or the run's time is over.
+    """Frames beside the live loop until the person leaves, the task is done, or the run's time is over.
 
     A haptic loop that ended by itself ends the run too; stopping the session then says why. So does a picture that is
     lost for good.
     """
-    picture, keys = session.picture, ViewKeys(session)
+    picture, keys, leaving = session.picture, ViewKeys(session), Leaving(session)
     reload, watch = SceneReload(session), DeviceWatch(session)
     governor = session.governor = _govern(session)
     limit = session.clock.now_ns() + _limit_ns(session)
     due = session.clock.now_ns()
-    while session.clock.now_ns() < limit and session.haptics.running and not _left(session):
+    while session.clock.now_ns() < limit and session.haptics.running and not leaving.wanted(frames):
         begun_ns = session.clock.now_ns()
-        reload.look()
+        if picture is not None:
+            frames.timer = picture.begin_frame()
+        with frames.timer.stage("reload"):
+            reload.look()
         frames.step()
         trouble = watch.look()
         if picture is not None and governor is not None:
             keys.step(frames)
-            message = _message(session, frames, reload, trouble)
+            message = leaving.message or _message(session, frames, reload, trouble)
             try:
                 done_ns = picture.show_frame(frames.board.saying(message), session.clock)
             except DeviceError as error:
@@ -68,12 +72,13 @@ def run_live(session: Session, frames: Frames, after_frame: Progress) -> None:
 
 
 def _govern(session: Session) -> FrameGovernor | None:
-    """The governor of a live picture; a study fixes all of its quality."""
+    """The governor of a live picture; a study fixes all of its quality, and so may a person."""
     if session.picture is None:
         return None
     steps = quality_steps(session.picture.renderer)
-    fixed = {step.name for step in steps} if session.settings.profile == "study" else ()
-    budget_ms = tolerances_of(session.scene, session.settings.profile)["frame_ms"]
+    settings = session.settings
+    fixed = {step.name for step in steps} if settings.profile == "study" or settings.quality == "full" else ()
+    budget_ms = tolerances_of(session.scene, settings.profile)["frame_ms"]
     return FrameGovernor(steps, budget_ms, fixed=fixed, log=session.recorder.journal)
 
 
@@ -105,12 +110,3 @@ def _message(session: Session, frames: Frames, reload: SceneReload, trouble: str
 def _limit_ns(session: Session) -> int:
     seconds = session.settings.seconds
     return 1 << 62 if seconds is None else round(seconds * _NS)
-
-
-def _left(session: Session) -> bool:
-    """Whether the person wants to leave."""
-    picture = session.picture
-    if picture is not None and picture.surface.should_close:
-        return True
-    events = session.inputs.frame.events
-    return any(event.kind == "key" and event.name == "escape" and event.pressed for event in events)

@@ -7,10 +7,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
-from mimics_app.app.picture.picture import Picture, live_quality
+from mimics_app.app.picture.picture import Picture, live_quality, picture_quality
 from mimics_app.app.play.album import Album
 from mimics_app.app.play.collector import left_alone
+from mimics_app.app.play.journey_log import JourneyLog
 from mimics_app.app.play.pace import run_live, run_unseen, run_virtual
 from mimics_app.app.play.progress_line import ProgressLine
 from mimics_app.app.play.result import summarise
@@ -24,12 +26,14 @@ from mimics_app.app.terminal.display import has_display
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError, PartialDataError, SafetyStop
 from mimics_app.contracts.haptic import SafetyState
+from mimics_app.recording.history import earlier_runs
 from mimics_app.recording.manifest import Manifest
 from mimics_app.recording.report import write_report
 from mimics_app.recording.run_folder import private_files
+from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.tasks.kinds.registry import report_sections
 
-__all__ = ["play"]
+__all__ = ["open_picture", "play"]
 
 _STOPS = (SafetyState.SAFE_STOP.name, SafetyState.E_STOP.name)
 
@@ -46,12 +50,14 @@ def play(settings: RunSettings, *, as_json: bool) -> int:
     """
     started = MonotonicClock().now_ns()
     windowed = not settings.headless and has_display()
+    log = JourneyLog(settings.journey)
+    log.doing("Reading the scene")
     with private_files(), build_session(settings, live=windowed) as session, _told_where(session):
         frames = Frames(session)
         if not (windowed or settings.headless):
             sys.stderr.write(f"mimics: no display: {_WHO_PLAYS[session.live]}\n")
         if windowed:
-            _play_in_window(session, frames)
+            _play_in_window(session, frames, log)
             pictures: list[Path] = []
         elif session.live:
             pictures = _play_unseen(session, frames)
@@ -67,7 +73,9 @@ def play(settings: RunSettings, *, as_json: bool) -> int:
     if as_json:
         output.write_object("run", answer)
     else:
-        print("\n".join(summary_lines(answer)))
+        print("\n".join(summary_lines(answer)), flush=True)
+    if session.window is not None:
+        log.chose(_show_result(session, answer))
     if summary["safety"]["state"] in _STOPS:
         return SafetyStop.exit_code
     if session.trouble:
@@ -97,19 +105,50 @@ def _told_where(session: Session) -> Iterator[None]:
         raise
 
 
-def _play_in_window(session: Session, frames: Frames) -> None:
+def _play_in_window(session: Session, frames: Frames, log: JourneyLog) -> None:
     """A person plays: window, live loop, sound card."""
     from mimics_app.app.session.person import person_inputs
     from mimics_app.rendering.visual.surfaces.contexts import create_surface
 
+    log.doing("Starting touch, sound and recording")
     start_loop(session)
-    surface = create_surface("window", session.settings.size, session.scene.name)
-    quality = live_quality(session.scene, session.settings.profile, surface)
-    session.recorder.journal("quality", asdict(quality))
-    session.show(Picture(surface, session.scene, session.world, quality))
+    log.doing("Making the picture")
+    surface = create_surface("window", session.settings.size, session.scene.title or session.scene.name)
+    open_picture(session, surface, keep=log.asked)
     session.inputs = person_inputs(session)
+
+    def after_frame(frames: Frames) -> None:
+        if frames.number == 1:
+            log.shown()
+
     with left_alone():
-        run_live(session, frames, lambda _: None)
+        run_live(session, frames, after_frame)
+
+
+def _show_result(session: Session, answer: dict[str, Any]) -> str:
+    """Let the person read what it came to on the window of the session, and choose what comes next."""
+    from mimics_app.app.play.outcome import result_content
+    from mimics_app.app.play.result_screen import show_result
+
+    surface, settings = session.window, session.settings
+    assert surface is not None
+    try:
+        scene, folder = session.scene, session.folder
+        earlier = earlier_runs(folder.parent, scene.name, settings.participant, besides=folder)
+        content = result_content(scene.title or scene.name, answer, session.tasks.rows, earlier)
+        return show_result(surface, content, Path(answer["report"]), MonotonicClock())
+    finally:
+        surface.close()
+
+
+def open_picture(session: Session, surface: Surface, *, keep: bool = False) -> None:
+    """Draw the session on a surface from now on, as well as its settings say; `keep` it for what comes after."""
+    settings, scene = session.settings, session.scene
+    best = settings.quality == "full"
+    quality = picture_quality(scene, settings.profile) if best else live_quality(scene, settings.profile, surface)
+    session.recorder.journal("quality", asdict(quality))
+    session.show(Picture(surface, scene, session.world, quality))
+    session.window = surface if keep else None
 
 
 def _play_headless(session: Session, frames: Frames) -> list[Path]:

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
 __all__ = ["SceneReload"]
 
-_LOOK_NS = 250_000_000
+_LOOK_NS = 500_000_000
+"""Between two looks at the files [ns]: a stat of each of them takes longer than all other watching."""
 _SHOW_NS = 6_000_000_000
 _NEW_TABLES = "models, paths or force fields changed, or there are more objects than there is room for"
 

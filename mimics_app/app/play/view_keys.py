@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 import sys
+from typing import TYPE_CHECKING
 
 from mimics_app.app.picture.force_arrows import ForceArrows
 from mimics_app.app.picture.overlay_keys import toggle_overlay
+from mimics_app.app.play.session_keys import session_keys
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.contracts.errors import MimicsError
+from mimics_app.contracts.trial_state import TaskView, TrialState
+
+if TYPE_CHECKING:
+    from mimics_app.app.picture.picture import Picture
 
 __all__ = ["ViewKeys"]
 
-_KEEP = "f12"
+_KEEP, _KEYS = "f12", "h"
+_FIRST = (TrialState.APPROACH, TrialState.READY)
+"""States of the first trial in which somebody who opened the window reads which keys there are."""
 
 
 class ViewKeys:
@@ -22,6 +30,8 @@ class ViewKeys:
         self._session = session
         self._arrows = ForceArrows()
         self._kept = 0
+        self._page = session_keys(at_robot=session.haptics.plugin.real_time)
+        self._introduces = session.window is not None
 
     def step(self, frames: Frames) -> None:
         """Before a frame is drawn: put layers of the overlay on, take a picture, lay out forces."""
@@ -29,11 +39,23 @@ class ViewKeys:
         if picture is None:
             return
         toggle_overlay(picture.renderer, events)
-        if any(event.kind == "key" and event.name == _KEEP and event.pressed and not event.repeat for event in events):
+        pressed = {event.name for event in events if event.kind == "key" and event.pressed and not event.repeat}
+        if _KEEP in pressed:
             self._keep()
+        self._show_keys(picture, frames.orders.view, asked=_KEYS in pressed)
         if picture.renderer.shows("forces") and frames.snapshot is not None:
             now_ns = self._session.clock.now_ns()
             picture.renderer.overlay.arrows = self._arrows.of(frames.snapshot, frames.events, now_ns)
+
+    def _show_keys(self, picture: Picture, view: TaskView, *, asked: bool) -> None:
+        """The page of keys: before the first trial by itself, later when it is asked for."""
+        if self._introduces:
+            picture.keys = self._page
+            self._introduces = view.trial <= 1 and view.state in _FIRST and not asked
+            if not self._introduces:
+                picture.keys = ()
+        elif asked:
+            picture.keys = () if picture.keys else self._page
 
     def give_up(self, error: MimicsError) -> None:
         """The picture cannot be had any more: the session ends in order, and says so."""
@@ -43,7 +65,7 @@ class ViewKeys:
         sys.stderr.write(f"mimics: {session.trouble}; the run ends here\n")
         if session.picture is not None:
             session.picture.abandon()
-            session.picture = None
+            session.picture = session.window = None
 
     def _keep(self) -> None:
         """Write the frame that is on the glass into the run's folder."""

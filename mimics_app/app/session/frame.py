@@ -18,6 +18,7 @@ from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import FRAMES_PER_SECOND, TICK_NS, ticks_until_frame
 from mimics_app.contracts.haptic import EVENT
 from mimics_app.contracts.messages import HapticSnapshot, TaskAction, TaskOrders, VRInput
+from mimics_app.contracts.stage_timer import UNTIMED
 
 __all__ = ["Frames"]
 
@@ -35,6 +36,7 @@ class Frames:
         losses: What of the scene's objects is not simulated any more.
         safety: What stopped or held the loop.
         events: What had happened in the haptic loop since the frame before, EVENT records.
+        timer: Where the times of the frame's stages go.
     """
 
     def __init__(self, core: SessionCore) -> None:
@@ -42,6 +44,7 @@ class Frames:
         self._inbox = PersonInbox(core.haptics)
         self._effects = EffectCues(core.world)
         self._action: TaskAction | None = None
+        self.timer = UNTIMED
         self.number = 0
         self.orders = TaskOrders()
         self.snapshot: HapticSnapshot | None = None
@@ -78,27 +81,35 @@ class Frames:
         What the learning system chooses after a frame takes effect in the next one, so that it can go by what the task
         came to; before the first frame it is asked for what the session begins with.
         """
-        core = self._core
+        core, stage = self._core, self.timer.stage
         now_ns = core.clock.now_ns()
-        vr = core.inputs.poll(now_ns)
-        features = core.dsp.process(vr.signals, now_ns)
-        state = core.estimation.update(features)
-        if self.number == 0:
+        with stage("inputs"):
+            vr = core.inputs.poll(now_ns)
+        with stage("signals"):
+            features = core.dsp.process(vr.signals, now_ns)
+            state = core.estimation.update(features)
+            if self.number == 0:
+                self._action = core.learning.choose(state, now_ns)
+        with stage("watch"):
+            snapshot, events = core.haptics.snapshot(), core.haptics.events()
+            self.losses.see(events)
+            self.safety.see(events)
+            self._recorder.look()
+        with stage("tasks"):
+            orders = core.tasks.step(vr, self._action, snapshot, events, now_ns)
             self._action = core.learning.choose(state, now_ns)
-        snapshot, events = core.haptics.snapshot(), core.haptics.events()
-        self.losses.see(events)
-        self.safety.see(events)
-        self._recorder.look()
-        orders = core.tasks.step(vr, self._action, snapshot, events, now_ns)
-        self._action = core.learning.choose(state, now_ns)
-        self._touch(vr, orders, snapshot)
-        core.scenario.apply(orders, snapshot)
-        core.parameter_store.change(core.scenario.haptic_orders())
-        core.inputs.aim(core.scenario.aim(snapshot))
-        core.world.update()
-        self._effects.step(orders, events, now_ns)
-        core.sound.step(orders, core.world, now_ns)
-        self._journal(snapshot, now_ns)
+            self._touch(vr, orders, snapshot)
+        with stage("scenario"):
+            core.scenario.apply(orders, snapshot)
+            core.parameter_store.change(core.scenario.haptic_orders())
+            core.inputs.aim(core.scenario.aim(snapshot))
+        with stage("world update"):
+            core.world.update()
+        with stage("sound"):
+            self._effects.step(orders, events, now_ns)
+            core.sound.step(orders, core.world, now_ns)
+        with stage("record"):
+            self._journal(snapshot, now_ns)
         self.number, self.orders, self.snapshot, self.events = self.number + 1, orders, snapshot, events
 
     def _journal(self, snapshot: HapticSnapshot, now_ns: int) -> None:

@@ -38,7 +38,9 @@ def describe_session(parts: Preparation) -> dict[str, Any]:
             "late_latches": bool(parts.parameter_store.block["late_latches"][0]),
         },
         "settings": {
-            name: str(value) if isinstance(value, Path) else value for name, value in asdict(settings).items()
+            name: str(value) if isinstance(value, Path) else value
+            for name, value in asdict(settings).items()
+            if name != "journey"
         },
         "facts": parts.scenario.facts,
         "plan": describe_plan(scene, parts.plan.without_picture if parts.live else parts.plan),

@@ -20,6 +20,7 @@ from mimics_app.recording.recorder import Recorder
 if TYPE_CHECKING:  # a session that draws nothing loads nothing of a picture
     from mimics_app.app.picture.governor import FrameGovernor
     from mimics_app.app.picture.picture import Picture
+    from mimics_app.rendering.visual.surfaces.surface import Surface
 
 __all__ = ["Session"]
 
@@ -38,6 +39,7 @@ class Session(SessionCore):
         picture: None while nothing is drawn.
         governor: None while no frame has to keep time.
         film: Where its film goes, None while there is none.
+        window: What was drawn on, kept open for what comes after the session; None: it closes with the picture.
         trouble: Why it ends before its time though nobody asked for it, "" while it does not.
         on_close: What must be released if the run ends before `finish`.
     """
@@ -52,6 +54,7 @@ class Session(SessionCore):
         self.picture: Picture | None = None
         self.governor: FrameGovernor | None = None
         self.film: Path | None = None
+        self.window: Surface | None = None
         self.trouble = ""
         self.on_close = ExitStack()
 
@@ -66,7 +69,7 @@ class Session(SessionCore):
         self.stop()
         if self.picture is not None:
             self.film = None if self.picture.film is None else self.picture.film.place
-            self.picture.close()
+            self.picture.close(keep_surface=self.window is not None)
             self.picture = None
         report = self.sound.stop()
         if report is None:

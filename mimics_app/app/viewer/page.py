@@ -8,7 +8,7 @@ from mimics_app.contracts.errors import Issue
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Colour, Hud
 from mimics_app.rendering.visual.figures.palette import FAINT, INK
 
-__all__ = ["KEYS", "draw_caption", "draw_hint", "draw_keys", "draw_message", "draw_reason"]
+__all__ = ["KEYS", "draw_caption", "draw_hint", "draw_message", "draw_reason"]
 
 KEYS: tuple[tuple[str, str], ...] = (
     ("Drag", "go round; the chosen thing or an arrow: move it"),
@@ -89,19 +89,6 @@ def draw_reason(hud: Hud, title: str, verdict: str, issues: Sequence[Issue], sca
         y -= 0.5 * small
     if len(issues) > _MOST_ISSUES:
         hud.text(x, y - 1.35 * small, f"and {len(issues) - _MOST_ISSUES} more", small, FAINT)
-
-
-def draw_keys(hud: Hud) -> None:
-    """All keys, in the middle."""
-    left = max(hud.measure(key, 17.0, bold=True) for key, _ in KEYS)
-    right = max(hud.measure(what, 17.0) for _, what in KEYS)
-    width, height = left + right + 84.0, 30.0 * len(KEYS) + 44.0
-    x, y = 0.5 * (hud.width - width), 0.5 * (CANVAS_HEIGHT - height)
-    hud.box(x, y, width, height, (0.05, 0.06, 0.08, 0.88), radius=18.0)
-    for number, (key, what) in enumerate(KEYS):
-        line = y + height - 44.0 - 30.0 * number
-        hud.text(x + 30.0, line, key, 17.0, INK, bold=True)
-        hud.text(x + 54.0 + left, line, what, 17.0, FAINT)
 
 
 def draw_message(hud: Hud, text: str, *, alarm: bool = False) -> None:

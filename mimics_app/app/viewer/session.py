@@ -6,10 +6,11 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+from mimics_app.app.picture.key_page import draw_keys
 from mimics_app.app.picture.overlay_keys import toggle_overlay
 from mimics_app.app.settings import Profile
 from mimics_app.app.viewer.controls import ViewerControls
-from mimics_app.app.viewer.page import draw_caption, draw_hint, draw_keys, draw_message
+from mimics_app.app.viewer.page import KEYS, draw_caption, draw_hint, draw_message
 from mimics_app.app.viewer.selection import Selection
 from mimics_app.app.viewer.shown import Shown, Up, open_shown
 from mimics_app.app.viewer.viewport import Viewport
@@ -106,7 +107,7 @@ class ViewerSession:
         draw_hint(hud, "H: keys")
         draw_message(hud, self._message, alarm=self._alarm)
         if self._keys_shown:
-            draw_keys(hud)
+            draw_keys(hud, KEYS)
         self._viewport.draw(smooth=smooth)
         self._surface.swap()
 

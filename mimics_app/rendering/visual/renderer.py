@@ -52,6 +52,7 @@ class Renderer:
         world: What is drawn; may be exchanged between frames.
         hud: The heads-up display; what is on it stays until `hud.clear()`.
         settings: The present quality: as given, until `set_quality` changes it.
+        timing: Time the stages of every frame, although no graph of them is shown.
 
     Args:
         surface: Where to draw; owned by the caller.
@@ -76,6 +77,7 @@ class Renderer:
         self._clock = clock or MonotonicClock()
         self._shader_folder = shader_folder
         self.hud = Hud()
+        self.timing = False
         self._overlay: Overlay | None = None
         self._make_stages()
 
@@ -183,7 +185,7 @@ class Renderer:
         if not views:
             raise UsageError("a frame without a view cannot be drawn", "give at least one View")
         started = self._clock.now_ns()
-        timer = None if self._times is not None else self._timer  # timers of a driver cannot lie in each other
+        timer = None if self.times is not None else self._timer  # timers of a driver cannot lie in each other
         with timer or nullcontext():
             triangles, draws = self._draw(views)
         if finish:
@@ -191,39 +193,44 @@ class Renderer:
         cpu_ms = (self._clock.now_ns() - started) * 1e-6
         tally = self._list.tally
         told = (tally.items, tally.culled, tally.hidden, tally.tests)
-        if self._times is not None:
-            self._times.count(tally.items, tally.culled, tally.hidden)
+        if self.times is not None:
+            self.times.count(tally.items, tally.culled, tally.hidden)
         return FrameStats(cpu_ms, timer.elapsed * 1e-6 if timer else None, triangles, draws, *told)
 
     @property
-    def _times(self) -> StageTimes | None:
-        """Where the times of stages go, None while nobody looks at them."""
-        overlay = self._overlay
-        return overlay.times if overlay is not None and self.shows("graph") else None
+    def times(self) -> StageTimes | None:
+        """Where the times of stages go, None while nobody looks at them.
+
+        Whoever has stages of his own before those of the renderer begins the frame; otherwise `draw` does.
+        """
+        return self.overlay.times if self.timing or self.shows("graph") else None
 
     def _timed(self, stage: str) -> AbstractContextManager[None]:
-        times = self._times
+        times = self.times
         return nullcontext() if times is None else times.stage(stage)
 
     def _draw(self, views: Sequence[View]) -> tuple[int, int]:
         """The stages of a frame in their order; returns triangles and draw calls."""
-        if self._times is not None:
-            self._times.begin()
-        with self._timed("choose and sort"):
+        times = self.times
+        if times is not None and not times.begun:
+            times.begin()
+        with self._timed("cull"):
             scene = self._prepare(views)
             drawn = self._batch_all(scene, views)
-        with self._timed("shadow maps"):
+        with self._timed("shadows"):
             draws = self._shadows.draw(self._arena, self._frame)
-        with self._timed("pictures in the picture"):
+        with self._timed("mirrors"):
             draws += self._pictures.draw(self._world, scene, self._picture.samples)
-        with self._timed("world"):
+        with self._timed("submit"):
             target = self._picture.begin()
             draws += self._world.draw(target, self._picture.samples, scene, drawn)
         if self._overlay is not None and self._overlay.shows:
             with self._timed("overlay"):
                 draws += self._draw_overlay(self._overlay, target, scene, drawn)
-        with self._timed("filters and figures"):
+        with self._timed("post"):
             draws += self._draw_over(views)
+        if times is not None:
+            times.begun = False
         shadow_triangles = sum(run.triangles for runs in self._shadows.runs for run in runs or ())
         return shadow_triangles + self._pictures.triangles + sum(each.triangles for each in drawn), draws
 

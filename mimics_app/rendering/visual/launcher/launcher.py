@@ -11,13 +11,9 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.window_input import InputEvent
-from mimics_app.rendering.visual.displays.desktop import compute_tangents
-from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Hud
 from mimics_app.rendering.visual.launcher.launcher_page import LauncherPage, PageState, ScenarioCard, Spot
-from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
-from mimics_app.rendering.visual.passes.hud import HudPass, plane_of_views
+from mimics_app.rendering.visual.launcher.page_surface import PageSurface, is_within
 from mimics_app.rendering.visual.surfaces.surface import Surface
-from mimics_app.rendering.visual.view import View
 
 __all__ = ["Launcher", "LauncherChoice", "ScenarioCard"]
 
@@ -80,10 +76,10 @@ class Launcher:
         self._clicked: int | None = None
         self.choice: LauncherChoice | None = None
         self.left = False
-        self._hud = Hud()
+        self._canvas = PageSurface(surface)
+        self._hud = self._canvas.hud
         self._hud.images = np.stack([_load_thumbnail(card.picture) for card in self._cards])
         self._page = LauncherPage(self._hud, self._cards, list(self._options))
-        self._pass = HudPass(surface.ctx, ShaderLibrary(surface.ctx))
         self._fit()
 
     @property
@@ -123,19 +119,14 @@ class Launcher:
         """Draw the page into the surface's framebuffer."""
         self._fit()
         self._page.draw(PageState(self._chosen, self._focus, self.settings, self._scroll))
-        surface = self._surface
-        surface.framebuffer.use()
-        surface.framebuffer.clear(0.0, 0.0, 0.0, 1.0)
-        view = View(np.eye(4), compute_tangents(0.7, surface.size), (0, 0, *surface.size))
-        self._pass.draw(self._hud, view, plane_of_views([view], 1.0))
+        self._canvas.draw()
 
     def release(self) -> None:
         """Free everything but the surface."""
-        self._pass.release()
+        self._canvas.release()
 
     def _fit(self) -> None:
-        width, height = self._surface.size
-        self._hud.width = CANVAS_HEIGHT * width / height
+        self._canvas.fit()
         self._scroll_to(self._scroll)
 
     def _press(self, event: InputEvent) -> None:
@@ -218,12 +209,8 @@ class Launcher:
         self._scroll = min(max(scroll, 0.0), self._page.max_scroll)
 
     def _spot_at(self, event: InputEvent) -> Spot | None:
-        x, y = 0.5 * (event.x + 1.0) * self._hud.width, 0.5 * (event.y + 1.0) * CANVAS_HEIGHT
-        for spot in self._page.spots(self._scroll):
-            left, bottom, width, height = spot.box
-            if left <= x <= left + width and bottom <= y <= bottom + height:
-                return spot
-        return None
+        place = self._canvas.place(event)
+        return next((spot for spot in self._page.spots(self._scroll) if is_within(place, spot.box)), None)
 
     def _hover(self, spot: Spot | None) -> None:
         if spot is not None:

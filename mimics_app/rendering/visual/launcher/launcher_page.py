@@ -6,17 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Colour, Hud
-from mimics_app.rendering.visual.figures.palette import ACCENT, FAINT, INK
+from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Hud
+from mimics_app.rendering.visual.figures.palette import ACCENT, BACK, FAINT, INK, ON_ACCENT, PANEL, PANEL_LIT, QUIET
+from mimics_app.rendering.visual.launcher.page_surface import Box
 
-__all__ = ["Box", "LauncherPage", "PageState", "ScenarioCard", "Spot"]
+__all__ = ["LauncherPage", "PageState", "ScenarioCard", "Spot"]
 
-Box = tuple[float, float, float, float]
-
-_BACK: Colour = (0.055, 0.071, 0.094, 1.0)
-_PANEL: Colour = (0.098, 0.125, 0.161, 1.0)
-_PANEL_LIT: Colour = (0.133, 0.169, 0.216, 1.0)
-_ON_ACCENT: Colour = (0.03, 0.09, 0.13, 1.0)
 
 _MARGIN = 40.0
 _GAP = 20.0
@@ -110,12 +105,12 @@ class LauncherPage:
         """Put the page on the hud."""
         hud = self._hud
         hud.clear()
-        hud.box(0.0, 0.0, hud.width, CANVAS_HEIGHT, _BACK)
+        hud.box(0.0, 0.0, hud.width, CANVAS_HEIGHT, BACK)
         for index in range(len(self._cards)):
             self._draw_card(index, state)
         # What scrolls past the head and the foot is covered again, so that one draw call needs no clipping.
-        hud.box(0.0, CANVAS_HEIGHT - _HEAD + _GAP, hud.width, _HEAD - _GAP, _BACK)
-        hud.box(0.0, 0.0, hud.width, _FOOT - 8.0, _BACK)
+        hud.box(0.0, CANVAS_HEIGHT - _HEAD + _GAP, hud.width, _HEAD - _GAP, BACK)
+        hud.box(0.0, 0.0, hud.width, _FOOT - 8.0, BACK)
         hud.text(_MARGIN, CANVAS_HEIGHT - 66.0, "mimics", 38.0, INK, bold=True)
         beside = _MARGIN + hud.measure("mimics", 38.0, bold=True) + 16.0
         hud.text(beside, CANVAS_HEIGHT - 66.0, "Choose a scene", 20.0, FAINT)
@@ -154,7 +149,7 @@ class LauncherPage:
         if y > CANVAS_HEIGHT or y + height < 0.0:
             return
         chosen, focused = index == state.chosen, state.focus == ("card", index)
-        hud.box(x, y, width, height, _PANEL_LIT if chosen or focused else _PANEL, radius=14.0)
+        hud.box(x, y, width, height, PANEL_LIT if chosen or focused else PANEL, radius=14.0)
         picture = (width - 20.0) / _PICTURE_SHAPE
         hud.image((x + 10.0, y + height - 10.0 - picture, width - 20.0, picture), index, radius=8.0)
         text_y = y + height - picture - 38.0
@@ -169,7 +164,7 @@ class LauncherPage:
         for index, name in enumerate(self._options):
             x, y, width, height = self._option_box(index)
             focused = state.focus == ("option", index)
-            hud.box(x, y, width, height, _PANEL_LIT if focused else _PANEL, radius=12.0)
+            hud.box(x, y, width, height, PANEL_LIT if focused else PANEL, radius=12.0)
             hud.text(x + 0.5 * width, y + 39.0, name.capitalize(), 14.0, FAINT, align="centre")
             value, room = state.values[name].replace("_", " "), width - 90.0
             size = min(19.0, max(13.0, 19.0 * room / max(hud.measure(value, 19.0, bold=True), 1.0)))
@@ -180,5 +175,5 @@ class LauncherPage:
                 hud.box(x, y, width, height, ACCENT, radius=12.0, border=2.5)
         x, y, width, height = self._start_box
         focused = state.focus == ("start", 0)
-        hud.box(x, y, width, height, ACCENT if focused else (0.22, 0.55, 0.69, 1.0), radius=16.0)
-        hud.text(x + 0.5 * width, y + 20.0, "Start", 26.0, _ON_ACCENT, bold=True, align="centre")
+        hud.box(x, y, width, height, ACCENT if focused else QUIET, radius=16.0)
+        hud.text(x + 0.5 * width, y + 20.0, "Start", 26.0, ON_ACCENT, bold=True, align="centre")

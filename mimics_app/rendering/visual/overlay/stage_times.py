@@ -51,6 +51,7 @@ class StageTimes:
 
     Attributes:
         frames: Oldest first, at most 240; the last one is being drawn.
+        begun: Whether a frame is under way that the renderer has not drawn yet.
     """
 
     def __init__(self, ctx: moderngl.Context, clock: Clock, *, software: bool) -> None:
@@ -60,11 +61,13 @@ class StageTimes:
         self._queries: list[dict[str, moderngl.Query]] = [{} for _ in range(_BEHIND)]
         self._asked: list[tuple[FrameTimes, list[str]]] = [(FrameTimes(), []) for _ in range(_BEHIND)]
         self._number = 0
+        self.begun = False
         self.frames: deque[FrameTimes] = deque(maxlen=_FRAMES)
 
     def begin(self) -> None:
         """A new frame; what the driver took for the one two frames ago is read."""
         self._number += 1
+        self.begun = True
         slot = self._number % _BEHIND
         frame, stages = self._asked[slot]
         for stage in stages:

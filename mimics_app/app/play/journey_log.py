@@ -1,0 +1,53 @@
+"""What a session tells the process that opened it: how far its start has come, and what the person chose at its end.
+
+Lines of JSON in a file, because a window, a terminal and a launcher on any platform can read that.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+__all__ = ["JourneyLog", "read_journey"]
+
+
+class JourneyLog:
+    """Appends lines.
+
+    Args:
+        path: The file; None: nobody asks.
+    """
+
+    def __init__(self, path: Path | None) -> None:
+        self._path = path
+
+    @property
+    def asked(self) -> bool:
+        """Whether somebody waits for what the person chooses."""
+        return self._path is not None
+
+    def doing(self, what: str) -> None:
+        """Say what is being done before the first picture."""
+        self._say({"doing": what})
+
+    def shown(self) -> None:
+        """Say that the first picture is on the glass."""
+        self._say({"shown": True})
+
+    def chose(self, following: str) -> None:
+        """Say what comes next: "again", "other" or "leave"."""
+        self._say({"next": following})
+
+    def _say(self, line: dict[str, object]) -> None:
+        if self._path is not None:
+            with self._path.open("a", encoding="utf-8") as file:
+                file.write(json.dumps(line) + "\n")
+
+
+def read_journey(path: Path) -> dict[str, object]:
+    """The newest value of each key so far; a line that is still being written is left for the next call."""
+    told: dict[str, object] = {}
+    for line in path.read_text(encoding="utf-8").splitlines(keepends=True):
+        if line.endswith("\n"):
+            told |= json.loads(line)
+    return told

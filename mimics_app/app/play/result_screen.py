@@ -1,0 +1,45 @@
+"""Shows the page of results on the window of a session that has ended, until the person chooses what comes next."""
+
+from __future__ import annotations
+
+import sys
+import webbrowser
+from pathlib import Path
+
+from mimics_app.contracts.clock import FRAME_NS, Clock
+from mimics_app.rendering.visual.launcher.result_page import ResultContent, ResultPage
+from mimics_app.rendering.visual.surfaces.surface import Surface
+
+__all__ = ["show_result"]
+
+
+def show_result(surface: Surface, content: ResultContent, report: Path, clock: Clock) -> str:
+    """What the person chose: "again", "other" or "leave".
+
+    Args:
+        surface: The window; nothing of the session draws on it any more.
+        content: What the page says.
+        report: What "Open report" opens in a browser.
+        clock: Of real time.
+    """
+    while True:
+        choice = _choose(surface, content, clock)
+        if choice != "report":
+            return choice
+        if not webbrowser.open(report.resolve().as_uri()):
+            sys.stderr.write(f"mimics: no browser was found; the report is {report}\n")
+
+
+def _choose(surface: Surface, content: ResultContent, clock: Clock) -> str:
+    page = ResultPage(surface, content)
+    try:
+        while not surface.should_close:
+            page.handle(surface.poll())
+            if page.choice:
+                return page.choice
+            page.draw()
+            surface.swap()
+            clock.sleep_until_ns(clock.now_ns() + FRAME_NS)
+        return "leave"
+    finally:
+        page.release()

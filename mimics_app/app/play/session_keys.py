@@ -1,0 +1,31 @@
+"""What the keys of a session's window do, by what the person plays with."""
+
+from __future__ import annotations
+
+from mimics_app.app.picture.key_page import Keys
+
+__all__ = ["session_keys"]
+
+_AT_MOUSE = (
+    ("Mouse, arrows, left stick", "move the hand"),
+    ("Wheel, left button, trigger", "close and open the hand"),
+    ("Shift", "slower"),
+)
+_AT_ROBOT = (("Handle of the robot", "move the hand"),)
+_ALWAYS = (
+    ("Space, gamepad B", "stop the force at once"),
+    ("R", "allow force again after a stop"),
+    ("H", "this page"),
+    ("F5", "force and stability figures, for the operator"),
+    ("F1, F12", "frame times;  keep a picture"),
+    ("F11, Esc", "full screen;  end the session"),
+)
+
+
+def session_keys(*, at_robot: bool) -> Keys:
+    """The keys of a session.
+
+    Args:
+        at_robot: Whether the person plays with a device of its own instead of the pointer.
+    """
+    return (*(_AT_ROBOT if at_robot else _AT_MOUSE), *_ALWAYS)

@@ -1,0 +1,81 @@
+"""What earlier runs came to: the same scene, the same participant, out of the manifests of a folder of runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from mimics_app.recording.manifest import read_manifest
+from mimics_app.recording.session_header import read_session
+
+__all__ = ["EarlierRun", "earlier_runs"]
+
+_MOST_FOLDERS = 400
+"""Newest run folders that are looked at: a glance at each takes about a millisecond."""
+
+
+@dataclass(frozen=True, slots=True)
+class EarlierRun:
+    """One run that was closed.
+
+    Attributes:
+        folder: Where its recording is; its name begins with the moment, UTC.
+        completed, trials: Completed and ended trials, practice left out.
+        score: Mean score of 100; None where the task has none.
+        time_s: Mean time of a trial [s]; None where none ended.
+    """
+
+    folder: Path
+    completed: int
+    trials: int
+    score: float | None
+    time_s: float | None
+
+
+def earlier_runs(parent: Path, scene: str, participant: str, *, besides: Path | None = None) -> list[EarlierRun]:
+    """Runs of a scene with trials that ended, oldest first.
+
+    Args:
+        parent: The folder of runs; one that is not there holds none.
+        scene: The scene's name.
+        participant: Whose; "" for those without a code.
+        besides: A run that is left out.
+    """
+    folders = sorted((path for path in parent.glob("*_*") if path != besides), reverse=True)[:_MOST_FOLDERS]
+    return list(_of(reversed(folders), scene, participant))
+
+
+def _of(folders: Iterator[Path], scene: str, participant: str) -> Iterator[EarlierRun]:
+    for folder in folders:
+        manifest, _ = read_manifest(folder)
+        task = manifest.summary.get("task") if manifest is not None else None
+        if not isinstance(task, dict) or not task.get("trials"):
+            continue
+        header, _ = read_session(folder)
+        if _named(header) == (scene, participant):
+            yield EarlierRun(
+                folder,
+                _count(task, "completed"),
+                _count(task, "trials"),
+                _figure(task, "score"),
+                _figure(task, "time_s"),
+            )
+
+
+def _named(header: dict[str, Any]) -> tuple[str, str]:
+    """Scene and participant of a run; those of older recordings have no participant."""
+    scene, settings = header.get("scene"), header.get("settings")
+    name = scene.get("name", "") if isinstance(scene, dict) else ""
+    return str(name), str(settings.get("participant", "")) if isinstance(settings, dict) else ""
+
+
+def _count(task: dict[str, Any], key: str) -> int:
+    value = task.get(key)
+    return value if isinstance(value, int) else 0
+
+
+def _figure(task: dict[str, Any], key: str) -> float | None:
+    value = task.get(key)
+    return float(value) if isinstance(value, int | float) else None

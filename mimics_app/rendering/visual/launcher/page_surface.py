@@ -1,0 +1,62 @@
+"""A page over the whole of a surface: a canvas, what draws it, and where on it the pointer is."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mimics_app.contracts.window_input import InputEvent
+from mimics_app.rendering.visual.displays.desktop import compute_tangents
+from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Hud
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.passes.hud import HudPass, plane_of_views
+from mimics_app.rendering.visual.surfaces.surface import Surface
+from mimics_app.rendering.visual.view import View
+
+__all__ = ["Box", "PageSurface", "is_within"]
+
+Box = tuple[float, float, float, float]
+"""Left, lower edge, width and height [hud px]."""
+
+
+class PageSurface:
+    """Draws a canvas over all of a surface.
+
+    Args:
+        surface: Owned by the caller, who polls and swaps it.
+
+    Attributes:
+        hud: The canvas.
+    """
+
+    def __init__(self, surface: Surface) -> None:
+        self._surface = surface
+        self.hud = Hud()
+        self._pass = HudPass(surface.ctx, ShaderLibrary(surface.ctx))
+        self.fit()
+
+    def fit(self) -> None:
+        """Give the canvas the shape of the surface."""
+        width, height = self._surface.size
+        self.hud.width = CANVAS_HEIGHT * width / height
+
+    def draw(self) -> None:
+        """Draw what is on the canvas into the surface's framebuffer."""
+        surface = self._surface
+        surface.framebuffer.use()
+        surface.framebuffer.clear(0.0, 0.0, 0.0, 1.0)
+        view = View(np.eye(4), compute_tangents(0.7, surface.size), (0, 0, *surface.size))
+        self._pass.draw(self.hud, view, plane_of_views([view], 1.0))
+
+    def place(self, event: InputEvent) -> tuple[float, float]:
+        """Where on the canvas an event of the pointer was [hud px]."""
+        return 0.5 * (event.x + 1.0) * self.hud.width, 0.5 * (event.y + 1.0) * CANVAS_HEIGHT
+
+    def release(self) -> None:
+        """Free everything but the surface."""
+        self._pass.release()
+
+
+def is_within(place: tuple[float, float], box: Box) -> bool:
+    """Whether a place on the canvas lies in a box."""
+    (x, y), (left, bottom, width, height) = place, box
+    return left <= x <= left + width and bottom <= y <= bottom + height

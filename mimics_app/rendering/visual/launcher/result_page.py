@@ -1,0 +1,168 @@
+"""The page after a session: what it came to, trial by trial, and what may be done next."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from mimics_app.contracts.window_input import InputEvent
+from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Hud
+from mimics_app.rendering.visual.figures.palette import ACCENT, BACK, FAINT, INK, ON_ACCENT, PANEL, PANEL_LIT, QUIET
+from mimics_app.rendering.visual.launcher.page_surface import Box, PageSurface, is_within
+from mimics_app.rendering.visual.surfaces.surface import Surface
+
+__all__ = ["Button", "ResultContent", "ResultPage"]
+
+_MARGIN, _GAP = 56.0, 18.0
+_TILE_HEIGHT, _BUTTON_HEIGHT = 92.0, 56.0
+_ROW_HEIGHT = 30.0
+_MOST_ROWS = 8
+_STEPS = {"left": -1, "right": 1, "up": -1, "down": 1, "dpad_left": -1, "dpad_right": 1, "tab": 1}
+_CHOOSE = {"enter", "a", "start"}
+_LEAVE = {"escape", "b", "back"}
+
+
+@dataclass(frozen=True, slots=True)
+class Button:
+    """What may be done next.
+
+    Attributes:
+        name: What `ResultPage.choice` becomes.
+        label: In words.
+        key: That chooses it from the keyboard, a lower-case letter.
+    """
+
+    name: str
+    label: str
+    key: str
+
+
+@dataclass(frozen=True, slots=True)
+class ResultContent:
+    """What the page says.
+
+    Attributes:
+        title: Of the scene.
+        sentence: What the session came to.
+        tiles: Caption and figure of each of the totals.
+        head: Captions of the table's columns.
+        rows: A line for each trial, a text for each column.
+        buttons: What may be done next, the main one first.
+        footnote: Where the recording is, for whoever looks for it.
+    """
+
+    title: str
+    sentence: str
+    tiles: Sequence[tuple[str, str]]
+    head: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    buttons: Sequence[Button]
+    footnote: str = ""
+
+
+class ResultPage:
+    """Shows a result until something is chosen; the caller polls and swaps the surface.
+
+    Attributes:
+        choice: Name of the button chosen, "" until then; "leave" by Escape or the window's cross.
+    """
+
+    def __init__(self, surface: Surface, content: ResultContent) -> None:
+        self._canvas = PageSurface(surface)
+        self._content = content
+        self._focus = 0
+        self.choice = ""
+
+    def handle(self, events: Sequence[InputEvent]) -> None:
+        """Take what happened since the last call."""
+        for event in events:
+            if self.choice:
+                return
+            if event.kind in ("key", "pad") and event.pressed and not event.repeat:
+                self._press(event.name)
+            elif event.kind in ("move", "button"):
+                self._point(event)
+            elif event.kind == "close":
+                self.choice = "leave"
+
+    def draw(self) -> None:
+        """Draw the page into the surface's framebuffer."""
+        self._canvas.fit()
+        hud, content = self._canvas.hud, self._content
+        hud.clear()
+        hud.box(0.0, 0.0, hud.width, CANVAS_HEIGHT, BACK)
+        wide = hud.width - 2.0 * _MARGIN
+        hud.text(_MARGIN, CANVAS_HEIGHT - 84.0, content.title, 34.0, INK, bold=True, width=wide)
+        for number, line in enumerate(hud.wrap(content.sentence, 20.0, wide, 2)):
+            hud.text(_MARGIN, CANVAS_HEIGHT - 122.0 - 26.0 * number, line, 20.0, FAINT)
+        self._draw_tiles(hud, wide)
+        self._draw_table(hud, wide)
+        for number, button in enumerate(content.buttons):
+            self._draw_button(hud, self._button_box(number), button, number)
+        hud.text(_MARGIN, 22.0, content.footnote, 14.0, FAINT, width=wide)
+        self._canvas.draw()
+
+    def release(self) -> None:
+        """Free everything but the surface."""
+        self._canvas.release()
+
+    def _press(self, name: str) -> None:
+        buttons = self._content.buttons
+        if name in _STEPS:
+            self._focus = (self._focus + _STEPS[name]) % len(buttons)
+        elif name in _LEAVE:
+            self.choice = "leave"
+        elif name in _CHOOSE:
+            self.choice = buttons[self._focus].name
+        else:
+            self.choice = next((button.name for button in buttons if button.key == name), "")
+
+    def _point(self, event: InputEvent) -> None:
+        place = self._canvas.place(event)
+        for number, button in enumerate(self._content.buttons):
+            if is_within(place, self._button_box(number)):
+                self._focus = number
+                if event.kind == "button" and event.name == "left" and event.pressed:
+                    self.choice = button.name
+
+    def _draw_tiles(self, hud: Hud, wide: float) -> None:
+        tiles, top = self._content.tiles, CANVAS_HEIGHT - 182.0
+        width = min(220.0, (wide - _GAP * (len(tiles) - 1)) / max(1, len(tiles)))
+        for number, (caption, figure) in enumerate(tiles):
+            x = _MARGIN + number * (width + _GAP)
+            hud.box(x, top - _TILE_HEIGHT, width, _TILE_HEIGHT, PANEL, radius=14.0)
+            hud.text(x + 18.0, top - 32.0, caption, 15.0, FAINT, width=width - 36.0)
+            hud.text(x + 18.0, top - 72.0, figure, 30.0, INK, bold=True, width=width - 36.0)
+
+    def _draw_table(self, hud: Hud, wide: float) -> None:
+        """The trials; of many the last ones, and how many came before."""
+        head, rows = self._content.head, list(self._content.rows)
+        if not rows:
+            return
+        left_out, rows = len(rows) - _MOST_ROWS, rows[-_MOST_ROWS:]
+        top, column = CANVAS_HEIGHT - 182.0 - _TILE_HEIGHT - 44.0, wide / max(1, len(head))
+        for number, caption in enumerate(head):
+            hud.text(_MARGIN + number * column, top, caption, 15.0, FAINT, width=column - 12.0)
+        hud.box(_MARGIN, top - 11.0, wide, 1.0, PANEL_LIT)
+        for line, row in enumerate(rows):
+            for number, text in enumerate(row):
+                y = top - _ROW_HEIGHT * (line + 1) - 4.0
+                hud.text(_MARGIN + number * column, y, text, 17.0, INK, bold=number == 0, width=column - 12.0)
+        if left_out > 0:
+            hud.text(_MARGIN, top - _ROW_HEIGHT * (len(rows) + 1) - 4.0, f"and {left_out} before", 15.0, FAINT)
+
+    def _button_box(self, number: int) -> Box:
+        count, wide = len(self._content.buttons), self._canvas.hud.width - 2.0 * _MARGIN
+        width = min(260.0, (wide - _GAP * (count - 1)) / count)
+        return (_MARGIN + number * (width + _GAP), 58.0, width, _BUTTON_HEIGHT)
+
+    def _draw_button(self, hud: Hud, box: Box, button: Button, number: int) -> None:
+        x, y, width, height = box
+        main, focused = number == 0, number == self._focus
+        colour = (ACCENT if focused else QUIET) if main else (PANEL_LIT if focused else PANEL)
+        hud.box(x, y, width, height, colour, radius=14.0)
+        ink = ON_ACCENT if main else INK
+        hud.text(x + 0.5 * width, y + 20.0, button.label, 20.0, ink, bold=True, align="centre", width=width - 60.0)
+        hud.text(x + width - 16.0, y + 21.0, button.key.upper(), 14.0, ink if main else FAINT, align="right")
+        if focused:
+            hud.box(x, y, width, height, INK if main else ACCENT, radius=14.0, border=2.5)

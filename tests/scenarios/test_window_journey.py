@@ -1,0 +1,98 @@
+"""From a scene to its result and again, in a real window by keys alone."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from mimics_app.contracts.window_input import InputEvent
+from mimics_app.rendering.visual.launcher.result_page import Button, ResultContent, ResultPage
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.headless import read_pixels
+from tests.support.xvfb import display
+
+BUTTONS = (Button("again", "Again", "n"), Button("other", "Another scene", "o"), Button("leave", "Close", "c"))
+CONTENT = ResultContent("Tunnel", "2 of 3 trials finished.", [("Score", "90")], ("Trial",), [("1",)] * 12, BUTTONS)
+
+
+@pytest.mark.parametrize(
+    ("keys", "choice"),
+    [(["enter"], "again"), (["right", "enter"], "other"), (["left", "enter"], "leave"), (["o"], "other"), (["q"], ""),
+     (["escape"], "leave")],
+)  # fmt: skip
+def test_every_button_is_reached_by_keys(keys: list[str], choice: str) -> None:
+    with create_surface("egl", (1280, 720)) as surface:
+        page = ResultPage(surface, CONTENT)
+        page.handle([InputEvent("key", name, True) for name in keys])
+        page.draw()
+        assert page.choice == choice
+        assert read_pixels(surface)[..., :3].std() > 5.0, "there is something to read"
+
+
+def test_a_click_on_a_button_chooses_it() -> None:
+    with create_surface("egl", (1280, 720)) as surface:
+        page = ResultPage(surface, CONTENT)
+        x, y, width, height = page._button_box(1)
+        at = {"x": 2.0 * (x + 0.5 * width) / 1280.0 - 1.0, "y": 2.0 * (y + 0.5 * height) / 720.0 - 1.0}
+        page.handle([InputEvent("move", **at), InputEvent("button", "left", True, **at)])
+        assert page.choice == "other"
+
+
+def wait(what: str, condition: Callable[[], bool], process: subprocess.Popen[bytes], seconds: float = 90.0) -> None:
+    for _ in range(round(seconds / 0.2)):
+        assert process.poll() is None, f"the application ended while waiting for {what}"
+        if condition():
+            return
+        time.sleep(0.2)
+    pytest.fail(f"no {what} within {seconds} s")
+
+
+def press_until(key: str, screen: str, what: str, done: Callable[[], bool], process: subprocess.Popen[bytes]) -> None:
+    """A key that is pressed before a window listens is lost: it is pressed again, as a person would."""
+
+    def pressed() -> bool:
+        subprocess.run(["xdotool", "key", key], env={**os.environ, "DISPLAY": screen}, check=True, timeout=20)
+        time.sleep(1.0)
+        return done()
+
+    wait(what, pressed, process)
+
+
+def test_a_session_ends_with_its_result_and_is_played_again(tmp_path: Path) -> None:
+    if shutil.which("xdotool") is None:
+        pytest.skip("xdotool is not installed: apt-get install xdotool")
+
+    def ended() -> int:
+        return len(list(tmp_path.glob("*/report.html")))
+
+    def begun() -> int:
+        return len(list(tmp_path.glob("*/haptic.arrows")))
+
+    words = ["run", "scenes/wavy_tunnel.json", "--sound", "off", "--participant", "P1", "--runs", str(tmp_path)]
+    with display("1280x720x24") as screen:
+        process = subprocess.Popen([sys.executable, "-m", "mimics_app", *words], env={**os.environ, "DISPLAY": screen})
+        try:
+            wait("first session", lambda: begun() == 1, process)
+            press_until("Escape", screen, "first result", lambda: ended() == 1, process)
+            press_until("n", screen, "second session", lambda: begun() == 2, process)
+            press_until("Escape", screen, "second result", lambda: ended() == 2, process)
+            time.sleep(1.0)
+            subprocess.run(["xdotool", "key", "c"], env={**os.environ, "DISPLAY": screen}, check=False, timeout=20)
+            assert process.wait(timeout=40) == 0
+        finally:
+            if process.poll() is None:
+                process.send_signal(signal.SIGTERM)
+                process.wait(timeout=40)
+    headers = [json.loads(path.read_text()) for path in tmp_path.glob("*/session.json")]
+    assert [header["settings"]["participant"] for header in headers] == ["P1", "P1"]
+    assert all("journey" not in header["settings"] for header in headers)
+    assert all(header["live"] for header in headers)

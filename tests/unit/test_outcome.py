@@ -1,0 +1,118 @@
+"""The page of results in words, the history it compares with, and the words that ask for the same run again."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mimics_app.app import cli
+from mimics_app.app.play.journey import run_words
+from mimics_app.app.play.journey_log import JourneyLog, read_journey
+from mimics_app.app.play.outcome import result_content
+from mimics_app.app.settings import RunSettings
+from mimics_app.recording.history import EarlierRun, earlier_runs
+
+ROWS = [
+    {"trial": 0, "practice": True, "outcome": "timeout", "cause": "", "time_s": 9.0, "contacts": 3, "score": 10.0},
+    {"trial": 1, "practice": False, "outcome": "finished", "cause": "", "time_s": 4.0, "contacts": 0, "score": 90.0},
+    {"trial": 2, "practice": False, "outcome": "aborted", "cause": "stop key", "time_s": None, "score": None},
+]
+
+
+def answer(**task: Any) -> dict[str, Any]:
+    return {"run_dir": "runs/x", "report": "runs/x/report.html", "task": {"completed": 0, "trials": 0, **task}}
+
+
+def ended(**task: Any) -> dict[str, Any]:
+    return answer(completed=1, trials=2, counted="trials", score=45.0, time_s=4.0, **task)
+
+
+def run_before(time_s: float | None, score: float | None = None) -> EarlierRun:
+    return EarlierRun(Path("runs/before"), 2, 2, score, time_s)
+
+
+@pytest.mark.parametrize(
+    ("before", "words"),
+    [(5.0, "20 % faster than last time"), (3.2, "25 % slower than last time"), (4.01, "as fast as last time")],
+)
+def test_the_sentence_compares_with_the_last_run_that_has_a_time(before: float, words: str) -> None:
+    content = result_content("Tunnel", ended(), ROWS, [run_before(99.0), run_before(before), run_before(None)])
+    assert content.sentence == f"1 of 2 trials finished, {words}."
+
+
+def test_a_figure_that_does_not_apply_is_left_out() -> None:
+    content = result_content("Tunnel", answer(contacts=1, counted="under way"), [], [])
+    assert content.sentence == "No trial was ended." and not content.tiles and not content.rows and not content.head
+    bare = [{"trial": 1, "outcome": "finished", "contacts": None, "score": None}]
+    assert list(result_content("T", answer(), bare, []).head) == ["Trial", "Result"]
+
+
+def test_best_is_over_this_run_and_the_earlier_ones() -> None:
+    tiles = dict(result_content("Tunnel", ended(), ROWS, [run_before(5.0, 71.0)]).tiles)
+    assert tiles["Score of 100"] == "45" and tiles["Best so far"] == "71" and tiles["Mean time"] == "4.0 s"
+
+
+def test_rows_are_in_words() -> None:
+    rows = result_content("Tunnel", ended(), ROWS, []).rows
+    assert [row[:2] for row in rows] == [
+        ("Practice", "time was over"), ("1", "finished"), ("2", "broken off: stop key"),
+    ]  # fmt: skip
+    assert rows[2][2:] == ("", "", "")
+
+
+def test_without_a_report_there_is_no_button_for_it() -> None:
+    without = {**answer(), "report": ""}
+    assert "report" not in [button.name for button in result_content("T", without, [], []).buttons]
+
+
+def write_run(parent: Path, name: str, scene: str, participant: str, task: dict[str, Any]) -> Path:
+    folder = parent / name
+    folder.mkdir(parents=True)
+    header = {"scene": {"name": scene}, "settings": {"participant": participant}}
+    (folder / "session.json").write_text(json.dumps(header))
+    manifest = {"status": "clean", "state_hash": "", "rows": 0, "events": 0, "trials": 0, "parameters": 0}
+    (folder / "manifest.json").write_text(json.dumps({**manifest, "summary": {"task": task}}))
+    return folder
+
+
+def test_history_is_of_the_same_scene_and_participant_oldest_first(tmp_path: Path) -> None:
+    task = {"completed": 1, "trials": 2, "score": 50.0, "time_s": 3.0}
+    first = write_run(tmp_path, "20260101T000000Z_a", "tunnel", "P1", task)
+    second = write_run(tmp_path, "20260201T000000Z_b", "tunnel", "P1", {**task, "time_s": None})
+    present = write_run(tmp_path, "20260301T000000Z_c", "tunnel", "P1", task)
+    write_run(tmp_path, "20260102T000000Z_d", "market", "P1", task)
+    write_run(tmp_path, "20260103T000000Z_e", "tunnel", "P2", task)
+    write_run(tmp_path, "20260104T000000Z_f", "tunnel", "P1", {"completed": 0, "trials": 0})
+    (tmp_path / "20260105T000000Z_g").mkdir()
+    found = earlier_runs(tmp_path, "tunnel", "P1", besides=present)
+    assert [run.folder for run in found] == [first, second]
+    assert (found[0].completed, found[0].trials, found[0].score, found[0].time_s) == (1, 2, 50.0, 3.0)
+    assert found[1].time_s is None
+    assert earlier_runs(tmp_path / "nowhere", "tunnel", "P1") == []
+
+
+def test_the_words_of_a_run_ask_for_the_same_run() -> None:
+    changed = RunSettings(
+        Path("scenes/a.json"), headless=True, seconds=2.5, seed=7, profile="study", quality="full", device="pointer",
+        patient="severe", sound="off", size=(640, 360), pictures=2, runs=Path("elsewhere"), participant="P 07",
+    )  # fmt: skip
+    for settings in (changed, RunSettings(Path("scenes/a.json"))):
+        read = vars(cli.parse(["run", *run_words(settings)]))
+        assert RunSettings(**{field.name: read[field.name] for field in fields(RunSettings)}) == settings
+
+
+def test_a_journey_is_heard_line_by_line(tmp_path: Path) -> None:
+    path = tmp_path / "journey.jsonl"
+    path.touch()
+    log = JourneyLog(path)
+    log.doing("Reading the scene")
+    assert log.asked and read_journey(path) == {"doing": "Reading the scene"}
+    log.shown()
+    with path.open("a") as file:
+        file.write('{"next": "ag')  # a line that is being written
+    assert read_journey(path) == {"doing": "Reading the scene", "shown": True}
+    JourneyLog(None).chose("leave")
