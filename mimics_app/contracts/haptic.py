@@ -28,12 +28,10 @@ __all__ = [
     "LIMITS",
     "LIMIT_NAMES",
     "MAX_GEOMETRY",
-    "MAX_PIECES",
     "POSE",
     "SAMPLE",
     "SCENE",
     "SNAPSHOT",
-    "TUNNEL",
     "AdmittanceForm",
     "Button",
     "Controller",
@@ -46,9 +44,6 @@ __all__ = [
 
 MAX_GEOMETRY = 16
 """Numbers of a device's geometry."""
-
-MAX_PIECES = 96
-"""Most cubic pieces one tunnel may have; fixes the size of a parameter block."""
 
 
 class SafetyState(IntEnum):
@@ -139,26 +134,6 @@ class EventKind(IntEnum):
     QUARANTINE = 11
 
 
-TUNNEL = np.dtype(
-    [
-        ("pieces", "i8"),  # cubic pieces in use; 0: no tunnel
-        ("projection", "i8"),  # Projection
-        ("centre", "f8", (MAX_PIECES, 3, 4)),  # world [m]: a0 + a1 u + a2 u^2 + a3 u^3, u in [0, 1), per axis
-        ("radius", "f8", (MAX_PIECES, 4)),  # [m], same parameter
-        ("arc_length", "f8", (MAX_PIECES + 1,)),  # [m] at piece starts and the end
-        ("normal", "f8", (MAX_PIECES + 1, 3)),  # rotation-minimising normal at piece starts and the end, unit
-        ("radius_scale", "f8"),  # [-] multiplies radius; 0 keeps the ball on the bisector
-        ("stiffness", "f8"),  # [N/m] of the wall
-        ("damping", "f8"),  # [N s/m] of the wall, along its normal
-        ("drag", "f8"),  # [N s/m] along the tunnel
-        ("drag_growth", "f8"),  # [N s/m per m] added to drag per metre of ball larger than tunnel
-        ("centring", "f8"),  # [N/m] assistance towards the bisector
-        ("advance", "f8"),  # [N] assistance along the tangent towards the end
-    ],
-    align=True,
-)
-"""The tunnel of D2.1 4.2.10 as the tick reads it."""
-
 LIMITS: list[tuple[Any, ...]] = [
     ("force_limit", "f8"),  # [N] of the virtual force on the user
     ("force_rate_limit", "f8"),  # [N/s] upwards; falling is free
@@ -207,7 +182,7 @@ FEEL = [
     ("ball_radius_max", "f8"),  # [m] at no grasp
     ("grasp_force_full", "f8"),  # [N] that makes the ball smallest
 ]
-"""Fields of SCENE that a task may change while it runs, beside those of its tunnel and of its objects."""
+"""Fields of SCENE that a task may change while it runs, beside those of its tunnels and of its objects."""
 
 SCENE = np.dtype(
     [
@@ -233,7 +208,7 @@ SCENE = np.dtype(
         ("origin_world", "f8", (3,)),  # WCS origin in the world [m]
         *FEEL,
         *LIMITS,
-        ("tunnel", TUNNEL),
+        ("own_tunnel", "i8"),  # row of the tunnel that the task is about: the sample tells of it
         ("objects", OBJECT_COUNTS),  # rows in use of the tables beside this record
     ],
     align=True,

@@ -87,6 +87,7 @@ class SessionMemory:
     effects: Annotated[Records, Shared(ROW_DTYPES["effects"], (3, "objects.effects"))]
     points: Annotated[Records, Shared(ROW_DTYPES["points"], (3, "objects.points"))]
     wires: Annotated[Records, Shared(ROW_DTYPES["wires"], (3, "objects.wires"))]
+    tunnels: Annotated[Records, Shared(ROW_DTYPES["tunnels"], (3, "objects.tunnels"))]
 
     # triple buffer main -> loop: the pointing device
     inbox_words: _Exchange
@@ -126,7 +127,7 @@ class SessionMemory:
     @property
     def rows(self) -> Rows:
         """The tables of objects beside `scenes`, shape [3, capacity] each."""
-        return Rows(self.shapes, self.bodies, self.effects, self.points, self.wires)
+        return Rows(self.shapes, self.bodies, self.effects, self.points, self.wires, self.tunnels)
 
     def __reduce__(self) -> tuple[Callable[..., SessionMemory], tuple[Capacities, Segment]]:
         return SessionMemory, (self.capacities, self.segment)

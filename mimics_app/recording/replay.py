@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import PartialDataError
-from mimics_app.contracts.haptic import EVENT, SCENE
+from mimics_app.contracts.haptic import EVENT
 from mimics_app.contracts.object_rows import Rows
 from mimics_app.recording.columns import OUTPUT_FIELDS, field_columns, name_of, rows_of
+from mimics_app.recording.older_blocks import current_block
 from mimics_app.recording.run import Run
 from mimics_app.recording.statics import Statics, read_statics
 
@@ -91,13 +92,13 @@ def gather(run: Run) -> ReplayData:
     wanted = {int(sequence) for sequence in np.unique(samples["sequence"])} - {0}  # 0: nothing was published yet
     if missing := sorted(wanted - set(blocks)):
         raise PartialDataError(f"{run.folder}: parameter block {missing[0]} is missing", "it cannot be replayed")
-    if any(blocks[sequence].dtype != SCENE for sequence in wanted):
+    current = {sequence: current_block(blocks[sequence], run.rows.get(sequence)) for sequence in sorted(wanted)}
+    known = {sequence: block for sequence, block in current.items() if block is not None}
+    if len(known) < len(current):
         version = run.session.get("versions", {}).get("mimics_app", "another version")
         raise PartialDataError(f"{run.folder} was recorded by {version}, whose parameters differ", "use that version")
     rows = {sequence: run.rows[sequence] for sequence in sorted(wanted) if sequence in run.rows}
-    return ReplayData(
-        samples, {sequence: blocks[sequence] for sequence in sorted(wanted)}, rows, read_statics(run.folder)
-    )
+    return ReplayData(samples, known, rows, read_statics(run.folder))
 
 
 def compare(recorded: NDArray[Any], replayed: NDArray[Any]) -> Difference | None:

@@ -54,7 +54,8 @@ class MapSpec(Component, frozen=True):
     to: Annotated[
         str,
         Meta(
-            description="Dotted name: 'haptic.FIELD' or 'haptic.tunnel.FIELD' is a number of the haptic scene; "
+            description="Dotted name: 'haptic.FIELD' is a number of the haptic scene, 'haptic.tunnel.FIELD' of the "
+            "task's own tunnel, 'haptic.tunnels.ENTITY.FIELD' of any; "
             "'visual.NAME' and 'audio.NAME' are parameters of the scenario and the mixer; 'task.time_limit_s', "
             "'task.rest_s' and 'task.within' (of `carry`) change the task itself."
         ),

@@ -93,14 +93,14 @@ def _poison(noise):
 
 
 @kernel
-def _change_parameters(noise, scene):
+def _change_parameters(noise, scene, tunnel):
     scene.sequence += 1
     scene.controller = 3 if uniform(noise, 0) < 0.8 else int(uniform(noise, 0) * 4.0)
     scene.form = int(uniform(noise, 0) * 3.0)
-    scene.tunnel.stiffness = 10.0 ** (2.0 + 3.0 * uniform(noise, 0))
-    scene.tunnel.damping = 40.0 * uniform(noise, 0)
-    scene.tunnel.centring = 300.0 * uniform(noise, 0)
-    scene.tunnel.advance = 20.0 * uniform(noise, 0)
+    tunnel.stiffness = 10.0 ** (2.0 + 3.0 * uniform(noise, 0))
+    tunnel.damping = 40.0 * uniform(noise, 0)
+    tunnel.centring = 300.0 * uniform(noise, 0)
+    tunnel.advance = 20.0 * uniform(noise, 0)
     scene.virtual_damping = 20.0 * uniform(noise, 0)
     scene.device_delay = 0.01 * uniform(noise, 0)
     scene.force_limit = 5.0 + 100.0 * uniform(noise, 0)
@@ -167,7 +167,7 @@ def _attack(seed, ticks, scenes, tables, objects, simulate, fields, states, data
         if objects.totals[0].touching > 0 and state.safety == 4:
             met[len(HABITS)] += 1
         if k % 500 == 0:
-            _change_parameters(noise, scene)
+            _change_parameters(noise, scene, tables.tunnels[0])
             _change_objects(noise, scene, tables)
         if k % 3000 == 0:
             for i in range(3):
@@ -283,13 +283,15 @@ def _objects() -> Play:
 def _check(seed: int, ticks: int, among: bool = False) -> None:
     """No law is broken; each habit met a force that was on, each edge was reached, objects were touched."""
     scene = scene_from_components()
-    if not among:
-        wavy().fill(scene[0]["tunnel"])
     scene[0]["ramp_force"], scene[0]["ramp_time"] = 1000.0, 0.02
     broken, met = np.zeros(len(LAWS), np.int64), np.zeros(len(HABITS) + 1, np.int64)
     at = np.zeros(len(EDGES), np.int64)
     play = _objects() if among else new_touch_play()
     scene[0]["objects"] = play.counts[0]
+    scene[0]["objects"]["tunnels"] = 1  # without pieces it holds nothing
+    play.rows.tunnels[0]["radius_scale"] = 1.0
+    if not among:
+        wavy().fill(play.rows.tunnels[0])
     simulate, fields = (load_simulation(), (_breaks,) * len(NO_FIELDS)) if among else (no_objects, NO_FIELDS)
     room = (np.zeros(DATA_LENGTH), np.zeros(COMMAND_LENGTH), np.zeros(1, SAMPLE))
     _attack(seed, ticks, scene, play.rows, play.work, simulate, fields, new_states(), *room, broken, met, at)

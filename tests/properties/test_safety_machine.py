@@ -151,7 +151,7 @@ def _walk(seed, ticks, spoilt, scenes, rows_of_objects, objects, states, data, c
             scene.sequence += 1
             scene.controller = int(uniform(noise, 0) * 4.0) if _chance(noise, 0.2) else 3
             scene.form = int(uniform(noise, 0) * 3.0)
-            scene.tunnel.stiffness = 4000.0 * uniform(noise, 0)
+            rows_of_objects.tunnels[0].stiffness = 4000.0 * uniform(noise, 0)
             scene.force_limit = 2.0 + 60.0 * uniform(noise, 0)
             scene.energy_limit = 0.01 + 0.5 * uniform(noise, 0)
         if (age > 20 and _chance(noise, 0.01)) or age == 40:
@@ -235,8 +235,10 @@ def _walk(seed, ticks, spoilt, scenes, rows_of_objects, objects, states, data, c
 def _run(seed: int, ticks: int, spoilt: int = -1) -> tuple[dict[str, int], np.ndarray]:
     """(times each law was broken, what was met: see `_walk`)."""
     scene = scene_from_components()
-    wavy().fill(scene[0]["tunnel"])
-    scene[0]["tunnel"]["stiffness"], scene[0]["tunnel"]["damping"] = 2000.0, 25.0
+    rows = new_rows(ObjectCapacities())
+    wavy().fill(rows.tunnels[0])
+    rows.tunnels[0]["radius_scale"], rows.tunnels[0]["stiffness"], rows.tunnels[0]["damping"] = 1.0, 2000.0, 25.0
+    scene[0]["objects"]["tunnels"] = 1
     scene[0]["ramp_force"] = 60.0
     scene[0]["ramp_time"] = 0.05
     broken, met = np.zeros(len(LAWS), np.int64), np.zeros((10, 16), np.int64)
@@ -245,7 +247,7 @@ def _run(seed: int, ticks: int, spoilt: int = -1) -> tuple[dict[str, int], np.nd
         ticks,
         spoilt,
         scene,
-        new_rows(ObjectCapacities()),
+        rows,
         new_object_work(ObjectCapacities()),
         new_states(),
         np.zeros(DATA_LENGTH),

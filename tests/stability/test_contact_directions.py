@@ -176,7 +176,7 @@ def test_the_tunnels_wall_and_a_shape_behind_it_are_one_spring(capped: int):
     rows = script(400)
     rows[:, 2] = 0.030 * np.clip(np.arange(400) / 200.0, 0.0, 1.0)
     bench = scripted_with(play, rows)
-    build_tunnel([[-0.15, 0.0, 0.0], [0.15, 0.0, 0.0]], 0.04).fill(bench.scene[0]["tunnel"])
+    build_tunnel([[-0.15, 0.0, 0.0], [0.15, 0.0, 0.0]], 0.04).fill(bench.tunnel)
     bench.publish(tunnel__stiffness=wall[0], tunnel__damping=wall[1], tunnel__drag=0.0, tunnel__drag_growth=0.0)
     bench.publish(virtual_damping=OWN, device_delay=DELAY * T, cap=capped)
     samples = bench.advance(400)

@@ -171,7 +171,7 @@ def test_the_simulated_person_goes_through_the_tunnel_on_it():
     way = curve.point(np.linspace(0.0, len(curve.pieces), 200))
     plugin = build_device(Robot(device="simulated_impedance"), Patient(), way, 2)
     bench = bench_of(plugin, straight=None)
-    curve.fill(bench.scene[0]["tunnel"])
+    curve.fill(bench.tunnel)
     bench.scene[0]["ball_radius_min"], bench.scene[0]["ball_radius_max"] = 0.008, 0.016
     R, origin = bench.scene[0]["R_world_from_robot"], bench.scene[0]["origin_world"]
     values = impedance_values(Impedance(damping=2.0)) | {"controller": int(Controller.WORLD_PD)}

@@ -104,19 +104,23 @@ class Bench:
     rows: Rows = field(default_factory=lambda: new_rows(ObjectCapacities()))
     row_blocks: dict[int, Rows] = field(default_factory=dict)
 
+    @property
+    def tunnel(self) -> Any:
+        """The bench's one tunnel, a TUNNEL record; without pieces it holds nothing."""
+        return self.rows.tunnels[0]
+
     def publish(self, rows: Rows | None = None, **values: Any) -> None:
         """Change fields ("tunnel.stiffness" as tunnel__stiffness), count the sequence up, publish."""
-        self.rows = rows or self.rows
+        self.rows = (rows or self.rows)._replace(tunnels=self.rows.tunnels)
+        self.scene[0]["objects"]["tunnels"] = len(self.rows.tunnels)
         for name, value in values.items():
-            part = self.scene[0]
-            *path, last = name.split("__")
-            for step in path:
-                part = part[step]
-            place = part[last]
+            table, _, field = name.rpartition("__")
+            part = self.tunnel if table == "tunnel" else self.scene[0][table] if table else self.scene[0]
+            place = part[field]
             if np.ndim(place) and 1 < np.size(value) < np.size(place):  # joints, or points, of the device
                 place[: np.size(value)], place[np.size(value) :] = value, 0.0
             else:
-                part[last] = value
+                part[field] = value
         self.scene[0]["sequence"] = len(self.blocks) + 1
         self.blocks[len(self.blocks) + 1] = self.scene.copy()
         self.row_blocks[len(self.blocks)] = Rows(*(table.copy() for table in self.rows))
@@ -145,7 +149,8 @@ def bench_of(
     memory = SessionMemory(Capacities(samples=samples, **kwargs.pop("capacities", {})))
     bench = Bench(memory, HapticEngine(memory, plugin, **kwargs), scene_from_components())
     bench.scene[0]["device_delay"] = plugin.delay
-    record = bench.scene[0]["tunnel"]
+    record = bench.tunnel
+    record["radius_scale"] = 1.0
     if straight is not None:
         build_tunnel([[-0.15, 0.0, 0.0], [0.15, 0.0, 0.0]], straight).fill(record)
     record["stiffness"], record["damping"], record["drag"], record["drag_growth"] = 2000.0, 25.0, 2.0, 2000.0
@@ -186,7 +191,7 @@ def patient_bench(
     way = curve.point(np.linspace(0.0, len(curve.pieces), 200))
     plugin = build_device(robot or Robot(), Patient(preset=preset, intent=intent), way, seed)
     bench = bench_of(plugin, straight=None, **kwargs)
-    curve.fill(bench.scene[0]["tunnel"])
+    curve.fill(bench.tunnel)
     R, origin = bench.scene[0]["R_world_from_robot"], bench.scene[0]["origin_world"]
     bench.scene[0]["ball_radius_min"], bench.scene[0]["ball_radius_max"] = 0.008, 0.016
     bench.publish(controller=Controller.WORLD_PD, target=R.T @ (curve.point(0.0)[0] - origin))

@@ -17,6 +17,7 @@ from mimics_app.rendering.haptic.scene_objects import check_objects
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
 from mimics_app.tasks.actions import haptic_field
 from mimics_app.tasks.kinds.carry import carry_of
+from mimics_app.tasks.kinds.tunnel import own_tunnel
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.world.components.robot import Robot, Tunnel
 from mimics_app.world.scene.file import load_scene
@@ -43,16 +44,19 @@ def load_checked_scene(path: Path) -> Scene:
 
 
 def _check_widest_tunnel(scene: Scene) -> list[Issue]:
-    """The task may widen the tunnel only as far as its tightest bend allows (radius x curvature below 1)."""
+    """The task may widen a tunnel only as far as its tightest bend allows (radius x curvature below 1)."""
     task = scene.section(TaskSpec)
     if task is None or not scene.components(Tunnel):
         return []
-    limit = tunnel_of_scene(scene)[0].max_radius_scale
+    targets = {f"tunnels.{entity}.radius_scale": entity for entity, _, _ in scene.components(Tunnel)}
+    targets["tunnel.radius_scale"] = own_tunnel(scene)
     issues = []
     for name, parameter in task.parameters.items():
         for target in parameter.maps:
-            if haptic_field(target) != "tunnel.radius_scale":
+            entity = targets.get(haptic_field(target))
+            if entity is None:
                 continue
+            limit = tunnel_of_scene(scene, entity)[0].max_radius_scale
             widest = max(target.offset + target.scale * value for value in (parameter.min, parameter.max))
             if widest >= limit:
                 what = f"makes the tunnel {widest:g} times as wide: its walls fold over in the tightest bend"
@@ -61,11 +65,11 @@ def _check_widest_tunnel(scene: Scene) -> list[Issue]:
 
 
 def _check_reach(scene: Scene) -> list[Issue]:
-    """The robot must reach the whole bisector, or the person would push against its end stops."""
+    """The robot must reach the bisector of the task's own tunnel, or the person would push against its end stops."""
     if not scene.components(Tunnel) or not scene.components(Robot):
         return []
     _, robot, pointer = scene.one(Robot)
-    curve, _ = tunnel_of_scene(scene)
+    curve, _ = tunnel_of_scene(scene, own_tunnel(scene))
     reach = Reach(robot)
     for arc in np.linspace(0.0, curve.length, _REACH_CHECKS):
         point = curve.point(curve.parameter_at(arc))[0]

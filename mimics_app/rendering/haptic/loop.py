@@ -108,7 +108,14 @@ def _take_inbox(channels: Channels, work: Work, scene: Any) -> None:
 @kernel
 def _rows_of(stack: Rows, slot: int) -> Rows:
     """One slot of the tables of objects."""
-    return Rows(stack.shapes[slot], stack.bodies[slot], stack.effects[slot], stack.points[slot], stack.wires[slot])
+    return Rows(
+        stack.shapes[slot],
+        stack.bodies[slot],
+        stack.effects[slot],
+        stack.points[slot],
+        stack.wires[slot],
+        stack.tunnels[slot],
+    )
 
 
 @kernel

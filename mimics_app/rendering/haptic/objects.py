@@ -15,8 +15,7 @@ from numba import from_dtype, typeof, types
 from numpy.typing import NDArray
 
 from mimics_app.contracts.borrowed import borrowed_type
-from mimics_app.contracts.haptic import TUNNEL
-from mimics_app.contracts.haptic_objects import MAX_POINTS, MOTION, OBJECT_COUNTS
+from mimics_app.contracts.haptic_objects import MAX_POINTS, MOTION, OBJECT_COUNTS, TUNNEL
 from mimics_app.contracts.loop_fields import MAX_CONTACTS
 from mimics_app.contracts.loop_ports import FIELD_PARAMETERS, FIELDS
 from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
@@ -38,6 +37,7 @@ from mimics_app.rendering.haptic.kernels.objects.records import (
 )
 from mimics_app.rendering.haptic.kernels.objects.totals import TOTALS
 from mimics_app.rendering.haptic.kernels.objects.touches import TOUCH
+from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 from mimics_app.rendering.haptic.ridge_table import RidgeTable, build_ridge_table
 
@@ -71,6 +71,7 @@ class ObjectWork(NamedTuple):
         solids: SOLID, shape [shapes].
         moving_shapes: Rows of the shapes of bodies; TRACKING.moving says how many, shape [shapes].
         effects: EFFECT_MEMORY, shape [effects].
+        tunnels: TUNNEL_STATE of each tunnel, shape [tunnels].
         paths: TUNNEL records by EFFECT.path, shape [paths]; filled before the loop starts.
         field_parameters: What a force field is given, shape [FIELD_PARAMETERS].
         field_vectors: Likewise place and velocity, and the force it gives, shape [3, 3].
@@ -113,6 +114,7 @@ class ObjectWork(NamedTuple):
     solids: Records
     moving_shapes: NDArray[np.int64]
     effects: Records
+    tunnels: Records
     paths: Records
     field_parameters: NDArray[np.float64]
     field_vectors: NDArray[np.float64]
@@ -161,6 +163,7 @@ def new_object_work(capacities: ObjectCapacities, meshes: MeshTable | None = Non
         solids=np.zeros(shapes, SOLID),
         moving_shapes=np.zeros(shapes, np.int64),
         effects=np.zeros(capacities.effects, EFFECT_MEMORY),
+        tunnels=np.zeros(capacities.tunnels, TUNNEL_STATE),
         paths=np.zeros(capacities.paths, TUNNEL),
         field_parameters=np.zeros(FIELD_PARAMETERS),
         field_vectors=np.zeros((3, 3)),

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts import ring
 from mimics_app.contracts.device_descriptor import Kinematics
 from mimics_app.contracts.haptic import EVENT, SAMPLE, SCENE
-from mimics_app.contracts.object_rows import ObjectCapacities, Rows, count_rows, new_rows, slot_of
+from mimics_app.contracts.object_rows import ObjectCapacities, Rows, count_rows, has_objects, new_rows, slot_of
 from mimics_app.contracts.session_memory import Capacities, SessionMemory
 from mimics_app.rendering.haptic.channels import channels_of, new_work
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
@@ -90,7 +90,7 @@ def replay_run(
     memory = SessionMemory(Capacities(capacities, samples=1, events=_EVENTS, lateness_bins=1))
     channels = channels_of(memory)
     work = new_work(new_object_work(capacities) if statics is None else statics.work(capacities))
-    simulate = load_simulation() if rows else no_objects
+    simulate = load_simulation() if any(has_objects(block["objects"]) for block in blocks) else no_objects
     fields = NO_FIELDS if statics is None else statics.functions()
     kin = tuple(kinematics)
     inputs, outputs = np.ascontiguousarray(inputs), np.zeros(inputs.shape[0], SAMPLE)

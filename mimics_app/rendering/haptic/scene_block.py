@@ -17,7 +17,7 @@ from mimics_app.contracts.haptic import SCENE, AdmittanceForm, Controller
 from mimics_app.contracts.loop_fields import MAX_JOINTS
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.descriptors.joint_limits import joint_limits
-from mimics_app.world.components.robot import Admittance, Ball, Impedance, JointPd, Robot, Safety, Tunnel, WorldPd
+from mimics_app.world.components.robot import Admittance, Ball, Impedance, JointPd, Robot, Safety, WorldPd
 
 __all__ = [
     "apply_admittance",
@@ -211,11 +211,11 @@ def scene_from_components(
 ) -> Block:
     """A block from the components of a scene; one that is absent has its own defaults.
 
-    The tunnel and the objects fill their own records, the device what `device_fit` knows of it. Until then a device
-    counts as a real one whose late ticks latch.
+    Tunnels and objects are rows beside the record (`scene_objects`); the device fills in what `device_fit` knows of it.
+    Until then a device counts as a real one whose late ticks latch.
 
     Returns:
-        SCENE record, shape [1], sequence 1, no tunnel, admittance selected. For a PD controller call `apply_joint_pd`
+        SCENE record, shape [1], sequence 1, admittance selected. For a PD controller call `apply_joint_pd`
         or `apply_world_pd` on it and count `sequence` up; `apply_admittance` leads back.
     """
     block = np.zeros(1, SCENE)
@@ -227,5 +227,4 @@ def scene_from_components(
     apply_admittance(block, admittance or Admittance())
     apply_ball(block, ball or Ball())
     apply_safety(block, safety or Safety())
-    block[0]["tunnel"]["radius_scale"] = Tunnel().radius_scale
     return block

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.haptic import TUNNEL
 from mimics_app.contracts.haptic_objects import (
     BODY,
     EFFECT,
@@ -18,6 +17,7 @@ from mimics_app.contracts.haptic_objects import (
     POINT,
     SHAPE,
     STATIC,
+    TUNNEL,
     WIRE,
     BodyFlag,
     ForceLaw,
@@ -29,6 +29,7 @@ from mimics_app.rendering.haptic.body_checks import check_bodies
 from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 from mimics_app.rendering.haptic.scene_effects import EffectRows
+from mimics_app.rendering.haptic.scene_tunnel import planned_projection, tunnel_rows
 from mimics_app.world.components.haptic_shapes import (
     CapsuleSolid,
     CubeSolid,
@@ -100,6 +101,7 @@ class SceneObjects:
         body_entities: Entity of each row of bodies.
         shape_entities: Entity of each row of shapes.
         effect_entities: Entity of each row of effects.
+        tunnel_entities: Entity of each row of tunnels.
         materials: Name of each material number of shapes; number 0 is "".
         meshes: Triangles by SHAPE.mesh, shape frame.
         paths: TUNNEL records by EFFECT.path, shape [n].
@@ -112,6 +114,7 @@ class SceneObjects:
     body_entities: tuple[str, ...]
     shape_entities: tuple[str, ...]
     effect_entities: tuple[str, ...]
+    tunnel_entities: tuple[str, ...]
     materials: tuple[str, ...]
     meshes: tuple[SolidMesh, ...]
     paths: Records
@@ -133,7 +136,7 @@ class SceneObjects:
 def objects_of_scene(scene: Scene) -> SceneObjects:
     """The rows of a checked scene; a scene without anything to touch gives empty tables.
 
-    They are worked out once for a scene and integrator that was planned: whoever changes rows takes copies of them.
+    They are worked out once for a scene and the methods that were planned: whoever changes rows takes copies of them.
 
     An object that may neither shift nor turn, and that no effect or wire names, belongs to the static scene: its
     shapes have no body.
@@ -141,7 +144,8 @@ def objects_of_scene(scene: Scene) -> SceneObjects:
     Raises:
         SceneError: something cannot be made; `check` would have told.
     """
-    return scene.derive(("haptic objects", _planned_integrator(scene)), lambda: _gather(scene))
+    planned = _planned_integrator(scene), planned_projection(scene)
+    return scene.derive(("haptic objects", *planned), lambda: _gather(scene))
 
 
 def _planned_integrator(scene: Scene) -> str:
@@ -225,12 +229,14 @@ class _Gathered:
     def finish(self) -> SceneObjects:
         """All tables."""
         effects = EffectRows(self.scene, self.body_entities)
+        tunnels, tunnel_entities = tunnel_rows(self.scene)
         rows = Rows(
             shapes=_table(self.shapes, SHAPE),
             bodies=_table(self.bodies, BODY),
             effects=_table(effects.rows, EFFECT),
             points=self._points(),
             wires=self._wires(effects.entities),
+            tunnels=tunnels,
         )
         counts = np.zeros(1, OBJECT_COUNTS)
         for name in Rows._fields:
@@ -246,10 +252,12 @@ class _Gathered:
                 effects=max(room.effects, len(rows.effects)),
                 wires=max(room.wires, len(rows.wires)),
                 paths=max(room.paths, len(effects.paths)),
+                tunnels=max(room.tunnels, len(tunnels)),
             ),
             body_entities=tuple(self.body_entities),
             shape_entities=tuple(self.shape_entities),
             effect_entities=tuple(effects.entities),
+            tunnel_entities=tunnel_entities,
             materials=tuple(self.materials),
             meshes=tuple(self.meshes.values()),
             paths=_table(effects.paths, TUNNEL),

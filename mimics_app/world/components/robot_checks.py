@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 
 from mimics_app.contracts.errors import Issue
-from mimics_app.contracts.haptic import MAX_PIECES
+from mimics_app.contracts.haptic_objects import MAX_PIECES
 from mimics_app.world.components.registry import ComponentCheck, register_check, register_limit
 from mimics_app.world.components.robot import (
     Admittance,

@@ -116,4 +116,4 @@ def size_ball(scene: Any, state: Any, dt: float) -> None:
     if last == 0.0:
         last = target
     state.ball_radius = last + (target - last) * min(1.0, dt / _BALL_TIME)
-    state.tunnel.ball_radius_rate = (state.ball_radius - last) / dt
+    state.ball_radius_rate = (state.ball_radius - last) / dt

@@ -9,7 +9,7 @@ from mimics_app.rendering.haptic.kernels.acting import ACTING
 from mimics_app.rendering.haptic.kernels.directions import SPAN
 from mimics_app.rendering.haptic.kernels.joints import JOINT_WORK
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER
-from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE
+from mimics_app.rendering.haptic.kernels.tunnels import HOLDING, TOLD
 
 __all__ = ["CONTACT_BEGAN", "CONTACT_ENDED", "CONTACT_UNCHANGED", "STATE", "new_states"]
 
@@ -70,7 +70,7 @@ STATE = np.dtype(
         ("touched", "i8"),  # 1 once there was a contact: the next three hold
         ("least_margin", "f8"),  # of all contacts, in their worst direction
         ("least_limit", "f8"),
-        ("wall_margin", "f8"),  # of the tunnel's wall, along its normal
+        ("wall_margin", "f8"),  # of the wall of the tunnel that holds the ball, along its normal
         ("wall_touched", "i8"),  # 1 once it pushed: the next holds
         ("least_wall_margin", "f8"),
         ("span", SPAN),  # all contacts of this tick as one
@@ -84,7 +84,9 @@ STATE = np.dtype(
         ("work_a", "f8", (3,)),
         ("work_b", "f8", (3,)),
         ("work_c", "f8", (3,)),
-        ("tunnel", TUNNEL_STATE),
+        ("ball_radius_rate", "f8"),  # [m/s]
+        ("tunnel", HOLDING),
+        ("told", TOLD),
     ],
     align=True,
 )

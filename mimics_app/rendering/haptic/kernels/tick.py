@@ -1,6 +1,6 @@
 """The tick: device data in, command out. Live, un-timed and replayed runs call this very function.
 
-    data -> motion -> ball -> tunnel -> objects -> safety -> what acts -> stability -> controller -> command, sample row
+    data -> motion -> ball -> tunnels -> objects -> safety -> what acts -> stability -> controller -> command, sample
 
 Everything that a tick depends on is in its arguments: the device's data and status, the stop word, the late-tick class,
 the measured period and the parameter block. All are recorded, so that a recording can be simulated again bit for bit.
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.acting import account, act, cap_wall
+from mimics_app.rendering.haptic.kernels.acting import account, act, device_delay, own_damping
 from mimics_app.rendering.haptic.kernels.contacts import collect, pass_on, publish_others, virtual_forces
 from mimics_app.rendering.haptic.kernels.drive import control, note_arrival
 from mimics_app.rendering.haptic.kernels.jumps import note_jump
@@ -26,7 +26,7 @@ from mimics_app.rendering.haptic.kernels.objects.touches import follow_touch, fo
 from mimics_app.rendering.haptic.kernels.rows import write_command, write_inputs, write_outputs
 from mimics_app.rendering.haptic.kernels.safety import step_safety
 from mimics_app.rendering.haptic.kernels.sensing import find_motion, size_ball, take_data
-from mimics_app.rendering.haptic.kernels.tunnel import restart_tracking, tunnel_force
+from mimics_app.rendering.haptic.kernels.tunnels import follow_tunnels, forget_tunnels
 from mimics_app.rendering.haptic.kernels.vectors import copy
 from mimics_app.rendering.haptic.kernels.watch import watch_contact, watch_margin
 
@@ -43,7 +43,7 @@ _DEGRADED = int(SafetyState.DEGRADED)
 
 @kernel
 def _follow_contacts(objects: Any, counts: Any, state: Any, dt: float) -> None:
-    """Begin and end of contacts with the tunnel's wall and with objects; only what the user can feel counts."""
+    """Begin and end of contacts with a tunnel's wall and with objects; only what the user can feel counts."""
     felt = state.safety == _ACTIVE or state.safety == _DEGRADED
     state.contact_change = follow_touch(state, felt and state.tunnel.wall_force > 0.0, felt, dt)
     follow_touches(objects, counts, felt, dt)
@@ -92,7 +92,7 @@ def tick(
     state.sequence = scene.sequence
     if scene.trial != state.trial:
         state.trial = scene.trial
-        restart_tracking(state.tunnel)
+        forget_tunnels(objects.tunnels, state)
     write_inputs(data, status, stop_word, held, period, state, dt, row)
 
     last_age = state.age
@@ -103,8 +103,8 @@ def tick(
         note_jump(scene, states[c], status, last_age, dt)
         account(scene, states[c], dt)
     size_ball(scene, state, dt)
-    cap_wall(scene, state, period)
-    tunnel_force(scene.tunnel, state.hip_world, state.v_world, state.ball_radius, state.tunnel)
+    own, delay = own_damping(scene), device_delay(scene, state)
+    follow_tunnels(scene, rows.tunnels, objects.tunnels, state, own, delay, period)
     copy(state.tunnel.force_world, state.f_virt_world)
     write_hand(states, scene.contacts, dt, objects.hand)
     simulate(rows, objects, scene.objects, objects.hand, fields, dt, objects.force)

@@ -66,6 +66,7 @@ TUNNEL_STATE = np.dtype(
         ("force_world", "f8", (3,)),  # all of the tunnel on the user [N]
         ("assist_world", "f8", (3,)),  # what of it is assistance [N]
         ("softening", "f8"),  # set by the caller: share of the wall's stiffness that is left out, 0-1
+        ("share", "f8"),  # the caller's own: what is rendered of it, 1 - softening before rounding
         ("force_tnb", "f8", (3,)),  # the same along t, n, b [N]
         ("wall_force", "f8"),  # magnitude of wall and cap alone, >= 0 [N]
         ("normal_world", "f8", (3,)),  # out of the touched surface, unit; kept from the last contact
@@ -232,7 +233,7 @@ def tunnel_force(tunnel: Any, p: Vec, v: Vec, ball_radius: float, state: Any) ->
     not finite (or beyond 1e6) gives zero force, status NOT_FINITE and a fresh search afterwards.
 
     Args:
-        tunnel: Record of dtype contracts.haptic.TUNNEL.
+        tunnel: TUNNEL record.
         p: Ball centre, world [m], shape [3].
         v: Its velocity, world [m/s], shape [3].
         ball_radius: r_k [m], >= 0.
