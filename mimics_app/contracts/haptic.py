@@ -42,7 +42,7 @@ __all__ = [
     "TripCause",
 ]
 
-MAX_GEOMETRY = 16
+MAX_GEOMETRY = 8
 """Numbers of a device's geometry."""
 
 
@@ -146,8 +146,8 @@ LIMITS: list[tuple[Any, ...]] = [
     ("drive_force", "f8"),  # [N] most that drive_stiffness and drive_damping do
     ("joint_min", "f8", (MAX_JOINTS,)),
     ("joint_max", "f8", (MAX_JOINTS,)),
-    ("joint_velocity", "f8", (MAX_JOINTS,)),  # of the command, largest per joint
-    ("joint_acceleration", "f8", (MAX_JOINTS,)),  # likewise of its change
+    ("joint_velocity", "f4", (MAX_JOINTS,)),  # of the command, largest per joint
+    ("joint_acceleration", "f4", (MAX_JOINTS,)),  # likewise of its change
     ("workspace_margin", "f8"),  # [m, rad] beyond the joint limits before SAFE_STOP
     ("ramp_time", "f8"),  # [s] soft start 0 -> 1
     ("ramp_force", "f8"),  # [N] the force must be below this to start the ramp
@@ -194,16 +194,16 @@ SCENE = np.dtype(
         ("target", "f8", (3 * MAX_CONTACTS,)),  # PD reference: joints for JOINT_PD, points in the robot frame [m] else
         ("kp", "f8", (MAX_JOINTS,)),  # [1/s] per joint
         ("kd", "f8", (MAX_JOINTS,)),  # [-] per joint
-        ("through_joints", "i8"),  # 1: WORLD_PD by inverse kinematics and joint PD (4.2.6), 0: straight
         ("force_driven", "i8"),  # 1: the device is told forces (COMMAND_FORCE, _TORQUE), 0: velocities (COMMAND_DQ)
         ("drive_stiffness", "f8"),  # [N/m] of the spring that draws a force driven device to a target
         ("drive_damping", "f8"),  # [N s/m] of the damper beside it
-        ("joints", "i8"),  # of the device, 1 to MAX_JOINTS
-        ("contacts", "i8"),  # its points of contact, 1 to MAX_CONTACTS
-        ("torques", "i8"),  # 1: it takes torques at its joints
-        ("polar", "i8"),  # 1: its joints are radial, angle, vertical (4.2.7); 0: motion is computed in its joints
+        ("joints", "i1"),  # of the device, 1 to MAX_JOINTS
+        ("contacts", "i1"),  # its points of contact, 1 to MAX_CONTACTS
+        ("torques", "i1"),  # 1: it takes torques at its joints
+        ("polar", "i1"),  # 1: its joints are radial, angle, vertical (4.2.7); 0: motion is computed in its joints
+        ("through_joints", "i1"),  # 1: WORLD_PD by inverse kinematics and joint PD (4.2.6), 0: straight
         ("geometry", "f8", (MAX_GEOMETRY,)),  # what its kinematics functions are given; polar: d1 [m] of (1)
-        ("joint_inertia", "f8", (MAX_JOINTS,)),  # virtual inertia of each joint itself [kg, kg m^2]
+        ("joint_inertia", "f4", (MAX_JOINTS,)),  # virtual inertia of each joint itself [kg, kg m^2]
         ("R_world_from_robot", "f8", (3, 3)),
         ("origin_world", "f8", (3,)),  # WCS origin in the world [m]
         *FEEL,

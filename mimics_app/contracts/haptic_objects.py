@@ -265,6 +265,7 @@ TUNNEL = np.dtype(
     [
         ("pieces", "i8"),  # cubic pieces in use; 0: nothing that holds
         ("projection", "i8"),  # Projection
+        ("frenet", "i8"),  # 1: n towards the centre of curvature, which turns over at inflections; 0: carried along
         ("centre", "f8", (MAX_PIECES, 3, 4)),  # world [m]: a0 + a1 u + a2 u^2 + a3 u^3, u in [0, 1), per axis
         ("radius", "f8", (MAX_PIECES, 4)),  # [m], same parameter
         ("arc_length", "f8", (MAX_PIECES + 1,)),  # [m] at piece starts and the end

@@ -49,14 +49,18 @@ def rows_with_tunnel(record: Records, rows: Rows | None) -> Rows | None:
         rows: The tables beside it, None where that version had none.
 
     Returns:
-        `rows` of a block without such a field, points carried by the first contact where none is said; a row of
-        tunnels keeps that version's dtype.
+        The tables with this version's columns, what that version did not know being 0: points are carried by the first
+        point of contact, tunnels have the frame that is carried along.
     """
     names = record.dtype.names or ()
     if _TUNNEL not in names or "pieces" not in (record.dtype[_TUNNEL].names or ()):
-        return _carried_points(rows)
-    others = _carried_points(rows) or Rows(*(np.zeros(0, dtype) for dtype in ROW_DTYPES.values()))
-    return others._replace(tunnels=record[_TUNNEL][record[_TUNNEL]["pieces"] > 0].copy())
+        return rows if rows is None else _rows_as_now(rows)
+    others = rows or Rows(*(np.zeros(0, dtype) for dtype in ROW_DTYPES.values()))
+    return _rows_as_now(others._replace(tunnels=record[_TUNNEL][record[_TUNNEL]["pieces"] > 0].copy()))
+
+
+def _rows_as_now(rows: Rows) -> Rows:
+    return Rows(**{name: _as_now(table, ROW_DTYPES[name]) for name, table in rows._asdict().items()})
 
 
 def current_block(record: Records, rows: Rows | None) -> Records | None:
@@ -110,14 +114,12 @@ def _of_a_device(record: Records) -> Records | None:
     return block
 
 
-def _carried_points(rows: Rows | None) -> Rows | None:
-    """Rows whose points say which point of contact carries them: the first, where none was said."""
-    wanted = ROW_DTYPES["points"]
-    if rows is None or rows.points.dtype == wanted or "contact" in (rows.points.dtype.names or ()):
-        return rows
-    points = np.zeros(len(rows.points), wanted)
-    for name in rows.points.dtype.names or ():
-        if name not in (wanted.names or ()):
-            return rows
-        points[name] = rows.points[name]
-    return rows._replace(points=points)
+def _as_now(table: Records, wanted: np.dtype[Any]) -> Records:
+    """Rows of an older version with this version's columns, those it lacks 0; as they are where one is another thing."""
+    old = table.dtype.names or ()
+    if any(name not in (wanted.names or ()) or table.dtype[name] != wanted[name] for name in old):
+        return table
+    rows = np.zeros(len(table), wanted)
+    for name in old:
+        rows[name] = table[name]
+    return rows

@@ -263,7 +263,7 @@ def test_joint_acceleration_limits_the_change_within_a_tick():
 def test_limits_of_a_scene_are_the_least_of_robot_and_admittance():
     robot = Robot(velocity_limit=(0.5, 3.0, 1.0))
     block = scene_from_components(robot, Admittance(max_joint_velocity=(0.8,), max_joint_acceleration=(10.0, 20.0)))[0]
-    assert block["joint_velocity"].tolist() == [0.5, 0.8, 0.8, 0, 0, 0, 0, 0]
+    assert block["joint_velocity"] == pytest.approx([0.5, 0.8, 0.8, 0, 0, 0, 0, 0])
     assert block["joint_acceleration"].tolist() == [10.0, 20.0, 20.0, 0, 0, 0, 0, 0]
     assert scene_from_components()[0]["joint_velocity"][:3].tolist() == [1.0, 2.0, 1.0]
 
@@ -290,8 +290,8 @@ def test_a_descriptor_that_cannot_be_is_refused(changes, what):
 
 
 def test_a_geometry_without_room_is_refused():
-    with pytest.raises(ValueError, match="at most 16"):
-        replace(LEG, geometry=lambda robot: (1.0,) * 17).geometry_of(Robot())
+    with pytest.raises(ValueError, match="at most 8"):
+        replace(LEG, geometry=lambda robot: (1.0,) * 9).geometry_of(Robot())
 
 
 def test_joint_limits_of_another_device_are_named():
@@ -317,4 +317,4 @@ def test_points_of_contact_have_one_list_of_names():
 
     hint = get_type_hints(InteractionPoint)["contact"]
     assert {name for part in get_args(hint) for name in get_args(part)} == set(CONTACTS)
-    assert SCENE["geometry"].shape == (16,)
+    assert SCENE["geometry"].shape == (8,)

@@ -62,6 +62,7 @@ def tunnel_rows(scene: Scene) -> tuple[Records, tuple[str, ...]]:
         built_tunnel(tunnel, pointer, scene)[0].fill(row)
         for name in _FORCES:
             row[name] = getattr(tunnel, name)
+        row["frenet"] = int(tunnel.frame == "frenet")
         row["projection"] = PROJECTIONS[planned_projection(scene)]
     return rows, tuple(entity for entity, _, _ in found)
 

@@ -74,6 +74,10 @@ class Tunnel(Component, frozen=True):
         Annotated[int, Meta(ge=4, le=99)] | None, Meta(description="Basis functions fitted to `path_file`")
     ] = None
     radius: Annotated[TunnelRadius | Radii, Meta(description="[m]; or several, evenly spread from start to end")] = 0.04
+    frame: Annotated[
+        Literal["rotation_minimising", "frenet"],
+        Meta(description="Which way n lies: carried along without turning, or to the centre of curvature (Frenet)"),
+    ] = "rotation_minimising"
     radius_scale: Annotated[Factor, Meta(description="Factor on `radius`; 0 keeps the ball on the bisector")] = 1.0
     stiffness: Annotated[Stiffness, Meta(description="Of the wall [N/m]")] = 1500.0
     damping: Annotated[Damping, Meta(description="Of the wall, along its normal [N s/m]")] = 10.0

@@ -71,7 +71,7 @@ _DAMPING = 2e-3
 _SINGULAR_RATIO = 1e-4
 """Smallest over largest pivot of J J^T (or J^T J) below which a pose counts as singular: 1 % of the largest lever."""
 
-_STEPS = 40
+_STEPS = 60
 _REACHED = 1e-9
 """A place is reached within this [m]."""
 
@@ -188,9 +188,19 @@ def joints_of(kin: Any, scene: Any, x: Vec, work: Any, q: Vec) -> int:
     status = kin[INVERSE](scene.geometry[:], q[:], x[:], q[:])
     if status != _NOT_GIVEN:
         return status
+    last = math.inf
     for _ in range(_STEPS):
         if not _missing(kin, scene, x, q, work) > _REACHED:
             return _DONE
+        off = 0.0
+        for row in range(3 * scene.contacts):
+            off += work.place[row] * work.place[row]
+        if off > last:  # the step led too far: half of it back
+            for j in range(scene.joints):
+                work.step[j] *= 0.5
+                q[j] -= work.step[j]
+            continue
+        last = off
         find_jacobian(kin, scene, q, work)
         _least_squares(scene, work, work.place, work.step)
         most = 0.0
@@ -198,7 +208,8 @@ def joints_of(kin: Any, scene: Any, x: Vec, work: Any, q: Vec) -> int:
             most = max(most, abs(work.step[j]))
         share = min(1.0, _LONGEST_STEP / most) if most > 0.0 else 0.0
         for j in range(scene.joints):
-            q[j] += share * work.step[j]
+            work.step[j] *= share
+            q[j] += work.step[j]
     return _DONE if _missing(kin, scene, x, q, work) <= math.sqrt(_REACHED) else _UNREACHABLE
 
 

@@ -90,6 +90,9 @@ _MIN_STRETCH = 0.05
 
 _GAUSS_3 = 0.5 * math.sqrt(0.6)
 
+_STRAIGHT = 1e-12
+"""Share of the second derivative across the bisector below which it is straight."""
+
 _ADVANCE_FADE = 0.01
 """The advance force fades over this length before the end [m]."""
 
@@ -185,8 +188,30 @@ def _carry_normal(
 
 
 @kernel
+def _frenet_normal(
+    tunnel: Any, piece: int, u: float, tx: float, ty: float, tz: float
+) -> tuple[float, float, float, float]:
+    """Unit normal towards the centre of curvature, and 1; 0 where the bisector is straight and has none."""
+    _, _, ax = axis(tunnel, piece, 0, u)
+    _, _, ay = axis(tunnel, piece, 1, u)
+    _, _, az = axis(tunnel, piece, 2, u)
+    whole = math.sqrt(ax * ax + ay * ay + az * az)
+    along = ax * tx + ay * ty + az * tz
+    ax -= along * tx
+    ay -= along * ty
+    az -= along * tz
+    size = math.sqrt(ax * ax + ay * ay + az * az)
+    if size <= _STRAIGHT * whole or size == 0.0:
+        return 0.0, 0.0, 0.0, 0.0
+    return ax / size, ay / size, az / size, 1.0
+
+
+@kernel
 def _write_frame(tunnel: Any, piece: int, u: float, x: float, y: float, z: float, state: Any) -> None:
-    """Set n and b at the closest point: normals carried from both ends of the piece, blended, so that no knot shows."""
+    """Set n and b at the closest point: normals carried from both ends of the piece, blended, so that no knot shows.
+
+    By the tunnel's wish n is Frenet's where the bisector bends; on a straight part it has none, and is carried.
+    """
     tx = state.tangent[0]
     ty = state.tangent[1]
     tz = state.tangent[2]
@@ -203,6 +228,10 @@ def _write_frame(tunnel: Any, piece: int, u: float, x: float, y: float, z: float
     nx /= size
     ny /= size
     nz /= size
+    if tunnel.frenet == 1:
+        ax, ay, az, bent = _frenet_normal(tunnel, piece, u, tx, ty, tz)
+        if bent == 1.0:
+            nx, ny, nz = ax, ay, az
     state.normal_n[0] = nx
     state.normal_n[1] = ny
     state.normal_n[2] = nz
