@@ -115,7 +115,7 @@ def _of_a_device(record: Records) -> Records | None:
 
 
 def _as_now(table: Records, wanted: np.dtype[Any]) -> Records:
-    """Rows of an older version with this version's columns, those it lacks 0; as they are where one is another thing."""
+    """Rows of an older version with this version's columns, those it lacks 0; unchanged where one is another thing."""
     old = table.dtype.names or ()
     if any(name not in (wanted.names or ()) or table.dtype[name] != wanted[name] for name in old):
         return table
