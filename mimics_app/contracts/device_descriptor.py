@@ -41,6 +41,7 @@ __all__ = [
     "VELOCITY",
     "DeviceDescriptor",
     "Joint",
+    "Kin",
     "Kinematics",
     "KinematicsStatus",
     "described",
@@ -69,6 +70,9 @@ class KinematicsStatus(IntEnum):
 
 FORWARD, JACOBIAN, INVERSE, VELOCITY, TORQUE, RATES, TO_ROBOT, TO_TOOL = range(8)
 """Places of the functions in a device's `Kinematics`."""
+
+Kin = tuple[Callable[..., int], ...]
+"""A device's functions as the loop has them, in that order."""
 
 KINEMATICS_SET = types.UniTuple(types.FunctionType(KINEMATICS), 8)  # type: ignore[no-untyped-call]
 """Compiled type of a device's functions, so that the loop's own code is the same whatever they are."""

@@ -32,7 +32,7 @@ def test_frenet_turns_over_at_an_inflection_and_the_carried_frame_does_not():
     for frenet in (1, 0):
         n = walk(record_of(WAVY, frenet=frenet), WAVY.point(S))["normal_n"]
         turns.append(int((np.sum(n[1:] * n[:-1], axis=1) < -0.9).sum()))
-    assert turns == [2, 0], "a wave of two and a half halves has two inflections"
+    assert turns == [3, 0], "the wave crosses its middle three times"
 
 
 def test_where_the_bisector_is_straight_frenet_has_no_normal_and_the_carried_one_is_kept():

@@ -12,6 +12,7 @@ from mimics_app.app.planner.plan import Plan, settle
 from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.settings import RunSettings
+from mimics_app.app.touch.device_fit import check_shape
 from mimics_app.app.touch.haptic_side import HapticSide
 from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.loop_ports import DevicePlugin
@@ -100,6 +101,8 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False) ->
     robot, patient = _who_moves(settings, scene, live=live)
     way, objects = scenario.via_points_world, side.for_robot(robot)
     recorded = _recorded(settings)
+    if recorded is None:
+        check_shape(robot.device, scene)
     descriptor = None if recorded is None else descriptor_of((scene.first(Robot) or Robot()).device)
     plugin = build_device(robot, patient, way, settings.seed, samples=recorded, descriptor=descriptor, objects=objects)
     return Preparation(

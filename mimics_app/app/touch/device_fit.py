@@ -17,15 +17,11 @@ from mimics_app.rendering.haptic.scene_block import impedance_values, kinematic_
 from mimics_app.world.components.robot import Admittance, Impedance, Robot
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["device_values", "feel_of", "fit_context"]
+__all__ = ["check_shape", "device_values", "feel_of", "fit_context"]
 
 
 def device_values(plugin: DevicePlugin, scene: Scene) -> Mapping[str, object]:
-    """SCENE fields that depend on the device: its joints, its delay, how it is driven, and whether late ticks latch.
-
-    Raises:
-        DeviceError: It has other joints or points of contact than the scene's robot.
-    """
+    """SCENE fields that depend on the device: its joints, its delay, how it is driven, and whether late ticks latch."""
     values: dict[str, object] = {"device_delay": plugin.delay, "late_latches": int(not plugin.simulated)}
     values |= _joint_values(plugin, scene)
     if plugin.follows in ("force", "torque"):
@@ -46,12 +42,26 @@ def _joint_values(plugin: DevicePlugin, scene: Scene) -> Mapping[str, object]:
     planned, there = descriptor_of(robot.device), plugin.descriptor or HAPTICMASTER
     if there is planned:
         return {}
-    if there.extent.joints != planned.extent.joints or there.contacts != planned.contacts:
-        raise DeviceError(
-            f'"{plugin.name}" has {_describe(there)}; the scene is made for {_describe(planned)}',
-            f'choose a device like the scene\'s own, "{robot.device}"',
-        )
     return kinematic_values(robot, there, scene.first(Admittance))
+
+
+def check_shape(device: str, scene: Scene) -> None:
+    """Whether a device has joints and points of contact as the scene's own, before it is opened.
+
+    Args:
+        device: NAME or NAME:ADDRESS.
+        scene: The scene it is to play.
+
+    Raises:
+        DeviceError: It has others.
+    """
+    planned = (scene.first(Robot) or Robot()).device
+    there, wanted = descriptor_of(device), descriptor_of(planned)
+    if there.extent.joints != wanted.extent.joints or there.contacts != wanted.contacts:
+        raise DeviceError(
+            f'"{device}" has {_describe(there)}; the scene is made for {_describe(wanted)}',
+            f'choose a device like the scene\'s own, "{planned}"',
+        )
 
 
 def _describe(descriptor: DeviceDescriptor) -> str:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.atomics import load_acquire, now_ns, sleep_until_ns, store_release
 from mimics_app.contracts.borrowed import borrowed
-from mimics_app.contracts.device_descriptor import KINEMATICS_SET
+from mimics_app.contracts.device_descriptor import KINEMATICS_SET, Kin
 from mimics_app.contracts.haptic import SAMPLE, SCENE
 from mimics_app.contracts.kernel import kernel, typed_kernel
 from mimics_app.contracts.loop_ports import (
@@ -60,7 +60,6 @@ Read = Callable[..., Any]
 Write = Callable[..., Any]
 Simulate = Callable[..., Any]
 Fields = tuple[Callable[..., Any], ...]
-Kin = tuple[Callable[..., Any], ...]
 
 _STOP = int(ControlWord.STOP)
 _QUIT = int(ControlWord.QUIT)

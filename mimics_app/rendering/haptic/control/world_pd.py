@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.device_descriptor import KinematicsStatus
+from mimics_app.contracts.device_descriptor import Kin, KinematicsStatus
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.control.joint_pd import joint_pd
+from mimics_app.rendering.haptic.kernels.device_records import DeviceScene, JointWork
 from mimics_app.rendering.haptic.kernels.joints import joints_of, points_of, rates_of, velocities_of
 from mimics_app.rendering.haptic.kernels.vectors import clamp_joints, copy
 
@@ -21,7 +20,7 @@ _UNREACHABLE = int(KinematicsStatus.UNREACHABLE)
 
 
 @kernel
-def world_pd_through_joints(kin: Any, scene: Any, q: Vec, dq: Vec, work: Any, command: Vec) -> int:
+def world_pd_through_joints(kin: Kin, scene: DeviceScene, q: Vec, dq: Vec, work: JointWork, command: Vec) -> int:
     """Inverse kinematics (2), then joint PD (5), as 4.2.6 describes.
 
     Although the mask says world space, the gains are joint gains: equal ones draw a straight line in the joints, which
@@ -47,7 +46,7 @@ def world_pd_through_joints(kin: Any, scene: Any, q: Vec, dq: Vec, work: Any, co
 
 
 @kernel
-def world_pd_straight(kin: Any, scene: Any, q: Vec, dq: Vec, work: Any, command: Vec) -> int:
+def world_pd_straight(kin: Kin, scene: DeviceScene, q: Vec, dq: Vec, work: JointWork, command: Vec) -> int:
     """Command = J^-1 (Kp (x_r - x) - Kd v), gains per axis: with equal ones a straight line in the world.
 
     The bow of the same sweep is 0.6 mm at Kp = 10 and 1 ms, first order in the step. Arguments as above; SINGULAR where

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from importlib import import_module
+from collections.abc import Callable
 from typing import Any
 
 from mimics_app.contracts.device_descriptor import DeviceDescriptor
@@ -13,11 +13,21 @@ from mimics_app.rendering.haptic.devices.device_names import ADDRESSES, find_plu
 
 __all__ = ["descriptor_of"]
 
-_OTHERS = {
-    "simulated_leg": ("mimics_app.rendering.haptic.descriptors.leg", "LEG"),
-    "simulated_legs": ("mimics_app.rendering.haptic.descriptors.leg", "LEGS"),
-}
-"""Built-in devices that are no HapticMaster: module and name of their descriptor, imported when asked for."""
+
+def _leg() -> DeviceDescriptor:
+    from mimics_app.rendering.haptic.descriptors.leg import LEG
+
+    return LEG
+
+
+def _legs() -> DeviceDescriptor:
+    from mimics_app.rendering.haptic.descriptors.leg import LEGS
+
+    return LEGS
+
+
+_OTHERS: dict[str, Callable[[], DeviceDescriptor]] = {"simulated_leg": _leg, "simulated_legs": _legs}
+"""Built-in devices that are no HapticMaster; their descriptors are imported when asked for."""
 
 
 def descriptor_of(device: str) -> DeviceDescriptor:
@@ -31,12 +41,10 @@ def descriptor_of(device: str) -> DeviceDescriptor:
     """
     name = split_device(device).name
     if name in _OTHERS:
-        module, place = _OTHERS[name]
-        found: Any = getattr(import_module(module), place)
-    elif name in ADDRESSES:
+        return _OTHERS[name]()
+    if name in ADDRESSES:
         return HAPTICMASTER
-    else:
-        found = getattr(find_plugin(name), "descriptor", HAPTICMASTER)
+    found: Any = getattr(find_plugin(name), "descriptor", HAPTICMASTER)
     if not isinstance(found, DeviceDescriptor):
         raise DeviceError(
             f'the plug-in of device "{name}" has a descriptor of type {type(found).__name__}',

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import SafetyState, TripCause
 from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.device_records import DeviceScene, PointStates
 from mimics_app.rendering.haptic.kernels.safety import latch
 
 __all__ = ["collect", "pass_on", "publish_others", "virtual_forces"]
@@ -24,7 +25,7 @@ _NOT_FINITE = int(TripCause.NOT_FINITE)
 
 
 @kernel
-def pass_on(scene: Any, states: Any) -> None:
+def pass_on(scene: DeviceScene, states: PointStates) -> None:
     """What the first state knows of the device and its safety, into those of the other points."""
     state = states[0]
     for c in range(1, scene.contacts):
@@ -39,7 +40,7 @@ def pass_on(scene: Any, states: Any) -> None:
 
 
 @kernel
-def virtual_forces(scene: Any, states: Any, totals: Any) -> None:
+def virtual_forces(scene: DeviceScene, states: PointStates, totals: Any) -> None:
     """Virtual force on each point behind the first: of the shapes it touches, world [N]."""
     for c in range(1, scene.contacts):
         for i in range(3):
@@ -47,7 +48,7 @@ def virtual_forces(scene: Any, states: Any, totals: Any) -> None:
 
 
 @kernel
-def collect(scene: Any, states: Any) -> None:
+def collect(scene: DeviceScene, states: PointStates) -> None:
     """What happened at other points that concerns all: a stop, a margin below 0, a cap that began."""
     state = states[0]
     state.told_margin = state.margin
@@ -65,7 +66,7 @@ def collect(scene: Any, states: Any) -> None:
 
 
 @kernel
-def publish_others(scene: Any, states: Any, totals: Any) -> None:
+def publish_others(scene: DeviceScene, states: PointStates, totals: Any) -> None:
     """The numbers of the points behind the first, into the first state, from where they leave the loop."""
     state = states[0]
     for c in range(1, scene.contacts):

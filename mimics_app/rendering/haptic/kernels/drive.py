@@ -6,21 +6,33 @@ other the joints are led and their points follow.
 
 from __future__ import annotations
 
-from typing import Any
+import numpy as np
+from numpy.typing import NDArray
 
+from mimics_app.contracts.device_descriptor import Kin
 from mimics_app.contracts.haptic import AdmittanceForm, Controller, SafetyState, TripCause
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.control.admittance import admit, limit_motion
-from mimics_app.rendering.haptic.control.impedance import draw_along
+from mimics_app.rendering.haptic.control.impedance import draw_along, draw_joints
 from mimics_app.rendering.haptic.control.joint_admittance import admit_joints
 from mimics_app.rendering.haptic.control.joint_pd import joint_pd
 from mimics_app.rendering.haptic.control.world_pd import world_pd_straight, world_pd_through_joints
-from mimics_app.rendering.haptic.kernels.joints import points_of, rates_of, to_tool, torques_of, velocities_of
+from mimics_app.rendering.haptic.kernels.device_records import ControlScene, PointState, PointStates
+from mimics_app.rendering.haptic.kernels.joints import (
+    find_jacobian,
+    points_of,
+    rates_of,
+    to_tool,
+    torques_of,
+    velocities_of,
+)
 from mimics_app.rendering.haptic.kernels.limiter import brake_at_limits, limit_joints, settle
 from mimics_app.rendering.haptic.kernels.safety import HOLD, is_stopped, latch, lets_feel
 from mimics_app.rendering.haptic.kernels.vectors import all_finite, copy, fill, norm, scale
 
 __all__ = ["control", "note_arrival"]
+
+Vec = NDArray[np.float64]
 
 _EXTRA_DAMPING = 30.0
 """Added to the virtual damping while the virtual force is off or ramping down [N s/m]."""
@@ -42,7 +54,7 @@ _SEED = int(AdmittanceForm.SEED)
 
 
 @kernel
-def _find_velocities(kin: Any, scene: Any, states: Any, dq: Any) -> None:
+def _find_velocities(kin: Kin, scene: ControlScene, states: PointStates, dq: Vec) -> None:
     """v_virtual of every point while the joints move with dq."""
     work = states[0].joint_work
     velocities_of(kin, scene, states[0].q, dq, work, work.velocities)
@@ -51,7 +63,7 @@ def _find_velocities(kin: Any, scene: Any, states: Any, dq: Any) -> None:
 
 
 @kernel
-def _share_below(scene: Any, velocities: Any, most: float) -> float:
+def _share_below(scene: ControlScene, velocities: Vec, most: float) -> float:
     """Largest share of velocities of the points that leaves each within `most` [m/s], 0-1."""
     share = 1.0
     for c in range(scene.contacts):
@@ -62,7 +74,7 @@ def _share_below(scene: Any, velocities: Any, most: float) -> float:
 
 
 @kernel
-def _wish(kin: Any, scene: Any, state: Any) -> None:
+def _wish(kin: Kin, scene: ControlScene, state: PointState) -> None:
     """joint_work.wish: joint velocities that the PD controller asks for."""
     work = state.joint_work
     if scene.controller == _JOINT_PD:
@@ -74,7 +86,7 @@ def _wish(kin: Any, scene: Any, state: Any) -> None:
 
 
 @kernel
-def _approach(kin: Any, scene: Any, state: Any, acceleration: float, speed: float, dt: float) -> None:
+def _approach(kin: Kin, scene: ControlScene, state: PointState, acceleration: float, speed: float, dt: float) -> None:
     """dq_virtual towards the wish, no point faster than `speed` nor harder than `acceleration`; all scaled alike."""
     work = state.joint_work
     velocities_of(kin, scene, state.q, work.wish, work, work.velocities)
@@ -88,7 +100,7 @@ def _approach(kin: Any, scene: Any, state: Any, acceleration: float, speed: floa
 
 
 @kernel
-def _drive_to_target(kin: Any, scene: Any, states: Any, dt: float) -> None:
+def _drive_to_target(kin: Kin, scene: ControlScene, states: PointStates, dt: float) -> None:
     """PD controller towards SCENE.target, limited in acceleration and speed as a whole vector.
 
     A person's hand is on the handle: the drive is slow, and starts no harder than twice what it brakes with.
@@ -109,7 +121,7 @@ def _drive_to_target(kin: Any, scene: Any, states: Any, dt: float) -> None:
 
 
 @kernel
-def note_arrival(kin: Any, scene: Any, states: Any) -> None:
+def note_arrival(kin: Kin, scene: ControlScene, states: PointStates) -> None:
     """state.arrived: a PD controller's target is within 1 mm and the robot at rest within 5 mm/s, at every point."""
     state, work = states[0], states[0].joint_work
     state.arrived = 0
@@ -129,7 +141,7 @@ def note_arrival(kin: Any, scene: Any, states: Any) -> None:
 
 
 @kernel
-def _follow_hand(kin: Any, scene: Any, states: Any, dt: float) -> None:
+def _follow_hand(kin: Kin, scene: ControlScene, states: PointStates, dt: float) -> None:
     """Admittance: measured and virtual force move the virtual mass, or the masses at all points."""
     state = states[0]
     damping = scene.virtual_damping
@@ -163,7 +175,7 @@ def _follow_hand(kin: Any, scene: Any, states: Any, dt: float) -> None:
 
 
 @kernel
-def _hold(kin: Any, scene: Any, states: Any) -> None:
+def _hold(kin: Kin, scene: ControlScene, states: PointStates) -> None:
     """The last command again, within the limits of where the robot is by now; so the force, as the user feels it."""
     state, work = states[0], states[0].joint_work
     if lets_feel(scene.controller):
@@ -177,7 +189,7 @@ def _hold(kin: Any, scene: Any, states: Any) -> None:
 
 
 @kernel
-def _give_up(scene: Any, states: Any, dt: float) -> None:
+def _give_up(scene: ControlScene, states: PointStates, dt: float) -> None:
     """What would be sent is not finite: a latched stop, and nothing."""
     state = states[0]
     latch(state, _SAFE_STOP, _NOT_FINITE)
@@ -192,7 +204,7 @@ def _give_up(scene: Any, states: Any, dt: float) -> None:
 
 
 @kernel
-def _velocities_finite(scene: Any, states: Any) -> bool:
+def _velocities_finite(scene: ControlScene, states: PointStates) -> bool:
     for c in range(scene.contacts):
         if not all_finite(states[c].v_virtual):
             return False
@@ -200,7 +212,7 @@ def _velocities_finite(scene: Any, states: Any) -> bool:
 
 
 @kernel
-def _control_motion(kin: Any, scene: Any, states: Any, dt: float) -> None:
+def _control_motion(kin: Kin, scene: ControlScene, states: PointStates, dt: float) -> None:
     """Joint velocities for a device that follows them."""
     state, work = states[0], states[0].joint_work
     if scene.controller == _ADMITTANCE and state.safety >= _READY:
@@ -224,12 +236,14 @@ def _control_motion(kin: Any, scene: Any, states: Any, dt: float) -> None:
 
 
 @kernel
-def _control_force(kin: Any, scene: Any, states: Any, dt: float) -> None:
+def _control_force(kin: Kin, scene: ControlScene, states: PointStates, dt: float) -> None:
     """Forces for a device that renders them: what the user is to feel, or what draws the device to a target."""
     state = states[0]
     drives = scene.controller == _JOINT_PD or scene.controller == _WORLD_PD
     if drives:
         _drive_to_target(kin, scene, states, dt)
+    else:
+        copy(state.q, state.joint_reference)
     finite = True
     for c in range(scene.contacts):
         point = states[c]
@@ -258,7 +272,19 @@ def _control_force(kin: Any, scene: Any, states: Any, dt: float) -> None:
 
 
 @kernel
-def _find_torques(kin: Any, scene: Any, states: Any) -> None:
+def _draw_joints(kin: Kin, scene: ControlScene, state: PointState, dt: float) -> None:
+    """torque_command that draws the joints along with dq_virtual."""
+    work = state.joint_work
+    find_jacobian(kin, scene, state.q, work)
+    gains, joints = work.side, scene.joints
+    gains[0], gains[1], gains[2] = scene.drive_stiffness, scene.drive_damping, scene.drive_force
+    tau = state.torque_command[:joints]
+    rows = 3 * scene.contacts
+    draw_joints(state.q, state.dq, state.dq_virtual, work.jacobian, rows, gains, dt, state.joint_reference, tau)
+
+
+@kernel
+def _find_torques(kin: Kin, scene: ControlScene, states: PointStates) -> None:
     """torque_command = J^T of the forces sent, for a device that takes torques; what is not finite is nothing."""
     state, work = states[0], states[0].joint_work
     for c in range(scene.contacts):
@@ -269,10 +295,22 @@ def _find_torques(kin: Any, scene: Any, states: Any) -> None:
 
 
 @kernel
-def control(kin: Any, scene: Any, states: Any, held: int, dt: float) -> None:
+def _command_torques(kin: Kin, scene: ControlScene, states: PointStates, held: int, dt: float) -> None:
+    """Torques of a device that takes them: of the forces felt, or what draws its joints; when late the last ones."""
+    state = states[0]
+    drives = scene.controller == _JOINT_PD or scene.controller == _WORLD_PD
+    if not drives or scene.force_driven == 0 or is_stopped(state) or state.safety < _HOMED:
+        _find_torques(kin, scene, states)
+    elif held != HOLD:
+        _draw_joints(kin, scene, state, dt)
+
+
+@kernel
+def control(kin: Kin, scene: ControlScene, states: PointStates, held: int, dt: float) -> None:
     """What to send, velocities or forces: from the controller, held, or dying away."""
     state = states[0]
     if is_stopped(state) or state.safety < _HOMED:
+        copy(state.q, state.joint_reference)
         settle(state.command, dt)
         brake_at_limits(state.q, scene.joint_min, scene.joint_max, state.command)
         fill(state.dq_virtual, 0.0)
@@ -289,4 +327,4 @@ def control(kin: Any, scene: Any, states: Any, held: int, dt: float) -> None:
             copy(states[c].f_user, states[c].f_command)
         _control_motion(kin, scene, states, dt)
     if scene.torques == 1:
-        _find_torques(kin, scene, states)
+        _command_torques(kin, scene, states, held, dt)

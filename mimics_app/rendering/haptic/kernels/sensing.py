@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.device_descriptor import Kin
 from mimics_app.contracts.haptic import DeviceStatus
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_fields import MAX_JOINTS
@@ -20,6 +21,7 @@ from mimics_app.contracts.loop_ports import (
     DATA_Q,
     DATA_TORQUE,
 )
+from mimics_app.rendering.haptic.kernels.device_records import ControlScene, PointState, PointStates
 from mimics_app.rendering.haptic.kernels.joints import points_of, to_robot, velocities_of
 from mimics_app.rendering.haptic.kernels.vectors import copy, fill, rotate
 
@@ -46,14 +48,14 @@ def _is_plausible(data: Vec) -> bool:
 
 
 @kernel
-def _take_forces(states: Any, contacts: int, data: Vec) -> None:
+def _take_forces(states: PointStates, contacts: int, data: Vec) -> None:
     """Measured force of every point of contact."""
     for c in range(contacts):
         copy(data[DATA_FORCE + 3 * c : DATA_FORCE + 3 * c + 3], states[c].f_meas)
 
 
 @kernel
-def take_data(scene: Any, states: Any, data: Vec, status: int, dt: float) -> None:
+def take_data(scene: ControlScene, states: PointStates, data: Vec, status: int, dt: float) -> None:
     """Device data into the states; data that is not finite, or not fresh, leaves the last good motion standing."""
     state = states[0]
     state.readable = 1
@@ -81,7 +83,7 @@ def take_data(scene: Any, states: Any, data: Vec, status: int, dt: float) -> Non
 
 
 @kernel
-def _place(scene: Any, state: Any, x: Vec, v: Vec, f: Vec) -> None:
+def _place(scene: ControlScene, state: PointState, x: Vec, v: Vec, f: Vec) -> None:
     """Position, velocity and measured force of one point, robot frame, into its state, and into the world."""
     copy(x, state.hip)
     copy(v, state.v)
@@ -93,7 +95,7 @@ def _place(scene: Any, state: Any, x: Vec, v: Vec, f: Vec) -> None:
 
 
 @kernel
-def find_motion(kin: Any, scene: Any, states: Any) -> None:
+def find_motion(kin: Kin, scene: ControlScene, states: PointStates) -> None:
     """Position, velocity and measured force of every point of contact in robot and world frame."""
     state, work = states[0], states[0].joint_work
     points_of(kin, scene, state.q, work.points)

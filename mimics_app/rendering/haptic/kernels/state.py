@@ -78,6 +78,7 @@ STATE = np.dtype(
         # controller
         ("dq_virtual", "f8", (MAX_JOINTS,)),
         ("reference", "f8", (3,)),  # what a force driven device is drawn to, robot frame [m]
+        ("joint_reference", "f8", (MAX_JOINTS,)),  # likewise the joints of one that takes torques
         ("arrived", "i8"),  # 1 while a PD controller is at its target
         ("acting", ACTING),
         ("joint_work", JOINT_WORK),

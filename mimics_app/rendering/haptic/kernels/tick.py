@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.device_descriptor import Kin
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.acting import account, act, device_delay, own_damping
@@ -35,7 +36,6 @@ __all__ = ["tick"]
 Vec = NDArray[np.float64]
 Simulate = Callable[..., Any]
 Fields = tuple[Callable[..., Any], ...]
-Kin = tuple[Callable[..., Any], ...]
 
 _ACTIVE = int(SafetyState.ACTIVE)
 _DEGRADED = int(SafetyState.DEGRADED)

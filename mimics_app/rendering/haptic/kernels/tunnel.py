@@ -90,8 +90,8 @@ _MIN_STRETCH = 0.05
 
 _GAUSS_3 = 0.5 * math.sqrt(0.6)
 
-_STRAIGHT = 1e-12
-"""Share of the second derivative across the bisector below which it is straight."""
+_STRAIGHT = 1e-6
+"""Curvature below which the bisector is straight [1/m]."""
 
 _ADVANCE_FADE = 0.01
 """The advance force fades over this length before the end [m]."""
@@ -192,16 +192,15 @@ def _frenet_normal(
     tunnel: Any, piece: int, u: float, tx: float, ty: float, tz: float
 ) -> tuple[float, float, float, float]:
     """Unit normal towards the centre of curvature, and 1; 0 where the bisector is straight and has none."""
-    _, _, ax = axis(tunnel, piece, 0, u)
-    _, _, ay = axis(tunnel, piece, 1, u)
-    _, _, az = axis(tunnel, piece, 2, u)
-    whole = math.sqrt(ax * ax + ay * ay + az * az)
+    _, vx, ax = axis(tunnel, piece, 0, u)
+    _, vy, ay = axis(tunnel, piece, 1, u)
+    _, vz, az = axis(tunnel, piece, 2, u)
     along = ax * tx + ay * ty + az * tz
     ax -= along * tx
     ay -= along * ty
     az -= along * tz
     size = math.sqrt(ax * ax + ay * ay + az * az)
-    if size <= _STRAIGHT * whole or size == 0.0:
+    if size <= _STRAIGHT * (vx * vx + vy * vy + vz * vz):
         return 0.0, 0.0, 0.0, 0.0
     return ax / size, ay / size, az / size, 1.0
 
