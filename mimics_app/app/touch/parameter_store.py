@@ -162,6 +162,8 @@ class ParameterStore:
 
 def _as_long_as(place: Any, value: object) -> Any:
     """A value for a place, a vector of a device's joints followed by zeros for those it does not have."""
-    if np.ndim(place) == 0 or not 0 < np.size(value) < np.size(place):  # type: ignore[arg-type]
+    if np.ndim(place) == 0:
         return value
-    return np.concatenate([np.ravel(value), np.zeros(np.size(place) - np.size(value))])  # type: ignore[arg-type]
+    given = np.asarray(value, np.float64).ravel()
+    short = 0 < given.size < np.size(place)
+    return np.concatenate([given, np.zeros(np.size(place) - given.size)]) if short else value
