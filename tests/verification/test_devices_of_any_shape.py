@@ -18,27 +18,20 @@ from mimics_app.contracts.device_descriptor import (
 )
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import SCENE
-from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_fields import MAX_CONTACTS, MAX_JOINTS
-from mimics_app.rendering.haptic.control.joint_admittance import admit_joints
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.descriptors.leg import LEG
 from mimics_app.rendering.haptic.devices.described import descriptor_of
+from mimics_app.rendering.haptic.devices.inverse_by_steps import inverse_by_steps as joints_of
 from mimics_app.rendering.haptic.devices.reach import Reach
-from mimics_app.rendering.haptic.kernels.joints import (
-    JOINT_WORK,
-    joints_of,
-    points_of,
-    rates_of,
-    torques_of,
-    velocities_of,
-)
+from mimics_app.rendering.haptic.kernels.joints import JOINT_WORK
 from mimics_app.rendering.haptic.kernels.limiter import limit_joints
 from mimics_app.rendering.haptic.kernels.solve import solve_positive
 from mimics_app.rendering.haptic.kernels.state import new_states
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.world.components.robot import Admittance, Robot
 from tests.support.chain import CHAIN, LINK
+from tests.support.device_kernels import glide, points_of, rates_of, torques_of, velocities_of
 
 STRETCHED = math.atan2(0.12, 0.50)
 """Knee of the usual leg where its foot is as far as it comes [rad]."""
@@ -49,12 +42,12 @@ def _bare(descriptor: DeviceDescriptor) -> tuple:
     return tuple(Kinematics(descriptor.kinematics.forward, descriptor.kinematics.jacobian))
 
 
-def _record(descriptor: DeviceDescriptor) -> np.void:
-    return scene_from_components(descriptor=descriptor)[0]
+def _record(descriptor: DeviceDescriptor) -> np.ndarray:
+    return scene_from_components(descriptor=descriptor)
 
 
-def _work() -> np.void:
-    return np.zeros(1, JOINT_WORK)[0]
+def _work() -> np.ndarray:
+    return np.zeros(1, JOINT_WORK)
 
 
 def _joints(*values: float) -> np.ndarray:
@@ -175,25 +168,13 @@ def test_equations_are_solved_and_a_lost_direction_is_seen():
 # admittance in the joints
 
 
-@kernel
-def _glide(kin, scene, states, mass, damping, dt, ticks, path):
-    state = states[0]
-    for k in range(ticks):
-        admit_joints(kin, scene, states, mass, damping, dt, state.dq_virtual)
-        for j in range(8):
-            state.q[j] += dt * state.dq_virtual[j]
-        points_of(kin, scene, state.q, state.joint_work.points)
-        for i in range(3):
-            path[k, i] = state.joint_work.points[i]
-
-
 def _flight(descriptor, q, dq, *, f=(0.0, 0.0, 0.0), damping=0.0, inertia=0.0, ticks=500, dt=1e-3, kin=None):
     scene, states = _record(descriptor), new_states()
     scene["joint_inertia"] = inertia
     states[0]["q"], states[0]["dq_virtual"] = _joints(*q), _joints(*dq)
     states[0]["f_user"] = f
     path = np.zeros((ticks, 3))
-    _glide(tuple(kin or descriptor.kinematics), scene, states, 3.0, damping, dt, ticks, path)
+    glide(tuple(kin or descriptor.kinematics), scene, states, 3.0, damping, dt, ticks, path)
     return path, states[0]
 
 
@@ -232,7 +213,7 @@ def test_torques_at_the_joints_move_them():
     scene, states = _record(LEG), new_states()
     states[0]["q"][:2], states[0]["torque_meas"][:2] = (0.3, 0.9), (0.0, 2.0)
     path = np.zeros((50, 3))
-    _glide(tuple(LEG.kinematics), scene, states, 3.0, 0.0, 1e-3, 50, path)
+    glide(tuple(LEG.kinematics), scene, states, 3.0, 0.0, 1e-3, 50, path)
     assert states[0]["dq_virtual"][1] > 0.05
 
 

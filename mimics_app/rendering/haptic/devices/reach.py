@@ -81,6 +81,7 @@ class Reach:
     def _inverse(self, x: Vec, q: Vec) -> int:
         if self._kin.inverse is not not_given:
             return int(self._kin.inverse(self._block[0]["geometry"], q.copy(), x, q))
-        from mimics_app.rendering.haptic.kernels.joints import JOINT_WORK, joints_of
+        from mimics_app.rendering.haptic.devices.inverse_by_steps import inverse_by_steps
+        from mimics_app.rendering.haptic.kernels.joints import JOINT_WORK
 
-        return int(joints_of(tuple(self._kin), self._block[0], x, np.zeros(1, JOINT_WORK)[0], q))
+        return int(inverse_by_steps(tuple(self._kin), self._block, x, np.zeros(1, JOINT_WORK), q))
