@@ -361,7 +361,8 @@ class _Session:
 
     def _seal(self, status: Literal["clean", "interrupted"]) -> None:
         said = self._close_message or {}
-        state = hash_of_files(self._folder, self._trials.rows) if self._restarts else self._hash
+        extent = self._memory.capacities.extent
+        state = hash_of_files(self._folder, self._trials.rows, extent) if self._restarts else self._hash
         manifest = Manifest(
             status=status,
             state_hash=state.hexdigest(),

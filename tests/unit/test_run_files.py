@@ -78,7 +78,7 @@ def test_every_column_has_a_name_and_a_unit() -> None:
 
 def test_block_reads_back_bit_for_bit_with_nan_and_infinity() -> None:
     samples = fake_samples(0, 50)
-    samples["q"][7] = [np.nan, np.inf, -0.0]
+    samples["q"][7, :3] = [np.nan, np.inf, -0.0]
     block = decode_samples(encode_samples(samples, 3, 150))
     assert (block.seq, block.first) == (3, 150)
     assert block.records.tobytes() == samples.tobytes()

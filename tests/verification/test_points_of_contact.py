@@ -23,7 +23,9 @@ from mimics_app.contracts.loop_ports import (
 )
 from mimics_app.recording.columns import column_names, column_units, present_columns
 from mimics_app.recording.layout import current_layout, layout_of, samples_schema
+from mimics_app.recording.run import Run
 from mimics_app.recording.state_hash import StateHash
+from mimics_app.recording.streams import SampleStream, hash_of_files
 from mimics_app.rendering.haptic.descriptors.leg import LEG, LEGS
 from mimics_app.rendering.haptic.replay import replay_run
 from mimics_app.rendering.haptic.scene_block import kinematic_values
@@ -243,6 +245,24 @@ def test_the_state_hash_leaves_out_what_the_device_does_not_have():
         "others_world",
         "others_margin",
     }
+
+
+def test_a_recorder_that_was_replaced_goes_on_with_the_columns_of_the_device(tmp_path):
+    extent = LEGS.extent
+    samples = np.zeros(100, SAMPLE)
+    samples["tick"], samples["t"] = np.arange(100), np.arange(100) / 1000
+    samples["others_world"][:, :3], samples["q"][:, :4] = np.arange(300).reshape(100, 3), 0.25
+    whole = StateHash(extent)
+    whole.add_samples(samples)
+    for first, resume in ((0, False), (50, True)):
+        stream = SampleStream(tmp_path, StateHash(extent), extent, resume=resume)
+        assert stream.next_row == first
+        stream.append(samples[first : first + 50], first)
+        stream.sync()
+    (tmp_path / "events.jsonl").write_bytes(b"")
+    assert hash_of_files(tmp_path, [], extent).hexdigest() == whole.hexdigest()
+    run = Run.open(tmp_path)
+    assert run.layout.extent == extent and run.haptic.tobytes() == samples.tobytes()
 
 
 def test_a_leg_told_torques_is_driven_to_its_start_through_the_stretched_pose(tmp_path):
