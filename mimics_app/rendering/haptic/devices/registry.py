@@ -42,7 +42,7 @@ def _build_hapticmaster(request: DeviceRequest) -> DevicePlugin:
 
 
 def _build_leg(request: DeviceRequest) -> DevicePlugin:
-    """Simulated legs."""
+    """A simulated leg, or two, on the drives of a gait orthosis, hip and knee, held by the request's patient."""
     from mimics_app.rendering.haptic.devices.simulated_leg import build_simulated_leg
 
     return build_simulated_leg(request)
