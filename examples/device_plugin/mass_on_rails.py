@@ -60,7 +60,7 @@ def write(memory, command, tick):
 def build(request):
     """A mass on three rails; `robot.settings` may hold spring [N/m]."""
     memory = np.zeros(LENGTH)
-    memory[LOW : LOW + 3], memory[HIGH : HIGH + 3] = request.robot.joint_min, request.robot.joint_max
+    memory[LOW : LOW + 3], memory[HIGH : HIGH + 3] = request.limits.lowest, request.limits.highest
     memory[TICK] = 1.0 / request.rate
     memory[SPRING] = request.robot.settings.get("spring", 50.0)
     if not 0.0 <= memory[SPRING] < 1e4:

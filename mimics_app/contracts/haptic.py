@@ -6,8 +6,9 @@
     SAMPLE    loop -> recorder, one per tick, through a ring: inputs for replay and every output
     EVENT     loop -> main, audio, recorder: 64 bytes, one ring each
 
-Frames: `world` is the scene's (right-handed, +y up, metres), `robot` is the HapticMaster's WCS (x radial, y lateral,
-z up). Forces named `user` act on the user. SI units throughout.
+Frames: `world` is the scene's (right-handed, +y up, metres), `robot` is the device's own (of the HapticMaster its WCS:
+x radial, y lateral, z up). Joints are in m or rad, as the device's descriptor says; a vector of them has MAX_JOINTS
+places. Forces named `user` act on the user. SI units throughout.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from mimics_app.contracts.haptic_objects import OBJECT_COUNTS
-from mimics_app.contracts.loop_fields import LOOP_FIELDS, sample_dtype, snapshot_dtype
+from mimics_app.contracts.loop_fields import LOOP_FIELDS, MAX_CONTACTS, MAX_JOINTS, sample_dtype, snapshot_dtype
 
 __all__ = [
     "EVENT",
@@ -26,12 +27,11 @@ __all__ = [
     "INBOX",
     "LIMITS",
     "LIMIT_NAMES",
-    "MAX_PIECES",
+    "MAX_GEOMETRY",
     "POSE",
     "SAMPLE",
     "SCENE",
     "SNAPSHOT",
-    "TUNNEL",
     "AdmittanceForm",
     "Button",
     "Controller",
@@ -42,8 +42,8 @@ __all__ = [
     "TripCause",
 ]
 
-MAX_PIECES = 96
-"""Most cubic pieces one tunnel may have; fixes the size of a parameter block."""
+MAX_GEOMETRY = 8
+"""Numbers of a device's geometry."""
 
 
 class SafetyState(IntEnum):
@@ -87,7 +87,7 @@ class Controller(IntEnum):
 
 
 class AdmittanceForm(IntEnum):
-    """How the virtual mass is integrated: as printed (6, 7), polar with its coupling terms, or Cartesian."""
+    """How the virtual mass of a polar device moves: as printed (6, 7), with its coupling terms, or Cartesian."""
 
     SEED = 0
     POLAR = 1
@@ -134,26 +134,6 @@ class EventKind(IntEnum):
     QUARANTINE = 11
 
 
-TUNNEL = np.dtype(
-    [
-        ("pieces", "i8"),  # cubic pieces in use; 0: no tunnel
-        ("projection", "i8"),  # Projection
-        ("centre", "f8", (MAX_PIECES, 3, 4)),  # world [m]: a0 + a1 u + a2 u^2 + a3 u^3, u in [0, 1), per axis
-        ("radius", "f8", (MAX_PIECES, 4)),  # [m], same parameter
-        ("arc_length", "f8", (MAX_PIECES + 1,)),  # [m] at piece starts and the end
-        ("normal", "f8", (MAX_PIECES + 1, 3)),  # rotation-minimising normal at piece starts and the end, unit
-        ("radius_scale", "f8"),  # [-] multiplies radius; 0 keeps the ball on the bisector
-        ("stiffness", "f8"),  # [N/m] of the wall
-        ("damping", "f8"),  # [N s/m] of the wall, along its normal
-        ("drag", "f8"),  # [N s/m] along the tunnel
-        ("drag_growth", "f8"),  # [N s/m per m] added to drag per metre of ball larger than tunnel
-        ("centring", "f8"),  # [N/m] assistance towards the bisector
-        ("advance", "f8"),  # [N] assistance along the tangent towards the end
-    ],
-    align=True,
-)
-"""The tunnel of D2.1 4.2.10 as the tick reads it."""
-
 LIMITS: list[tuple[Any, ...]] = [
     ("force_limit", "f8"),  # [N] of the virtual force on the user
     ("force_rate_limit", "f8"),  # [N/s] upwards; falling is free
@@ -164,8 +144,10 @@ LIMITS: list[tuple[Any, ...]] = [
     ("max_acceleration", "f8"),  # [m/s^2] of the virtual mass
     ("max_velocity", "f8"),  # [m/s] of the command
     ("drive_force", "f8"),  # [N] most that drive_stiffness and drive_damping do
-    ("joint_min", "f8", (3,)),  # q1 [m], q2 [rad], q3 [m]
-    ("joint_max", "f8", (3,)),
+    ("joint_min", "f8", (MAX_JOINTS,)),
+    ("joint_max", "f8", (MAX_JOINTS,)),
+    ("joint_velocity", "f4", (MAX_JOINTS,)),  # of the command, largest per joint
+    ("joint_acceleration", "f4", (MAX_JOINTS,)),  # likewise of its change
     ("workspace_margin", "f8"),  # [m, rad] beyond the joint limits before SAFE_STOP
     ("ramp_time", "f8"),  # [s] soft start 0 -> 1
     ("ramp_force", "f8"),  # [N] the force must be below this to start the ramp
@@ -200,7 +182,7 @@ FEEL = [
     ("ball_radius_max", "f8"),  # [m] at no grasp
     ("grasp_force_full", "f8"),  # [N] that makes the ball smallest
 ]
-"""Fields of SCENE that a task may change while it runs, beside those of its tunnel and of its objects."""
+"""Fields of SCENE that a task may change while it runs, beside those of its tunnels and of its objects."""
 
 SCENE = np.dtype(
     [
@@ -209,18 +191,24 @@ SCENE = np.dtype(
         ("trial", "i8"),  # counts trials; devices with a simulated person restart on change
         ("controller", "i8"),  # Controller
         ("form", "i8"),  # AdmittanceForm
-        ("target", "f8", (3,)),  # PD reference: joints for JOINT_PD, robot frame [m] for WORLD_PD
-        ("kp", "f8", (3,)),  # [1/s] per joint
-        ("kd", "f8", (3,)),  # [-] per joint
-        ("force_driven", "i8"),  # 1: the device is told forces (COMMAND_FORCE), 0: velocities (COMMAND_DQ)
+        ("target", "f8", (3 * MAX_CONTACTS,)),  # PD reference: joints for JOINT_PD, points in the robot frame [m] else
+        ("kp", "f8", (MAX_JOINTS,)),  # [1/s] per joint
+        ("kd", "f8", (MAX_JOINTS,)),  # [-] per joint
+        ("force_driven", "i8"),  # 1: the device is told forces (COMMAND_FORCE, _TORQUE), 0: velocities (COMMAND_DQ)
         ("drive_stiffness", "f8"),  # [N/m] of the spring that draws a force driven device to a target
         ("drive_damping", "f8"),  # [N s/m] of the damper beside it
-        ("axis_offset", "f8"),  # d1 [m] of (1)
+        ("joints", "i1"),  # of the device, 1 to MAX_JOINTS
+        ("contacts", "i1"),  # its points of contact, 1 to MAX_CONTACTS
+        ("torques", "i1"),  # 1: it takes torques at its joints
+        ("polar", "i1"),  # 1: its joints are radial, angle, vertical (4.2.7); 0: motion is computed in its joints
+        ("through_joints", "i1"),  # 1: WORLD_PD by inverse kinematics and joint PD (4.2.6), 0: straight
+        ("geometry", "f8", (MAX_GEOMETRY,)),  # what its kinematics functions are given; polar: d1 [m] of (1)
+        ("joint_inertia", "f4", (MAX_JOINTS,)),  # virtual inertia of each joint itself [kg, kg m^2]
         ("R_world_from_robot", "f8", (3, 3)),
         ("origin_world", "f8", (3,)),  # WCS origin in the world [m]
         *FEEL,
         *LIMITS,
-        ("tunnel", TUNNEL),
+        ("own_tunnel", "i8"),  # row of the tunnel that the task is about: the sample tells of it
         ("objects", OBJECT_COUNTS),  # rows in use of the tables beside this record
     ],
     align=True,

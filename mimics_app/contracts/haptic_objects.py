@@ -1,6 +1,6 @@
 """Records of the haptic objects (D2.1 4.2.8-4.2.10): what the main thread tells the loop of them, and what they do.
 
-    SHAPE, BODY, EFFECT, POINT, WIRE
+    SHAPE, BODY, EFFECT, POINT, WIRE, TUNNEL
               main -> loop   rows beside SCENE in the same triple buffer, so that all of one sequence number are taken
                              at one tick boundary; SCENE.objects counts the rows in use
     MOTION    loop alone     how the bodies move; their poses travel beside the snapshot
@@ -20,12 +20,14 @@ import numpy as np
 __all__ = [
     "BODY",
     "EFFECT",
+    "MAX_PIECES",
     "MAX_POINTS",
     "MOTION",
     "OBJECT_COUNTS",
     "POINT",
     "SHAPE",
     "STATIC",
+    "TUNNEL",
     "WIRE",
     "BodyFlag",
     "EffectKind",
@@ -38,6 +40,9 @@ __all__ = [
 
 MAX_POINTS = 4
 """Most interaction points of one device: two fingers, two hands, two feet."""
+
+MAX_PIECES = 96
+"""Most cubic pieces one tunnel or path may have; fixes the size of its row."""
 
 STATIC = -1
 """Body of a shape that belongs to the static scene."""
@@ -133,6 +138,7 @@ OBJECT_COUNTS = np.dtype(
         ("points", "i8"),  # interaction points; the first is the HIP itself unless it has an offset
         ("wires", "i8"),
         ("revision", "i8"),  # counts changes of the rows; unchanged rows need not be stored again
+        ("tunnels", "i8"),
     ],
     align=True,
 )
@@ -233,13 +239,14 @@ EFFECT = np.dtype(
 
 POINT = np.dtype(
     [
-        ("offset", "f8", (3,)),  # from the HIP, world [m]
+        ("offset", "f8", (3,)),  # from its point of contact, world [m]
         ("radius", "f8"),  # of the point as a ball [m]; 0: a point
         ("enabled", "i4"),
+        ("contact", "i4"),  # number of the device's point of contact that carries it
     ],
     align=True,
 )
-"""One interaction point: fixed to the end-effector, which does not turn."""
+"""One interaction point: fixed to a point of contact of the device, which does not turn."""
 
 WIRE = np.dtype(
     [
@@ -253,3 +260,24 @@ WIRE = np.dtype(
     align=True,
 )
 """One connection between an output and an input."""
+
+TUNNEL = np.dtype(
+    [
+        ("pieces", "i8"),  # cubic pieces in use; 0: nothing that holds
+        ("projection", "i8"),  # Projection
+        ("frenet", "i8"),  # 1: n towards the centre of curvature, which turns over at inflections; 0: carried along
+        ("centre", "f8", (MAX_PIECES, 3, 4)),  # world [m]: a0 + a1 u + a2 u^2 + a3 u^3, u in [0, 1), per axis
+        ("radius", "f8", (MAX_PIECES, 4)),  # [m], same parameter
+        ("arc_length", "f8", (MAX_PIECES + 1,)),  # [m] at piece starts and the end
+        ("normal", "f8", (MAX_PIECES + 1, 3)),  # rotation-minimising normal at piece starts and the end, unit
+        ("radius_scale", "f8"),  # [-] multiplies radius; 0 keeps the ball on the bisector
+        ("stiffness", "f8"),  # [N/m] of the wall
+        ("damping", "f8"),  # [N s/m] of the wall, along its normal
+        ("drag", "f8"),  # [N s/m] along the tunnel
+        ("drag_growth", "f8"),  # [N s/m per m] added to drag per metre of ball larger than tunnel
+        ("centring", "f8"),  # [N/m] assistance towards the bisector
+        ("advance", "f8"),  # [N] assistance along the tangent towards the end
+    ],
+    align=True,
+)
+"""One tunnel of D2.1 4.2.10, or a path that an effect follows."""

@@ -17,6 +17,9 @@ from numpy.typing import NDArray
 
 __all__ = [
     "LOOP_FIELDS",
+    "MAX_CONTACTS",
+    "MAX_JOINTS",
+    "Extent",
     "HapticSnapshot",
     "LoopField",
     "Move",
@@ -33,6 +36,15 @@ Vec = NDArray[np.float64]
 Move = tuple[int, tuple[str, ...], str]
 """Which record is copied from (0: STATE, 1: TOTALS of the objects), where in it, and the field copied to."""
 
+MAX_JOINTS = 8
+"""Most joints of a device; every vector of joints in the loop has so many places, those behind a device's own are 0."""
+
+MAX_CONTACTS = 4
+"""Most points of contact of a device."""
+
+_OTHERS = MAX_CONTACTS - 1
+_TORQUE_UNITS = {"m": "N", "rad": "N m"}
+
 _RECORDS = ("state", "totals")
 _TYPES = {"i8": "int", "f8": "float"}
 
@@ -48,6 +60,31 @@ class Replay(Enum):
 
 
 @dataclass(frozen=True, slots=True)
+class Extent:
+    """How much of the loop's numbers a device has: what of the samples is recorded, and in which units.
+
+    Attributes:
+        joints: Unit of each joint, "m" or "rad"; those of older recordings are the HapticMaster's.
+        contacts: Points of contact.
+        torques: Whether it measures and takes torques at its joints.
+    """
+
+    joints: tuple[str, ...] = ("m", "rad", "m")
+    contacts: int = 1
+    torques: bool = False
+
+
+class Per(Enum):
+    """Whose components a field has: how many of them a device fills, and what their units are."""
+
+    TICK = "itself"
+    JOINT = "one for each joint, in its unit"
+    JOINT_RATE = "one for each joint, in its unit a second"
+    TORQUE = "one for each joint of a device with torques, N or N m"
+    CONTACT = "the same number of components for each point of contact behind the first"
+
+
+@dataclass(frozen=True, slots=True)
 class LoopField:
     """One number, or vector, out of the loop.
 
@@ -55,11 +92,12 @@ class LoopField:
         name: Of its field in SAMPLE and SNAPSHOT.
         unit: SI, "1" for a number without dimension; one for each component where they differ.
         replay: What a replay does with it; OUTPUT and INPUT columns keep their order for ever, new ones go last.
-        source: "state": the field of STATE with this name, which this row makes; "state.tunnel.s", "totals.depth": a
+        source: "state": the field of STATE with this name, which this row makes; "state.told.s", "totals.depth": a
             field that a kernel declares; "": the loop writes it by itself (kernels.rows, loop).
         kind: "f8" or "i8", in STATE and SNAPSHOT; samples hold float64 only.
         size: Components.
         reader: Package below mimics_app that reads it from the snapshot; "": it is recorded only.
+        per: Whose components they are; the unit of a joint's is the device's to say.
     """
 
     name: str
@@ -69,6 +107,7 @@ class LoopField:
     kind: str = "f8"
     size: int = 1
     reader: str = ""
+    per: Per = Per.TICK
 
     def __post_init__(self) -> None:
         if not all(self.units) or len(self.units) != self.size:
@@ -85,6 +124,18 @@ class LoopField:
         """One unit per component."""
         return (self.unit,) * self.size if isinstance(self.unit, str) else self.unit
 
+    def present(self, extent: Extent) -> tuple[str, ...]:
+        """Units of the components that a device fills, the first ones of the field; () for none."""
+        if self.per is Per.JOINT:
+            return extent.joints
+        if self.per is Per.JOINT_RATE:
+            return tuple(f"{unit}/s" for unit in extent.joints)
+        if self.per is Per.TORQUE:
+            return tuple(_TORQUE_UNITS[unit] for unit in extent.joints) if extent.torques else ()
+        if self.per is Per.CONTACT:
+            return self.units[: self.size // _OTHERS * (extent.contacts - 1)]
+        return self.units
+
     @property
     def shape(self) -> tuple[int, ...]:
         """Of the field: () for one number."""
@@ -97,16 +148,23 @@ class LoopField:
         return _RECORDS.index(record), tuple(path.split(".")) if path else (self.name,), self.name
 
 
-_JOINTS = ("m", "rad", "m")
-_JOINT_RATES = ("m/s", "rad/s", "m/s")
+def _of_joints(name: str, replay: Replay, source: str = "state", reader: str = "", per: Per = Per.JOINT) -> LoopField:
+    """A field with a component for each joint; "joint": the unit is the device's to say."""
+    return LoopField(name, "joint", replay, source, size=MAX_JOINTS, reader=reader, per=per)
+
+
+def _of_others(name: str, unit: str, replay: Replay, each: int = 1, source: str = "state") -> LoopField:
+    """A field with `each` components for every point of contact behind the first."""
+    return LoopField(name, unit, replay, source, size=each * _OTHERS, per=Per.CONTACT)
+
 
 LOOP_FIELDS: tuple[LoopField, ...] = (
     LoopField("t", "s", Replay.CLOCK, ""),  # session time = tick / rate
     LoopField("tick", "1", Replay.CLOCK, "", "i8", reader="app"),
     LoopField("t_ns", "ns", Replay.ABSENT, "", "i8", reader="rendering.audio"),  # of the tick's release, monotonic
     # inputs; the snapshot has the last good ones
-    LoopField("q", _JOINTS, Replay.INPUT, size=3, reader="tasks"),  # measured joints
-    LoopField("dq", _JOINT_RATES, Replay.INPUT, "", size=3),
+    _of_joints("q", Replay.INPUT, reader="tasks"),  # measured joints
+    _of_joints("dq", Replay.INPUT, "", per=Per.JOINT_RATE),
     LoopField("f_meas", "N", Replay.INPUT, "", size=3),  # force of the user on the handle, tool frame r t z
     LoopField("grasp", "N", Replay.INPUT, reader="tasks"),
     LoopField("buttons", "1", Replay.INPUT, ""),  # Button bits
@@ -135,19 +193,19 @@ LOOP_FIELDS: tuple[LoopField, ...] = (
     LoopField("held_body", "1", Replay.OUTPUT, "totals.held", "i8", reader="tasks"),  # its row, -1: none
     LoopField("crushed_body", "1", Replay.ABSENT, "totals.crushed", "i8", reader="tasks"),  # held beyond crush_force
     LoopField("bodies", "1", Replay.OUTPUT),  # checksum of the motion of all bodies, 0-2^52
-    # tunnel
-    LoopField("f_tunnel", "N", Replay.OUTPUT, "state.tunnel.force_tnb", size=3),  # in the tunnel's t, n, b
-    LoopField("s", "pieces", Replay.OUTPUT, "state.tunnel.s"),  # parameter of the closest bisector point
-    LoopField("progress", "1", Replay.OUTPUT, "state.tunnel.progress", reader="tasks"),  # share of the arc length, 0-1
-    LoopField("distance", "m", Replay.OUTPUT, "state.tunnel.distance", reader="tasks"),  # of the ball from the bisector
-    LoopField("offset_n", "m", Replay.OUTPUT, "state.tunnel.offset_n"),  # along the tunnel's n
-    LoopField("offset_b", "m", Replay.OUTPUT, "state.tunnel.offset_b"),  # along the tunnel's b
-    LoopField("penetration", "m", Replay.OUTPUT, "state.tunnel.penetration", reader="tasks"),  # of the ball in the wall
+    # the task's own tunnel
+    LoopField("f_tunnel", "N", Replay.OUTPUT, "state.told.force_tnb", size=3),  # in the tunnel's t, n, b
+    LoopField("s", "pieces", Replay.OUTPUT, "state.told.s"),  # parameter of the closest bisector point
+    LoopField("progress", "1", Replay.OUTPUT, "state.told.progress", reader="tasks"),  # share of the arc length, 0-1
+    LoopField("distance", "m", Replay.OUTPUT, "state.told.distance", reader="tasks"),  # of the ball from the bisector
+    LoopField("offset_n", "m", Replay.OUTPUT, "state.told.offset_n"),  # along the tunnel's n
+    LoopField("offset_b", "m", Replay.OUTPUT, "state.told.offset_b"),  # along the tunnel's b
+    LoopField("penetration", "m", Replay.OUTPUT, "state.told.penetration", reader="tasks"),  # of the ball in the wall
     LoopField("ball_radius", "m", Replay.OUTPUT, reader="scenarios"),
-    LoopField("tunnel_radius", "m", Replay.OUTPUT, "state.tunnel.radius"),  # at s, scaled
+    LoopField("tunnel_radius", "m", Replay.OUTPUT, "state.told.radius"),  # at s, scaled
     # controller and safety
     LoopField("v_virtual", "m/s", Replay.OUTPUT, size=3),  # velocity of the virtual mass, robot frame
-    LoopField("command", _JOINT_RATES, Replay.OUTPUT, size=3),  # joint velocities sent
+    _of_joints("command", Replay.OUTPUT, per=Per.JOINT_RATE),  # joint velocities sent
     LoopField("f_command", "N", Replay.OUTPUT, size=3),  # force sent, robot frame
     LoopField("ramp", "1", Replay.OUTPUT, reader="tasks"),  # soft-start factor 0-1
     LoopField("state", "1", Replay.OUTPUT, "state.safety", "i8", reader="tasks"),  # SafetyState
@@ -168,6 +226,20 @@ LOOP_FIELDS: tuple[LoopField, ...] = (
     # the live loop
     LoopField("lateness_ns", "ns", Replay.TIMING, ""),  # wake-up after the release
     LoopField("duration_ns", "ns", Replay.TIMING, ""),  # work of the tick
+    # devices with torques
+    _of_joints("torque_meas", Replay.INPUT, per=Per.TORQUE),  # of the user on the joints, beside the forces on points
+    _of_joints("torque_command", Replay.OUTPUT, per=Per.TORQUE),  # torques sent
+    # points of contact behind the first
+    _of_others("others_f_meas", "N", Replay.INPUT, 3),  # force of the user on each, frame of its sensor
+    _of_others("others_world", "m", Replay.OUTPUT, 3),  # where they are
+    _of_others("others_v_world", "m/s", Replay.OUTPUT, 3),
+    _of_others("others_f_virt_world", "N", Replay.OUTPUT, 3),  # virtual force on the user before the limiter
+    _of_others("others_f_user_world", "N", Replay.OUTPUT, 3),  # after it
+    _of_others("others_depth", "m", Replay.OUTPUT),  # of the deepest shape each is in
+    _of_others("others_margin", "1", Replay.OUTPUT),  # stability margin of what each touches
+    _of_others("others_share", "1", Replay.OUTPUT),  # of the stiffness of what each touches that is rendered, 0-1
+    _of_others("others_energy", "J", Replay.OUTPUT),  # taken by each since its contact began
+    LoopField("others_seen", "m", Replay.ABSENT, "state.others_world", size=3 * _OTHERS, reader="scenarios"),
 )
 """Every number that leaves the loop, recorded columns in the order of the recording."""
 
@@ -177,6 +249,8 @@ class HapticSnapshot:
     """The newest haptic state as the frame sees it: rows of `LOOP_FIELDS` that have a reader, vectors of shape [3].
 
     Attributes:
+        q: Measured joints, shape [joints of the device].
+        others_seen: Where the points of contact behind the first are, world [m], shape [MAX_CONTACTS - 1, 3].
         poses: Position xyz [m] and quaternion xyzw of each body, world, shape [capacity, 7].
     """
 
@@ -201,6 +275,7 @@ class HapticSnapshot:
     margin: float
     energy: float
     stiffness_share: float
+    others_seen: Vec
     poses: Vec
 
 

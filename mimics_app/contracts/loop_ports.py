@@ -7,7 +7,8 @@ loop's own machine code stays valid whatever is plugged in. Both functions are c
     write(memory, command, tick)                  loop -> device
 
 Rules: no allocation, no exception, no blocking call, no index out of range. `memory` belongs to the plug-in alone and
-holds everything it remembers. Devices think in the robot frame (WCS of D2.1 Figure 9); the loop maps to the world.
+holds everything it remembers. Devices think in their own frame (of the HapticMaster the WCS of D2.1 Figure 9); the loop
+maps to the world. What joints and points of contact a device has its descriptor says (contracts/device_descriptor.py).
 
 A force field is the same kind of thing for forces: one function of place, velocity and time, in the world frame,
 
@@ -22,11 +23,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numba import types
 from numpy.typing import NDArray
+
+from mimics_app.contracts.loop_fields import MAX_CONTACTS, MAX_JOINTS
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.device_descriptor import DeviceDescriptor
 
 __all__ = [
     "COMMAND_DQ",
@@ -34,6 +40,8 @@ __all__ = [
     "COMMAND_FORCE",
     "COMMAND_LENGTH",
     "COMMAND_STATE",
+    "COMMAND_TORQUE",
+    "COMMAND_VIBRATION",
     "DATA_AGE",
     "DATA_BUTTONS",
     "DATA_DELAY",
@@ -42,6 +50,7 @@ __all__ = [
     "DATA_GRASP",
     "DATA_LENGTH",
     "DATA_Q",
+    "DATA_TORQUE",
     "FIELD",
     "FIELDS",
     "FIELD_PARAMETERS",
@@ -58,34 +67,41 @@ __all__ = [
 ]
 
 DATA_Q = 0
-"""Three measured joints q1 [m], q2 [rad], q3 [m]."""
-DATA_DQ = 3
-"""Three measured joint velocities [m/s, rad/s, m/s]."""
-DATA_FORCE = 6
-"""Three components r, t, z of the force of the user on the handle, tool frame [N]."""
-DATA_GRASP = 9
+"""Measured joints [m or rad], MAX_JOINTS places; those behind the device's own stay 0, here and below."""
+DATA_DQ = DATA_Q + MAX_JOINTS
+"""Measured joint velocities [m/s or rad/s]."""
+DATA_FORCE = DATA_DQ + MAX_JOINTS
+"""Force of the user on each point of contact, x y z one behind the other, frame of its sensor [N]; HapticMaster: r t z.
+"""
+DATA_TORQUE = DATA_FORCE + 3 * MAX_CONTACTS
+"""Torque of the user on each joint [N or N m], beside what those forces make; of a device with torques."""
+DATA_GRASP = DATA_TORQUE + MAX_JOINTS
 """Grasp force [N]."""
-DATA_BUTTONS = 10
+DATA_BUTTONS = DATA_GRASP + 1
 """Button bits as a float."""
-DATA_AGE = 11
+DATA_AGE = DATA_GRASP + 2
 """Age of this data when read [s]; 0 for data taken at the tick."""
-DATA_DELAY = 12
+DATA_DELAY = DATA_GRASP + 3
 """Measured time from a command to the data that shows what it did, one tick less [s]; 0 where nothing is measured.
 The stability limit counts the larger of this and `DevicePlugin.delay`."""
-DATA_LENGTH = 13
+DATA_LENGTH = DATA_GRASP + 4
 
 COMMAND_DQ = 0
-"""Three joint velocities [m/s, rad/s, m/s]: what an admittance device follows."""
-COMMAND_FORCE = 3
-"""Three components of the force on the user, robot frame [N]: what an impedance device renders."""
-COMMAND_ENABLED = 6
+"""Joint velocities [m/s or rad/s]: what an admittance device follows."""
+COMMAND_FORCE = COMMAND_DQ + MAX_JOINTS
+"""Force on the user at each point of contact, x y z, robot frame [N]: what an impedance device renders."""
+COMMAND_TORQUE = COMMAND_FORCE + 3 * MAX_CONTACTS
+"""Torque at each joint [N or N m], J^T of those forces: what an impedance device with torques renders."""
+COMMAND_VIBRATION = COMMAND_TORQUE + MAX_JOINTS
+"""Strength 0-1 for each point of contact, force on the user there over the force limit: for what can only vibrate."""
+COMMAND_ENABLED = COMMAND_VIBRATION + MAX_CONTACTS
 """1 while the drives may act; 0 asks the device to go limp or brake by itself."""
-COMMAND_STATE = 7
+COMMAND_STATE = COMMAND_ENABLED + 1
 """SafetyState, for devices that show it."""
-COMMAND_LENGTH = 8
+COMMAND_LENGTH = COMMAND_ENABLED + 2
 
 INBOX_TARGET = 0
-"""Where the pointing device points, robot frame [m]."""
+"""Where the pointing device points, for the first point of contact, robot frame [m]."""
 INBOX_GRASP = 3
 """Grasp force asked for [N]."""
 INBOX_BUTTONS = 4
@@ -136,11 +152,13 @@ class DevicePlugin:
         memory: All the plug-in remembers, float64, shape [n]; changed in place by `read` and `write`.
         close: Called once after the loop has ended.
         delay: From a command to the motion it makes [s], for the stability limit: transport and servo lag.
-        follows: What in a command moves it: joint velocities (admittance), a force (impedance), or nothing.
+        follows: What in a command moves it: joint velocities (admittance), a force or torques (impedance), or nothing;
+            the strength of its vibration moves nobody.
         real_time: True for a device with a time of its own: it cannot be run faster than the clock on the wall.
         simulated: True for a device that is computed, or a mouse or gamepad over one: no drive goes on by itself when a
             tick comes late, so a late tick never latches a stop.
         trouble: What is wrong with the device in words for a person, "" when nothing is; main thread only.
+        descriptor: Its joints, points of contact and kinematics; None: those of the HapticMaster.
     """
 
     name: str
@@ -149,7 +167,8 @@ class DevicePlugin:
     memory: NDArray[np.float64]
     close: Callable[[], None] = _nothing
     delay: float = 0.0
-    follows: Literal["velocity", "force", "nothing"] = "velocity"
+    follows: Literal["velocity", "force", "torque", "vibration", "nothing"] = "velocity"
     real_time: bool = False
     simulated: bool = False
     trouble: Callable[[], str] = _no_trouble
+    descriptor: DeviceDescriptor | None = None

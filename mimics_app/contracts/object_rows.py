@@ -9,9 +9,19 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic_objects import BODY, EFFECT, MAX_POINTS, POINT, SHAPE, WIRE
+from mimics_app.contracts.haptic_objects import BODY, EFFECT, MAX_POINTS, POINT, SHAPE, TUNNEL, WIRE
 
-__all__ = ["ROW_DTYPES", "ObjectCapacities", "Rows", "count_rows", "new_rows", "pack_rows", "slot_of", "unpack_rows"]
+__all__ = [
+    "ROW_DTYPES",
+    "ObjectCapacities",
+    "Rows",
+    "count_rows",
+    "has_objects",
+    "new_rows",
+    "pack_rows",
+    "slot_of",
+    "unpack_rows",
+]
 
 Records = NDArray[Any]
 
@@ -27,9 +37,10 @@ class Rows(NamedTuple):
     effects: Records
     points: Records
     wires: Records
+    tunnels: Records
 
 
-ROW_DTYPES: dict[str, np.dtype[Any]] = dict(zip(Rows._fields, (SHAPE, BODY, EFFECT, POINT, WIRE), strict=True))
+ROW_DTYPES: dict[str, np.dtype[Any]] = dict(zip(Rows._fields, (SHAPE, BODY, EFFECT, POINT, WIRE, TUNNEL), strict=True))
 """Dtype of each table."""
 
 
@@ -43,6 +54,7 @@ class ObjectCapacities:
     points: int = MAX_POINTS
     wires: int = 32
     paths: int = 4
+    tunnels: int = 1
 
     @property
     def pairs(self) -> int:
@@ -58,8 +70,14 @@ def new_rows(capacities: ObjectCapacities, *slots: int) -> Rows:
 
 
 def count_rows(counts: Any) -> dict[str, int]:
-    """Rows in use of each table by its name, from a record of OBJECT_COUNTS."""
-    return {name: int(counts[name]) for name in Rows._fields}
+    """Rows in use of each table by its name, from a record of OBJECT_COUNTS; an older version's may lack a table."""
+    known = counts.dtype.names or ()
+    return {name: int(counts[name]) if name in known else 0 for name in Rows._fields}
+
+
+def has_objects(counts: Any) -> bool:
+    """Whether a record of OBJECT_COUNTS counts what touches, moves or pulls; tunnels are felt without their code."""
+    return any(int(counts[name]) > 0 for name in ("shapes", "bodies", "effects"))
 
 
 def slot_of(tables: Rows, slot: int, source: Rows, counts: Any) -> None:
@@ -79,12 +97,13 @@ def unpack_rows(data: bytes | memoryview, counts: Any, dtypes: Mapping[str, np.d
     Args:
         data: The bytes.
         counts: Record of OBJECT_COUNTS that was packed with them.
-        dtypes: Of the version that packed them.
+        dtypes: Of the version that packed them; a table it did not know stays empty.
 
     Raises:
         ValueError: The bytes are not those rows.
     """
     numbers = count_rows(counts)
+    dtypes = {**ROW_DTYPES, **dtypes}
     expected = sum(count * dtypes[name].itemsize for name, count in numbers.items())
     if len(data) != expected or min(numbers.values()) < 0:
         raise ValueError(f"{len(data)} bytes of rows where {expected} belong")

@@ -44,6 +44,7 @@ class ObjectCountsRecord:
     points: int
     wires: int
     revision: int
+    tunnels: int
 
 class ShapeRecord:
     """`mimics_app.contracts.haptic_objects.SHAPE`."""
@@ -132,6 +133,7 @@ class PointRecord:
     offset: Floats
     radius: float
     enabled: int
+    contact: int
 
 class WireRecord:
     """`mimics_app.contracts.haptic_objects.WIRE`."""
@@ -144,10 +146,11 @@ class WireRecord:
     offset: Floats
 
 class TunnelRecord:
-    """`mimics_app.contracts.haptic.TUNNEL`."""
+    """`mimics_app.contracts.haptic_objects.TUNNEL`."""
 
     pieces: int
     projection: int
+    frenet: int
     centre: Floats
     radius: Floats
     arc_length: Floats
@@ -174,7 +177,13 @@ class SceneRecord:
     force_driven: int
     drive_stiffness: float
     drive_damping: float
-    axis_offset: float
+    joints: int
+    contacts: int
+    torques: int
+    polar: int
+    through_joints: int
+    geometry: Floats
+    joint_inertia: Floats32
     R_world_from_robot: Floats
     origin_world: Floats
     virtual_mass: float
@@ -193,6 +202,8 @@ class SceneRecord:
     drive_force: float
     joint_min: Floats
     joint_max: Floats
+    joint_velocity: Floats32
+    joint_acceleration: Floats32
     workspace_margin: float
     ramp_time: float
     ramp_force: float
@@ -213,7 +224,7 @@ class SceneRecord:
     late_latches: int
     stale_warn_ns: int
     stale_stop_ns: int
-    tunnel: TunnelRecord
+    own_tunnel: int
     objects: ObjectCountsRecord
 
 class InboxRecord:
@@ -279,6 +290,17 @@ class SampleRecord:
     tank_share: float
     lateness_ns: float
     duration_ns: float
+    torque_meas: Floats
+    torque_command: Floats
+    others_f_meas: Floats
+    others_world: Floats
+    others_v_world: Floats
+    others_f_virt_world: Floats
+    others_f_user_world: Floats
+    others_depth: Floats
+    others_margin: Floats
+    others_share: Floats
+    others_energy: Floats
 
 class SnapshotRecord:
     """`mimics_app.contracts.haptic.SNAPSHOT`."""
@@ -304,6 +326,7 @@ class SnapshotRecord:
     margin: float
     energy: float
     stiffness_share: float
+    others_seen: Floats
 
 class EventRecord:
     """`mimics_app.contracts.haptic.EVENT`."""
@@ -510,6 +533,7 @@ class ContactScratchRecord:
     point_velocity: Floats
     felt: Floats
     radius: float
+    contact: int
     rotation: Floats
     position: Floats
     drift: Floats
@@ -560,6 +584,7 @@ class TunnelStateRecord:
     force_world: Floats
     assist_world: Floats
     softening: float
+    share: float
     force_tnb: Floats
     wall_force: float
     normal_world: Floats
@@ -676,6 +701,50 @@ class ActingRecord:
     least_tank: float
     passivity_ticks: int
 
+class JointWorkRecord:
+    """`mimics_app.rendering.haptic.kernels.state.JOINT_WORK`."""
+
+    points: Floats
+    velocities: Floats
+    jacobian: Floats
+    matrix: Floats
+    side: Floats
+    place: Floats
+    step: Floats
+    wish: Floats
+    reached: Floats
+    forces: Floats
+
+class HoldingRecord:
+    """`mimics_app.rendering.haptic.kernels.state.HOLDING`."""
+
+    there: int
+    row: int
+    chosen: int
+    status: int
+    s: float
+    penetration: float
+    approach_speed: float
+    wall_force: float
+    force_world: Floats
+    assist_world: Floats
+    normal_world: Floats
+    stiffness: float
+    damping: float
+    centring: float
+
+class ToldRecord:
+    """`mimics_app.rendering.haptic.kernels.state.TOLD`."""
+
+    force_tnb: Floats
+    s: float
+    progress: float
+    distance: float
+    offset_n: float
+    offset_b: float
+    penetration: float
+    radius: float
+
 class StateRecord:
     """`mimics_app.rendering.haptic.kernels.state.STATE`."""
 
@@ -696,6 +765,18 @@ class StateRecord:
     stiffness_limit: float
     margin: float
     stiffness_share: float
+    torque_meas: Floats
+    torque_command: Floats
+    others_f_meas: Floats
+    others_world: Floats
+    others_v_world: Floats
+    others_f_virt_world: Floats
+    others_f_user_world: Floats
+    others_depth: Floats
+    others_margin: Floats
+    others_share: Floats
+    others_energy: Floats
+    contact: int
     tick: int
     safety: int
     resets: int
@@ -716,6 +797,8 @@ class StateRecord:
     parameters_taken: int
     contact_change: int
     margin_lost: int
+    told_margin: float
+    told_share: float
     dq: Floats
     f_meas: Floats
     buttons: int
@@ -744,9 +827,13 @@ class StateRecord:
     least_energy: float
     dq_virtual: Floats
     reference: Floats
+    joint_reference: Floats
     arrived: int
     acting: ActingRecord
+    joint_work: JointWorkRecord
     work_a: Floats
     work_b: Floats
     work_c: Floats
-    tunnel: TunnelStateRecord
+    ball_radius_rate: float
+    tunnel: HoldingRecord
+    told: ToldRecord

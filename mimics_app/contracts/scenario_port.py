@@ -25,11 +25,11 @@ class Home:
     """How the robot gets to the start of a trial.
 
     Attributes:
-        target: SCENE.target: joints [m, rad, m] for JOINT_PD, robot frame [m] for WORLD_PD.
+        target: SCENE.target: joints [m or rad] for JOINT_PD, points of contact in the robot frame [m] for WORLD_PD.
         controller: Either of the two.
     """
 
-    target: Vec3
+    target: tuple[float, ...]
     controller: Controller = Controller.JOINT_PD
 
 
@@ -38,7 +38,7 @@ class TaskContext:
     """What a task must know of its scene.
 
     Attributes:
-        start_joints: Where the robot begins a trial [m, rad, m].
+        start_joints: Where the robot begins a trial [m or rad].
         home: How it gets there; None: by joint PD.
         bodies: Names of the haptic bodies in the order of their rows.
         places: Where the entities are that a task may name [m].
@@ -47,7 +47,7 @@ class TaskContext:
         simulated: Nobody is there: whoever asks the person something answers itself.
     """
 
-    start_joints: Vec3
+    start_joints: tuple[float, ...]
     home: Home | None = None
     bodies: tuple[str, ...] = ()
     places: Mapping[str, Vec3] = field(default_factory=dict)

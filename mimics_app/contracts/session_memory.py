@@ -16,6 +16,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from mimics_app.contracts import ring, triple_buffer
 from mimics_app.contracts.haptic import EVENT, INBOX, POSE, SAMPLE, SCENE, SNAPSHOT
+from mimics_app.contracts.loop_fields import Extent
 from mimics_app.contracts.object_rows import ROW_DTYPES, ObjectCapacities, Rows
 from mimics_app.contracts.segment import ArraySpec, Segment
 from mimics_app.contracts.sound_scene import SOUND_SCENE
@@ -46,6 +47,7 @@ class Capacities:
     samples: int = 16384  # 16 s at 1 kHz, twice what a recorder on a busy machine takes to be replaced; a power of two
     events: int = 2048  # for as long; a power of two
     lateness_bins: int = 2048
+    extent: Extent = field(default_factory=Extent)  # which of the loop's numbers the device has
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,6 +88,7 @@ class SessionMemory:
     effects: Annotated[Records, Shared(ROW_DTYPES["effects"], (3, "objects.effects"))]
     points: Annotated[Records, Shared(ROW_DTYPES["points"], (3, "objects.points"))]
     wires: Annotated[Records, Shared(ROW_DTYPES["wires"], (3, "objects.wires"))]
+    tunnels: Annotated[Records, Shared(ROW_DTYPES["tunnels"], (3, "objects.tunnels"))]
 
     # triple buffer main -> loop: the pointing device
     inbox_words: _Exchange
@@ -130,7 +133,7 @@ class SessionMemory:
     @property
     def rows(self) -> Rows:
         """The tables of objects beside `scenes`, shape [3, capacity] each."""
-        return Rows(self.shapes, self.bodies, self.effects, self.points, self.wires)
+        return Rows(self.shapes, self.bodies, self.effects, self.points, self.wires, self.tunnels)
 
     def __reduce__(self) -> tuple[Callable[..., SessionMemory], tuple[Capacities, Segment]]:
         return SessionMemory, (self.capacities, self.segment)

@@ -15,6 +15,7 @@ from mimics_app.contracts import ring
 from mimics_app.contracts.haptic import INBOX, SAMPLE, Projection
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.methods import Group, Method, Settings, registry
+from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.contracts.probe import shortest_us
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.rendering.haptic.devices.registry import build_device
@@ -63,14 +64,16 @@ def _curve() -> TunnelCurve:
     return build_tunnel(np.column_stack([x, 0.02 * np.sin(2.0 * np.pi * x / _REACH), np.zeros(13)]), 0.022)
 
 
-def _block(projection: Projection | None) -> NDArray[Any]:
-    """Parameters of the tick with this projection, shape [1]; None: without a tunnel."""
-    block = scene_from_components(Robot())
+def _block(projection: Projection | None) -> tuple[NDArray[Any], Rows]:
+    """Parameters of the tick with this projection, shape [1], and its rows; None: without a tunnel."""
+    block, rows = scene_from_components(Robot()), new_rows(ObjectCapacities())
     if projection is not None:
-        record = block[0]["tunnel"]
+        block[0]["objects"]["tunnels"] = 1
+        record = rows.tunnels[0]
         _curve().fill(record)
+        record["radius_scale"] = 1.0
         record["stiffness"], record["damping"], record["projection"] = 1500.0, 10.0, projection
-    return block
+    return block, rows
 
 
 class _Bench:
@@ -81,7 +84,7 @@ class _Bench:
         via = curve.point(np.linspace(0.0, len(curve.pieces), 61))
         self._memory = SessionMemory()
         self._engine = HapticEngine(self._memory, build_device(Robot(), Patient(), via, _SEED))
-        self._engine.publish(_block(projection))
+        self._engine.publish(*_block(projection))
         inbox = np.zeros(1, INBOX)
         inbox["active"] = 1
         self._engine.tell(inbox)
@@ -109,7 +112,8 @@ def _inputs() -> NDArray[Any]:
 
 def _forces(projection: Projection | None) -> Array:
     """Virtual force on the user in that travel [N], shape [ticks, 3]."""
-    return replay_ticks(_inputs(), {1: _block(projection)})["f_virt_world"].copy()
+    block, rows = _block(projection)
+    return replay_ticks(_inputs(), {1: block}, {1: rows})["f_virt_world"].copy()
 
 
 def _false_force(projection: Projection | None) -> float:

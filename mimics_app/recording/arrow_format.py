@@ -21,9 +21,11 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import SCENE
+from mimics_app.contracts.loop_fields import Extent
 from mimics_app.contracts.object_rows import ROW_DTYPES, Rows, unpack_rows
-from mimics_app.recording.columns import rows_of, samples_of
+from mimics_app.recording.columns import HAPTICMASTER, present_columns, rows_of, samples_of
 from mimics_app.recording.layout import SampleLayout, current_layout, samples_schema
+from mimics_app.recording.older_blocks import rows_with_tunnel
 
 __all__ = [
     "BLOCK_ROWS",
@@ -89,12 +91,12 @@ def schema_bytes(schema: Any) -> bytes:
     return bytes(schema.serialize())
 
 
-def encode_samples(samples: NDArray[Any], seq: int, first: int) -> bytes:
-    """SAMPLE records [n] as one block of haptic.arrows."""
-    rows = rows_of(samples)
+def encode_samples(samples: NDArray[Any], seq: int, first: int, extent: Extent = HAPTICMASTER) -> bytes:
+    """SAMPLE records [n] of a device as one block of haptic.arrows."""
+    rows = rows_of(samples)[:, present_columns(extent)]
     t = np.ascontiguousarray(rows[:, 0])
     values = np.ascontiguousarray(rows[:, 1:])
-    schema = samples_schema()
+    schema = samples_schema(extent)
     item = pa.Array.from_buffers(pa.float64(), values.size, [None, pa.py_buffer(values)])
     columns = [
         pa.Array.from_buffers(pa.float64(), len(t), [None, pa.py_buffer(t)]),
@@ -152,11 +154,11 @@ def decode_parameters(data: bytes | memoryview, schema: Any | None = None) -> Bl
         dtype = parameters_dtype(schema)
         record = np.frombuffer(content, dtype, 1)
         if "objects" not in (dtype.names or ()):
-            return Block(seq, first, record)
+            return Block(seq, first, record, rows_with_tunnel(record, None))
         rows = unpack_rows(content[dtype.itemsize :], record[0]["objects"], _row_dtypes(schema.metadata[b"rows"]))
     except (KeyError, IndexError, TypeError, AttributeError, OverflowError, RecursionError, struct.error) as error:
         raise ValueError("its content is no parameter block") from error
-    return Block(seq, first, record, rows)
+    return Block(seq, first, record, rows_with_tunnel(record, rows))
 
 
 def parameters_dtype(schema: Any) -> np.dtype[Any]:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import Controller
+from mimics_app.contracts.object_rows import Rows
 from mimics_app.contracts.report_section import TunnelShape
 from mimics_app.recording.columns import whole
 from mimics_app.recording.report_values import number
@@ -74,7 +75,9 @@ def find_attempts(run: Run) -> list[Attempt]:
     for i, count in enumerate(begun):
         mine = numbers == count
         free = np.isin(controllers[mine], (Controller.ADMITTANCE, Controller.IMPEDANCE))
-        tunnel = next((tunnel_shape(blocks[s]) for s in _in_order(sequences[mine]) if s in blocks), None)
+        tunnel = next(
+            (tunnel_shape(blocks[s], run.rows.get(s)) for s in _in_order(sequences[mine]) if s in blocks), None
+        )
         row = run.trials[i] if i < len(run.trials) else {}
         attempts.append(Attempt(count, samples[mine], free, tunnel, row))
     return attempts
@@ -100,14 +103,20 @@ def _in_order(sequences: NDArray[np.int64]) -> list[int]:
     return [int(s) for s in known[np.argsort(-counts, kind="stable")]]
 
 
-def tunnel_shape(block: NDArray[Any]) -> TunnelShape | None:
-    """Sample the tunnel of a SCENE record [shape 1]: a0 + a1 u + a2 u^2 + a3 u^3 per piece, u in [0, 1].
+def tunnel_shape(block: NDArray[Any], rows: Rows | None) -> TunnelShape | None:
+    """Sample the task's own tunnel of a parameter block: a0 + a1 u + a2 u^2 + a3 u^3 per piece, u in [0, 1].
 
-    None where it has none, or a version recorded it that described tunnels otherwise.
+    Args:
+        block: SCENE record, shape [1], as its version wrote it.
+        rows: The tables beside it.
+
+    Returns:
+        None where there is none, or a version recorded it that described tunnels otherwise.
     """
-    if "tunnel" not in (block.dtype.names or ()) or not _TUNNEL <= {*(block.dtype["tunnel"].names or ())}:
+    own = _field(block, "own_tunnel", 0)
+    if rows is None or not 0 <= own < len(rows.tunnels) or not _TUNNEL <= {*(rows.tunnels.dtype.names or ())}:
         return None
-    tunnel = block["tunnel"][0]
+    tunnel = rows.tunnels[own]
     pieces = min(int(tunnel["pieces"]), len(tunnel["centre"]))
     if pieces < 1:
         return None

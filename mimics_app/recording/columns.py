@@ -1,14 +1,15 @@
-"""Columns of the haptic stream: their names, units, and which of them a replay feeds in, compares, or leaves alone."""
+"""Columns of the haptic stream: which a device fills, and which a replay feeds in, compares, or leaves alone."""
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import SAMPLE
-from mimics_app.contracts.loop_fields import LOOP_FIELDS, Replay
+from mimics_app.contracts.loop_fields import LOOP_FIELDS, Extent, Replay
 
 __all__ = [
     "INPUT_FIELDS",
@@ -18,10 +19,15 @@ __all__ = [
     "column_names",
     "column_units",
     "field_columns",
+    "name_of",
+    "present_columns",
     "rows_of",
     "samples_of",
     "whole",
 ]
+
+HAPTICMASTER = Extent()
+"""What every version has recorded: three joints and one hand."""
 
 _RECORDED = tuple(field for field in LOOP_FIELDS if field.replay is not Replay.ABSENT)
 
@@ -43,17 +49,40 @@ ROW = SAMPLE.itemsize // 8
 """float64 numbers in a sample."""
 
 
-def column_names() -> list[str]:
-    """One name per float64 column of a sample, in order: "t", "tick", "q[0]", ..."""
-    names: list[str] = []
+@cache
+def _present(extent: Extent) -> tuple[tuple[int, str, str], ...]:
+    """Place in a sample, name and unit of every column that a device fills."""
+    found: list[tuple[int, str, str]] = []
+    start = 0
     for field in _RECORDED:
-        names += [f"{field.name}[{i}]" for i in range(field.size)] if field.shape else [field.name]
-    return names
+        for i, unit in enumerate(field.present(extent)):
+            found.append((start + i, f"{field.name}[{i}]" if field.shape else field.name, unit))
+        start += field.size
+    return tuple(found)
 
 
-def column_units() -> list[str]:
-    """One unit per column, "1" for numbers without dimension."""
-    return [unit for field in _RECORDED for unit in field.units]
+def present_columns(extent: Extent = HAPTICMASTER) -> NDArray[np.int64]:
+    """Places in a sample of the float64 columns that a device fills, ascending: those that are recorded."""
+    return np.array([place for place, _, _ in _present(extent)], np.int64)
+
+
+def column_names(extent: Extent = HAPTICMASTER) -> list[str]:
+    """One name per recorded column, in order: "t", "tick", "q[0]", ..."""
+    return [name for _, name, _ in _present(extent)]
+
+
+def column_units(extent: Extent = HAPTICMASTER) -> list[str]:
+    """One unit per recorded column, "1" for numbers without dimension."""
+    return [unit for _, _, unit in _present(extent)]
+
+
+def name_of(place: int) -> str:
+    """Name of a column by its place in a sample, whether a device fills it or not."""
+    for field in _RECORDED:
+        if place < field.size:
+            return f"{field.name}[{place}]" if field.shape else field.name
+        place -= field.size
+    raise IndexError(place)
 
 
 def field_columns(fields: tuple[str, ...]) -> NDArray[np.int64]:

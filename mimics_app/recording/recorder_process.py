@@ -97,13 +97,14 @@ class _Session:
     ) -> None:
         self._memory, self._inbox, self._status, self._folder = memory, inbox, status, folder
         self._restarts = restarts
-        self._hash = StateHash()
+        extent = memory.capacities.extent
+        self._hash = StateHash(extent)
         resume = restarts > 0
-        self._samples = SampleStream(folder, self._hash, resume=resume)
+        self._samples = SampleStream(folder, self._hash, extent, resume=resume)
         self._parameters = ParameterStream(folder, resume=resume)
         self._signals = SignalStream(folder, resume=resume)
         self._events = EventStream(folder, self._hash, resume=resume)
-        self._trips = TripLog(folder, self._events.earlier_trips)
+        self._trips = TripLog(folder, self._events.earlier_trips, extent)
         self._trials = TrialTable(folder / "trials.csv", resume=resume)
         self._tally = _Tally(gaps=self._events.earlier_gaps)
         self._tally.lost_rows = sum(gap["rows"] for gap in self._tally.gaps if gap["reason"] == _DISK)
@@ -363,7 +364,8 @@ class _Session:
 
     def _seal(self, status: Literal["clean", "interrupted"]) -> None:
         said = self._close_message or {}
-        state = hash_of_files(self._folder, self._trials.rows) if self._restarts else self._hash
+        extent = self._memory.capacities.extent
+        state = hash_of_files(self._folder, self._trials.rows, extent) if self._restarts else self._hash
         manifest = Manifest(
             status=status,
             state_hash=state.hexdigest(),

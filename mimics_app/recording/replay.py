@@ -13,17 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import PartialDataError
-from mimics_app.contracts.haptic import EVENT, SCENE
+from mimics_app.contracts.haptic import EVENT
 from mimics_app.contracts.object_rows import Rows
-from mimics_app.recording.columns import OUTPUT_FIELDS, column_names, field_columns, rows_of
+from mimics_app.recording.columns import OUTPUT_FIELDS, field_columns, name_of, rows_of
+from mimics_app.recording.older_blocks import current_block
 from mimics_app.recording.run import Run
 from mimics_app.recording.statics import Statics, read_statics
 
 __all__ = ["Difference", "ReplayData", "compare", "compare_events", "gather"]
 
-
-_WITHOUT = {"late_latches": 1}
-"""Parameters that earlier versions did not have, and the value that does as they did: late ticks always latched."""
 
 _WIDTHS = {name: int(np.prod(EVENT[name].shape)) for name in EVENT.names or () if name != "t_ns"}
 _EVENT_COLUMNS = [name for name, width in _WIDTHS.items() for _ in range(width)]
@@ -94,27 +92,13 @@ def gather(run: Run) -> ReplayData:
     wanted = {int(sequence) for sequence in np.unique(samples["sequence"])} - {0}  # 0: nothing was published yet
     if missing := sorted(wanted - set(blocks)):
         raise PartialDataError(f"{run.folder}: parameter block {missing[0]} is missing", "it cannot be replayed")
-    blocks = {sequence: _block_of_now(run, blocks[sequence]) for sequence in sorted(wanted)}
-    rows = {sequence: run.rows[sequence] for sequence in sorted(wanted) if sequence in run.rows}
-    return ReplayData(samples, blocks, rows, read_statics(run.folder))
-
-
-def _block_of_now(run: Run, block: NDArray[Any]) -> NDArray[Any]:
-    """A parameter block as this version has it; what its version did not know yet is as it was without.
-
-    Raises:
-        PartialDataError: Its version knew other parameters.
-    """
-    if block.dtype == SCENE:
-        return block
-    names = set(block.dtype.names or ())
-    if names | set(_WITHOUT) != set(SCENE.names or ()) or any(block.dtype[name] != SCENE[name] for name in names):
+    current = {sequence: current_block(blocks[sequence], run.rows.get(sequence)) for sequence in sorted(wanted)}
+    known = {sequence: block for sequence, block in current.items() if block is not None}
+    if len(known) < len(current):
         version = run.session.get("versions", {}).get("mimics_app", "another version")
         raise PartialDataError(f"{run.folder} was recorded by {version}, whose parameters differ", "use that version")
-    now = np.zeros(1, SCENE)
-    for name in SCENE.names or ():
-        now[name] = block[name] if name in names else _WITHOUT[name]
-    return now
+    rows = {sequence: run.rows[sequence] for sequence in sorted(wanted) if sequence in run.rows}
+    return ReplayData(samples, known, rows, read_statics(run.folder))
 
 
 def compare(recorded: NDArray[Any], replayed: NDArray[Any]) -> Difference | None:
@@ -137,7 +121,7 @@ def compare(recorded: NDArray[Any], replayed: NDArray[Any]) -> Difference | None
     row, column = np.unravel_index(int(differs.argmax()), differs.shape)
     return Difference(
         tick=int(recorded["tick"][row]),
-        column=column_names()[columns[column]],
+        column=name_of(int(columns[column])),
         recorded=float(one[row, column]),
         replayed=float(other[row, column]),
         count=int(differs.sum()),

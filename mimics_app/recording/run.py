@@ -213,7 +213,7 @@ class Run:
 
     def state_hash(self) -> str:
         """The state hash of what the files hold, computed anew."""
-        state = StateHash()
+        state = StateHash(self.layout.extent)
         state.add_samples(self.haptic)
         state.add_events(self.events)
         for row in self.trials:

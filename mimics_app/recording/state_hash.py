@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import SAMPLE
-from mimics_app.recording.columns import ROW, TIMING_FIELDS, field_columns, rows_of
+from mimics_app.contracts.loop_fields import Extent
+from mimics_app.recording.columns import HAPTICMASTER, TIMING_FIELDS, field_columns, present_columns, rows_of
 
 __all__ = ["StateHash"]
 
-_STATE_COLUMNS = np.setdiff1d(np.arange(ROW), field_columns(TIMING_FIELDS))
 _EVENT_FIELDS = tuple(
     name for name in ("tick", "kind", "body_a", "body_b", "material_a", "material_b", "position_world", "normal_world")
 ) + ("speed", "force", "value")
@@ -27,9 +27,13 @@ class StateHash:
     Three hashes run side by side and are joined at the end, so neither the order in which the streams were drained
     nor the size of the blocks shows. Left out is only what tells real time: how late a tick was, how long it took, and
     the monotonic time of an event (its tick is in).
+
+    Args:
+        extent: Of the device: what it does not have is not in the hash.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, extent: Extent = HAPTICMASTER) -> None:
+        self._columns = np.setdiff1d(present_columns(extent), field_columns(TIMING_FIELDS))
         self._samples = hashlib.sha256()
         self._events = hashlib.sha256()
         self._trials = hashlib.sha256()
@@ -38,7 +42,7 @@ class StateHash:
     def add_samples(self, samples: NDArray[Any]) -> None:
         """Take in SAMPLE records, shape [n], in order."""
         assert samples.dtype == SAMPLE
-        self._samples.update(rows_of(samples)[:, _STATE_COLUMNS].tobytes())
+        self._samples.update(rows_of(samples)[:, self._columns].tobytes())
         self._counts[0] += len(samples)
 
     def add_events(self, events: NDArray[Any]) -> None:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import SCENE
+from mimics_app.contracts.loop_fields import Extent
 from mimics_app.contracts.object_rows import unpack_rows
 from mimics_app.recording.append_file import AppendFile
 from mimics_app.recording.arrow_format import (
@@ -28,8 +29,9 @@ from mimics_app.recording.arrow_format import (
     schema_bytes,
 )
 from mimics_app.recording.arrow_scan import Found, last_block, read_index, scan_stream
+from mimics_app.recording.columns import HAPTICMASTER
 from mimics_app.recording.event_log import encode_event, events_of, find_lines, read_lines
-from mimics_app.recording.layout import samples_schema
+from mimics_app.recording.layout import current_layout, samples_schema
 from mimics_app.recording.run_folder import FILES
 from mimics_app.recording.state_hash import StateHash
 
@@ -43,8 +45,11 @@ class SampleStream:
         next_row: Place after the last row written, counted from the session's start; rows that were lost count too.
     """
 
-    def __init__(self, folder: Path, state_hash: StateHash, *, resume: bool = False) -> None:
+    def __init__(
+        self, folder: Path, state_hash: StateHash, extent: Extent = HAPTICMASTER, *, resume: bool = False
+    ) -> None:
         self._hash = state_hash
+        self._extent = extent
         self.next_row = 0
         self._seq = 0
         index: list[tuple[int, int, int]] = []
@@ -54,14 +59,15 @@ class SampleStream:
         self._file = AppendFile(folder / FILES["haptic"], resume_at=end)
         self._index = AppendFile(folder / FILES["index"], resume_at=0 if resume else None)
         if not end:
-            self._file.append(schema_bytes(samples_schema()))
+            self._file.append(schema_bytes(samples_schema(extent)))
         if index:
             self._index.append(np.array(index, INDEX_ROW).tobytes())
 
     def _read_back(self, folder: Path) -> tuple[list[tuple[int, int, int]], int]:
         """Rows of the sidecar up to the last good block, and where that ends."""
         known = read_index(folder / FILES["index"])
-        last = last_block(folder / FILES["haptic"], decode_samples, samples_schema(), known)
+        layout = current_layout(self._extent)
+        last = last_block(folder / FILES["haptic"], lambda data: decode_samples(data, layout), layout.schema, known)
         if last is None:
             return [], 0
         self._seq = last.block.seq + 1
@@ -76,7 +82,7 @@ class SampleStream:
             OSError: The disk is full or failed; the files end with the block before.
         """
         offset = self._file.length
-        block = encode_samples(samples, self._seq, first)
+        block = encode_samples(samples, self._seq, first, self._extent)
         self._file.append(block)
         self._hash.add_samples(samples)
         self.next_row = first + len(samples)
@@ -190,11 +196,11 @@ class EventStream:
         self._file.close()
 
 
-def hash_of_files(folder: Path, trials: Iterable[Mapping[str, object]]) -> StateHash:
+def hash_of_files(folder: Path, trials: Iterable[Mapping[str, object]], extent: Extent = HAPTICMASTER) -> StateHash:
     """The hash of what stands in the files of a run, and of its trials' rows; block by block, for a run may be long."""
-    state = StateHash()
-    path = folder / FILES["haptic"]
-    for piece in scan_stream(path, decode_samples, samples_schema(), read_index(folder / FILES["index"])):
+    state, layout = StateHash(extent), current_layout(extent)
+    path, index = folder / FILES["haptic"], read_index(folder / FILES["index"])
+    for piece in scan_stream(path, lambda data: decode_samples(data, layout), layout.schema, index):
         if isinstance(piece, Found):
             state.add_samples(piece.block.records)
     state.add_events(events_of(read_lines(folder / FILES["events"])[0]))

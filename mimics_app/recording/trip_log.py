@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import SAMPLE, EventKind
+from mimics_app.contracts.loop_fields import Extent
 from mimics_app.contracts.session_memory import Capacities
 from mimics_app.recording.arrow_format import (
     END_OF_STREAM,
@@ -23,6 +24,7 @@ from mimics_app.recording.arrow_format import (
     schema_bytes,
 )
 from mimics_app.recording.arrow_scan import Found, read_schema, scan_stream
+from mimics_app.recording.columns import HAPTICMASTER
 from mimics_app.recording.layout import layout_of, samples_schema
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import PRIVATE_FOLDER, write_atomically
@@ -49,11 +51,11 @@ def trip_file(folder: Path, number: int) -> Path:
     return folder / FOLDER / f"trip_{number:03d}.arrows"
 
 
-def _write_trip(folder: Path, number: int, samples: Records) -> None:
+def _write_trip(folder: Path, number: int, samples: Records, extent: Extent) -> None:
     path = trip_file(folder, number)
     path.parent.mkdir(mode=PRIVATE_FOLDER, exist_ok=True)
-    blocks = [encode_samples(samples, 0, int(samples["tick"][0]))] if len(samples) else []
-    write_atomically(path, b"".join([schema_bytes(samples_schema()), *blocks, END_OF_STREAM]))
+    blocks = [encode_samples(samples, 0, int(samples["tick"][0]), extent)] if len(samples) else []
+    write_atomically(path, b"".join([schema_bytes(samples_schema(extent)), *blocks, END_OF_STREAM]))
 
 
 def _rows_of_trip(samples: Records, tick: int) -> Records:
@@ -73,10 +75,12 @@ class TripLog:
     Args:
         folder: The run folder.
         earlier: Trips that were told before, to a recorder that died.
+        extent: Of the device.
     """
 
-    def __init__(self, folder: Path, earlier: int = 0) -> None:
+    def __init__(self, folder: Path, earlier: int = 0, extent: Extent = HAPTICMASTER) -> None:
         self._folder = folder
+        self._extent = extent
         self._number = earlier
         self._waiting: list[int] = []
         self._recent: deque[Records] = deque()
@@ -115,7 +119,7 @@ class TripLog:
         self._number += 1
         if number < MOST_TRIPS:
             recent = np.concatenate([np.zeros(0, SAMPLE), *self._recent])
-            _write_trip(self._folder, number, _rows_of_trip(recent, tick))
+            _write_trip(self._folder, number, _rows_of_trip(recent, tick), self._extent)
 
 
 def complete_trips(run: Run) -> list[tuple[int, Path]]:
@@ -128,7 +132,7 @@ def complete_trips(run: Run) -> list[tuple[int, Path]]:
         path = trip_file(run.folder, number)
         with suppress(OSError):
             if not path.exists():
-                _write_trip(run.folder, number, _rows_of_trip(run.haptic, tick))
+                _write_trip(run.folder, number, _rows_of_trip(run.haptic, tick), run.layout.extent)
             found.append((tick, path))
     return found
 

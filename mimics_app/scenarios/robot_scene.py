@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import Controller
 from mimics_app.contracts.scenario_port import Home
-from mimics_app.rendering.haptic.kernels.kinematics import inverse
-from mimics_app.rendering.haptic.scene_block import axis_offset, robot_from_world, scene_from_components
+from mimics_app.rendering.haptic.devices.described import descriptor_of
+from mimics_app.rendering.haptic.devices.reach import Reach
+from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.world.components.robot import Admittance, Ball, JointPd, Robot, Safety, WorldPd
 from mimics_app.world.scene.placing import pose_of
 from mimics_app.world.scene.scene import Scene
@@ -24,12 +25,14 @@ Vec3 = tuple[float, float, float]
 
 def robot_block(scene: Scene) -> NDArray[Any]:
     """A SCENE record of the scene's robot, controller, ball and limits, shape [1]."""
+    robot = scene.one(Robot)[1]
     return scene_from_components(
-        scene.one(Robot)[1],
+        robot,
         _planned(scene.first(Admittance) or Admittance(), scene),
         scene.first(Ball),
         scene.first(Safety),
         scene.first(WorldPd) or scene.first(JointPd),
+        descriptor_of(robot.device),
     )
 
 
@@ -55,14 +58,18 @@ class Places(Mapping[str, Vec3]):
         return len(self._scene.entities)
 
 
-def start_at(scene: Scene, point_world: NDArray[np.float64]) -> tuple[Vec3, Home | None]:
-    """How a trial is begun at a point of the world [m]: the joints there, and the way there where it is straight."""
-    robot = scene.one(Robot)[1]
-    start = robot_from_world(robot, point_world.reshape(1, 3))[0]
-    q = np.zeros(3)
-    inverse(start, axis_offset(robot), q)
-    straight = Home(triple(start), Controller.WORLD_PD)
-    return triple(q), straight if scene.components(WorldPd) else None
+def start_at(scene: Scene, point_world: NDArray[np.float64]) -> tuple[tuple[float, ...], Home | None]:
+    """How a trial is begun at a point of the world [m]: the joints there, and the way there where it is by world PD.
+
+    Further points of contact stay where the middle of their joints has them.
+    """
+    reach = Reach(scene.one(Robot)[1])
+    start = reach.from_world(point_world)
+    q, _ = reach.joints(start)
+    if not scene.components(WorldPd):
+        return tuple(q.tolist()), None
+    target = (*triple(start), *reach.points(q)[1:].ravel().tolist())
+    return tuple(q.tolist()), Home(target, Controller.WORLD_PD)
 
 
 def triple(values: NDArray[np.float64]) -> Vec3:

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.scenario_port import Scenario, TaskContext
-from mimics_app.rendering.haptic.kernels.kinematics import forward, inverse
-from mimics_app.rendering.haptic.scene_block import axis_offset, robot_from_world
+from mimics_app.rendering.haptic.devices.reach import Reach
 from mimics_app.rendering.haptic.scene_effects import curve_of_path
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.scenarios.body_nodes import BodyNodes
@@ -53,6 +52,7 @@ class TouchScene(Scenario):
         self._scene = scene
         self._world = world
         self._robot = scene.one(Robot)[1]
+        self._reach = Reach(self._robot)
         self._objects = objects_of_scene(scene)
         self._bodies = BodyNodes(world, self._objects.body_entities)
         balls = scene.components(Ball)
@@ -60,7 +60,7 @@ class TouchScene(Scenario):
         self._start = pose_of(scene, balls[0][0])[0] if balls else np.array(self._robot.robot_to_world.translation)
         points = scene.first(InteractionPoints)
         self._points = [
-            (world.find(point.entity), np.array(point.offset))
+            (world.find(point.entity), self._contact(point.contact), np.array(point.offset))
             for point in (points.points if points else ())
             if point.entity is not None
         ]
@@ -92,8 +92,13 @@ class TouchScene(Scenario):
         if self._ball is not None:
             self._ball.set_position(snapshot.hip_world)
             self._ball.set_scale((snapshot.ball_radius,) * 3)
-        for node, offset in self._points:
-            node.set_position(snapshot.hip_world + offset)
+        places = np.vstack([snapshot.hip_world, snapshot.others_seen])
+        for node, contact, offset in self._points:
+            node.set_position(places[contact] + offset)
+
+    def _contact(self, name: str | None) -> int:
+        """Number of a point of contact of the device."""
+        return 0 if name is None else self._reach.descriptor.contacts.index(name)
 
     def _stations(self) -> list[NDArray[np.float64]]:
         """Where the simulated person goes in turn [m]."""
@@ -114,9 +119,9 @@ class TouchScene(Scenario):
 
     def _reachable(self, point: NDArray[np.float64]) -> NDArray[np.float64]:
         """The point itself, or where the robot can get to on the way to it [m]."""
-        robot, d1, q, x = self._robot, axis_offset(self._robot), np.zeros(3), np.zeros(3)
-        inverse(robot_from_world(robot, point.reshape(1, 3))[0], d1, q)
-        forward(np.clip(q, _INSIDE * np.array(robot.joint_min), _INSIDE * np.array(robot.joint_max)), d1, x)
+        robot, limits = self._robot, self._reach.limits
+        q, _ = self._reach.joints(self._reach.from_world(point))
+        x = self._reach.points(_inside(q, np.array(limits.lowest), np.array(limits.highest)))[0]
         R, origin = np.array(robot.robot_to_world.rotation), np.array(robot.robot_to_world.translation)
         world: NDArray[np.float64] = R @ x + origin
         return world
@@ -137,6 +142,11 @@ class TouchScene(Scenario):
                 self._world.show(node, [(name, path.material)])
             else:
                 node.entity.set_material(path.material)
+
+
+def _inside(q: NDArray[np.float64], low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Joints brought into the inner part of their range."""
+    return np.clip(q, np.where(low < 0.0, _INSIDE * low, low), np.where(high > 0.0, _INSIDE * high, high))
 
 
 def _evenly(corners: NDArray[np.float64]) -> NDArray[np.float64]:

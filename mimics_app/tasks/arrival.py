@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import chain, repeat
+
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.task import StartSpec
 
@@ -11,7 +13,7 @@ __all__ = ["Arrival"]
 class Arrival:
     """Joint error small for long enough, while the robot follows its controller."""
 
-    def __init__(self, spec: StartSpec, start_joints: tuple[float, float, float]) -> None:
+    def __init__(self, spec: StartSpec, start_joints: tuple[float, ...]) -> None:
         self._spec = spec
         self._start = start_joints
         self._since_ns: int | None = None
@@ -23,7 +25,8 @@ class Arrival:
     def reached(self, seen: Observation) -> bool:
         """Whether the robot has arrived by this frame. Call once per frame of an approach."""
         errors = (abs(q - start) for q, start in zip(seen.q, self._start, strict=True))
-        near = all(error <= limit for error, limit in zip(errors, self._spec.tolerance, strict=True))
+        most = chain(self._spec.tolerance, repeat(self._spec.tolerance[-1]))
+        near = all(error <= limit for error, limit in zip(errors, most, strict=False))
         if not (near and seen.movable):
             self._since_ns = None
             return False

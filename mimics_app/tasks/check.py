@@ -8,8 +8,8 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from mimics_app.contracts.errors import Issue, nearest
-from mimics_app.contracts.haptic import FEEL, LIMIT_NAMES, SCENE
-from mimics_app.contracts.haptic_objects import BODY, EFFECT, SHAPE
+from mimics_app.contracts.haptic import FEEL, LIMIT_NAMES
+from mimics_app.contracts.haptic_objects import BODY, EFFECT, SHAPE, TUNNEL
 from mimics_app.tasks.actions import TARGET_GROUPS, haptic_field, task_targets
 from mimics_app.tasks.kinds.kind import Fault
 from mimics_app.tasks.kinds.registry import task_kinds
@@ -64,8 +64,11 @@ def check_blocks(spec: TaskSpec, blocks: list[BlockSpec], pointer: str, file: st
     return [Issue(file, place, what, fix) for place, what, fix in faults]
 
 
-_TABLES = {"shapes": SHAPE, "bodies": BODY, "effects": EFFECT}
+_TABLES = {"shapes": SHAPE, "bodies": BODY, "effects": EFFECT, "tunnels": TUNNEL}
 """Tables of haptic objects whose rows have names."""
+
+_OWN_TUNNEL = {name for name in TUNNEL.names or () if TUNNEL[name] == np.float64}
+"""Single numbers of a tunnel."""
 
 
 def object_of_target(name: str) -> str | None:
@@ -75,16 +78,17 @@ def object_of_target(name: str) -> str | None:
     dtype = _TABLES.get(table)
     if dtype is None or not middle or field not in (dtype.names or ()) or dtype[field].shape:
         return None
+    if table == "tunnels" and field not in _OWN_TUNNEL:
+        return None
     return ".".join(middle)
 
 
 def haptic_targets() -> set[str]:
-    """Names a parameter may change in the haptic scene: what its user feels, and single numbers of its tunnel.
+    """Names a parameter may change in the haptic scene: what its user feels, and numbers of the task's own tunnel.
 
     Beside them numbers of its objects, see `object_of_target`. Never a limit of the loop.
     """
-    tunnel = SCENE["tunnel"]
-    return {name for name, _ in FEEL} | {f"tunnel.{name}" for name in tunnel.names or () if tunnel[name] == np.float64}
+    return {name for name, _ in FEEL} | {f"tunnel.{name}" for name in _OWN_TUNNEL}
 
 
 _Fault = tuple[str, str, str]

@@ -10,7 +10,6 @@ from mimics_app.contracts.trial_state import TrialState
 
 __all__ = ["RobotControl"]
 
-Vec3 = tuple[float, float, float]
 _FREE = (TrialState.READY, TrialState.TRAVEL)
 
 
@@ -27,8 +26,8 @@ class RobotControl:
         self._target = home.target
         self._holding = False
 
-    def enter(self, state: TrialState, q: Vec3) -> None:
-        """A state begins with the joints at q [m, rad, m]."""
+    def enter(self, state: TrialState, q: tuple[float, ...]) -> None:
+        """A state begins with the joints at q [m or rad]."""
         held_before = self._holding
         self._holding = state not in (TrialState.APPROACH, TrialState.STOPPED, *_FREE)
         if state is TrialState.STOPPED:

@@ -66,7 +66,7 @@ class Observation:
     movable: bool
     soft_start_over: bool
     cause: int
-    q: Vec3
+    q: tuple[float, ...]
     ball_world: Vec3
     speed: float
     force: float
@@ -102,7 +102,7 @@ def observe(snapshot: HapticSnapshot, events: NDArray[Any], now_ns: int, bodies:
         movable=snapshot.state in _MOVABLE,
         soft_start_over=snapshot.state == SafetyState.ACTIVE and snapshot.ramp >= 1.0 - 1e-9,
         cause=snapshot.cause,
-        q=_vector(snapshot.q),
+        q=tuple(snapshot.q.tolist()),
         ball_world=_vector(snapshot.hip_world),
         speed=float(np.linalg.norm(snapshot.v_world)),
         force=float(np.linalg.norm(snapshot.f_user_world)),

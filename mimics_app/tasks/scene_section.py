@@ -8,6 +8,7 @@ from mimics_app.contracts.errors import Issue, SceneError, nearest
 from mimics_app.tasks.cards import CARDS
 from mimics_app.tasks.check import check_task, object_of_target
 from mimics_app.tasks.kinds.registry import task_kinds
+from mimics_app.tasks.kinds.tunnel import has_tunnel
 from mimics_app.tasks.task import DurationGoal, SoundDeed, TaskSpec
 from mimics_app.tasks.trial_file import resolve_trials
 from mimics_app.world.components.registry import register_check, register_section
@@ -52,19 +53,20 @@ def _check_sounds(spec: TaskSpec, scene: Scene) -> list[Issue]:
 
 
 def _check_names(spec: TaskSpec, scene: Scene) -> list[Issue]:
-    """Objects whose parameters the task changes must be there."""
-    named: dict[str, str] = {}
+    """Objects and tunnels whose parameters the task changes must be there."""
+    everything = {entity.id for entity in scene.entities}
+    tunnels = {entity.id for entity in scene.entities if "tunnel" in entity.components}
+    issues = []
     for name, parameter in spec.parameters.items():
         for i, target in enumerate(parameter.maps):
-            who = object_of_target(target.to.removeprefix("haptic."))
-            if target.to.startswith("haptic.") and who is not None:
-                named[f"/task/parameters/{escape(name)}/maps/{i}/to"] = who
-    known = {entity.id for entity in scene.entities}
-    return [
-        scene.issue(place, f'no entity is called "{who}"', nearest(who, known))
-        for place, who in named.items()
-        if who not in known
-    ]
+            group, _, field = target.to.partition(".")
+            place, who = f"/task/parameters/{escape(name)}/maps/{i}/to", object_of_target(field)
+            known, kind = (tunnels, "tunnel") if field.startswith("tunnels.") else (everything, "entity")
+            if group == "haptic" and who is not None and who not in known:
+                issues.append(scene.issue(place, f'no {kind} is called "{who}"', nearest(who, known)))
+            elif group == "haptic" and field.startswith("tunnel.") and not has_tunnel(scene):
+                issues.append(scene.issue(place, "the scene has no tunnel", "give an entity one, or leave this out"))
+    return issues
 
 
 def _check_trial_file(spec: TaskSpec, scene: Scene) -> list[Issue]:

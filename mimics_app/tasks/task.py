@@ -56,7 +56,8 @@ class MapSpec(Component, frozen=True):
     to: Annotated[
         str,
         Meta(
-            description="Dotted name: 'haptic.FIELD' or 'haptic.tunnel.FIELD' is a number of the haptic scene; "
+            description="Dotted name: 'haptic.FIELD' is a number of the haptic scene, 'haptic.tunnel.FIELD' of the "
+            "task's own tunnel, 'haptic.tunnels.ENTITY.FIELD' of any; "
             "'visual.NAME' and 'audio.NAME' are parameters of the scenario and the mixer; 'task.time_limit_s', "
             "'task.rest_s', 'task.block' (block, 1 first, that the next trial is of; 0: as listed) and 'task.within' "
             "(of `carry`) change the task itself."
@@ -229,8 +230,8 @@ class StartSpec(Component, frozen=True):
     """How the robot is brought to the start of a trial."""
 
     tolerance: Annotated[
-        tuple[Tolerance, Tolerance, Tolerance],
-        Meta(description="Largest joint error that counts as arrived [m, rad, m]."),
+        Annotated[tuple[Tolerance, ...], Meta(min_length=1, max_length=8)],
+        Meta(description="Largest joint error that counts as arrived [m or rad], the last for all joints behind."),
     ] = (0.005, 0.02, 0.005)
     hold_s: Annotated[Seconds, Meta(description="How long it must stay so [s].")] = 0.2
     ready_s: Annotated[

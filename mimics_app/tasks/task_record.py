@@ -15,17 +15,18 @@ __all__ = ["task_of_record", "task_record"]
 
 
 class _HomeRecord(msgspec.Struct):
-    target: Vec3
+    target: tuple[float, ...]
     controller: int
 
 
 class _ContextRecord(msgspec.Struct):
-    start_joints: Vec3
+    start_joints: tuple[float, ...]
     home: _HomeRecord | None
     bodies: tuple[str, ...]
     places: dict[str, Vec3]
     offers: list[str]
     feel: int
+    simulated: bool = False
 
 
 class _TaskRecord(msgspec.Struct):
@@ -39,7 +40,9 @@ def task_record(spec: TaskSpec, context: TaskContext) -> dict[str, Any]:
     known = set(context.places)
     home = None if context.home is None else _HomeRecord(context.home.target, int(context.home.controller))
     places = {name: context.places[name] for name in dict.fromkeys(_texts(plain)) if name in known}
-    kept = _ContextRecord(context.start_joints, home, context.bodies, places, sorted(context.offers), int(context.feel))
+    kept = _ContextRecord(
+        context.start_joints, home, context.bodies, places, sorted(context.offers), int(context.feel), context.simulated
+    )
     record: dict[str, Any] = msgspec.to_builtins(_TaskRecord(plain, kept))
     return record
 
@@ -59,6 +62,7 @@ def task_of_record(record: Mapping[str, Any]) -> tuple[TaskSpec, TaskContext]:
         places=known.places,
         offers=frozenset(known.offers),
         feel=Controller(known.feel),
+        simulated=known.simulated,
     )
     return msgspec.convert(kept.spec, TaskSpec), context
 

@@ -21,6 +21,7 @@ KERNELS_MAY_IMPORT = (
     "mimics_app.maths",
     "mimics_app.contracts.atomics",
     "mimics_app.contracts.borrowed",
+    "mimics_app.contracts.device_descriptor",
     "mimics_app.contracts.haptic",
     "mimics_app.contracts.haptic_objects",
     "mimics_app.contracts.kernel",
@@ -68,11 +69,9 @@ DEVIATIONS: dict[str, tuple[tuple[str, ...], str]] = {
     "rendering/haptic/devices/pointer.py": ((_DEVICES,), "built from a robot's request"),
     "rendering/haptic/devices/replay.py": ((_ERRORS, _DEVICES), "built from a robot's request"),
     "rendering/haptic/devices/serial_robot.py": ((_DESCRIPTORS, _DEVICES), "reads and writes a serial line"),
-    "rendering/haptic/devices/simulated_hapticmaster.py": (
-        (_DEVICES, _SCENE_BLOCK),
-        "built from a robot's request",
-    ),
-    "rendering/haptic/devices/simulated_impedance.py": ((_DEVICES, _SCENE_BLOCK), "built from a robot's request"),
+    "rendering/haptic/devices/simulated_hapticmaster.py": ((_DEVICES,), "built from a robot's request"),
+    "rendering/haptic/devices/simulated_impedance.py": ((_DEVICES,), "built from a robot's request"),
+    "rendering/haptic/devices/simulated_leg.py": ((_DEVICES, _ERRORS), "built from a robot's request"),
     "rendering/haptic/devices/simulated_person.py": ((_DEVICES,), "built from a robot's request"),
     "rendering/haptic/force_fields.py": (
         ("importlib.metadata", "mimics_app.contracts.errors", "mimics_app.world"),

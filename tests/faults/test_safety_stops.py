@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic import MAX_PIECES, Button, Controller, DeviceStatus, EventKind, SafetyState, TripCause
+from mimics_app.contracts.haptic import Button, Controller, DeviceStatus, EventKind, SafetyState, TripCause
+from mimics_app.contracts.haptic_objects import MAX_PIECES
 from mimics_app.contracts.session_memory import ControlWord
 from mimics_app.rendering.haptic.kernels.kinematics import inverse
 from mimics_app.rendering.haptic.loop import late_class
@@ -200,7 +201,7 @@ def test_late_classes_at_their_edges():
 
 
 def _replayed(bench: Bench, inputs: np.ndarray) -> np.ndarray:
-    return bench.engine.replay_ticks(inputs, bench.blocks)
+    return bench.engine.replay_ticks(inputs, bench.blocks, bench.row_blocks)
 
 
 def test_hold_repeats_force_and_command():
@@ -284,26 +285,32 @@ def test_stops_and_holds_are_counted_apart():
 
 def test_parameters_that_are_not_finite_are_refused_by_name():
     bench = scripted(script(10))
-    bench.scene[0]["tunnel"]["stiffness"] = np.nan
-    with pytest.raises(ValueError, match=r"SCENE\.tunnel\.stiffness is not finite"):
-        bench.engine.publish(bench.scene)
-    bench.scene[0]["tunnel"]["stiffness"] = 1.0
+    bench.tunnel["stiffness"] = np.nan
+    with pytest.raises(ValueError, match=r"tunnels\[0\]\.stiffness is not finite"):
+        bench.engine.publish(bench.scene, bench.rows)
+    bench.tunnel["stiffness"] = 1.0
     bench.scene[0]["sequence"] = 0
     with pytest.raises(ValueError, match="sequence"):
-        bench.engine.publish(bench.scene)
+        bench.engine.publish(bench.scene, bench.rows)
 
 
 @pytest.mark.parametrize(
     ("where", "name", "value"),
-    [("", "controller", 5), ("", "form", -1), ("tunnel", "projection", 9), ("tunnel", "pieces", MAX_PIECES + 1)],
+    [
+        ("", "controller", 5),
+        ("", "form", -1),
+        ("", "own_tunnel", 1),
+        ("tunnel", "projection", 9),
+        ("tunnel", "pieces", MAX_PIECES + 1),
+    ],
 )
 def test_choices_and_counts_out_of_range_are_refused_by_name(where: str, name: str, value: int):
     """A count of pieces beyond the array would make compiled code read foreign memory."""
     bench = scripted(script(10))
-    record = bench.scene[0][where] if where else bench.scene[0]
+    record = bench.tunnel if where else bench.scene[0]
     record[name] = value
     with pytest.raises(ValueError, match=rf"{name} is {value}; it must be within 0 and"):
-        bench.engine.publish(bench.scene)
+        bench.engine.publish(bench.scene, bench.rows)
 
 
 def test_parameters_that_turn_out_bad_in_the_loop_stop_it():
@@ -311,14 +318,14 @@ def test_parameters_that_turn_out_bad_in_the_loop_stop_it():
     bench = scripted(_pressing())
     inputs = bench.advance(LONG)
     for name in ("stiffness", "damping"):
-        bad = bench.blocks[1].copy()
-        bad[0]["tunnel"][name] = np.nan
-        out = bench.engine.replay_ticks(inputs, {1: bad})
+        bad = bench.row_blocks[1]._replace(tunnels=bench.row_blocks[1].tunnels.copy())
+        bad.tunnels[0][name] = np.nan
+        out = bench.engine.replay_ticks(inputs, bench.blocks, {1: bad})
         assert np.all(np.isfinite(out["f_user_world"])) and np.all(_force(out)[PRESS_FROM:] == 0.0)
     for name in ("force_limit", "force_rate_limit", "virtual_mass", "max_velocity"):
         bad = bench.blocks[1].copy()
         bad[0][name] = np.nan
-        out = bench.engine.replay_ticks(inputs, {1: bad})
+        out = bench.engine.replay_ticks(inputs, {1: bad}, bench.row_blocks)
         assert np.all(np.isfinite(out["command"])) and np.all(np.isfinite(out["f_user_world"])), name
         assert out["state"][-1] == SafetyState.SAFE_STOP, name
 
@@ -349,7 +356,7 @@ def test_pd_is_homed_on_the_way_and_ready_at_the_target():
     bench.publish(controller=Controller.JOINT_PD, target=target)
     samples = bench.advance(100)
     assert samples["state"][-1] == SafetyState.HOMED
-    assert np.all(np.sign(samples["command"][-1]) == np.sign(target))
+    assert np.all(np.sign(samples["command"][-1, :3]) == np.sign(target))
     assert np.all(samples["f_user_world"] == 0.0)
     bench.publish(target=[0.0, 0.0, 0.0])
     assert bench.advance(10)["state"][-1] == SafetyState.READY

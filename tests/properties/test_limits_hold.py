@@ -17,17 +17,31 @@ from numba import from_dtype, types
 from mimics_app.contracts.haptic import SAMPLE, SCENE
 from mimics_app.contracts.haptic_objects import EffectKind, ShapeKind
 from mimics_app.contracts.kernel import kernel, typed_kernel
-from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_LENGTH, FIELD, FIELDS
+from mimics_app.contracts.loop_ports import (
+    COMMAND_DQ,
+    COMMAND_FORCE,
+    COMMAND_LENGTH,
+    DATA_AGE,
+    DATA_BUTTONS,
+    DATA_DELAY,
+    DATA_DQ,
+    DATA_FORCE,
+    DATA_GRASP,
+    DATA_LENGTH,
+    DATA_Q,
+    FIELD,
+    FIELDS,
+)
 from mimics_app.rendering.haptic.kernels.kinematics import apply_jacobian
 from mimics_app.rendering.haptic.kernels.noise import seed_noise, uniform
-from mimics_app.rendering.haptic.kernels.state import STATE, new_state
+from mimics_app.rendering.haptic.kernels.state import STATE, new_states
 from mimics_app.rendering.haptic.kernels.tick import tick
 from mimics_app.rendering.haptic.kernels.vectors import norm
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, load_simulation, no_objects
 from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROWS, SIMULATE
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from tests.support.body_play import Play
-from tests.support.haptic_bench import wavy
+from tests.support.haptic_bench import KIN, wavy
 from tests.support.object_bench import FACING_UP
 from tests.support.touch_play import KINDS, SOLIDS, add_point, new_touch_play
 
@@ -79,14 +93,14 @@ def _poison(noise):
 
 
 @kernel
-def _change_parameters(noise, scene):
+def _change_parameters(noise, scene, tunnel):
     scene.sequence += 1
     scene.controller = 3 if uniform(noise, 0) < 0.8 else int(uniform(noise, 0) * 4.0)
     scene.form = int(uniform(noise, 0) * 3.0)
-    scene.tunnel.stiffness = 10.0 ** (2.0 + 3.0 * uniform(noise, 0))
-    scene.tunnel.damping = 40.0 * uniform(noise, 0)
-    scene.tunnel.centring = 300.0 * uniform(noise, 0)
-    scene.tunnel.advance = 20.0 * uniform(noise, 0)
+    tunnel.stiffness = 10.0 ** (2.0 + 3.0 * uniform(noise, 0))
+    tunnel.damping = 40.0 * uniform(noise, 0)
+    tunnel.centring = 300.0 * uniform(noise, 0)
+    tunnel.advance = 20.0 * uniform(noise, 0)
     scene.virtual_damping = 20.0 * uniform(noise, 0)
     scene.device_delay = 0.01 * uniform(noise, 0)
     scene.force_limit = 5.0 + 100.0 * uniform(noise, 0)
@@ -153,7 +167,7 @@ def _attack(seed, ticks, scenes, tables, objects, simulate, fields, states, data
         if objects.totals[0].touching > 0 and state.safety == 4:
             met[len(HABITS)] += 1
         if k % 500 == 0:
-            _change_parameters(noise, scene)
+            _change_parameters(noise, scene, tables.tunnels[0])
             _change_objects(noise, scene, tables)
         if k % 3000 == 0:
             for i in range(3):
@@ -173,31 +187,40 @@ def _attack(seed, ticks, scenes, tables, objects, simulate, fields, states, data
             elif habit != 2:
                 dq[i] += 0.1 * (uniform(noise, 0) - 0.5) - 0.05 * dq[i] - 0.1 * q[i] + 0.04 * lean[i]
             q[i] = min(0.185, max(-0.185, q[i] + (0.0 if habit == 2 else 1e-3 * dq[i])))
-            data[i] = q[i]
-            data[3 + i] = dq[i]
-            data[6 + i] = 80.0 * lean[i] + 120.0 * (uniform(noise, 0) - 0.5) * (1.0 if habit != 1 else 10.0)
-        data[9], data[10], data[11], data[12] = 30.0 * uniform(noise, 0), 0.0, 0.0, 0.0
+            data[DATA_Q + i] = q[i]
+            data[DATA_DQ + i] = dq[i]
+            data[DATA_FORCE + i] = 80.0 * lean[i] + 120.0 * (uniform(noise, 0) - 0.5) * (1.0 if habit != 1 else 10.0)
+        data[DATA_GRASP] = 30.0 * uniform(noise, 0)
+        data[DATA_BUTTONS], data[DATA_AGE], data[DATA_DELAY] = 0.0, 0.0, 0.0
         status, held, stopping = 0, 0, habit >= 3 and habit != 8
         if habit == 3:
-            data[2] += 0.02 if q[2] < 0.0 else -0.02
+            data[DATA_Q + 2] += 0.02 if q[2] < 0.0 else -0.02
         elif habit == 4:
-            data[0] = 0.1901 if q[0] > 0.0 else -0.1901
+            data[DATA_Q] = 0.1901 if q[0] > 0.0 else -0.1901
         elif habit == 5:
-            data[5] = 1.51
+            data[DATA_DQ + 2] = 1.51
         elif habit == 6 or habit == 7:
             data[int(uniform(noise, 0) * data.shape[0])] = (
                 _poison(noise) if habit == 6 else 1e9 * (1.0 + uniform(noise, 0))
             )
         elif habit == 8:
             held = 1 + int(uniform(noise, 0) * 2.0)
-            data[11] = 0.004 * uniform(noise, 0)
-            data[12] = 0.02 * uniform(noise, 0)
+            data[DATA_AGE] = 0.004 * uniform(noise, 0)
+            data[DATA_DELAY] = 0.02 * uniform(noise, 0)
         period = 1e-3 * (1.0 + uniform(noise, 0))
-        tick(scene, tables, objects, simulate, fields, state, data, status, 0, held, period, 1e-3, command, rows[0])
+        tick(
+            scene, tables, objects, simulate, fields, KIN, states, data, status, 0, held, period, 1e-3, command, rows[0]
+        )
 
         force = norm(state.f_user_world)
         acting = state.safety < 6
-        total = force + norm(command[0:3]) + norm(command[3:6]) + state.acting.tank + state.acting.credit
+        total = (
+            force
+            + norm(command[COMMAND_DQ : COMMAND_DQ + 3])
+            + norm(command[COMMAND_FORCE : COMMAND_FORCE + 3])
+            + state.acting.tank
+            + state.acting.credit
+        )
         broken[0] += 0 if math.isfinite(total) else 1
         broken[1] += 1 if force > max(scene.force_limit, last_force if held == 1 else 0.0) * (1.0 + 1e-12) else 0
         broken[2] += 1 if force > (last_force + scene.force_rate_limit * 1e-3) * (1.0 + 1e-12) else 0
@@ -206,7 +229,7 @@ def _attack(seed, ticks, scenes, tables, objects, simulate, fields, states, data
             power += state.f_user_world[i] * state.v_world[i]
         broken[3] += 1 if abs(power) > scene.power_limit * (1.0 + 1e-12) else 0
         if acting:
-            apply_jacobian(state.q, scene.axis_offset, state.command, v)
+            apply_jacobian(state.q, scene.geometry[0], state.command, v)
             broken[4] += 1 if norm(v) > scene.max_velocity * (1.0 + 1e-12) else 0
             at[3] += 1 if norm(v) > scene.max_velocity * (1.0 - 1e-9) else 0
             for i in range(3):
@@ -260,16 +283,18 @@ def _objects() -> Play:
 def _check(seed: int, ticks: int, among: bool = False) -> None:
     """No law is broken; each habit met a force that was on, each edge was reached, objects were touched."""
     scene = scene_from_components()
-    if not among:
-        wavy().fill(scene[0]["tunnel"])
     scene[0]["ramp_force"], scene[0]["ramp_time"] = 1000.0, 0.02
     broken, met = np.zeros(len(LAWS), np.int64), np.zeros(len(HABITS) + 1, np.int64)
     at = np.zeros(len(EDGES), np.int64)
     play = _objects() if among else new_touch_play()
     scene[0]["objects"] = play.counts[0]
+    scene[0]["objects"]["tunnels"] = 1  # without pieces it holds nothing
+    play.rows.tunnels[0]["radius_scale"] = 1.0
+    if not among:
+        wavy().fill(play.rows.tunnels[0])
     simulate, fields = (load_simulation(), (_breaks,) * len(NO_FIELDS)) if among else (no_objects, NO_FIELDS)
     room = (np.zeros(DATA_LENGTH), np.zeros(COMMAND_LENGTH), np.zeros(1, SAMPLE))
-    _attack(seed, ticks, scene, play.rows, play.work, simulate, fields, new_state(), *room, broken, met, at)
+    _attack(seed, ticks, scene, play.rows, play.work, simulate, fields, new_states(), *room, broken, met, at)
     assert dict(zip(LAWS, broken.tolist(), strict=True)) == dict.fromkeys(LAWS, 0)
     habits = dict(zip(HABITS, met.tolist()[:-1], strict=True))
     assert all(count >= 2e-4 * ticks for count in habits.values()), habits

@@ -14,16 +14,30 @@ import pytest
 
 from mimics_app.contracts.haptic import SAMPLE, SafetyState, TripCause
 from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_LENGTH
+from mimics_app.contracts.loop_fields import MAX_JOINTS
+from mimics_app.contracts.loop_ports import (
+    COMMAND_DQ,
+    COMMAND_ENABLED,
+    COMMAND_FORCE,
+    COMMAND_LENGTH,
+    DATA_AGE,
+    DATA_BUTTONS,
+    DATA_DELAY,
+    DATA_DQ,
+    DATA_FORCE,
+    DATA_GRASP,
+    DATA_LENGTH,
+    DATA_Q,
+)
 from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
 from mimics_app.rendering.haptic.kernels.noise import seed_noise, uniform
-from mimics_app.rendering.haptic.kernels.state import new_state
+from mimics_app.rendering.haptic.kernels.state import new_states
 from mimics_app.rendering.haptic.kernels.tick import tick
 from mimics_app.rendering.haptic.kernels.vectors import norm
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, no_objects
 from mimics_app.rendering.haptic.objects import new_object_work
 from mimics_app.rendering.haptic.scene_block import scene_from_components
-from tests.support.haptic_bench import wavy
+from tests.support.haptic_bench import KIN, wavy
 
 LAWS = (
     "force is finite",
@@ -75,7 +89,7 @@ def _spoil(law, scene, state, command, before, last_force, last_command, poisone
     if law == 0:
         force[0] = math.nan
     elif law == 1:
-        command[0] = math.inf
+        command[COMMAND_DQ] = math.inf
     elif law == 2:
         state.hip_world[1] = math.nan
     elif law == 3:
@@ -99,7 +113,7 @@ def _spoil(law, scene, state, command, before, last_force, last_command, poisone
     elif law == 13:
         state.ramp = 1.001
     elif law == 14 and after >= SAFE_STOP:
-        command[6] = 1.0
+        command[COMMAND_ENABLED] = 1.0
 
 
 @kernel
@@ -117,11 +131,12 @@ def _walk(seed, ticks, spoilt, scenes, rows_of_objects, objects, states, data, c
     q = np.zeros(3)
     dq = np.zeros(3)
     lean = np.zeros(3)
-    last_command = np.zeros(3)
+    last_command = np.zeros(MAX_JOINTS)
     for k in range(ticks):
         age = k % LIFE
         if age == 0:  # switched on anew; the second state is as it was made
             states[0] = states[1]
+            state.contact = 0
             scene.sequence = 0
             scene.late_latches = 1 if _chance(noise, 0.8) else 0
             q[:] = 0.0
@@ -136,7 +151,7 @@ def _walk(seed, ticks, spoilt, scenes, rows_of_objects, objects, states, data, c
             scene.sequence += 1
             scene.controller = int(uniform(noise, 0) * 4.0) if _chance(noise, 0.2) else 3
             scene.form = int(uniform(noise, 0) * 3.0)
-            scene.tunnel.stiffness = 4000.0 * uniform(noise, 0)
+            rows_of_objects.tunnels[0].stiffness = 4000.0 * uniform(noise, 0)
             scene.force_limit = 2.0 + 60.0 * uniform(noise, 0)
             scene.energy_limit = 0.01 + 0.5 * uniform(noise, 0)
         if (age > 20 and _chance(noise, 0.01)) or age == 40:
@@ -149,15 +164,15 @@ def _walk(seed, ticks, spoilt, scenes, rows_of_objects, objects, states, data, c
             dq[i] += 0.1 * (uniform(noise, 0) - 0.5) - 0.05 * dq[i] - 0.05 * (q[i] - lean[i])
             q[i] += 1e-3 * dq[i] + (0.02 if _chance(noise, 3e-5) else 0.0)
             q[i] = min(0.2, max(-0.2, q[i]))
-            data[i] = q[i]
-            data[3 + i] = dq[i]
-            data[6 + i] = 60.0 * (uniform(noise, 0) - 0.5)
+            data[DATA_Q + i] = q[i]
+            data[DATA_DQ + i] = dq[i]
+            data[DATA_FORCE + i] = 60.0 * (uniform(noise, 0) - 0.5)
         if _chance(noise, 5e-5):
-            data[5] = 2.0  # faster than any hand
-        data[9] = 30.0 * uniform(noise, 0)
-        data[10] = 1.0 if _chance(noise, 2e-5 * haste) else 0.0
-        data[11] = 0.025 * uniform(noise, 0) if _chance(noise, 0.001) else 0.0
-        data[12] = 0.01 * uniform(noise, 0) if _chance(noise, 0.5) else 0.0
+            data[DATA_DQ + 2] = 2.0  # faster than any hand
+        data[DATA_GRASP] = 30.0 * uniform(noise, 0)
+        data[DATA_BUTTONS] = 1.0 if _chance(noise, 2e-5 * haste) else 0.0
+        data[DATA_AGE] = 0.025 * uniform(noise, 0) if _chance(noise, 0.001) else 0.0
+        data[DATA_DELAY] = 0.01 * uniform(noise, 0) if _chance(noise, 0.5) else 0.0
         poisoned = _chance(noise, 1e-4 * haste)
         if poisoned:
             data[int(uniform(noise, 0) * data.shape[0])] = math.nan if _chance(noise, 0.5) else math.inf
@@ -174,7 +189,8 @@ def _walk(seed, ticks, spoilt, scenes, rows_of_objects, objects, states, data, c
             objects,
             no_objects,
             NO_FIELDS,
-            state,
+            KIN,
+            states,
             data,
             status,
             stop,
@@ -197,7 +213,7 @@ def _walk(seed, ticks, spoilt, scenes, rows_of_objects, objects, states, data, c
         met[9, 2] += 1 if force > (last_force + scene.force_rate_limit * 1e-3) * 0.999 else 0
         met[9, 3] += 1 if 0.0 < state.ramp < 1.0 and force > 0.0 else 0
         broken[0] += 0 if math.isfinite(force) else 1
-        broken[1] += 0 if math.isfinite(norm(state.command) + command[0] + command[3]) else 1
+        broken[1] += 0 if math.isfinite(norm(state.command) + command[COMMAND_DQ] + command[COMMAND_FORCE]) else 1
         broken[2] += 0 if math.isfinite(norm(state.hip_world) + norm(state.v_world) + state.ball_radius) else 1
         broken[3] += 1 if force > max(scene.force_limit, last_force if held == 1 else 0.0) * (1.0 + 1e-12) else 0
         broken[4] += 1 if force > (last_force + scene.force_rate_limit * 1e-3) * (1.0 + 1e-12) else 0
@@ -206,7 +222,7 @@ def _walk(seed, ticks, spoilt, scenes, rows_of_objects, objects, states, data, c
         if after >= 6:
             for i in range(3):
                 broken[7] += 1 if abs(state.command[i]) > abs(last_command[i]) else 0
-            broken[14] += 1 if command[6] != 0.0 else 0
+            broken[14] += 1 if command[COMMAND_ENABLED] != 0.0 else 0
         if before >= 6 and after < 6:
             broken[8] += 1 if state.resets == resets_before else 0
             broken[9] += 1 if after != 1 else 0
@@ -219,8 +235,10 @@ def _walk(seed, ticks, spoilt, scenes, rows_of_objects, objects, states, data, c
 def _run(seed: int, ticks: int, spoilt: int = -1) -> tuple[dict[str, int], np.ndarray]:
     """(times each law was broken, what was met: see `_walk`)."""
     scene = scene_from_components()
-    wavy().fill(scene[0]["tunnel"])
-    scene[0]["tunnel"]["stiffness"], scene[0]["tunnel"]["damping"] = 2000.0, 25.0
+    rows = new_rows(ObjectCapacities())
+    wavy().fill(rows.tunnels[0])
+    rows.tunnels[0]["radius_scale"], rows.tunnels[0]["stiffness"], rows.tunnels[0]["damping"] = 1.0, 2000.0, 25.0
+    scene[0]["objects"]["tunnels"] = 1
     scene[0]["ramp_force"] = 60.0
     scene[0]["ramp_time"] = 0.05
     broken, met = np.zeros(len(LAWS), np.int64), np.zeros((10, 16), np.int64)
@@ -229,9 +247,9 @@ def _run(seed: int, ticks: int, spoilt: int = -1) -> tuple[dict[str, int], np.nd
         ticks,
         spoilt,
         scene,
-        new_rows(ObjectCapacities()),
+        rows,
         new_object_work(ObjectCapacities()),
-        np.concatenate([new_state(), new_state()]),
+        new_states(),
         np.zeros(DATA_LENGTH),
         np.zeros(COMMAND_LENGTH),
         np.zeros(1, SAMPLE),

@@ -8,7 +8,21 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_LENGTH, INBOX_LENGTH
+from mimics_app.contracts.loop_ports import (
+    COMMAND_DQ,
+    COMMAND_ENABLED,
+    COMMAND_FORCE,
+    COMMAND_LENGTH,
+    COMMAND_STATE,
+    DATA_AGE,
+    DATA_BUTTONS,
+    DATA_DQ,
+    DATA_FORCE,
+    DATA_GRASP,
+    DATA_LENGTH,
+    DATA_Q,
+    INBOX_LENGTH,
+)
 from mimics_app.rendering.haptic.devices import serial_frames as frames
 from mimics_app.rendering.haptic.devices import serial_payloads as payloads
 
@@ -122,17 +136,25 @@ _NUMBER = st.floats(-1e3, 1e3, width=32)
 @given(st.lists(_NUMBER, min_size=10, max_size=10), st.integers(0, 255), st.integers(0, 2), st.integers(0, 65535))
 def test_state_comes_out_as_it_went_in(numbers: list[float], buttons: int, status: int, age_us: int):
     data, out, payload = np.zeros(DATA_LENGTH), np.zeros(DATA_LENGTH), np.zeros(payloads.PAYLOAD_PLACES)
-    data[:10], data[10], data[11] = numbers, buttons, age_us * 1e-6
+    for i, place in enumerate((DATA_Q, DATA_DQ, DATA_FORCE)):
+        data[place : place + 3] = numbers[3 * i : 3 * i + 3]
+    data[DATA_GRASP], data[DATA_BUTTONS], age = numbers[9], buttons, age_us * 1e-6
+    data[DATA_AGE] = age
     payloads.pack_state(data, status, payload)
+    data[DATA_AGE] = 0.0
     assert payloads.unpack_state(payload, out) == status
-    assert np.array_equal(out[:11], data[:11]) and abs(out[11] - data[11]) < 1.01e-6
+    assert abs(out[DATA_AGE] - age) < 1.01e-6
+    out[DATA_AGE] = 0.0
+    assert np.array_equal(out, data)
 
 
 @CASES
 @given(st.lists(_NUMBER, min_size=6, max_size=6), st.booleans(), st.booleans())
 def test_command_and_screen_come_out_as_they_went_in(numbers: list[float], enabled: bool, usable: bool):
     command, out, payload = np.zeros(COMMAND_LENGTH), np.ones(COMMAND_LENGTH), np.zeros(payloads.PAYLOAD_PLACES)
-    command[:6], command[6], command[7] = numbers, enabled, 4
+    command[COMMAND_DQ : COMMAND_DQ + 3], command[COMMAND_FORCE : COMMAND_FORCE + 3] = numbers[:3], numbers[3:]
+    command[COMMAND_ENABLED], command[COMMAND_STATE] = enabled, 4
+    out[COMMAND_FORCE + 3 : COMMAND_ENABLED] = out[COMMAND_DQ + 3 : COMMAND_FORCE] = 0.0  # it has no such joints
     payloads.pack_command(command, usable, payload)
     payloads.unpack_command(payload, out)
     assert np.array_equal(out, command if usable else np.zeros(COMMAND_LENGTH))

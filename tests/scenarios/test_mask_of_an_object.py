@@ -52,8 +52,9 @@ def play(folder: Path, hand: np.ndarray, ticks: int, transform: dict[str, Any], 
     """One object of a scene file, and a hand that goes its own way."""
     entity = {**thing("thing", haptic_object={**CUBE, **mask}), "transform": transform}
     side = HapticSide(loaded(folder, thing("robot", robot={}), entity))
-    memory = side.memory()
-    engine = side.engine(memory, DevicePlugin("script", read_script, ignore, np.ascontiguousarray(hand).ravel()))
+    plugin = DevicePlugin("script", read_script, ignore, np.ascontiguousarray(hand).ravel())
+    memory = side.memory(plugin)
+    engine = side.engine(memory, plugin)
     block = scene_from_components()
     block["controller"], block["passivity"], block["cap"] = Controller.ADMITTANCE, 0, 0
     side.parameter_store(block).hand_to(engine.publish)

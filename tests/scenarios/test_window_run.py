@@ -158,6 +158,6 @@ def test_saved_scene_is_taken_while_running_and_a_broken_one_changes_nothing(tmp
         copy.write_text(json.dumps(document))
         window.wait("another", lambda: sum(not line["taken"] for line in window.lines("reload")) == 2)
         assert window.process.poll() is None
-        blocks = window.run.parameters
-        assert any(block["tunnel"]["damping"][0] == 33.0 for block in blocks.values())
+        rows = window.run.rows
+        assert any(tables.tunnels["damping"][0] == 33.0 for tables in rows.values())
     assert window.process.returncode == 143

@@ -66,7 +66,7 @@ def _pressed(
     rows = script(rest + 200)
     scene = scene_from_components()[0]
     for row, step in zip(rows, steps, strict=True):
-        inverse(scene["R_world_from_robot"].T @ (step * WAY * way), float(scene["axis_offset"]), row[:3])
+        inverse(scene["R_world_from_robot"].T @ (step * WAY * way), float(scene["geometry"][0]), row[:3])
     bench = scripted_with(play, rows)
     bench.publish(virtual_damping=OWN, device_delay=DELAY * T, arm_damping=0.0, device_damping=0.0, **values)
     samples = bench.advance(rest + 200)
@@ -176,7 +176,7 @@ def test_the_tunnels_wall_and_a_shape_behind_it_are_one_spring(capped: int):
     rows = script(400)
     rows[:, 2] = 0.030 * np.clip(np.arange(400) / 200.0, 0.0, 1.0)
     bench = scripted_with(play, rows)
-    build_tunnel([[-0.15, 0.0, 0.0], [0.15, 0.0, 0.0]], 0.04).fill(bench.scene[0]["tunnel"])
+    build_tunnel([[-0.15, 0.0, 0.0], [0.15, 0.0, 0.0]], 0.04).fill(bench.tunnel)
     bench.publish(tunnel__stiffness=wall[0], tunnel__damping=wall[1], tunnel__drag=0.0, tunnel__drag_growth=0.0)
     bench.publish(virtual_damping=OWN, device_delay=DELAY * T, cap=capped)
     samples = bench.advance(400)

@@ -7,7 +7,7 @@ import pytest
 
 from mimics_app.contracts.haptic import Controller, SafetyState
 from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.contracts.loop_ports import READ, DevicePlugin
+from mimics_app.contracts.loop_ports import DATA_GRASP, READ, DevicePlugin
 from mimics_app.rendering.haptic.control.impedance import draw_along
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.devices.simulated_impedance import write_force
@@ -35,7 +35,7 @@ def _robot(push: int = 0) -> np.ndarray:
 def read_pushed_light(memory, inbox, data, tick):
     if tick > 0:
         step_light_robot(memory[:LENGTH], memory[PUSH : PUSH + 3])
-    data[9] = 20.0
+    data[DATA_GRASP] = 20.0
     light_robot.sense_position(memory[:LENGTH], data)
     return 0
 
@@ -171,7 +171,7 @@ def test_the_simulated_person_goes_through_the_tunnel_on_it():
     way = curve.point(np.linspace(0.0, len(curve.pieces), 200))
     plugin = build_device(Robot(device="simulated_impedance"), Patient(), way, 2)
     bench = bench_of(plugin, straight=None)
-    curve.fill(bench.scene[0]["tunnel"])
+    curve.fill(bench.tunnel)
     bench.scene[0]["ball_radius_min"], bench.scene[0]["ball_radius_max"] = 0.008, 0.016
     R, origin = bench.scene[0]["R_world_from_robot"], bench.scene[0]["origin_world"]
     values = impedance_values(Impedance(damping=2.0)) | {"controller": int(Controller.WORLD_PD)}

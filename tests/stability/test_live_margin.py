@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.haptic import EventKind
-from mimics_app.contracts.loop_ports import DATA_DELAY
 from mimics_app.rendering.haptic.kernels.stability import LARGEST_MARGIN, follow_period, margin_of
 from mimics_app.world.components.robot import Robot
-from tests.support.haptic_bench import PUSH, Bench, patient_bench, pushed_bench, script, scripted
+from tests.support.haptic_bench import DELAY, PUSH, Bench, patient_bench, pushed_bench, script, scripted
 
 T = 1e-3
 
@@ -166,15 +165,20 @@ def test_zero_margin_lies_at_the_simulated_boundary(delay: int):
 def test_a_delay_the_device_measures_lowers_the_limit_and_is_recorded_for_replay():
     """K < (b + B) / (T / 2 + delay): the larger of what the device states and what it measures counts."""
     rows = script(60)
-    rows[20:, DATA_DELAY] = 9e-3
-    rows[40:, DATA_DELAY] = 1e-3  # less than the stated 4 ms: that one counts
+    rows[20:, DELAY] = 9e-3
+    rows[40:, DELAY] = 1e-3  # less than the stated 4 ms: that one counts
     bench = scripted(rows)
     bench.publish(device_delay=4e-3)
     out = bench.advance(60)
     ratio = out["stiffness_limit"] / out["stiffness_limit"][10]
     assert ratio[25] == pytest.approx((0.5e-3 + 4e-3) / (0.5e-3 + 9e-3), rel=1e-12)
     assert ratio[45] == 1.0
-    assert np.array_equal(bench.engine.replay_ticks(out, bench.blocks)["stiffness_limit"], out["stiffness_limit"])
+    assert np.array_equal(
+        bench.engine.replay_ticks(out, bench.blocks, bench.row_blocks)["stiffness_limit"], out["stiffness_limit"]
+    )
     changed = out.copy()
     changed["delay"][25] += 1e-3
-    assert bench.engine.replay_ticks(changed, bench.blocks)["stiffness_limit"][25] != out["stiffness_limit"][25]
+    assert (
+        bench.engine.replay_ticks(changed, bench.blocks, bench.row_blocks)["stiffness_limit"][25]
+        != out["stiffness_limit"][25]
+    )

@@ -6,7 +6,17 @@ from typing import Any
 
 import numpy as np
 
-from mimics_app.contracts.haptic_objects import BODY, EFFECT, OBJECT_COUNTS, POINT, SHAPE, STATIC, WIRE, BodyFlag
+from mimics_app.contracts.haptic_objects import (
+    BODY,
+    EFFECT,
+    OBJECT_COUNTS,
+    POINT,
+    SHAPE,
+    STATIC,
+    TUNNEL,
+    WIRE,
+    BodyFlag,
+)
 from mimics_app.contracts.loop_ports import MAX_FIELDS
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows
 from mimics_app.rendering.haptic.kernels.objects.effects import apply_effects
@@ -67,6 +77,7 @@ class Bench:
             effects=np.concatenate(effects) if effects else np.zeros(0, EFFECT),
             points=np.zeros(1, POINT),
             wires=np.concatenate(wires) if wires else np.zeros(0, WIRE),
+            tunnels=np.zeros(0, TUNNEL),
         )
         self.work = new_object_work(ObjectCapacities(effects=max(1, len(effects)), bodies=max(1, bodies)))
         self.work.paths[: len(paths)] = np.concatenate(paths) if paths else 0

@@ -10,10 +10,22 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts import ring
 from mimics_app.contracts.haptic import INBOX, SAMPLE, Controller
-from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.contracts.loop_ports import DATA_LENGTH, READ, WRITE, DevicePlugin
+from mimics_app.contracts.kernel import kernel, typed_kernel
+from mimics_app.contracts.loop_ports import (
+    DATA_AGE,
+    DATA_BUTTONS,
+    DATA_DELAY,
+    DATA_DQ,
+    DATA_FORCE,
+    DATA_GRASP,
+    DATA_Q,
+    READ,
+    WRITE,
+    DevicePlugin,
+)
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.contracts.session_memory import Capacities, SessionMemory
+from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.simulated_hapticmaster import robot_delay, write_robot, write_robot_memory
@@ -23,16 +35,30 @@ from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.rendering.haptic.tunnel import build_tunnel
 from mimics_app.world.components.robot import Patient, Robot
 
-ROW = DATA_LENGTH + 1
-"""One scripted tick: a data vector and a DeviceStatus."""
+Q, DQ, FORCE, GRASP, BUTTONS, AGE, DELAY, STATUS = 0, 3, 6, 9, 10, 11, 12, 13
+ROW = 14
+"""One scripted tick of three joints and a hand: their data one behind the other, and a DeviceStatus."""
+
+_PLACES = np.array(
+    [DATA_Q + i for i in range(3)]
+    + [DATA_DQ + i for i in range(3)]
+    + [DATA_FORCE + i for i in range(3)]
+    + [DATA_GRASP, DATA_BUTTONS, DATA_AGE, DATA_DELAY]
+)
+KIN = tuple(HAPTICMASTER.kinematics)
+
+
+@kernel
+def script_data(memory, row, data):
+    for i in range(STATUS):
+        data[_PLACES[i]] = memory[row + i]
 
 
 @typed_kernel(READ)
 def read_script(memory, inbox, data, tick):
     row = min(tick, memory.shape[0] // ROW - 1) * ROW
-    for i in range(DATA_LENGTH):
-        data[i] = memory[row + i]
-    return np.int64(memory[row + DATA_LENGTH])
+    script_data(memory, row, data)
+    return np.int64(memory[row + STATUS])
 
 
 @typed_kernel(WRITE)
@@ -61,7 +87,7 @@ def read_pushed(memory, inbox, data, tick):
     machine = memory[:ROBOT_LENGTH]
     if tick > 0:
         step_robot(machine)
-    data[9] = 20.0
+    data[DATA_GRASP] = 20.0
     sense(machine, memory[PUSH : PUSH + 3], data)
     return 0
 
@@ -78,15 +104,23 @@ class Bench:
     rows: Rows = field(default_factory=lambda: new_rows(ObjectCapacities()))
     row_blocks: dict[int, Rows] = field(default_factory=dict)
 
+    @property
+    def tunnel(self) -> Any:
+        """The bench's one tunnel, a TUNNEL record; without pieces it holds nothing."""
+        return self.rows.tunnels[0]
+
     def publish(self, rows: Rows | None = None, **values: Any) -> None:
         """Change fields ("tunnel.stiffness" as tunnel__stiffness), count the sequence up, publish."""
-        self.rows = rows or self.rows
+        self.rows = (rows or self.rows)._replace(tunnels=self.rows.tunnels)
+        self.scene[0]["objects"]["tunnels"] = len(self.rows.tunnels)
         for name, value in values.items():
-            part = self.scene[0]
-            *path, last = name.split("__")
-            for step in path:
-                part = part[step]
-            part[last] = value
+            table, _, field = name.rpartition("__")
+            part = self.tunnel if table == "tunnel" else self.scene[0][table] if table else self.scene[0]
+            place = part[field]
+            if np.ndim(place) and 1 < np.size(value) < np.size(place):  # joints, or points, of the device
+                place[: np.size(value)], place[np.size(value) :] = value, 0.0
+            else:
+                part[field] = value
         self.scene[0]["sequence"] = len(self.blocks) + 1
         self.blocks[len(self.blocks) + 1] = self.scene.copy()
         self.row_blocks[len(self.blocks)] = Rows(*(table.copy() for table in self.rows))
@@ -115,7 +149,8 @@ def bench_of(
     memory = SessionMemory(Capacities(samples=samples, **kwargs.pop("capacities", {})))
     bench = Bench(memory, HapticEngine(memory, plugin, **kwargs), scene_from_components())
     bench.scene[0]["device_delay"] = plugin.delay
-    record = bench.scene[0]["tunnel"]
+    record = bench.tunnel
+    record["radius_scale"] = 1.0
     if straight is not None:
         build_tunnel([[-0.15, 0.0, 0.0], [0.15, 0.0, 0.0]], straight).fill(record)
     record["stiffness"], record["damping"], record["drag"], record["drag_growth"] = 2000.0, 25.0, 2.0, 2000.0
@@ -156,7 +191,7 @@ def patient_bench(
     way = curve.point(np.linspace(0.0, len(curve.pieces), 200))
     plugin = build_device(robot or Robot(), Patient(preset=preset, intent=intent), way, seed)
     bench = bench_of(plugin, straight=None, **kwargs)
-    curve.fill(bench.scene[0]["tunnel"])
+    curve.fill(bench.tunnel)
     R, origin = bench.scene[0]["R_world_from_robot"], bench.scene[0]["origin_world"]
     bench.scene[0]["ball_radius_min"], bench.scene[0]["ball_radius_max"] = 0.008, 0.016
     bench.publish(controller=Controller.WORLD_PD, target=R.T @ (curve.point(0.0)[0] - origin))

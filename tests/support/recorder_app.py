@@ -16,17 +16,19 @@ import numpy as np
 from mimics_app.contracts import ring
 from mimics_app.contracts.haptic import EVENT, SAMPLE, SCENE, EventKind
 from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.recording.columns import present_columns
 from mimics_app.recording.recorder import Recorder
 
 TICK, TRIALS, PID, CLOSED = range(4)
 
 
 def fake_samples(first_tick: int, count: int) -> np.ndarray:
-    """Rows that are different in every column and tell their tick."""
+    """Rows that are different in every column that is recorded, and tell their tick."""
     samples = np.zeros(count, SAMPLE)
     ticks = np.arange(first_tick, first_tick + count, dtype=np.float64)
     rows = samples.view(np.float64).reshape(count, -1)
-    rows[:] = np.sin(ticks[:, None] * 1e-3 + np.arange(rows.shape[1]))
+    present = present_columns()
+    rows[:, present] = np.sin(ticks[:, None] * 1e-3 + present)
     samples["t"], samples["tick"], samples["sequence"] = ticks / 1000, ticks, 1
     return samples
 

@@ -15,7 +15,7 @@ import numpy as np
 from mimics_app.contracts.haptic import SCENE
 from mimics_app.recording.arrow_format import encode_parameters, encode_samples
 from mimics_app.recording.run import Run
-from tests.support.synthetic_run import scene_block
+from tests.support.synthetic_run import packed, scene_block
 
 SEALED = ("haptic.arrows", "haptic.arrows.idx", "parameters.arrows", "events.jsonl", "trials.csv", "session.json")
 STATICS = "haptic_statics.npz"
@@ -150,7 +150,7 @@ def forge_samples(folder: Path, chance: random.Random) -> str:
 
 def forge_parameters(folder: Path, chance: random.Random) -> str:
     """A parameter block of arbitrary bytes, its checksum right."""
-    block = bytearray(scene_block(chance.choice((1, 2, 99)), 1, 0).tobytes())
+    block = bytearray(packed(*scene_block(chance.choice((1, 2, 99)), 1, 0)))
     for _ in range(chance.choice((1, 10, 1000))):
         block[chance.randrange(8, SCENE.itemsize)] = chance.randrange(256)
     with (folder / "parameters.arrows").open("ab") as file:

@@ -9,6 +9,7 @@ import numpy as np
 
 from mimics_app.contracts.environment import clock_pair, describe_environment
 from mimics_app.contracts.haptic import EVENT, SAMPLE, SCENE, Controller, EventKind, SafetyState, TripCause
+from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows, pack_rows
 from mimics_app.recording.event_log import encode_line
 from mimics_app.recording.manifest import Manifest, hash_files, write_manifest
 from mimics_app.recording.state_hash import StateHash
@@ -23,11 +24,21 @@ def bisector(x: np.ndarray) -> np.ndarray:
     return 0.06 * np.sin(2 * np.pi * x / 0.24)
 
 
-def scene_block(sequence: int, trial: int, controller: int) -> np.ndarray:
-    """A SCENE record whose tunnel follows `bisector` by cubic Hermite pieces, with a radius that narrows."""
+def packed(block: np.ndarray, rows: Rows) -> bytes:
+    """Both as they are recorded."""
+    return block.tobytes() + pack_rows(rows, block[0]["objects"])
+
+
+def scene_block(sequence: int, trial: int, controller: int) -> tuple[np.ndarray, Rows]:
+    """A SCENE record, shape [1], and the rows beside it.
+
+    The tunnel follows `bisector` by cubic Hermite pieces, with a radius that narrows.
+    """
     block = np.zeros(1, SCENE)
     block["sequence"], block["trial"], block["controller"] = sequence, trial, controller
-    tunnel = block["tunnel"][0]
+    block[0]["objects"]["tunnels"] = 1
+    rows = new_rows(ObjectCapacities())
+    tunnel = rows.tunnels[0]
     tunnel["pieces"], tunnel["radius_scale"] = PIECES, 1.0
     knots = np.linspace(-LENGTH / 2, LENGTH / 2, PIECES + 1)
     step = knots[1] - knots[0]
@@ -38,7 +49,7 @@ def scene_block(sequence: int, trial: int, controller: int) -> np.ndarray:
         curve = 3 * rise - 2 * slope[i] - slope[i + 1], slope[i] + slope[i + 1] - 2 * rise
         tunnel["centre"][i, 1] = y[i], slope[i], *curve
         tunnel["radius"][i, :2] = RADIUS - 0.0012 * i, -0.0012
-    return block
+    return block, rows
 
 
 def samples_of_session(seconds: float, seed: int = 3, live: bool = True) -> np.ndarray:
@@ -110,7 +121,7 @@ def write_synthetic_run(folder: Path, seconds: float = 24.0, *, live: bool = Tru
     parameters = ParameterStream(folder)
     for sequence in range(1, 5):
         controller = Controller.ADMITTANCE if sequence % 2 == 0 else Controller.WORLD_PD
-        parameters.append(scene_block(sequence, (sequence + 1) // 2, controller).tobytes())
+        parameters.append(packed(*scene_block(sequence, (sequence + 1) // 2, controller)))
     log = EventStream(folder, state)
     events = events_of_session(samples)
     log.append_events(events)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mimics_app.contracts.haptic import TUNNEL
+from mimics_app.contracts.haptic_objects import TUNNEL
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths.bspline import basis_functions
 from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE, tunnel_force

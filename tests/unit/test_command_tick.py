@@ -7,7 +7,16 @@ import pytest
 
 from mimics_app.contracts.haptic import Controller
 from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.contracts.loop_ports import COMMAND_DQ, COMMAND_LENGTH, DATA_FORCE, READ, WRITE, DevicePlugin
+from mimics_app.contracts.loop_ports import (
+    COMMAND_DQ,
+    COMMAND_ENABLED,
+    COMMAND_LENGTH,
+    DATA_FORCE,
+    DATA_LENGTH,
+    READ,
+    WRITE,
+    DevicePlugin,
+)
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.kernels import robot as place
 from mimics_app.world.components.robot import Robot
@@ -48,7 +57,7 @@ def test_the_command_of_tick_k_reaches_the_device_in_tick_k():
     written = memory[1:].reshape(TICKS, COMMAND_LENGTH + 1)
     sent = written[:, 1 + COMMAND_DQ : 4 + COMMAND_DQ]
     assert np.array_equal(written[:, 0], np.arange(TICKS)), "each write follows the read of its own tick"
-    assert np.array_equal(sent, samples["command"]), "what is recorded for a tick is what the device got in it"
+    assert np.array_equal(sent, samples["command"][:, :3]), "what is recorded for a tick is what the device got in it"
     assert not sent[:PUSH_AT].any()
     assert sent[PUSH_AT, 0] == pytest.approx(PUSH * 1e-3 / 3.0, rel=1e-9)
     assert sent[PUSH_AT + 9, 0] == pytest.approx(10 * PUSH * 1e-3 / 3.0, rel=1e-6)
@@ -58,8 +67,8 @@ def test_the_simulated_robot_moves_from_the_tick_of_its_command_on():
     """Its joint speed a tick later is 1 - exp(-w_p dt) of what was commanded; with a delay line of d ticks, d later."""
     for delay in (0, 3):
         plugin = build_device(Robot(delay_ticks=delay, servo_bandwidth_hz=20.0), seed=4)
-        command, data = np.zeros(COMMAND_LENGTH), np.zeros(13)
-        command[COMMAND_DQ], command[6] = 0.1, 1.0
+        command, data = np.zeros(COMMAND_LENGTH), np.zeros(DATA_LENGTH)
+        command[COMMAND_DQ], command[COMMAND_ENABLED] = 0.1, 1.0
         speeds = []
         for tick in range(8):
             plugin.read(plugin.memory, np.zeros(7), data, tick)

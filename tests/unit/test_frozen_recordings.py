@@ -1,7 +1,8 @@
 """Recordings of earlier versions, kept as they were written, are read for ever.
 
 Each folder of tests/data/run_* is 0.3 s of a run on the virtual clock: the wavy tunnel before there were objects,
-the same with their tables and without what acts on forces, and pick and place. What session.json says of the machine
+the same with their tables and without what acts on forces, pick and place, and the wavy tunnel as the last version had
+it whose blocks held the tunnel themselves. What session.json says of the machine
 and its folders was taken out. They are never made anew: a version that changes the format adds one of its own.
 """
 
@@ -15,19 +16,29 @@ import numpy as np
 import pytest
 
 from mimics_app.app.cli import main
+from mimics_app.contracts.errors import PartialDataError
+from mimics_app.contracts.haptic import SCENE
+from mimics_app.recording.older_blocks import current_block
 from mimics_app.recording.recover import recover
+from mimics_app.recording.replay import compare, gather
 from mimics_app.recording.report import page_of, write_report
 from mimics_app.recording.run import Run
 from mimics_app.recording.verdict import judge
+from mimics_app.rendering.haptic.object_statics import ObjectStatics
+from mimics_app.rendering.haptic.replay import replay_ticks
 from mimics_app.tasks.kinds.registry import report_sections
 
 FROZEN = sorted((Path(__file__).parents[1] / "data").glob("run_*"))
+CURRENT = ("run_0_1_0", "run_0_1_0_block")
+"""Those with all of today's columns."""
+
 COLUMNS = {"tick", "state", "hip_world[0]", "hip_world[1]", "hip_world[2]", "f_user_world[0]", "f_meas[0]", "q[0]"}
 """Of every version there ever was."""
 
 
-def test_there_are_three_and_all_are_small() -> None:
-    assert [folder.name for folder in FROZEN] == ["run_0_1_0", "run_0_1_0_objects", "run_0_1_0_tunnel"]
+def test_there_are_four_and_all_are_small() -> None:
+    names = ["run_0_1_0", "run_0_1_0_block", "run_0_1_0_objects", "run_0_1_0_tunnel"]
+    assert [folder.name for folder in FROZEN] == names
     for folder in FROZEN:
         assert sum(path.stat().st_size for path in folder.rglob("*")) < 300_000, folder
 
@@ -36,7 +47,7 @@ def test_there_are_three_and_all_are_small() -> None:
 def test_frozen_recording_is_whole(folder: Path) -> None:
     run = Run.open(folder)
     assert judge(run).whole
-    assert ("of another version" in " ".join(run.notes())) == (folder.name != "run_0_1_0")
+    assert ("of another version" in " ".join(run.notes())) == (folder.name not in CURRENT)
     assert run.status == "clean" and not COLUMNS & set(run.layout.absent)
     assert np.array_equal(run.haptic["tick"], np.arange(300)) and run.haptic["t"][-1] == pytest.approx(0.299)
     assert len(run.events) == run.manifest.events > 0 and len(run.trials) == 1
@@ -50,8 +61,8 @@ def test_frozen_recording_is_whole(folder: Path) -> None:
 @pytest.mark.parametrize("folder", FROZEN, ids=lambda folder: folder.name)
 def test_frozen_recording_is_reported_and_recovered(folder: Path, tmp_path: Path) -> None:
     copy = Path(shutil.copytree(folder, tmp_path / "run"))
-    scene = json.loads((copy / "session.json").read_text())["scene"]["name"].replace("_", " ")
-    assert page_of(Run.open(copy), report_sections()).title == f"Report of {scene}"
+    scene = json.loads((copy / "session.json").read_text())["scene"]["name"].replace("_", " ").lower()
+    assert page_of(Run.open(copy), report_sections()).title.lower() == f"report of {scene}"
     heading = "Carrying" if scene == "pick and place" else "Movement through the tunnel"
     assert f"<h2>{heading}</h2>" in write_report(copy, report_sections()).read_text()
     before = Run.open(copy).haptic.tobytes()
@@ -70,3 +81,30 @@ def test_frozen_recording_is_replayed_where_its_inputs_suffice(capsys: pytest.Ca
     for folder in FROZEN[1:]:
         assert main(["replay", str(folder)]) == 6
         assert "recorded with other columns; replay it with the version it names" in capsys.readouterr().err
+
+
+def test_a_recording_with_the_tunnel_in_its_blocks_is_simulated_again_bit_for_bit() -> None:
+    data = gather(Run.open(FROZEN[0].parent / "run_0_1_0_block"))
+    assert {len(rows.tunnels) for rows in data.rows.values()} == {1}
+    assert {block.dtype for block in data.blocks.values()} == {SCENE}
+    statics = None if data.statics is None else ObjectStatics.from_arrays(data.statics.arrays, data.statics.fields)
+    replayed = replay_ticks(data.samples, data.blocks, data.rows, statics)
+    assert compare(data.samples, replayed) is None
+
+
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [("run_0_1_0_objects", "other columns"), ("run_0_1_0_tunnel", "other columns")],
+)
+def test_a_recording_that_lacks_an_input_is_refused_with_the_reason(name: str, why: str) -> None:
+    with pytest.raises(PartialDataError, match=why):
+        gather(Run.open(FROZEN[0].parent / name))
+
+
+def test_a_block_that_says_something_else_is_no_block_of_this_version() -> None:
+    run = Run.open(FROZEN[0].parent / "run_0_1_0_block")
+    number, block = next(iter(run.parameters.items()))
+    assert current_block(block, run.rows[number]) is not None
+    other = [("virtual_weight" if name == "virtual_mass" else name, block.dtype[name]) for name in block.dtype.names]
+    assert current_block(np.zeros(1, np.dtype(other)), run.rows[number]) is None
+    assert current_block(block, None) is None

@@ -12,12 +12,12 @@ from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import SAMPLE
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic import scheduler
+from mimics_app.rendering.haptic.descriptors.hapticmaster import axis_offset
 from mimics_app.rendering.haptic.devices.device_names import device_names
 from mimics_app.rendering.haptic.devices.registry import BUILT_IN, build_device, find_builder
 from mimics_app.rendering.haptic.scene_block import (
     apply_joint_pd,
     apply_world_pd,
-    axis_offset,
     robot_from_world,
     scene_from_components,
 )
@@ -78,7 +78,7 @@ def test_scene_block_from_components():
     robot = Robot(stroke=0.3, offset=0.3, robot_to_world=RobotToWorld(translation=(0.1, 0.2, 0.3)))
     safety = Safety(force_limit=33.0, late_hold_s=0.004, missed_stop=7)
     block = scene_from_components(robot, Admittance(form="polar", mass=4.0), Ball(radius_min=0.01), safety)[0]
-    assert block["axis_offset"] == axis_offset(robot) == pytest.approx(0.45)
+    assert block["geometry"][0] == axis_offset(robot) == pytest.approx(0.45)
     assert (block["form"], block["virtual_mass"], block["ball_radius_min"]) == (1, 4.0, 0.01)
     assert (block["force_limit"], block["late_hold_ns"], block["missed_stop"]) == (33.0, 4_000_000, 7)
     assert block["origin_world"].tolist() == [0.1, 0.2, 0.3]
@@ -97,10 +97,10 @@ def test_world_target_goes_into_the_robot_frame_and_back():
     target = np.array([0.15, 0.18, 0.33])
     apply_world_pd(block, WorldPd(), target)
     record = block[0]
-    assert np.allclose(record["R_world_from_robot"] @ record["target"] + record["origin_world"], target, atol=1e-15)
-    assert np.allclose(robot_from_world(robot, target[None])[0], record["target"], atol=1e-15)
+    assert np.allclose(record["R_world_from_robot"] @ record["target"][:3] + record["origin_world"], target, atol=1e-15)
+    assert np.allclose(robot_from_world(robot, target[None])[0], record["target"][:3], atol=1e-15)
     apply_joint_pd(block, JointPd(kp=(1.0, 2.0, 3.0)), np.array([0.1, 0.2, 0.3]))
-    assert block[0]["kp"].tolist() == [1.0, 2.0, 3.0] and block[0]["controller"] == 1
+    assert block[0]["kp"].tolist() == [1.0, 2.0, 3.0, 3.0, 3.0, 3.0, 3.0, 3.0] and block[0]["controller"] == 1
 
 
 def test_unknown_recipe_is_refused_and_plain_asks_for_nothing():

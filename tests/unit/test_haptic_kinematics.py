@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from mimics_app.rendering.haptic.kernels import kinematics as kin
+from mimics_app.rendering.haptic.kernels.vectors import clamp_joints
 
 D1 = 0.46
 RANDOM_POSES = 20_000
@@ -67,7 +68,7 @@ def test_angle_is_continuous_on_a_circle_about_the_axis():
 
 def test_clamp_names_the_joint_that_was_outside():
     q = np.array([0.2, 0.0, -0.3])
-    assert kin.clamp_joints(q, np.array([-0.18, -0.5, -0.2]), np.array([0.18, 0.5, 0.2])) == 0b101
+    assert clamp_joints(q, np.array([-0.18, -0.5, -0.2]), np.array([0.18, 0.5, 0.2])) == 0b101
     assert q.tolist() == [0.18, 0.0, -0.2]
 
 

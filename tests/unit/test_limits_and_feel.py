@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -18,7 +19,8 @@ from mimics_app.app.settings import RunSettings
 from mimics_app.app.touch.device_fit import device_values
 from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.errors import UsageError
-from mimics_app.contracts.haptic import FEEL, LIMIT_NAMES, SCENE, TUNNEL
+from mimics_app.contracts.haptic import FEEL, LIMIT_NAMES, SCENE
+from mimics_app.contracts.haptic_objects import TUNNEL
 from mimics_app.contracts.resources import root
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.scene_block import apply_safety, safety_of, scene_from_components
@@ -128,6 +130,6 @@ def test_late_ticks_latch_no_stop_of_a_simulated_device(device: str, latches: in
 
 def test_late_ticks_latch_a_stop_of_every_device_that_does_not_say_it_is_simulated(tmp_path: Path):
     plugin = build_device(Robot(device="simulated_hapticmaster"))
-    real: Any = SimpleNamespace(delay=plugin.delay, follows=plugin.follows, simulated=False)
+    real = replace(plugin, simulated=False)
     scene: Any = SimpleNamespace(first=lambda kind: None)
     assert device_values(real, scene)["late_latches"] == 1 and scene_from_components()["late_latches"][0] == 1

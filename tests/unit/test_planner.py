@@ -16,7 +16,6 @@ from mimics_app.app.planner.explain import OF_OBJECTS, TICK_GROUP, describe_plan
 from mimics_app.app.planner.plan import choose, load_table, plan_scene, settle
 from mimics_app.app.planner.tolerances import BY_PROFILE, FIELD_OF_UNIT, tolerances_of
 from mimics_app.app.planner.uses import NOT_PLANNED, USES
-from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.settings import PROFILES
 from mimics_app.contracts.haptic import AdmittanceForm, Projection
@@ -30,7 +29,6 @@ from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.scenarios.robot_scene import robot_block
 from mimics_app.world.components.objects import HapticObject
 from mimics_app.world.components.systems import HapticSettings, Tolerances
-from mimics_app.world.scene.file import build_world
 
 SCENE = root() / "scenes" / "wavy_tunnel.json"
 PART_KEYS = [
@@ -165,8 +163,8 @@ def test_what_is_chosen_is_what_runs(scene, name, monkeypatch):
     table = planted(tunnel_projection=[projection(name, 1.0, 1e-12), projection("golden section", 2.0, 1e-12)])
     monkeypatch.setattr("mimics_app.app.planner.plan.load_table", lambda: (table, "planted"))
     settle(scene, "study")
-    block = open_scenario(scene, build_world(scene)).scene_block()
-    assert Projection(block[0]["tunnel"]["projection"]) is PROJECTIONS[name]
+    tunnel = objects_of_scene(scene).rows.tunnels[0]
+    assert Projection(tunnel["projection"]) is PROJECTIONS[name]
 
 
 def renamed(table: Table) -> Table:
@@ -194,8 +192,8 @@ def test_a_renamed_projection_runs_as_its_settings_say(scene, word, monkeypatch)
     table = planted(tunnel_projection=[row("anything", 1.0, 1e-12, "m", projection=word)])
     monkeypatch.setattr("mimics_app.app.planner.plan.load_table", lambda: (table, "planted"))
     settle(scene, "study")
-    block = open_scenario(scene, build_world(scene)).scene_block()
-    assert Projection(block[0]["tunnel"]["projection"]) is PROJECTIONS[word]
+    tunnel = objects_of_scene(scene).rows.tunnels[0]
+    assert Projection(tunnel["projection"]) is PROJECTIONS[word]
 
 
 @pytest.mark.parametrize(("word", "form"), [("polar", AdmittanceForm.POLAR), ("cartesian", AdmittanceForm.CARTESIAN)])
@@ -252,8 +250,8 @@ def test_the_shipped_table_has_the_rivals_that_run_and_their_settings():
 
 
 def test_without_a_plan_the_tunnel_runs_the_tracked_newton(scene):
-    block = open_scenario(scene, build_world(scene)).scene_block()
-    assert Projection(block[0]["tunnel"]["projection"]) is Projection.NEWTON_WARM
+    tunnel = objects_of_scene(scene).rows.tunnels[0]
+    assert Projection(tunnel["projection"]) is Projection.NEWTON_WARM
 
 
 def test_shipped_table_draft_and_study_choose_differently(scene):

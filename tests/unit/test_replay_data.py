@@ -15,7 +15,7 @@ from mimics_app.app.cli import main
 from mimics_app.contracts.errors import PartialDataError
 from mimics_app.contracts.haptic import EVENT, SAMPLE, EventKind
 from mimics_app.recording.arrow_format import decode_samples, encode_samples
-from mimics_app.recording.columns import INPUT_FIELDS, OUTPUT_FIELDS
+from mimics_app.recording.columns import INPUT_FIELDS, OUTPUT_FIELDS, present_columns
 from mimics_app.recording.event_log import encode_event
 from mimics_app.recording.recover import recover
 from mimics_app.recording.replay import ReplayData, compare, compare_events, gather
@@ -36,7 +36,16 @@ def _fake_tick(data: ReplayData) -> np.ndarray:
     total = np.cumsum(inputs[:, first:last].sum(axis=1) * gain * 1e-3)
     for i, name in enumerate(OUTPUT_FIELDS):
         column = np.sin(total + i)
-        samples[name] = column if samples[name].ndim == 1 else column[:, None] * [1.0, 2.0, 3.0]
+        samples[name] = (
+            column if samples[name].ndim == 1 else column[:, None] * (1.0 + np.arange(samples[name].shape[1]))
+        )
+    return _of_the_device(samples)
+
+
+def _of_the_device(samples: np.ndarray) -> np.ndarray:
+    """Zeros where the device has no joint or point of contact."""
+    rows = samples.view(np.float64).reshape(len(samples), -1)
+    rows[:, np.setdiff1d(np.arange(rows.shape[1]), present_columns())] = 0.0
     return samples
 
 
@@ -46,6 +55,7 @@ def _write_run(folder: Path, drop_block: bool = False) -> Path:
     samples["tick"], samples["t"] = np.arange(TICKS), np.arange(TICKS) / 1000
     for name in ("q", "dq", "f_meas", "grasp"):
         samples[name] = chance.normal(size=samples[name].shape)
+    samples = _of_the_device(samples)
     samples["sequence"] = np.where(np.arange(TICKS) < 10, 0, np.where(np.arange(TICKS) < 400, 1, 2))
     blocks = {sequence: scene_block(sequence) for sequence in (1, 2)}
     for sequence, block in blocks.items():
@@ -171,7 +181,7 @@ def test_checksum_is_crc32_of_the_rows() -> None:
     samples["t"], samples["ramp"] = [1, 2, 3], [4, 5, 6]
     stream = schema_bytes(samples_schema()) + encode_samples(samples, 7, 350)
     message = pa.ipc.open_stream(stream).read_next_batch_with_custom_metadata()
-    rows = samples.view("<f8").reshape(3, -1)
+    rows = samples.view("<f8").reshape(3, -1)[:, present_columns()]
     data = np.array([7, 350], "<i8").tobytes() + rows[:, 0].tobytes() + rows[:, 1:].tobytes()
     assert int(message.custom_metadata[b"crc"], 16) == zlib.crc32(data)
 

@@ -114,12 +114,14 @@ def test_figure_48_colours(page: str) -> None:
 
 def test_tunnel_is_drawn_where_it_is() -> None:
     """Hermite pieces of a sine: 4th-order, bound h^4/384 max|y''''| = 0.06 (2 pi/0.24)^4 0.045^4/384 = 0.3 mm."""
-    shape = tunnel_shape(scene_block(1, 1, 3))
+    shape = tunnel_shape(*scene_block(1, 1, 3))
     assert shape is not None
     x, y = shape.bisector_world[:, 0], shape.bisector_world[:, 1]
     assert np.abs(y - bisector(x)).max() <= 0.06 * (2 * np.pi / 0.24) ** 4 * 0.045**4 / 384
     assert np.allclose(shape.radius, RADIUS - 0.0012 * np.linspace(0, 8, len(x)), atol=1e-15)
-    assert tunnel_shape(np.zeros(1, scene_block(1, 1, 3).dtype)) is None
+    block, rows = scene_block(1, 1, 3)
+    assert tunnel_shape(block, rows._replace(tunnels=rows.tunnels[:0])) is None
+    assert tunnel_shape(block, None) is None
 
 
 def test_attempts_are_told_apart_by_the_parameter_blocks(folder: Path) -> None:

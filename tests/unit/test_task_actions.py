@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mimics_app.contracts import haptic_objects
 from mimics_app.contracts.action_space import ActionSpace, Parameter
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.haptic import SCENE
@@ -108,7 +109,7 @@ def test_haptic_targets_are_single_numbers_of_the_record():
     assert not {"sequence", "target", "tunnel", "tunnel.radius", "controller", "trial"} & haptic_targets()
     for name in haptic_targets():
         group, _, field = name.partition(".")
-        assert (SCENE[group][field] if field else SCENE[group]).kind == "f"
+        assert (haptic_objects.TUNNEL[field] if field else SCENE[group]).kind == "f"
 
 
 def test_a_sound_task_has_no_faults():

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from mimics_app.contracts.device_descriptor import KINEMATICS, DeviceDescriptor
 from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.contracts.loop_ports import READ, WRITE, DevicePlugin
+from mimics_app.contracts.loop_ports import DATA_AGE, DATA_DQ, READ, WRITE, DevicePlugin
+from mimics_app.rendering.haptic.descriptors.leg import LEG
 from mimics_app.rendering.haptic.devices.conformance import CHECKS, Finding, check_device
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.world.components.robot import Patient, Robot
@@ -36,6 +39,53 @@ def test_simulated_devices_conform(name: str):
     assert {one.check for one in findings if one.verdict == "not applicable"} == NEEDS_FAULTS
 
 
+@pytest.mark.parametrize("name", ["simulated_leg", "simulated_legs"])
+@pytest.mark.parametrize("mode", ["motion", "torque"])
+def test_legs_conform_in_both_modes(name: str, mode: str):
+    robot = Robot(device=name, settings={"mode": mode})
+    plugin = build_device(robot, Patient(intent=False))
+    assert plugin.follows == {"motion": "velocity", "torque": "torque"}[mode]
+    findings = check_device(plugin, robot)
+    assert _verdicts(findings) == {}
+    assert {one.check for one in findings if one.verdict == "not applicable"} == NEEDS_FAULTS
+
+
+def _wrong(**changes: object) -> DeviceDescriptor:
+    """A leg's descriptor with other functions than it should have."""
+    return replace(LEG, kinematics=LEG.kinematics._replace(**changes))  # type: ignore[arg-type]
+
+
+@typed_kernel(KINEMATICS)
+def still_jacobian(geometry, q, given, out):
+    for i in range(6):
+        out[i] = 0.0
+    return 0
+
+
+@typed_kernel(KINEMATICS)
+def stretched_inverse(geometry, q, given, out):
+    out[0] = 0.3
+    out[1] = 0.0
+    return 0
+
+
+@pytest.mark.parametrize(
+    ("descriptor", "check"),
+    [
+        (_wrong(jacobian=still_jacobian), "has the jacobian of its points"),
+        (_wrong(torque=LEG.kinematics.velocity), "has closed forms of its jacobian"),
+        (_wrong(velocity=LEG.kinematics.torque), "has closed forms of its jacobian"),
+        (_wrong(inverse=stretched_inverse), "finds back where its points are"),
+        (replace(LEG, torques=False), "fills its own joints only"),
+        (replace(LEG, joints=LEG.joints[:1]), "fills its own joints only"),
+    ],
+)
+def test_the_kit_fails_a_descriptor_that_does_not_fit_its_device(descriptor: DeviceDescriptor, check: str):
+    robot = Robot(device="simulated_leg")
+    plugin = replace(build_device(robot, Patient(intent=False)), descriptor=descriptor)
+    assert check in _verdicts(check_device(plugin, robot))
+
+
 def test_the_replay_device_conforms():
     samples = np.tile(patient_bench().advance(300), 30)
     findings = check_device(build_device(Robot(device="replay"), samples=samples))
@@ -56,7 +106,7 @@ def write_nothing(memory, command, tick):
 
 @typed_kernel(READ)
 def read_nan(memory, inbox, data, tick):
-    data[3] = np.nan
+    data[DATA_DQ] = np.nan
     return 0
 
 
@@ -72,7 +122,7 @@ def read_unknown_status(memory, inbox, data, tick):
 
 @typed_kernel(READ)
 def read_older_and_older(memory, inbox, data, tick):
-    data[11] = 0.002 * (tick % 9)
+    data[DATA_AGE] = 0.002 * (tick % 9)
     return 0
 
 

@@ -12,6 +12,8 @@ from zipfile import ZipFile
 
 import pytest
 
+from mimics_app.recording.run import Run
+
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = ROOT / "examples" / "device_plugin"
 
@@ -42,6 +44,56 @@ def test_it_passes_the_kit_under_its_name(installed: Path) -> None:
     assert done.returncode == 0, done.stderr
     verdicts = [one["verdict"] for one in json.loads(done.stdout)["checks"]]
     assert verdicts.count("passed") >= 24 and "failed" not in verdicts
+
+
+def test_a_device_of_another_shape_passes_too(installed: Path) -> None:
+    assert len((EXAMPLE / "elbow_arm.py").read_text(encoding="utf-8").splitlines()) <= 110
+    done = _mimics(installed, "devices", "check", "elbow_arm", "--json")
+    assert done.returncode == 0, done.stdout + done.stderr
+    verdicts = {one["check"]: one["verdict"] for one in json.loads(done.stdout)["checks"]}
+    assert "failed" not in verdicts.values()
+    assert verdicts["has the jacobian of its points"] == "passed"
+
+
+SCENE = {
+    "format": "mimics-scene",
+    "version": 1,
+    "include": ["mimics:scenes/parts/touch_room.json"],
+    "entities": [
+        {
+            "id": "pillow",
+            "transform": {"translation": [0.0, 0.3, 0.45]},
+            "components": {
+                "mesh": {"primitive": {"shape": "sphere", "radius": 0.05}, "material": "rubber"},
+                "haptic_object": {"mass": 1.0, "stiffness": 500.0, "enable_translation": False},
+            },
+        },
+        {"id": "hand", "prefab": "hand", "transform": {"translation": [0.16, 0.30, 0.47]}},
+        {"id": "robot", "prefab": "robot", "components": {"robot": {"device": "elbow_arm", "settings": {"link": 0.3}}}},
+    ],
+}
+
+
+def test_one_device_more_touches_no_existing_file_and_plays_records_and_replays(
+    installed: Path, tmp_path: Path
+) -> None:
+    """From a wheel alone: another number of joints, in the loop, in the recording, and simulated again from it."""
+    scene = tmp_path / "pillow.json"
+    scene.write_text(json.dumps(SCENE), encoding="utf-8")
+    asked = ("--headless", "--seconds", "2.5", "--pictures", "0", "--json", "--runs", str(tmp_path / "runs"))
+    done = _mimics(installed, "run", str(scene), *asked)
+    assert done.returncode == 0, done.stdout + done.stderr
+    answer = json.loads(done.stdout)
+    assert answer["safety"]["stops"] == 0 and answer["ticks"] == 2500
+    run = Run.open(Path(answer["run_dir"]))
+    assert run.layout.extent.joints == ("rad", "rad") and not run.problems()
+    assert float(abs(run.haptic["q"][-1, :2] - run.haptic["q"][0, :2]).max()) > 0.05, "it was driven to its start"
+    replayed = _mimics(installed, "replay", answer["run_dir"], "--json")
+    assert replayed.returncode == 0 and json.loads(replayed.stdout)["equal"] is True, replayed.stderr
+    other = _mimics(installed, "run", str(scene), "--device", "pointer", *asked)
+    assert other.returncode == 4 and "2 joints" in other.stdout + other.stderr
+    gone = _mimics(tmp_path, "replay", answer["run_dir"])
+    assert gone.returncode == 4 and "elbow_arm" in gone.stderr
 
 
 def test_its_guide_runs(installed: Path) -> None:

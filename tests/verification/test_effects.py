@@ -7,8 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from mimics_app.contracts.haptic import TUNNEL
-from mimics_app.contracts.haptic_objects import BodyFlag, EffectKind
+from mimics_app.contracts.haptic_objects import TUNNEL, BodyFlag, EffectKind
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.loop_ports import FIELD
 from mimics_app.maths.quat import about_axis, to_matrix

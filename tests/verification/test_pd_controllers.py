@@ -7,13 +7,20 @@ import math
 import numpy as np
 import pytest
 
+from mimics_app.contracts.device_descriptor import KinematicsStatus
 from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop_fields import MAX_JOINTS
 from mimics_app.rendering.haptic.control.joint_pd import joint_pd, joint_pd_as_printed
 from mimics_app.rendering.haptic.control.world_pd import world_pd_straight, world_pd_through_joints
+from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
+from mimics_app.rendering.haptic.kernels.joints import JOINT_WORK
 from mimics_app.rendering.haptic.kernels.kinematics import forward, inverse
+from mimics_app.rendering.haptic.scene_block import scene_from_components
+from mimics_app.world.components.robot import Robot
 
 T = 1e-3
 D1 = 0.46
+KIN = tuple(HAPTICMASTER.kinematics)
 
 
 def _ideal_servo(law, target, kp: float, kd: float, seconds: float) -> np.ndarray:
@@ -72,34 +79,27 @@ def test_stability_of_the_sampled_loop_agrees_with_the_inequality():
 
 
 @kernel
-def _sweep(straight, gain, ticks, path):
-    q = np.zeros(3)
-    dq = np.zeros(3)
-    u = np.zeros(3)
-    scratch = np.zeros(3)
-    start = np.array([0.0, -0.5, 0.0])
-    goal = np.array([0.0, 0.5, 0.0])
-    target = np.zeros(3)
-    forward(goal, 0.46, target)
-    q[:] = start
-    kp = np.full(3, gain)
-    kd = np.zeros(3)
+def _sweep(straight, scene, work, q, ticks, path):
+    dq = np.zeros(MAX_JOINTS)
+    u = np.zeros(MAX_JOINTS)
     for k in range(ticks):
         if straight:
-            world_pd_straight(q, dq, target, kp, kd, 0.46, scratch, u)
+            world_pd_straight(KIN, scene, q, dq, work, u)
         else:
-            world_pd_through_joints(q, dq, target, kp, kd, 0.46, scratch, u)
+            world_pd_through_joints(KIN, scene, q, dq, work, u)
         for i in range(3):
             q[i] += 1e-3 * u[i]
         forward(q, 0.46, path[k])
 
 
 def _bow(straight: bool, gain: float = 10.0) -> tuple[float, np.ndarray]:
-    path = np.zeros((3000, 3))
-    _sweep(straight, gain, len(path), path)
+    path, q = np.zeros((3000, 3)), np.zeros(MAX_JOINTS)
+    scene, q[1] = scene_from_components()[0], -0.5
     start, end = np.zeros(3), np.zeros(3)
     forward(np.array([0.0, -0.5, 0.0]), D1, start)
     forward(np.array([0.0, 0.5, 0.0]), D1, end)
+    scene["target"][:3], scene["kp"], scene["kd"] = end, gain, 0.0
+    _sweep(straight, scene, np.zeros(1, JOINT_WORK)[0], q, len(path), path)
     along = (end - start) / np.linalg.norm(end - start)
     offset = path - start
     offset -= np.outer(offset @ along, along)
@@ -121,9 +121,20 @@ def test_straight_world_pd_is_straight_to_first_order():
 
 
 def test_world_pd_target_behind_the_axis_is_reached_through_the_right_quadrant():
-    u, scratch = np.zeros(3), np.zeros(3)
+    u, still, work = np.zeros(MAX_JOINTS), np.zeros(MAX_JOINTS), np.zeros(1, JOINT_WORK)[0]
     target = np.array([-D1 - 0.1, 0.05, 0.0])
-    world_pd_through_joints(np.zeros(3), np.zeros(3), target, np.ones(3), np.zeros(3), D1, scratch, u)
+    scene = scene_from_components(Robot(joint_min=(-1.0, -4.0, -1.0), joint_max=(1.0, 4.0, 1.0)))[0]
+    scene["target"][:3], scene["kp"], scene["kd"] = target, 1.0, 0.0
+    assert world_pd_through_joints(KIN, scene, still, still, work, u) == KinematicsStatus.DONE
     q = np.zeros(3)
     inverse(target, D1, q)
     assert u[1] == q[1] > 2.0
+
+
+def test_world_pd_approaches_an_unreachable_target_as_far_as_the_joints_allow():
+    u, still, work = np.zeros(MAX_JOINTS), np.zeros(MAX_JOINTS), np.zeros(1, JOINT_WORK)[0]
+    scene = scene_from_components()[0]
+    scene["target"][:3], scene["kp"], scene["kd"] = (-D1 - 0.1, 0.05, 0.3), 1.0, 0.0
+    assert world_pd_through_joints(KIN, scene, still, still, work, u) == KinematicsStatus.UNREACHABLE
+    assert u[:3].tolist() == [-0.18, 0.5, 0.2]  # the arm would have to be shorter than its least reach of 0.28 m
+    assert not u[3:].any()

@@ -48,5 +48,5 @@ def check_by_name(device: str, recording: Path | None) -> list[Finding]:
     samples = None if recording is None else Run.open(recording).haptic
     plugin = build_device(robot, Patient(), samples=samples)
     if plugin.real_time and plugin.follows != "nothing":
-        sys.stderr.write("mimics: the device moves: up to 60 mm along its vertical axis\n")
+        sys.stderr.write("mimics: the device moves: up to 60 mm or mrad of its last joint\n")
     return check_device(plugin, robot, _WallTime() if plugin.real_time else None)

@@ -11,12 +11,13 @@ import mimics_app.tasks.scene_section  # noqa: F401  registers the task block
 from mimics_app.app.scenes.finding import find_scene
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.rendering.haptic import force_fields, scene_effects  # noqa: F401  their checks
-from mimics_app.rendering.haptic.kernels.kinematics import inverse
-from mimics_app.rendering.haptic.scene_block import axis_offset, robot_from_world
+from mimics_app.rendering.haptic.devices import robot_checks  # noqa: F401  its checks
+from mimics_app.rendering.haptic.devices.reach import Reach
 from mimics_app.rendering.haptic.scene_objects import check_objects
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
 from mimics_app.tasks.actions import haptic_field
 from mimics_app.tasks.kinds.carry import carry_of
+from mimics_app.tasks.kinds.tunnel import own_tunnel
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.world.components.robot import Robot, Tunnel
 from mimics_app.world.scene.file import load_scene
@@ -47,16 +48,19 @@ def load_checked_scene(path: Path, before: Scene | None = None) -> Scene:
 
 
 def _check_widest_tunnel(scene: Scene) -> list[Issue]:
-    """The task may widen the tunnel only as far as its tightest bend allows (radius x curvature below 1)."""
+    """The task may widen a tunnel only as far as its tightest bend allows (radius x curvature below 1)."""
     task = scene.section(TaskSpec)
     if task is None or not scene.components(Tunnel):
         return []
-    limit = tunnel_of_scene(scene)[0].max_radius_scale
+    targets = {f"tunnels.{entity}.radius_scale": entity for entity, _, _ in scene.components(Tunnel)}
+    targets["tunnel.radius_scale"] = own_tunnel(scene)
     issues = []
     for name, parameter in task.parameters.items():
         for target in parameter.maps:
-            if haptic_field(target) != "tunnel.radius_scale":
+            entity = targets.get(haptic_field(target))
+            if entity is None:
                 continue
+            limit = tunnel_of_scene(scene, entity)[0].max_radius_scale
             widest = max(target.offset + target.scale * value for value in (parameter.min, parameter.max))
             if widest >= limit:
                 what = f"makes the tunnel {widest:g} times as wide: its walls fold over in the tightest bend"
@@ -65,14 +69,15 @@ def _check_widest_tunnel(scene: Scene) -> list[Issue]:
 
 
 def _check_reach(scene: Scene) -> list[Issue]:
-    """The robot must reach the whole bisector, or the person would push against its end stops."""
+    """The robot must reach the bisector of the task's own tunnel, or the person would push against its end stops."""
     if not scene.components(Tunnel) or not scene.components(Robot):
         return []
     _, robot, pointer = scene.one(Robot)
-    curve, _ = tunnel_of_scene(scene)
+    curve, _ = tunnel_of_scene(scene, own_tunnel(scene))
+    reach = Reach(robot)
     for arc in np.linspace(0.0, curve.length, _REACH_CHECKS):
         point = curve.point(curve.parameter_at(arc))[0]
-        if not _reaches(robot, point):
+        if not reach.reaches(point):
             what = f"the robot does not reach the tunnel {arc:.3f} m from its start, at {_place(point)}"
             return [scene.issue(f"{pointer}/robot_to_world", what, "move the robot or the tunnel")]
     return []
@@ -86,22 +91,17 @@ def _check_carry_reach(scene: Scene) -> list[Issue]:
         return []
     robot = scene.one(Robot)[1]
     mark = pose_of(scene, carry.to)[0]
-    if not _reaches(robot, mark):
+    reach = Reach(robot)
+    if not reach.reaches(mark):
         what = f'the robot does not reach "{carry.to}" at {_place(mark)}'
         return [scene.issue("/task/carry/to", what, "move the robot or the mark")]
     box, height = carry.falls_from, robot.robot_to_world.translation[1]
     corners = [(x, height, z) for x in (box.low[0], box.high[0]) for z in (box.low[2], box.high[2])] if box else []
     for corner in corners:
-        if not _reaches(robot, np.array(corner)):
+        if not reach.reaches(np.array(corner)):
             what = f"the robot does not reach what lies below its corner at {_place(np.array(corner))}"
             return [scene.issue("/task/carry/falls_from", what, "make it smaller or move the robot")]
     return []
-
-
-def _reaches(robot: Robot, point_world: NDArray[np.float64]) -> bool:
-    q = np.zeros(3)
-    inverse(robot_from_world(robot, point_world.reshape(1, 3))[0], axis_offset(robot), q)
-    return bool(np.all(q >= robot.joint_min) and np.all(q <= robot.joint_max))
 
 
 def _place(point: NDArray[np.float64]) -> str:

@@ -50,7 +50,7 @@ def build_session(settings: RunSettings, *, live: bool) -> Session:
 
 def _assemble(parts: Preparation, stack: ExitStack) -> Session:
     """Start what runs beside the frames; what must be released after a failure goes on the stack."""
-    memory = parts.side.memory()
+    memory = parts.side.memory(parts.plugin)
     folder = create_run_folder(parts.settings.runs, parts.settings.seconds or 0.0)
     recorder = _start_recorder(parts, memory, folder)
     stack.callback(recorder.abandon)

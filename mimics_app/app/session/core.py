@@ -131,7 +131,7 @@ def open_core(parts: Preparation, recorder: Callable[[SessionMemory], RecorderPo
         DeviceError: the robot cannot be had.
     """
     parts.parameter_store.fit(device_values(parts.plugin, parts.scene))
-    memory = parts.side.memory()
+    memory = parts.side.memory(parts.plugin)
     core = SessionCore(parts, memory, recorder(memory), NullSound())
     core.trackers.start()
     core.begin()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +11,12 @@ import msgspec
 from mimics_app.app.planner.explain import describe_plan
 from mimics_app.app.session.preparation import Preparation
 from mimics_app.app.touch.device_fit import fit_context
-from mimics_app.rendering.haptic.devices.device_names import POINTER
+from mimics_app.contracts.scenario_port import TaskContext
+from mimics_app.rendering.haptic.devices.address import split_device
+from mimics_app.rendering.haptic.devices.device_names import POINTER, REPLAY
 from mimics_app.rendering.haptic.scene_block import safety_of
 from mimics_app.tasks.task_record import task_record
+from mimics_app.world.components.robot import Robot
 
 __all__ = ["describe_session"]
 
@@ -32,7 +35,7 @@ def describe_session(parts: Preparation) -> dict[str, Any]:
         "seed": settings.seed,
         "profile": settings.profile,
         "live": parts.live,
-        "moved_by": {"device": parts.robot.device, **_person(parts)},
+        "moved_by": {"device": parts.robot.device, **_person(parts), **_kind(parts)},
         "safety": {
             **msgspec.structs.asdict(safety_of(parts.parameter_store.block)),
             "late_latches": bool(parts.parameter_store.block["late_latches"][0]),
@@ -42,11 +45,22 @@ def describe_session(parts: Preparation) -> dict[str, Any]:
             for name, value in asdict(settings).items()
             if name != "journey"
         },
-        "task": task_record(parts.task, fit_context(parts.scenario.task_context, parts.plugin)),
+        "task": task_record(parts.task, _context(parts)),
         "facts": parts.scenario.facts,
         **({"body": parts.body.header} if parts.body.header else {}),
         "plan": describe_plan(scene, parts.plan.without_picture if parts.live else parts.plan),
     }
+
+
+def _context(parts: Preparation) -> TaskContext:
+    """What the task knows of its scene, as the session tells it."""
+    return replace(fit_context(parts.scenario.task_context, parts.plugin), simulated=not parts.live)
+
+
+def _kind(parts: Preparation) -> dict[str, str]:
+    """The device whose joints a replayed recording is of."""
+    planned = (parts.scene.first(Robot) or Robot()).device
+    return {"kind": planned} if split_device(parts.robot.device).name == REPLAY else {}
 
 
 def _person(parts: Preparation) -> dict[str, str]:

@@ -9,9 +9,13 @@ from mimics_app.app.session.session import Session
 from mimics_app.inputs.interaction.plane import FrontalPlane
 from mimics_app.inputs.interaction.pointer import Pointer, PointerSettings
 from mimics_app.inputs.stage import Inputs
+from mimics_app.rendering.haptic.devices.reach import Reach
 from mimics_app.world.components.robot import Ball, Robot
 
 __all__ = ["person_inputs"]
+
+_LEAST_HALF = 0.1
+"""Of the plane in which the cursor moves, where a device reaches less [m]."""
 
 
 def person_inputs(session: Session) -> Inputs:
@@ -25,9 +29,20 @@ def person_inputs(session: Session) -> Inputs:
         raise RuntimeError("a person needs a window")
     robot, ball = session.scene.first(Robot) or Robot(), session.scene.first(Ball)
     centre = robot.robot_to_world.translation
-    half_width = float(np.sin(robot.joint_max[1]) * (robot.stroke / 2 + robot.offset))
-    plane = FrontalPlane(centre, half_width=half_width, half_height=robot.joint_max[2])
+    half_width, half_height = _half_sizes(Reach(robot))
+    plane = FrontalPlane(centre, half_width=half_width, half_height=half_height)
     settings = PointerSettings() if ball is None else PointerSettings(grasp_full=ball.grasp_force_full)
     at_mouse = Pointer(plane, picture.ray, settings)
     on_robot = [simulated_person(session.scene, session.scenario)] if session.haptics.plugin.real_time else []
     return Inputs([*on_robot, at_mouse], session.inputs.signals, window=picture.surface)
+
+
+def _half_sizes(reach: Reach) -> tuple[float, float]:
+    """How far from its middle the robot reaches sideways and up [m]."""
+    highest = np.array(reach.limits.highest)
+    if not reach.descriptor.polar:
+        middle, corner = reach.points(0.5 * (np.array(reach.limits.lowest) + highest))[0], reach.points(highest)[0]
+        away = np.maximum(np.abs(corner - middle), _LEAST_HALF)
+        return float(away[1]), float(away[2])
+    aside = reach.points(np.array([0.0, highest[1], 0.0]))[0]
+    return float(aside[1]), float(highest[2])

@@ -13,11 +13,13 @@ from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.session.body import Body, open_body
 from mimics_app.app.settings import RunSettings
+from mimics_app.app.touch.device_fit import check_shape
 from mimics_app.app.touch.haptic_side import HapticSide
 from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.contracts.scenario_port import Scenario
 from mimics_app.recording.run import Run
+from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.devices.device_names import POINTER, SIMULATED
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.tasks.actions import fill_defaults
@@ -105,7 +107,11 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, pl
     robot, patient = _who_moves(settings, scene, live=live)
     body = open_body(settings, task, patient.preset)
     way, objects = scenario.via_points_world, side.for_robot(robot)
-    plugin = build_device(robot, patient, way, settings.seed, samples=_recorded(settings), objects=objects)
+    recorded = _recorded(settings)
+    if recorded is None:
+        check_shape(robot.device, scene)
+    descriptor = None if recorded is None else descriptor_of((scene.first(Robot) or Robot()).device)
+    plugin = build_device(robot, patient, way, settings.seed, samples=recorded, descriptor=descriptor, objects=objects)
     return Preparation(
         settings=settings,
         live=live or plugin.real_time,

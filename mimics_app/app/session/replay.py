@@ -8,12 +8,15 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from mimics_app.contracts.device_descriptor import Kinematics
 from mimics_app.contracts.errors import PartialDataError
 from mimics_app.contracts.messages import HapticSnapshot, TaskAction, VRInput
 from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.recording.replay import ReplayData
 from mimics_app.recording.run import Run
 from mimics_app.recording.task_lines import FrameLine, TaskDifference, compare_lines, compare_rows, gather_task
+from mimics_app.rendering.haptic.devices.described import descriptor_of
+from mimics_app.rendering.haptic.devices.device_names import SIMULATED
 from mimics_app.rendering.haptic.object_statics import ObjectStatics
 from mimics_app.rendering.haptic.replay import Replayed, replay_run
 from mimics_app.tasks.attempts import Row
@@ -48,7 +51,19 @@ def play_loop(run: Run, data: ReplayData) -> Replayed:
     kept = data.statics
     statics = None if kept is None else ObjectStatics.from_arrays(kept.arrays, kept.fields)
     seen = [line["tick"] for line in run.lines_of("app", "frame") if isinstance(line.get("tick"), int)]
-    return replay_run(data.samples, data.blocks, data.rows, statics, seen=seen)
+    kinematics = _kinematics(run.session)
+    return replay_run(data.samples, data.blocks, data.rows, statics, kinematics=kinematics, seen=seen)
+
+
+def _kinematics(session: Mapping[str, Any]) -> Kinematics:
+    """Of the device that was recorded; runs that name none are of a HapticMaster's kind.
+
+    Raises:
+        DeviceError: Its plug-in is not installed here.
+    """
+    moved_by = session.get("moved_by")
+    name = moved_by.get("kind") or moved_by.get("device") if isinstance(moved_by, dict) else None
+    return descriptor_of(str(name or SIMULATED)).kinematics
 
 
 def play_task(run: Run, snapshots: Mapping[int, HapticSnapshot]) -> tuple[dict[str, int] | None, TaskDifference | None]:

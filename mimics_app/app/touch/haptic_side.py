@@ -9,14 +9,15 @@ from numpy.typing import NDArray
 
 from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.loop_ports import DevicePlugin
-from mimics_app.contracts.object_rows import Rows
+from mimics_app.contracts.object_rows import Rows, count_rows, has_objects
 from mimics_app.contracts.session_memory import Capacities, SessionMemory
 from mimics_app.recording.statics import Statics
+from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.device_objects import DEFAULT_INERTIA, DeviceObject
 from mimics_app.rendering.haptic.devices.objects_of_rows import device_objects_of
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
-from mimics_app.rendering.haptic.scene_work import Names, fits, has_objects, row_names, statics_of
+from mimics_app.rendering.haptic.scene_work import Names, fits, row_names, statics_of
 from mimics_app.world.components.robot import Robot
 from mimics_app.world.scene.scene import Scene
 
@@ -32,7 +33,7 @@ class HapticSide:
 
     def __init__(self, scene: Scene) -> None:
         self._objects = objects_of_scene(scene)
-        self._some = has_objects(self._objects)
+        self._some = has_objects(self._objects.counts[0])
         self._statics = statics_of(self._objects)
 
     @property
@@ -61,9 +62,10 @@ class HapticSide:
             sys.stderr.write(f'mimics: "{entity}" cannot be felt: the robot does not make it, {reason}\n')
         return objects
 
-    def memory(self) -> SessionMemory:
-        """Shared memory with room for them."""
-        return SessionMemory(Capacities(objects=self._objects.capacities) if self._some else None)
+    def memory(self, plugin: DevicePlugin) -> SessionMemory:
+        """Shared memory with room for them, and for what the device has."""
+        extent = (plugin.descriptor or HAPTICMASTER).extent
+        return SessionMemory(Capacities(objects=self._objects.capacities, extent=extent))
 
     def parameter_store(self, block: NDArray[Any]) -> ParameterStore:
         """A store with the scene's parameter block and the rows of its objects."""
@@ -71,7 +73,7 @@ class HapticSide:
 
     def parameters(self, block: NDArray[Any]) -> tuple[NDArray[Any], Rows | None, Names]:
         """The block with its objects counted, copies of their rows and the names of these; what a store takes."""
-        if not self._some:
+        if not any(count_rows(self._objects.counts[0]).values()):
             return block, None, {}
         block["objects"] = self._objects.counts[0]
         rows = Rows(*(table.copy() for table in self._objects.rows))

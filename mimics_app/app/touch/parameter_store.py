@@ -9,12 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import UsageError, nearest
-from mimics_app.contracts.haptic import LIMIT_NAMES, SCENE, TUNNEL
+from mimics_app.contracts.haptic import LIMIT_NAMES, SCENE
 from mimics_app.contracts.object_rows import Rows
 
 __all__ = ["ParameterStore"]
 
 _PREFIX = "haptic."
+
+_DERIVED = frozenset(Rows._fields) - {"tunnels"}
+"""Tables of which the loop keeps something worked out, until their revision changes."""
 
 Receiver = Callable[[NDArray[Any], Rows | None], object]
 
@@ -22,9 +25,9 @@ Receiver = Callable[[NDArray[Any], Rows | None], object]
 class ParameterStore:
     """Keeps the current parameters and hands a numbered block on whenever a value in it changes.
 
-    A dotted name is a field of SCENE ("virtual_mass"), of its tunnel ("tunnel.stiffness"), or of a row of a table of
-    objects by its entity ("bodies.apple.mass", "shapes.table.stiffness"). Limits are those of the first block, `fit` to
-    the device: what changes names none of them, and whole new parameters keep them.
+    A dotted name is a field of SCENE ("virtual_mass"), of the task's own tunnel ("tunnel.stiffness"), or of a row of a
+    table by its entity ("bodies.apple.mass", "shapes.table.stiffness", "tunnels.left.radius_scale"). Limits are those
+    of the first block, `fit` to the device: what changes names none of them, and whole new parameters keep them.
 
     Args:
         block: The first SCENE record, shape [1]; the store's own from now on.
@@ -128,18 +131,19 @@ class ParameterStore:
         records, field = self._find(name)
         changed = False
         for record in records:
-            if not np.array_equal(record[field], value):  # type: ignore[arg-type]
-                record[field] = value
+            wanted = _as_long_as(record[field], value)
+            if not np.array_equal(record[field], wanted):
+                record[field] = wanted
                 changed = True
-        if changed and name.removeprefix(_PREFIX).split(".")[0] in Rows._fields:
+        if changed and name.removeprefix(_PREFIX).split(".")[0] in _DERIVED:
             self._block[0]["objects"]["revision"] += 1
         return changed
 
     def _find(self, name: str) -> tuple[list[Any], str]:
         """The records a dotted name leads to, and the field in them."""
         *groups, field = name.removeprefix(_PREFIX).split(".")
-        if groups == ["tunnel"]:
-            records, dtype = [self._block[0]["tunnel"]], TUNNEL
+        if groups == ["tunnel"] and self._rows is not None and len(self._rows.tunnels):
+            records, dtype = [self._rows.tunnels[self._block[0]["own_tunnel"]]], self._rows.tunnels.dtype
         elif len(groups) == 2 and groups[0] in Rows._fields and self._rows is not None:
             table = getattr(self._rows, groups[0])
             records, dtype = self._named(table, groups[0], groups[1], name), table.dtype
@@ -154,3 +158,12 @@ class ParameterStore:
         if who not in known:
             raise UsageError(f'"{name}" is no parameter of the haptic scene', nearest(who, known))
         return [table[row] for row in known[who]]
+
+
+def _as_long_as(place: Any, value: object) -> Any:
+    """A value for a place, a vector of a device's joints followed by zeros for those it does not have."""
+    if np.ndim(place) == 0:
+        return value
+    given = np.asarray(value, np.float64).ravel()
+    short = 0 < given.size < np.size(place)
+    return np.concatenate([given, np.zeros(np.size(place) - given.size)]) if short else value

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from mimics_app.app.scenes.catalogue import is_playable, open_scenario
+from mimics_app.contracts.loop_fields import MAX_CONTACTS
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.scenario_port import Scenario
 from mimics_app.world.components.robot import Ball, Robot
@@ -39,6 +40,7 @@ def _resting_hand(scene: Scene, scenario: Scenario) -> HapticSnapshot:
     way = scenario.via_points_world
     middle = (scene.first(Robot) or Robot()).robot_to_world.translation
     values["hip_world"] = np.array(way[0] if len(way) else middle, np.float64)
+    values["others_seen"] = np.tile(values["hip_world"], (MAX_CONTACTS - 1, 1))
     values["ball_radius"] = (scene.first(Ball) or Ball()).radius_max
     values["poses"] = np.zeros((len(scene.entities), 7))
     return HapticSnapshot(**values)

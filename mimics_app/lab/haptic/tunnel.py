@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import MAX_PIECES, TUNNEL
+from mimics_app.contracts.haptic_objects import MAX_PIECES, TUNNEL
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import reference_us, shortest_us

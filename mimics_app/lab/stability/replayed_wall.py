@@ -20,11 +20,12 @@ from numpy.typing import NDArray
 from mimics_app.contracts.haptic import SAMPLE
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_DQ, DATA_LENGTH, DATA_Q
-from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
+from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.lab.stability.linear import find_limit
+from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe
 from mimics_app.rendering.haptic.kernels.safety import HOLD, IN_TIME, LATE_DAMP
-from mimics_app.rendering.haptic.kernels.state import new_state
+from mimics_app.rendering.haptic.kernels.state import new_states
 from mimics_app.rendering.haptic.kernels.tick import tick
 from mimics_app.rendering.haptic.loop import late_class
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, no_objects
@@ -150,6 +151,9 @@ def _classes(scenes: Any, late_ns: Any, held: Any) -> None:
         before = late_ns[i]
 
 
+_KIN = tuple(HAPTICMASTER.kinematics)
+
+
 @kernel
 def _stroke(
     scenes: Any,
@@ -175,7 +179,8 @@ def _stroke(
             objects,
             no_objects,
             NO_FIELDS,
-            states[0],
+            _KIN,
+            states,
             data,
             0,
             0,
@@ -188,11 +193,18 @@ def _stroke(
         out[i] = observe(observers[0], states[0].hip_world, states[0].f_user_world)
 
 
-def _scene(damping: float) -> NDArray[Any]:
+def _rows(damping: float) -> Rows:
+    rows = new_rows(ObjectCapacities())
+    tunnel = rows.tunnels[0]
+    build_tunnel([[-0.15, 0.0, 0.0], [0.15, 0.0, 0.0]], _TUNNEL).fill(tunnel)
+    tunnel["radius_scale"], tunnel["stiffness"], tunnel["damping"] = 1.0, STIFFNESS, damping
+    return rows
+
+
+def _scene() -> NDArray[Any]:
     scene = scene_from_components()
     record = scene[0]
-    build_tunnel([[-0.15, 0.0, 0.0], [0.15, 0.0, 0.0]], _TUNNEL).fill(record["tunnel"])
-    record["tunnel"]["stiffness"], record["tunnel"]["damping"] = STIFFNESS, damping
+    record["objects"]["tunnels"] = 1
     record["ball_radius_min"] = record["ball_radius_max"] = _BALL
     record["force_limit"] = record["force_rate_limit"] = record["power_limit"] = _UNLIMITED
     record["energy_limit"] = record["position_jump"] = _UNLIMITED
@@ -205,7 +217,7 @@ def classes_of(wakes: Wakes, policy: bool) -> NDArray[np.int64]:
     """Late-tick class of every tick; all in time with the policy off."""
     held = np.full(len(wakes.t), IN_TIME, np.int64)
     if policy:
-        _classes(_scene(0.0), wakes.late_ns, held)
+        _classes(_scene(), wakes.late_ns, held)
     return held
 
 
@@ -215,8 +227,8 @@ def energy_of(wakes: Wakes, damping: float, policy: bool, stroke: Stroke = Strok
     out = np.zeros(len(wakes.t))
     held = classes_of(wakes, policy)
     samples, observers = np.zeros(1, SAMPLE), np.zeros(1, OBSERVER)
-    rows, objects = new_rows(ObjectCapacities()), new_object_work(ObjectCapacities())
-    _stroke(_scene(damping), rows, objects, depth, rate, held, PERIOD, new_state(), samples, observers, out)
+    objects = new_object_work(ObjectCapacities())
+    _stroke(_scene(), _rows(damping), objects, depth, rate, held, PERIOD, new_states(), samples, observers, out)
     return float(out[-1])
 
 

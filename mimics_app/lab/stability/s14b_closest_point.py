@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import TUNNEL
+from mimics_app.contracts.haptic_objects import TUNNEL
 from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
 from mimics_app.lab.stability.linear import find_limit

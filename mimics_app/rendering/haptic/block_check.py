@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import MAX_PIECES, AdmittanceForm, Controller, Projection
+from mimics_app.contracts.haptic import AdmittanceForm, Controller, Projection
 from mimics_app.contracts.haptic_objects import (
+    MAX_PIECES,
     STATIC,
     EffectKind,
     ForceLaw,
@@ -17,6 +18,7 @@ from mimics_app.contracts.haptic_objects import (
     SignalSource,
     SignalTarget,
 )
+from mimics_app.contracts.loop_fields import MAX_CONTACTS, MAX_JOINTS
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, count_rows
 from mimics_app.rendering.haptic.row_checks import check_points, check_shapes
 
@@ -27,8 +29,8 @@ Records = NDArray[Any]
 _LARGEST = {
     "controller": max(Controller),
     "form": max(AdmittanceForm),
-    "tunnel.projection": max(Projection),
-    "tunnel.pieces": MAX_PIECES,
+    "joints": MAX_JOINTS,
+    "contacts": MAX_CONTACTS,
 }
 """Largest value of the whole-number fields the tick branches or counts by; the least is 0."""
 
@@ -38,6 +40,7 @@ _CHOICES: dict[str, dict[str, int]] = {
     "effects": {"kind": max(EffectKind)},
     "points": {},
     "wires": {"source": max(SignalSource), "target": max(SignalTarget)},
+    "tunnels": {"projection": max(Projection), "pieces": MAX_PIECES},
 }
 """Likewise of each table's rows."""
 
@@ -58,11 +61,12 @@ def check_block(scene: Records, rows: Rows | None, capacities: ObjectCapacities,
     if int(scene[0]["sequence"]) < 1:
         raise ValueError("SCENE.sequence must count up from 1")
     for name, largest in _LARGEST.items():
-        _check_whole(f"SCENE.{name}", int(_part(scene, name)), 0, int(largest))
+        _check_whole(f"SCENE.{name}", int(scene[0][name]), 0, int(largest))
     for name in _float_fields(scene.dtype):
-        if not np.all(np.isfinite(_part(scene, name))):
+        if not np.all(np.isfinite(scene[0][name])):
             raise ValueError(f"SCENE.{name} is not finite")
     _check_rows(scene[0]["objects"], rows, capacities)
+    _check_whole("SCENE.own_tunnel", int(scene[0]["own_tunnel"]), 0, max(0, int(scene[0]["objects"]["tunnels"]) - 1))
     if rows is not None:
         check_shapes(rows.shapes[: scene[0]["objects"]["shapes"]], meshes)
         check_points(rows.points[: scene[0]["objects"]["points"]])
@@ -78,6 +82,7 @@ def _check_rows(counts: Any, rows: Rows | None, capacities: ObjectCapacities) ->
     if rows is None:
         return
     last_body, last_effect = used["bodies"] - 1, used["effects"] - 1
+    _check_column("points.contact", rows.points["contact"][: used["points"]], 0, MAX_CONTACTS - 1)
     wires = rows.wires[: used["wires"]]
     _check_column("shapes.body", rows.shapes["body"][: used["shapes"]], STATIC, last_body)
     _check_column("effects.body", rows.effects["body"][: used["effects"]], STATIC, last_body)
@@ -105,21 +110,6 @@ def _check_whole(name: str, value: int, least: int, largest: int) -> None:
         raise ValueError(f"{name} is {value}; it must be within {least} and {largest}")
 
 
-def _part(scene: Records, name: str) -> Any:
-    """Value of a field of the first record, by its dotted name."""
-    part = scene[0]
-    for step in name.split("."):
-        part = part[step]
-    return part
-
-
-def _float_fields(dtype: np.dtype[Any], prefix: str = "") -> list[str]:
-    """Dotted names of all float fields of a record type."""
-    names: list[str] = []
-    for name in dtype.names or ():
-        field = dtype[name]
-        if field.names:
-            names += _float_fields(field, f"{prefix}{name}.")
-        elif field.base.kind == "f":
-            names.append(prefix + name)
-    return names
+def _float_fields(dtype: np.dtype[Any]) -> list[str]:
+    """Names of all float fields of a record type."""
+    return [name for name in dtype.names or () if dtype[name].base.kind == "f"]

@@ -15,7 +15,7 @@ from mimics_app.contracts.loop_fields import HapticSnapshot
 from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_LENGTH, INBOX_LENGTH
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows
 from mimics_app.contracts.session_memory import SHARED_ARRAYS, SessionMemory
-from mimics_app.rendering.haptic.kernels.state import new_state
+from mimics_app.rendering.haptic.kernels.state import new_states
 from mimics_app.rendering.haptic.objects import ROW_STACK, ObjectWork, new_object_work
 
 __all__ = ["CHANNELS", "WORK", "Channels", "Work", "channels_of", "new_work", "newest_snapshot"]
@@ -38,7 +38,7 @@ class Work(NamedTuple):
     """Arrays of the loop alone.
 
     Attributes:
-        state: STATE record, shape [1].
+        state: STATE records of the points of contact, shape [MAX_CONTACTS].
         objects: What the loop makes of the haptic objects.
         sample: SAMPLE record being filled, shape [1].
         event: EVENT record being filled, shape [1].
@@ -66,7 +66,7 @@ def channels_of(memory: SessionMemory) -> Channels:
 def new_work(objects: ObjectWork) -> Work:
     """Fresh working arrays around those of the objects."""
     return Work(
-        state=new_state(),
+        state=new_states(),
         objects=objects,
         sample=np.zeros(1, SAMPLE),
         event=np.zeros(1, EVENT),
@@ -77,13 +77,15 @@ def new_work(objects: ObjectWork) -> Work:
     )
 
 
-def newest_snapshot(memory: SessionMemory) -> HapticSnapshot:
-    """The newest state that the loop offered; its arrays are copies."""
+def newest_snapshot(memory: SessionMemory, joints: int) -> HapticSnapshot:
+    """The newest state that the loop offered, of a device with so many joints; its arrays are copies."""
     slot, _ = triple_buffer.acquire(memory.snapshot_words)
     record = memory.snapshots[slot]
     values: dict[str, Any] = {
         name: np.array(record[name]) if record[name].ndim else record[name].item() for name in record.dtype.names
     }
+    values["q"] = values["q"][:joints]
+    values["others_seen"] = values["others_seen"].reshape(-1, 3)
     return HapticSnapshot(**values, poses=memory.poses[slot].copy())
 
 

@@ -21,6 +21,7 @@ from mimics_app.contracts.session_memory import ControlWord, SessionMemory
 from mimics_app.rendering.haptic import scheduler
 from mimics_app.rendering.haptic.block_check import check_block
 from mimics_app.rendering.haptic.channels import channels_of, new_work, newest_snapshot
+from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.histogram import LatenessReport, percentile_us
 from mimics_app.rendering.haptic.loop import advance_ticks, run_live
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, load_simulation, no_objects
@@ -65,6 +66,7 @@ class HapticEngine:
     ) -> None:
         self._memory = memory
         self._plugin = plugin
+        self._descriptor = plugin.descriptor or HAPTICMASTER
         self._period_ns = 1_000_000_000 // rate
         self._spin_us = spin_us
         self._recipe = recipe
@@ -78,7 +80,8 @@ class HapticEngine:
         self._thread: threading.Thread | None = None
         self._failure: BaseException | None = None
         simulate = no_objects if objects is None else load_simulation()
-        self._loop_args = (self._channels, self._work, plugin.read, plugin.write, plugin.memory, simulate, fields)
+        kin = tuple(self._descriptor.kinematics)
+        self._loop_args = (self._channels, self._work, plugin.read, plugin.write, plugin.memory, simulate, fields, kin)
         advance_ticks(*self._loop_args, 0, self._period_ns)
 
     @property
@@ -132,7 +135,7 @@ class HapticEngine:
 
     def snapshot(self) -> HapticSnapshot:
         """The newest state of the loop; its arrays are copies."""
-        return newest_snapshot(self._memory)
+        return newest_snapshot(self._memory, len(self._descriptor.joints))
 
     def events(self) -> Records:
         """Events since the last call, EVENT records, oldest first."""
@@ -220,13 +223,13 @@ class HapticEngine:
 
     def stability(self) -> StabilityReport:
         """What the stability monitor saw so far."""
-        return stability_of(self._work.state, self._work.objects.margins)
+        return stability_of(self._work.state[: len(self._descriptor.contacts)], self._work.objects.margins)
 
     def replay_ticks(
         self, inputs: Records, scenes: Mapping[int, Records], rows: Mapping[int, Rows] | None = None
     ) -> Records:
         """See `replay_ticks`; with this engine's rate."""
-        return replay_ticks(inputs, scenes, rows, period_ns=self._period_ns)
+        return replay_ticks(inputs, scenes, rows, kinematics=self._descriptor.kinematics, period_ns=self._period_ns)
 
     def _demote(self, *_: object) -> None:
         """A loop that ran away under SCHED_FIFO (SIGXCPU) goes on as an ordinary thread; its late ticks stop it."""

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.atomics import load_acquire, now_ns, sleep_until_ns, store_release
 from mimics_app.contracts.borrowed import borrowed
+from mimics_app.contracts.device_descriptor import KINEMATICS_SET, Kin
 from mimics_app.contracts.haptic import SAMPLE, SCENE
 from mimics_app.contracts.kernel import kernel, typed_kernel
 from mimics_app.contracts.loop_ports import (
@@ -37,6 +38,7 @@ from mimics_app.contracts.session_memory import ControlWord
 from mimics_app.contracts.triple_buffer import acquire
 from mimics_app.rendering.haptic.channels import CHANNELS, WORK, Channels, Work
 from mimics_app.rendering.haptic.histogram import count
+from mimics_app.rendering.haptic.kernels.rows import read_inputs
 from mimics_app.rendering.haptic.kernels.safety import (
     HOLD,
     IN_TIME,
@@ -105,7 +107,14 @@ def _take_inbox(channels: Channels, work: Work, scene: Any) -> None:
 @kernel
 def _rows_of(stack: Rows, slot: int) -> Rows:
     """One slot of the tables of objects."""
-    return Rows(stack.shapes[slot], stack.bodies[slot], stack.effects[slot], stack.points[slot], stack.wires[slot])
+    return Rows(
+        stack.shapes[slot],
+        stack.bodies[slot],
+        stack.effects[slot],
+        stack.points[slot],
+        stack.wires[slot],
+        stack.tunnels[slot],
+    )
 
 
 @kernel
@@ -117,6 +126,7 @@ def _run_tick(
     memory: Vec,
     simulate: Simulate,
     fields: Fields,
+    kin: Kin,
     late_ns: int,
     missed_in_row: int,
     period: float,
@@ -138,7 +148,8 @@ def _run_tick(
         work.objects,
         simulate,
         fields,
-        state,
+        kin,
+        work.state,
         work.data,
         status,
         stop_word,
@@ -159,7 +170,7 @@ def _run_tick(
 
 
 _SIMULATE = types.FunctionType(SIMULATE)
-_PLUGINS = (types.FunctionType(READ), types.FunctionType(WRITE), types.float64[::1], _SIMULATE, FIELDS)
+_PLUGINS = (types.FunctionType(READ), types.FunctionType(WRITE), types.float64[::1], _SIMULATE, FIELDS, KINEMATICS_SET)
 
 
 @typed_kernel(types.int64(CHANNELS, WORK, *_PLUGINS, types.int64, types.int64))
@@ -171,6 +182,7 @@ def advance_ticks(
     memory: Vec,
     simulate: Simulate,
     fields: Fields,
+    kin: Kin,
     ticks: int,
     period_ns: int,
 ) -> int:
@@ -180,7 +192,7 @@ def advance_ticks(
     sample = work.sample[0]
     dt = period_ns * 1e-9
     for _ in range(ticks):
-        _run_tick(channels, work, read, write, memory, simulate, fields, 0, 0, dt, state.tick * period_ns, dt)
+        _run_tick(channels, work, read, write, memory, simulate, fields, kin, 0, 0, dt, state.tick * period_ns, dt)
         sample.lateness_ns = 0.0
         sample.duration_ns = 0.0
         push(channels.sample_words, channels.samples, work.sample)
@@ -197,6 +209,7 @@ def run_live(
     memory: Vec,
     simulate: Simulate,
     fields: Fields,
+    kin: Kin,
     period_ns: int,
     spin_ns: int,
 ) -> int:
@@ -227,7 +240,7 @@ def run_live(
         last_woke = woke
         catching_up = ended > due
         late_stop_ns = _run_tick(
-            channels, work, read, write, memory, simulate, fields, late, missed_in_row, squares / total, due, dt
+            channels, work, read, write, memory, simulate, fields, kin, late, missed_in_row, squares / total, due, dt
         )
         ended = now_ns(timespec)
         sample.lateness_ns = float(late)
@@ -260,6 +273,7 @@ def run_live(
         from_dtype(SAMPLE)[::1],
         _SIMULATE,
         FIELDS,
+        KINEMATICS_SET,
         types.int64,
         from_dtype(SAMPLE)[::1],
     )
@@ -273,6 +287,7 @@ def replay_recorded(
     inputs: NDArray[Any],
     simulate: Simulate,
     fields: Fields,
+    kin: Kin,
     period_ns: int,
     outputs: NDArray[Any],
 ) -> int:
@@ -287,6 +302,7 @@ def replay_recorded(
         inputs: SAMPLE rows, shape [n]; only the inputs of each are used.
         simulate: The objects' part of the tick.
         fields: Force fields of the objects.
+        kin: Kinematics functions of the device.
         period_ns: Tick [ns].
         outputs: SAMPLE rows out, shape [n]; timing fields are zero.
 
@@ -297,14 +313,7 @@ def replay_recorded(
     state, data = work.state[0], work.data
     for k in range(inputs.shape[0]):
         row = inputs[k]
-        for i in range(3):
-            data[i] = row.q[i]
-            data[3 + i] = row.dq[i]
-            data[6 + i] = row.f_meas[i]
-        data[9] = row.grasp
-        data[10] = row.buttons
-        data[11] = row.age
-        data[12] = row.delay
+        read_inputs(row, data)
         out = outputs[k]
         status = int(row.status)
         stop_word, held = int(row.stop_word), int(row.held)
@@ -315,7 +324,8 @@ def replay_recorded(
             work.objects,
             simulate,
             fields,
-            state,
+            kin,
+            work.state,
             data,
             status,
             stop_word,

@@ -15,8 +15,8 @@ from numba import from_dtype, typeof, types
 from numpy.typing import NDArray
 
 from mimics_app.contracts.borrowed import borrowed_type
-from mimics_app.contracts.haptic import TUNNEL
-from mimics_app.contracts.haptic_objects import MAX_POINTS, MOTION, OBJECT_COUNTS
+from mimics_app.contracts.haptic_objects import MAX_POINTS, MOTION, OBJECT_COUNTS, TUNNEL
+from mimics_app.contracts.loop_fields import MAX_CONTACTS
 from mimics_app.contracts.loop_ports import FIELD_PARAMETERS, FIELDS
 from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
 from mimics_app.rendering.haptic.kernels.directions import MOST_TOUCHED, TOUCHED
@@ -37,6 +37,7 @@ from mimics_app.rendering.haptic.kernels.objects.records import (
 )
 from mimics_app.rendering.haptic.kernels.objects.totals import TOTALS
 from mimics_app.rendering.haptic.kernels.objects.touches import TOUCH
+from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 from mimics_app.rendering.haptic.ridge_table import RidgeTable, build_ridge_table
 
@@ -70,6 +71,7 @@ class ObjectWork(NamedTuple):
         solids: SOLID, shape [shapes].
         moving_shapes: Rows of the shapes of bodies; TRACKING.moving says how many, shape [shapes].
         effects: EFFECT_MEMORY, shape [effects].
+        tunnels: TUNNEL_STATE of each tunnel, shape [tunnels].
         paths: TUNNEL records by EFFECT.path, shape [paths]; filled before the loop starts.
         field_parameters: What a force field is given, shape [FIELD_PARAMETERS].
         field_vectors: Likewise place and velocity, and the force it gives, shape [3, 3].
@@ -79,7 +81,7 @@ class ObjectWork(NamedTuple):
         befores: BEFORE, shape [bodies].
         near: Rows of the shapes near the point at hand, shape [shapes].
         walls: WALL_TOUCH, shape [MOST_WALLS]: walls that the point at hand touches.
-        touched: TOUCHED, shape [MOST_TOUCHED]: contacts of this tick, TOTALS.listed of them.
+        touched: TOUCHED, shape [MAX_CONTACTS, MOST_TOUCHED]: what each point of contact touches, TOTALS.listed of them.
         margins: Least stability margin of each shape while it was felt, inf: never, shape [shapes].
         order: Shapes in the order of the sweep, walls from the back, shape [shapes].
         next_moving: For each place in the order, the next of a shape that can move.
@@ -112,6 +114,7 @@ class ObjectWork(NamedTuple):
     solids: Records
     moving_shapes: NDArray[np.int64]
     effects: Records
+    tunnels: Records
     paths: Records
     field_parameters: NDArray[np.float64]
     field_vectors: NDArray[np.float64]
@@ -149,7 +152,7 @@ def new_object_work(capacities: ObjectCapacities, meshes: MeshTable | None = Non
         bounds=np.zeros((4, shapes)),
         aux_forces=np.zeros((bodies, 3)),
         aux_torques=np.zeros((bodies, 3)),
-        totals=np.zeros(1, TOTALS),
+        totals=np.zeros(MAX_CONTACTS, TOTALS),
         grip=new_grip(),
         touches=np.zeros(1 + bodies, TOUCH),
         motion_words=motions.view(np.int64).reshape(bodies, MOTION.itemsize // 8),
@@ -160,6 +163,7 @@ def new_object_work(capacities: ObjectCapacities, meshes: MeshTable | None = Non
         solids=np.zeros(shapes, SOLID),
         moving_shapes=np.zeros(shapes, np.int64),
         effects=np.zeros(capacities.effects, EFFECT_MEMORY),
+        tunnels=np.zeros(capacities.tunnels, TUNNEL_STATE),
         paths=np.zeros(capacities.paths, TUNNEL),
         field_parameters=np.zeros(FIELD_PARAMETERS),
         field_vectors=np.zeros((3, 3)),
@@ -169,7 +173,7 @@ def new_object_work(capacities: ObjectCapacities, meshes: MeshTable | None = Non
         befores=np.zeros(bodies, BEFORE),
         near=np.zeros(shapes, np.int64),
         walls=np.zeros(MOST_WALLS, WALL_TOUCH),
-        touched=np.zeros(MOST_TOUCHED, TOUCHED),
+        touched=np.zeros((MAX_CONTACTS, MOST_TOUCHED), TOUCHED),
         margins=np.full(shapes, np.inf),
         order=np.zeros(shapes, np.int64),
         next_moving=np.zeros(shapes, np.int64),

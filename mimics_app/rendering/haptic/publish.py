@@ -118,9 +118,9 @@ def _begin(event: EventRecord, state: StateRecord, t_ns: int, body_a: int, body_
 def _publish_monitor(outlets: _Outlets, state: StateRecord) -> None:
     """What the monitors of stability and of the device's data have to tell."""
     if state.margin_lost == 1:
-        _tell(outlets, _MARGIN, state.margin)
+        _tell(outlets, _MARGIN, state.told_margin)
     if state.cap_began == 1:
-        _tell(outlets, _CAP, state.stiffness_share)
+        _tell(outlets, _CAP, state.told_share)
     if state.stale_began == 1:
         _tell(outlets, _STALE, state.age)
 

@@ -10,11 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts import ring
+from mimics_app.contracts.device_descriptor import Kinematics
 from mimics_app.contracts.haptic import EVENT, SAMPLE, SCENE
 from mimics_app.contracts.loop_fields import HapticSnapshot
-from mimics_app.contracts.object_rows import ObjectCapacities, Rows, count_rows, new_rows, slot_of
+from mimics_app.contracts.object_rows import ObjectCapacities, Rows, count_rows, has_objects, new_rows, slot_of
 from mimics_app.contracts.session_memory import Capacities, SessionMemory
 from mimics_app.rendering.haptic.channels import channels_of, new_work, newest_snapshot
+from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.loop import replay_recorded
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, load_simulation, no_objects
 from mimics_app.rendering.haptic.objects import new_object_work
@@ -52,10 +54,11 @@ def replay_ticks(
     rows: Mapping[int, Rows] | None = None,
     statics: ObjectStatics | None = None,
     *,
+    kinematics: Kinematics = HAPTICMASTER.kinematics,
     period_ns: int = 1_000_000,
 ) -> Records:
     """The samples of `replay_run`."""
-    return replay_run(inputs, scenes, rows, statics, period_ns=period_ns).samples
+    return replay_run(inputs, scenes, rows, statics, kinematics=kinematics, period_ns=period_ns).samples
 
 
 def replay_run(
@@ -64,6 +67,7 @@ def replay_run(
     rows: Mapping[int, Rows] | None = None,
     statics: ObjectStatics | None = None,
     *,
+    kinematics: Kinematics = HAPTICMASTER.kinematics,
     period_ns: int = 1_000_000,
     seen: Sequence[int] = (),
 ) -> Replayed:
@@ -74,6 +78,7 @@ def replay_run(
         scenes: SCENE record (a record, or an array of shape [1]) for each sequence number in the inputs.
         rows: The tables of objects beside them, by the same numbers; none where there are no objects.
         statics: What the objects were given once; None where they were given nothing.
+        kinematics: Of the device that was recorded.
         period_ns: Length of a tick [ns].
         seen: Ticks after which somebody looked at the newest state; those beyond the inputs are left out.
 
@@ -95,19 +100,20 @@ def replay_run(
     memory = SessionMemory(Capacities(capacities, samples=1, events=_EVENTS, lateness_bins=1))
     channels = channels_of(memory)
     work = new_work(new_object_work(capacities) if statics is None else statics.work(capacities))
-    simulate = load_simulation() if rows else no_objects
+    simulate = load_simulation() if any(has_objects(block["objects"]) for block in blocks) else no_objects
     fields = NO_FIELDS if statics is None else statics.functions()
+    kin = tuple(kinematics)
     inputs, outputs = np.ascontiguousarray(inputs), np.zeros(inputs.shape[0], SAMPLE)
     events: list[Records] = []
     snapshots: dict[int, HapticSnapshot] = {}
     looked = {tick for tick in seen if 0 <= tick < len(inputs)}
     for part in _parts(len(inputs), looked):
         replay_recorded(
-            channels, work, blocks, stack, which[part], inputs[part], simulate, fields, period_ns, outputs[part]
+            channels, work, blocks, stack, which[part], inputs[part], simulate, fields, kin, period_ns, outputs[part]
         )
         events.append(_taken(memory))
         if part.stop - 1 in looked:
-            snapshots[part.stop - 1] = newest_snapshot(memory)
+            snapshots[part.stop - 1] = newest_snapshot(memory, int(blocks[-1]["joints"]))
     return Replayed(outputs, np.concatenate([np.zeros(0, EVENT), *events]), snapshots)
 
 

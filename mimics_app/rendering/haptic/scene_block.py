@@ -5,15 +5,19 @@ A scene without a component has that component's own defaults. Reports read the 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.device_descriptor import DeviceDescriptor
 from mimics_app.contracts.haptic import SCENE, AdmittanceForm, Controller
-from mimics_app.world.components.robot import Admittance, Ball, Impedance, JointPd, Robot, Safety, Tunnel, WorldPd
+from mimics_app.contracts.loop_fields import MAX_JOINTS
+from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
+from mimics_app.rendering.haptic.descriptors.joint_limits import joint_limits
+from mimics_app.world.components.robot import Admittance, Ball, Impedance, JointPd, Robot, Safety, WorldPd
 
 __all__ = [
     "apply_admittance",
@@ -22,8 +26,9 @@ __all__ = [
     "apply_robot",
     "apply_safety",
     "apply_world_pd",
-    "axis_offset",
     "impedance_values",
+    "joint_vector",
+    "kinematic_values",
     "robot_from_world",
     "safety_of",
     "scene_from_components",
@@ -52,23 +57,55 @@ _NANOSECONDS = {
 """Limits whose name in `Safety` differs, by their name in the block."""
 
 
-def axis_offset(robot: Robot) -> float:
-    """d1 of equation (1) [m]: as given, else stroke / 2 + offset."""
-    return robot.stroke / 2.0 + robot.offset if robot.axis_offset is None else robot.axis_offset
-
-
 def robot_from_world(robot: Robot, points_world: Vec) -> Vec:
     """Points of the world, shape [n, 3], in the robot frame [m]."""
     R = np.array(robot.robot_to_world.rotation)
     return np.ascontiguousarray((np.asarray(points_world) - np.array(robot.robot_to_world.translation)) @ R)
 
 
-def apply_robot(block: Block, robot: Robot) -> None:
+def joint_vector(values: Sequence[float], fill: float = 0.0) -> Vec:
+    """Values of a device's joints, followed by `fill`, shape [MAX_JOINTS]."""
+    return np.concatenate([np.asarray(values, np.float64), np.full(MAX_JOINTS - len(values), fill)])
+
+
+def kinematic_values(
+    robot: Robot, descriptor: DeviceDescriptor = HAPTICMASTER, admittance: Admittance | None = None
+) -> dict[str, object]:
+    """SCENE fields that say what the device is: its joints and their limits, points of contact, geometry.
+
+    Velocity and acceleration of a joint are limited by what the robot states, and by what admittance control does.
+    """
+    limits = joint_limits(robot, descriptor)
+    velocity, acceleration = joint_vector(limits.velocity), joint_vector(limits.acceleration)
+    if admittance is not None:
+        velocity = _least(velocity, admittance.max_joint_velocity)
+        acceleration = _least(acceleration, admittance.max_joint_acceleration)
+    return {
+        "joints": len(descriptor.joints),
+        "contacts": len(descriptor.contacts),
+        "torques": int(descriptor.torques),
+        "polar": int(descriptor.polar),
+        "geometry": descriptor.geometry_of(robot),
+        "joint_inertia": joint_vector([joint.inertia for joint in descriptor.joints]),
+        "joint_min": joint_vector(limits.lowest),
+        "joint_max": joint_vector(limits.highest),
+        "joint_velocity": velocity,
+        "joint_acceleration": acceleration,
+    }
+
+
+def _least(limits: Vec, most: Sequence[float] | None) -> Vec:
+    """Limits, and what a controller states below them, the last number for all joints behind."""
+    return limits if most is None else np.minimum(limits, joint_vector(most, most[-1]))
+
+
+def apply_robot(
+    block: Block, robot: Robot, descriptor: DeviceDescriptor = HAPTICMASTER, admittance: Admittance | None = None
+) -> None:
     """Kinematics, joint limits and place of the robot into block[0]."""
     record = block[0]
-    record["axis_offset"] = axis_offset(robot)
-    record["joint_min"] = robot.joint_min
-    record["joint_max"] = robot.joint_max
+    for name, value in kinematic_values(robot, descriptor, admittance).items():
+        record[name] = value
     record["R_world_from_robot"] = robot.robot_to_world.rotation
     record["origin_world"] = robot.robot_to_world.translation
 
@@ -96,19 +133,21 @@ def impedance_values(impedance: Impedance) -> dict[str, object]:
 
 
 def apply_joint_pd(block: Block, joint_pd: JointPd, target_joints: Vec) -> None:
-    """Joint PD towards target_joints (m, rad, m) into block[0], and select it."""
+    """Joint PD towards target_joints [m or rad] into block[0], and select it."""
     record = block[0]
     record["controller"] = Controller.JOINT_PD
     _apply_gains(block, joint_pd)
-    record["target"] = target_joints
+    record["target"] = 0.0
+    record["target"][: len(target_joints)] = target_joints
 
 
 def apply_world_pd(block: Block, world_pd: WorldPd, target_world: Vec) -> None:
-    """World PD towards target_world [m] into block[0], and select it; straight unless the form is SEED."""
+    """World PD of the first point of contact towards target_world [m] into block[0], and select it."""
     record = block[0]
     record["controller"] = Controller.WORLD_PD
     _apply_gains(block, world_pd)
-    record["target"] = record["R_world_from_robot"].T @ (np.asarray(target_world) - record["origin_world"])
+    record["target"] = 0.0
+    record["target"][:3] = record["R_world_from_robot"].T @ (np.asarray(target_world) - record["origin_world"])
 
 
 def apply_ball(block: Block, ball: Ball) -> None:
@@ -145,8 +184,10 @@ def safety_of(block: Block) -> Safety:
 
 
 def _apply_gains(block: Block, gains: JointPd | WorldPd) -> None:
-    """Gains of a PD controller into block[0]; which one runs is not touched."""
-    block[0]["kp"], block[0]["kd"] = gains.kp, gains.kd
+    """Gains of a PD controller into block[0], the last given one for all joints behind; which runs is not touched."""
+    record = block[0]
+    record["kp"], record["kd"] = (joint_vector(each, each[-1]) for each in (gains.kp, gains.kd))
+    record["through_joints"] = int(isinstance(gains, WorldPd) and gains.form == "joints")
 
 
 def _apply_drive(block: Block, impedance: Impedance) -> None:
@@ -166,24 +207,24 @@ def scene_from_components(
     ball: Ball | None = None,
     safety: Safety | None = None,
     gains: JointPd | WorldPd | None = None,
+    descriptor: DeviceDescriptor = HAPTICMASTER,
 ) -> Block:
     """A block from the components of a scene; one that is absent has its own defaults.
 
-    The tunnel and the objects fill their own records, the device what `device_fit` knows of it. Until then a device
-    counts as a real one whose late ticks latch.
+    Tunnels and objects are rows beside the record (`scene_objects`); the device fills in what `device_fit` knows of it.
+    Until then a device counts as a real one whose late ticks latch.
 
     Returns:
-        SCENE record, shape [1], sequence 1, no tunnel, admittance selected. For a PD controller call `apply_joint_pd`
+        SCENE record, shape [1], sequence 1, admittance selected. For a PD controller call `apply_joint_pd`
         or `apply_world_pd` on it and count `sequence` up; `apply_admittance` leads back.
     """
     block = np.zeros(1, SCENE)
     block["sequence"] = 1
     block["late_latches"] = 1
-    apply_robot(block, robot or Robot())
+    apply_robot(block, robot or Robot(), descriptor, admittance)
     _apply_gains(block, gains or JointPd())
     _apply_drive(block, Impedance())
     apply_admittance(block, admittance or Admittance())
     apply_ball(block, ball or Ball())
     apply_safety(block, safety or Safety())
-    block[0]["tunnel"]["radius_scale"] = Tunnel().radius_scale
     return block

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.haptic import TUNNEL
-from mimics_app.contracts.haptic_objects import EFFECT, STATIC, EffectKind
+from mimics_app.contracts.haptic_objects import EFFECT, STATIC, TUNNEL, EffectKind
 from mimics_app.contracts.loop_ports import MAX_FIELDS
 from mimics_app.rendering.haptic.scene_tunnel import built_tunnel
 from mimics_app.rendering.haptic.tunnel import TunnelCurve

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.haptic import TUNNEL
 from mimics_app.contracts.haptic_objects import (
     BODY,
     EFFECT,
@@ -19,14 +18,17 @@ from mimics_app.contracts.haptic_objects import (
     POINT,
     SHAPE,
     STATIC,
+    TUNNEL,
     WIRE,
     ShapeKind,
 )
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows
 from mimics_app.rendering.haptic.body_checks import check_bodies
+from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 from mimics_app.rendering.haptic.scene_effects import EffectRows
 from mimics_app.rendering.haptic.scene_object import MeshKey, ObjectRows, rows_of_object, rows_of_walls
+from mimics_app.rendering.haptic.scene_tunnel import planned_projection, tunnel_rows
 from mimics_app.world.components.object_bodies import ObjectFault, digest_of
 from mimics_app.world.components.objects import (
     Connections,
@@ -36,7 +38,7 @@ from mimics_app.world.components.objects import (
     HapticWalls,
     InteractionPoints,
 )
-from mimics_app.world.components.robot import Ball
+from mimics_app.world.components.robot import Ball, Robot
 from mimics_app.world.components.signals import parse_source, parse_target
 from mimics_app.world.meshes.solids import SolidMesh, hull_corners
 from mimics_app.world.scene.scene import Scene
@@ -60,6 +62,7 @@ class SceneObjects:
         body_entities: Entity of each row of bodies.
         shape_entities: Entity of each row of shapes.
         effect_entities: Entity of each row of effects.
+        tunnel_entities: Entity of each row of tunnels.
         materials: Name of each material number of shapes; number 0 is "".
         meshes: Triangles by SHAPE.mesh, shape frame.
         paths: TUNNEL records by EFFECT.path, shape [n].
@@ -73,6 +76,7 @@ class SceneObjects:
     body_entities: tuple[str, ...]
     shape_entities: tuple[str, ...]
     effect_entities: tuple[str, ...]
+    tunnel_entities: tuple[str, ...]
     materials: tuple[str, ...]
     meshes: tuple[SolidMesh, ...]
     paths: Records
@@ -105,7 +109,7 @@ def _table_of_meshes(scene: Scene, meshes: Mapping[MeshKey, SolidMesh], shapes: 
 def objects_of_scene(scene: Scene) -> SceneObjects:
     """The rows of a checked scene; a scene without anything to touch gives empty tables.
 
-    They are worked out once for a scene and integrator that was planned: whoever changes rows takes copies of them.
+    They are worked out once for a scene and the methods that were planned: whoever changes rows takes copies of them.
 
     An object that may neither shift nor turn, and that no effect or wire names, belongs to the static scene: its
     shapes have no body.
@@ -113,7 +117,8 @@ def objects_of_scene(scene: Scene) -> SceneObjects:
     Raises:
         SceneError: something cannot be made; `check` would have told.
     """
-    return scene.derive(("haptic objects", _planned_integrator(scene)), lambda: _gather(scene))
+    planned = _planned_integrator(scene), planned_projection(scene)
+    return scene.derive(("haptic objects", *planned), lambda: _gather(scene))
 
 
 def _planned_integrator(scene: Scene) -> str:
@@ -194,12 +199,14 @@ class _Gathered:
     def finish(self) -> SceneObjects:
         """All tables."""
         effects = EffectRows(self.scene, self.body_entities)
+        tunnels, tunnel_entities = tunnel_rows(self.scene)
         rows = Rows(
             shapes=_table(self.shapes, SHAPE),
             bodies=_table(self.bodies, BODY),
             effects=_table(effects.rows, EFFECT),
             points=self._points(),
             wires=self._wires(effects.entities),
+            tunnels=tunnels,
         )
         counts = np.zeros(1, OBJECT_COUNTS)
         for name in Rows._fields:
@@ -215,10 +222,12 @@ class _Gathered:
                 effects=max(room.effects, len(rows.effects)),
                 wires=max(room.wires, len(rows.wires)),
                 paths=max(room.paths, len(effects.paths)),
+                tunnels=max(room.tunnels, len(tunnels)),
             ),
             body_entities=tuple(self.body_entities),
             shape_entities=tuple(self.shape_entities),
             effect_entities=tuple(effects.entities),
+            tunnel_entities=tunnel_entities,
             materials=tuple(self.materials),
             meshes=tuple(self.meshes.values()),
             paths=_table(effects.paths, TUNNEL),
@@ -243,10 +252,14 @@ class _Gathered:
 
     def _points(self) -> Records:
         found, ball = self.scene.first(InteractionPoints), self.scene.first(Ball)
-        rows = np.zeros(1 if found is None else len(found.points), POINT)
+        contacts = descriptor_of((self.scene.first(Robot) or Robot()).device).contacts
+        rows = np.zeros(len(contacts) if found is None else len(found.points), POINT)
         rows["enabled"], rows["radius"] = 1, 0.0 if ball is None else ball.radius_max
+        if found is None:
+            rows["contact"] = np.arange(len(contacts))
         for row, point in zip(rows, () if found is None else found.points, strict=False):
             row["offset"], row["radius"], row["enabled"] = point.offset, point.radius, point.enabled
+            row["contact"] = 0 if point.contact is None else contacts.index(point.contact)
         return rows
 
     def _wires(self, effects: list[str]) -> Records:

@@ -1,21 +1,29 @@
-"""The tunnel of a scene: built from its component, and refused at load where it cannot be travelled."""
+"""The tunnels of a scene: rows for the loop from their components, refused at load where one cannot be travelled."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.haptic import Projection
+from mimics_app.contracts.haptic_objects import TUNNEL
 from mimics_app.contracts.regular_file import read_regular
 from mimics_app.rendering.haptic.tunnel import TunnelCurve
 from mimics_app.rendering.haptic.tunnel_source import tunnel_from_component
 from mimics_app.world.components.registry import register_check
 from mimics_app.world.components.robot import Tunnel
 from mimics_app.world.components.robot_checks import check_tunnel_component
+from mimics_app.world.components.systems import HapticSettings
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["PROJECTIONS", "built_tunnel", "check_tunnel", "tunnel_of_scene"]
+__all__ = ["PROJECTIONS", "built_tunnel", "check_tunnel", "planned_projection", "tunnel_of_scene", "tunnel_rows"]
+
+Records = NDArray[Any]
 
 PROJECTIONS: Mapping[str, Projection] = {
     "newton warm": Projection.NEWTON_WARM,
@@ -26,14 +34,47 @@ PROJECTIONS: Mapping[str, Projection] = {
 """What runs, by the word of `systems.haptic.projection`."""
 
 
-def tunnel_of_scene(scene: Scene) -> tuple[TunnelCurve, float | None]:
-    """The curve of the scene's tunnel, and the residual of the recorded path it was fitted to [m] or None.
+_FORCES = ("radius_scale", "stiffness", "damping", "drag", "drag_growth", "centring", "advance")
+"""Fields the component and the row share by name."""
+
+
+def tunnel_of_scene(scene: Scene, entity: str | None = None) -> tuple[TunnelCurve, float | None]:
+    """The curve of a tunnel, and the residual of the recorded path it was fitted to [m] or None.
+
+    Args:
+        scene: A scene with tunnels.
+        entity: Whose; None: the first.
 
     Raises:
-        SceneError: the scene has no tunnel, or one that cannot be built.
+        SceneError: the scene has no such tunnel, or one that cannot be built.
     """
-    _, tunnel, pointer = scene.one(Tunnel)
+    _, tunnel, pointer = next((one for one in scene.components(Tunnel) if one[0] == entity), scene.one(Tunnel))
     return built_tunnel(tunnel, pointer, scene)
+
+
+def tunnel_rows(scene: Scene) -> tuple[Records, tuple[str, ...]]:
+    """TUNNEL records of the scene's tunnels, shape [n], and the entity of each.
+
+    Raises:
+        SceneError: one cannot be built.
+    """
+    found = scene.components(Tunnel)
+    rows = np.zeros(len(found), TUNNEL)
+    for row, (_, tunnel, pointer) in zip(rows, found, strict=True):
+        built_tunnel(tunnel, pointer, scene)[0].fill(row)
+        for name in _FORCES:
+            row[name] = getattr(tunnel, name)
+        row["frenet"] = int(tunnel.frame == "frenet")
+        row["projection"] = PROJECTIONS[planned_projection(scene)]
+    return rows, tuple(entity for entity, _, _ in found)
+
+
+def planned_projection(scene: Scene) -> str:
+    """As the scene names it, else as planned; without a plan the one that is always right."""
+    settings = scene.system(HapticSettings)
+    if settings is not None and settings.projection != "auto":
+        return settings.projection
+    return str(scene.methods.get("tunnel projection", {}).get("projection", "newton warm"))
 
 
 def built_tunnel(tunnel: Tunnel, pointer: str, scene: Scene) -> tuple[TunnelCurve, float | None]:

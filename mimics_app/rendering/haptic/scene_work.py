@@ -4,19 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from mimics_app.contracts.object_rows import ObjectCapacities, count_rows
+from mimics_app.contracts.object_rows import ObjectCapacities, count_rows, has_objects
 from mimics_app.rendering.haptic.object_statics import ObjectStatics
 from mimics_app.rendering.haptic.scene_objects import SceneObjects
 
-__all__ = ["Names", "fits", "has_objects", "row_names", "statics_of"]
+__all__ = ["Names", "fits", "row_names", "statics_of"]
 
 Names = Mapping[str, Mapping[str, tuple[int, ...]]]
-
-
-def has_objects(objects: SceneObjects) -> bool:
-    """Whether anything of the scene touches, moves or pulls; else the loop runs none of the objects' code."""
-    counts = count_rows(objects.counts[0])
-    return any(counts[name] for name in ("shapes", "bodies", "effects"))
 
 
 def statics_of(objects: SceneObjects) -> ObjectStatics:
@@ -34,6 +28,7 @@ def row_names(objects: SceneObjects) -> Names:
         "bodies": objects.body_entities,
         "shapes": objects.shape_entities,
         "effects": objects.effect_entities,
+        "tunnels": objects.tunnel_entities,
     }
     names: dict[str, dict[str, tuple[int, ...]]] = {}
     for table, entities in tables.items():
@@ -50,5 +45,5 @@ def fits(objects: SceneObjects, room: ObjectCapacities, present: SceneObjects) -
     ours, theirs = (
         [(mesh.vertices.tobytes(), mesh.triangles.tobytes()) for mesh in each.meshes] for each in (objects, present)
     )
-    grew = has_objects(objects) and not has_objects(present)
+    grew = has_objects(objects.counts[0]) and not has_objects(present.counts[0])
     return same and not grew and ours == theirs and all(count <= getattr(room, name) for name, count in counts.items())

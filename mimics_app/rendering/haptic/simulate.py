@@ -50,7 +50,8 @@ def simulate_objects(
         force: Receives what the objects do to the user, world [N], shape [3].
     """
     totals = work.totals[0]
-    clear_totals(totals)
+    for each in range(work.totals.shape[0]):
+        clear_totals(work.totals[each])
     carry_signals(rows, work, counts, hand)
     place_bodies(rows, work, counts)
     pose_shapes(rows, work, counts)
@@ -64,3 +65,5 @@ def simulate_objects(
         force[i] = totals.shape_force[i] + totals.effect_force[i] + totals.grip_force[i]
     if not all_finite(force):
         totals.status = 1
+    for each in range(1, work.totals.shape[0]):
+        totals.status = max(totals.status, work.totals[each].status)

@@ -57,22 +57,23 @@ class StabilityReport:
         return {**of_contacts, "passivity_ticks": self.passivity_ticks, "tank_min_j": self.tank}
 
 
-def stability_of(state: NDArray[Any], margins: NDArray[np.float64]) -> StabilityReport:
+def stability_of(states: NDArray[Any], margins: NDArray[np.float64]) -> StabilityReport:
     """Read it from the loop's records; exact once the loop has stopped.
 
     Args:
-        state: STATE record, shape [1].
+        states: STATE records of the points of contact, shape [points].
         margins: Least margin of each shape, inf where it was not touched, shape [shapes].
     """
-    record = state[0]
-    touched = bool(record["touched"])
-    limit = float(record["least_limit"] if touched else record["stiffness_limit"])
+    record, acting = states[0], states["acting"]
+    met = states[states["touched"] == 1]
+    touched = len(met) > 0
+    limit = float(met["least_limit"].min() if touched else record["stiffness_limit"])
     return StabilityReport(
-        margin=float(record["least_margin"]) if touched else None,
+        margin=float(met["least_margin"].min()) if touched else None,
         stiffness_limit=limit if np.isfinite(limit) else 0.0,
-        energy=float(record["least_energy"]),
-        stiffness_share=float(record["acting"]["least_share"]) if touched else 1.0,
-        passivity_ticks=int(record["acting"]["passivity_ticks"]),
+        energy=float(states["least_energy"].min()),
+        stiffness_share=float(met["acting"]["least_share"].min()) if touched else 1.0,
+        passivity_ticks=int(acting["passivity_ticks"].sum()),
         tank=float(record["acting"]["least_tank"]),
         wall=float(record["least_wall_margin"]) if record["wall_touched"] else None,
         shapes={int(row): float(margins[row]) for row in np.flatnonzero(np.isfinite(margins))},

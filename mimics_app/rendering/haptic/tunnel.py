@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.haptic import MAX_PIECES
+from mimics_app.contracts.haptic_objects import MAX_PIECES
 from mimics_app.maths import bspline, frames
 
 __all__ = ["FrameMethod", "TunnelCurve", "TunnelError", "TunnelFault", "build_tunnel"]

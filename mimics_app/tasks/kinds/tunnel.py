@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from msgspec import Meta
 
-from mimics_app.contracts.errors import Issue
+from mimics_app.contracts.errors import Issue, nearest
 from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.tasks.bounds import Share
 from mimics_app.tasks.kinds.kind import KindPlay, TaskKind
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mimics_app.tasks.task import TaskSpec
     from mimics_app.world.scene.scene import Scene
 
-__all__ = ["KIND", "ProgressGoal", "TunnelTask"]
+__all__ = ["KIND", "ProgressGoal", "TunnelTask", "has_tunnel", "own_tunnel"]
 
 
 class ProgressGoal(Component, frozen=True, tag="progress", tag_field="kind"):
@@ -30,6 +30,9 @@ class ProgressGoal(Component, frozen=True, tag="progress", tag_field="kind"):
 
     at_least: Annotated[Share, Meta(description="Share of the arc length, 0-1; exactly this counts.")] = 0.98
     hold_s: Annotated[Seconds, Meta(description="How long to stay there [s].")] = 0.0
+    tunnel: Annotated[
+        str | None, Meta(description="Entity of the tunnel, of several in a scene; absent: the first.")
+    ] = None
 
 
 class _TunnelPlay(KindPlay):
@@ -54,24 +57,51 @@ class TunnelTask(TaskKind):
         return "tunnel" in offers or super().takes(spec, offers)
 
     def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
-        """A share of a tunnel's length is no goal for a robot that has no tunnel."""
-        if not scene.components(Robot) or scene.components(Tunnel) or _writes_tunnel(scene):
-            return []
+        """A share of a tunnel's length is no goal without a tunnel; all such goals are of one that is there."""
+        named = {f"/task/goals/{i}/tunnel": goal.tunnel for i, goal in self._own_goals(spec)}
+        known = [entity for entity, _, _ in scene.components(Tunnel)]
+        issues = [
+            scene.issue(place, f'no tunnel is called "{name}"', nearest(name, known))
+            for place, name in named.items()
+            if name is not None and name not in known
+        ]
+        first = next(iter(named.values()), None)
+        issues += [
+            scene.issue(place, "a task has one tunnel of its own, and an earlier goal is of another", "name the same")
+            for place, name in named.items()
+            if name != first
+        ]
+        if not scene.components(Robot) or has_tunnel(scene):
+            return issues
         written = "goals" in scene.task
         what = "the goal is a share of a tunnel's length, and the scene has no tunnel"
-        places = (f"/task/goals/{i}" if written else "/task" for i in self._own_goals(spec))
+        places = (f"/task/goals/{i}" if written else "/task" for i, _ in self._own_goals(spec))
         return [scene.issue(place, what, "goals: duration, point") for place in places]
 
-    def _own_goals(self, spec: TaskSpec) -> Iterator[int]:
-        return (i for i, goal in enumerate(spec.goals) if isinstance(goal, ProgressGoal))
+    def _own_goals(self, spec: TaskSpec) -> Iterator[tuple[int, ProgressGoal]]:
+        return ((i, goal) for i, goal in enumerate(spec.goals) if isinstance(goal, ProgressGoal))
 
     def open(self, spec: TaskSpec, context: TaskContext, seed: int) -> KindPlay:
         return _TunnelPlay()
 
 
-def _writes_tunnel(scene: Scene) -> bool:
-    """True where a tunnel is written down, right or wrong: what is wrong with it is said at its own place."""
-    return any("tunnel" in entity.get("components", {}) for entity in scene.document.get("entities", ()))
+def own_tunnel(scene: Scene) -> str:
+    """Entity of the tunnel that the scene's task is about: the one its goals name, else the first.
+
+    Raises:
+        SceneError: the scene has no tunnel.
+    """
+    task = scene.sections.get("task")
+    goals = getattr(task, "goals", ())
+    named = next((goal.tunnel for goal in goals if isinstance(goal, ProgressGoal) and goal.tunnel), None)
+    return named or scene.one(Tunnel)[0]
+
+
+def has_tunnel(scene: Scene) -> bool:
+    """True where there is a tunnel, or one is written down wrong: what is wrong with it is said at its own place."""
+    return scene.has(Tunnel) or any(
+        "tunnel" in entity.get("components", {}) for entity in scene.document.get("entities", ())
+    )
 
 
 KIND = TunnelTask()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.haptic import MAX_PIECES
+from mimics_app.contracts.haptic_objects import MAX_PIECES
 from mimics_app.world.components import haptic_effects as effects
 from mimics_app.world.components.haptic_shapes import (
     CubeSolid,

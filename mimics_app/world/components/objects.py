@@ -188,9 +188,13 @@ class HapticPath(Component, frozen=True):
 
 
 class InteractionPoint(Component, frozen=True):
-    """A point, or small ball, that touches; it is fixed to the hand, which does not turn."""
+    """A point, or small ball, that touches; it is fixed to a point of contact of the device, which does not turn."""
 
-    offset: Annotated[Point, Meta(description="From the hand, world [m]")] = (0.0, 0.0, 0.0)
+    contact: Annotated[
+        Literal["hand", "fingers", "left foot", "right foot", "tool"] | None,
+        Meta(description="Point of contact of the device that carries it; absent: its first"),
+    ] = None
+    offset: Annotated[Point, Meta(description="From there, world [m]")] = (0.0, 0.0, 0.0)
     radius: Annotated[float, Meta(ge=0, le=0.2, description="Of the ball [m]; 0: a point")] = 0.0
     enabled: Annotated[bool, Meta(description="Touches at all")] = True
     entity: Annotated[str | None, Meta(description="Id of the entity that shows it; absent: not shown")] = None
@@ -198,7 +202,7 @@ class InteractionPoint(Component, frozen=True):
 
 @component("interaction_points")
 class InteractionPoints(Component, frozen=True):
-    """Where the hand touches; without it, all over the `ball` at its largest, or in one point. One per scene."""
+    """Where the device touches; without it every point of contact is the `ball` at its largest, or a point. One."""
 
     points: Annotated[
         Annotated[tuple[InteractionPoint, ...], Meta(min_length=1, max_length=MAX_POINTS)],

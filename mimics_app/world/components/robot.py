@@ -43,13 +43,13 @@ Arm = Annotated[float, Meta(gt=0, le=10)]
 Reach = Annotated[float, Meta(ge=0, le=10)]
 """Lengths within what a robot beside a person reaches [m]."""
 _Joint = Annotated[float, Meta(ge=-100, le=100)]
-Joints = tuple[_Joint, _Joint, _Joint]
+Joints = Annotated[tuple[_Joint, ...], Meta(min_length=1, max_length=8)]
 _MovingMass = Annotated[float, Meta(ge=0, le=1e3)]
 Masses = tuple[_MovingMass, _MovingMass, _MovingMass]
-_JointSpeed = Annotated[float, Meta(ge=0, le=100)]
-Speeds = tuple[_JointSpeed, _JointSpeed, _JointSpeed]
+_JointRate = Annotated[float, Meta(gt=0, le=1e5)]
+Rates = Annotated[tuple[_JointRate, ...], Meta(min_length=1, max_length=8)]
 _Gain = Annotated[float, Meta(ge=0, le=1e4)]
-Gains = tuple[_Gain, _Gain, _Gain]
+Gains = Annotated[tuple[_Gain, ...], Meta(min_length=1, max_length=8)]
 _Cosine = Annotated[float, Meta(ge=-2, le=2)]
 Row = tuple[_Cosine, _Cosine, _Cosine]
 TunnelRadius = Annotated[float, Meta(ge=0, le=10)]
@@ -74,6 +74,10 @@ class Tunnel(Component, frozen=True):
         Annotated[int, Meta(ge=4, le=99)] | None, Meta(description="Basis functions fitted to `path_file`")
     ] = None
     radius: Annotated[TunnelRadius | Radii, Meta(description="[m]; or several, evenly spread from start to end")] = 0.04
+    frame: Annotated[
+        Literal["rotation_minimising", "frenet"],
+        Meta(description="Which way n lies: carried along without turning, or to the centre of curvature (Frenet)"),
+    ] = "rotation_minimising"
     radius_scale: Annotated[Factor, Meta(description="Factor on `radius`; 0 keeps the ball on the bisector")] = 1.0
     stiffness: Annotated[Stiffness, Meta(description="Of the wall [N/m]")] = 1500.0
     damping: Annotated[Damping, Meta(description="Of the wall, along its normal [N s/m]")] = 10.0
@@ -112,8 +116,8 @@ class Robot(Component, frozen=True):
     stroke: Annotated[Arm, Meta(description="Of the radial axis, q1r [m]")] = 0.36
     offset: Annotated[Reach, Meta(description="Axis to the retracted arm, l_off [m]")] = 0.28
     axis_offset: Annotated[Arm | None, Meta(description="d1 of equation (1) [m]; absent: stroke / 2 + offset")] = None
-    joint_min: Annotated[Joints, Meta(description="q1 [m], q2 [rad], q3 [m]")] = (-0.18, -0.5, -0.20)
-    joint_max: Annotated[Joints, Meta(description="q1 [m], q2 [rad], q3 [m]")] = (0.18, 0.5, 0.20)
+    joint_min: Annotated[Joints | None, Meta(description="Per joint [m, rad]; absent: the device's own")] = None
+    joint_max: Annotated[Joints | None, Meta(description="Per joint [m, rad]; absent: the device's own")] = None
     masses: Annotated[Masses, Meta(description="Moving masses of the simulator per axis [kg, kg m^2, kg]")] = (
         4.0,
         1.2,
@@ -126,7 +130,12 @@ class Robot(Component, frozen=True):
     force_limit: Annotated[PositiveForce, Meta(description="Of the simulated drives, and range of its sensor [N]")] = (
         250.0
     )
-    velocity_limit: Annotated[Speeds, Meta(description="Of the simulated axes [m/s, rad/s, m/s]")] = (1.0, 2.0, 1.0)
+    velocity_limit: Annotated[
+        Rates | None, Meta(description="Of a command, per joint [m/s, rad/s]; absent: the device's own")
+    ] = None
+    acceleration_limit: Annotated[
+        Rates | None, Meta(description="Likewise of its change [m/s^2, rad/s^2]; absent: the device's own")
+    ] = None
 
 
 @component("patient")
@@ -160,6 +169,12 @@ class Admittance(Component, frozen=True):
     damping: Annotated[Damping, Meta(description="Virtual damping [N s/m]")] = 5.0
     max_acceleration: Annotated[Acceleration, Meta(description="Of the virtual mass [m/s^2]")] = 20.0
     max_velocity: Annotated[Speed, Meta(description="Of the command [m/s]")] = 0.8
+    max_joint_acceleration: Annotated[
+        Rates | None, Meta(description="Per joint [m/s^2, rad/s^2], the last for all behind; absent: the robot's")
+    ] = None
+    max_joint_velocity: Annotated[
+        Rates | None, Meta(description="Per joint [m/s, rad/s], likewise; the form seed clamps every joint by itself")
+    ] = None
     form: Annotated[
         Literal["auto", "cartesian", "polar", "seed"],
         Meta(
@@ -188,16 +203,20 @@ class Impedance(Component, frozen=True):
 class JointPd(Component, frozen=True):
     """PD control of the joints (D2.1 equation 5), drives the robot to a trial's start."""
 
-    kp: Annotated[Gains, Meta(description="Per joint [1/s]")] = (4.0, 4.0, 4.0)
+    kp: Annotated[Gains, Meta(description="Per joint [1/s], the last for all behind")] = (4.0, 4.0, 4.0)
     kd: Annotated[Gains, Meta(description="Per joint [-], below 1")] = (0.1, 0.1, 0.1)
 
 
 @component("world_pd")
 class WorldPd(Component, frozen=True):
-    """PD control along the robot's world axes (D2.1 4.2.6)."""
+    """PD control to a place (D2.1 4.2.6): straight, or as printed by inverse kinematics and joint PD."""
 
-    kp: Annotated[Gains, Meta(description="Per axis [1/s]")] = (4.0, 4.0, 4.0)
-    kd: Annotated[Gains, Meta(description="Per axis [-], below 1")] = (0.1, 0.1, 0.1)
+    kp: Annotated[Gains, Meta(description="Per axis; form joints: per joint [1/s]")] = (4.0, 4.0, 4.0)
+    kd: Annotated[Gains, Meta(description="Likewise [-], below 1")] = (0.1, 0.1, 0.1)
+    form: Annotated[
+        Literal["straight", "joints"],
+        Meta(description="straight: along the axes by the inverse Jacobian; joints: inverse kinematics, then joint PD"),
+    ] = "straight"
 
 
 @component("ball")

@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 
 from mimics_app.contracts.errors import Issue
-from mimics_app.contracts.haptic import MAX_PIECES
+from mimics_app.contracts.haptic_objects import MAX_PIECES
 from mimics_app.world.components.registry import ComponentCheck, register_check, register_limit
 from mimics_app.world.components.robot import (
     Admittance,
@@ -83,18 +83,11 @@ def _check_robot(robot: Robot, pointer: str, scene: Scene) -> list[Issue]:
             f"its rows are off by {error:.3g}" if error > _ROTATION_TOLERANCE else "it mirrors"
         )
         issues.append(scene.issue(f"{pointer}/robot_to_world/rotation", what))
-    for i, (least, most) in enumerate(zip(robot.joint_min, robot.joint_max, strict=True)):
-        if least >= most:
-            issues.append(scene.issue(f"{pointer}/joint_max/{i}", f"{most:g} is not above joint_min, {least:g}"))
     issues += [
         scene.issue(f"{pointer}/masses/{i}", "a moving mass must be greater than 0")
         for i, mass in enumerate(robot.masses)
         if mass == 0.0
     ]
-    reach = (robot.stroke / 2 + robot.offset if robot.axis_offset is None else robot.axis_offset) + robot.joint_min[0]
-    if reach <= 0.0:
-        what = f"the arm would reach through the axis of the robot: {reach:g} m"
-        issues.append(scene.issue(f"{pointer}/joint_min/0", what, "raise it, or axis_offset"))
     return issues
 
 

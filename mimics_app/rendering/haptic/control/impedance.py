@@ -9,13 +9,15 @@ the PD controllers of D2.1 4.2.5 and 4.2.6 would move a robot that follows.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.vectors import clamp_norm
 
-__all__ = ["draw_along"]
+__all__ = ["draw_along", "draw_joints"]
 
 Vec = NDArray[np.float64]
 
@@ -46,3 +48,35 @@ def draw_along(
         reference[i] = x[i] + f[i]
         f[i] = stiffness * f[i] + damping * (v_reference[i] - v[i])
     clamp_norm(f, most)
+
+
+@kernel
+def draw_joints(
+    q: Vec, dq: Vec, dq_reference: Vec, jacobian: Vec, rows: int, gains: Vec, dt: float, reference: Vec, tau: Vec
+) -> None:
+    """Torques tau [N, N m] that draw the joints behind a reference that moves on with dq_reference; it waits for them.
+
+    Spring, damper and limit are those of the points times the square, or the length, of each joint's lever to them, so
+    that a pose in which the points cannot be moved holds no joint up.
+
+    Args:
+        q: Joints, shape [joints] or longer, as all that follow.
+        dq: Their velocities.
+        dq_reference: Velocities of the reference.
+        jacobian: Of all points, row by row.
+        rows: Its rows.
+        gains: Stiffness [N/m] > 0, damping [N s/m], and largest force [N] at a point, shape [3].
+        dt: Tick [s].
+        reference: Where the reference is; moved on.
+        tau: Torques out, shape [joints].
+    """
+    joints = tau.shape[0]
+    for j in range(joints):
+        square = 0.0
+        for row in range(rows):
+            square += jacobian[row * joints + j] ** 2
+        stiffness, damping, most = gains[0] * square, gains[1] * square, gains[2] * math.sqrt(square)
+        reach = most / stiffness if stiffness > 0.0 else 0.0
+        gap = min(reach, max(-reach, reference[j] + dq_reference[j] * dt - q[j]))
+        reference[j] = q[j] + gap
+        tau[j] = min(most, max(-most, stiffness * gap + damping * (dq_reference[j] - dq[j])))

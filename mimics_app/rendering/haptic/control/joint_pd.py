@@ -14,14 +14,14 @@ Vec = NDArray[np.float64]
 
 @kernel
 def joint_pd(q: Vec, dq: Vec, target: Vec, kp: Vec, kd: Vec, command: Vec) -> None:
-    """Joint velocity command = Kp (q_r - q) - Kd dq/dt, per joint, all of shape [3].
+    """Joint velocity command = Kp (q_r - q) - Kd dq/dt, per joint, all as long as `command` or longer.
 
     Equation 5 prints Kp (q - q_r): positive feedback, whose error grows as exp(Kp t / (1 + Kd)); see
     `joint_pd_as_printed`. The output is a velocity, so Kp is in 1/s and Kd is a pure number. With an ideal servo the
     step time constant is (1 + Kd) / Kp and a ramp of speed v is followed v (1 + Kd) / Kp behind. With a servo of one
     tick T it is stable iff Kp > 0, Kd > -1 and Kp T + 2 Kd < 2.
     """
-    for i in range(3):
+    for i in range(command.shape[0]):
         command[i] = kp[i] * (target[i] - q[i]) - kd[i] * dq[i]
 
 

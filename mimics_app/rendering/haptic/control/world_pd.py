@@ -5,53 +5,56 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.device_descriptor import Kin, KinematicsStatus
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.control.joint_pd import joint_pd
-from mimics_app.rendering.haptic.kernels.kinematics import (
-    apply_inverse_jacobian,
-    apply_jacobian,
-    forward,
-    inverse,
-)
-from mimics_app.rendering.haptic.kernels.vectors import copy
+from mimics_app.rendering.haptic.kernels.device_records import DeviceScene, JointWork
+from mimics_app.rendering.haptic.kernels.joints import joints_of, points_of, rates_of, velocities_of
+from mimics_app.rendering.haptic.kernels.vectors import clamp_joints, copy
 
 __all__ = ["world_pd_straight", "world_pd_through_joints"]
 
 Vec = NDArray[np.float64]
 
+_UNREACHABLE = int(KinematicsStatus.UNREACHABLE)
+
 
 @kernel
-def world_pd_through_joints(
-    q: Vec, dq: Vec, target: Vec, kp: Vec, kd: Vec, d1: float, scratch: Vec, command: Vec
-) -> None:
+def world_pd_through_joints(kin: Kin, scene: DeviceScene, q: Vec, dq: Vec, work: JointWork, command: Vec) -> int:
     """Inverse kinematics (2), then joint PD (5), as 4.2.6 describes.
 
-    Although the mask says world space, the gains are joint gains: equal ones draw a straight line in (r, phi), which
-    is an arc in the world. A sweep of +-0.5 rad at r = 0.46 m bows r (1 - cos 0.5) = 56 mm off its chord.
+    Although the mask says world space, the gains are joint gains: equal ones draw a straight line in the joints, which
+    of the HapticMaster is an arc in the world: a sweep of +-0.5 rad at r = 0.46 m bows r (1 - cos 0.5) = 56 mm off its
+    chord. A target beyond the joint limits is approached as far as they allow.
 
     Args:
-        q: Joints [m, rad, m].
+        kin: Kinematics functions of the device.
+        scene: SCENE record: target of each point of contact, robot frame [m], gains per joint, joint limits.
+        q: Joints.
         dq: Joint velocities.
-        target: Reference position, robot frame [m].
-        kp: Gains [1/s] per joint.
-        kd: Gains [-] per joint.
-        d1: Axis offset [m].
-        scratch: Shape [3], overwritten with the joints of the target.
+        work: JOINT_WORK record; `reached` receives the joints of the target.
         command: Joint velocities out.
+
+    Returns:
+        KinematicsStatus of the inverse, UNREACHABLE also where a joint limit is in the way.
     """
-    copy(q, scratch)
-    inverse(target, d1, scratch)
-    joint_pd(q, dq, scratch, kp, kd, command)
+    copy(q, work.reached)
+    status = joints_of(kin, scene, scene.target, work, work.reached)
+    outside = clamp_joints(work.reached, scene.joint_min, scene.joint_max)
+    joint_pd(q, dq, work.reached, scene.kp, scene.kd, command)
+    return _UNREACHABLE if outside != 0 else status
 
 
 @kernel
-def world_pd_straight(q: Vec, dq: Vec, target: Vec, kp: Vec, kd: Vec, d1: float, scratch: Vec, command: Vec) -> None:
-    """Command = J^-1 (Kp (x_r - x) - Kd v): with equal gains a straight line in the world. Arguments as above.
+def world_pd_straight(kin: Kin, scene: DeviceScene, q: Vec, dq: Vec, work: JointWork, command: Vec) -> int:
+    """Command = J^-1 (Kp (x_r - x) - Kd v), gains per axis: with equal ones a straight line in the world.
 
-    The bow of the same sweep is 0.6 mm at Kp = 10 and 1 ms, first order in the step.
+    The bow of the same sweep is 0.6 mm at Kp = 10 and 1 ms, first order in the step. Arguments as above; SINGULAR where
+    the device cannot move in some direction.
     """
-    forward(q, d1, scratch)
-    apply_jacobian(q, d1, dq, command)
-    for i in range(3):
-        scratch[i] = kp[i] * (target[i] - scratch[i]) - kd[i] * command[i]
-    apply_inverse_jacobian(q, d1, scratch, command)
+    points_of(kin, scene, q, work.place)
+    velocities_of(kin, scene, q, dq, work, work.forces)
+    for row in range(3 * scene.contacts):
+        i = row % 3
+        work.place[row] = scene.kp[i] * (scene.target[row] - work.place[row]) - scene.kd[i] * work.forces[row]
+    return rates_of(kin, scene, q, work.place, work, command)

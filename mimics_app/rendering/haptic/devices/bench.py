@@ -20,6 +20,7 @@ from mimics_app.contracts.loop_ports import (
     COMMAND_FORCE,
     COMMAND_LENGTH,
     COMMAND_STATE,
+    COMMAND_TORQUE,
     DATA_AGE,
     DATA_BUTTONS,
     DATA_DELAY,
@@ -33,6 +34,7 @@ from mimics_app.contracts.loop_ports import (
     WRITE,
     DevicePlugin,
 )
+from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 
 __all__ = ["DeviceBench", "OtherSide", "Track", "run_ticks"]
 
@@ -115,6 +117,7 @@ class Track:
         refused: What write returned, shape [n].
         spent_ns: Time of read and write, shape [n].
         first: Number of the first tick.
+        joints: Of the device.
     """
 
     data: NDArray[np.float64]
@@ -122,6 +125,7 @@ class Track:
     refused: NDArray[np.int64]
     spent_ns: NDArray[np.float64]
     first: int
+    joints: int = 3
 
     @property
     def fresh(self) -> NDArray[np.float64]:
@@ -130,18 +134,18 @@ class Track:
 
     @property
     def q(self) -> NDArray[np.float64]:
-        """Joints of the fresh rows [m, rad, m]."""
-        return self.fresh[:, DATA_Q : DATA_Q + 3]
+        """Joints of the fresh rows [m or rad], shape [m, joints]."""
+        return self.fresh[:, DATA_Q : DATA_Q + self.joints]
 
     @property
     def dq(self) -> NDArray[np.float64]:
         """Joint velocities of the fresh rows."""
-        return self.fresh[:, DATA_DQ : DATA_DQ + 3]
+        return self.fresh[:, DATA_DQ : DATA_DQ + self.joints]
 
     @property
     def force(self) -> NDArray[np.float64]:
-        """Measured force of the fresh rows [N]."""
-        return self.fresh[:, DATA_FORCE : DATA_FORCE + 3]
+        """Measured forces and torques of the fresh rows [N, N m]."""
+        return self.fresh[:, DATA_FORCE:DATA_GRASP]
 
     @property
     def grasp(self) -> Vec:
@@ -179,6 +183,8 @@ class DeviceBench:
 
     def __init__(self, plugin: DevicePlugin, other_side: OtherSide | None = None) -> None:
         self.plugin = plugin
+        self.descriptor = plugin.descriptor or HAPTICMASTER
+        self.joints = len(self.descriptor.joints)
         self.other_side = other_side
         self.inbox = np.zeros(INBOX_LENGTH)
         self.tick = 0
@@ -202,7 +208,7 @@ class DeviceBench:
                 self._run(commands[k : k + 1], rows[k : k + 1])
                 self.other_side.step()
         status, refused = rows[:, DATA_LENGTH].astype(np.int64), rows[:, DATA_LENGTH + 1].astype(np.int64)
-        return Track(rows[:, :DATA_LENGTH], status, refused, rows[:, DATA_LENGTH + 2], first)
+        return Track(rows[:, :DATA_LENGTH], status, refused, rows[:, DATA_LENGTH + 2], first, self.joints)
 
     def spoil(self, what: str) -> None:
         """Order a fault from the other side."""
@@ -211,16 +217,18 @@ class DeviceBench:
 
     @staticmethod
     def command(
-        dq: tuple[float, float, float] = (0.0, 0.0, 0.0),
-        force: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        dq: tuple[float, ...] = (),
+        force: tuple[float, ...] = (),
+        torque: tuple[float, ...] = (),
         *,
         enabled: bool = True,
         state: SafetyState = SafetyState.HOMED,
     ) -> Vec:
-        """A command vector: joint velocities [m/s, rad/s, m/s], force on the user [N]."""
+        """A command vector: joint velocities [m/s, rad/s], force on the first point [N], joint torques [N, N m]."""
         vector = np.zeros(COMMAND_LENGTH)
-        vector[COMMAND_DQ : COMMAND_DQ + 3] = dq
-        vector[COMMAND_FORCE : COMMAND_FORCE + 3] = force
+        vector[COMMAND_DQ : COMMAND_DQ + len(dq)] = dq
+        vector[COMMAND_FORCE : COMMAND_FORCE + len(force)] = force
+        vector[COMMAND_TORQUE : COMMAND_TORQUE + len(torque)] = torque
         vector[COMMAND_ENABLED] = float(enabled)
         vector[COMMAND_STATE] = float(state)
         return vector

@@ -4,52 +4,29 @@
     findings = check_device(plugin)                  # or: mimics devices check NAME[:ADDRESS]
     assert not [finding for finding in findings if finding.verdict == "failed"]
 
-The device moves: 15 mm along its vertical axis. A device with another side that can be told to fail (an emulator) is
-also tried with silence, garbage, lost bytes and a pulled plug.
+The device moves: 15 mm or mrad of its last joint (of the HapticMaster up). A device with another side that can be told
+to fail (an emulator) is also tried with silence, garbage, lost bytes and a pulled plug.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.loop_ports import COMMAND_FORCE, DevicePlugin
+from mimics_app.rendering.haptic.descriptors.joint_limits import joint_limits
 from mimics_app.rendering.haptic.devices.bench import DeviceBench, OtherSide, Track
+from mimics_app.rendering.haptic.devices.finding import Failed, Finding, NotApplicable, must
+from mimics_app.rendering.haptic.devices.kinematics_checks import KINEMATICS_CHECKS
 from mimics_app.world.components.robot import Robot
 
 __all__ = ["CHECKS", "Finding", "check_device"]
-
-Verdict = Literal["passed", "failed", "not applicable"]
-
-
-@dataclass(frozen=True, slots=True)
-class Finding:
-    """What one check came to.
-
-    Attributes:
-        check: Its name.
-        verdict: How it ended.
-        what: What was found, where it failed or does not apply.
-    """
-
-    check: str
-    verdict: Verdict
-    what: str = ""
-
-
-class _Failed(Exception):
-    """The device does not do what it must."""
-
-
-class _NotApplicable(Exception):
-    """This cannot be asked of this device."""
-
 
 _DT = 1e-3
 _PATIENCE = 500
@@ -67,103 +44,107 @@ _ABSURD = 1e6
 _FAULT_TICKS = 5
 _PLUG_TICKS = 4000
 _PATIENCE_NS = 20_000_000_000
-_LIFT = DeviceBench.command((0.0, 0.0, _SPEED))
-
-
-def _must(right: bool, what: str) -> None:
-    if not right:
-        raise _Failed(what)
+_PUSH = 5.0
+"""Force [N], or torque at the last joint [N or N m], that must move a device told such."""
 
 
 def _needs_other_side(bench: DeviceBench) -> None:
     if bench.other_side is None or not bench.other_side.can_fail:
-        raise _NotApplicable("it has no other side that could be made to fail")
+        raise NotApplicable("it has no other side that could be made to fail")
 
 
 def _needs_motion(bench: DeviceBench) -> None:
-    if bench.plugin.follows == "nothing":
-        raise _NotApplicable("it says that nothing moves it")
+    if bench.plugin.follows in ("nothing", "vibration"):
+        raise NotApplicable("it says that nothing moves it")
+
+
+def _order(bench: DeviceBench, *, enabled: bool = True) -> NDArray[np.float64]:
+    """Upwards, or along the last joint, by what the device follows."""
+    last = bench.joints - 1
+    if bench.plugin.follows == "velocity":
+        return bench.command((*(0.0,) * last, _SPEED), enabled=enabled)
+    active = SafetyState.ACTIVE
+    if bench.plugin.follows == "torque":
+        return bench.command(torque=(*(0.0,) * last, _PUSH), enabled=enabled, state=active)
+    return bench.command(force=(0.0, 0.0, _PUSH), enabled=enabled, state=active)
 
 
 def _lift(bench: DeviceBench, ticks: int = _MOVE_TICKS) -> Track:
-    """Upwards by what the device follows."""
-    if bench.plugin.follows == "velocity":
-        return bench.run(ticks, _LIFT)
-    return bench.run(ticks, bench.command(force=(0.0, 0.0, 5.0), state=SafetyState.ACTIVE))
+    return bench.run(ticks, _order(bench))
 
 
 def _has_name(bench: DeviceBench, robot: Robot) -> None:
     name = bench.plugin.name
-    _must(bool(name) and ":" not in name and name == name.strip(), f"its name is {name!r}")
+    must(bool(name) and ":" not in name and name == name.strip(), f"its name is {name!r}")
 
 
 def _has_plain_memory(bench: DeviceBench, robot: Robot) -> None:
     memory = bench.plugin.memory
     plain = isinstance(memory, np.ndarray) and memory.dtype == np.float64 and memory.ndim == 1
-    _must(
-        plain and bool(memory.flags.c_contiguous and memory.flags.writeable), "memory is no float64 vector of its own"
-    )
+    must(plain and bool(memory.flags.c_contiguous and memory.flags.writeable), "memory is no float64 vector of its own")
 
 
 def _states_its_delay(bench: DeviceBench, robot: Robot) -> None:
-    _must(0.0 <= bench.plugin.delay < 1.0, f"its delay is {bench.plugin.delay} s")
+    must(0.0 <= bench.plugin.delay < 1.0, f"its delay is {bench.plugin.delay} s")
 
 
 def _has_the_signatures(bench: DeviceBench, robot: Robot) -> None:
     try:
         bench.run(1)
     except DeviceError as error:
-        raise _Failed(error.what) from error
+        raise Failed(error.what) from error
 
 
 def _answers(bench: DeviceBench, robot: Robot) -> None:
     for _ in range(_PATIENCE // 10):
         if len(bench.run(10).fresh):
             return
-    raise _Failed(f"no fresh data in {_PATIENCE} ticks; {bench.plugin.trouble()}")
+    raise Failed(f"no fresh data in {_PATIENCE} ticks; {bench.plugin.trouble()}")
 
 
 def _tells_a_known_status(bench: DeviceBench, robot: Robot) -> None:
     told = set(bench.run(100).status.tolist())
-    _must(told <= {0, 1, 2}, f"statuses {sorted(told)}")
+    must(told <= {0, 1, 2}, f"statuses {sorted(told)}")
 
 
 def _gives_finite_data(bench: DeviceBench, robot: Robot) -> None:
     fresh = bench.run(200).fresh
-    _must(len(fresh) > 0, "no fresh data")
-    _must(bool(np.all(np.abs(fresh) < _ABSURD)), "a number is not finite")
+    must(len(fresh) > 0, "no fresh data")
+    must(bool(np.all(np.abs(fresh) < _ABSURD)), "a number is not finite")
 
 
 def _stays_in_its_limits(bench: DeviceBench, robot: Robot) -> None:
     q = bench.run(100).q
-    low, high = np.array(robot.joint_min) - _MARGIN, np.array(robot.joint_max) + _MARGIN
-    _must(bool(np.all((q >= low) & (q <= high))), f"joints {q[-1].tolist()} beyond their limits")
+    limits = joint_limits(robot, bench.descriptor)
+    low, high = np.array(limits.lowest) - _MARGIN, np.array(limits.highest) + _MARGIN
+    must(bool(np.all((q >= low) & (q <= high))), f"joints {q[-1].tolist()} beyond their limits")
 
 
 def _keeps_to_its_speed(bench: DeviceBench, robot: Robot) -> None:
-    _must(bool(np.all(np.abs(bench.run(100).dq) <= 1.5 * np.array(robot.velocity_limit))), "faster than its limits")
+    fastest = 1.5 * np.array(joint_limits(robot, bench.descriptor).velocity)
+    must(bool(np.all(np.abs(bench.run(100).dq) <= fastest)), "faster than its limits")
 
 
 def _measures_a_force(bench: DeviceBench, robot: Robot) -> None:
-    _must(bool(np.all(np.abs(bench.run(100).force) <= robot.force_limit)), "forces beyond the sensor's range")
+    must(bool(np.all(np.abs(bench.run(100).force) <= robot.force_limit)), "forces beyond the sensor's range")
 
 
 def _has_sane_grasp_and_buttons(bench: DeviceBench, robot: Robot) -> None:
     track = bench.run(100)
-    _must(bool(np.all((track.grasp >= 0.0) & (track.grasp < 1e3))), "grasp force below 0 or absurd")
-    _must(bool(np.all((track.buttons >= 0.0) & (track.buttons == np.floor(track.buttons)))), "buttons are no bits")
+    must(bool(np.all((track.grasp >= 0.0) & (track.grasp < 1e3))), "grasp force below 0 or absurd")
+    must(bool(np.all((track.buttons >= 0.0) & (track.buttons == np.floor(track.buttons)))), "buttons are no bits")
 
 
 def _tells_an_age(bench: DeviceBench, robot: Robot) -> None:
     track = bench.run(300)
-    _must(bool(np.all((track.age >= 0.0) & (track.age < _STALE_S))), "age below 0 or stale although fresh")
+    must(bool(np.all((track.age >= 0.0) & (track.age < _STALE_S))), "age below 0 or stale although fresh")
     taken = track.ticks * _DT - track.age
-    _must(bool(np.all(np.diff(taken) > -1e-9)), "data is older than the data before it")
+    must(bool(np.all(np.diff(taken) > -1e-9)), "data is older than the data before it")
 
 
 def _tells_a_delay(bench: DeviceBench, robot: Robot) -> None:
     delay = bench.run(100).delay
-    _must(bool(np.all((delay >= 0.0) & (delay < 1.0))), "measured delay below 0 or beyond 1 s")
+    must(bool(np.all((delay >= 0.0) & (delay < 1.0))), "measured delay below 0 or beyond 1 s")
 
 
 def _allocates_nothing(bench: DeviceBench, robot: Robot) -> None:
@@ -171,7 +152,7 @@ def _allocates_nothing(bench: DeviceBench, robot: Robot) -> None:
     bench.run(10)
     few = _allocations_of(bench, 10)
     calls = 1 if bench.other_side is None else 11
-    _must(_allocations_of(bench, 110) <= calls * few, "it takes memory while it runs")
+    must(_allocations_of(bench, 110) <= calls * few, "it takes memory while it runs")
 
 
 def _allocations_of(bench: DeviceBench, ticks: int) -> int:
@@ -187,7 +168,7 @@ def _allocations_of(bench: DeviceBench, ticks: int) -> int:
 
 def _is_short(bench: DeviceBench, robot: Robot) -> None:
     typical = float(np.median(bench.run(300).spent_ns))
-    _must(typical < _SHORT_NS, f"read and write take {typical / 1e3:.0f} us of a tick of 1000 us: does it wait?")
+    must(typical < _SHORT_NS, f"read and write take {typical / 1e3:.0f} us of a tick of 1000 us: does it wait?")
 
 
 def _follows_its_command(bench: DeviceBench, robot: Robot) -> None:
@@ -196,49 +177,52 @@ def _follows_its_command(bench: DeviceBench, robot: Robot) -> None:
     _lift(bench)
     moved = bench.run(20).q[-1] - before
     wanted = _SPEED * _MOVE_TICKS * _DT if bench.plugin.follows == "velocity" else 2e-3
-    _must(moved[2] > 0.5 * wanted, f"it moved {moved[2] * 1e3:.1f} mm upwards instead of {wanted * 1e3:.1f} mm")
+    must(moved[-1] > 0.5 * wanted, f"its last joint moved {moved[-1]:.4f} instead of {wanted:.4f}")
 
 
 def _tells_the_speed_it_moves_with(bench: DeviceBench, robot: Robot) -> None:
     _needs_motion(bench)
     track = _lift(bench)
     moved = track.q[-1] - track.q[0]
-    told = float(np.mean(track.dq[:, 2])) * (track.ticks[-1] - track.ticks[0]) * _DT
-    _must(abs(told - moved[2]) < 0.2 * abs(moved[2]) + 1e-3, "its velocities are not the change of its joints")
+    told = float(np.mean(track.dq[:, -1])) * (track.ticks[-1] - track.ticks[0]) * _DT
+    must(abs(told - moved[-1]) < 0.2 * abs(moved[-1]) + 1e-3, "its velocities are not the change of its joints")
 
 
 def _comes_to_rest(bench: DeviceBench, robot: Robot) -> None:
     _needs_motion(bench)
     _lift(bench, 100)
-    bench.run(_REST_TICKS)
-    _must(float(np.abs(bench.run(20).dq[-1]).max()) < _AT_REST, "it goes on moving without a command")
+    # What is told torques swings on until its drives brake.
+    at_rest = bench.command(enabled=bench.plugin.follows != "torque")
+    bench.run(_REST_TICKS, at_rest)
+    must(float(np.abs(bench.run(20, at_rest).dq[-1]).max()) < _AT_REST, "it goes on moving without a command")
 
 
 def _lets_go_when_not_enabled(bench: DeviceBench, robot: Robot) -> None:
     _needs_motion(bench)
     _lift(bench, 100)
-    bench.run(_REST_TICKS, bench.command((0.0, 0.0, _SPEED), (0.0, 0.0, 5.0), enabled=False))
-    track = bench.run(50, bench.command((0.0, 0.0, _SPEED), (0.0, 0.0, 5.0), enabled=False))
-    _must(float(np.abs(track.dq[-1]).max()) < _AT_REST, "it follows a command that is not enabled")
+    order = _order(bench, enabled=False)
+    bench.run(_REST_TICKS, order)
+    track = bench.run(50, order)
+    must(float(np.abs(track.dq[-1]).max()) < _AT_REST, "it follows a command that is not enabled")
 
 
 def _leaves_what_is_not_its_own(bench: DeviceBench, robot: Robot) -> None:
     """Command and inbox belong to the loop."""
     command, inbox = bench.command((0.0, 0.0, 0.01)), bench.inbox.copy()
     bench.run(3, command)
-    _must(bool(command[COMMAND_FORCE] == 0.0 and np.array_equal(bench.inbox, inbox)), "it writes into the inbox")
+    must(bool(command[COMMAND_FORCE] == 0.0 and np.array_equal(bench.inbox, inbox)), "it writes into the inbox")
 
 
 def _bears_a_poisoned_command(bench: DeviceBench, robot: Robot) -> None:
     _needs_motion(bench)
     before = bench.run(20).q[-1]
     for poison in (np.nan, np.inf, -np.inf):
-        bench.run(3, bench.command((poison, 0.0, poison), (0.0, poison, 0.0)))
+        bench.run(3, bench.command((poison,) * bench.joints, (0.0, poison, 0.0), (poison,) * bench.joints))
     bench.run(_REST_TICKS)
     track = bench.run(50)
-    _must(float(np.abs(track.q[-1] - before).max()) < _JUMP, "a command that is not finite moves it")
+    must(float(np.abs(track.q[-1] - before).max()) < _JUMP, "a command that is not finite moves it")
     finite = len(track.fresh) > 0 and bool(np.all(np.abs(track.fresh) < _ABSURD))
-    _must(finite, "a command that is not finite stays in it for ever")
+    must(finite, "a command that is not finite stays in it for ever")
 
 
 def _bears_a_poisoned_inbox(bench: DeviceBench, robot: Robot) -> None:
@@ -249,7 +233,7 @@ def _bears_a_poisoned_inbox(bench: DeviceBench, robot: Robot) -> None:
     bench.run(_REST_TICKS)
     track = bench.run(50)
     finite = len(track.fresh) > 0 and bool(np.all(np.abs(track.fresh) < _ABSURD))
-    _must(finite, "an inbox that is not finite stays in it for ever")
+    must(finite, "an inbox that is not finite stays in it for ever")
 
 
 def _is_silent_when_nothing_comes(bench: DeviceBench, robot: Robot) -> None:
@@ -258,8 +242,8 @@ def _is_silent_when_nothing_comes(bench: DeviceBench, robot: Robot) -> None:
     bench.run(_FAULT_TICKS)
     fresh = len(bench.run(100).fresh)
     bench.spoil("silence off")
-    _must(fresh == 0, f"{fresh} times fresh data from a silent line")
-    _must(_gives_data_again(bench), "no data after the silence")
+    must(fresh == 0, f"{fresh} times fresh data from a silent line")
+    must(_gives_data_again(bench), "no data after the silence")
 
 
 def _gives_data_again(bench: DeviceBench) -> bool:
@@ -277,8 +261,8 @@ def _survives(bench: DeviceBench, order: str, off: str) -> None:
     bench.spoil(order)
     track = bench.run(300)
     bench.spoil(off)
-    _must(bool(np.all(np.abs(track.fresh) < 1e3)), "it takes garbage for data")
-    _must(_gives_data_again(bench), "it does not find its place again")
+    must(bool(np.all(np.abs(track.fresh) < 1e3)), "it takes garbage for data")
+    must(_gives_data_again(bench), "it does not find its place again")
 
 
 def _finds_its_place_after_garbage(bench: DeviceBench, robot: Robot) -> None:
@@ -294,15 +278,15 @@ def _tells_a_pulled_plug(bench: DeviceBench, robot: Robot) -> None:
     bench.spoil("unplug")
     bench.run(1)
     status = bench.run(_FAULT_TICKS).status
-    _must(bool(status[-1] == 2), f"no FAULT within {_FAULT_TICKS} ticks of a pulled plug")
-    _must(bool(np.all(bench.run(50).status == 2)), "the FAULT does not last")
+    must(bool(status[-1] == 2), f"no FAULT within {_FAULT_TICKS} ticks of a pulled plug")
+    must(bool(np.all(bench.run(50).status == 2)), "the FAULT does not last")
 
 
 def _comes_back_when_plugged_in(bench: DeviceBench, robot: Robot) -> None:
     _needs_other_side(bench)
     bench.spoil("plug")
     back = _gives_data_again(bench)
-    _must(back, f"no data after the plug is in again; {bench.plugin.trouble()}")
+    must(back, f"no data after the plug is in again; {bench.plugin.trouble()}")
 
 
 def _closes_twice(bench: DeviceBench, robot: Robot) -> None:
@@ -312,8 +296,8 @@ def _closes_twice(bench: DeviceBench, robot: Robot) -> None:
 
 def _is_quiet_when_closed(bench: DeviceBench, robot: Robot) -> None:
     track = bench.run(5)
-    _must(set(track.status.tolist()) <= {0, 1, 2}, "an unknown status after close")
-    _must(not bench.plugin.real_time or len(track.fresh) == 0, "fresh data although it is closed")
+    must(set(track.status.tolist()) <= {0, 1, 2}, "an unknown status after close")
+    must(not bench.plugin.real_time or len(track.fresh) == 0, "fresh data although it is closed")
 
 
 CHECKS: dict[str, Callable[[DeviceBench, Robot], None]] = {
@@ -346,6 +330,7 @@ CHECKS: dict[str, Callable[[DeviceBench, Robot], None]] = {
         _bears_lost_bytes,
         _tells_a_pulled_plug,
         _comes_back_when_plugged_in,
+        *KINEMATICS_CHECKS,
         _closes_twice,
         _is_quiet_when_closed,
     )
@@ -373,9 +358,9 @@ def check_device(
 def _try(name: str, check: Callable[[DeviceBench, Robot], None], bench: DeviceBench, robot: Robot) -> Finding:
     try:
         check(bench, robot)
-    except _NotApplicable as reason:
+    except NotApplicable as reason:
         return Finding(name, "not applicable", str(reason))
-    except _Failed as fault:
+    except Failed as fault:
         return Finding(name, "failed", str(fault))
     except Exception as failure:  # noqa: BLE001  whatever a third party's code throws is its finding
         return Finding(name, "failed", f"{type(failure).__name__}: {failure}")

@@ -15,7 +15,16 @@ if TYPE_CHECKING:
 
     from mimics_app.rendering.haptic.devices.request import DeviceBuilder
 
-__all__ = ["ADDRESSES", "ENTRY_POINT_GROUP", "POINTER", "SIMULATED", "check_device_name", "device_names", "find_plugin"]
+__all__ = [
+    "ADDRESSES",
+    "ENTRY_POINT_GROUP",
+    "POINTER",
+    "REPLAY",
+    "SIMULATED",
+    "check_device_name",
+    "device_names",
+    "find_plugin",
+]
 
 ENTRY_POINT_GROUP = "mimics_app.devices"
 
@@ -25,11 +34,16 @@ SIMULATED = "simulated_hapticmaster"
 POINTER = "pointer"
 """The same robot, held by a person at a window."""
 
+REPLAY = "replay"
+"""The device that plays the sensors of a recording."""
+
 ADDRESSES = {
     SIMULATED: "",
     "simulated_impedance": "",
     POINTER: "",
-    "replay": "",
+    REPLAY: "",
+    "simulated_leg": "",
+    "simulated_legs": "",
     "serial": "PORT[@BAUD]",
     "hapticmaster": "HOST[:PORT]",
 }

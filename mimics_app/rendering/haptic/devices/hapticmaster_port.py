@@ -11,12 +11,12 @@ import numpy as np
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError, nearest
 from mimics_app.contracts.loop_ports import DevicePlugin
+from mimics_app.rendering.haptic.descriptors.hapticmaster import axis_offset
 from mimics_app.rendering.haptic.devices import hapticmaster_loop as loop
 from mimics_app.rendering.haptic.devices.address import host_and_port
 from mimics_app.rendering.haptic.devices.device_objects import DEFAULT_INERTIA, DeviceObject, hapticmaster_commands
 from mimics_app.rendering.haptic.devices.link import LinkKeeper
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
-from mimics_app.rendering.haptic.scene_block import axis_offset
 
 __all__ = ["DEFAULT_PORT", "build_hapticmaster"]
 

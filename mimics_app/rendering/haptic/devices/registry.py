@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.device_descriptor import DeviceDescriptor
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic.devices.address import split_device
+from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.devices.device_names import POINTER, SIMULATED, check_device_name, find_plugin
 from mimics_app.rendering.haptic.devices.device_objects import DeviceObject
 from mimics_app.rendering.haptic.devices.pointer import build_pointer
@@ -38,11 +41,20 @@ def _build_hapticmaster(request: DeviceRequest) -> DevicePlugin:
     return build_hapticmaster(request)
 
 
+def _build_leg(request: DeviceRequest) -> DevicePlugin:
+    """A simulated leg, or two, on the drives of a gait orthosis, hip and knee, held by the request's patient."""
+    from mimics_app.rendering.haptic.devices.simulated_leg import build_simulated_leg
+
+    return build_simulated_leg(request)
+
+
 BUILT_IN: dict[str, DeviceBuilder] = {
     SIMULATED: build_simulated_hapticmaster,
     "simulated_impedance": build_simulated_impedance,
     POINTER: build_pointer,
     "replay": build_replay,
+    "simulated_leg": _build_leg,
+    "simulated_legs": _build_leg,
     "serial": _build_serial,
     "hapticmaster": _build_hapticmaster,
 }
@@ -65,6 +77,7 @@ def build_device(
     seed: int = 0,
     *,
     samples: NDArray[np.void] | None = None,
+    descriptor: DeviceDescriptor | None = None,
     objects: tuple[DeviceObject, ...] = (),
 ) -> DevicePlugin:
     """Build the device a scene asks for.
@@ -77,10 +90,13 @@ def build_device(
         seed: Of all random numbers.
         samples: SAMPLE rows, for the replay device.
         objects: What a robot that renders objects by itself should make, robot frame.
+        descriptor: Of the device whose samples are replayed; None: the one of the name.
 
     Raises:
         DeviceError: No such device, or it cannot be had.
     """
+    check_device_name(robot.device)
+    name = split_device(robot.device).name
     points = np.zeros((0, 3)) if via_points_world is None else np.asarray(via_points_world, np.float64)
     request = DeviceRequest(
         robot=robot,
@@ -90,6 +106,7 @@ def build_device(
         samples=samples,
         address=split_device(robot.device).address,
         objects=objects,
+        descriptor=descriptor or descriptor_of(name),
     )
-    check_device_name(robot.device)
-    return find_builder(split_device(robot.device).name)(request)
+    plugin = find_builder(name)(request)
+    return plugin if plugin.descriptor is not None else replace(plugin, descriptor=request.descriptor)

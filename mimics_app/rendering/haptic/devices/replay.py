@@ -7,7 +7,20 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.contracts.loop_ports import DATA_LENGTH, READ, WRITE, DevicePlugin
+from mimics_app.contracts.loop_ports import (
+    DATA_AGE,
+    DATA_BUTTONS,
+    DATA_DELAY,
+    DATA_DQ,
+    DATA_FORCE,
+    DATA_GRASP,
+    DATA_LENGTH,
+    DATA_Q,
+    DATA_TORQUE,
+    READ,
+    WRITE,
+    DevicePlugin,
+)
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 
 __all__ = ["build_replay", "ignore_command", "read_recorded"]
@@ -15,6 +28,20 @@ __all__ = ["build_replay", "ignore_command", "read_recorded"]
 Vec = NDArray[np.float64]
 
 _ROW = DATA_LENGTH + 1
+
+_COLUMNS = {
+    DATA_Q: "q",
+    DATA_DQ: "dq",
+    DATA_FORCE: "f_meas",
+    DATA_FORCE + 3: "others_f_meas",
+    DATA_TORQUE: "torque_meas",
+    DATA_GRASP: "grasp",
+    DATA_BUTTONS: "buttons",
+    DATA_AGE: "age",
+    DATA_DELAY: "delay",
+    DATA_LENGTH: "status",
+}
+"""Where each recorded field goes in a row."""
 
 
 @typed_kernel(READ)
@@ -44,9 +71,7 @@ def build_replay(request: DeviceRequest) -> DevicePlugin:
     if samples is None or samples.shape[0] == 0:
         raise DeviceError("the replay device needs a recording", "name a run folder with --recording")
     memory = np.zeros((samples.shape[0], _ROW))
-    memory[:, 0:3] = samples["q"]
-    memory[:, 3:6] = samples["dq"]
-    memory[:, 6:9] = samples["f_meas"]
-    for column, name in enumerate(("grasp", "buttons", "age", "delay", "status"), start=9):
-        memory[:, column] = samples[name]
+    for first, name in _COLUMNS.items():
+        values = samples[name].reshape(samples.shape[0], -1)
+        memory[:, first : first + values.shape[1]] = values
     return DevicePlugin("replay", read_recorded, ignore_command, memory.ravel(), follows="nothing", simulated=True)

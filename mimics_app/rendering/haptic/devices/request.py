@@ -9,7 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.device_descriptor import DeviceDescriptor
 from mimics_app.contracts.loop_ports import DevicePlugin
+from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
+from mimics_app.rendering.haptic.descriptors.joint_limits import JointLimits, joint_limits
 from mimics_app.rendering.haptic.devices.device_objects import DeviceObject
 
 if TYPE_CHECKING:
@@ -32,10 +35,11 @@ class DeviceRequest:
         way_robot: Points a simulated person means to pass, in order, robot frame [m], shape [n, 3].
         seed: Of all random numbers of the device.
         rate: Ticks per second.
-        start_joints: Where a simulated robot stands at first [m, rad, m].
+        start_joints: Where a simulated robot stands at first [m or rad].
         samples: SAMPLE rows for the replay device.
         address: Where the device is, as the person wrote it after the name's colon; "" when nothing was said.
         objects: What a robot that renders objects by itself should make, robot frame.
+        descriptor: Joints, points of contact and kinematics of the device.
     """
 
     robot: Robot
@@ -43,10 +47,20 @@ class DeviceRequest:
     way_robot: NDArray[np.float64] = field(default_factory=_nowhere)
     seed: int = 0
     rate: int = 1000
-    start_joints: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    start_joints: tuple[float, ...] = (0.0, 0.0, 0.0)
     samples: NDArray[Any] | None = None
     address: str = ""
     objects: tuple[DeviceObject, ...] = ()
+    descriptor: DeviceDescriptor = HAPTICMASTER
+
+    @property
+    def limits(self) -> JointLimits:
+        """Of the joints in this scene.
+
+        Raises:
+            DeviceError: The robot states limits of another number of joints than the device has.
+        """
+        return joint_limits(self.robot, self.descriptor)
 
 
 DeviceBuilder = Callable[[DeviceRequest], DevicePlugin]

@@ -12,9 +12,13 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_ports import (
     COMMAND_DQ,
     COMMAND_ENABLED,
+    COMMAND_FORCE,
     COMMAND_STATE,
     DATA_AGE,
     DATA_BUTTONS,
+    DATA_DQ,
+    DATA_FORCE,
+    DATA_GRASP,
     DATA_Q,
     INBOX_ACTIVE,
     INBOX_BUTTONS,
@@ -49,8 +53,6 @@ FRAME_PLACES = 1 + PAYLOAD_PLACES + 1
 ROBOT_READY, ROBOT_NOT_HOMED, ROBOT_FAULT = 0, 1, 2
 """Status byte of a STATE frame."""
 
-_JOINTS_FORCES = 6
-_MEASURED = 10
 _MICRO = 1e-6
 
 
@@ -73,8 +75,9 @@ def _put_word(small: Bytes, place: int, value: float) -> None:
 def pack_command(command: Vec, usable: bool, payload: Vec) -> None:
     """Six float32 (joint velocities, force), enabled, state; zeros and not enabled where the numbers are not usable."""
     floats, small = payload.view(np.float32), payload.view(np.uint8)
-    for i in range(_JOINTS_FORCES):
+    for i in range(3):
         floats[i] = command[COMMAND_DQ + i] if usable else 0.0
+        floats[3 + i] = command[COMMAND_FORCE + i] if usable else 0.0
     small[24] = 1 if usable and command[COMMAND_ENABLED] != 0.0 else 0
     small[25] = int(command[COMMAND_STATE]) & 0xFF if usable else 0
 
@@ -83,8 +86,9 @@ def pack_command(command: Vec, usable: bool, payload: Vec) -> None:
 def unpack_command(payload: Vec, command: Vec) -> None:
     """The other way."""
     floats, small = payload.view(np.float32), payload.view(np.uint8)
-    for i in range(_JOINTS_FORCES):
+    for i in range(3):
         command[COMMAND_DQ + i] = floats[i]
+        command[COMMAND_FORCE + i] = floats[3 + i]
     command[COMMAND_ENABLED] = float(small[24])
     command[COMMAND_STATE] = float(small[25])
 
@@ -93,8 +97,11 @@ def unpack_command(payload: Vec, command: Vec) -> None:
 def pack_state(data: Vec, status: int, payload: Vec) -> None:
     """Ten float32 (joints, velocities, force, grasp), buttons, status, age in us."""
     floats, small = payload.view(np.float32), payload.view(np.uint8)
-    for i in range(_MEASURED):
+    for i in range(3):
         floats[i] = data[DATA_Q + i]
+        floats[3 + i] = data[DATA_DQ + i]
+        floats[6 + i] = data[DATA_FORCE + i]
+    floats[9] = data[DATA_GRASP]
     small[40] = int(data[DATA_BUTTONS]) & 0xFF
     small[41] = status
     _put_word(small, 42, data[DATA_AGE] / _MICRO)
@@ -104,8 +111,11 @@ def pack_state(data: Vec, status: int, payload: Vec) -> None:
 def unpack_state(payload: Vec, data: Vec) -> int:
     """The other way; the status byte."""
     floats, small = payload.view(np.float32), payload.view(np.uint8)
-    for i in range(_MEASURED):
+    for i in range(3):
         data[DATA_Q + i] = floats[i]
+        data[DATA_DQ + i] = floats[3 + i]
+        data[DATA_FORCE + i] = floats[6 + i]
+    data[DATA_GRASP] = floats[9]
     data[DATA_BUTTONS] = float(small[40])
     data[DATA_AGE] = word_at(small, 42) * _MICRO
     return int(small[41])

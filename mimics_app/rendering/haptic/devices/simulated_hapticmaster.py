@@ -15,6 +15,7 @@ from mimics_app.contracts.loop_ports import (
     WRITE,
     DevicePlugin,
 )
+from mimics_app.rendering.haptic.descriptors.hapticmaster import axis_offset
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.simulated_person import move_person, write_person
 from mimics_app.rendering.haptic.kernels import robot
@@ -30,7 +31,6 @@ from mimics_app.rendering.haptic.kernels.robot import (
     step_robot,
 )
 from mimics_app.rendering.haptic.kernels.vectors import all_finite
-from mimics_app.rendering.haptic.scene_block import axis_offset
 
 __all__ = ["build_simulated_hapticmaster", "read_patient", "robot_delay", "write_robot", "write_robot_memory"]
 
@@ -71,12 +71,13 @@ def write_robot_memory(memory: Vec, request: DeviceRequest) -> None:
     memory[robot.Q : robot.Q + 3] = request.start_joints
     memory[robot.MEASURED : robot.MEASURED + 3] = request.start_joints
     memory[robot.AXIS_OFFSET] = d1
-    memory[robot.JOINT_MIN : robot.JOINT_MIN + 3] = wanted.joint_min
-    memory[robot.JOINT_MAX : robot.JOINT_MAX + 3] = wanted.joint_max
+    limits = request.limits
+    memory[robot.JOINT_MIN : robot.JOINT_MIN + 3] = limits.lowest
+    memory[robot.JOINT_MAX : robot.JOINT_MAX + 3] = limits.highest
     memory[robot.SERVO] = 2.0 * math.pi * wanted.servo_bandwidth_hz
     memory[robot.MASSES : robot.MASSES + 3] = wanted.masses
     memory[robot.DRIVE_FORCE] = wanted.force_limit
-    memory[robot.VELOCITY_LIMIT : robot.VELOCITY_LIMIT + 3] = wanted.velocity_limit
+    memory[robot.VELOCITY_LIMIT : robot.VELOCITY_LIMIT + 3] = limits.velocity
     memory[robot.ENCODER : robot.ENCODER + 3] = (_ENCODER_QUANTUM, _ENCODER_QUANTUM / d1, _ENCODER_QUANTUM)
     memory[robot.SENSOR_NOISE] = wanted.sensor_noise
     memory[robot.SENSOR_QUANTUM] = wanted.sensor_quantum

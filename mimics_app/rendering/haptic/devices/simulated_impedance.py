@@ -13,6 +13,7 @@ from mimics_app.contracts.loop_ports import (
     WRITE,
     DevicePlugin,
 )
+from mimics_app.rendering.haptic.descriptors.hapticmaster import axis_offset
 from mimics_app.rendering.haptic.devices.device_settings import write_settings
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.simulated_person import move_person, write_person
@@ -28,7 +29,6 @@ from mimics_app.rendering.haptic.kernels.light_robot import (
     step_light_robot,
 )
 from mimics_app.rendering.haptic.kernels.vectors import all_finite
-from mimics_app.rendering.haptic.scene_block import axis_offset
 
 __all__ = ["build_simulated_impedance", "read_light_patient", "write_force"]
 
@@ -86,8 +86,9 @@ def _write_robot(memory: Vec, request: DeviceRequest) -> None:
     write_settings(memory, _SETTINGS, wanted.settings, "simulated impedance device")
     memory[TICK] = 1.0 / request.rate
     memory[light_robot.AXIS_OFFSET] = d1
-    memory[light_robot.JOINT_MIN : light_robot.JOINT_MIN + 3] = wanted.joint_min
-    memory[light_robot.JOINT_MAX : light_robot.JOINT_MAX + 3] = wanted.joint_max
+    limits = request.limits
+    memory[light_robot.JOINT_MIN : light_robot.JOINT_MIN + 3] = limits.lowest
+    memory[light_robot.JOINT_MAX : light_robot.JOINT_MAX + 3] = limits.highest
     memory[light_robot.DELAY] = wanted.delay_ticks
     forward(np.array(request.start_joints, np.float64), d1, memory[HANDLE : HANDLE + 3])
     memory[light_robot.SEEN : light_robot.SEEN + 3] = memory[HANDLE : HANDLE + 3]

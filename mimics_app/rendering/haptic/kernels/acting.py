@@ -4,7 +4,7 @@
     active     assistance, effects, what is held, shapes that can move: paid from the energy tank
     the rest   drag: takes energy only
 
-`cap_wall` comes before the tunnel, `account` before the safety states, `act` after them.
+`account` comes before the safety states, `act` after them.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from mimics_app.rendering.haptic.kernels.contact_limits import common_share, is_
 from mimics_app.rendering.haptic.kernels.limiter import limit_force, limit_held
 from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale, limited_credit, middle_velocity
 from mimics_app.rendering.haptic.kernels.safety import HOLD, is_stopped, latch
-from mimics_app.rendering.haptic.kernels.stability import spring_share, stiffness_limit
 from mimics_app.rendering.haptic.kernels.tank import payable_share, settle_account
+from mimics_app.rendering.haptic.kernels.tunnels import share_in_touch
 from mimics_app.rendering.haptic.kernels.vectors import fill, norm, rotate, rotate_back, scale
 
-__all__ = ["ACTING", "FREE_TIME", "account", "act", "acting_contact", "cap_wall", "device_delay", "own_damping"]
+__all__ = ["ACTING", "FREE_TIME", "account", "act", "acting_contact", "device_delay", "own_damping"]
 
 Vec = NDArray[np.float64]
 
@@ -84,33 +84,6 @@ def device_delay(scene: Any, state: Any) -> float:
 def own_damping(scene: Any) -> float:
     """Damping that every contact can count on: virtual, the device's own, and the arm's [N s/m]."""
     return scene.virtual_damping + scene.device_damping + scene.arm_damping
-
-
-@kernel
-def _hold_down(last: float, now: float, touching: bool) -> float:
-    """A share that may fall at any time but rises only in free motion: a stiffening contact would make energy."""
-    return min(last, now) if touching else now
-
-
-@kernel
-def cap_wall(scene: Any, state: Any, period: float) -> None:
-    """Choose how much of the tunnel wall's stiffness is rendered, from the measured period and delay.
-
-    Args:
-        scene: SCENE record.
-        state: STATE record; tunnel.softening is set for the coming tunnel force.
-        period: Measured period [s].
-    """
-    share = 1.0
-    tunnel = scene.tunnel
-    if scene.cap == 1 and tunnel.pieces > 0:
-        damping = own_damping(scene) + tunnel.damping
-        limit = stiffness_limit(damping, period, device_delay(scene, state))
-        helping = tunnel.centring * (1.0 + scene.cap_margin)
-        share = min(spring_share(tunnel.stiffness, limit - helping, scene.cap_margin), state.acting.both_share)
-    share = _hold_down(state.acting.wall_share, share, state.tunnel.penetration > 0.0)
-    state.acting.wall_share = share
-    state.tunnel.softening = 1.0 - share
 
 
 @kernel
@@ -209,7 +182,7 @@ def _cap_shapes(scene: Any, state: Any, totals: Any, touched: Any, period: float
         lag = 0.5 * period + device_delay(scene, state)
         share = common_share(scene, state, totals, touched, own_damping(scene), lag)
     acting.both_share = share if is_touching and is_pressed(state) else 1.0
-    acting.shape_share = _hold_down(acting.shape_share, share, is_touching and acting.touching == 1)
+    acting.shape_share = share_in_touch(acting.shape_share, share, is_touching and acting.touching == 1)
     acting.touching = 1 if is_touching else 0
 
 
@@ -235,7 +208,7 @@ def _follow_credit(scene: Any, state: Any, totals: Any, dt: float) -> None:
     touching = norm(state.f_contact) > 0.0
     acting.free_ticks = 0 if touching else acting.free_ticks + 1
     depth = state.tunnel.penetration
-    stored = acting.wall_share * scene.tunnel.stiffness * depth * depth
+    stored = acting.wall_share * state.tunnel.stiffness * depth * depth
     if totals.touching > 0:
         stored += acting.shape_share * totals.stiffness * totals.depth * totals.depth
     acting.credit = limited_credit(acting.credit, stored)

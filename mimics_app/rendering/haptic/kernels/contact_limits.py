@@ -52,8 +52,8 @@ def _gather(
         k, b, hold, hold_b = c.stiffness, c.damping, c.hold_stiffness, c.hold_damping
         add_contact(span, c.normal, share * k, share * b, share * hold, share * hold_b)
     if is_pressed(state):
-        k = wall_share * scene.tunnel.stiffness + scene.tunnel.centring
-        add_contact(span, state.tunnel.normal_world, k, scene.tunnel.damping, 0.0, 0.0)
+        k = wall_share * state.tunnel.stiffness + state.tunnel.centring
+        add_contact(span, state.tunnel.normal_world, k, state.tunnel.damping, 0.0, 0.0)
 
 
 @kernel

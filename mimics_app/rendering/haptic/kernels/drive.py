@@ -1,26 +1,38 @@
-"""From forces to commands: the controller of a tick, and what it sends while it may not act."""
+"""From forces to commands: the controller of a tick, and what it sends while it may not act.
+
+Of a polar device (SCENE.polar, the HapticMaster's kind) the velocity of its one point is led and joints follow; of any
+other the joints are led and their points follow.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+import numpy as np
+from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import Controller, SafetyState, TripCause
+from mimics_app.contracts.device_descriptor import Kin
+from mimics_app.contracts.haptic import AdmittanceForm, Controller, SafetyState, TripCause
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.control.admittance import admit, limit_motion
-from mimics_app.rendering.haptic.control.impedance import draw_along
+from mimics_app.rendering.haptic.control.impedance import draw_along, draw_joints
+from mimics_app.rendering.haptic.control.joint_admittance import admit_joints
 from mimics_app.rendering.haptic.control.joint_pd import joint_pd
 from mimics_app.rendering.haptic.control.world_pd import world_pd_straight, world_pd_through_joints
-from mimics_app.rendering.haptic.kernels.kinematics import (
-    apply_inverse_jacobian,
-    apply_jacobian,
-    forward,
-    robot_to_tool,
+from mimics_app.rendering.haptic.kernels.device_records import ControlScene, PointState, PointStates
+from mimics_app.rendering.haptic.kernels.joints import (
+    find_jacobian,
+    points_of,
+    rates_of,
+    to_tool,
+    torques_of,
+    velocities_of,
 )
-from mimics_app.rendering.haptic.kernels.limiter import brake_at_limits, settle
+from mimics_app.rendering.haptic.kernels.limiter import brake_at_limits, limit_joints, settle
 from mimics_app.rendering.haptic.kernels.safety import HOLD, is_stopped, latch, lets_feel
-from mimics_app.rendering.haptic.kernels.vectors import all_finite, clamp_norm, copy, fill, norm, scale
+from mimics_app.rendering.haptic.kernels.vectors import all_finite, copy, fill, norm, scale
 
 __all__ = ["control", "note_arrival"]
+
+Vec = NDArray[np.float64]
 
 _EXTRA_DAMPING = 30.0
 """Added to the virtual damping while the virtual force is off or ramping down [N s/m]."""
@@ -38,55 +50,114 @@ _NOT_FINITE = int(TripCause.NOT_FINITE)
 _JOINT_PD = int(Controller.JOINT_PD)
 _WORLD_PD = int(Controller.WORLD_PD)
 _ADMITTANCE = int(Controller.ADMITTANCE)
+_SEED = int(AdmittanceForm.SEED)
 
 
 @kernel
-def _drive_to_target(scene: Any, state: Any, dt: float) -> None:
+def _find_velocities(kin: Kin, scene: ControlScene, states: PointStates, dq: Vec) -> None:
+    """v_virtual of every point while the joints move with dq."""
+    work = states[0].joint_work
+    velocities_of(kin, scene, states[0].q, dq, work, work.velocities)
+    for c in range(scene.contacts):
+        copy(work.velocities[3 * c : 3 * c + 3], states[c].v_virtual)
+
+
+@kernel
+def _share_below(scene: ControlScene, velocities: Vec, most: float) -> float:
+    """Largest share of velocities of the points that leaves each within `most` [m/s], 0-1."""
+    share = 1.0
+    for c in range(scene.contacts):
+        speed = norm(velocities[3 * c : 3 * c + 3])
+        if speed > most:
+            share = min(share, most / speed)
+    return share
+
+
+@kernel
+def _wish(kin: Kin, scene: ControlScene, state: PointState) -> None:
+    """joint_work.wish: joint velocities that the PD controller asks for."""
+    work = state.joint_work
+    if scene.controller == _JOINT_PD:
+        joint_pd(state.q, state.dq, scene.target, scene.kp, scene.kd, work.wish)
+    elif scene.through_joints == 1:
+        world_pd_through_joints(kin, scene, state.q, state.dq, work, work.wish)
+    else:
+        world_pd_straight(kin, scene, state.q, state.dq, work, work.wish)
+
+
+@kernel
+def _approach(kin: Kin, scene: ControlScene, state: PointState, acceleration: float, speed: float, dt: float) -> None:
+    """dq_virtual towards the wish, no point faster than `speed` nor harder than `acceleration`; all scaled alike."""
+    work = state.joint_work
+    velocities_of(kin, scene, state.q, work.wish, work, work.velocities)
+    share = _share_below(scene, work.velocities, speed)
+    for j in range(scene.joints):
+        work.wish[j] = share * work.wish[j] - state.dq_virtual[j]
+    velocities_of(kin, scene, state.q, work.wish, work, work.velocities)
+    share = _share_below(scene, work.velocities, acceleration * dt)
+    for j in range(scene.joints):
+        state.dq_virtual[j] += share * work.wish[j]
+
+
+@kernel
+def _drive_to_target(kin: Kin, scene: ControlScene, states: PointStates, dt: float) -> None:
     """PD controller towards SCENE.target, limited in acceleration and speed as a whole vector.
 
     A person's hand is on the handle: the drive is slow, and starts no harder than twice what it brakes with.
     """
-    d1 = scene.axis_offset
-    wish = state.work_b
-    if scene.controller == _JOINT_PD:
-        joint_pd(state.q, state.dq, scene.target, scene.kp, scene.kd, wish)
-    elif scene.form == 0:
-        world_pd_through_joints(state.q, state.dq, scene.target, scene.kp, scene.kd, d1, state.work_a, wish)
-    else:
-        world_pd_straight(state.q, state.dq, scene.target, scene.kp, scene.kd, d1, state.work_a, wish)
-    apply_jacobian(state.q, d1, wish, state.work_a)
+    state, work = states[0], states[0].joint_work
+    _wish(kin, scene, state)
     speed = min(scene.max_velocity, _DRIVE_SPEED)
     gentle = 2.0 * speed * max(scene.kp[0], scene.kp[1], scene.kp[2])
-    limit_motion(state.v_virtual, min(scene.max_acceleration, gentle), speed, dt, state.work_a)
-    copy(state.work_a, state.v_virtual)
-    apply_inverse_jacobian(state.q, d1, state.v_virtual, state.dq_virtual)
+    acceleration = min(scene.max_acceleration, gentle)
+    if scene.polar == 1:
+        velocities_of(kin, scene, state.q, work.wish, work, state.work_a)
+        limit_motion(state.v_virtual, acceleration, speed, dt, state.work_a)
+        copy(state.work_a, state.v_virtual)
+        rates_of(kin, scene, state.q, state.v_virtual, work, state.dq_virtual)
+    else:
+        _approach(kin, scene, state, acceleration, speed, dt)
+        _find_velocities(kin, scene, states, state.dq_virtual)
 
 
 @kernel
-def note_arrival(scene: Any, state: Any) -> None:
-    """state.arrived: a PD controller's target is within 1 mm and the robot at rest within 5 mm/s."""
+def note_arrival(kin: Kin, scene: ControlScene, states: PointStates) -> None:
+    """state.arrived: a PD controller's target is within 1 mm and the robot at rest within 5 mm/s, at every point."""
+    state, work = states[0], states[0].joint_work
     state.arrived = 0
     if scene.controller == _JOINT_PD:
-        forward(scene.target, scene.axis_offset, state.work_a)
+        points_of(kin, scene, scene.target, work.place)
     elif scene.controller == _WORLD_PD:
-        copy(scene.target, state.work_a)
+        copy(scene.target, work.place)
     else:
         return
-    for i in range(3):
-        state.work_a[i] -= state.hip[i]
-    if norm(state.work_a) < _ARRIVED_DISTANCE and norm(state.v) < _ARRIVED_SPEED:
-        state.arrived = 1
+    arrived = 1
+    for c in range(scene.contacts):
+        for i in range(3):
+            state.work_a[i] = work.place[3 * c + i] - states[c].hip[i]
+        if not (norm(state.work_a) < _ARRIVED_DISTANCE and norm(states[c].v) < _ARRIVED_SPEED):
+            arrived = 0
+    state.arrived = arrived
 
 
 @kernel
-def _follow_hand(scene: Any, state: Any, dt: float) -> None:
-    """Admittance: measured and virtual force move the virtual mass."""
-    robot_to_tool(state.q, state.f_user, state.work_b)
-    for i in range(3):
-        state.work_b[i] += state.f_meas[i]
+def _follow_hand(kin: Kin, scene: ControlScene, states: PointStates, dt: float) -> None:
+    """Admittance: measured and virtual force move the virtual mass, or the masses at all points."""
+    state = states[0]
     damping = scene.virtual_damping
     if state.safety != _ACTIVE:
         damping += _EXTRA_DAMPING
+    if scene.polar == 0:
+        admit_joints(kin, scene, states, scene.virtual_mass, damping, dt, state.dq_virtual)
+        _find_velocities(kin, scene, states, state.dq_virtual)
+        share = _share_below(scene, state.joint_work.velocities, scene.max_velocity)
+        if share < 1.0:
+            scale(state.dq_virtual, share)
+            _find_velocities(kin, scene, states, state.dq_virtual)
+        return
+    to_tool(kin, scene, state.q, state.f_user, state.work_b)
+    for i in range(3):
+        state.work_b[i] += state.f_meas[i]
     admit(
         scene.form,
         state.q,
@@ -95,7 +166,7 @@ def _follow_hand(scene: Any, state: Any, dt: float) -> None:
         damping,
         scene.max_acceleration,
         scene.max_velocity,
-        scene.axis_offset,
+        scene.geometry[0],
         dt,
         state.work_a,
         state.v_virtual,
@@ -104,88 +175,156 @@ def _follow_hand(scene: Any, state: Any, dt: float) -> None:
 
 
 @kernel
-def _hold(scene: Any, state: Any) -> None:
+def _hold(kin: Kin, scene: ControlScene, states: PointStates) -> None:
     """The last command again, within the limits of where the robot is by now; so the force, as the user feels it."""
+    state, work = states[0], states[0].joint_work
     if lets_feel(scene.controller):
-        copy(state.f_user, state.f_command)
+        for c in range(scene.contacts):
+            copy(states[c].f_user, states[c].f_command)
     brake_at_limits(state.q, scene.joint_min, scene.joint_max, state.command)
-    apply_jacobian(state.q, scene.axis_offset, state.command, state.work_a)
-    if norm(state.work_a) > scene.max_velocity:
-        scale(state.command, clamp_norm(state.work_a, scene.max_velocity))
+    velocities_of(kin, scene, state.q, state.command, work, work.velocities)
+    share = _share_below(scene, work.velocities, scene.max_velocity)
+    if share < 1.0:
+        scale(state.command, share)
 
 
 @kernel
-def _give_up(state: Any, dt: float) -> None:
+def _give_up(scene: ControlScene, states: PointStates, dt: float) -> None:
     """What would be sent is not finite: a latched stop, and nothing."""
+    state = states[0]
     latch(state, _SAFE_STOP, _NOT_FINITE)
     state.state_changed = 1
-    fill(state.f_user_world, 0.0)
-    fill(state.f_user, 0.0)
-    fill(state.f_command, 0.0)
-    fill(state.v_virtual, 0.0)
+    for c in range(scene.contacts):
+        fill(states[c].f_user_world, 0.0)
+        fill(states[c].f_user, 0.0)
+        fill(states[c].f_command, 0.0)
+        fill(states[c].v_virtual, 0.0)
     fill(state.dq_virtual, 0.0)
     settle(state.command, dt)
 
 
 @kernel
-def _control_motion(scene: Any, state: Any, dt: float) -> None:
+def _velocities_finite(scene: ControlScene, states: PointStates) -> bool:
+    for c in range(scene.contacts):
+        if not all_finite(states[c].v_virtual):
+            return False
+    return True
+
+
+@kernel
+def _control_motion(kin: Kin, scene: ControlScene, states: PointStates, dt: float) -> None:
     """Joint velocities for a device that follows them."""
+    state, work = states[0], states[0].joint_work
     if scene.controller == _ADMITTANCE and state.safety >= _READY:
-        _follow_hand(scene, state, dt)
+        _follow_hand(kin, scene, states, dt)
     elif scene.controller == _JOINT_PD or scene.controller == _WORLD_PD:
-        _drive_to_target(scene, state, dt)
+        _drive_to_target(kin, scene, states, dt)
     else:
         settle(state.command, dt)
         copy(state.command, state.dq_virtual)
-        apply_jacobian(state.q, scene.axis_offset, state.dq_virtual, state.v_virtual)
-    if brake_at_limits(state.q, scene.joint_min, scene.joint_max, state.dq_virtual):
-        apply_jacobian(state.q, scene.axis_offset, state.dq_virtual, state.v_virtual)
-    if all_finite(state.dq_virtual) and all_finite(state.v_virtual):
+        _find_velocities(kin, scene, states, state.dq_virtual)
+    each = scene.polar == 1 and scene.form == _SEED and scene.controller == _ADMITTANCE
+    limited = limit_joints(
+        state.command, scene.joint_velocity, scene.joint_acceleration, each, dt, work.step, state.dq_virtual
+    )
+    if brake_at_limits(state.q, scene.joint_min, scene.joint_max, state.dq_virtual) or limited:
+        _find_velocities(kin, scene, states, state.dq_virtual)
+    if all_finite(state.dq_virtual) and _velocities_finite(scene, states):
         copy(state.dq_virtual, state.command)
     else:
-        _give_up(state, dt)
+        _give_up(scene, states, dt)
 
 
 @kernel
-def _control_force(scene: Any, state: Any, dt: float) -> None:
-    """Force for a device that renders it: what the user is to feel, or what draws the device to a target."""
-    if scene.controller == _JOINT_PD or scene.controller == _WORLD_PD:
-        _drive_to_target(scene, state, dt)
-        draw_along(
-            state.hip,
-            state.v,
-            state.v_virtual,
-            scene.drive_stiffness,
-            scene.drive_damping,
-            scene.drive_force,
-            dt,
-            state.reference,
-            state.f_command,
-        )
+def _control_force(kin: Kin, scene: ControlScene, states: PointStates, dt: float) -> None:
+    """Forces for a device that renders them: what the user is to feel, or what draws the device to a target."""
+    state = states[0]
+    drives = scene.controller == _JOINT_PD or scene.controller == _WORLD_PD
+    if drives:
+        _drive_to_target(kin, scene, states, dt)
     else:
-        copy(state.hip, state.reference)
-        fill(state.v_virtual, 0.0)
-        copy(state.f_user, state.f_command)
-    fill(state.dq_virtual, 0.0)
+        copy(state.q, state.joint_reference)
+    finite = True
+    for c in range(scene.contacts):
+        point = states[c]
+        if drives:
+            draw_along(
+                point.hip,
+                point.v,
+                point.v_virtual,
+                scene.drive_stiffness,
+                scene.drive_damping,
+                scene.drive_force,
+                dt,
+                point.reference,
+                point.f_command,
+            )
+        else:
+            copy(point.hip, point.reference)
+            fill(point.v_virtual, 0.0)
+            copy(point.f_user, point.f_command)
+        finite = finite and all_finite(point.f_command)
+    if scene.polar == 1 or not drives:
+        fill(state.dq_virtual, 0.0)
     fill(state.command, 0.0)
-    if not all_finite(state.f_command):
-        _give_up(state, dt)
+    if not finite:
+        _give_up(scene, states, dt)
 
 
 @kernel
-def control(scene: Any, state: Any, held: int, dt: float) -> None:
-    """What to send, velocities or a force: from the controller, held, or dying away."""
+def _draw_joints(kin: Kin, scene: ControlScene, state: PointState, dt: float) -> None:
+    """torque_command that draws the joints along with dq_virtual."""
+    work = state.joint_work
+    find_jacobian(kin, scene, state.q, work)
+    gains, joints = work.side, scene.joints
+    gains[0], gains[1], gains[2] = scene.drive_stiffness, scene.drive_damping, scene.drive_force
+    tau = state.torque_command[:joints]
+    rows = 3 * scene.contacts
+    draw_joints(state.q, state.dq, state.dq_virtual, work.jacobian, rows, gains, dt, state.joint_reference, tau)
+
+
+@kernel
+def _find_torques(kin: Kin, scene: ControlScene, states: PointStates) -> None:
+    """torque_command = J^T of the forces sent, for a device that takes torques; what is not finite is nothing."""
+    state, work = states[0], states[0].joint_work
+    for c in range(scene.contacts):
+        copy(states[c].f_command, work.forces[3 * c : 3 * c + 3])
+    torques_of(kin, scene, state.q, work.forces, work, state.torque_command)
+    if not all_finite(state.torque_command):
+        fill(state.torque_command, 0.0)
+
+
+@kernel
+def _command_torques(kin: Kin, scene: ControlScene, states: PointStates, held: int, dt: float) -> None:
+    """Torques of a device that takes them: of the forces felt, or what draws its joints; when late the last ones."""
+    state = states[0]
+    drives = scene.controller == _JOINT_PD or scene.controller == _WORLD_PD
+    if not drives or scene.force_driven == 0 or is_stopped(state) or state.safety < _HOMED:
+        _find_torques(kin, scene, states)
+    elif held != HOLD:
+        _draw_joints(kin, scene, state, dt)
+
+
+@kernel
+def control(kin: Kin, scene: ControlScene, states: PointStates, held: int, dt: float) -> None:
+    """What to send, velocities or forces: from the controller, held, or dying away."""
+    state = states[0]
     if is_stopped(state) or state.safety < _HOMED:
+        copy(state.q, state.joint_reference)
         settle(state.command, dt)
         brake_at_limits(state.q, scene.joint_min, scene.joint_max, state.command)
-        fill(state.v_virtual, 0.0)
         fill(state.dq_virtual, 0.0)
-        fill(state.f_command, 0.0)
-        copy(state.hip, state.reference)
+        for c in range(scene.contacts):
+            fill(states[c].v_virtual, 0.0)
+            fill(states[c].f_command, 0.0)
+            copy(states[c].hip, states[c].reference)
     elif held == HOLD:
-        _hold(scene, state)
+        _hold(kin, scene, states)
     elif scene.force_driven == 1:
-        _control_force(scene, state, dt)
+        _control_force(kin, scene, states, dt)
     else:
-        copy(state.f_user, state.f_command)
-        _control_motion(scene, state, dt)
+        for c in range(scene.contacts):
+            copy(states[c].f_user, states[c].f_command)
+        _control_motion(kin, scene, states, dt)
+    if scene.torques == 1:
+        _command_torques(kin, scene, states, held, dt)

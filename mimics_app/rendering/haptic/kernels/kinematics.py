@@ -20,7 +20,6 @@ __all__ = [
     "apply_jacobian",
     "apply_jacobian_rate",
     "apply_jacobian_transposed",
-    "clamp_joints",
     "forward",
     "inverse",
     "inverse_jacobian",
@@ -59,20 +58,6 @@ def inverse(x: Vec, d1: float, q: Vec) -> None:
     if r > _SMALLEST_RADIUS:
         q[1] = math.atan2(x[1], radial)
     q[2] = x[2]
-
-
-@kernel
-def clamp_joints(q: Vec, lowest: Vec, highest: Vec) -> int:
-    """Move q into [lowest, highest] joint by joint; bit i of the result says that joint i was outside."""
-    outside = 0
-    for i in range(3):
-        if q[i] < lowest[i]:
-            q[i] = lowest[i]
-            outside |= 1 << i
-        elif q[i] > highest[i]:
-            q[i] = highest[i]
-            outside |= 1 << i
-    return outside
 
 
 @kernel

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_ports import DATA_AGE, DATA_DELAY, DATA_DQ, DATA_FORCE, DATA_Q
-from mimics_app.rendering.haptic.kernels.kinematics import apply_inverse_jacobian, clamp_joints, forward, inverse
-from mimics_app.rendering.haptic.kernels.vectors import clamp_norm, copy, fill
+from mimics_app.rendering.haptic.kernels.kinematics import apply_inverse_jacobian, forward, inverse
+from mimics_app.rendering.haptic.kernels.vectors import clamp_joints, clamp_norm, copy, fill
 
 __all__ = [
     "AXIS_OFFSET",

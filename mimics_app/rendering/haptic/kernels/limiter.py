@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.vectors import all_finite, fill, norm
 
-__all__ = ["brake_at_limits", "limit_force", "limit_held", "settle"]
+__all__ = ["brake_at_limits", "limit_force", "limit_held", "limit_joints", "settle"]
 
 Vec = NDArray[np.float64]
 
@@ -99,7 +99,7 @@ def limit_held(v: Vec, power_limit: float, f: Vec) -> float:
 def brake_at_limits(q: Vec, lowest: Vec, highest: Vec, dq: Vec) -> bool:
     """Slow a joint velocity that leads towards a joint limit, to zero at the limit; True when anything was slowed."""
     braked = False
-    for i in range(3):
+    for i in range(dq.shape[0]):
         room_up = max(0.0, highest[i] - q[i]) / _BRAKE_TIME
         room_down = max(0.0, q[i] - lowest[i]) / _BRAKE_TIME
         if dq[i] > room_up:
@@ -112,9 +112,61 @@ def brake_at_limits(q: Vec, lowest: Vec, highest: Vec, dq: Vec) -> bool:
 
 
 @kernel
+def _joint_share(change: Vec, most: Vec, factor: float) -> float:
+    """Largest share of a change of the joints that no joint's limit, times `factor`, forbids; 1: all of it."""
+    share = 1.0
+    for i in range(change.shape[0]):
+        limit = most[i] * factor
+        if abs(change[i]) > limit:
+            share = min(share, limit / abs(change[i]))
+    return share
+
+
+@kernel
+def limit_joints(last: Vec, velocity: Vec, acceleration: Vec, each: bool, dt: float, step: Vec, dq: Vec) -> bool:
+    """Bring joint velocities within the limits of every joint, on its velocity and on its change since the last tick.
+
+    Args:
+        last: Joint velocities sent in the last tick.
+        velocity: Largest velocity per joint [m/s, rad/s].
+        acceleration: Largest acceleration per joint [m/s^2, rad/s^2].
+        each: True: every joint is clamped by itself, as the mask of D2.1 4.2.7 has it, which turns the motion; False:
+            all are scaled alike, so that it keeps its direction.
+        dt: Tick [s].
+        step: Scratch, as long as dq.
+        dq: Joint velocities; changed.
+
+    Returns:
+        Whether anything was limited.
+    """
+    before = 0.0
+    after = 0.0
+    size = dq.shape[0]
+    for i in range(size):
+        before += abs(dq[i])
+        step[i] = dq[i]
+    share = _joint_share(step, velocity, 1.0)
+    for i in range(size):
+        wish = min(velocity[i], max(-velocity[i], dq[i])) if each else share * dq[i]
+        step[i] = wish - last[i]
+    near = _joint_share(step, acceleration, dt)
+    for i in range(size):
+        most = acceleration[i] * dt
+        change = min(most, max(-most, step[i])) if each else near * step[i]
+        limited = last[i] + change
+        after += abs(limited - dq[i])
+        step[i] = limited
+    if not after > 1e-12 * before:
+        return False
+    for i in range(size):
+        dq[i] = step[i]
+    return True
+
+
+@kernel
 def settle(command: Vec, dt: float) -> None:
     """One tick of a damped ramp of the command to exactly zero: how the robot comes to rest in every stop state."""
-    for i in range(3):
+    for i in range(command.shape[0]):
         command[i] /= 1.0 + dt / _SETTLE_TIME
         if not abs(command[i]) > _STANDSTILL:
             command[i] = 0.0

@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.loop_fields import LOOP_FIELDS, moves_of
+from mimics_app.contracts.loop_fields import LOOP_FIELDS, MAX_CONTACTS, MAX_JOINTS, moves_of
 from mimics_app.contracts.loop_ports import (
     COMMAND_DQ,
     COMMAND_ENABLED,
     COMMAND_FORCE,
     COMMAND_STATE,
+    COMMAND_TORQUE,
+    COMMAND_VIBRATION,
     DATA_AGE,
     DATA_BUTTONS,
     DATA_DELAY,
@@ -22,26 +24,37 @@ from mimics_app.contracts.loop_ports import (
     DATA_FORCE,
     DATA_GRASP,
     DATA_Q,
+    DATA_TORQUE,
 )
 from mimics_app.contracts.record_copy import field_copier
+from mimics_app.rendering.haptic.kernels.vectors import norm
 
-__all__ = ["write_command", "write_inputs", "write_outputs", "write_snapshot"]
+__all__ = ["read_inputs", "write_command", "write_inputs", "write_outputs", "write_snapshot"]
 
 Vec = NDArray[np.float64]
 
 _copy_outputs = field_copier(moves_of(LOOP_FIELDS, recorded=True))
 _copy_published = field_copier(moves_of(LOOP_FIELDS, recorded=False))
 
+_OTHERS = 3 * (MAX_CONTACTS - 1)
+"""Components of a vector of every point of contact behind the first."""
+
 _HOMED = int(SafetyState.HOMED)
 _SAFE_STOP = int(SafetyState.SAFE_STOP)
 
 
 @kernel
-def write_command(state: Any, command: Vec) -> None:
+def write_command(scene: Any, states: Any, command: Vec) -> None:
     """Command vector for the device."""
-    for i in range(3):
+    state = states[0]
+    for i in range(MAX_JOINTS):
         command[COMMAND_DQ + i] = state.command[i]
-        command[COMMAND_FORCE + i] = state.f_command[i]
+        command[COMMAND_TORQUE + i] = state.torque_command[i]
+    for c in range(scene.contacts):
+        for i in range(3):
+            command[COMMAND_FORCE + 3 * c + i] = states[c].f_command[i]
+        felt = norm(states[c].f_user_world)
+        command[COMMAND_VIBRATION + c] = min(1.0, felt / scene.force_limit) if felt > 0.0 else 0.0
     command[COMMAND_ENABLED] = 1.0 if _HOMED <= state.safety < _SAFE_STOP else 0.0
     command[COMMAND_STATE] = float(state.safety)
 
@@ -53,10 +66,14 @@ def write_inputs(
     """The part of the sample row that a replay needs, exactly as the device gave it."""
     row.t = state.tick * dt
     row.tick = float(state.tick)
-    for i in range(3):
+    for i in range(MAX_JOINTS):
         row.q[i] = data[DATA_Q + i]
         row.dq[i] = data[DATA_DQ + i]
+        row.torque_meas[i] = data[DATA_TORQUE + i]
+    for i in range(3):
         row.f_meas[i] = data[DATA_FORCE + i]
+    for i in range(_OTHERS):
+        row.others_f_meas[i] = data[DATA_FORCE + 3 + i]
     row.grasp = data[DATA_GRASP]
     row.buttons = data[DATA_BUTTONS]
     row.age = data[DATA_AGE]
@@ -66,6 +83,23 @@ def write_inputs(
     row.stop_word = float(stop_word)
     row.held = float(held)
     row.period_s = period
+
+
+@kernel
+def read_inputs(row: Any, data: Vec) -> None:
+    """The data vector of the device back from a sample row."""
+    for i in range(MAX_JOINTS):
+        data[DATA_Q + i] = row.q[i]
+        data[DATA_DQ + i] = row.dq[i]
+        data[DATA_TORQUE + i] = row.torque_meas[i]
+    for i in range(3):
+        data[DATA_FORCE + i] = row.f_meas[i]
+    for i in range(_OTHERS):
+        data[DATA_FORCE + 3 + i] = row.others_f_meas[i]
+    data[DATA_GRASP] = row.grasp
+    data[DATA_BUTTONS] = row.buttons
+    data[DATA_AGE] = row.age
+    data[DATA_DELAY] = row.delay
 
 
 @kernel

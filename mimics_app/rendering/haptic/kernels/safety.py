@@ -116,7 +116,7 @@ def _reset_when_asked(scene: Any, state: Any, stop_word: int) -> bool:
 @kernel
 def _outside_workspace(scene: Any, state: Any) -> bool:
     """True beyond the joint limits by more than the margin; written so that NaN limits count as outside."""
-    for i in range(3):
+    for i in range(scene.joints):
         if not (
             scene.joint_min[i] - scene.workspace_margin <= state.q[i] <= scene.joint_max[i] + scene.workspace_margin
         ):
@@ -134,15 +134,38 @@ def _gave_too_much(scene: Any, state: Any) -> bool:
 
 
 @kernel
+def _point_trips(scene: Any, states: Any, cause: int) -> bool:
+    """Whether any point of contact is too fast, jumped, or gave too much, as `cause` asks."""
+    for c in range(scene.contacts):
+        state = states[c]
+        if cause == _VELOCITY and not norm(state.v) <= scene.velocity_limit:
+            return True
+        if cause == _JUMP and state.jumped == 1:
+            return True
+        if cause == _ENERGY and _gave_too_much(scene, state):
+            return True
+    return False
+
+
+@kernel
+def _largest_force(scene: Any, states: Any) -> float:
+    """Of the virtual forces on the points of contact [N]."""
+    largest = norm(states[0].f_virt_world)
+    for c in range(1, scene.contacts):
+        largest = max(largest, norm(states[c].f_virt_world))
+    return largest
+
+
+@kernel
 def _late_cause(held: int) -> int:
     """Cause that a late-tick class beyond HOLD stands for."""
     return _MISSED_IN_ROW if held == MISSED_STOP else _LATE_TICK
 
 
 @kernel
-def _find_trip(scene: Any, state: Any, status: int, held: int) -> int:
+def _find_trip(scene: Any, states: Any, status: int, held: int) -> int:
     """Cause that latches SAFE_STOP in this tick, or NONE."""
-    cause = _NONE
+    cause, state = _NONE, states[0]
     if state.readable == 0 or state.tunnel.status == _TUNNEL_NOT_FINITE or state.objects_failed == 1:
         cause = _NOT_FINITE
     elif status == _FAULT:
@@ -153,11 +176,11 @@ def _find_trip(scene: Any, state: Any, status: int, held: int) -> int:
         cause = _STALE_DEVICE
     elif state.safety >= _HOMED and _outside_workspace(scene, state):
         cause = _WORKSPACE
-    elif state.safety >= _HOMED and not norm(state.v) <= scene.velocity_limit:
+    elif state.safety >= _HOMED and _point_trips(scene, states, _VELOCITY):
         cause = _VELOCITY
-    elif state.safety >= _HOMED and state.jumped == 1:
+    elif state.safety >= _HOMED and _point_trips(scene, states, _JUMP):
         cause = _JUMP
-    elif _gave_too_much(scene, state):
+    elif _point_trips(scene, states, _ENERGY):
         cause = _ENERGY
     return cause
 
@@ -206,27 +229,29 @@ def _move_ramp(scene: Any, state: Any, dt: float) -> None:
 
 
 @kernel
-def step_safety(scene: Any, state: Any, status: int, stop_word: int, held: int, dt: float) -> None:
+def step_safety(scene: Any, states: Any, status: int, stop_word: int, held: int, dt: float) -> None:
     """Decide this tick's state and soft-start factor, after motion and virtual force are known.
 
     Args:
         scene: SCENE record.
-        state: STATE record.
+        states: STATE records of the points of contact; the first one is stepped.
         status: DeviceStatus of this tick's read.
         stop_word: Not 0 while the stop key asks for E_STOP.
         held: Late-tick class.
         dt: Tick [s].
     """
+    state = states[0]
     before = state.safety
     was_reset = _reset_when_asked(scene, state, stop_word)
     if stop_word != 0:
         latch(state, _E_STOP, _STOP_KEY)
     elif state.buttons & _STOP_BUTTON != 0:
         latch(state, _E_STOP, _DEVICE_BUTTON)
-    cause = _find_trip(scene, state, status, held)
+    cause = _find_trip(scene, states, status, held)
     if cause != _NONE:
         latch(state, _SAFE_STOP, cause)
-    state.quiet_ticks = state.quiet_ticks + 1 if held < LATE_DAMP and norm(state.f_virt_world) < scene.ramp_force else 0
+    calm = held < LATE_DAMP and _largest_force(scene, states) < scene.ramp_force
+    state.quiet_ticks = state.quiet_ticks + 1 if calm else 0
     if state.safety < _SAFE_STOP:
         quiet = state.quiet_ticks * dt >= _QUIET_TIME
         if was_reset:

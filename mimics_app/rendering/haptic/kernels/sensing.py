@@ -7,10 +7,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.device_descriptor import Kin
 from mimics_app.contracts.haptic import DeviceStatus
 from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.loop_ports import DATA_AGE, DATA_BUTTONS, DATA_DELAY, DATA_DQ, DATA_FORCE, DATA_GRASP, DATA_Q
-from mimics_app.rendering.haptic.kernels.kinematics import apply_jacobian, forward, tool_to_robot
+from mimics_app.contracts.loop_fields import MAX_JOINTS
+from mimics_app.contracts.loop_ports import (
+    DATA_AGE,
+    DATA_BUTTONS,
+    DATA_DELAY,
+    DATA_DQ,
+    DATA_FORCE,
+    DATA_GRASP,
+    DATA_Q,
+    DATA_TORQUE,
+)
+from mimics_app.rendering.haptic.kernels.device_records import ControlScene, PointState, PointStates
+from mimics_app.rendering.haptic.kernels.joints import points_of, to_robot, velocities_of
 from mimics_app.rendering.haptic.kernels.vectors import copy, fill, rotate
 
 __all__ = ["find_motion", "size_ball", "take_data"]
@@ -36,15 +48,24 @@ def _is_plausible(data: Vec) -> bool:
 
 
 @kernel
-def take_data(scene: Any, state: Any, data: Vec, status: int, dt: float) -> None:
-    """Device data into the state; data that is not finite, or not fresh, leaves the last good motion standing."""
+def _take_forces(states: PointStates, contacts: int, data: Vec) -> None:
+    """Measured force of every point of contact."""
+    for c in range(contacts):
+        copy(data[DATA_FORCE + 3 * c : DATA_FORCE + 3 * c + 3], states[c].f_meas)
+
+
+@kernel
+def take_data(scene: ControlScene, states: PointStates, data: Vec, status: int, dt: float) -> None:
+    """Device data into the states; data that is not finite, or not fresh, leaves the last good motion standing."""
+    state = states[0]
     state.readable = 1
     if status != _FRESH:
         state.age += dt
     elif _is_plausible(data):
-        copy(data[DATA_Q : DATA_Q + 3], state.q)
-        copy(data[DATA_DQ : DATA_DQ + 3], state.dq)
-        copy(data[DATA_FORCE : DATA_FORCE + 3], state.f_meas)
+        copy(data[DATA_Q : DATA_Q + MAX_JOINTS], state.q)
+        copy(data[DATA_DQ : DATA_DQ + MAX_JOINTS], state.dq)
+        copy(data[DATA_TORQUE : DATA_TORQUE + MAX_JOINTS], state.torque_meas)
+        _take_forces(states, scene.contacts, data)
         state.grasp = data[DATA_GRASP]
         state.buttons = int(data[DATA_BUTTONS])
         state.age = max(0.0, data[DATA_AGE])
@@ -53,23 +74,38 @@ def take_data(scene: Any, state: Any, data: Vec, status: int, dt: float) -> None
     else:
         state.readable = 0
         fill(state.dq, 0.0)
-        fill(state.f_meas, 0.0)
+        fill(state.torque_meas, 0.0)
+        for c in range(scene.contacts):
+            fill(states[c].f_meas, 0.0)
     was_stale = state.stale
     state.stale = 1 if int(state.age * 1e9 + 0.5) > scene.stale_warn_ns else 0
     state.stale_began = 1 if state.stale == 1 and was_stale == 0 and state.answered == 1 else 0
 
 
 @kernel
-def find_motion(scene: Any, state: Any) -> None:
-    """Position, velocity and measured force in robot and world frame."""
-    forward(state.q, scene.axis_offset, state.hip)
-    apply_jacobian(state.q, scene.axis_offset, state.dq, state.v)
+def _place(scene: ControlScene, state: PointState, x: Vec, v: Vec, f: Vec) -> None:
+    """Position, velocity and measured force of one point, robot frame, into its state, and into the world."""
+    copy(x, state.hip)
+    copy(v, state.v)
     rotate(scene.R_world_from_robot, state.hip, state.hip_world)
     for i in range(3):
         state.hip_world[i] += scene.origin_world[i]
     rotate(scene.R_world_from_robot, state.v, state.v_world)
-    tool_to_robot(state.q, state.f_meas, state.work_a)
-    rotate(scene.R_world_from_robot, state.work_a, state.f_meas_world)
+    rotate(scene.R_world_from_robot, f, state.f_meas_world)
+
+
+@kernel
+def find_motion(kin: Kin, scene: ControlScene, states: PointStates) -> None:
+    """Position, velocity and measured force of every point of contact in robot and world frame."""
+    state, work = states[0], states[0].joint_work
+    points_of(kin, scene, state.q, work.points)
+    velocities_of(kin, scene, state.q, state.dq, work, work.velocities)
+    for c in range(scene.contacts):
+        copy(states[c].f_meas, work.place[3 * c : 3 * c + 3])
+    to_robot(kin, scene, state.q, work.place, work.forces)
+    for c in range(scene.contacts):
+        first, end = 3 * c, 3 * c + 3
+        _place(scene, states[c], work.points[first:end], work.velocities[first:end], work.forces[first:end])
 
 
 @kernel
@@ -82,4 +118,4 @@ def size_ball(scene: Any, state: Any, dt: float) -> None:
     if last == 0.0:
         last = target
     state.ball_radius = last + (target - last) * min(1.0, dt / _BALL_TIME)
-    state.tunnel.ball_radius_rate = (state.ball_radius - last) / dt
+    state.ball_radius_rate = (state.ball_radius - last) / dt

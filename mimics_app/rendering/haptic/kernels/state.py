@@ -1,16 +1,17 @@
-"""What one haptic point remembers from tick to tick, and the codes the compiled functions share."""
+"""What one point of contact remembers from tick to tick, and the codes the compiled functions share."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.contracts.loop_fields import LOOP_FIELDS, state_fields
+from mimics_app.contracts.loop_fields import LOOP_FIELDS, MAX_CONTACTS, MAX_JOINTS, state_fields
 from mimics_app.rendering.haptic.kernels.acting import ACTING
 from mimics_app.rendering.haptic.kernels.directions import SPAN
+from mimics_app.rendering.haptic.kernels.joints import JOINT_WORK
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER
-from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE
+from mimics_app.rendering.haptic.kernels.tunnels import HOLDING, TOLD
 
-__all__ = ["CONTACT_BEGAN", "CONTACT_ENDED", "CONTACT_UNCHANGED", "STATE", "new_state"]
+__all__ = ["CONTACT_BEGAN", "CONTACT_ENDED", "CONTACT_UNCHANGED", "STATE", "new_states"]
 
 CONTACT_UNCHANGED = 0
 CONTACT_BEGAN = 1
@@ -19,6 +20,7 @@ CONTACT_ENDED = 2
 STATE = np.dtype(
     [
         *state_fields(LOOP_FIELDS),  # what also leaves the loop: motion, forces, command, margins
+        ("contact", "i8"),  # number of the point of contact, 0: the first, which also keeps what all have in common
         # safety
         ("tick", "i8"),  # ticks done
         ("safety", "i8"),  # SafetyState
@@ -40,10 +42,12 @@ STATE = np.dtype(
         ("stale_began", "i8"),  # 1: the data became older than stale_warn
         ("parameters_taken", "i8"),
         ("contact_change", "i8"),  # CONTACT_... with the tunnel
-        ("margin_lost", "i8"),  # 1: the margin fell below 0
+        ("margin_lost", "i8"),  # 1: a margin fell below 0
+        ("told_margin", "f8"),  # that margin
+        ("told_share", "f8"),  # share of the stiffness that is left where cap_began
         # motion, last good data
-        ("dq", "f8", (3,)),
-        ("f_meas", "f8", (3,)),  # tool frame [N]
+        ("dq", "f8", (MAX_JOINTS,)),
+        ("f_meas", "f8", (3,)),  # frame of the sensor [N]
         ("buttons", "i8"),
         ("hip", "f8", (3,)),  # robot frame [m]
         ("v", "f8", (3,)),  # robot frame [m/s]
@@ -66,26 +70,32 @@ STATE = np.dtype(
         ("touched", "i8"),  # 1 once there was a contact: the next three hold
         ("least_margin", "f8"),  # of all contacts, in their worst direction
         ("least_limit", "f8"),
-        ("wall_margin", "f8"),  # of the tunnel's wall, along its normal
+        ("wall_margin", "f8"),  # of the wall of the tunnel that holds the ball, along its normal
         ("wall_touched", "i8"),  # 1 once it pushed: the next holds
         ("least_wall_margin", "f8"),
         ("span", SPAN),  # all contacts of this tick as one
         ("least_energy", "f8"),
         # controller
-        ("dq_virtual", "f8", (3,)),
+        ("dq_virtual", "f8", (MAX_JOINTS,)),
         ("reference", "f8", (3,)),  # what a force driven device is drawn to, robot frame [m]
+        ("joint_reference", "f8", (MAX_JOINTS,)),  # likewise the joints of one that takes torques
         ("arrived", "i8"),  # 1 while a PD controller is at its target
         ("acting", ACTING),
+        ("joint_work", JOINT_WORK),
         ("work_a", "f8", (3,)),
         ("work_b", "f8", (3,)),
         ("work_c", "f8", (3,)),
-        ("tunnel", TUNNEL_STATE),
+        ("ball_radius_rate", "f8"),  # [m/s]
+        ("tunnel", HOLDING),
+        ("told", TOLD),
     ],
     align=True,
 )
-"""One haptic point. All zero is a valid start: OFF."""
+"""One point of contact. All zero is a valid start: OFF."""
 
 
-def new_state() -> np.ndarray:
-    """A fresh state, shape [1], dtype STATE."""
-    return np.zeros(1, STATE)
+def new_states() -> np.ndarray:
+    """Fresh states, one for each point of contact a device may have, shape [MAX_CONTACTS], dtype STATE."""
+    states = np.zeros(MAX_CONTACTS, STATE)
+    states["contact"] = np.arange(MAX_CONTACTS)
+    return states

@@ -1,6 +1,6 @@
 """The tick: device data in, command out. Live, un-timed and replayed runs call this very function.
 
-    data -> motion -> ball -> tunnel -> objects -> safety -> what acts -> stability -> controller -> command, sample row
+    data -> motion -> ball -> tunnels -> objects -> safety -> what acts -> stability -> controller -> command, sample
 
 Everything that a tick depends on is in its arguments: the device's data and status, the stop word, the late-tick class,
 the measured period and the parameter block. All are recorded, so that a recording can be simulated again bit for bit.
@@ -14,9 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.device_descriptor import Kin
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.acting import account, act, cap_wall
+from mimics_app.rendering.haptic.kernels.acting import account, act, device_delay, own_damping
+from mimics_app.rendering.haptic.kernels.contacts import collect, pass_on, publish_others, virtual_forces
 from mimics_app.rendering.haptic.kernels.drive import control, note_arrival
 from mimics_app.rendering.haptic.kernels.jumps import note_jump
 from mimics_app.rendering.haptic.kernels.objects.hand import write_hand
@@ -25,7 +27,7 @@ from mimics_app.rendering.haptic.kernels.objects.touches import follow_touch, fo
 from mimics_app.rendering.haptic.kernels.rows import write_command, write_inputs, write_outputs
 from mimics_app.rendering.haptic.kernels.safety import step_safety
 from mimics_app.rendering.haptic.kernels.sensing import find_motion, size_ball, take_data
-from mimics_app.rendering.haptic.kernels.tunnel import restart_tracking, tunnel_force
+from mimics_app.rendering.haptic.kernels.tunnels import follow_tunnels, forget_tunnels
 from mimics_app.rendering.haptic.kernels.vectors import copy
 from mimics_app.rendering.haptic.kernels.watch import watch_contact, watch_margin
 
@@ -41,7 +43,7 @@ _DEGRADED = int(SafetyState.DEGRADED)
 
 @kernel
 def _follow_contacts(objects: Any, counts: Any, state: Any, dt: float) -> None:
-    """Begin and end of contacts with the tunnel's wall and with objects; only what the user can feel counts."""
+    """Begin and end of contacts with a tunnel's wall and with objects; only what the user can feel counts."""
     felt = state.safety == _ACTIVE or state.safety == _DEGRADED
     state.contact_change = follow_touch(state, felt and state.tunnel.wall_force > 0.0, felt, dt)
     follow_touches(objects, counts, felt, dt)
@@ -54,7 +56,8 @@ def tick(
     objects: Any,
     simulate: Simulate,
     fields: Fields,
-    state: Any,
+    kin: Kin,
+    states: Any,
     data: Vec,
     status: int,
     stop_word: int,
@@ -72,7 +75,8 @@ def tick(
         objects: Working arrays of the objects, advanced by one tick.
         simulate: The objects' part of the tick, see rendering.haptic.objects.SIMULATE.
         fields: Force fields of the objects.
-        state: STATE record, advanced by one tick.
+        kin: Kinematics functions of the device, in the order of contracts.device_descriptor.
+        states: STATE records, one for each point of contact, advanced by one tick.
         data: What the device's read gave, shape [DATA_LENGTH].
         status: DeviceStatus of that read.
         stop_word: Not 0 while the stop key asks for E_STOP.
@@ -82,41 +86,49 @@ def tick(
         command: What the device's write takes, shape [COMMAND_LENGTH], filled here.
         row: SAMPLE record, filled here except for the timing fields.
     """
+    state = states[0]
     state.tripped = 0
     state.parameters_taken = 1 if scene.sequence != state.sequence else 0
     state.sequence = scene.sequence
     if scene.trial != state.trial:
         state.trial = scene.trial
-        restart_tracking(state.tunnel)
+        forget_tunnels(objects.tunnels, state)
     write_inputs(data, status, stop_word, held, period, state, dt, row)
 
     last_age = state.age
-    take_data(scene, state, data, status, dt)
-    find_motion(scene, state)
-    note_jump(scene, state, status, last_age, dt)
-    account(scene, state, dt)
+    take_data(scene, states, data, status, dt)
+    find_motion(kin, scene, states)
+    pass_on(scene, states)
+    for c in range(max(1, scene.contacts)):
+        note_jump(scene, states[c], status, last_age, dt)
+        account(scene, states[c], dt)
     size_ball(scene, state, dt)
-    cap_wall(scene, state, period)
-    tunnel_force(scene.tunnel, state.hip_world, state.v_world, state.ball_radius, state.tunnel)
+    own, delay = own_damping(scene), device_delay(scene, state)
+    follow_tunnels(scene, rows.tunnels, objects.tunnels, state, own, delay, period)
     copy(state.tunnel.force_world, state.f_virt_world)
-    write_hand(state, dt, objects.hand)
+    write_hand(states, scene.contacts, dt, objects.hand)
     simulate(rows, objects, scene.objects, objects.hand, fields, dt, objects.force)
     state.objects_failed = objects.totals[0].status
     for i in range(3):
         state.f_virt_world[i] += objects.force[i]
 
-    note_arrival(scene, state)
-    step_safety(scene, state, status, stop_word, held, dt)
+    virtual_forces(scene, states, objects.totals)
+    note_arrival(kin, scene, states)
+    step_safety(scene, states, status, stop_word, held, dt)
     before = state.safety
-    totals = objects.totals[0]
-    act(scene, state, totals, objects.touched, held, period, dt)
+    pass_on(scene, states)
+    for c in range(max(1, scene.contacts)):
+        act(scene, states[c], objects.totals[c], objects.touched[c], held, period, dt)
     _follow_contacts(objects, scene.objects, state, dt)
-    watch_margin(scene, state, objects, period)
-    watch_contact(scene, state, objects, dt)
-    control(scene, state, held, dt)
+    for c in range(max(1, scene.contacts)):
+        watch_margin(scene, states[c], objects, period)
+        watch_contact(scene, states[c], objects, dt)
+    collect(scene, states)
+    control(kin, scene, states, held, dt)
     if state.safety != before:
         state.state_changed = 1
-    write_command(state, command)
+    write_command(scene, states, command)
+    publish_others(scene, states, objects.totals)
     state.bodies = sum_motions(objects.motion_words, scene.objects.bodies)
-    write_outputs(state, totals, row)
+    write_outputs(state, objects.totals[0], row)
     state.tick += 1

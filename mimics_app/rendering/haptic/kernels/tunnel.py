@@ -66,6 +66,7 @@ TUNNEL_STATE = np.dtype(
         ("force_world", "f8", (3,)),  # all of the tunnel on the user [N]
         ("assist_world", "f8", (3,)),  # what of it is assistance [N]
         ("softening", "f8"),  # set by the caller: share of the wall's stiffness that is left out, 0-1
+        ("share", "f8"),  # the caller's own: what is rendered of it, 1 - softening before rounding
         ("force_tnb", "f8", (3,)),  # the same along t, n, b [N]
         ("wall_force", "f8"),  # magnitude of wall and cap alone, >= 0 [N]
         ("normal_world", "f8", (3,)),  # out of the touched surface, unit; kept from the last contact
@@ -88,6 +89,9 @@ _MIN_STRETCH = 0.05
 """Floor of 1 - kappa.e: at the centre of curvature, outside any lawful tunnel, the force stays finite."""
 
 _GAUSS_3 = 0.5 * math.sqrt(0.6)
+
+_STRAIGHT = 1e-6
+"""Curvature below which the bisector is straight [1/m]."""
 
 _ADVANCE_FADE = 0.01
 """The advance force fades over this length before the end [m]."""
@@ -184,8 +188,29 @@ def _carry_normal(
 
 
 @kernel
+def _frenet_normal(
+    tunnel: Any, piece: int, u: float, tx: float, ty: float, tz: float
+) -> tuple[float, float, float, float]:
+    """Unit normal towards the centre of curvature, and 1; 0 where the bisector is straight and has none."""
+    _, vx, ax = axis(tunnel, piece, 0, u)
+    _, vy, ay = axis(tunnel, piece, 1, u)
+    _, vz, az = axis(tunnel, piece, 2, u)
+    along = ax * tx + ay * ty + az * tz
+    ax -= along * tx
+    ay -= along * ty
+    az -= along * tz
+    size = math.sqrt(ax * ax + ay * ay + az * az)
+    if size <= _STRAIGHT * (vx * vx + vy * vy + vz * vz):
+        return 0.0, 0.0, 0.0, 0.0
+    return ax / size, ay / size, az / size, 1.0
+
+
+@kernel
 def _write_frame(tunnel: Any, piece: int, u: float, x: float, y: float, z: float, state: Any) -> None:
-    """Set n and b at the closest point: normals carried from both ends of the piece, blended, so that no knot shows."""
+    """Set n and b at the closest point: normals carried from both ends of the piece, blended, so that no knot shows.
+
+    By the tunnel's wish n is Frenet's where the bisector bends; on a straight part it has none, and is carried.
+    """
     tx = state.tangent[0]
     ty = state.tangent[1]
     tz = state.tangent[2]
@@ -202,6 +227,10 @@ def _write_frame(tunnel: Any, piece: int, u: float, x: float, y: float, z: float
     nx /= size
     ny /= size
     nz /= size
+    if tunnel.frenet == 1:
+        ax, ay, az, bent = _frenet_normal(tunnel, piece, u, tx, ty, tz)
+        if bent == 1.0:
+            nx, ny, nz = ax, ay, az
     state.normal_n[0] = nx
     state.normal_n[1] = ny
     state.normal_n[2] = nz
@@ -232,7 +261,7 @@ def tunnel_force(tunnel: Any, p: Vec, v: Vec, ball_radius: float, state: Any) ->
     not finite (or beyond 1e6) gives zero force, status NOT_FINITE and a fresh search afterwards.
 
     Args:
-        tunnel: Record of dtype contracts.haptic.TUNNEL.
+        tunnel: TUNNEL record.
         p: Ball centre, world [m], shape [3].
         v: Its velocity, world [m/s], shape [3].
         ball_radius: r_k [m], >= 0.

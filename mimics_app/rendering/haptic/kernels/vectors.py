@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["all_finite", "clamp_norm", "copy", "fill", "norm", "rotate", "rotate_back", "scale"]
+__all__ = ["all_finite", "clamp_joints", "clamp_norm", "copy", "fill", "norm", "rotate", "rotate_back", "scale"]
 
 Vec = NDArray[np.float64]
 Mat = NDArray[np.float64]
@@ -52,6 +52,20 @@ def clamp_norm(a: Vec, limit: float) -> float:
     for i in range(3):
         a[i] *= factor
     return factor
+
+
+@kernel
+def clamp_joints(q: Vec, lowest: Vec, highest: Vec) -> int:
+    """Move q into [lowest, highest] joint by joint; bit i of the result says that joint i was outside."""
+    outside = 0
+    for i in range(q.shape[0]):
+        if q[i] < lowest[i]:
+            q[i] = lowest[i]
+            outside |= 1 << i
+        elif q[i] > highest[i]:
+            q[i] = highest[i]
+            outside |= 1 << i
+    return outside
 
 
 @kernel

@@ -26,12 +26,12 @@ def _is_felt(state: Any) -> bool:
 
 
 @kernel
-def felt_share(scene: Any, state: Any, totals: Any) -> float:
+def felt_share(state: Any, totals: Any) -> float:
     """Share 0-1 of the authored stiffness that is rendered: of touched shapes, else of the tunnel's wall."""
     share = 1.0
     if totals.touching > 0:
         share = state.acting.shape_share
-    if scene.tunnel.pieces > 0 and (totals.touching == 0 or state.tunnel.penetration > 0.0):
+    if state.tunnel.there == 1 and (totals.touching == 0 or state.tunnel.penetration > 0.0):
         share = min(share, state.acting.wall_share)
     return share
 
@@ -43,18 +43,18 @@ def watch_margin(scene: Any, state: Any, objects: Any, period: float) -> None:
     The wall of the tunnel counts before it is touched, shapes only while they are; of several contacts at once the
     worst direction counts.
     """
-    tunnel = scene.tunnel
+    tunnel = state.tunnel
     own = own_damping(scene)
     delay = device_delay(scene, state)
     state.period = period
     state.stiffness_limit = stiffness_limit(own + tunnel.damping, period, delay)
-    stiffness = state.acting.wall_share * tunnel.stiffness + tunnel.centring if tunnel.pieces > 0 else 0.0
+    stiffness = state.acting.wall_share * tunnel.stiffness + tunnel.centring if tunnel.there == 1 else 0.0
     state.margin = margin_of(state.stiffness_limit, stiffness)
     state.wall_margin = state.margin
-    totals = objects.totals[0]
+    totals = objects.totals[state.contact]
     if totals.touching > 0:
-        touched_margin(scene, state, totals, objects.touched, own, 0.5 * period + delay)
-        if state.span.margin < state.margin or tunnel.pieces == 0:
+        touched_margin(scene, state, totals, objects.touched[state.contact], own, 0.5 * period + delay)
+        if state.span.margin < state.margin or tunnel.there == 0:
             state.margin = state.span.margin
             state.stiffness_limit = state.span.limit
     lost = _is_felt(state) and state.margin < 0.0 and state.warned == 0
@@ -63,7 +63,7 @@ def watch_margin(scene: Any, state: Any, objects: Any, period: float) -> None:
         state.warned = 1
     elif state.margin > _CALM_MARGIN:
         state.warned = 0
-    state.stiffness_share = felt_share(scene, state, totals)
+    state.stiffness_share = felt_share(state, totals)
 
 
 @kernel
@@ -83,8 +83,8 @@ def _follow_observer(scene: Any, state: Any, felt: bool, dt: float) -> None:
 @kernel
 def _keep_least(state: Any, objects: Any) -> None:
     """The least margin of each contact."""
-    for i in range(objects.totals[0].listed):
-        touched = objects.touched[i]
+    for i in range(objects.totals[state.contact].listed):
+        touched = objects.touched[state.contact, i]
         objects.margins[touched.shape] = min(objects.margins[touched.shape], touched.margin)
     if is_pressed(state):
         state.least_wall_margin = state.wall_margin if state.wall_touched == 0 else state.least_wall_margin
@@ -102,7 +102,7 @@ def watch_contact(scene: Any, state: Any, objects: Any, dt: float) -> None:
         objects: ObjectWork after this tick.
         dt: Tick [s].
     """
-    totals = objects.totals[0]
+    totals = objects.totals[state.contact]
     felt = _is_felt(state)
     _follow_observer(scene, state, felt, dt)
     state.cap_began = 0

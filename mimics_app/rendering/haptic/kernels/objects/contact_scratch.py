@@ -31,6 +31,7 @@ CONTACT_SCRATCH = np.dtype(
         ("point_velocity", "f8", 3),  # [m/s]
         ("felt", "f8", 3),  # force on it so far in this tick, world [N]
         ("radius", "f8"),  # of its ball [m]
+        ("contact", "i8"),  # number of the point of contact that carries it
         ("rotation", "f8", (3, 3)),  # world from the shape at hand
         ("position", "f8", 3),  # of that shape, world [m]
         ("drift", "f8", 3),  # velocity of that shape's origin, world [m/s]

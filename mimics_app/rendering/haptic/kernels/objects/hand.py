@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop_fields import MAX_CONTACTS
 
 __all__ = [
     "HAND_FORCE_MEASURED",
@@ -21,26 +22,29 @@ __all__ = [
 ]
 
 HAND_POSITION = 0
-"""Haptic interaction point, world [m]."""
-HAND_VELOCITY = 3
-"""Its velocity, world [m/s]."""
-HAND_FORCE_MEASURED = 6
-"""Force of the user on the handle, world [N]."""
-HAND_FORCE_USER = 9
-"""What the user felt in the last tick, world [N]."""
-HAND_GRASP = 12
+"""Points of contact, world [m], x y z one behind the other; the first is the haptic interaction point."""
+HAND_VELOCITY = HAND_POSITION + 3 * MAX_CONTACTS
+"""Their velocities, world [m/s]."""
+HAND_FORCE_MEASURED = HAND_VELOCITY + 3 * MAX_CONTACTS
+"""Force of the user on the first, world [N]."""
+HAND_FORCE_USER = HAND_FORCE_MEASURED + 3
+"""What the user felt there in the last tick, world [N]."""
+HAND_GRASP = HAND_FORCE_USER + 3
 """Grasp force [N]."""
-HAND_TIME = 13
+HAND_TIME = HAND_GRASP + 1
 """Session time [s]."""
-HAND_LENGTH = 14
+HAND_LENGTH = HAND_GRASP + 2
 
 
 @kernel
-def write_hand(state: Any, dt: float, hand: NDArray[np.float64]) -> None:
-    """Fill the vector, shape [HAND_LENGTH], from the STATE record."""
+def write_hand(states: Any, contacts: int, dt: float, hand: NDArray[np.float64]) -> None:
+    """Fill the vector, shape [HAND_LENGTH], from the STATE records of the points of contact."""
+    for c in range(contacts):
+        for i in range(3):
+            hand[HAND_POSITION + 3 * c + i] = states[c].hip_world[i]
+            hand[HAND_VELOCITY + 3 * c + i] = states[c].v_world[i]
+    state = states[0]
     for i in range(3):
-        hand[HAND_POSITION + i] = state.hip_world[i]
-        hand[HAND_VELOCITY + i] = state.v_world[i]
         hand[HAND_FORCE_MEASURED + i] = state.f_meas_world[i]
         hand[HAND_FORCE_USER + i] = state.f_user_world[i]
     hand[HAND_GRASP] = state.grasp

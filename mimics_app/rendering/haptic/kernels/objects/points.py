@@ -15,18 +15,19 @@ Vec = NDArray[np.float64]
 
 
 @kernel
-def place_points(rows: Any, work: Any, counts: Any, hip_world: Vec, v_world: Vec) -> None:
-    """Put every point in use at its offset from the HIP; the end-effector does not turn, so all move alike.
+def place_points(rows: Any, work: Any, counts: Any, positions: Vec, velocities: Vec) -> None:
+    """Put every point in use at its offset from its point of contact; that does not turn, so all on it move alike.
 
     Args:
         rows: Tables of objects.
         work: ObjectWork; point_positions, point_velocities are filled, point_forces cleared.
         counts: SCENE.objects.
-        hip_world: HIP [m], shape [3].
-        v_world: Its velocity [m/s], shape [3].
+        positions: Of the points of contact, world [m], x y z one behind the other.
+        velocities: Likewise [m/s].
     """
     for point in range(counts.points):
+        first = 3 * rows.points[point].contact
         for i in range(3):
-            work.point_positions[point, i] = hip_world[i] + rows.points[point].offset[i]
-            work.point_velocities[point, i] = v_world[i]
+            work.point_positions[point, i] = positions[first + i] + rows.points[point].offset[i]
+            work.point_velocities[point, i] = velocities[first + i]
             work.point_forces[point, i] = 0.0

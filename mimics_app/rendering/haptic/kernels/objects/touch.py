@@ -52,6 +52,7 @@ def _take_point(scratch: ContactScratchRecord, point: int, rows: Rows, work: Obj
         scratch.point[i] = work.point_positions[point, i]
         scratch.point_velocity[i] = work.point_velocities[point, i]
     scratch.radius = rows.points[point].radius
+    scratch.contact = rows.points[point].contact
 
 
 @kernel
@@ -204,13 +205,13 @@ def _settle(
     work: ObjectWork,
 ) -> None:
     """Press the shape at hand, add its force to all sums it belongs to; it is stiff along `direction`."""
-    totals = work.totals[0]
+    totals = work.totals[scratch.contact]
     if not _press(scratch, shape, memory, depth):
         forget(memory.contact)
         memory.touching = 0
         totals.status = 1
         return
-    _count(scratch, totals, work.touched, row, direction, depth, shape.body < 0)
+    _count(scratch, totals, work.touched[scratch.contact], row, direction, depth, shape.body < 0)
     if shape.body >= 0:
         _react(scratch, work.motions[shape.body], rows.bodies[shape.body].flags)
 

@@ -46,11 +46,20 @@ def follow_touch(touch: Any, touching: bool, felt: bool, dt: float) -> int:
 
 
 @kernel
+def _touch_static(totals: Any) -> bool:
+    """Whether any point of contact touches the static scene."""
+    for c in range(totals.shape[0]):
+        if totals[c].static_touching > 0:
+            return True
+    return False
+
+
+@kernel
 def follow_touches(work: Any, counts: Any, felt: bool, dt: float) -> None:
     """Follow the static scene and all bodies for one tick."""
     if counts.shapes == 0:
         return
     for k in range(counts.bodies + 1):
         touch = work.touches[k]
-        touching = work.totals[0].static_touching > 0 if k == 0 else work.motions[k - 1].touched == 1
+        touching = _touch_static(work.totals) if k == 0 else work.motions[k - 1].touched == 1
         touch.change = follow_touch(touch, touching, felt, dt)

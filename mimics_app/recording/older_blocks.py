@@ -1,0 +1,128 @@
+"""Parameter blocks of versions in which the one tunnel was part of every block, or that knew the HapticMaster only."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.haptic import SCENE, AdmittanceForm
+from mimics_app.contracts.haptic_objects import OBJECT_COUNTS
+from mimics_app.contracts.object_rows import ROW_DTYPES, Rows, count_rows
+
+__all__ = ["current_block", "rows_with_tunnel"]
+
+Records = NDArray[Any]
+
+_TUNNEL = "tunnel"
+"""The field that held it."""
+
+_NEW = {"own_tunnel", "objects"}
+"""Fields of SCENE that such a block lacks, or that count one table less."""
+
+_OFFSET = "axis_offset"
+"""d1 of the HapticMaster [m], the geometry of blocks that knew no other device."""
+
+_OF_DEVICES = {
+    "joints": 3,
+    "contacts": 1,
+    "torques": 0,
+    "polar": 1,
+    "joint_inertia": 0.0,
+    "joint_velocity": 1e9,  # not limited by joint [m/s, rad/s]
+    "joint_acceleration": 1e9,
+    "geometry": 0.0,
+    "through_joints": 0,
+}
+"""What such a block says without words."""
+
+_WITHOUT = {"late_latches": 1}
+"""Parameters that earlier versions did not have, and the value that does as they did: late ticks always latched."""
+
+_WIDER = {"target", "kp", "kd", "joint_min", "joint_max"}
+"""Vectors that had a place for three joints, or one point."""
+
+
+def rows_with_tunnel(record: Records, rows: Rows | None) -> Rows | None:
+    """The tables beside a block, with the tunnel that an older version wrote into the block itself.
+
+    Args:
+        record: Shape [1], with the dtype of the version that wrote it.
+        rows: The tables beside it, None where that version had none.
+
+    Returns:
+        The tables with this version's columns, what that version did not know being 0: points are carried by the first
+        point of contact, tunnels have the frame that is carried along.
+    """
+    names = record.dtype.names or ()
+    if _TUNNEL not in names or "pieces" not in (record.dtype[_TUNNEL].names or ()):
+        return rows if rows is None else _rows_as_now(rows)
+    others = rows or Rows(*(np.zeros(0, dtype) for dtype in ROW_DTYPES.values()))
+    return _rows_as_now(others._replace(tunnels=record[_TUNNEL][record[_TUNNEL]["pieces"] > 0].copy()))
+
+
+def _rows_as_now(rows: Rows) -> Rows:
+    return Rows(**{name: _as_now(table, ROW_DTYPES[name]) for name, table in rows._asdict().items()})
+
+
+def current_block(record: Records, rows: Rows | None) -> Records | None:
+    """A block as this version's SCENE record, shape [1]; None where it says something else, or not all of it.
+
+    Args:
+        record: Shape [1], with the dtype of the version that wrote it.
+        rows: From `rows_with_tunnel`.
+    """
+    if record.dtype == SCENE:
+        return record
+    block = _of_a_device(record)
+    old = set(record.dtype.names or ())
+    kept = [name for name in SCENE.names or () if name not in _NEW | _WIDER | {*_OF_DEVICES}]
+    stated = old - {_TUNNEL, _OFFSET, *_NEW, *_WIDER, *_OF_DEVICES}
+    same = stated | set(_WITHOUT) == set(kept) and all(record.dtype[name] == SCENE[name] for name in stated)
+    if block is None or not same or rows is None:
+        return None
+    if any(table.dtype != ROW_DTYPES[name] for name, table in rows._asdict().items()):
+        return None
+    for name in kept:
+        block[name] = record[name] if name in stated else _WITHOUT[name]
+    if "objects" in old:
+        counts = record["objects"][0]
+        for name in set(counts.dtype.names or ()) & {*(OBJECT_COUNTS.names or ())}:
+            block["objects"][name] = counts[name]
+    block["objects"]["tunnels"] = len(rows.tunnels)
+    return block if count_rows(block[0]["objects"]) == {name: len(t) for name, t in rows._asdict().items()} else None
+
+
+def _of_a_device(record: Records) -> Records | None:
+    """A SCENE record, shape [1], with what a block says of its device alone; None where that is unclear."""
+    old, block = set(record.dtype.names or ()), np.zeros(1, SCENE)
+    if not old >= _WIDER:
+        return None
+    for name in _WIDER:
+        width = record.dtype[name].shape[0] if record.dtype[name].shape else 0
+        if not 0 < width <= SCENE[name].shape[0]:
+            return None
+        block[name][:, :width] = record[name]
+    if _OFFSET not in old:
+        for name in _OF_DEVICES:
+            if name not in old or record.dtype[name] != SCENE[name]:
+                return None
+            block[name] = record[name]
+        return block
+    for name, value in _OF_DEVICES.items():
+        block[name] = value
+    block["geometry"][:, 0] = record[_OFFSET]
+    block["through_joints"] = record["form"] == AdmittanceForm.SEED  # its world PD went with the form of admittance
+    return block
+
+
+def _as_now(table: Records, wanted: np.dtype[Any]) -> Records:
+    """Rows of an older version with this version's columns, those it lacks 0; unchanged where one is another thing."""
+    old = table.dtype.names or ()
+    if any(name not in (wanted.names or ()) or table.dtype[name] != wanted[name] for name in old):
+        return table
+    rows = np.zeros(len(table), wanted)
+    for name in old:
+        rows[name] = table[name]
+    return rows

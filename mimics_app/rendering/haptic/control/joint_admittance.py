@@ -1,0 +1,85 @@
+"""Admittance of any device, in its joints: virtual masses at its points of contact, moved by what acts on them.
+
+    (m sum J^T J + I) q'' = sum J^T (f - b x' - m J' q') + tau,   x' = J q'
+
+m and b are the virtual mass and damping of D2.1 4.2.7 at every point of contact, f measured and virtual force on it,
+tau what the user does at the joints themselves, I the virtual inertia of the joints: where a pose is singular, it alone
+moves. For three joints and one point it is the point mass of equations (6, 7) with their coupling terms. The damping is
+taken at the end of the step, so that it is stable however large it is.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.device_descriptor import Kin
+from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.loop_fields import MAX_JOINTS
+from mimics_app.rendering.haptic.kernels.device_records import DeviceScene, JointWork, PointStates
+from mimics_app.rendering.haptic.kernels.joints import find_jacobian, to_robot, torques_of, velocities_of
+from mimics_app.rendering.haptic.kernels.solve import solve_positive
+from mimics_app.rendering.haptic.kernels.vectors import copy
+
+__all__ = ["admit_joints"]
+
+Vec = NDArray[np.float64]
+
+
+@kernel
+def _coupling(kin: Kin, scene: DeviceScene, q: Vec, dq: Vec, dt: float, work: JointWork) -> None:
+    """work.place = J' q' [m/s^2] of all points: how their velocities change while the joints keep theirs."""
+    velocities_of(kin, scene, q, dq, work, work.velocities)
+    for j in range(MAX_JOINTS):
+        work.wish[j] = q[j] + dt * dq[j]
+    velocities_of(kin, scene, work.wish, dq, work, work.place)
+    for row in range(3 * scene.contacts):
+        work.place[row] = (work.place[row] - work.velocities[row]) / dt
+
+
+@kernel
+def _forces(kin: Kin, scene: DeviceScene, states: PointStates, q: Vec, work: JointWork) -> None:
+    """work.forces = measured and virtual force on each point, robot frame [N]; work.side is overwritten."""
+    for c in range(scene.contacts):
+        copy(states[c].f_meas, work.side[3 * c : 3 * c + 3])
+    to_robot(kin, scene, q, work.side, work.forces)
+    for c in range(scene.contacts):
+        for i in range(3):
+            work.forces[3 * c + i] += states[c].f_user[i]
+
+
+@kernel
+def admit_joints(
+    kin: Kin, scene: DeviceScene, states: PointStates, mass: float, damping: float, dt: float, dq: Vec
+) -> None:
+    """Advance the joint velocities dq by one tick (semi-implicit Euler).
+
+    Args:
+        kin: Kinematics functions of the device.
+        scene: SCENE record: joints, points of contact, joint_inertia.
+        states: STATE records: joints, measured forces and torques, forces on the user.
+        mass: Virtual mass at each point [kg].
+        damping: Virtual damping there [N s/m].
+        dt: Tick [s].
+        dq: Joint velocities [m/s, rad/s], shape [MAX_JOINTS].
+    """
+    state, work, joints = states[0], states[0].joint_work, scene.joints
+    q = state.q
+    _coupling(kin, scene, q, dq, dt, work)
+    _forces(kin, scene, states, q, work)
+    for row in range(3 * scene.contacts):
+        work.forces[row] -= mass * work.place[row]
+    torques_of(kin, scene, q, work.forces, work, work.step)
+    find_jacobian(kin, scene, q, work)
+    for a in range(joints):
+        work.side[a] = dt * (work.step[a] + state.torque_meas[a]) + scene.joint_inertia[a] * dq[a]
+        for b in range(joints):
+            entry = 0.0
+            for row in range(3 * scene.contacts):
+                entry += work.jacobian[row * joints + a] * work.jacobian[row * joints + b]
+            work.side[a] += mass * entry * dq[b]
+            work.matrix[a * joints + b] = (mass + dt * damping) * entry
+        work.matrix[a * joints + a] += scene.joint_inertia[a]
+    solve_positive(work.matrix, work.side, joints)
+    for a in range(joints):
+        dq[a] = work.side[a]

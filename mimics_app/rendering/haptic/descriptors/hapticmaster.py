@@ -1,0 +1,91 @@
+"""The HapticMaster (D2.1 4.2.1-4.2.4): three joints, radial, angle and vertical, and one hand."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.device_descriptor import (
+    KINEMATICS,
+    DeviceDescriptor,
+    Joint,
+    Kinematics,
+    KinematicsStatus,
+)
+from mimics_app.contracts.kernel import typed_kernel
+from mimics_app.rendering.haptic.kernels import kinematics
+
+__all__ = ["HAPTICMASTER", "axis_offset"]
+
+Vec = NDArray[np.float64]
+
+_DONE = int(KinematicsStatus.DONE)
+
+
+@typed_kernel(KINEMATICS)
+def _forward(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
+    kinematics.forward(q, geometry[0], out)
+    return _DONE
+
+
+@typed_kernel(KINEMATICS)
+def _jacobian(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
+    kinematics.jacobian(q, geometry[0], out[:9].reshape((3, 3)))
+    return _DONE
+
+
+@typed_kernel(KINEMATICS)
+def _inverse(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
+    kinematics.inverse(given, geometry[0], out)
+    return _DONE
+
+
+@typed_kernel(KINEMATICS)
+def _velocity(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
+    kinematics.apply_jacobian(q, geometry[0], given, out)
+    return _DONE
+
+
+@typed_kernel(KINEMATICS)
+def _torque(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
+    kinematics.apply_jacobian_transposed(q, geometry[0], given, out)
+    return _DONE
+
+
+@typed_kernel(KINEMATICS)
+def _rates(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
+    kinematics.apply_inverse_jacobian(q, geometry[0], given, out)
+    return _DONE
+
+
+@typed_kernel(KINEMATICS)
+def _to_robot(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
+    kinematics.tool_to_robot(q, given, out)
+    return _DONE
+
+
+@typed_kernel(KINEMATICS)
+def _to_tool(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
+    kinematics.robot_to_tool(q, given, out)
+    return _DONE
+
+
+def axis_offset(robot: Any) -> float:
+    """d1 of equation (1) [m] of a robot component: as given, else stroke / 2 + offset."""
+    return float(robot.stroke / 2.0 + robot.offset if robot.axis_offset is None else robot.axis_offset)
+
+
+HAPTICMASTER = DeviceDescriptor(
+    joints=(
+        Joint("radial", "m", -0.18, 0.18, velocity=1.0, acceleration=50.0),
+        Joint("angle", "rad", -0.5, 0.5, velocity=2.0, acceleration=150.0),
+        Joint("vertical", "m", -0.20, 0.20, velocity=1.0, acceleration=50.0),
+    ),
+    contacts=("hand",),
+    kinematics=Kinematics(_forward, _jacobian, _inverse, _velocity, _torque, _rates, _to_robot, _to_tool),
+    geometry=lambda robot: (axis_offset(robot),),
+    polar=True,
+)
+"""Ranges are the vendor's demonstration constants; 50 m/s^2 is its data sheet's, at r = 0.33 m for the angle."""

@@ -1,0 +1,113 @@
+"""Planar legs on a gait orthosis' drives: hip and knee, touching with the foot; one leg, or two."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.device_descriptor import KINEMATICS, DeviceDescriptor, Joint, Kinematics, KinematicsStatus
+from mimics_app.contracts.kernel import typed_kernel
+from mimics_app.rendering.haptic.kernels.leg_kinematics import (
+    LEGS as HOW_MANY,
+)
+from mimics_app.rendering.haptic.kernels.leg_kinematics import (
+    foot_torques,
+    foot_velocity,
+    leg_jacobian,
+    leg_joints,
+    place_foot,
+)
+
+__all__ = ["LEG", "LEGS", "LENGTHS"]
+
+Vec = NDArray[np.float64]
+
+LENGTHS = {"thigh": 0.43, "shank": 0.50, "foot": 0.12, "hip_width": 0.20}
+"""Usual lengths [m], settings of the robot by these names: of a person of 1.75 m (Winter's table: thigh 0.245, shank
+0.246 and ankle 0.039 of the height), the ball of the foot before the ankle."""
+
+_DONE = int(KinematicsStatus.DONE)
+_UNREACHABLE = int(KinematicsStatus.UNREACHABLE)
+
+
+@typed_kernel(KINEMATICS)
+def _forward(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
+    for leg in range(int(geometry[HOW_MANY])):
+        place_foot(geometry, leg, q[2 * leg : 2 * leg + 2], out[3 * leg : 3 * leg + 3])
+    return _DONE
+
+
+@typed_kernel(KINEMATICS)
+def _jacobian(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
+    legs = int(geometry[HOW_MANY])
+    for i in range(6 * legs * legs):
+        out[i] = 0.0
+    for leg in range(legs):
+        x1, x2, z1, z2 = leg_jacobian(geometry, q[2 * leg : 2 * leg + 2])
+        first = 3 * leg * 2 * legs + 2 * leg
+        out[first], out[first + 1] = x1, x2
+        out[first + 4 * legs], out[first + 4 * legs + 1] = z1, z2
+    return _DONE
+
+
+@typed_kernel(KINEMATICS)
+def _inverse(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
+    status = _DONE
+    for leg in range(int(geometry[HOW_MANY])):
+        if not leg_joints(geometry, leg, given[3 * leg : 3 * leg + 3], out[2 * leg : 2 * leg + 2]):
+            status = _UNREACHABLE
+    return status
+
+
+@typed_kernel(KINEMATICS)
+def _velocity(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
+    for leg in range(int(geometry[HOW_MANY])):
+        joints = q[2 * leg : 2 * leg + 2]
+        foot_velocity(geometry, joints, given[2 * leg : 2 * leg + 2], out[3 * leg : 3 * leg + 3])
+    return _DONE
+
+
+@typed_kernel(KINEMATICS)
+def _torque(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
+    for leg in range(int(geometry[HOW_MANY])):
+        joints = q[2 * leg : 2 * leg + 2]
+        foot_torques(geometry, joints, given[3 * leg : 3 * leg + 3], out[2 * leg : 2 * leg + 2])
+    return _DONE
+
+
+def _geometry(robot: Any, legs: int) -> tuple[float, ...]:
+    """Lengths of the legs of a scene's robot."""
+    lengths = (float(robot.settings.get(name, usual)) for name, usual in LENGTHS.items())
+    return (float(legs), *lengths)
+
+
+def _joints(side: str) -> tuple[Joint, Joint]:
+    """Ranges of gait; the drives' inertia alone moves where the foot cannot."""
+    return (
+        Joint(f"{side}hip", "rad", math.radians(-20.0), math.radians(60.0), 4.0, 60.0, inertia=0.3),
+        Joint(f"{side}knee", "rad", 0.0, math.radians(90.0), 6.0, 90.0, inertia=0.1),
+    )
+
+
+_FUNCTIONS = Kinematics(_forward, _jacobian, _inverse, _velocity, _torque)
+
+LEG = DeviceDescriptor(
+    joints=_joints(""),
+    contacts=("right foot",),
+    kinematics=_FUNCTIONS,
+    geometry=lambda robot: _geometry(robot, 1),
+    torques=True,
+)
+"""One leg."""
+
+LEGS = DeviceDescriptor(
+    joints=(*_joints("left "), *_joints("right ")),
+    contacts=("left foot", "right foot"),
+    kinematics=_FUNCTIONS,
+    geometry=lambda robot: _geometry(robot, 2),
+    torques=True,
+)
+"""Two legs."""

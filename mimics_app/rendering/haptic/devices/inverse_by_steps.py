@@ -1,0 +1,26 @@
+"""The inverse kinematics of a device without a closed form, for Python: imported where one is asked for."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import from_dtype, types
+from numpy.typing import NDArray
+
+from mimics_app.contracts.device_descriptor import KINEMATICS_SET, Kin
+from mimics_app.contracts.haptic import SCENE
+from mimics_app.contracts.kernel import typed_kernel
+from mimics_app.rendering.haptic.kernels.joints import JOINT_WORK, joints_of
+
+__all__ = ["inverse_by_steps"]
+
+Vec = NDArray[np.float64]
+
+_VECTOR = types.float64[::1]
+
+
+@typed_kernel(types.int64(KINEMATICS_SET, from_dtype(SCENE)[::1], _VECTOR, from_dtype(JOINT_WORK)[::1], _VECTOR))
+def inverse_by_steps(kin: Kin, scenes: NDArray[Any], x: Vec, works: NDArray[Any], q: Vec) -> int:
+    """`kernels.joints.joints_of` for SCENE and JOINT_WORK records of shape [1]; compiled once for all devices."""
+    return joints_of(kin, scenes[0], x, works[0], q)

@@ -1,0 +1,73 @@
+"""What only its device knows of a scene's robot: as many joints as the component speaks of, in order, and reachable."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mimics_app.contracts.errors import DeviceError, Issue
+from mimics_app.rendering.haptic.descriptors.joint_limits import joint_limits
+from mimics_app.rendering.haptic.devices.described import descriptor_of
+from mimics_app.world.components.objects import InteractionPoints
+from mimics_app.world.components.registry import register_check
+from mimics_app.world.components.robot import Robot
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.device_descriptor import DeviceDescriptor
+    from mimics_app.world.scene.scene import Scene
+
+__all__ = ["check_points", "check_robot"]
+
+_PER_JOINT = ("joint_min", "joint_max", "velocity_limit", "acceleration_limit")
+
+
+def check_robot(robot: Robot, pointer: str, scene: Scene) -> list[Issue]:
+    """Faults of the joints; a device that cannot be had is told where it is asked for."""
+    try:
+        descriptor = descriptor_of(robot.device)
+    except DeviceError:
+        return []
+    count = len(descriptor.joints)
+    issues = [
+        scene.issue(
+            f"{pointer}/{name}",
+            f'{len(given)} numbers; the device "{robot.device}" has {count} joints: '
+            + ", ".join(joint.name for joint in descriptor.joints),
+            "give one for each, or leave it out",
+        )
+        for name in _PER_JOINT
+        if (given := getattr(robot, name)) is not None and len(given) != count
+    ]
+    return issues or _check_range(robot, descriptor, pointer, scene)
+
+
+def _check_range(robot: Robot, descriptor: DeviceDescriptor, pointer: str, scene: Scene) -> list[Issue]:
+    limits = joint_limits(robot, descriptor)
+    issues = [
+        scene.issue(f"{pointer}/joint_max/{i}", f"{most:g} is not above joint_min, {least:g}")
+        for i, (least, most) in enumerate(zip(limits.lowest, limits.highest, strict=True))
+        if least >= most
+    ]
+    if descriptor.polar and (reach := descriptor.geometry_of(robot)[0] + limits.lowest[0]) <= 0.0:
+        what = f"the arm would reach through the axis of the robot: {reach:g} m"
+        issues.append(scene.issue(f"{pointer}/joint_min/0", what, "raise it, or axis_offset"))
+    return issues
+
+
+def check_points(points: InteractionPoints, pointer: str, scene: Scene) -> list[Issue]:
+    """Points of contact that the device of the scene does not have."""
+    device = (scene.first(Robot) or Robot()).device
+    try:
+        contacts = descriptor_of(device).contacts
+    except DeviceError:
+        return []
+    return [
+        scene.issue(
+            f"{pointer}/points/{i}/contact", f'the device "{device}" touches with {", ".join(contacts)}', "name one"
+        )
+        for i, point in enumerate(points.points)
+        if point.contact is not None and point.contact not in contacts
+    ]
+
+
+register_check("robot", check_robot)
+register_check("interaction_points", check_points)

@@ -1,0 +1,169 @@
+"""One or two simulated legs on a gait orthosis, with a simulated person who leads the first foot."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.kernel import typed_kernel
+from mimics_app.contracts.loop_ports import (
+    COMMAND_DQ,
+    COMMAND_ENABLED,
+    COMMAND_TORQUE,
+    DATA_AGE,
+    DATA_DQ,
+    DATA_Q,
+    DATA_TORQUE,
+    READ,
+    WRITE,
+    DevicePlugin,
+)
+from mimics_app.rendering.haptic.descriptors.leg import LENGTHS
+from mimics_app.rendering.haptic.devices.device_settings import write_settings
+from mimics_app.rendering.haptic.devices.request import DeviceRequest
+from mimics_app.rendering.haptic.devices.simulated_person import move_person, write_person
+from mimics_app.rendering.haptic.kernels import leg_machine as machine
+from mimics_app.rendering.haptic.kernels.arm import ARM_LENGTH, GRIP_FORCE
+from mimics_app.rendering.haptic.kernels.leg_kinematics import (
+    GEOMETRY,
+    foot_torques,
+    foot_velocity,
+    place_foot,
+)
+from mimics_app.rendering.haptic.kernels.leg_machine import LENGTH, order_leg, sense_leg, step_leg
+from mimics_app.rendering.haptic.kernels.noise import seed_noise
+from mimics_app.rendering.haptic.kernels.vectors import all_finite
+
+__all__ = ["build_simulated_leg", "read_legs", "write_legs"]
+
+Vec = NDArray[np.float64]
+
+_SHAPE = ARM_LENGTH
+_FOOT = _SHAPE + GEOMETRY
+_LEGS = _FOOT + 6
+"""Memory: the person's limb, the geometry, place and velocity of the first foot, then one machine for each leg."""
+
+_SETTINGS = {
+    "thigh_mass": (machine.THIGH_MASS, 9.0),  # [kg] thigh of a person of 75 kg (0.100) with its part of the orthosis
+    "shank_mass": (machine.SHANK_MASS, 5.0),  # [kg] shank and foot (0.061) likewise
+    "drive_damping": (machine.DRIVE_DAMPING, 1.0),  # [N m s/rad]
+    "servo_bandwidth_hz": (machine.SERVO, 15.0),  # [Hz]
+    "torque_noise": (machine.SENSOR_NOISE, 0.05),  # [N m]
+    "torque_quantum": (machine.SENSOR_QUANTUM, 0.02),  # [N m]
+    "torque_range": (machine.SENSOR_RANGE, 150.0),  # [N m]
+    "encoder": (machine.ENCODER, 1e-5),  # [rad]
+}
+_DRIVES = {"hip_torque": (machine.TORQUE_MAX, 120.0), "knee_torque": (machine.TORQUE_MAX + 1, 80.0)}  # [N m]
+"""Peaks of a gait orthosis' drives are of this size; flagged in docs/devices as not verified."""
+
+_MODES = ("motion", "torque")
+_DRIVE_INERTIA = (0.15, 0.08)
+"""Of hip and knee drive at the joint [kg m^2]."""
+
+_COM_SHARE = 0.433
+_GYRATION_SHARE = 0.32
+"""Centre of mass and radius of gyration of a segment as shares of its length (Winter)."""
+
+
+@typed_kernel(READ)
+def read_legs(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
+    """One tick of legs and person; what the sensors show."""
+    geometry, foot, dt = memory[_SHAPE:_FOOT], memory[_FOOT:_LEGS], memory[_LEGS + machine.TICK]
+    for k in range(int(geometry[0])):
+        leg = memory[_LEGS + k * LENGTH : _LEGS + (k + 1) * LENGTH]
+        if tick > 0:
+            step_leg(leg)
+    first = memory[_LEGS : _LEGS + LENGTH]
+    q = first[machine.Q : machine.Q + 2]
+    place_foot(geometry, 0, q, foot[0:3])
+    foot_velocity(geometry, q, first[machine.DQ : machine.DQ + 2], foot[3:6])
+    move_person(memory[:ARM_LENGTH], foot, inbox, data, dt)
+    foot_torques(geometry, q, memory[GRIP_FORCE : GRIP_FORCE + 3], first[machine.PERSON : machine.PERSON + 2])
+    for k in range(int(geometry[0])):
+        leg, at = memory[_LEGS + k * LENGTH : _LEGS + (k + 1) * LENGTH], 2 * k
+        shown = data[DATA_Q + at : DATA_Q + at + 2], data[DATA_DQ + at : DATA_DQ + at + 2]
+        sense_leg(leg, shown[0], shown[1], data[DATA_TORQUE + at : DATA_TORQUE + at + 2])
+    data[DATA_AGE] = 0.0
+    return 0
+
+
+@typed_kernel(WRITE)
+def write_legs(memory: Vec, command: Vec, tick: int) -> int:
+    """Joint velocities or torques into the drives' delay lines; what is not enabled or not finite brakes them."""
+    start = COMMAND_DQ if memory[_LEGS + machine.MOTION] != 0.0 else COMMAND_TORQUE
+    joints = 2 * int(memory[_SHAPE])
+    usable = all_finite(command[start : start + joints])
+    for k in range(joints // 2):
+        leg = memory[_LEGS + k * LENGTH : _LEGS + (k + 1) * LENGTH]
+        order_leg(leg, command[start + 2 * k : start + 2 * k + 2], usable and command[COMMAND_ENABLED] != 0.0)
+    return 0 if usable else 1
+
+
+def _segment(leg: Vec, mass: int, com: int, inertia: int, length: float) -> None:
+    """Centre of mass and inertia of a segment of this length [m]."""
+    leg[com] = _COM_SHARE * length
+    leg[inertia] = leg[mass] * (_GYRATION_SHARE * length) ** 2
+
+
+def _write_leg(leg: Vec, request: DeviceRequest, number: int, geometry: Vec, mode: str) -> None:
+    own = (*LENGTHS, "mode")
+    settings = {name: value for name, value in request.robot.settings.items() if name not in own}
+    write_settings(leg, _SETTINGS | _DRIVES, settings, "simulated leg")
+    leg[machine.SERVO] *= 2.0 * math.pi
+    leg[machine.THIGH_LENGTH] = geometry[1]
+    _segment(leg, machine.THIGH_MASS, machine.THIGH_COM, machine.THIGH_INERTIA, geometry[1])
+    _segment(leg, machine.SHANK_MASS, machine.SHANK_COM, machine.SHANK_INERTIA, geometry[2])
+    leg[machine.DRIVE_INERTIA : machine.DRIVE_INERTIA + 2] = _DRIVE_INERTIA
+    leg[machine.SUPPORT] = 1.0
+    limits, at = request.limits, 2 * number
+    leg[machine.JOINT_MIN : machine.JOINT_MIN + 2] = limits.lowest[at : at + 2]
+    leg[machine.JOINT_MAX : machine.JOINT_MAX + 2] = limits.highest[at : at + 2]
+    standing = [min(most, max(least, 0.1)) for least, most in zip(limits.lowest, limits.highest, strict=True)]
+    leg[machine.Q : machine.Q + 2] = leg[machine.MEASURED : machine.MEASURED + 2] = standing[at : at + 2]
+    leg[machine.TICK] = 1.0 / request.rate
+    leg[machine.DELAY] = request.robot.delay_ticks
+    leg[machine.MOTION] = float(mode == "motion")
+    seed_noise(leg, machine.NOISE, 2 * request.seed + 4 * number)
+
+
+def build_simulated_leg(request: DeviceRequest) -> DevicePlugin:
+    """As many legs as the descriptor has feet, nearly stretched at first; the person's limb leads the first foot.
+
+    `robot.settings` may hold mode ("motion", or "torque"), lengths thigh, shank, foot, hip_width [m], thigh_mass,
+    shank_mass [kg], hip_torque, knee_torque [N m], drive_damping [N m s/rad], servo_bandwidth_hz, torque_noise,
+    torque_quantum, torque_range [N m] and encoder [rad].
+
+    Raises:
+        DeviceError: An unknown setting or mode, or a setting that is not a positive number.
+    """
+    mode = request.robot.settings.get("mode", _MODES[0])
+    if mode not in _MODES:
+        raise DeviceError(f'the simulated leg has no mode "{mode}"', f"write {' or '.join(_MODES)}")
+    _check_lengths(request)
+    geometry = request.descriptor.geometry_of(request.robot)
+    memory = np.zeros(_LEGS + len(request.descriptor.contacts) * LENGTH)
+    write_person(memory[:ARM_LENGTH], request)
+    memory[_SHAPE:_FOOT] = geometry[:GEOMETRY]
+    for number in range(len(request.descriptor.contacts)):
+        leg = memory[_LEGS + number * LENGTH : _LEGS + (number + 1) * LENGTH]
+        _write_leg(leg, request, number, geometry, mode)
+    lag = 1.0 / memory[_LEGS + machine.SERVO] if mode == "motion" else 0.0
+    return DevicePlugin(
+        "simulated_leg" if len(request.descriptor.contacts) == 1 else "simulated_legs",
+        read_legs,
+        write_legs,
+        memory,
+        delay=request.robot.delay_ticks / request.rate + lag,
+        follows="velocity" if mode == "motion" else "torque",
+        simulated=True,
+    )
+
+
+def _check_lengths(request: DeviceRequest) -> None:
+    for name in LENGTHS:
+        value = request.robot.settings.get(name, LENGTHS[name])
+        if not isinstance(value, int | float) or not 0.0 < value < 2.0:
+            raise DeviceError(f'the length "{name}" of the leg is {value!r}', "give metres between 0 and 2")

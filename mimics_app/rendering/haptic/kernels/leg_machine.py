@@ -1,0 +1,257 @@
+"""One leg of a person on the drives of a gait orthosis: two links that swing, drives with limits, sensors with noise.
+
+    M(q) q'' + c(q, q') + g(q) = tau_drive + tau_person - b q'
+
+Hip and knee angles as in `leg_kinematics`; M and c follow from the two links' absolute angles t1 and psi = t1 - t2. The
+drives hold a share of the weight by themselves. Told torques, they add them; told velocities, they add what a servo of
+finite bandwidth needs, both within the drives' strength and after a delay. The torque sensors show what the person does
+at the joints: the machine takes weight and inertia of leg and drives off what it measures.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.noise import gauss
+from mimics_app.rendering.haptic.kernels.vectors import copy, fill
+
+__all__ = [
+    "COMMAND",
+    "DELAY",
+    "DQ",
+    "DRIVE_DAMPING",
+    "DRIVE_INERTIA",
+    "ENABLED",
+    "ENCODER",
+    "JOINT_MAX",
+    "JOINT_MIN",
+    "LENGTH",
+    "MAX_DELAY",
+    "MEASURED",
+    "MOTION",
+    "NOISE",
+    "PERSON",
+    "SENSOR_NOISE",
+    "SENSOR_QUANTUM",
+    "SENSOR_RANGE",
+    "SERVO",
+    "SHANK_COM",
+    "SHANK_INERTIA",
+    "SHANK_MASS",
+    "SUPPORT",
+    "THIGH_COM",
+    "THIGH_INERTIA",
+    "THIGH_LENGTH",
+    "THIGH_MASS",
+    "TICK",
+    "TORQUE_MAX",
+    "Q",
+    "energy_of",
+    "order_leg",
+    "sense_leg",
+    "step_leg",
+]
+
+Vec = NDArray[np.float64]
+
+MAX_DELAY = 50
+
+Q = 0  # true angles hip, knee [rad]
+DQ = 2  # their velocities [rad/s]
+MEASURED = 4  # angles as the encoders last gave them
+SPEED = 6  # velocities from the encoders, filtered
+PERSON = 8  # torque of the person at the joints [N m]
+THIGH_LENGTH = 10  # [m]
+THIGH_MASS = 11  # with its part of the orthosis [kg]
+THIGH_COM = 12  # centre of mass below the hip [m]
+THIGH_INERTIA = 13  # about it [kg m^2]
+SHANK_MASS = 14  # shank and foot [kg]
+SHANK_COM = 15  # below the knee [m]
+SHANK_INERTIA = 16
+DRIVE_INERTIA = 17  # of hip and knee drive at the joint [kg m^2]
+DRIVE_DAMPING = 19  # of both [N m s/rad]
+TORQUE_MAX = 20  # of hip and knee drive [N m]
+SERVO = 22  # bandwidth of the velocity servo [rad/s]
+SUPPORT = 23  # share of the weight that the drives hold by themselves, 0-1
+JOINT_MIN = 24  # [rad]
+JOINT_MAX = 26
+ENCODER = 28  # quantum [rad]
+SENSOR_NOISE = 29  # standard deviation of a torque sensor [N m]
+SENSOR_QUANTUM = 30  # [N m]
+SENSOR_RANGE = 31  # [N m]
+NOISE = 32  # generator
+TICK = 33  # [s]
+DELAY = 34  # of a command [ticks]
+MOTION = 35  # 1: commands are joint velocities, 0: torques
+WRITTEN = 36  # commands written so far
+DRIVE = 37  # torque of the drives in the last tick [N m]
+WORK = 39  # 16 numbers
+LINE = 55  # ring of the last MAX_DELAY + 1 commands: two numbers and whether they are to be followed
+COMMAND = 3
+LENGTH = LINE + COMMAND * (MAX_DELAY + 1)
+ENABLED = 2
+
+_GRAVITY = 9.81  # [m/s^2]
+_STOP_GAP = 0.02
+"""Mechanical end stops lie this far outside the joint limits [rad]."""
+
+_SPEED_FILTER_HZ = 60.0
+
+_BRAKE = 40.0
+"""Damping of drives that are not enabled [N m s/rad]: short-circuited motors behind their gears."""
+
+
+@kernel
+def order_leg(leg: Vec, command: Vec, enabled: bool) -> None:
+    """Put two joint velocities or torques into the delay line; not enabled, the drives will brake."""
+    slot = LINE + COMMAND * (int(leg[WRITTEN]) % (MAX_DELAY + 1))
+    for i in range(2):
+        leg[slot + i] = command[i] if enabled else 0.0
+    leg[slot + ENABLED] = 1.0 if enabled else 0.0
+    leg[WRITTEN] += 1.0
+
+
+@kernel
+def _weight(leg: Vec, t1: float, t2: float) -> tuple[float, float]:
+    """Torques g(q) that hold the leg against gravity [N m]."""
+    thigh = _GRAVITY * (leg[THIGH_MASS] * leg[THIGH_COM] + leg[SHANK_MASS] * leg[THIGH_LENGTH]) * math.sin(t1)
+    shank = _GRAVITY * leg[SHANK_MASS] * leg[SHANK_COM] * math.sin(t1 - t2)
+    return thigh + shank, -shank
+
+
+@kernel
+def _inertia(leg: Vec, t2: float) -> tuple[float, float, float]:
+    """Entries m11, m12, m22 of M in the joint angles; only the knee changes them."""
+    coupling = leg[SHANK_MASS] * leg[THIGH_LENGTH] * leg[SHANK_COM] * math.cos(t2)
+    thigh = leg[THIGH_INERTIA] + leg[THIGH_MASS] * leg[THIGH_COM] ** 2 + leg[SHANK_MASS] * leg[THIGH_LENGTH] ** 2
+    shank = leg[SHANK_INERTIA] + leg[SHANK_MASS] * leg[SHANK_COM] ** 2
+    return (
+        thigh + shank + 2.0 * coupling + leg[DRIVE_INERTIA],
+        -(shank + coupling),
+        shank + leg[DRIVE_INERTIA + 1],
+    )
+
+
+@kernel
+def _centrifugal(leg: Vec, t2: float, d1: float, d2: float) -> tuple[float, float]:
+    """Torques c(q, q') [N m]."""
+    h = leg[SHANK_MASS] * leg[THIGH_LENGTH] * leg[SHANK_COM] * math.sin(t2)
+    return -h * d2 * (2.0 * d1 - d2), h * d1 * d1
+
+
+@kernel
+def energy_of(leg: Vec) -> float:
+    """Kinetic and potential energy of leg and drives [J]; 0 at rest in standing."""
+    t1, t2, d1, d2 = leg[Q], leg[Q + 1], leg[DQ], leg[DQ + 1]
+    m11, m12, m22 = _inertia(leg, t2)
+    thigh = (leg[THIGH_MASS] * leg[THIGH_COM] + leg[SHANK_MASS] * leg[THIGH_LENGTH]) * (1.0 - math.cos(t1))
+    shank = leg[SHANK_MASS] * leg[SHANK_COM] * (1.0 - math.cos(t1 - t2))
+    return 0.5 * (m11 * d1 * d1 + 2.0 * m12 * d1 * d2 + m22 * d2 * d2) + _GRAVITY * (thigh + shank)
+
+
+@kernel
+def _rate(leg: Vec, state: Vec, tau: Vec, out: Vec) -> None:
+    """Rate of (t1, t2, t1', t2') under torques tau of drives and person."""
+    t1, t2, d1, d2 = state[0], state[1], state[2], state[3]
+    m11, m12, m22 = _inertia(leg, t2)
+    g1, g2 = _weight(leg, t1, t2)
+    c1, c2 = _centrifugal(leg, t2, d1, d2)
+    a = tau[0] - c1 - g1 - leg[DRIVE_DAMPING] * d1
+    b = tau[1] - c2 - g2 - leg[DRIVE_DAMPING] * d2
+    det = m11 * m22 - m12 * m12
+    out[0] = d1
+    out[1] = d2
+    out[2] = (m22 * a - m12 * b) / det
+    out[3] = (m11 * b - m12 * a) / det
+
+
+@kernel
+def _servo_torques(leg: Vec, wish: Vec, tau: Vec) -> None:
+    """Torques that bring the joint velocities to `wish` with the servo's lag, whatever person and weight do."""
+    m11, m12, m22 = _inertia(leg, leg[Q + 1])
+    g1, g2 = _weight(leg, leg[Q], leg[Q + 1])
+    c1, c2 = _centrifugal(leg, leg[Q + 1], leg[DQ], leg[DQ + 1])
+    gain = (1.0 - math.exp(-leg[SERVO] * leg[TICK])) / leg[TICK]
+    a1, a2 = gain * (wish[0] - leg[DQ]), gain * (wish[1] - leg[DQ + 1])
+    tau[0] = m11 * a1 + m12 * a2 + c1 + g1 + leg[DRIVE_DAMPING] * leg[DQ] - leg[PERSON]
+    tau[1] = m12 * a1 + m22 * a2 + c2 + g2 + leg[DRIVE_DAMPING] * leg[DQ + 1] - leg[PERSON + 1]
+
+
+@kernel
+def _drive(leg: Vec) -> None:
+    """Torques of the drives for this tick, from the command that leaves the delay line."""
+    due = int(leg[WRITTEN]) - 1 - int(leg[DELAY])
+    slot = LINE + COMMAND * (due % (MAX_DELAY + 1))
+    enabled = due >= 0 and leg[slot + ENABLED] != 0.0
+    tau = leg[DRIVE : DRIVE + 2]
+    g1, g2 = _weight(leg, leg[Q], leg[Q + 1])
+    if leg[MOTION] != 0.0:
+        wish = leg[WORK : WORK + 2]
+        for i in range(2):
+            wish[i] = leg[slot + i] if enabled else 0.0
+        _servo_torques(leg, wish, tau)
+    else:
+        tau[0], tau[1] = leg[SUPPORT] * g1, leg[SUPPORT] * g2
+        for i in range(2):
+            tau[i] += leg[slot + i] if enabled else -_BRAKE * leg[DQ + i]
+    for i in range(2):
+        tau[i] = min(leg[TORQUE_MAX + i], max(-leg[TORQUE_MAX + i], tau[i]))
+
+
+@kernel
+def _stop_at_ends(leg: Vec) -> None:
+    for i in range(2):
+        low, high = leg[JOINT_MIN + i] - _STOP_GAP, leg[JOINT_MAX + i] + _STOP_GAP
+        if leg[Q + i] < low:
+            leg[Q + i] = low
+            leg[DQ + i] = max(0.0, leg[DQ + i])
+        elif leg[Q + i] > high:
+            leg[Q + i] = high
+            leg[DQ + i] = min(0.0, leg[DQ + i])
+
+
+@kernel
+def step_leg(leg: Vec) -> None:
+    """Advance one leg by a tick: torques held, motion by the classical Runge-Kutta method."""
+    _drive(leg)
+    dt = leg[TICK]
+    state, tau, rate = leg[WORK : WORK + 4], leg[WORK + 4 : WORK + 6], leg[WORK + 6 : WORK + 10]
+    total = leg[WORK + 10 : WORK + 14]
+    fill(total, 0.0)
+    for i in range(2):
+        tau[i] = leg[DRIVE + i] + leg[PERSON + i]
+    copy(leg[Q : Q + 4], state)
+    for part in range(4):
+        _rate(leg, state, tau, rate)
+        weight = 1.0 if part == 0 or part == 3 else 2.0
+        reach = 0.5 * dt if part < 2 else dt
+        for i in range(4):
+            total[i] += weight * rate[i]
+            state[i] = leg[Q + i] + reach * rate[i]
+    for i in range(4):
+        leg[Q + i] += dt / 6.0 * total[i]
+    _stop_at_ends(leg)
+
+
+@kernel
+def _round_to(value: float, quantum: float) -> float:
+    return math.floor(value / quantum + 0.5) * quantum if quantum > 0.0 else value
+
+
+@kernel
+def sense_leg(leg: Vec, q: Vec, dq: Vec, torque: Vec) -> None:
+    """What the sensors of one leg show: angles, their filtered difference, torque of the person; shape [2] each."""
+    blend = 1.0 - math.exp(-2.0 * math.pi * _SPEED_FILTER_HZ * leg[TICK])
+    for i in range(2):
+        shown = _round_to(leg[Q + i], leg[ENCODER])
+        leg[SPEED + i] += blend * ((shown - leg[MEASURED + i]) / leg[TICK] - leg[SPEED + i])
+        leg[MEASURED + i] = shown
+        q[i] = shown
+        dq[i] = leg[SPEED + i]
+        pull = leg[PERSON + i] + leg[SENSOR_NOISE] * gauss(leg, NOISE)
+        pull = min(leg[SENSOR_RANGE], max(-leg[SENSOR_RANGE], pull))
+        torque[i] = _round_to(pull, leg[SENSOR_QUANTUM])
