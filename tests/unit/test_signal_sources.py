@@ -193,6 +193,7 @@ def test_every_damaged_byte_of_a_frame_is_noticed() -> None:
 
 def test_a_stream_of_lsl() -> None:
     import pylsl
+
     from mimics_app.inputs.physio.lsl import LslSource
 
     name = f"mimics test {time.monotonic_ns()}"
