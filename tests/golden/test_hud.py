@@ -23,14 +23,15 @@ BLACK = Sky((0.0,) * 3, (0.0,) * 3, (0.0,) * 3, 0.0)
 WHITE = (1.0, 1.0, 1.0, 1.0)
 
 
-def draw_hud(fill, size=(1280, 720), tangents=None, msaa=0, views=None) -> NDArray[np.float64]:
+def draw_hud(fill, size=(1280, 720), tangents=None, msaa=0, views=None, depth=1.0) -> NDArray[np.float64]:
     """Brightness 0-1 of a display on black, row 0 at the top."""
     tangents = tangents or compute_tangents(0.8, size)
     world = World()
     world.environment = BLACK
     world.update()
     with create_surface("egl", size) as surface:
-        renderer = Renderer(surface, world, RenderSettings(msaa=msaa, shadow_size=0, tone_map="none"))
+        settings = RenderSettings(msaa=msaa, shadow_size=0, tone_map="none", hud_depth=depth)
+        renderer = Renderer(surface, world, settings)
         renderer.hud.width = 720.0 * size[0] / size[1]
         fill(renderer.hud)
         renderer.draw(views or [View(np.eye(4), tangents, (0, 0, *size))])
@@ -122,17 +123,20 @@ def test_a_character_the_font_lacks_becomes_a_box():
     assert hud.rows().size == 1
 
 
-def test_both_eyes_see_it_at_its_depth():
-    """Disparity of a plane at depth d for parallel eyes e apart: e / d in tangents (displays.md 3.1)."""
-    separation, depth = 0.064, 1.0
+@pytest.mark.parametrize(("wanted", "depth"), [(2.0, 2.0), (1.0, 1.28)])
+def test_both_eyes_see_it_at_its_depth_and_no_nearer_than_is_easy(wanted, depth):
+    """Disparity of a plane at depth d for parallel eyes e apart: e / d in tangents."""
+    separation = 0.064
     tangents = (-0.5, 0.5, -0.28125, 0.28125)
     views = []
     for index, sign in enumerate((-0.5, 0.5)):
         pose = np.eye(4)
         pose[0, 3] = sign * separation
         views.append(View(pose, tangents, (640 * index, 0, 640, 360)))
-    assert plane_of_views(views, depth).canvas_width == pytest.approx(1280.0)
-    picture = draw_hud(lambda hud: hud.box(630.0, 350.0, 20.0, 20.0, WHITE), (1280, 360), msaa=4, views=views)
+    assert plane_of_views(views, wanted).canvas_width == pytest.approx(1280.0)
+    picture = draw_hud(
+        lambda hud: hud.box(630.0, 350.0, 20.0, 20.0, WHITE), (1280, 360), msaa=4, views=views, depth=wanted
+    )
     eyes = [picture[:, :640].sum(axis=0), picture[:, 640:].sum(axis=0)]
     centres = [(light * (np.arange(640) + 0.5)).sum() / light.sum() for light in eyes]
     assert centres[0] - centres[1] == pytest.approx(separation / depth * 640, abs=0.1)

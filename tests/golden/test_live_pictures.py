@@ -236,8 +236,9 @@ def test_an_inset_is_sharp_over_a_picture_drawn_smaller():
     assert np.array_equal(full, half)
 
 
-def test_two_eyes_see_an_inset_at_the_depth_of_the_figures():
-    """Eyes 64 mm apart, figures 0.8 m away: it lies 0.064 / 0.8 of a tangent farther left for the right eye."""
+@pytest.mark.parametrize(("wanted", "depth"), [(3.2, 3.2), (0.8, 1.28)])
+def test_two_eyes_see_an_inset_at_the_depth_of_the_figures(wanted, depth):
+    """Eyes 64 mm apart: it lies 0.064 / depth of a tangent farther left for the right eye; never too near for two."""
     world = make_room()
     add_second_camera(world)
     half = (SIZE[0] // 2, SIZE[1])
@@ -248,10 +249,10 @@ def test_two_eyes_see_an_inset_at_the_depth_of_the_figures():
         eye[:3, 3] += side * pose[:3, 0]
         views.append(View(eye, (-0.4, 0.4, -0.45, 0.45), (k * half[0], 0, *half)))
     world.insets["second"] = InsetView("second", (0.3, 0.5, 0.4, 0.3), border=20.0)
-    picture = draw(world, views, replace(PLAIN, hud_depth=0.8))
+    picture = draw(world, views, replace(PLAIN, hud_depth=wanted))
     row = picture[SIZE[1] - round(0.65 * SIZE[1])].max(axis=-1) < 25
     left, right = (int(np.argmax(row[k * half[0] : (k + 1) * half[0]])) for k in range(2))
-    assert left - right == pytest.approx(0.064 / 0.8 / 0.8 * half[0], abs=1.0)
+    assert left - right == pytest.approx(0.064 / depth / 0.8 * half[0], abs=1.0)
 
 
 def make_screen_room(shines: bool = True, every: int = 1) -> World:

@@ -106,7 +106,7 @@ def test_learning_chooses_after_the_task_and_for_the_next_frame() -> None:
 
 def test_a_still_shows_the_board_of_the_task(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     boards: list[Any] = []
-    monkeypatch.setattr(Picture, "lay_out", lambda self, board: boards.append(board))
+    monkeypatch.setattr(Picture, "lay_out", lambda self, board, views: boards.append(board))
     try:
         draw_stills(RunSettings(MARKET, size=(64, 36)), tmp_path, frames=2, seconds=0.5)
     except DeviceError as error:

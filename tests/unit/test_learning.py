@@ -225,7 +225,6 @@ def test_an_adaptive_discriminant_follows_a_person_a_fixed_one_does_not() -> Non
 
 
 def test_the_environment_is_one_of_gymnasium() -> None:
-    pytest.importorskip("gymnasium")
     from gymnasium.utils.env_checker import check_env
 
     from mimics_app.lab.physio.gym_env import TrainingEnv
@@ -234,7 +233,6 @@ def test_the_environment_is_one_of_gymnasium() -> None:
 
 
 def test_the_environment_punishes_what_is_too_hard() -> None:
-    pytest.importorskip("gymnasium")
     from mimics_app.lab.physio.gym_env import TrainingEnv
 
     env, totals = TrainingEnv(trials=20), []
