@@ -161,7 +161,7 @@ def _of_others(name: str, unit: str, replay: Replay, each: int = 1, source: str 
 LOOP_FIELDS: tuple[LoopField, ...] = (
     LoopField("t", "s", Replay.CLOCK, ""),  # session time = tick / rate
     LoopField("tick", "1", Replay.CLOCK, "", "i8", reader="app"),
-    LoopField("t_ns", "ns", Replay.ABSENT, "", "i8", reader="rendering.audio"),  # of the tick's release, monotonic
+    LoopField("t_ns", "ns", Replay.ABSENT, "", "i8", reader="scenarios"),  # of the tick's release, monotonic
     # inputs; the snapshot has the last good ones
     _of_joints("q", Replay.INPUT, reader="tasks"),  # measured joints
     _of_joints("dq", Replay.INPUT, "", per=Per.JOINT_RATE),

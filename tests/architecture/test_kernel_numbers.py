@@ -15,9 +15,10 @@ AXES = {3}
 """Axes of space: of a vector's length and of a loop over it, as a whole number only."""
 
 MOST_BARE = {
-    "rendering/haptic": 140,
-    "rendering/visual": 44,
-    "rendering/audio": 0,
+    "rendering/haptic": 142,
+    "rendering/visual": 47,
+    "rendering/audio": 36,
+    "dsp": 33,
     "world": 3,
     "maths": 6,
     "contracts": 4,

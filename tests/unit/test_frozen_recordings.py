@@ -79,6 +79,8 @@ def test_frozen_recording_is_replayed_where_its_inputs_suffice(capsys: pytest.Ca
     told = capsys.readouterr().out
     assert "300 ticks replayed, every output and 7 events equal" in told and "its task is not compared" in told
     for folder in FROZEN[1:]:
+        if folder.name == "run_0_1_0_block":  # its tunnel stands in the blocks: simulated again below
+            continue
         assert main(["replay", str(folder)]) == 6
         assert "recorded with other columns; replay it with the version it names" in capsys.readouterr().err
 
