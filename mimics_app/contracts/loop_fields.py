@@ -103,7 +103,7 @@ _JOINT_RATES = ("m/s", "rad/s", "m/s")
 LOOP_FIELDS: tuple[LoopField, ...] = (
     LoopField("t", "s", Replay.CLOCK, ""),  # session time = tick / rate
     LoopField("tick", "1", Replay.CLOCK, "", "i8", reader="app"),
-    LoopField("t_ns", "ns", Replay.ABSENT, "", "i8", reader="rendering.audio"),  # of the tick's release, monotonic
+    LoopField("t_ns", "ns", Replay.ABSENT, "", "i8", reader="scenarios"),  # of the tick's release, monotonic
     # inputs; the snapshot has the last good ones
     LoopField("q", _JOINTS, Replay.INPUT, size=3, reader="tasks"),  # measured joints
     LoopField("dq", _JOINT_RATES, Replay.INPUT, "", size=3),
