@@ -35,6 +35,8 @@ _NEAR, _BESIDE = 1.5, 0.7
 """Distance along the alley at which passing begins, and up to which it lasts [m]."""
 _STARTS, _STOPS = 0.12, 0.05
 """Speeds at which feet begin to walk and at which they stand [m/s]."""
+_MID_STANCE = {"walk": 0.25, "step_back": 0.63}
+"""Share of a gait's clip at which one foot passes the other: so somebody who stands sets out."""
 _FADE = 0.25
 """In which one motion goes over to the next [s]."""
 
@@ -73,8 +75,15 @@ class AlleyFigure:
         """Turn to the other at once."""
         self._turn(self._towards(other), 0.0)
 
-    def go(self, along: float, other: AlleyFigure, seconds: float) -> None:
-        """Go on towards a place [m], round the other where they are in the way, for a time [s]."""
+    def go(self, along: float, other: AlleyFigure, seconds: float, facing: float | None = None) -> None:
+        """Go on towards a place [m], round the other where they are in the way, for a time [s].
+
+        Args:
+            along: The place [m].
+            other: Who is turned to, when not on the way round them.
+            seconds: [s].
+            facing: Place along the alley that is turned to instead [m].
+        """
         gap = self.along - other.along
         crossing = gap * (along - other.along) < 0.0 and abs(gap) < _NEAR
         leaving = self.aside > 0.1 and abs(gap) < _BESIDE and abs(self._speed) > _STARTS
@@ -86,7 +95,10 @@ class AlleyFigure:
         self.along += self._speed * seconds
         self.aside += self._side_speed * seconds
         on_the_way = self._passing and math.hypot(self._speed, self._side_speed) > 2.0 * _STARTS
-        self._turn(math.atan2(self._side_speed, -self._speed) if on_the_way else self._towards(other), seconds)
+        if on_the_way:
+            self._turn(math.atan2(self._side_speed, -self._speed), seconds)
+        else:
+            self._turn(self._towards(other) if facing is None else self._direction(0.0, facing), seconds)
 
     def show(self, gesture: str) -> None:
         """Walk while on the way; else the state called `gesture` where the model has it, or stand still."""
@@ -97,7 +109,7 @@ class AlleyFigure:
         walks = speed > (_STOPS if self._doing in ("walk", "step_back") else _STARTS)
         doing = self._gait() if walks else gesture
         if doing != self._doing and doing in machine.names:
-            machine.enter(doing, _FADE)
+            machine.enter(doing, _FADE, _MID_STANCE.get(doing, 0.0))
         self._doing = doing
         if walks and machine.state == doing:
             machine.pace(speed)
@@ -108,8 +120,11 @@ class AlleyFigure:
         return "walk" if self._side_speed * math.sin(yaw) - self._speed * math.cos(yaw) >= 0.0 else "step_back"
 
     def _towards(self, other: AlleyFigure) -> float:
-        """Direction of the other [rad] about +y from +z."""
-        return math.atan2(other.aside - self.aside, self.along - other.along)
+        return self._direction(other.aside, other.along)
+
+    def _direction(self, aside: float, along: float) -> float:
+        """Of a point [rad] about +y from +z."""
+        return math.atan2(aside - self.aside, self.along - along)
 
     def _turn(self, wanted: float, seconds: float) -> None:
         if self._yaw is None:

@@ -14,7 +14,8 @@ from mimics_app.world.world import World
 
 __all__ = ["GuidedWalk"]
 
-_GESTURES = {4: "beckon", 5: "point"}
+_POINT = "point"
+_GESTURES = {4: "beckon", 5: _POINT}
 """What the avatar's model does in a step, by the number of the deed; in all others it stands and looks."""
 _LONGEST = 0.1
 """Time between two frames at most [s]: after a pause nobody leaps."""
@@ -40,6 +41,7 @@ class GuidedWalk(TouchScene):
             raise SceneError(scene.issue("/task", "it has no guided_walk", 'write "guided_walk": {"avatar": ...}'))
         self._person = AlleyFigure(world, world.find(spec.person), -1.0)
         self._avatar = AlleyFigure(world, world.find(spec.avatar), 1.0)
+        self._place = -float(world.find(spec.place).world_matrix()[2, 3])
         self._places = {"walk.person": 0.0, "walk.avatar": -2.5, "walk.deed": 3.0}
         self._before_ns: int | None = None
 
@@ -63,6 +65,7 @@ class GuidedWalk(TouchScene):
             avatar.face(person)
         elif state is TrialState.TRAVEL:
             person.go(self._places["walk.person"], avatar, seconds)
-            avatar.go(self._places["walk.avatar"], person, seconds)
+            gesture = _GESTURES.get(round(self._places["walk.deed"]), "still")
+            avatar.go(self._places["walk.avatar"], person, seconds, self._place if gesture == _POINT else None)
             person.show("still")
-            avatar.show(_GESTURES.get(round(self._places["walk.deed"]), "still"))
+            avatar.show(gesture)

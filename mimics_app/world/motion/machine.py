@@ -99,12 +99,13 @@ class StateMachine:
             if left <= max(seconds, state.fade) * abs(state.speed):
                 self.enter(state.following, state.fade)
 
-    def enter(self, name: str, fade: float) -> None:
+    def enter(self, name: str, fade: float, share: float = 0.0) -> None:
         """Begin a state, whatever transitions say.
 
         Args:
             name: Of the state.
             fade: In which it comes up [s].
+            share: Of its clip that is left out at the beginning, 0 to 1.
 
         Raises:
             KeyError: there is no such state; the message names the nearest.
@@ -113,6 +114,7 @@ class StateMachine:
             raise KeyError(f'no state "{name}"; {nearest(name, self._states)}')
         self.state = name
         self._layer = self._animator.change(self._states[name].clip, fade, *self._how(name))
+        self._layer.at = share * self._layer.clip.duration
 
     def pace(self, factor: float) -> None:
         """Play the present state's clip at so many times the speed that its state says."""
