@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
+from mimics_app.contracts.trial_state import TrialState
+from mimics_app.scenarios.alley_figure import AlleyFigure
 from mimics_app.scenarios.touch_scene import TouchScene
 from mimics_app.tasks.kinds.guided_walk import GuidedWalkSpec
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.world.scene.scene import Scene
-from mimics_app.world.scene_node import SceneNode
 from mimics_app.world.world import World
 
 __all__ = ["GuidedWalk"]
 
-_TURN = 0.06
-"""Share of a turn towards the avatar that is made in a frame."""
-_ARM_RAISED = 2.3
-_ARM_POINTS = 1.45
-"""Angles of the avatar's arm from hanging down [rad]."""
-_BECKON, _POINT = 4, 5
+_POINT = "point"
+_GESTURES = {4: "beckon", 5: _POINT}
+"""What the avatar's model does in a step, by the number of the deed; in all others it stands and looks."""
+_LONGEST = 0.1
+"""Time between two frames at most [s]: after a pause nobody leaps."""
+_SET_OUT = (TrialState.APPROACH, TrialState.READY)
+"""Before the person acts everybody stands where the walk begins."""
 
 
 class GuidedWalk(TouchScene):
@@ -39,11 +39,11 @@ class GuidedWalk(TouchScene):
         spec = task_of(scene).section("guided_walk")
         if not isinstance(spec, GuidedWalkSpec):
             raise SceneError(scene.issue("/task", "it has no guided_walk", 'write "guided_walk": {"avatar": ...}'))
-        self._person, self._avatar = world.find(spec.person), world.find(spec.avatar)
-        self._arm = world.find(f"{spec.avatar}_arm") if f"{spec.avatar}_arm" in world else None
+        self._person = AlleyFigure(world, world.find(spec.person), -1.0)
+        self._avatar = AlleyFigure(world, world.find(spec.avatar), 1.0)
+        self._place = -float(world.find(spec.place).world_matrix()[2, 3])
         self._places = {"walk.person": 0.0, "walk.avatar": -2.5, "walk.deed": 3.0}
-        self._yaw = 0.0
-        self._swing = 0.0
+        self._before_ns: int | None = None
 
     def apply(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         super().apply(orders, snapshot)
@@ -51,28 +51,21 @@ class GuidedWalk(TouchScene):
             value = orders.visual.get(name)
             if isinstance(value, int | float):
                 self._places[name] = float(value)
-        person, avatar = self._places["walk.person"], self._places["walk.avatar"]
-        side = 1.0 if avatar >= person else -1.0
-        self._yaw += _TURN * ((0.0 if side > 0.0 else np.pi) - self._yaw)
-        _place(self._person, person, self._yaw)
-        _place(self._avatar, avatar, 0.0 if side < 0.0 else np.pi)
-        self._move_arm(round(self._places["walk.deed"]), snapshot.t_ns)
+        seconds = 0.0 if self._before_ns is None else (snapshot.t_ns - self._before_ns) * 1e-9
+        self._before_ns = snapshot.t_ns
+        self._move(orders.view.state, min(max(seconds, 0.0), _LONGEST))
 
-    def _move_arm(self, deed: int, t_ns: int) -> None:
-        """Beckoning waves, pointing points, else the arm hangs."""
-        if self._arm is None:
-            return
-        aim = 0.05
-        if deed == _BECKON:
-            aim = _ARM_RAISED + 0.35 * np.sin(t_ns * 1e-9 * 7.0)
-        elif deed == _POINT:
-            aim = _ARM_POINTS
-        self._swing += 0.15 * (aim - self._swing)
-        self._arm.set_orientation(np.array([np.sin(self._swing / 2), 0.0, 0.0, np.cos(self._swing / 2)]))
-
-
-def _place(node: SceneNode, along: float, yaw: float) -> None:
-    """A node along the alley, turned about the vertical; its height is kept."""
-    height = float(node.world_matrix()[1, 3])
-    node.set_position(np.array([0.0, height, -along]))
-    node.set_orientation(np.array([0.0, np.sin(yaw / 2), 0.0, np.cos(yaw / 2)]))
+    def _move(self, state: TrialState, seconds: float) -> None:
+        """What the task says is gone to while the person acts; what comes after a trial is the scene's to say."""
+        person, avatar = self._person, self._avatar
+        if state in _SET_OUT:
+            person.put(self._places["walk.person"])
+            avatar.put(self._places["walk.avatar"])
+            person.face(avatar)
+            avatar.face(person)
+        elif state is TrialState.TRAVEL:
+            person.go(self._places["walk.person"], avatar, seconds)
+            gesture = _GESTURES.get(round(self._places["walk.deed"]), "still")
+            avatar.go(self._places["walk.avatar"], person, seconds, self._place if gesture == _POINT else None)
+            person.show("still")
+            avatar.show(gesture)

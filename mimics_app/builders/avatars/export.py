@@ -122,7 +122,9 @@ class FigureWriter(GltfWriter):
                     }
                 )
                 channels.append({"sampler": len(samplers) - 1, "target": {"node": node, "path": "weights"}})
-        extras = {"loops": motion.loops, "speed": motion.speed}
+        extras: dict[str, Any] = {"loops": motion.loops, "speed": motion.speed}
+        if motion.contacts is not None:
+            extras["mimics"] = {"events": _steps_of(motion.contacts)}
         self._add("animations", {"name": name, "channels": channels, "samplers": samplers, "extras": extras})
 
     def _times(self, times: F8) -> int:
@@ -194,6 +196,12 @@ class FigureWriter(GltfWriter):
         texture = {"name": name, "sampler": 0, "source": self._add("images", image)}
         self._pictures[content] = self._add("textures", texture)
         return self._pictures[content]
+
+
+def _steps_of(contacts: tuple[float, float]) -> list[dict[str, Any]]:
+    """Events of a clip: the left and the right foot come down at these times [s]."""
+    feet = zip(contacts, ("leftFoot", "rightFoot"), strict=True)
+    return [{"at": at, "kind": "step", "node": foot} for at, foot in feet]
 
 
 def _strongest(weights: F8) -> tuple[Any, Any]:

@@ -26,6 +26,7 @@ class Motion:
         pose: The posture at a time [s].
         rate: Keys a second that hold it well.
         speed: Of the way it goes where it is meant to travel, ahead positive [m/s].
+        contacts: When the left and the right foot come down [s]; None: no step is heard.
     """
 
     seconds: float
@@ -33,6 +34,7 @@ class Motion:
     pose: Callable[[Skeleton, float], Pose]
     speed: float = 0.0
     rate: float = 20.0
+    contacts: tuple[float, float] | None = None
 
 
 def _between(keys: Sequence[tuple[float, Sequence[float]]], t: float, period: float = 0.0) -> list[float]:
@@ -277,13 +279,13 @@ def _beckon(bones: Skeleton, t: float) -> Pose:
 
 MOTIONS: Mapping[str, Motion] = {
     "idle": Motion(12.0, True, _idle, rate=8.0),
-    "walk": Motion(1.08, True, _walk, 1.25),
-    "run": Motion(_RUN_PERIOD, True, _run, 3.0),
+    "walk": Motion(1.08, True, _walk, 1.25, contacts=(0.0, 0.54)),
+    "run": Motion(_RUN_PERIOD, True, _run, 3.0, contacts=(0.0, 0.5 * _RUN_PERIOD)),
     "kick": Motion(1.4, False, _kick),
     "wave": Motion(3.0, False, _wave, rate=14.0),
     "clap": Motion(0.96, True, _clap),
     "cheer": Motion(2.4, False, _cheer, rate=14.0),
-    "step_back": Motion(1.2, True, _step_back, -0.6),
+    "step_back": Motion(1.2, True, _step_back, -0.6, contacts=(0.456, 1.056)),  # the stride backwards
     "point": Motion(2.6, False, _point, rate=10.0),
     "beckon": Motion(2.8, False, _beckon, rate=12.0),
 }

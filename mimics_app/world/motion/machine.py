@@ -58,6 +58,7 @@ class StateMachine:
 
     Attributes:
         state: Name of the present one.
+        names: Of all states.
 
     Raises:
         KeyError: a state or a clip is missing; the message names the nearest.
@@ -72,6 +73,7 @@ class StateMachine:
     ) -> None:
         self._animator = animator
         self._states = states
+        self.names = frozenset(states)
         self._transitions = transitions
         named = [each.target for each in transitions] + [state.following for state in states.values()]
         for name in (start or next(iter(states)), *(each for each in named if each is not None)):
@@ -85,7 +87,7 @@ class StateMachine:
         """Tell what happened; returns whether another state begins."""
         for transition in self._transitions:
             if transition.on == cause and transition.source in (None, self.state):
-                self._enter(transition.target, transition.fade)
+                self.enter(transition.target, transition.fade)
                 return True
         return False
 
@@ -95,11 +97,28 @@ class StateMachine:
         if state.following is not None and not state.loop:
             left = self._layer.clip.duration - self._layer.at
             if left <= max(seconds, state.fade) * abs(state.speed):
-                self._enter(state.following, state.fade)
+                self.enter(state.following, state.fade)
 
-    def _enter(self, name: str, fade: float) -> None:
+    def enter(self, name: str, fade: float, share: float = 0.0) -> None:
+        """Begin a state, whatever transitions say.
+
+        Args:
+            name: Of the state.
+            fade: In which it comes up [s].
+            share: Of its clip that is left out at the beginning, 0 to 1.
+
+        Raises:
+            KeyError: there is no such state; the message names the nearest.
+        """
+        if name not in self._states:
+            raise KeyError(f'no state "{name}"; {nearest(name, self._states)}')
         self.state = name
         self._layer = self._animator.change(self._states[name].clip, fade, *self._how(name))
+        self._layer.at = share * self._layer.clip.duration
+
+    def pace(self, factor: float) -> None:
+        """Play the present state's clip at so many times the speed that its state says."""
+        self._layer.speed = factor * self._states[self.state].speed
 
     def _how(self, name: str) -> tuple[float, bool]:
         return self._states[name].speed, self._states[name].loop

@@ -1,0 +1,132 @@
+"""The people of the guided walk: they go as people go, do what the task says, and their steps are heard."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.session.body import Body
+from mimics_app.app.session.core import open_core
+from mimics_app.app.session.frame import Frames
+from mimics_app.app.session.preparation import prepare_scene
+from mimics_app.app.settings import RunSettings
+from mimics_app.contracts.messages import TaskAction, TrialResult, UserState
+from mimics_app.contracts.resources import root
+from mimics_app.scenarios.alley_figure import AlleyFigure
+from mimics_app.world.scene.file import build_world
+from mimics_app.world.world import World
+
+WALK = root() / "scenes" / "guided_walk.json"
+FRAME = 1.0 / 60.0
+
+
+class Does:
+    """A learning system that has the avatar do one thing all the time."""
+
+    def __init__(self, deed: int) -> None:
+        self._action: TaskAction | None = TaskAction({"deed": float(deed)}, at_trial=0)
+
+    def choose(
+        self, state: UserState, result: TrialResult | None, reward: float | None, now_ns: int
+    ) -> TaskAction | None:
+        action, self._action = self._action, None
+        return action
+
+
+@pytest.mark.parametrize(("deed", "shown", "step_heard"), [(4, "beckon", False), (5, "point", False), (0, "walk", True)])
+def test_the_avatar_does_what_the_task_says(deed: int, shown: str, step_heard: bool) -> None:
+    parts = prepare_scene(load_checked_scene(WALK), RunSettings(WALK))
+    seen, steps = set(), []
+    with open_core(replace(parts, body=Body(learning=Does(deed)))) as core:
+        play, world = Frames(core), core.world
+        avatar = world.find("avatar").index
+        for _ in range(60 * 8):
+            play.play_on()
+            seen.add(world.motion.machines[avatar].state)
+            for index, event in world.motion.happened:
+                if index == avatar:
+                    assert event.kind == "step"
+                    steps.append(float(world.find(f"avatar/{event.node}").world_matrix()[1, 3]))
+    assert {"still", "greet", shown} <= seen
+    assert {"beckon", "point", "walk"} & seen == {shown}
+    assert bool(steps) is step_heard
+    # The ankle of a foot that comes down is as far above the ground as that of a foot that stands, a heel's tilt apart.
+    assert all(0.04 < height < 0.16 for height in steps)
+
+
+def test_success_is_cheered_and_then_greeted() -> None:
+    world = build_world(load_checked_scene(WALK))
+    machine = world.motion.machines[world.find("avatar").index]
+    world.motion.trigger("goal")
+    assert machine.state == "cheer"
+    shown = {play(world) or machine.state for _ in range(60 * 6)}
+    assert {"cheer", "greet", "still"} <= shown
+    assert machine.state == "still"
+
+
+def test_feet_do_not_slide() -> None:
+    """The lower foot's way over the ground, while the avatar walks, is little of the avatar's own."""
+    world, avatar, person = alley()
+    avatar.put(-2.5)
+    person.put(4.0)
+    avatar.face(person)
+    way, slid, before, at = 0.0, 0.0, None, avatar.along
+    for _ in range(60 * 3):
+        avatar.go(2.0, person, FRAME)
+        avatar.show("still")
+        play(world)
+        feet = np.array([world.find(f"avatar/{side}Toes").world_matrix()[:3, 3] for side in ("left", "right")])
+        low = int(np.argmin(feet[:, 1]))
+        if before is not None:
+            slid += float(np.linalg.norm((feet - before)[low, [0, 2]]))
+            way += abs(avatar.along - at)
+        before, at = feet, avatar.along
+    assert way > 2.0
+    assert slid < 0.3 * way
+
+
+def test_the_avatar_walks_round_the_person_and_turns_to_them() -> None:
+    world, avatar, person = alley()
+    avatar.put(-0.5)
+    person.put(0.0)
+    avatar.face(person)
+    nearest = math.inf
+    for _ in range(60 * 4):
+        avatar.go(1.3, person, FRAME)
+        nearest = min(nearest, math.hypot(avatar.along - person.along, avatar.aside - person.aside))
+    x, _, z = world.find("avatar").world_matrix()[:3, 2]
+    assert nearest > 0.45  # two half breadths of shoulders
+    assert abs(avatar.along - 1.3) < 0.05
+    assert abs(avatar.aside) < 0.05
+    assert (x, z) == pytest.approx((0.0, 1.0), abs=0.05)
+
+
+def test_who_is_too_near_steps_back_and_keeps_looking() -> None:
+    world, avatar, person = alley()
+    avatar.put(1.0)
+    person.put(0.0)
+    avatar.face(person)
+    machine, shown = world.motion.machines[world.find("avatar").index], set()
+    for _ in range(60 * 2):
+        avatar.go(1.6, person, FRAME)
+        avatar.show("still")
+        shown.add(machine.state)
+    assert shown == {"still", "step_back"}
+    assert machine.state == "still"
+    assert world.find("avatar").world_matrix()[2, 2] == pytest.approx(1.0)
+
+
+def alley() -> tuple[World, AlleyFigure, AlleyFigure]:
+    """The scene's world, its avatar and its person."""
+    world = build_world(load_checked_scene(WALK))
+    return world, AlleyFigure(world, world.find("avatar"), 1.0), AlleyFigure(world, world.find("person"), -1.0)
+
+
+def play(world: World) -> None:
+    """A frame goes by."""
+    world.motion.time += FRAME
+    world.update()
