@@ -88,7 +88,9 @@ class AvatarCord(TouchScene):
             what = f'the scene has no entity "{missing[0]}"'
             raise SceneError(scene.issue("/entities", what, "add it: the scenario moves it"))
         self._tap_ball, self._threat, self._probe = (world.find(name) for name in ("tap_ball", "threat", "probe"))
-        self.subject, self.avatar = (TrackedFigure(scene, world, name) for name in ("subject", "avatar"))
+        self.subject, self.avatar = (
+            TrackedFigure(scene, world, name, float(_EYES[1])) for name in ("subject", "avatar")
+        )
         self._eye = world.cameras[0].node
         fields = {entity: field for entity, field, _ in scene.components(ForceField)}
         self._touch = fields.get(_TOUCH)

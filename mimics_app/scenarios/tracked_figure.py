@@ -17,13 +17,11 @@ from mimics_app.world.motion.upper_body import Trackers, UpperBody
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
-__all__ = ["EYES_STANDING", "TrackedFigure"]
+__all__ = ["TrackedFigure"]
 
 F8 = NDArray[np.float64]
 Parts = Mapping[str, F8 | None]
 
-EYES_STANDING = 1.70
-"""Height of the eyes of a person nobody tracks [m]."""
 _LEAST_STANDING, _MOST_STANDING = 1.2, 2.1
 """Eyes of people who stand are between these heights [m]; what is told beyond is a tracker's fault or somebody sits."""
 _FADE_S = 0.5
@@ -49,6 +47,7 @@ class TrackedFigure:
         scene: For errors.
         world: Where the model stands.
         entity: That shows it.
+        standing: Height of its eyes as long as nobody is tracked [m].
 
     Raises:
         SceneError: the entity is missing, or its model is no person's.
@@ -57,7 +56,7 @@ class TrackedFigure:
         scale: Size of the person over the model's.
     """
 
-    def __init__(self, scene: Scene, world: World, entity: str) -> None:
+    def __init__(self, scene: Scene, world: World, entity: str, standing: float) -> None:
         self._world = world
         self._animator, bones = _person(scene, world, entity)
         self._node = world.find(entity)
@@ -76,7 +75,7 @@ class TrackedFigure:
         self._standing = 0.0
         self._t_ns: int | None = None
         self._world_from_model = np.eye(4)
-        self.scale = EYES_STANDING / self._eye_height
+        self.scale = standing / self._eye_height
 
     @property
     def stomach(self) -> F8:
