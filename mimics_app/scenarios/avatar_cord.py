@@ -17,14 +17,11 @@ from mimics_app.contracts.clock import FRAME_NS
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.scenario_port import BodyPose
-from mimics_app.maths.poses import pose_from_parts
-from mimics_app.scenarios.stand_in_figure import FIGURE_PARTS, StandInFigure
 from mimics_app.scenarios.touch_scene import TouchScene
 from mimics_app.tasks.kinds.avatar_cord import HALF_FRAME_NS
 from mimics_app.world.components.cord import CordComponent
 from mimics_app.world.components.objects import ForceField
 from mimics_app.world.cords import Cord
-from mimics_app.world.meshes.primitives import sphere
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
@@ -34,12 +31,11 @@ F8 = NDArray[np.float64]
 _NS = 1_000_000_000
 _Tap = tuple[int, str, float, float, int]
 
-_REST = {
-    "head": pose_from_parts((0.0, 1.70, 0.0), (0.0, 0.0, 0.0, 1.0)),
-    "hand_left": pose_from_parts((-0.28, 1.02, -0.12), (0.0, 0.0, 0.0, 1.0)),
-    "hand_right": pose_from_parts((0.28, 1.02, -0.12), (0.0, 0.0, 0.0, 1.0)),
-}
-"""Where head and hands are that no tracker tells: upright, arms hanging a little forward [m]."""
+_PARTS = ("head", "hand_left", "hand_right")
+"""Parts of a person that move a body."""
+_UNTRACKED: Mapping[str, F8 | None] = dict.fromkeys(_PARTS)
+_EYES = np.array([0.0, 1.70, 0.0])
+"""Where the subject's eyes are unless a display's own tracker tells [m]."""
 
 _HOVER, _FALL_S = 0.09, 0.14
 """The tapping ball waits so far over what it taps [m], and takes so long down and up again [s]."""
@@ -70,14 +66,17 @@ class AvatarCord(TouchScene):
     """Scenario 1 of D2.1 3.4.1.
 
     Args:
-        scene: Needs a `robot`, a `cord`, and entities named tap_ball, threat and probe that it moves.
+        scene: Needs a `robot`, a `cord`, entities named tap_ball, threat and probe that it moves, and two named
+            subject and avatar that show a person's model each.
         world: The world built from it.
 
     Raises:
-        SceneError: the cord or a moved entity is missing.
+        SceneError: the cord or a moved entity is missing, or a model is no person's.
     """
 
     def __init__(self, scene: Scene, world: World) -> None:
+        from mimics_app.scenarios.tracked_figure import TrackedFigure
+
         super().__init__(scene, world)
         cords = scene.components(CordComponent)
         if not cords:
@@ -89,9 +88,9 @@ class AvatarCord(TouchScene):
             what = f'the scene has no entity "{missing[0]}"'
             raise SceneError(scene.issue("/entities", what, "add it: the scenario moves it"))
         self._tap_ball, self._threat, self._probe = (world.find(name) for name in ("tap_ball", "threat", "probe"))
-        world.set_mesh("#figure ball", sphere(1.0, 32))
-        clothes = ("shirt", "skin", "trousers")
-        self.subject, self.avatar = (StandInFigure(world, name, *clothes) for name in ("subject", "avatar"))
+        self.subject, self.avatar = (
+            TrackedFigure(scene, world, name, float(_EYES[1])) for name in ("subject", "avatar")
+        )
         self._eye = world.cameras[0].node
         fields = {entity: field for entity, field, _ in scene.components(ForceField)}
         self._touch = fields.get(_TOUCH)
@@ -109,7 +108,7 @@ class AvatarCord(TouchScene):
             "probe_m": None,
         }
         self._now_ns = 0
-        self._parts = {"subject": dict(_REST), "avatar": dict(_REST)}
+        self._parts: dict[str, Mapping[str, F8 | None]] = {"subject": _UNTRACKED, "avatar": _UNTRACKED}
         self._last_tap = -1
         self._swing = self._swing_speed = 0.0
         self._middle: F8 | None = None
@@ -127,7 +126,7 @@ class AvatarCord(TouchScene):
         self._parts["subject"] = _parts(where, shown_ns)
         mimicry = self._settings["avatar.mimicry"]
         if mimicry == "none":
-            self._parts["avatar"] = dict(_REST)
+            self._parts["avatar"] = _UNTRACKED
         else:
             late = _parts(where, shown_ns - delay_ns) if delay_ns else self._parts["subject"]
             self._parts["avatar"] = _mirrored(late) if mimicry == "mirror" else late
@@ -156,14 +155,13 @@ class AvatarCord(TouchScene):
         front = np.eye(4)
         front[2, 3] = -float(settings["avatar.distance"])
         first = settings["viewpoint"] == "first"
-        self.subject.pose(np.eye(4), self._parts["subject"])
-        self.subject.show(bool(settings["own_body"]) or not first, head=not first)
-        self.avatar.pose(front, self._parts["avatar"])
-        eyes = _REST["head"][:3, 3]
-        self._eye.set_position(eyes if first else eyes + [0.0, _BEHIND[1], _BEHIND[0]])
+        self.subject.pose(np.eye(4), self._parts["subject"], self._now_ns, head=not first)
+        self.subject.show(bool(settings["own_body"]) or not first)
+        self.avatar.pose(front, self._parts["avatar"], self._now_ns)
+        self._eye.set_position(_EYES if first else _EYES + [0.0, _BEHIND[1], _BEHIND[0]])
         self._hang_cord(now_s)
         self._tap(settings["tap"])
-        self._drop_threat(settings["threat_ns"], front)
+        self._drop_threat(settings["threat_ns"])
         self._show_probe(settings["probe_m"])
 
     def _hang_cord(self, now_s: float) -> None:
@@ -211,27 +209,26 @@ class AvatarCord(TouchScene):
             at = surface + [0.0, 0.06, out * (gap + _BALL)]
         self._tap_ball.set_position(at)
 
-    def _drop_threat(self, due_ns: int | None, front: F8) -> None:
+    def _drop_threat(self, due_ns: int | None) -> None:
         fallen_s = -1.0 if due_ns is None else (self._now_ns - due_ns) / _NS
         self._threat.visible = 0.0 <= fallen_s < 3.0
-        head = front[:3, 3] + self._parts["avatar"]["head"][:3, 3]
         low = 0.12 + _THREAT_BALL
         height = max(low, _THREAT_FROM - 0.5 * _G * max(fallen_s, 0.0) ** 2)
-        self._threat.set_position(head + [0.0, height, 0.09])
+        self._threat.set_position(self.avatar.head + [0.0, height, 0.09])
 
     def _show_probe(self, at_m: float | None) -> None:
         self._probe.visible = at_m is not None
         self._probe.set_position((0.0, 0.012, -float(at_m or 0.0)))
 
 
-def _parts(where: BodyPose, at_ns: int) -> dict[str, F8]:
-    """Head and hands at a time, at rest where nobody knows."""
-    known = {role: where(role, at_ns) for role in FIGURE_PARTS}
-    return {role: _REST[role] if pose is None else pose for role, pose in known.items()}
+def _parts(where: BodyPose, at_ns: int) -> Mapping[str, F8 | None]:
+    """Head and hands at a time, None where nobody knows."""
+    return {role: where(role, at_ns) for role in _PARTS}
 
 
-def _mirrored(parts: Mapping[str, F8]) -> dict[str, F8]:
+def _mirrored(parts: Mapping[str, F8 | None]) -> Mapping[str, F8 | None]:
     """The same with left and right exchanged: what a mirror that one stands before shows of oneself."""
     flip = np.diag([-1.0, 1.0, 1.0, 1.0])
     other = {"hand_left": "hand_right", "hand_right": "hand_left"}
-    return {role: flip @ parts[other.get(role, role)] @ flip for role in parts}
+    told = {role: parts[other.get(role, role)] for role in parts}
+    return {role: None if pose is None else flip @ pose @ flip for role, pose in told.items()}

@@ -21,7 +21,6 @@ from mimics_app.rendering.tactile.emulated import EmulatedVibrators
 from mimics_app.rendering.tactile.vibrators import NoVibrators, SerialVibrators
 from mimics_app.rendering.tactile.wire import FRAME_BYTES, Command, CommandReader, command_bytes
 from mimics_app.scenarios.avatar_cord import tap_gap
-from mimics_app.scenarios.stand_in_figure import reach
 from mimics_app.tasks.kinds.avatar_cord import KIND
 from mimics_app.tasks.kinds.avatar_cord_spec import (
     AvatarCordSpec,
@@ -160,17 +159,6 @@ def test_an_experiment_that_cannot_be_is_refused_at_its_place(change: dict, poin
     document["trials"] = [{"trials": [{"label": "a"}]}]
     spec = msgspec.convert({**document, **change}, TaskSpec)
     assert [place for place, _, _ in KIND.check(spec, "/task") if place.endswith(pointer)]
-
-
-def test_an_arm_keeps_its_lengths_wherever_the_hand_is_wanted() -> None:
-    chance = np.random.default_rng(4)
-    for _ in range(300):
-        shoulder, hand, pole = chance.normal(size=(3, 3))
-        elbow, end = reach(shoulder, hand, 0.29, 0.27, pole)
-        assert np.linalg.norm(elbow - shoulder) == pytest.approx(0.29, abs=1e-9)
-        assert np.linalg.norm(end - elbow) == pytest.approx(0.27, abs=1e-9)
-    elbow, end = reach(np.zeros(3), np.zeros(3), 0.29, 0.27, np.zeros(3))
-    assert np.isfinite([elbow, end]).all()
 
 
 def test_a_command_to_the_vibrators_survives_noise_and_no_noise_is_a_command() -> None:

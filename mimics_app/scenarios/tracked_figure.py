@@ -1,0 +1,241 @@
+"""A person's model that does what head and hands of somebody do, and what a cord is fixed to on its body."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import SceneError
+from mimics_app.maths.poses import quaternion_of
+from mimics_app.scenarios.planted_feet import PlantedFeet
+from mimics_app.world.motion.animator import Animator, Rig
+from mimics_app.world.motion.humanoid import HumanoidMap, find_humanoid
+from mimics_app.world.motion.reach import Chain
+from mimics_app.world.motion.upper_body import Trackers, UpperBody
+from mimics_app.world.scene.scene import Scene
+from mimics_app.world.world import World
+
+__all__ = ["TrackedFigure"]
+
+F8 = NDArray[np.float64]
+Parts = Mapping[str, F8 | None]
+
+_LEAST_STANDING, _MOST_STANDING = 1.2, 2.1
+"""Eyes of people who stand are between these heights [m]; what is told beyond is a tracker's fault or somebody sits."""
+_FADE_S = 0.5
+"""In which a body goes over from idling to what is tracked, and back [s]."""
+_STEP_FREE = 0.15
+"""The head goes this far over the ground before the feet go with it [m]."""
+_STOMACH, _BACK = ("chest", 1.0), ("upperChest", -1.0)
+"""Joint at whose height the cord is fixed, and whether to its front or its back."""
+_SUNK = 0.012
+"""The end of the cord lies so far below the surface, so that its rim is not seen [m]."""
+_PATCH = 0.04
+"""Vertices this near to a joint's height and to the middle are its surface [m]."""
+_HIDDEN = 1e-3
+"""Size of a head that is not to be seen."""
+_TURNED = np.diag([-1.0, 1.0, -1.0])
+"""The model's axes in a person's: it looks along +z, a person along -z."""
+
+
+class TrackedFigure:
+    """One person's model of a scene. Nobody tracked: it idles; a hand that is not tracked does as in idling.
+
+    Args:
+        scene: For errors.
+        world: Where the model stands.
+        entity: That shows it.
+        standing: Height of its eyes as long as nobody is tracked [m].
+
+    Raises:
+        SceneError: the entity is missing, or its model is no person's.
+
+    Attributes:
+        scale: Size of the person over the model's.
+    """
+
+    def __init__(self, scene: Scene, world: World, entity: str, standing: float) -> None:
+        self._world = world
+        self._animator, bones = _person(scene, world, entity)
+        self._node = world.find(entity)
+        rig = self._animator.rig
+        self._animator.moves = False  # posed here, before the world's update: the cord is fixed to it in the same frame
+        self._rest, self._chain = Chain(rig), Chain(rig)
+        self._bones = bones
+        self._eyes = _eyes(self._rest, bones)
+        self._palms = [_palm(rig, self._rest, side) for side in ("left", "right")]
+        self._told: Trackers | None = None
+        self._upper = UpperBody(rig, bones, lambda: self._told)
+        self._upper.weight = 0.0
+        self._feet = PlantedFeet(rig, bones)
+        self._sockets = {"stomach": self._socket(*_STOMACH), "back": self._socket(*_BACK)}
+        self._eye_height = float(self._rest.places[bones.slots["head"], 1] + self._eyes[1])
+        self._standing = 0.0
+        self._t_ns: int | None = None
+        self._world_from_model = np.eye(4)
+        self.scale = standing / self._eye_height
+
+    @property
+    def stomach(self) -> F8:
+        """Where a cord leaves its stomach, world [m], float64 [3]."""
+        return self._place(*self._sockets["stomach"])
+
+    @property
+    def back(self) -> F8:
+        """The same of its back."""
+        return self._place(*self._sockets["back"])
+
+    @property
+    def head(self) -> F8:
+        """Its eyes, world [m], float64 [3]."""
+        return self._place(self._bones.slots["head"], self._eyes)
+
+    def show(self, visible: bool) -> None:
+        """Show or hide all of it."""
+        self._node.visible = visible
+
+    def pose(self, world_from_ground: F8, parts: Parts, now_ns: int, *, head: bool = True) -> None:
+        """Move it.
+
+        Args:
+            world_from_ground: Where it stands, below the eyes of a person at rest, -z to its front; float64 [4, 4].
+            parts: "head" (the eyes), "hand_left", "hand_right", each ground_from_part, float64 [4, 4];
+                None: not tracked. A hand's -z is where its fingers point, its +y the back of the hand.
+            now_ns: Session time [ns].
+            head: False hides the head: a person sees none of one's own.
+        """
+        seconds = 0.0 if self._t_ns is None else (now_ns - self._t_ns) * 1e-9
+        self._t_ns = now_ns
+        eyes = parts["head"]
+        self._measure(eyes)
+        share = seconds / _FADE_S if eyes is not None else -seconds / _FADE_S
+        self._upper.weight = min(max(self._upper.weight + share, 0.0), 1.0)
+        ground_from_model = self._stand(eyes)
+        if eyes is not None:
+            self._told = self._trackers(ground_from_model, eyes, parts)
+        self._world_from_model = world_from_ground @ ground_from_model
+        self._node.set_position(self._world_from_model[:3, 3])
+        self._node.set_orientation(quaternion_of(world_from_ground[:3, :3] @ _TURNED))
+        self._node.set_scale((self.scale,) * 3)
+        self._move(seconds, head)
+
+    def _move(self, seconds: float, head: bool) -> None:
+        animator, transforms = self._animator, self._world.transforms
+        animator.begin(transforms)
+        animator.step(seconds)
+        self._upper(animator.pose, seconds)
+        self._feet(animator.pose, seconds)
+        self._chain.follow(animator.pose)
+        if not head:
+            animator.pose.scales[self._bones.slots["head"]] = _HIDDEN
+        animator.place(transforms)
+
+    def _measure(self, eyes: F8 | None) -> None:
+        """A person is as tall as when standing straightest."""
+        if eyes is not None and _LEAST_STANDING <= eyes[1, 3] <= _MOST_STANDING:
+            self._standing = max(self._standing, float(eyes[1, 3]))
+            self.scale = self._standing / self._eye_height
+
+    def _stand(self, eyes: F8 | None) -> F8:
+        """ground_from_model: below the eyes as the model rests; feet go with a head that goes farther than it leans."""
+        stands = np.eye(4)
+        stands[:3, :3] = self.scale * _TURNED
+        rest = self._rest.places[self._bones.slots["head"]] + self._eyes
+        stands[:3, 3] = -self.scale * (_TURNED @ (rest * [1.0, 0.0, 1.0]))
+        if eyes is not None:
+            away = eyes[:3, 3] * [1.0, 0.0, 1.0]
+            far = float(np.linalg.norm(away))
+            if far > _STEP_FREE:
+                stands[:3, 3] += self._upper.weight * (1.0 - _STEP_FREE / far) * away
+        return stands
+
+    def _trackers(self, ground_from_model: F8, eyes: F8, parts: Parts) -> Trackers:
+        """What is told as places and turns of the model's joints, in its frame."""
+        turn = _TURNED.T @ eyes[:3, :3] @ _TURNED
+        place = _inside(ground_from_model, self.scale, eyes[:3, 3]) - turn @ self._eyes
+        hands: list[F8 | None] = []
+        for side, palm in zip(("left", "right"), self._palms, strict=True):
+            hand = parts[f"hand_{side}"]
+            if hand is None:
+                hands.append(None)
+                continue
+            turned = quaternion_of(_TURNED.T @ hand[:3, :3] @ _TURNED @ palm)
+            hands.append(np.concatenate([_inside(ground_from_model, self.scale, hand[:3, 3]), turned]))
+        return Trackers(np.concatenate([place, quaternion_of(turn)]), *hands)
+
+    def _socket(self, bone: str, side: float) -> tuple[int, F8]:
+        """Joint a place on the body's surface goes with, and its offset from that as the model rests [m]."""
+        slot = self._bones.slots.get(bone, self._bones.slots["spine"])
+        joint = self._rest.places[slot]
+        points = self._surface()
+        near = points[(np.abs(points[:, :2] - joint[:2]) < _PATCH).all(axis=1)]
+        depth = float((side * near[:, 2]).max(initial=0.05)) - _SUNK
+        return slot, np.array([0.0, 0.0, side * depth - joint[2]])
+
+    def _surface(self) -> F8:
+        """Vertices as modelled [m], [n, 3]."""
+        inside = self._world.graph.hierarchy.is_inside
+        bodies = [body for body in self._world.motion.bodies.values() if inside(body.entity, self._node.index)]
+        return np.vstack([mesh.positions.astype(np.float64) for body in bodies for mesh in body.meshes.values()])
+
+    def _place(self, slot: int, offset: F8) -> F8:
+        """A place that goes with a joint, world [m]; the offset is in the model's axes as it rests."""
+        inside = self._chain.places[slot] + _rotated(
+            self._chain.turns[slot], _rotated(_back(self._rest.turns[slot]), offset)
+        )
+        return np.asarray(self._world_from_model[:3, :3] @ inside + self._world_from_model[:3, 3])
+
+
+def _person(scene: Scene, world: World, entity: str) -> tuple[Animator, HumanoidMap]:
+    if entity not in world:
+        what, hint = f'the scene has no entity "{entity}"', 'add it, with a "mesh" that shows a person\'s model'
+        raise SceneError(scene.issue("/entities", what, hint))
+    animator = world.motion.animators.get(world.find(entity).index)
+    bones = None if animator is None else find_humanoid(animator.rig)
+    if animator is None or bones is None or bones.missing:
+        missing = "joints" if bones is None else ", ".join(bones.missing)
+        what = f'the model of "{entity}" is no person\'s: it has no {missing}'
+        raise SceneError(scene.issue("/entities", what, "see mimics avatar import"))
+    return animator, bones
+
+
+def _eyes(rest: Chain, bones: HumanoidMap) -> F8:
+    """Middle of the eyes from the joint of the head [m], [3]; of a mean head where a model has none."""
+    both = [rest.places[bones.slots[eye]] for eye in ("leftEye", "rightEye") if eye in bones.slots]
+    if len(both) < 2:
+        return np.array([0.0, 0.08, 0.09])
+    return np.asarray(0.5 * (both[0] + both[1]) - rest.places[bones.slots["head"]])
+
+
+def _palm(rig: Rig, rest: Chain, side: str) -> F8:
+    """Turn of a hand from how it rests to fingers ahead and the palm down, in the model's frame, [3, 3]."""
+    names = [f"{side}{part}" for part in ("Hand", "MiddleProximal", "ThumbProximal")]
+    if not all(name in rig.names for name in names):
+        return np.eye(3)
+    hand, finger, thumb = (rest.places[rig.slot(name)] for name in names)
+    inwards = np.array([-1.0 if side == "left" else 1.0, 0.0, 0.0])
+    return np.asarray(_axes(np.array([0.0, 0.0, 1.0]), inwards) @ _axes(finger - hand, thumb - hand).T)
+
+
+def _axes(along: F8, aside: F8) -> F8:
+    """A frame whose first axis is one direction and whose second lies towards another, [3, 3]."""
+    x = along / np.linalg.norm(along)
+    y = aside - x * float(aside @ x)
+    y = y / np.linalg.norm(y)
+    return np.stack([x, y, np.cross(x, y)], axis=1)
+
+
+def _inside(frame: F8, scale: float, place: F8) -> F8:
+    """A place in a frame that is turned and sized, [3]."""
+    return np.asarray(frame[:3, :3].T @ (place - frame[:3, 3]) / scale**2)
+
+
+def _back(q: F8) -> F8:
+    return np.array([-q[0], -q[1], -q[2], q[3]])
+
+
+def _rotated(q: F8, v: F8) -> F8:
+    turn = 2.0 * np.cross(q[:3], v)
+    return np.asarray(v + q[3] * turn + np.cross(q[:3], turn))
