@@ -37,7 +37,9 @@ class Does:
         return action
 
 
-@pytest.mark.parametrize(("deed", "shown", "step_heard"), [(4, "beckon", False), (5, "point", False), (0, "walk", True)])
+@pytest.mark.parametrize(
+    ("deed", "shown", "step_heard"), [(4, "beckon", False), (5, "point", False), (0, "walk", True)]
+)
 def test_the_avatar_does_what_the_task_says(deed: int, shown: str, step_heard: bool) -> None:
     parts = prepare_scene(load_checked_scene(WALK), RunSettings(WALK))
     seen, steps = set(), []
