@@ -14,9 +14,10 @@ from mimics_app.contracts.haptic import EVENT, SAMPLE, SCENE
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, count_rows, has_objects, new_rows, slot_of
 from mimics_app.contracts.session_memory import Capacities, SessionMemory
 from mimics_app.rendering.haptic.channels import channels_of, new_work
-from mimics_app.rendering.haptic.loop import replay_recorded
+from mimics_app.rendering.haptic.loop_tick import tick
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, load_simulation, no_objects
 from mimics_app.rendering.haptic.objects import new_object_work
+from mimics_app.rendering.haptic.replay_loop import replay_recorded
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.object_statics import ObjectStatics
@@ -92,7 +93,7 @@ def replay_run(
     for start in range(0, len(inputs), _TICKS_AT_ONCE):
         part = slice(start, start + _TICKS_AT_ONCE)
         replay_recorded(
-            channels, work, blocks, stack, which[part], inputs[part], simulate, fields, period_ns, outputs[part]
+            channels, work, blocks, stack, which[part], inputs[part], tick, simulate, fields, period_ns, outputs[part]
         )
         events.append(_taken(memory))
     return Replayed(outputs, np.concatenate([np.zeros(0, EVENT), *events]))
