@@ -10,6 +10,7 @@ from numba import njit
 from numba.core.errors import NumbaExperimentalFeatureWarning
 
 from mimics_app.contracts.kernel_cache import enable_cache
+from mimics_app.contracts.kernel_callee import callee_of
 
 __all__ = ["kernel", "typed_kernel"]
 
@@ -26,8 +27,25 @@ def kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a function of scalars, arrays, records: no GIL, inf instead of ZeroDivisionError, cached, no fastmath."""
     compiled: Any = njit(**_OPTIONS)(function)
     enable_cache(compiled)
+    callee = callee_of(function, _OPTIONS)
+    compiled.get_call_template, compiled.get_overload = callee.get_call_template, callee.get_overload
+    compiled._compiler._compile_core = _with_environments(compiled._compiler._compile_core)
     checked: Callable[P, R] = compiled
     return checked
+
+
+def _with_environments(compile_core: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a function and give the callees linked into it their environments, which numba gives what it loads."""
+
+    def compile_all(args: Any, return_type: Any) -> Any:
+        made = compile_core(args, return_type)
+        codegen = made.library.codegen
+        for environment in made._find_referenced_environments():
+            if codegen._engine.is_symbol_defined(environment.env_name):
+                codegen.set_env(environment.env_name, environment)
+        return made
+
+    return compile_all
 
 
 def typed_kernel(signature: Any) -> Callable[[Callable[P, R]], Callable[P, R]]:

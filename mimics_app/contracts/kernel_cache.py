@@ -19,17 +19,30 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from functools import cache
+from functools import cache, cached_property
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numba
-from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, NullCache, _CacheLocator
 
-__all__ = ["cache_folder", "enable_cache", "private_folder", "source_key", "sources_reached"]
+from mimics_app.contracts.clock import wall_time
+
+__all__ = [
+    "KernelCache",
+    "KernelFiles",
+    "cache_folder",
+    "enable_cache",
+    "private_folder",
+    "source_key",
+    "sources_reached",
+]
 
 _OPEN_TO_OTHERS = 0o077
+_STARTED = wall_time().timestamp()
+"""Sources changed after this [s since the epoch] may not be those this process has."""
+
 _HERE = Path(__file__).resolve()
 _ROOT = _HERE.parents[2]
 _IMPORT = re.compile(
@@ -215,6 +228,13 @@ def source_key(source: Path) -> str:
     return total.hexdigest()[:16]
 
 
+@cache
+def changed_since_start(source: Path) -> bool:
+    """Whether a source that `source` can reach was edited since this process began; a date to come is no edit."""
+    now = wall_time().timestamp()
+    return any(_STARTED < file.stat().st_mtime <= now for file in sources_reached(source))
+
+
 # --- numba's side ---------------------------------------------------------------------------------------------------
 
 
@@ -246,12 +266,16 @@ class _Locator(_CacheLocator):
         return cls(py_func, py_file) if os.path.exists(py_file) else None
 
 
-class _CacheFiles(CompileResultCacheImpl):
+class KernelFiles(CompileResultCacheImpl):
+    """numba's files of one function, in our folder."""
+
     _locator_classes = [_Locator]  # noqa: RUF012  numba's own form
 
 
-class _KernelCache(FunctionCache):
-    _impl_class = _CacheFiles
+class KernelCache(FunctionCache):
+    """numba's cache of one function that takes what is damaged or foreign for missing."""
+
+    _impl_class = KernelFiles
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Machine code kept earlier, or None: then it is compiled again.
@@ -272,10 +296,32 @@ class _KernelCache(FunctionCache):
             super().save_overload(sig, data)  # type: ignore[no-untyped-call]
 
 
-def enable_cache(dispatcher: Any) -> None:
+class _Deferred:
+    """The cache of one function, opened when its machine code is first asked for: most of what is imported never runs.
+
+    By then a source may have been edited while this process still has the old one: such a function is compiled for this
+    process alone, or the old code would be kept under the new text's key.
+    """
+
+    def __init__(self, py_func: Callable[..., object], kind: type[KernelCache]) -> None:
+        self._py_func = py_func
+        self._kind = kind
+
+    @cached_property
+    def _opened(self) -> Any:
+        source = Path(self._py_func.__code__.co_filename).resolve()
+        if changed_since_start(source):
+            return NullCache()
+        return self._kind(self._py_func)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._opened, name)
+
+
+def enable_cache(dispatcher: Any, kind: type[KernelCache] = KernelCache) -> None:
     """Let a compiled function keep its machine code in `cache_folder`; without a folder or a source file, not at all.
 
     Functions typed at a prompt have no source file whose change could be seen, so they are compiled in each process.
     """
     if cache_folder is not None and os.path.exists(dispatcher.py_func.__code__.co_filename):
-        dispatcher._cache = _KernelCache(dispatcher.py_func)  # type: ignore[no-untyped-call]
+        dispatcher._cache = _Deferred(dispatcher.py_func, kind)

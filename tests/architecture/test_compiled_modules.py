@@ -59,7 +59,10 @@ _DEVICES = "mimics_app.rendering.haptic.devices"
 DEVIATIONS: dict[str, tuple[tuple[str, ...], str]] = {
     "contracts/atomics.py": (("llvmlite.ir", "time"), "writes the instructions itself; the clock is the one of `time`"),
     "contracts/descriptors.py": (("os", "select", "socket"), "numbers of the system's calls on descriptors"),
-    "contracts/kernel.py": (("mimics_app.contracts.kernel_cache", "warnings"), "makes the compiler of all others"),
+    "contracts/kernel.py": (
+        ("mimics_app.contracts.kernel_cache", "mimics_app.contracts.kernel_callee", "warnings"),
+        "makes the compiler of all others",
+    ),
     "contracts/probe.py": (("mimics_app.contracts.clock",), "times what it calls"),
     "rendering/haptic/publish.py": (("mimics_app.rendering.haptic.channels",), "the type of its channels"),
     "rendering/haptic/devices/bench.py": ((_ERRORS,), "refuses a device in words"),
@@ -73,12 +76,20 @@ DEVIATIONS: dict[str, tuple[tuple[str, ...], str]] = {
     "rendering/haptic/devices/simulated_impedance.py": ((_DEVICES,), "built from a robot's request"),
     "rendering/haptic/devices/simulated_leg.py": ((_DEVICES, _ERRORS), "built from a robot's request"),
     "rendering/haptic/devices/simulated_person.py": ((_DEVICES,), "built from a robot's request"),
-    "rendering/haptic/force_fields.py": (
-        ("importlib.metadata", "mimics_app.contracts.errors", "mimics_app.world"),
-        "finds the plug-ins of a scene's fields and compiles what they offer",
+    "rendering/haptic/live_loop.py": (
+        ("mimics_app.contracts.session_memory", "mimics_app.rendering.haptic.channels"),
+        "the words of control and the types of its channels",
     ),
     "rendering/haptic/loop.py": (
         ("mimics_app.contracts.session_memory", "mimics_app.rendering.haptic.channels"),
+        "the words of control and the types of its channels",
+    ),
+    "rendering/haptic/loop_tick.py": (
+        ("mimics_app.contracts.session_memory", "mimics_app.rendering.haptic.channels"),
+        "the words of control and the types of its channels",
+    ),
+    "rendering/haptic/replay_loop.py": (
+        ("mimics_app.rendering.haptic.channels",),
         "the words of control and the types of its channels",
     ),
     "world/simplify/edge_collapse.py": (("heapq",), "a queue of edges beside the compiled costs"),

@@ -9,7 +9,7 @@ from mimics_app.contracts.haptic import Button, Controller, DeviceStatus, EventK
 from mimics_app.contracts.haptic_objects import MAX_PIECES
 from mimics_app.contracts.session_memory import ControlWord
 from mimics_app.rendering.haptic.kernels.kinematics import inverse
-from mimics_app.rendering.haptic.loop import late_class
+from mimics_app.rendering.haptic.loop_tick import late_class
 from tests.support.haptic_bench import Bench, glide, script, scripted
 
 PRESS_FROM = 300

@@ -63,7 +63,7 @@ loaded = {Path(m.__file__).resolve() for m in list(sys.modules.values()) if geta
 reached = cache.sources_reached(root)
 print("reached", len(reached))
 for file in sorted(loaded - set(reached)):
-    if file.is_relative_to(base / "mimics_app") and file.name not in ("__init__.py", "kernel_cache.py"):
+    if file.is_relative_to(base / "mimics_app") and file.name not in ("__init__.py", "kernel_cache.py", "clock.py"):
         print("not in the key", file)
 before = key()
 for file in reached:
@@ -214,3 +214,40 @@ def test_without_any_writable_place_there_is_no_cache(only: Path, monkeypatch: p
     only.write_text("in the way")
     monkeypatch.setattr("tempfile.mkdtemp", refuse)
     assert kernel_cache.private_folder() is None
+
+
+# --- kernels that only kernels call ----------------------------------------------------------------------------------
+
+_CHAIN = """
+import numpy as np
+from mimics_app.contracts.kernel import kernel
+
+@kernel
+def inner(x):
+    return x * 2.0
+
+@kernel
+def outer(x):
+    return inner(x) + 1.0
+
+print(outer(3.0), len(outer.signatures), len(inner.signatures))
+"""
+
+
+def test_a_kernel_that_only_kernels_call_never_becomes_machine_code(tmp_path: Path) -> None:
+    """Its file holds intermediate code, and the next process links from there; called from Python it is compiled."""
+    (tmp_path / "chain.py").write_text(_CHAIN + "print(inner(4.0))\n")
+    places = {"PYTHONPATH": f"{tmp_path}:{ROOT}", "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    for _ in range(2):
+        assert _run("import chain", tmp_path, **places).split("\n") == ["7.0 1 0", "8.0"]
+    names = sorted(path.name for path in (tmp_path / "cache").rglob("*.nbi"))
+    assert [name.split("-")[0] for name in names] == ["chain.inner", "chain.outer", "linked"]
+
+
+def test_an_edit_after_the_start_keeps_the_old_code_out_of_the_cache(tmp_path: Path) -> None:
+    source = tmp_path / "chain.py"
+    source.write_text(_CHAIN.replace("print(", "0 and print("))
+    places = {"PYTHONPATH": f"{tmp_path}:{ROOT}", "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    edit = "from pathlib import Path; p = Path(chain.__file__); p.write_text(p.read_text().replace('2.0', '5.0'))"
+    assert _run(f"import chain; {edit}; print(chain.outer(3.0))", tmp_path, **places) == "7.0"
+    assert _run("import chain; print(chain.outer(3.0))", tmp_path, **places) == "16.0"

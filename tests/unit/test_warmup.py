@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import functools
 import json
+import os
 from typing import Any
 
 import pytest
 
 from mimics_app.app import cli
+from mimics_app.app.commands import warmup
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.resources import root
 
@@ -16,6 +19,7 @@ from mimics_app.contracts.resources import root
 def played(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Names of the scenes whose loop is played without a picture."""
     names: list[str] = []
+    monkeypatch.setattr("mimics_app.app.commands.warmup._compile_parts", lambda: iter(("objects",)))
     monkeypatch.setattr("mimics_app.app.commands.warmup._play_start", lambda scene: names.append(scene.path.name))
     return names
 
@@ -43,4 +47,13 @@ def test_where_nothing_draws_the_loops_are_compiled_all_the_same(
 
     monkeypatch.setattr("mimics_app.app.play.stills.draw_stills", refuse)
     assert cli.main(["warmup", "--json"]) == 0
-    assert played == ["guided_walk.json", "pick_and_place.json", "wavy_tunnel.json"]
+    assert played == ["avatar_cord.json", "guided_walk.json", "pick_and_place.json", "wavy_tunnel.json"]
+
+
+def test_large_parts_are_compiled_in_processes_of_their_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert sorted(warmup.PARTS) == ["devices", "loop", "objects"]
+    monkeypatch.setattr(warmup, "PARTS", {"one": os.getpid, "other": os.getppid})
+    assert sorted(warmup._compile_parts()) == ["one", "other"]
+    monkeypatch.setattr(warmup, "PARTS", {"none": functools.partial(int, "no number")})
+    with pytest.raises(ValueError, match="no number"):
+        list(warmup._compile_parts())

@@ -11,7 +11,7 @@ from mimics_app.contracts.haptic_objects import TUNNEL, BodyFlag, EffectKind
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.loop_ports import FIELD
 from mimics_app.maths.quat import about_axis, to_matrix
-from mimics_app.rendering.haptic.force_fields import curl, saddle, well
+from mimics_app.rendering.haptic.standard_fields import curl, saddle, well
 from mimics_app.rendering.haptic.tunnel import build_tunnel
 from tests.support.effect_bench import ALL, Bench, effect
 

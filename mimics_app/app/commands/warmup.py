@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
@@ -42,7 +44,10 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _compile_everything() -> None:
-    """Play every shipped scene for a moment and draw it small; where nothing can be drawn, its loop alone."""
+    """Compile the large parts beside each other, then play every shipped scene for a moment and draw it small.
+
+    The scenes find what is left; where nothing can be drawn, their loop alone.
+    """
     from mimics_app.app.play.stills import draw_stills
     from mimics_app.app.scenes.catalogue import is_playable
     from mimics_app.app.scenes.loading import load_checked_scene
@@ -52,7 +57,9 @@ def _compile_everything() -> None:
     from mimics_app.contracts.resources import root
 
     files = sorted((root() / "scenes").glob("*.json"))
-    with TemporaryDirectory(prefix="mimics-") as folder, ProgressBar(sys.stderr, len(files)) as bar:
+    with TemporaryDirectory(prefix="mimics-") as folder, ProgressBar(sys.stderr, len(PARTS) + len(files)) as bar:
+        for part in _compile_parts():
+            bar.step(part)
         for file in files:
             bar.step(file.stem)
             try:
@@ -61,6 +68,39 @@ def _compile_everything() -> None:
                 scene = load_checked_scene(file)
                 if is_playable(scene):
                     _play_start(scene)
+
+
+def _compile_parts() -> Iterator[str]:
+    """Compile `PARTS` on as many processors as there are; yields each part's name when it is done."""
+    from concurrent.futures import ProcessPoolExecutor, as_completed
+    from multiprocessing import get_context
+
+    workers = min(len(PARTS), os.cpu_count() or 1)
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        working = {pool.submit(part): name for name, part in PARTS.items()}
+        for done in as_completed(working):
+            done.result()
+            yield working[done]
+
+
+def _objects() -> None:
+    """Everything that can be touched, but for tunnels."""
+    from mimics_app.rendering.haptic import simulate  # noqa: F401
+
+
+def _loops() -> None:
+    """The tick, live, un-timed and replayed."""
+    from mimics_app.rendering.haptic import live_loop, loop, replay_loop  # noqa: F401
+
+
+def _devices() -> None:
+    """Devices that come with the product, and force fields."""
+    from mimics_app.rendering.haptic import cord_field, standard_fields  # noqa: F401
+    from mimics_app.rendering.haptic.devices import pointer, replay, simulated_impedance, simulated_leg  # noqa: F401
+
+
+PARTS: Mapping[str, Callable[[], None]] = {"objects": _objects, "loop": _loops, "devices": _devices}
+"""What compiles a part by being imported, in a process of its own; those that take longest first."""
 
 
 def _play_start(scene: Scene) -> None:

@@ -27,7 +27,7 @@ from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe
 from mimics_app.rendering.haptic.kernels.safety import HOLD, IN_TIME, LATE_DAMP
 from mimics_app.rendering.haptic.kernels.state import new_states
 from mimics_app.rendering.haptic.kernels.tick import tick
-from mimics_app.rendering.haptic.loop import late_class
+from mimics_app.rendering.haptic.loop_tick import late_class
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, no_objects
 from mimics_app.rendering.haptic.objects import new_object_work
 from mimics_app.rendering.haptic.scene_block import scene_from_components

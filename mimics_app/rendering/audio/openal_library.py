@@ -11,10 +11,11 @@ from __future__ import annotations
 import ctypes
 import os
 import signal
+import sys
 import tempfile
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -187,6 +188,7 @@ def _find() -> str:
     path_before = os.environ.get("PATH", "")
     try:
         with _signals_held():
+            _offer_usual_name()
             from openal.al_lib import lib
     except ImportError:
         found = _find_without_pyopenal()
@@ -197,6 +199,15 @@ def _find() -> str:
     finally:
         os.environ["PATH"] = path_before  # PyOpenAL appends the working directory to it
     return found
+
+
+def _offer_usual_name() -> None:
+    """Hand PyOpenAL the library by the name it has on every Linux: its own search runs a compiler sixteen times."""
+    from openal.library_loader import _loaded_libraries
+
+    if sys.platform.startswith("linux"):
+        with suppress(OSError):
+            _loaded_libraries.setdefault("soft_oal", ctypes.CDLL("libopenal.so.1"))
 
 
 @contextmanager

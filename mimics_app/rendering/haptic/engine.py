@@ -23,10 +23,10 @@ from mimics_app.rendering.haptic.block_check import check_block
 from mimics_app.rendering.haptic.channels import channels_of, new_work, newest_snapshot
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.histogram import LatenessReport, percentile_us
-from mimics_app.rendering.haptic.loop import advance_ticks, run_live
+from mimics_app.rendering.haptic.loop import advance_ticks
+from mimics_app.rendering.haptic.loop_tick import loop_tick, tick
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, load_simulation, no_objects
 from mimics_app.rendering.haptic.objects import ObjectWork, new_object_work
-from mimics_app.rendering.haptic.replay import replay_ticks
 from mimics_app.rendering.haptic.stability_report import StabilityReport, stability_of
 
 __all__ = ["HapticEngine"]
@@ -80,8 +80,9 @@ class HapticEngine:
         self._thread: threading.Thread | None = None
         self._failure: BaseException | None = None
         simulate = no_objects if objects is None else load_simulation()
+        device = plugin.read, plugin.write, plugin.memory
         kin = tuple(self._descriptor.kinematics)
-        self._loop_args = (self._channels, self._work, plugin.read, plugin.write, plugin.memory, simulate, fields, kin)
+        self._loop_args = (self._channels, self._work, loop_tick, tick, *device, simulate, fields, kin)
         advance_ticks(*self._loop_args, 0, self._period_ns)
 
     @property
@@ -171,9 +172,11 @@ class HapticEngine:
             raise RuntimeError("the device is closed; build another engine")
         if sys.platform.startswith("linux") and threading.current_thread() is threading.main_thread():
             signal.signal(signal.SIGXCPU, self._demote)
+        from mimics_app.rendering.haptic.live_loop import run_live  # compiled here, before the first deadline
+
         self._memory.control[ControlWord.QUIT] = 0
         self._arranged.clear()
-        self._thread = threading.Thread(target=self._run, name="haptic", daemon=True)
+        self._thread = threading.Thread(target=self._run, args=(run_live,), name="haptic", daemon=True)
         self._thread.start()
         self._arranged.wait()
         if self._failure is not None:
@@ -229,6 +232,8 @@ class HapticEngine:
         self, inputs: Records, scenes: Mapping[int, Records], rows: Mapping[int, Rows] | None = None
     ) -> Records:
         """See `replay_ticks`; with this engine's rate."""
+        from mimics_app.rendering.haptic.replay import replay_ticks  # a loop of its own, compiled where it is used
+
         return replay_ticks(inputs, scenes, rows, kinematics=self._descriptor.kinematics, period_ns=self._period_ns)
 
     def _demote(self, *_: object) -> None:
@@ -236,7 +241,7 @@ class HapticEngine:
         if self._thread is not None and self._thread.native_id is not None and self.running:
             self._granted = scheduler.demote(self._thread.native_id)
 
-    def _run(self) -> None:
+    def _run(self, run_live: Callable[..., Any]) -> None:
         """Body of the haptic thread: arrange the scheduler, then one compiled call until the quit word."""
         try:
             self._granted = scheduler.arrange_thread(self._recipe)

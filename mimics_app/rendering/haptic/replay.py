@@ -17,9 +17,10 @@ from mimics_app.contracts.object_rows import ObjectCapacities, Rows, count_rows,
 from mimics_app.contracts.session_memory import Capacities, SessionMemory
 from mimics_app.rendering.haptic.channels import channels_of, new_work, newest_snapshot
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
-from mimics_app.rendering.haptic.loop import replay_recorded
+from mimics_app.rendering.haptic.loop_tick import tick
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, load_simulation, no_objects
 from mimics_app.rendering.haptic.objects import new_object_work
+from mimics_app.rendering.haptic.replay_loop import replay_recorded
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.object_statics import ObjectStatics
@@ -109,7 +110,18 @@ def replay_run(
     looked = {tick for tick in seen if 0 <= tick < len(inputs)}
     for part in _parts(len(inputs), looked):
         replay_recorded(
-            channels, work, blocks, stack, which[part], inputs[part], simulate, fields, kin, period_ns, outputs[part]
+            channels,
+            work,
+            blocks,
+            stack,
+            which[part],
+            inputs[part],
+            tick,
+            simulate,
+            fields,
+            kin,
+            period_ns,
+            outputs[part],
         )
         events.append(_taken(memory))
         if part.stop - 1 in looked:

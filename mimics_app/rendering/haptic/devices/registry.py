@@ -14,17 +14,41 @@ from mimics_app.rendering.haptic.devices.address import split_device
 from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.devices.device_names import POINTER, SIMULATED, check_device_name, find_plugin
 from mimics_app.rendering.haptic.devices.device_objects import DeviceObject
-from mimics_app.rendering.haptic.devices.pointer import build_pointer
-from mimics_app.rendering.haptic.devices.replay import build_replay
 from mimics_app.rendering.haptic.devices.request import DeviceBuilder, DeviceRequest
-from mimics_app.rendering.haptic.devices.simulated_hapticmaster import build_simulated_hapticmaster
-from mimics_app.rendering.haptic.devices.simulated_impedance import build_simulated_impedance
 from mimics_app.rendering.haptic.scene_block import robot_from_world
 
 if TYPE_CHECKING:
     from mimics_app.world.components.robot import Patient, Robot
 
 __all__ = ["BUILT_IN", "build_device", "find_builder"]
+
+
+def _build_simulated_hapticmaster(request: DeviceRequest) -> DevicePlugin:
+    """The simulated HapticMaster, with a simulated person."""
+    from mimics_app.rendering.haptic.devices.simulated_hapticmaster import build_simulated_hapticmaster
+
+    return build_simulated_hapticmaster(request)
+
+
+def _build_simulated_impedance(request: DeviceRequest) -> DevicePlugin:
+    """A light simulated robot that is told forces, with a simulated person."""
+    from mimics_app.rendering.haptic.devices.simulated_impedance import build_simulated_impedance
+
+    return build_simulated_impedance(request)
+
+
+def _build_pointer(request: DeviceRequest) -> DevicePlugin:
+    """Mouse, gamepad or keyboard on the simulated robot."""
+    from mimics_app.rendering.haptic.devices.pointer import build_pointer
+
+    return build_pointer(request)
+
+
+def _build_replay(request: DeviceRequest) -> DevicePlugin:
+    """The sensors of a recording, as a device."""
+    from mimics_app.rendering.haptic.devices.replay import build_replay
+
+    return build_replay(request)
 
 
 def _build_serial(request: DeviceRequest) -> DevicePlugin:
@@ -49,16 +73,17 @@ def _build_leg(request: DeviceRequest) -> DevicePlugin:
 
 
 BUILT_IN: dict[str, DeviceBuilder] = {
-    SIMULATED: build_simulated_hapticmaster,
-    "simulated_impedance": build_simulated_impedance,
-    POINTER: build_pointer,
-    "replay": build_replay,
+    SIMULATED: _build_simulated_hapticmaster,
+    "simulated_impedance": _build_simulated_impedance,
+    POINTER: _build_pointer,
+    "replay": _build_replay,
     "simulated_leg": _build_leg,
     "simulated_legs": _build_leg,
     "serial": _build_serial,
     "hapticmaster": _build_hapticmaster,
 }
-"""Builders of the devices that come with the product, by the names of `device_names.ADDRESSES`."""
+"""Builders of the devices that come with the product, by the names of `device_names.ADDRESSES`; each is imported and
+compiled when it is built."""
 
 
 def find_builder(name: str) -> DeviceBuilder:

@@ -1,0 +1,120 @@
+"""The live loop around the tick, against absolute deadlines: one compiled call for the whole run.
+
+It holds no lock, asks Python for nothing, allocates nothing, and ends when the quit word is set.
+
+A tick that comes late is run at once and the ones behind it follow back to back, so that tick k always stands for
+session time k * period; beyond `late_stop_ns` (a latched stop, or a pause of a simulated device) the releases that
+passed are skipped and counted as missed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numba import types
+from numpy.typing import NDArray
+
+from mimics_app.contracts.atomics import load_acquire, now_ns, sleep_until_ns, store_release
+from mimics_app.contracts.borrowed import borrowed
+from mimics_app.contracts.device_descriptor import Kin
+from mimics_app.contracts.kernel import typed_kernel
+from mimics_app.contracts.ring import push
+from mimics_app.contracts.session_memory import ControlWord
+from mimics_app.rendering.haptic.channels import CHANNELS, WORK, Channels, Work
+from mimics_app.rendering.haptic.histogram import count
+from mimics_app.rendering.haptic.kernels.stability import follow_period
+from mimics_app.rendering.haptic.loop_tick import LOOP_PLUGINS
+
+__all__ = ["run_live"]
+
+Vec = NDArray[np.float64]
+Read = Callable[..., Any]
+Write = Callable[..., Any]
+Simulate = Callable[..., Any]
+Fields = tuple[Callable[..., Any], ...]
+Tick = Callable[..., Any]
+
+_QUIT = int(ControlWord.QUIT)
+_TICKS = int(ControlWord.TICKS)
+_MISSED = int(ControlWord.MISSED)
+_START_NS = int(ControlWord.START_NS)
+
+
+@typed_kernel(types.int64(CHANNELS, WORK, *LOOP_PLUGINS, types.int64, types.int64))
+def run_live(
+    channels: Channels,
+    work: Work,
+    loop_tick: Tick,
+    tick: Tick,
+    read: Read,
+    write: Write,
+    memory: Vec,
+    simulate: Simulate,
+    fields: Fields,
+    kin: Kin,
+    period_ns: int,
+    spin_ns: int,
+) -> int:
+    """Run a tick every `period_ns` until the quit word is set; return the ticks done in all.
+
+    Sleeps to absolute deadlines and spins for the last `spin_ns`. Counts lateness and duration after the first second.
+    A burst that catches up after one late wake-up counts once towards the misses in a row.
+    """
+    channels, work = borrowed(channels), borrowed(work)
+    state = work.state[0]
+    sample = work.sample[0]
+    control = channels.control
+    timespec = work.timespec
+    dt = period_ns * 1e-9
+    first_counted = state.tick + 1_000_000_000 // period_ns
+    due = now_ns(timespec) + period_ns
+    control[_START_NS] = due - state.tick * period_ns
+    ended = due
+    missed_in_row = 0
+    total, squares, last_woke = dt, dt * dt, due - period_ns
+    while load_acquire(control, _QUIT) == 0:
+        sleep_until_ns(timespec, due - spin_ns)
+        woke = now_ns(timespec)
+        while woke < due:
+            woke = now_ns(timespec)
+        late = woke - due
+        total, squares = follow_period(total, squares, float(woke - last_woke) * 1e-9, dt)
+        last_woke = woke
+        catching_up = ended > due
+        late_stop_ns = loop_tick(
+            channels,
+            work,
+            tick,
+            read,
+            write,
+            memory,
+            simulate,
+            fields,
+            kin,
+            late,
+            missed_in_row,
+            squares / total,
+            due,
+            dt,
+        )
+        ended = now_ns(timespec)
+        sample.lateness_ns = float(late)
+        sample.duration_ns = float(ended - woke)
+        push(channels.sample_words, channels.samples, work.sample)
+        missed = ended - due > period_ns
+        if not missed:
+            missed_in_row = 0
+        elif not catching_up or ended - woke > period_ns:
+            missed_in_row += 1
+        skipped = 0
+        if late_stop_ns > 0 and late > late_stop_ns:
+            skipped = late // period_ns
+        if state.tick > first_counted:
+            count(channels.lateness, late)
+            count(channels.duration, ended - woke)
+            control[_MISSED] += skipped + (1 if missed else 0)
+        due += (1 + skipped) * period_ns
+        store_release(control, _TICKS, state.tick)
+    return state.tick

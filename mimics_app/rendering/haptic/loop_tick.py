@@ -1,0 +1,217 @@
+"""One tick of the loop with all around it, compiled once: live, un-timed and replayed loops are handed it as a pointer.
+
+Compiled into each of the loops the tick would be made into machine code three times, and loaded three times.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numba import from_dtype, types
+from numpy.typing import NDArray
+
+from mimics_app.contracts.atomics import load_acquire
+from mimics_app.contracts.borrowed import borrowed, borrowed_type
+from mimics_app.contracts.device_descriptor import KINEMATICS_SET, Kin
+from mimics_app.contracts.haptic import SAMPLE, SCENE
+from mimics_app.contracts.kernel import kernel, typed_kernel
+from mimics_app.contracts.loop_ports import (
+    FIELDS,
+    INBOX_ACTIVE,
+    INBOX_BUTTONS,
+    INBOX_GRASP,
+    INBOX_TARGET,
+    INBOX_TRIAL,
+    READ,
+    WRITE,
+)
+from mimics_app.contracts.object_rows import Rows
+from mimics_app.contracts.session_memory import ControlWord
+from mimics_app.contracts.triple_buffer import acquire
+from mimics_app.rendering.haptic.channels import CHANNELS, WORK, Channels, Work
+from mimics_app.rendering.haptic.kernels import tick as ticking
+from mimics_app.rendering.haptic.kernels.safety import (
+    HOLD,
+    IN_TIME,
+    LATE_DAMP,
+    LATE_STOP,
+    MISSED_STOP,
+    is_stopped,
+)
+from mimics_app.rendering.haptic.kernels.state import STATE
+from mimics_app.rendering.haptic.kernels.vectors import rotate_back
+from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROWS, SIMULATE
+from mimics_app.rendering.haptic.publish import publish_events, publish_state
+
+__all__ = ["LOOP_PLUGINS", "LOOP_TICK", "SIMULATION", "TICK", "late_class", "loop_tick", "rows_of", "tick"]
+
+Vec = NDArray[np.float64]
+Read = Callable[..., Any]
+Write = Callable[..., Any]
+Simulate = Callable[..., Any]
+Fields = tuple[Callable[..., Any], ...]
+Tick = Callable[..., Any]
+
+_STOP = int(ControlWord.STOP)
+_HELD = int(ControlWord.HELD)
+_STALE = int(ControlWord.STALE)
+_STOPS = int(ControlWord.STOPS)
+_HOLDS = int(ControlWord.HOLDS)
+
+SIMULATION = types.FunctionType(SIMULATE)
+"""Compiled type of the objects' part of the tick."""
+
+_VECTOR = types.float64[::1]
+
+TICK = types.void(
+    from_dtype(SCENE),
+    borrowed_type(ROWS),
+    borrowed_type(OBJECT_WORK),
+    SIMULATION,
+    FIELDS,
+    KINEMATICS_SET,
+    borrowed_type(from_dtype(STATE)[::1]),
+    _VECTOR,
+    types.int64,
+    types.int64,
+    types.int64,
+    types.float64,
+    types.float64,
+    _VECTOR,
+    from_dtype(SAMPLE),
+)
+"""Signature of `tick`, see `kernels.tick.tick`."""
+
+LOOP_TICK = types.int64(
+    borrowed_type(CHANNELS),
+    borrowed_type(WORK),
+    types.FunctionType(TICK),
+    types.FunctionType(READ),
+    types.FunctionType(WRITE),
+    _VECTOR,
+    SIMULATION,
+    FIELDS,
+    KINEMATICS_SET,
+    types.int64,
+    types.int64,
+    types.float64,
+    types.int64,
+    types.float64,
+)
+"""Signature of `loop_tick`."""
+
+LOOP_PLUGINS = (
+    types.FunctionType(LOOP_TICK),
+    types.FunctionType(TICK),
+    types.FunctionType(READ),
+    types.FunctionType(WRITE),
+    types.float64[::1],
+    SIMULATION,
+    FIELDS,
+    KINEMATICS_SET,
+)
+"""What a loop is handed beside channels and work: the tick in two layers, the device, and the objects' part."""
+
+
+tick: Tick = typed_kernel(TICK)(ticking.tick.py_func)  # type: ignore[attr-defined]
+"""`kernels.tick.tick` as a pointer: the same function, compiled for the loop's own types."""
+
+
+@kernel
+def late_class(scene: Any, late_ns: int, missed_in_row: int) -> int:
+    """Late-tick class of a tick that woke `late_ns` after its release with `missed_in_row` misses behind it."""
+    held = IN_TIME
+    if scene.sequence == 0:
+        held = IN_TIME
+    elif late_ns > scene.late_stop_ns:
+        held = LATE_STOP
+    elif missed_in_row >= scene.missed_stop:
+        held = MISSED_STOP
+    elif late_ns > scene.late_damp_ns:
+        held = LATE_DAMP
+    elif late_ns > scene.late_hold_ns:
+        held = HOLD
+    return held
+
+
+@kernel
+def _take_inbox(channels: Channels, work: Work, scene: Any) -> None:
+    """Newest INBOX record as the device sees it: target in the robot frame."""
+    slot, _ = acquire(channels.inbox_words)
+    record = channels.inboxes[slot]
+    target = work.state[0].work_a
+    for i in range(3):
+        target[i] = record.target_world[i] - scene.origin_world[i]
+    rotate_back(scene.R_world_from_robot, target, work.inbox[INBOX_TARGET : INBOX_TARGET + 3])
+    work.inbox[INBOX_GRASP] = record.grasp
+    work.inbox[INBOX_BUTTONS] = float(record.buttons)
+    work.inbox[INBOX_ACTIVE] = float(record.active)
+    work.inbox[INBOX_TRIAL] = float(record.trial)
+
+
+@kernel
+def rows_of(stack: Rows, slot: int) -> Rows:
+    """One slot of the tables of objects."""
+    return Rows(
+        stack.shapes[slot],
+        stack.bodies[slot],
+        stack.effects[slot],
+        stack.points[slot],
+        stack.wires[slot],
+        stack.tunnels[slot],
+    )
+
+
+@typed_kernel(LOOP_TICK)
+def loop_tick(
+    channels: Channels,
+    work: Work,
+    tick: Tick,
+    read: Read,
+    write: Write,
+    memory: Vec,
+    simulate: Simulate,
+    fields: Fields,
+    kin: Kin,
+    late_ns: int,
+    missed_in_row: int,
+    period: float,
+    t_ns: int,
+    dt: float,
+) -> int:
+    """Read, tick, write, publish; return `late_stop_ns` of the parameters used."""
+    slot, _ = acquire(channels.scene_words)
+    scene = channels.scenes[slot]
+    rows = borrowed(rows_of(channels.rows, slot))
+    _take_inbox(channels, work, scene)
+    state = work.state[0]
+    status = read(memory, work.inbox, work.data, state.tick)
+    stop_word = load_acquire(channels.control, _STOP)
+    held = late_class(scene, late_ns, missed_in_row)
+    tick(
+        scene,
+        rows,
+        work.objects,
+        simulate,
+        fields,
+        kin,
+        work.state,
+        work.data,
+        status,
+        stop_word,
+        held,
+        period,
+        dt,
+        work.command,
+        work.sample[0],
+    )
+    write(memory, work.command, state.tick - 1)
+    control = channels.control
+    control[_HELD] += 1 if held != IN_TIME else 0
+    control[_STALE] += state.stale
+    control[_STOPS if is_stopped(state) else _HOLDS] += state.tripped
+    publish_state(channels, work, scene.objects, t_ns)
+    publish_events(channels, work, rows, scene.objects, t_ns)
+    return scene.late_stop_ns

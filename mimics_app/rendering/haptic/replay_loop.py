@@ -1,0 +1,113 @@
+"""The loop over a recording: the tick of the live loop, fed with what the device gave then."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numba import from_dtype, types
+from numpy.typing import NDArray
+
+from mimics_app.contracts.borrowed import borrowed
+from mimics_app.contracts.device_descriptor import KINEMATICS_SET, Kin
+from mimics_app.contracts.haptic import SAMPLE, SCENE
+from mimics_app.contracts.kernel import typed_kernel
+from mimics_app.contracts.loop_ports import FIELDS
+from mimics_app.contracts.object_rows import Rows
+from mimics_app.rendering.haptic.channels import CHANNELS, WORK, Channels, Work
+from mimics_app.rendering.haptic.kernels.rows import read_inputs
+from mimics_app.rendering.haptic.loop_tick import SIMULATION, TICK, rows_of
+from mimics_app.rendering.haptic.objects import ROW_STACK
+from mimics_app.rendering.haptic.publish import publish_events, publish_state
+
+__all__ = ["replay_recorded"]
+
+Vec = NDArray[np.float64]
+Read = Callable[..., Any]
+Write = Callable[..., Any]
+Simulate = Callable[..., Any]
+Fields = tuple[Callable[..., Any], ...]
+Tick = Callable[..., Any]
+
+
+@typed_kernel(
+    types.int64(
+        CHANNELS,
+        WORK,
+        from_dtype(SCENE)[::1],
+        ROW_STACK,
+        types.int64[::1],
+        from_dtype(SAMPLE)[::1],
+        types.FunctionType(TICK),
+        SIMULATION,
+        FIELDS,
+        KINEMATICS_SET,
+        types.int64,
+        from_dtype(SAMPLE)[::1],
+    )
+)
+def replay_recorded(
+    channels: Channels,
+    work: Work,
+    scenes: NDArray[Any],
+    stack: Rows,
+    which: NDArray[np.int64],
+    inputs: NDArray[Any],
+    tick: Tick,
+    simulate: Simulate,
+    fields: Fields,
+    kin: Kin,
+    period_ns: int,
+    outputs: NDArray[Any],
+) -> int:
+    """Run the tick over recorded inputs and tell its events and its newest state.
+
+    Args:
+        channels: Arrays of a session of its own; what is told goes there.
+        work: Arrays of the loop, advanced.
+        scenes: SCENE blocks, shape [m].
+        stack: Tables of objects beside each of them, shape [m, capacity].
+        which: Index of each tick's block, shape [n].
+        inputs: SAMPLE rows, shape [n]; only the inputs of each are used.
+        tick: `loop_tick.tick`.
+        simulate: The objects' part of the tick.
+        fields: Force fields of the objects.
+        kin: Kinematics functions of the device.
+        period_ns: Tick [ns].
+        outputs: SAMPLE rows out, shape [n]; timing fields are zero.
+
+    Returns:
+        Ticks done.
+    """
+    channels, work, stack = borrowed(channels), borrowed(work), borrowed(stack)
+    state, data = work.state[0], work.data
+    for k in range(inputs.shape[0]):
+        row = inputs[k]
+        read_inputs(row, data)
+        out = outputs[k]
+        status = int(row.status)
+        stop_word, held = int(row.stop_word), int(row.held)
+        scene, rows = scenes[which[k]], borrowed(rows_of(stack, which[k]))
+        tick(
+            scene,
+            rows,
+            work.objects,
+            simulate,
+            fields,
+            kin,
+            work.state,
+            data,
+            status,
+            stop_word,
+            held,
+            row.period_s,
+            period_ns * 1e-9,
+            work.command,
+            out,
+        )
+        publish_state(channels, work, scene.objects, (state.tick - 1) * period_ns)
+        publish_events(channels, work, rows, scene.objects, state.tick * period_ns)
+        out.lateness_ns = 0.0
+        out.duration_ns = 0.0
+    return inputs.shape[0]

@@ -1,0 +1,56 @@
+"""The force fields of motor-learning studies that come with the product. Each says what its parameters are."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import typed_kernel
+from mimics_app.contracts.loop_ports import FIELD
+
+__all__ = ["curl", "saddle", "well"]
+
+Vec = NDArray[np.float64]
+
+
+@typed_kernel(FIELD)
+def curl(parameters: Vec, p: Vec, v: Vec, t: float, out: Vec) -> None:
+    """Force across the velocity, as of a spinning wheel: F = c a x v (Shadmehr & Mussa-Ivaldi 1994). No power.
+
+    Parameters: c [N s/m], then the axis a (0 0 0: world z, out of the frontal plane).
+    """
+    c = parameters[0]
+    ax, ay, az = parameters[1], parameters[2], parameters[3]
+    length = np.sqrt(ax * ax + ay * ay + az * az)
+    if length == 0.0:
+        az = 1.0
+        length = 1.0
+    c /= length
+    out[0] = c * (ay * v[2] - az * v[1])
+    out[1] = c * (az * v[0] - ax * v[2])
+    out[2] = c * (ax * v[1] - ay * v[0])
+
+
+@typed_kernel(FIELD)
+def saddle(parameters: Vec, p: Vec, v: Vec, t: float, out: Vec) -> None:
+    """Linear in the place, of another stiffness along each axis: F = K p (Burdet et al. 2001: divergent where K > 0).
+
+    Parameters: K along world x, y, z [N/m].
+    """
+    for i in range(3):
+        out[i] = parameters[i] * p[i]
+
+
+@typed_kernel(FIELD)
+def well(parameters: Vec, p: Vec, v: Vec, t: float, out: Vec) -> None:
+    """A smooth well: F = -(f r/w) exp((1 - r^2/w^2) / 2), greatest force f at distance w, none far away.
+
+    Parameters: f [N], w [m]; w 0: none.
+    """
+    f, w = parameters[0], parameters[1]
+    share = 0.0
+    if w > 0.0:
+        square = (p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) / (w * w)
+        share = -f / w * np.exp(0.5 * (1.0 - square))
+    for i in range(3):
+        out[i] = share * p[i]
