@@ -14,6 +14,7 @@ from mimics_app.world.world import World
 
 if TYPE_CHECKING:
     from mimics_app.world.motion.machine import StateMachine
+    from mimics_app.world.motion.pose import Pose
 
 __all__ = ["AlleyFigure"]
 
@@ -37,6 +38,8 @@ _STARTS, _STOPS = 0.12, 0.05
 """Speeds at which feet begin to walk and at which they stand [m/s]."""
 _MID_STANCE = {"walk": 0.25, "step_back": 0.63}
 """Share of a gait's clip at which one foot passes the other: so somebody who stands sets out."""
+_UNSEEN = 1e-3
+"""Scale of a head that is not to be seen: a fifth of a millimetre."""
 _FADE = 0.25
 """In which one motion goes over to the next [s]."""
 
@@ -65,6 +68,19 @@ class AlleyFigure:
         self._yaw: float | None = None
         self._passing = False
         self._doing = ""
+
+    def hide_head(self) -> None:
+        """Draw the model without its head, for whoever looks out of it: it is made too small to be seen."""
+        world, found = self._node.world, (self._node, *self._node.children)
+        animator = next((world.motion.animators[n.index] for n in found if n.index in world.motion.animators), None)
+        if animator is None or "head" not in animator.rig.names:
+            return
+        head = animator.rig.slot("head")
+
+        def shrink(pose: Pose, seconds: float) -> None:
+            pose.scales[head] = _UNSEEN
+
+        animator.steps.append(shrink)
 
     def put(self, along: float) -> None:
         """Be at a place [m] at once; `face` comes next."""

@@ -65,30 +65,30 @@ def test_success_is_cheered_and_then_greeted() -> None:
     machine = world.motion.machines[world.find("avatar").index]
     world.motion.trigger("goal")
     assert machine.state == "cheer"
-    shown = {play(world) or machine.state for _ in range(60 * 6)}
-    assert {"cheer", "greet", "still"} <= shown
-    assert machine.state == "still"
+    shown = []
+    for _ in range(60 * 6):
+        play(world)
+        shown.append(machine.state)
+    assert list(dict.fromkeys(shown)) == ["cheer", "greet", "still"]
 
 
 def test_feet_do_not_slide() -> None:
-    """The lower foot's way over the ground, while the avatar walks, is little of the avatar's own."""
+    """While the avatar walks, one of its feet stands: of heels and toes the stillest goes little of its way."""
     world, avatar, person = alley()
     avatar.put(-2.5)
     person.put(4.0)
     avatar.face(person)
-    way, slid, before, at = 0.0, 0.0, None, avatar.along
+    joints = [world.find(f"avatar/{side}{part}") for side in ("left", "right") for part in ("Foot", "Toes")]
+    places = []
     for _ in range(60 * 3):
         avatar.go(2.0, person, FRAME)
         avatar.show("still")
         play(world)
-        feet = np.array([world.find(f"avatar/{side}Toes").world_matrix()[:3, 3] for side in ("left", "right")])
-        low = int(np.argmin(feet[:, 1]))
-        if before is not None:
-            slid += float(np.linalg.norm((feet - before)[low, [0, 2]]))
-            way += abs(avatar.along - at)
-        before, at = feet, avatar.along
-    assert way > 2.0
-    assert slid < 0.3 * way
+        places.append([joint.world_matrix()[[0, 2], 3] for joint in joints])
+    moved = np.linalg.norm(np.diff(np.array(places), axis=0), axis=2)
+    way = avatar.along + 2.5
+    assert way > 3.0
+    assert moved.min(axis=1).sum() < 0.4 * way  # of a figure that glides it is all; the clip itself has a third
 
 
 def test_the_avatar_walks_round_the_person_and_turns_to_them() -> None:
