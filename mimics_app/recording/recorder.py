@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Recorder"]
 
-_START_S = 20.0
+_START_S = 60.0
 _MOST_RESTARTS = 5
 _ROOM_STEP_NS = 200_000
 _STALLED_NS = 30_000_000_000

@@ -19,7 +19,7 @@ MOST_BARE = {
     "rendering/visual": 47,
     "rendering/audio": 36,
     "dsp": 33,
-    "world": 3,
+    "world": 69,
     "maths": 6,
     "contracts": 4,
     "lab": 34,

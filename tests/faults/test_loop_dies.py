@@ -15,6 +15,7 @@ from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.loop_ports import READ, DevicePlugin
+from mimics_app.contracts.stage_timer import UNTIMED
 from tests.support.haptic_bench import Bench, bench_of, ignore, script, scripted
 
 FAULT_TICK = 50
@@ -38,6 +39,8 @@ def _session(bench: Bench) -> Any:
         haptics=bench.engine,
         clock=MonotonicClock(),
         picture=None,
+        window=None,
+        tasks=SimpleNamespace(done=False),
         scene=SimpleNamespace(files=()),
         settings=SimpleNamespace(seconds=PATIENCE_S),
         inputs=SimpleNamespace(frame=SimpleNamespace(events=())),
@@ -49,7 +52,8 @@ def test_a_fault_in_the_plugin_ends_the_run_and_is_told():
     session = _session(bench)
     begun = session.clock.now_ns()
     bench.engine.start()
-    run_live(session, SimpleNamespace(step=lambda: None, figures={}), lambda _: None)  # type: ignore[arg-type]
+    frames = SimpleNamespace(step=lambda: None, figures={}, timer=UNTIMED)
+    run_live(session, frames, lambda _: None)  # type: ignore[arg-type]
     assert session.clock.now_ns() - begun < PATIENCE_S * 1e9
     assert not bench.engine.running
     with pytest.raises(DeviceError, match="ended with an error"):

@@ -18,7 +18,7 @@ import distributed
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PATIENCE_S = 180.0
+PATIENCE_S = 600.0
 
 PARAMETERS = {
     "stiffness": {"from": 100.0, "to": 100000.0, "scale": "log"},
