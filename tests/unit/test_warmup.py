@@ -43,4 +43,4 @@ def test_where_nothing_draws_the_loops_are_compiled_all_the_same(
 
     monkeypatch.setattr("mimics_app.app.play.stills.draw_stills", refuse)
     assert cli.main(["warmup", "--json"]) == 0
-    assert played == ["guided_walk.json", "pick_and_place.json", "wavy_tunnel.json"]
+    assert played == ["avatar_cord.json", "guided_walk.json", "pick_and_place.json", "wavy_tunnel.json"]
