@@ -6,7 +6,6 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.maths import quat
 from mimics_app.world.scene_node import SceneNode
@@ -17,8 +16,6 @@ if TYPE_CHECKING:
     from mimics_app.world.motion.pose import Pose
 
 __all__ = ["AlleyFigure"]
-
-F8 = NDArray[np.float64]
 
 _FASTEST = 1.3
 """Speed of somebody who walks without haste [m/s]."""
@@ -66,7 +63,6 @@ class AlleyFigure:
         self.along, self.aside = -float(node.position[2]), 0.0
         self._speed, self._side_speed = 0.0, 0.0
         self._yaw: float | None = None
-        self._passing = False
         self._doing = ""
 
     def hide_head(self) -> None:
@@ -85,7 +81,6 @@ class AlleyFigure:
     def put(self, along: float) -> None:
         """Be at a place [m] at once; `face` comes next."""
         self.along, self.aside, self._speed, self._side_speed, self._yaw = along, 0.0, 0.0, 0.0, None
-        self._passing = False
 
     def face(self, other: AlleyFigure) -> None:
         """Turn to the other at once."""
@@ -103,14 +98,14 @@ class AlleyFigure:
         gap = self.along - other.along
         crossing = gap * (along - other.along) < 0.0 and abs(gap) < _NEAR
         leaving = self.aside > 0.1 and abs(gap) < _BESIDE and abs(self._speed) > _STARTS
-        self._passing = crossing or leaving
+        passing = crossing or leaving
         blocked = crossing and abs(gap) < _BESIDE and self.aside < _CLEAR
         wanted = 0.0 if blocked else along - self.along
         self._speed = _eased(self._speed, wanted, seconds)
-        self._side_speed = _eased(self._side_speed, (_ASIDE if self._passing else 0.0) - self.aside, seconds)
+        self._side_speed = _eased(self._side_speed, (_ASIDE if passing else 0.0) - self.aside, seconds)
         self.along += self._speed * seconds
         self.aside += self._side_speed * seconds
-        on_the_way = self._passing and math.hypot(self._speed, self._side_speed) > 2.0 * _STARTS
+        on_the_way = passing and math.hypot(self._speed, self._side_speed) > 2.0 * _STARTS
         if on_the_way:
             self._turn(math.atan2(self._side_speed, -self._speed), seconds)
         else:
