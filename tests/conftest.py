@@ -23,8 +23,8 @@ DAILY, RANDOM, NIGHTLY = "same", "random", "nightly"
 _FOUND = DirectoryBasedExampleDatabase(FOUND)
 
 # `derandomize`, `@seed` and a global seed all switch the kept examples off: a seed of each test does not, see below.
-settings.register_profile(DAILY, database=ReadOnlyDatabase(_FOUND))
-settings.register_profile(RANDOM, print_blob=True, database=_FOUND)
+settings.register_profile(DAILY, derandomize=False, database=ReadOnlyDatabase(_FOUND))
+settings.register_profile(RANDOM, derandomize=False, print_blob=True, database=_FOUND)
 settings.register_profile(NIGHTLY, parent=settings.get_profile(RANDOM), max_examples=2000, deadline=None)
 settings.load_profile(DAILY)
 

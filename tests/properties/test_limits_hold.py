@@ -181,6 +181,7 @@ def _attack(seed, ticks, scenes, tables, objects, simulate, fields, states, data
             left = 1 if 3 <= habit < 8 else 1 + int(uniform(noise, 0) * 40.0)
             met[habit] += 1 if state.safety == 4 else 0
         left -= 1
+        data[:] = 0.0  # what garbage a device left in places it has no joints for is gone with its next answer
         for i in range(3):
             if habit == 1:
                 dq[i] = (1.0 if k % 2 == 0 else -1.0) * 0.6 * uniform(noise, 0)

@@ -160,6 +160,7 @@ def _walk(seed, ticks, spoilt, scenes, rows_of_objects, objects, states, data, c
         if k % 1000 == 0:  # where the hand leans: now and then out of the workspace
             for i in range(3):
                 lean[i] = (1.0 if _chance(noise, 0.02) else 0.1) * (uniform(noise, 0) - 0.5)
+        data[:] = 0.0  # what garbage a device left in places it has no joints for is gone with its next answer
         for i in range(3):
             dq[i] += 0.1 * (uniform(noise, 0) - 0.5) - 0.05 * dq[i] - 0.05 * (q[i] - lean[i])
             q[i] += 1e-3 * dq[i] + (0.02 if _chance(noise, 3e-5) else 0.0)

@@ -73,15 +73,15 @@ def test_both_walls_are_in_the_picture_and_one_is_widened_alone(play: CorePlay):
 
 
 def test_one_tunnel_is_adapted_without_the_other(play: CorePlay):
-    desk = play.core.desk
-    first, upper = desk.value("tunnels.tunnel.stiffness"), desk.value("tunnels.upper.stiffness")
-    assert (first, upper, desk.value("tunnel.stiffness")) == (2000.0, 777.0, 777.0)
-    assert desk.change({"tunnels.tunnel.stiffness": 900.0})
-    assert (desk.value("tunnels.tunnel.stiffness"), desk.value("tunnels.upper.stiffness")) == (900.0, 777.0)
-    assert desk.change({"tunnel.stiffness": 800.0}), "the task's own"
-    assert (desk.value("tunnels.tunnel.stiffness"), desk.value("tunnels.upper.stiffness")) == (900.0, 800.0)
+    store = play.core.parameter_store
+    first, upper = store.value("tunnels.tunnel.stiffness"), store.value("tunnels.upper.stiffness")
+    assert (first, upper, store.value("tunnel.stiffness")) == (2000.0, 777.0, 777.0)
+    assert store.change({"tunnels.tunnel.stiffness": 900.0})
+    assert (store.value("tunnels.tunnel.stiffness"), store.value("tunnels.upper.stiffness")) == (900.0, 777.0)
+    assert store.change({"tunnel.stiffness": 800.0}), "the task's own"
+    assert (store.value("tunnels.tunnel.stiffness"), store.value("tunnels.upper.stiffness")) == (900.0, 800.0)
     with pytest.raises(UsageError, match="no parameter of the haptic scene"):
-        desk.change({"tunnels.lower.stiffness": 1.0})
+        store.change({"tunnels.lower.stiffness": 1.0})
 
 
 @pytest.mark.parametrize(

@@ -170,12 +170,16 @@ class PaperScene:
         self.file, self.root, self._sounds = str(folder / "scene.json"), folder, sounds
         self.path = folder / "scene.json"
         self.entities = ()
+        self.document = {}
 
     def issue(self, pointer, what, fix=""):
         return Issue(self.file, pointer, what, fix)
 
     def components(self, struct):
         return [(name, None, "") for name in self._sounds] if struct is Sound else []
+
+    def has(self, struct):
+        return True
 
 
 def test_check_of_a_scene_looks_into_the_trial_file(tmp_path):

@@ -8,7 +8,16 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.haptic import Controller, SafetyState
-from mimics_app.contracts.loop_ports import COMMAND_DQ, COMMAND_ENABLED, COMMAND_LENGTH, DATA_LENGTH, INBOX_LENGTH
+from mimics_app.contracts.loop_ports import (
+    COMMAND_DQ,
+    COMMAND_ENABLED,
+    COMMAND_LENGTH,
+    DATA_DQ,
+    DATA_FORCE,
+    DATA_LENGTH,
+    DATA_Q,
+    INBOX_LENGTH,
+)
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.kernels import robot as place
 from mimics_app.world.components.robot import Patient, Robot
@@ -28,6 +37,9 @@ def _drive(robot: Robot, command, ticks: int, poke=lambda memory, k: None) -> np
         vector[COMMAND_DQ : COMMAND_DQ + 3] = command(k)
         plugin.write(plugin.memory, vector, k)
     return np.array(rows)
+
+
+FORCE = slice(6 + DATA_FORCE, 9 + DATA_FORCE)
 
 
 @pytest.mark.parametrize("delay", [0, 1, 7])
@@ -62,19 +74,19 @@ def test_mechanical_stops_hold_the_annular_workspace():
 
 def test_encoders_show_their_quantum():
     rows = _drive(Robot(), lambda k: (0.02, 0.0, 0.0), 400)
-    steps = rows[:, 6] / 4e-6
+    steps = rows[:, 6 + DATA_Q] / 4e-6
     assert np.allclose(steps, np.round(steps), atol=1e-6)
-    assert np.abs(rows[:, 6] - rows[:, 0]).max() <= 2e-6 + 1e-15
-    settled = rows[200:, 9]
+    assert np.abs(rows[:, 6 + DATA_Q] - rows[:, 0]).max() <= 2e-6 + 1e-15
+    settled = rows[200:, 6 + DATA_DQ]
     assert settled.mean() == pytest.approx(0.02, rel=0.01)
 
 
 def test_force_sensor_noise_and_quantum():
     rows = _drive(Robot(sensor_noise=0.05, sensor_quantum=0.0), lambda k: (0.0, 0.0, 0.0), 5000)
-    noise = rows[:, 12:15]
+    noise = rows[:, FORCE]
     assert noise.std() == pytest.approx(0.05, rel=0.05)  # 15 000 draws: 0.6 % standard error
     assert abs(noise.mean()) < 5 * 0.05 / math.sqrt(15000)
-    coarse = _drive(Robot(sensor_noise=0.05, sensor_quantum=0.02), lambda k: (0.0, 0.0, 0.0), 500)[:, 12:15] / 0.02
+    coarse = _drive(Robot(sensor_noise=0.05, sensor_quantum=0.02), lambda k: (0.0, 0.0, 0.0), 500)[:, FORCE] / 0.02
     assert np.allclose(coarse, np.round(coarse), atol=1e-9)
 
 

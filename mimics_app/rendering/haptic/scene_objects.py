@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.errors import DeviceError, Issue, SceneError
 from mimics_app.contracts.haptic_objects import (
     BODY,
     EFFECT,
@@ -24,6 +24,7 @@ from mimics_app.contracts.haptic_objects import (
 )
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows
 from mimics_app.rendering.haptic.body_checks import check_bodies
+from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 from mimics_app.rendering.haptic.scene_effects import EffectRows
@@ -119,6 +120,14 @@ def objects_of_scene(scene: Scene) -> SceneObjects:
     """
     planned = _planned_integrator(scene), planned_projection(scene)
     return scene.derive(("haptic objects", *planned), lambda: _gather(scene))
+
+
+def _contacts_of(scene: Scene) -> tuple[str, ...]:
+    """Points of contact of the scene's device; of one that nobody has, which is told where it is asked for, a hand's."""
+    try:
+        return descriptor_of((scene.first(Robot) or Robot()).device).contacts
+    except DeviceError:
+        return HAPTICMASTER.contacts
 
 
 def _planned_integrator(scene: Scene) -> str:
@@ -252,7 +261,7 @@ class _Gathered:
 
     def _points(self) -> Records:
         found, ball = self.scene.first(InteractionPoints), self.scene.first(Ball)
-        contacts = descriptor_of((self.scene.first(Robot) or Robot()).device).contacts
+        contacts = _contacts_of(self.scene)
         rows = np.zeros(len(contacts) if found is None else len(found.points), POINT)
         rows["enabled"], rows["radius"] = 1, 0.0 if ball is None else ball.radius_max
         if found is None:
