@@ -123,7 +123,7 @@ def objects_of_scene(scene: Scene) -> SceneObjects:
 
 
 def _contacts_of(scene: Scene) -> tuple[str, ...]:
-    """Points of contact of the scene's device; of one that nobody has, which is told where it is asked for, a hand's."""
+    """Points of contact of the scene's device; a hand of one that nobody has, which is told where it is asked for."""
     try:
         return descriptor_of((scene.first(Robot) or Robot()).device).contacts
     except DeviceError:
