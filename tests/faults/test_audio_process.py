@@ -213,7 +213,7 @@ def test_killed_child_hangs_nobody_and_its_file_reads_to_the_last_block(tmp_path
         place(memory, k)
     status = audio.ready
     assert status is not None
-    assert status.notice == "the audio process has ended: sound is dropped; picture and touch run on"
+    assert status.notice == "the audio process has ended (SIGKILL): sound is dropped; picture and touch run on"
     report = audio.stop()
     assert report.crashed
     assert report.orders_dropped == 100

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import pickle
+import signal
 from dataclasses import replace
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING, Any
@@ -25,6 +26,9 @@ if TYPE_CHECKING:
 __all__ = ["AudioProcess"]
 
 _SILENT = AudioStatus(device="none", sink="null", hrtf=False, rate=0, latency_ms=0.0)
+
+_GONE_S = 0.01
+"""Wait for the exit code of a child that has closed its end of the pipe: shorter than a frame."""
 
 
 class AudioProcess:
@@ -146,7 +150,7 @@ class AudioProcess:
             self._status = message.status
             return replace(message, orders_dropped=self._orders_dropped)
         if not self._given_up:
-            self._give_up("the audio process ended early: sound was lost; picture and touch ran on")
+            self._give_up(f"the audio process ended early{self._cause()}: sound was lost; picture and touch ran on")
         file = self._settings.file
         written = str(file) if file is not None and file.exists() else ""
         return AudioReport(self._status or _SILENT, orders_dropped=self._orders_dropped, file=written, crashed=True)
@@ -156,7 +160,7 @@ class AudioProcess:
         if isinstance(message, AudioStatus):
             self._status = message
         elif not self._given_up and self._process is not None and (self._hung_up or not self._process.is_alive()):
-            self._give_up("the audio process has ended: sound is dropped; picture and touch run on")
+            self._give_up(f"the audio process has ended{self._cause()}: sound is dropped; picture and touch run on")
 
     def _receive(self, timeout_s: float) -> Any:
         """Next message of the child, or None at the timeout or when the child is gone."""
@@ -176,6 +180,16 @@ class AudioProcess:
         except (BlockingIOError, BrokenPipeError):
             return False
         return True
+
+    def _cause(self) -> str:
+        """What is known of the end of a child that is gone or about to be, in brackets: its signal or exit code."""
+        if self._process is None:
+            return ""
+        self._process.join(_GONE_S)
+        code = self._process.exitcode
+        if code is None:
+            return ""
+        return f" ({signal.Signals(-code).name})" if code < 0 else f" (exit code {code})"
 
     def _give_up(self, notice: str) -> None:
         self._given_up = True

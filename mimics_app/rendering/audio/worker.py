@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import faulthandler
 import os
 import pickle
 import signal
+import sys
 import threading
 from contextlib import suppress
 from dataclasses import replace
@@ -41,6 +43,8 @@ def run(memory: SessionMemory, settings: AudioSettings, orders: Connection, resu
     for name in ("SIGINT", "SIGHUP"):  # Ctrl-C and a closed terminal reach the whole group; only the app decides
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), signal.SIG_IGN)
+    if sys.stderr is not None:
+        faulthandler.enable()  # a crash inside a library leaves its stack there
     _die_with_parent()
     clock = MonotonicClock()
     if settings.realtime:
