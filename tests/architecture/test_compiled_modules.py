@@ -21,6 +21,7 @@ KERNELS_MAY_IMPORT = (
     "mimics_app.maths",
     "mimics_app.contracts.atomics",
     "mimics_app.contracts.borrowed",
+    "mimics_app.contracts.function_pointers",
     "mimics_app.contracts.device_descriptor",
     "mimics_app.contracts.haptic",
     "mimics_app.contracts.haptic_objects",

@@ -14,6 +14,8 @@ import numpy as np
 import pytest
 from numba import from_dtype, types
 
+from mimics_app.contracts.borrowed import borrowed
+from mimics_app.contracts.device_descriptor import KINEMATICS_SET
 from mimics_app.contracts.haptic import SAMPLE, SCENE
 from mimics_app.contracts.haptic_objects import EffectKind, ShapeKind
 from mimics_app.contracts.kernel import kernel, typed_kernel
@@ -35,10 +37,10 @@ from mimics_app.contracts.loop_ports import (
 from mimics_app.rendering.haptic.kernels.kinematics import apply_jacobian
 from mimics_app.rendering.haptic.kernels.noise import seed_noise, uniform
 from mimics_app.rendering.haptic.kernels.state import STATE, new_states
-from mimics_app.rendering.haptic.kernels.tick import tick
 from mimics_app.rendering.haptic.kernels.vectors import norm
+from mimics_app.rendering.haptic.loop_tick import SIMULATION, TICK, tick
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, load_simulation, no_objects
-from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROWS, SIMULATE
+from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROWS
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from tests.support.body_play import Play
 from tests.support.haptic_bench import KIN, wavy
@@ -148,15 +150,18 @@ def _change_objects(noise, scene, tables):
 
 @typed_kernel(
     types.void(
-        types.int64, types.int64, from_dtype(SCENE)[::1], ROWS, OBJECT_WORK, types.FunctionType(SIMULATE), FIELDS,
-        from_dtype(STATE)[::1], _VECTOR, _VECTOR, from_dtype(SAMPLE)[::1], types.int64[::1], types.int64[::1],
-        types.int64[::1],
+        types.int64, types.int64, from_dtype(SCENE)[::1], ROWS, OBJECT_WORK, types.FunctionType(TICK), SIMULATION,
+        FIELDS, KINEMATICS_SET, from_dtype(STATE)[::1], _VECTOR, _VECTOR, from_dtype(SAMPLE)[::1], types.int64[::1],
+        types.int64[::1], types.int64[::1],
     )
 )  # fmt: skip
-def _attack(seed, ticks, scenes, tables, objects, simulate, fields, states, data, command, rows, broken, met, at):
+def _attack(
+    seed, ticks, scenes, tables, objects, tick, simulate, fields, kin, states, data, command, rows, broken, met, at
+):
     """`broken` counts violated laws, `met` habits that began while the force was on, `at` ticks at each edge."""
     noise = np.zeros(1)
     seed_noise(noise, 0, seed)
+    tables, objects, states = borrowed(tables), borrowed(objects), borrowed(states)
     scene, state = scenes[0], states[0]
     q, dq, v, lean = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
     habit, left = 0, 0
@@ -210,7 +215,7 @@ def _attack(seed, ticks, scenes, tables, objects, simulate, fields, states, data
             data[DATA_DELAY] = 0.02 * uniform(noise, 0)
         period = 1e-3 * (1.0 + uniform(noise, 0))
         tick(
-            scene, tables, objects, simulate, fields, KIN, states, data, status, 0, held, period, 1e-3, command, rows[0]
+            scene, tables, objects, simulate, fields, kin, states, data, status, 0, held, period, 1e-3, command, rows[0]
         )
 
         force = norm(state.f_user_world)
@@ -295,7 +300,8 @@ def _check(seed: int, ticks: int, among: bool = False) -> None:
         wavy().fill(play.rows.tunnels[0])
     simulate, fields = (load_simulation(), (_breaks,) * len(NO_FIELDS)) if among else (no_objects, NO_FIELDS)
     room = (np.zeros(DATA_LENGTH), np.zeros(COMMAND_LENGTH), np.zeros(1, SAMPLE))
-    _attack(seed, ticks, scene, play.rows, play.work, simulate, fields, new_states(), *room, broken, met, at)
+    plugins = (tick, simulate, fields, KIN)
+    _attack(seed, ticks, scene, play.rows, play.work, *plugins, new_states(), *room, broken, met, at)
     assert dict(zip(LAWS, broken.tolist(), strict=True)) == dict.fromkeys(LAWS, 0)
     habits = dict(zip(HABITS, met.tolist()[:-1], strict=True))
     assert all(count >= 2e-4 * ticks for count in habits.values()), habits

@@ -11,9 +11,12 @@ import math
 
 import numpy as np
 import pytest
+from numba import from_dtype, types
 
-from mimics_app.contracts.haptic import SAMPLE, SafetyState, TripCause
-from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.borrowed import borrowed
+from mimics_app.contracts.device_descriptor import KINEMATICS_SET
+from mimics_app.contracts.haptic import SAMPLE, SCENE, SafetyState, TripCause
+from mimics_app.contracts.kernel import kernel, typed_kernel
 from mimics_app.contracts.loop_fields import MAX_JOINTS
 from mimics_app.contracts.loop_ports import (
     COMMAND_DQ,
@@ -28,16 +31,19 @@ from mimics_app.contracts.loop_ports import (
     DATA_GRASP,
     DATA_LENGTH,
     DATA_Q,
+    FIELDS,
 )
 from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
 from mimics_app.rendering.haptic.kernels.noise import seed_noise, uniform
-from mimics_app.rendering.haptic.kernels.state import new_states
-from mimics_app.rendering.haptic.kernels.tick import tick
+from mimics_app.rendering.haptic.kernels.state import STATE, new_states
 from mimics_app.rendering.haptic.kernels.vectors import norm
+from mimics_app.rendering.haptic.loop_tick import SIMULATION, TICK, tick
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, no_objects
-from mimics_app.rendering.haptic.objects import new_object_work
+from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROWS, new_object_work
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from tests.support.haptic_bench import KIN, wavy
+
+_VECTOR = types.float64[::1]
 
 LAWS = (
     "force is finite",
@@ -116,8 +122,16 @@ def _spoil(law, scene, state, command, before, last_force, last_command, poisone
         command[COMMAND_ENABLED] = 1.0
 
 
-@kernel
-def _walk(seed, ticks, spoilt, scenes, rows_of_objects, objects, states, data, command, rows, broken, met):
+@typed_kernel(
+    types.void(
+        types.int64, types.int64, types.int64, from_dtype(SCENE)[::1], ROWS, OBJECT_WORK, types.FunctionType(TICK),
+        SIMULATION, FIELDS, KINEMATICS_SET, from_dtype(STATE)[::1], _VECTOR, _VECTOR, from_dtype(SAMPLE)[::1],
+        types.int64[::1], types.int64[:, ::1],
+    )
+)  # fmt: skip
+def _walk(
+    seed, ticks, spoilt, scenes, tables, work, tick, simulate, fields, kin, states, data, command, rows, broken, met
+):
     """A handle wandering through the workspace; now and then something goes wrong. `broken` counts violated laws.
 
     `spoilt`: the law that every hundredth tick breaks on purpose, or -1. `met`: transitions by state before and after
@@ -126,6 +140,7 @@ def _walk(seed, ticks, spoilt, scenes, rows_of_objects, objects, states, data, c
     """
     noise = np.zeros(1)
     seed_noise(noise, 0, seed)
+    tables, work, states = borrowed(tables), borrowed(work), borrowed(states)
     scene = scenes[0]
     state = states[0]
     q = np.zeros(3)
@@ -151,7 +166,7 @@ def _walk(seed, ticks, spoilt, scenes, rows_of_objects, objects, states, data, c
             scene.sequence += 1
             scene.controller = int(uniform(noise, 0) * 4.0) if _chance(noise, 0.2) else 3
             scene.form = int(uniform(noise, 0) * 3.0)
-            rows_of_objects.tunnels[0].stiffness = 4000.0 * uniform(noise, 0)
+            tables.tunnels[0].stiffness = 4000.0 * uniform(noise, 0)
             scene.force_limit = 2.0 + 60.0 * uniform(noise, 0)
             scene.energy_limit = 0.01 + 0.5 * uniform(noise, 0)
         if (age > 20 and _chance(noise, 0.01)) or age == 40:
@@ -186,11 +201,11 @@ def _walk(seed, ticks, spoilt, scenes, rows_of_objects, objects, states, data, c
             held = 1 + int(uniform(noise, 0) * (4.0 if _chance(noise, 0.1) else 2.0))
         tick(
             scene,
-            rows_of_objects,
-            objects,
-            no_objects,
-            NO_FIELDS,
-            KIN,
+            tables,
+            work,
+            simulate,
+            fields,
+            kin,
             states,
             data,
             status,
@@ -250,6 +265,10 @@ def _run(seed: int, ticks: int, spoilt: int = -1) -> tuple[dict[str, int], np.nd
         scene,
         rows,
         new_object_work(ObjectCapacities()),
+        tick,
+        no_objects,
+        NO_FIELDS,
+        KIN,
         new_states(),
         np.zeros(DATA_LENGTH),
         np.zeros(COMMAND_LENGTH),

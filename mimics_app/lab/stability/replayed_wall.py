@@ -11,25 +11,28 @@ the mean hold weighted by its own length, not K T/2. The tick that is run is the
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numba import from_dtype, types
 from numpy.typing import NDArray
 
-from mimics_app.contracts.haptic import SAMPLE
-from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_DQ, DATA_LENGTH, DATA_Q
+from mimics_app.contracts.borrowed import borrowed
+from mimics_app.contracts.device_descriptor import KINEMATICS_SET, Kin
+from mimics_app.contracts.haptic import SAMPLE, SCENE
+from mimics_app.contracts.kernel import kernel, typed_kernel
+from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_DQ, DATA_LENGTH, DATA_Q, FIELDS
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.lab.stability.linear import find_limit
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe
 from mimics_app.rendering.haptic.kernels.safety import HOLD, IN_TIME, LATE_DAMP
-from mimics_app.rendering.haptic.kernels.state import new_states
-from mimics_app.rendering.haptic.kernels.tick import tick
-from mimics_app.rendering.haptic.loop_tick import late_class
+from mimics_app.rendering.haptic.kernels.state import STATE, new_states
+from mimics_app.rendering.haptic.loop_tick import SIMULATION, TICK, late_class, tick
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, no_objects
-from mimics_app.rendering.haptic.objects import new_object_work
+from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROWS, ObjectWork, new_object_work
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.rendering.haptic.tunnel import build_tunnel
 
@@ -49,6 +52,11 @@ __all__ = [
 ]
 
 Vec = NDArray[np.float64]
+Tick = Callable[..., Any]
+Simulate = Callable[..., Any]
+Fields = tuple[Callable[..., Any], ...]
+
+_VECTOR = types.float64[::1]
 
 PERIOD = 1e-3
 STIFFNESS = 2000.0
@@ -154,21 +162,44 @@ def _classes(scenes: Any, late_ns: Any, held: Any) -> None:
 _KIN = tuple(HAPTICMASTER.kinematics)
 
 
-@kernel
+@typed_kernel(
+    types.void(
+        from_dtype(SCENE)[::1],
+        ROWS,
+        OBJECT_WORK,
+        types.FunctionType(TICK),
+        SIMULATION,
+        FIELDS,
+        KINEMATICS_SET,
+        _VECTOR,
+        _VECTOR,
+        types.int64[::1],
+        types.float64,
+        from_dtype(STATE)[::1],
+        from_dtype(SAMPLE)[::1],
+        from_dtype(OBSERVER)[::1],
+        _VECTOR,
+    )
+)
 def _stroke(
-    scenes: Any,
-    rows: Any,
-    objects: Any,
+    scenes: NDArray[np.void],
+    rows: Rows,
+    objects: ObjectWork,
+    tick: Tick,
+    simulate: Simulate,
+    fields: Fields,
+    kin: Kin,
     depth: Vec,
     rate: Vec,
-    held: Any,
+    held: NDArray[np.int64],
     period: float,
-    states: Any,
-    samples: Any,
-    observers: Any,
+    states: NDArray[np.void],
+    samples: NDArray[np.void],
+    observers: NDArray[np.void],
     out: Vec,
 ) -> None:
     """Run the product's tick over a prescribed motion; energy taken from the user after each tick [J]."""
+    rows, objects, states = borrowed(rows), borrowed(objects), borrowed(states)
     data, command = np.zeros(DATA_LENGTH), np.zeros(COMMAND_LENGTH)
     for i in range(depth.shape[0]):
         data[DATA_Q + 2] = _ROOM + depth[i]
@@ -177,9 +208,9 @@ def _stroke(
             scenes[0],
             rows,
             objects,
-            no_objects,
-            NO_FIELDS,
-            _KIN,
+            simulate,
+            fields,
+            kin,
             states,
             data,
             0,
@@ -228,7 +259,9 @@ def energy_of(wakes: Wakes, damping: float, policy: bool, stroke: Stroke = Strok
     held = classes_of(wakes, policy)
     samples, observers = np.zeros(1, SAMPLE), np.zeros(1, OBSERVER)
     objects = new_object_work(ObjectCapacities())
-    _stroke(_scene(), _rows(damping), objects, depth, rate, held, PERIOD, new_states(), samples, observers, out)
+    plugins = (tick, no_objects, NO_FIELDS, _KIN)
+    motion = (depth, rate, held, PERIOD)
+    _stroke(_scene(), _rows(damping), objects, *plugins, *motion, new_states(), samples, observers, out)
     return float(out[-1])
 
 

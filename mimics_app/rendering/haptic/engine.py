@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts import ring, triple_buffer
 from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.function_pointers import pointers_to
 from mimics_app.contracts.haptic import EVENT
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.contracts.messages import HapticSnapshot
@@ -24,7 +25,7 @@ from mimics_app.rendering.haptic.channels import channels_of, new_work, newest_s
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.histogram import LatenessReport, percentile_us
 from mimics_app.rendering.haptic.loop import advance_ticks
-from mimics_app.rendering.haptic.loop_tick import loop_tick, tick
+from mimics_app.rendering.haptic.loop_tick import LOOP_FUNCTIONS, loop_tick, tick
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, load_simulation, no_objects
 from mimics_app.rendering.haptic.objects import ObjectWork, new_object_work
 from mimics_app.rendering.haptic.stability_report import StabilityReport, stability_of
@@ -80,9 +81,10 @@ class HapticEngine:
         self._thread: threading.Thread | None = None
         self._failure: BaseException | None = None
         simulate = no_objects if objects is None else load_simulation()
-        device = plugin.read, plugin.write, plugin.memory
         kin = tuple(self._descriptor.kinematics)
-        self._loop_args = (self._channels, self._work, loop_tick, tick, *device, simulate, fields, kin)
+        self._functions = (loop_tick, tick, plugin.read, plugin.write, simulate, fields, kin)  # the loop has no count
+        pointers = pointers_to(self._functions, LOOP_FUNCTIONS)
+        self._loop_args = (self._channels, self._work, pointers, plugin.memory)
         advance_ticks(*self._loop_args, 0, self._period_ns)
 
     @property

@@ -9,32 +9,24 @@ passed are skipped and counted as missed.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
 from mimics_app.contracts.atomics import load_acquire, now_ns, sleep_until_ns, store_release
 from mimics_app.contracts.borrowed import borrowed
-from mimics_app.contracts.device_descriptor import Kin
+from mimics_app.contracts.function_pointers import functions_at
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.ring import push
 from mimics_app.contracts.session_memory import ControlWord
 from mimics_app.rendering.haptic.channels import CHANNELS, WORK, Channels, Work
 from mimics_app.rendering.haptic.histogram import count
 from mimics_app.rendering.haptic.kernels.stability import follow_period
-from mimics_app.rendering.haptic.loop_tick import LOOP_PLUGINS
+from mimics_app.rendering.haptic.loop_tick import LOOP_FUNCTIONS
 
 __all__ = ["run_live"]
 
 Vec = NDArray[np.float64]
-Read = Callable[..., Any]
-Write = Callable[..., Any]
-Simulate = Callable[..., Any]
-Fields = tuple[Callable[..., Any], ...]
-Tick = Callable[..., Any]
 
 _QUIT = int(ControlWord.QUIT)
 _TICKS = int(ControlWord.TICKS)
@@ -42,26 +34,17 @@ _MISSED = int(ControlWord.MISSED)
 _START_NS = int(ControlWord.START_NS)
 
 
-@typed_kernel(types.int64(CHANNELS, WORK, *LOOP_PLUGINS, types.int64, types.int64))
+@typed_kernel(types.int64(CHANNELS, WORK, types.int64[::1], types.float64[::1], types.int64, types.int64))
 def run_live(
-    channels: Channels,
-    work: Work,
-    loop_tick: Tick,
-    tick: Tick,
-    read: Read,
-    write: Write,
-    memory: Vec,
-    simulate: Simulate,
-    fields: Fields,
-    kin: Kin,
-    period_ns: int,
-    spin_ns: int,
+    channels: Channels, work: Work, pointers: NDArray[np.int64], memory: Vec, period_ns: int, spin_ns: int
 ) -> int:
     """Run a tick every `period_ns` until the quit word is set; return the ticks done in all.
 
     Sleeps to absolute deadlines and spins for the last `spin_ns`. Counts lateness and duration after the first second.
-    A burst that catches up after one late wake-up counts once towards the misses in a row.
+    A burst that catches up after one late wake-up counts once towards the misses in a row. `pointers` are those of
+    `loop_tick.LOOP_FUNCTIONS`, `memory` is the device's.
     """
+    loop_tick, tick, read, write, simulate, fields, kin = functions_at(pointers, LOOP_FUNCTIONS)
     channels, work = borrowed(channels), borrowed(work)
     state = work.state[0]
     sample = work.sample[0]

@@ -2,50 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
 from mimics_app.contracts.atomics import store_release
 from mimics_app.contracts.borrowed import borrowed
-from mimics_app.contracts.device_descriptor import Kin
+from mimics_app.contracts.function_pointers import functions_at
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.ring import push
 from mimics_app.contracts.session_memory import ControlWord
 from mimics_app.rendering.haptic.channels import CHANNELS, WORK, Channels, Work
-from mimics_app.rendering.haptic.loop_tick import LOOP_PLUGINS
+from mimics_app.rendering.haptic.loop_tick import LOOP_FUNCTIONS
 
 __all__ = ["advance_ticks"]
 
 Vec = NDArray[np.float64]
-Read = Callable[..., Any]
-Write = Callable[..., Any]
-Simulate = Callable[..., Any]
-Fields = tuple[Callable[..., Any], ...]
-Tick = Callable[..., Any]
 
 _TICKS = int(ControlWord.TICKS)
 
 
-@typed_kernel(types.int64(CHANNELS, WORK, *LOOP_PLUGINS, types.int64, types.int64))
+@typed_kernel(types.int64(CHANNELS, WORK, types.int64[::1], types.float64[::1], types.int64, types.int64))
 def advance_ticks(
-    channels: Channels,
-    work: Work,
-    loop_tick: Tick,
-    tick: Tick,
-    read: Read,
-    write: Write,
-    memory: Vec,
-    simulate: Simulate,
-    fields: Fields,
-    kin: Kin,
-    ticks: int,
-    period_ns: int,
+    channels: Channels, work: Work, pointers: NDArray[np.int64], memory: Vec, ticks: int, period_ns: int
 ) -> int:
-    """Run `ticks` ticks un-timed on the virtual clock (tick k at k * period_ns); return the ticks done in all."""
+    """Run `ticks` ticks un-timed on the virtual clock (tick k at k * period_ns); return the ticks done in all.
+
+    `pointers` are those of `loop_tick.LOOP_FUNCTIONS`, `memory` is the device's.
+    """
+    loop_tick, tick, read, write, simulate, fields, kin = functions_at(pointers, LOOP_FUNCTIONS)
     channels, work = borrowed(channels), borrowed(work)
     state = work.state[0]
     sample = work.sample[0]

@@ -45,7 +45,7 @@ from mimics_app.rendering.haptic.kernels.vectors import rotate_back
 from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROWS, SIMULATE
 from mimics_app.rendering.haptic.publish import publish_events, publish_state
 
-__all__ = ["LOOP_PLUGINS", "LOOP_TICK", "SIMULATION", "TICK", "late_class", "loop_tick", "rows_of", "tick"]
+__all__ = ["LOOP_FUNCTIONS", "LOOP_TICK", "SIMULATION", "TICK", "late_class", "loop_tick", "rows_of", "tick"]
 
 Vec = NDArray[np.float64]
 Read = Callable[..., Any]
@@ -102,17 +102,18 @@ LOOP_TICK = types.int64(
 )
 """Signature of `loop_tick`."""
 
-LOOP_PLUGINS = (
-    types.FunctionType(LOOP_TICK),
-    types.FunctionType(TICK),
-    types.FunctionType(READ),
-    types.FunctionType(WRITE),
-    types.float64[::1],
-    SIMULATION,
-    FIELDS,
-    KINEMATICS_SET,
+LOOP_FUNCTIONS = types.Tuple(  # type: ignore[no-untyped-call]
+    (
+        types.FunctionType(LOOP_TICK),
+        types.FunctionType(TICK),
+        types.FunctionType(READ),
+        types.FunctionType(WRITE),
+        SIMULATION,
+        FIELDS,
+        KINEMATICS_SET,
+    )
 )
-"""What a loop is handed beside channels and work: the tick in two layers, the device, and the objects' part."""
+"""Compiled functions a loop is handed: the tick in two layers, the device's, and the objects' part."""
 
 
 tick: Tick = typed_kernel(TICK)(ticking.tick.py_func)  # type: ignore[attr-defined]
