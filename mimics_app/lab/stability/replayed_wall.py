@@ -12,7 +12,7 @@ the mean hold weighted by its own length, not K T/2. The tick that is run is the
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,17 @@ from mimics_app.rendering.haptic.no_objects import NO_FIELDS, no_objects
 from mimics_app.rendering.haptic.objects import new_object_work
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.rendering.haptic.tunnel import build_tunnel
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import (
+        Ints,
+        ObjectWork,
+        ObserverRecord,
+        SampleRecord,
+        SceneRecord,
+        StateRecord,
+        Table,
+    )
 
 __all__ = [
     "PERIOD",
@@ -60,6 +71,9 @@ _QUIET = 1.0
 _UNLIMITED = 1e9
 _LEAST, _MOST = 0.05, 1000.0
 _FINE = 1e-6
+
+_PERIOD_NS = 1_000_000
+"""`PERIOD` [ns]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,16 +151,15 @@ def weighted_period(wakes: Wakes) -> float:
 
 
 @kernel
-def _classes(scenes: Any, late_ns: Any, held: Any) -> None:
+def _classes(scenes: Table[SceneRecord], late_ns: Ints, held: Ints) -> None:
     """Late-tick class of every tick, as `run_live` counts misses in a row (ticks of no length)."""
-    period_ns = 1_000_000
     in_row = 0
     before = 0
     for i in range(late_ns.shape[0]):
         held[i] = late_class(scenes[0], late_ns[i], in_row)
-        if late_ns[i] <= period_ns:
+        if late_ns[i] <= _PERIOD_NS:
             in_row = 0
-        elif before <= period_ns:
+        elif before <= _PERIOD_NS:
             in_row += 1
         before = late_ns[i]
 
@@ -156,16 +169,16 @@ _KIN = tuple(HAPTICMASTER.kinematics)
 
 @kernel
 def _stroke(
-    scenes: Any,
-    rows: Any,
-    objects: Any,
+    scenes: Table[SceneRecord],
+    rows: Rows,
+    objects: ObjectWork,
     depth: Vec,
     rate: Vec,
-    held: Any,
+    held: Ints,
     period: float,
-    states: Any,
-    samples: Any,
-    observers: Any,
+    states: Table[StateRecord],
+    samples: Table[SampleRecord],
+    observers: Table[ObserverRecord],
     out: Vec,
 ) -> None:
     """Run the product's tick over a prescribed motion; energy taken from the user after each tick [J]."""

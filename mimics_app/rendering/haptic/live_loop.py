@@ -9,8 +9,7 @@ passed are skipped and counted as missed.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numba import types
@@ -19,6 +18,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.atomics import load_acquire, now_ns, sleep_until_ns, store_release
 from mimics_app.contracts.borrowed import borrowed
 from mimics_app.contracts.device_descriptor import Kin
+from mimics_app.contracts.haptic import NANOSECOND
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.ring import push
 from mimics_app.contracts.session_memory import ControlWord
@@ -27,26 +27,27 @@ from mimics_app.rendering.haptic.histogram import count
 from mimics_app.rendering.haptic.kernels.stability import follow_period
 from mimics_app.rendering.haptic.loop_tick import LOOP_PLUGINS
 
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import Fields, LoopTick, Read, Simulate, Tick, Write
+
 __all__ = ["run_live"]
 
 Vec = NDArray[np.float64]
-Read = Callable[..., Any]
-Write = Callable[..., Any]
-Simulate = Callable[..., Any]
-Fields = tuple[Callable[..., Any], ...]
-Tick = Callable[..., Any]
 
 _QUIT = int(ControlWord.QUIT)
 _TICKS = int(ControlWord.TICKS)
 _MISSED = int(ControlWord.MISSED)
 _START_NS = int(ControlWord.START_NS)
 
+_UNCOUNTED_NS = 1_000_000_000
+"""Lateness is counted from the second second on [ns]: the first one warms caches."""
+
 
 @typed_kernel(types.int64(CHANNELS, WORK, *LOOP_PLUGINS, types.int64, types.int64))
 def run_live(
     channels: Channels,
     work: Work,
-    loop_tick: Tick,
+    loop_tick: LoopTick,
     tick: Tick,
     read: Read,
     write: Write,
@@ -67,8 +68,8 @@ def run_live(
     sample = work.sample[0]
     control = channels.control
     timespec = work.timespec
-    dt = period_ns * 1e-9
-    first_counted = state.tick + 1_000_000_000 // period_ns
+    dt = period_ns * NANOSECOND
+    first_counted = state.tick + _UNCOUNTED_NS // period_ns
     due = now_ns(timespec) + period_ns
     control[_START_NS] = due - state.tick * period_ns
     ended = due
@@ -80,7 +81,7 @@ def run_live(
         while woke < due:
             woke = now_ns(timespec)
         late = woke - due
-        total, squares = follow_period(total, squares, float(woke - last_woke) * 1e-9, dt)
+        total, squares = follow_period(total, squares, float(woke - last_woke) * NANOSECOND, dt)
         last_woke = woke
         catching_up = ended > due
         late_stop_ns = loop_tick(

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numba import types
@@ -12,20 +11,19 @@ from numpy.typing import NDArray
 from mimics_app.contracts.atomics import store_release
 from mimics_app.contracts.borrowed import borrowed
 from mimics_app.contracts.device_descriptor import Kin
+from mimics_app.contracts.haptic import NANOSECOND
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.ring import push
 from mimics_app.contracts.session_memory import ControlWord
 from mimics_app.rendering.haptic.channels import CHANNELS, WORK, Channels, Work
 from mimics_app.rendering.haptic.loop_tick import LOOP_PLUGINS
 
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import Fields, LoopTick, Read, Simulate, Tick, Write
+
 __all__ = ["advance_ticks"]
 
 Vec = NDArray[np.float64]
-Read = Callable[..., Any]
-Write = Callable[..., Any]
-Simulate = Callable[..., Any]
-Fields = tuple[Callable[..., Any], ...]
-Tick = Callable[..., Any]
 
 _TICKS = int(ControlWord.TICKS)
 
@@ -34,7 +32,7 @@ _TICKS = int(ControlWord.TICKS)
 def advance_ticks(
     channels: Channels,
     work: Work,
-    loop_tick: Tick,
+    loop_tick: LoopTick,
     tick: Tick,
     read: Read,
     write: Write,
@@ -49,7 +47,7 @@ def advance_ticks(
     channels, work = borrowed(channels), borrowed(work)
     state = work.state[0]
     sample = work.sample[0]
-    dt = period_ns * 1e-9
+    dt = period_ns * NANOSECOND
     for _ in range(ticks):
         loop_tick(
             channels, work, tick, read, write, memory, simulate, fields, kin, 0, 0, dt, state.tick * period_ns, dt
