@@ -28,9 +28,11 @@ __all__ = [
     "LIMITS",
     "LIMIT_NAMES",
     "MAX_GEOMETRY",
+    "NANOSECOND",
     "POSE",
     "SAMPLE",
     "SCENE",
+    "SECOND_NS",
     "SNAPSHOT",
     "AdmittanceForm",
     "Button",
@@ -44,6 +46,12 @@ __all__ = [
 
 MAX_GEOMETRY = 8
 """Numbers of a device's geometry."""
+
+NANOSECOND = 1e-9
+"""[s]."""
+
+SECOND_NS = 1e9
+"""A second [ns]."""
 
 
 class SafetyState(IntEnum):

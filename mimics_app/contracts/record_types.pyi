@@ -6,12 +6,16 @@ under `TYPE_CHECKING` only: the cache of machine code, which is keyed by the sou
 at a stub, so no kernel is tied to every record.
 """
 
+from collections.abc import Callable
 from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.device_descriptor import Kin as Kin
 from mimics_app.contracts.object_rows import Rows as Rows
+from mimics_app.rendering.haptic.channels import Channels as Channels
+from mimics_app.rendering.haptic.channels import Work as Work
 from mimics_app.rendering.haptic.mesh_table import MeshTable as MeshTable
 from mimics_app.rendering.haptic.objects import ObjectWork as ObjectWork
 from mimics_app.rendering.haptic.ridge_table import RidgeTable as RidgeTable
@@ -34,6 +38,35 @@ class Table(Protocol[R]):
     def __len__(self) -> int: ...
     def __getitem__(self, index: int, /) -> R: ...
     def __setitem__(self, index: int, value: R, /) -> None: ...
+
+Read = Callable[[Floats, Floats, Floats, int], int]
+Write = Callable[[Floats, Floats, int], int]
+Field = Callable[[Floats, Floats, Floats, float, Floats], None]
+Fields = tuple[Field, ...]
+Simulate = Callable[[Rows, ObjectWork, ObjectCountsRecord, Floats, Fields, float, Floats], None]
+Tick = Callable[
+    [
+        SceneRecord,
+        Rows,
+        ObjectWork,
+        Simulate,
+        Fields,
+        Kin,
+        Table[StateRecord],
+        Floats,
+        int,
+        int,
+        int,
+        float,
+        float,
+        Floats,
+        SampleRecord,
+    ],
+    None,
+]
+LoopTick = Callable[
+    [Channels, Work, Tick, Read, Write, Floats, Simulate, Fields, Kin, int, int, float, int, float], int
+]
 
 class ObjectCountsRecord:
     """`mimics_app.contracts.haptic_objects.OBJECT_COUNTS`."""

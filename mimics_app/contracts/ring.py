@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,6 +11,7 @@ from mimics_app.contracts.kernel import kernel
 __all__ = ["DROPPED", "WORDS", "drain", "peek", "position", "push", "release", "room", "waiting"]
 
 Words = NDArray[np.int64]
+Records = NDArray[np.void]
 
 WORDS = 24
 """Length of the word array: head, tail and the count of dropped records, each on a cache line of its own."""
@@ -23,7 +22,7 @@ DROPPED = 16
 
 
 @kernel
-def push(words: Words, slots: NDArray[Any], record: NDArray[Any]) -> bool:
+def push(words: Words, slots: Records, record: Records) -> bool:
     """Producer: append record[0] to slots (structured, shape [2**k]); False, and counted, when the ring is full."""
     head = words[_HEAD]
     if head - load_acquire(words, _TAIL) >= slots.shape[0]:
@@ -35,7 +34,7 @@ def push(words: Words, slots: NDArray[Any], record: NDArray[Any]) -> bool:
 
 
 @kernel
-def room(words: Words, slots: NDArray[Any]) -> int:
+def room(words: Words, slots: Records) -> int:
     """Producer: how many records fit now."""
     return slots.shape[0] - (words[_HEAD] - load_acquire(words, _TAIL))
 
@@ -47,7 +46,7 @@ def waiting(words: Words) -> int:
 
 
 @kernel
-def drain(words: Words, slots: NDArray[Any], out: NDArray[Any]) -> int:
+def drain(words: Words, slots: Records, out: Records) -> int:
     """Consumer: move up to len(out) records into out, oldest first, and return how many."""
     tail = words[_TAIL]
     count = min(load_acquire(words, _HEAD) - tail, out.shape[0])
@@ -64,7 +63,7 @@ def position(words: Words) -> int:
 
 
 @kernel
-def peek(words: Words, slots: NDArray[Any], out: NDArray[Any]) -> int:
+def peek(words: Words, slots: Records, out: Records) -> int:
     """Consumer: copy up to len(out) records into out, oldest first, and return how many; they stay until `release`."""
     tail = words[_TAIL]
     count = min(load_acquire(words, _HEAD) - tail, out.shape[0])

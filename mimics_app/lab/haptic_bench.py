@@ -43,7 +43,7 @@ from mimics_app.rendering.haptic.simulate import simulate_objects
 from mimics_app.world.components.robot import Patient, Robot
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import ObjectCountsRecord, ObjectWork, Rows
+    from mimics_app.contracts.record_types import Fields, ObjectCountsRecord, ObjectWork, Rows, Simulate
 
 __all__ = ["BODY_WORKLOADS", "SLIDE", "Scene", "measure_haptic", "reference_us"]
 
@@ -80,6 +80,9 @@ _SLIDE_VELOCITY = 4e-3 * 2.0 * np.pi * np.cos(_PHASE)
 _WAY = np.array([[0.0, 0.0, 0.0], [0.05, 0.0, 0.0]])
 """Of the simulated person [m]."""
 
+_CREEP = 1e-9
+"""Step of the point from call to call [m], so that nothing can be taken out of the loop."""
+
 
 @kernel
 def _test_spheres(centres: Array, p: Array, calls: int) -> float:
@@ -89,7 +92,7 @@ def _test_spheres(centres: Array, p: Array, calls: int) -> float:
         for i in range(centres.shape[0]):
             x, y, z = p[0] - centres[i, 0], p[1] - centres[i, 1], p[2] - centres[i, 2]
             total += max(0.0, RADIUS - np.sqrt(x * x + y * y + z * z))
-        p[0] += 1e-9
+        p[0] += _CREEP
     return total
 
 
@@ -142,12 +145,12 @@ class Scene:
 
 @typed_kernel(types.void(types.FunctionType(SIMULATE), *SIMULATE.args, types.float64[:, ::1], types.int64, types.int64))
 def _simulate_often(
-    simulate: Any,
+    simulate: Simulate,
     rows: Rows,
     work: ObjectWork,
     counts: ObjectCountsRecord,
     hand: Array,
-    fields: Any,
+    fields: Fields,
     dt: float,
     force: Array,
     way: Array,

@@ -10,7 +10,7 @@ Importing this module registers the group.
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +48,9 @@ _PHASES = 97
 _OURS = 1000
 _UP = 1e-3
 
+_PLACES = 4
+"""Depths that a touch goes through."""
+
 
 @kernel
 def _tap(rate: int, phase: float, k: float, contact: ContactRecord, observer: ObserverRecord) -> float:
@@ -82,12 +85,12 @@ def tap_leak(rate: int) -> float:
 
 
 @kernel
-def _stay(ticks: int, k: float, contact: Any, observer: Any) -> float:
+def _stay(ticks: int, k: float, contact: ContactRecord, observer: ObserverRecord) -> float:
     """Ticks in the wall: what one second of touch costs."""
     p, v, force = np.zeros(3), np.zeros(3), np.zeros(3)
     energy = 0.0
     for i in range(ticks):
-        p[2] = -_UP * (1 + i % 4)
+        p[2] = -_UP * (1 + i % _PLACES)
         wall(p, contact)
         force[2] = spring_damper(contact.depth, rate_of_depth(v, contact), k, 0.0)
         energy = observe(observer, p, force)

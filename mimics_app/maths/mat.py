@@ -29,6 +29,9 @@ __all__ = [
 Mat4 = NDArray[np.float64]
 """float64, shape [4, 4]."""
 
+_COLUMNS = 4
+"""Of a matrix."""
+
 
 @kernel
 def compose_trs(translation: Vec, rotation: Quat, scale: Vec, out: Mat4) -> None:
@@ -46,7 +49,7 @@ def compose_trs(translation: Vec, rotation: Quat, scale: Vec, out: Mat4) -> None
 def multiply_affine(a: Mat4, b: Mat4, out: Mat4) -> None:
     """Set out = a b for matrices whose last row is 0 0 0 1; three quarters of the work of the general product."""
     for row in range(3):
-        for column in range(4):
+        for column in range(_COLUMNS):
             out[row, column] = a[row, 0] * b[0, column] + a[row, 1] * b[1, column] + a[row, 2] * b[2, column]
         out[row, 3] += a[row, 3]
         out[3, row] = 0.0

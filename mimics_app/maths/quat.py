@@ -15,6 +15,7 @@ from mimics_app.maths.vec import Vec, unit
 
 __all__ = [
     "IDENTITY",
+    "QUATERNION",
     "Quat",
     "about_axis",
     "conjugate",
@@ -36,11 +37,17 @@ Quat = NDArray[np.float64]
 
 IDENTITY = (0.0, 0.0, 0.0, 1.0)
 
+QUATERNION = 4
+"""Numbers of a quaternion."""
+
 _SERIES_ANGLE = 1e-4
 """Below this angle [rad] sin(a)/a by its series: the next term, a^4/120, is under 1e-18."""
 
 _STRAIGHT = 1e-6
 """Angle [rad] between quaternions below which slerp is a straight line (error of order angle^2, 1e-12)."""
+
+_ROUND = 1e-9
+"""Sine of half an angle below which the direction of a turn is lost in rounding: its rotation vector is 2 xyz."""
 
 
 @kernel
@@ -113,7 +120,7 @@ def log_map(q: Quat, out: Vec) -> None:
     """Set out = the rotation vector [rad] of a unit quaternion, the shorter way round: undoes `exp_map` up to pi."""
     sign = 1.0 if q[3] >= 0.0 else -1.0
     s = math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2])
-    scale = 2.0 * sign if s < 1e-9 else 2.0 * sign * math.atan2(s, sign * q[3]) / s
+    scale = 2.0 * sign if s < _ROUND else 2.0 * sign * math.atan2(s, sign * q[3]) / s
     x, y, z = scale * q[0], scale * q[1], scale * q[2]
     out[0], out[1], out[2] = x, y, z
 
@@ -143,7 +150,7 @@ def slerp(a: Quat, b: Quat, t: float, out: Quat) -> None:
     # |a - b| and |a + b| give the angle to full precision where the cosine alone loses half the digits.
     difference = 0.0
     total = 0.0
-    for i in range(4):
+    for i in range(QUATERNION):
         difference += (a[i] - sign * b[i]) ** 2
         total += (a[i] + sign * b[i]) ** 2
     angle = 2.0 * math.atan2(math.sqrt(difference), math.sqrt(total))
@@ -152,7 +159,7 @@ def slerp(a: Quat, b: Quat, t: float, out: Quat) -> None:
     else:
         sine = math.sin(angle)
         wa, wb = math.sin((1.0 - t) * angle) / sine, sign * math.sin(t * angle) / sine
-    for i in range(4):
+    for i in range(QUATERNION):
         out[i] = wa * a[i] + wb * b[i]
     normalise(out, out)
 

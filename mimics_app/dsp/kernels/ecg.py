@@ -22,6 +22,27 @@ ECG_STATE = 14
 RR, running sum of squares, best refused candidate, samples seen, last good input, NaN in a row, whether the levels are
 learnt, candidates kept until then."""
 
+_NEVER = 10.0
+"""So long ago counts the last beat where there was none [s]."""
+
+_USUAL_RR, _LONGEST_RR = 0.8, 1.2
+"""The interval expected where none is known, and the longest that is believed of the first one [s]."""
+
+_NOISE_CAP = 0.8
+"""A refused peak counts for the level of noise with this share of the level of beats at most."""
+
+_REFRACTORY = 0.36
+"""A peak within this time of a beat [s] is its T wave and no missed beat (Pan & Tompkins)."""
+
+_FASTEST_RR, _MISSED_RR = 0.25, 1.7
+"""An interval is believed from this time [s] on, and below so many mean ones: else a beat was made up or missed."""
+
+_DOUBTFUL_SHARE, _DOUBTFUL_RR = 0.05, 2.0
+"""An interval that is not believed moves the mean by this share, and counts as so long at most [s]."""
+
+_SILENCE = 1e-12
+"""Least level of noise that an energy is divided by."""
+
 
 @kernel
 def find_beats(
@@ -180,16 +201,16 @@ def _judge(
     count: int,
 ) -> int:
     """Take a peak of the energy as a beat, or as noise."""
-    since = t - state[LAST] if state[LAST] >= 0.0 else 10.0 * rate
+    since = t - state[LAST] if state[LAST] >= 0.0 else _NEVER * rate
     if since < dead:
         return count
-    expected = state[RR] if state[RR] > 0.0 else 0.8 * rate
+    expected = state[RR] if state[RR] > 0.0 else _USUAL_RR * rate
     share = min(since / expected, 2.0)
     factor = tuning[7] + (tuning[8] - tuning[7]) * max(1.0 - share / tuning[9], 0.0)
     if v > state[NPK] + factor * (state[SPK] - state[NPK]):
         return _accept(t, v, n, state, ring, delay, tuning, rate, out, count)
-    state[NPK] += tuning[11] * (min(v, 0.8 * state[SPK]) - state[NPK])
-    if v > state[BACK_V] and since > 0.36 * rate:
+    state[NPK] += tuning[11] * (min(v, _NOISE_CAP * state[SPK]) - state[NPK])
+    if v > state[BACK_V] and since > _REFRACTORY * rate:
         state[BACK_V], state[BACK_T] = v, t
     return count
 
@@ -215,15 +236,15 @@ def _accept(
     if state[LAST] >= 0.0:
         rr = t - state[LAST]
         if state[RR] == 0.0:
-            state[RR] = min(rr, 1.2 * rate)
-        elif 0.25 * rate < rr < 1.7 * state[RR]:
+            state[RR] = min(rr, _LONGEST_RR * rate)
+        elif _FASTEST_RR * rate < rr < _MISSED_RR * state[RR]:
             state[RR] += tuning[14] * (rr - state[RR])
         else:
-            state[RR] += 0.05 * (min(rr, 2.0 * rate) - state[RR])
+            state[RR] += _DOUBTFUL_SHARE * (min(rr, _DOUBTFUL_RR * rate) - state[RR])
     state[LAST] = t
     state[SPK] += tuning[10] * (min(v, tuning[15] * state[SPK]) - state[SPK])
     state[BACK_V] = 0.0
     if count < out.shape[0]:
-        out[count, 0], out[count, 1], out[count, 2] = at - delay, n, v / max(state[NPK], 1e-12)
+        out[count, 0], out[count, 1], out[count, 2] = at - delay, n, v / max(state[NPK], _SILENCE)
         count += 1
     return count

@@ -16,6 +16,16 @@ EMG_STATE = 10
 """Samples seen, running sum of squares, mean and spread of the quiet envelope, samples above in a row, whether active,
 samples below in a row, last good input, when the envelope rose, sum of the envelope (integrated EMG)."""
 
+_WINDOW, _ONSET, _SETTLES, _RELEASE = 0.05, 0.025, 0.2, 0.1
+"""Of the envelope; above before it is an onset; at the start until the envelope means something; below before it ends
+[s]."""
+
+_SPREADS, _RISE = 6.0, 0.3
+"""An onset lies so many spreads and this share of the baseline above the baseline."""
+
+_LAG = 0.2
+"""Of the window, by which the envelope rises later than the muscle."""
+
 
 @kernel
 def find_onsets(
@@ -36,8 +46,8 @@ def find_onsets(
     Returns:
         How many onsets were written.
     """
-    w, m, count = max(int(0.05 * rate), 2), ring.shape[0], 0
-    least = 0.025 * rate
+    w, m, count = max(int(_WINDOW * rate), 2), ring.shape[0], 0
+    least = _ONSET * rate
     for i in range(x.shape[0]):
         if not np.isnan(x[i]):
             state[HELD] = x[i]
@@ -50,14 +60,14 @@ def find_onsets(
         rms = np.sqrt(state[SUM] / w)
         envelope[i] = rms
         state[TOTAL] += rms / rate
-        if n < 0.2 * rate:
+        if n < _SETTLES * rate:
             continue
         if n < rate:
-            share = 1.0 / (n - 0.2 * rate + 1.0)
+            share = 1.0 / (n - _SETTLES * rate + 1.0)
             state[BASE] += share * (rms - state[BASE])
             state[SPREAD] += share * (abs(rms - state[BASE]) - state[SPREAD])
             continue
-        if rms > state[BASE] + 6.0 * state[SPREAD] + 0.3 * state[BASE]:
+        if rms > state[BASE] + _SPREADS * state[SPREAD] + _RISE * state[BASE]:
             state[BELOW] = 0.0
             if state[ABOVE] == 0.0:
                 state[SINCE] = n
@@ -65,12 +75,12 @@ def find_onsets(
             if state[ACTIVE] == 0.0 and state[ABOVE] >= least:
                 state[ACTIVE] = 1.0
                 if count < out.shape[0]:
-                    out[count, 0], out[count, 1], out[count, 2] = state[SINCE] - 0.2 * w, n, rms
+                    out[count, 0], out[count, 1], out[count, 2] = state[SINCE] - _LAG * w, n, rms
                     count += 1
         else:
             state[ABOVE] = 0.0
             state[BELOW] += 1.0
-            if state[BELOW] > 0.1 * rate:
+            if state[BELOW] > _RELEASE * rate:
                 state[ACTIVE] = 0.0
                 state[BASE] += 0.5 / rate * (rms - state[BASE])
                 state[SPREAD] += 0.5 / rate * (abs(rms - state[BASE]) - state[SPREAD])

@@ -15,6 +15,33 @@ TURN_STATE = 10
 """Samples seen, whether it rises, last trough and when, last crest and when, usual size, last good input, NaN in a row,
 the trough before."""
 
+_BEGINS = 0.3
+"""A response begins when the signal has risen by this share of the least amplitude."""
+
+_SLOWEST_RISE = 6.0
+"""A rise that takes longer before it shows is a drift [s]."""
+
+_BACK, _LEAST_BACK = 0.02, 0.03
+"""A response has peaked when the signal has gone back by this share of it, and of the least amplitude."""
+
+_SHORTEST_RESPONSE, _LONGEST_RESPONSE = 0.3, 8.0
+"""From onset to peak [s]."""
+
+_WAY_BACK = 0.2
+"""Of the usual breath, by which the signal goes back before it has turned."""
+
+_NOTHING = 1e-9
+"""Least way back, of a signal that is still [its unit]."""
+
+_SHORTEST_PHASE, _SHORTEST_BREATH, _LONGEST_BREATH = 0.2, 0.8, 20.0
+"""Of one direction, and of a whole breath [s]."""
+
+_SIZE_SHARE, _LARGEST_BREATH = 0.25, 3.0
+"""A breath moves the usual size by this share, and counts as so many usual ones at most."""
+
+_PAUSE, _FADE = 10.0, 0.2
+"""After so long without a breath [s] the usual size falls by this share a second."""
+
 
 @kernel
 def run_sections(value: float, sos: Floats, z: Floats) -> float:
@@ -78,17 +105,17 @@ def find_responses(
         if state[RISING] == 0.0:
             if value < state[LOW]:
                 state[LOW], state[LOW_T] = value, n
-            elif value > state[LOW] + 0.3 * least:
+            elif value > state[LOW] + _BEGINS * least:
                 state[RISING], state[HIGH], state[HIGH_T] = 1.0, value, n
-            elif n - state[LOW_T] > 6.0 * rate:  # a slow drift is no response
+            elif n - state[LOW_T] > _SLOWEST_RISE * rate:  # a slow drift is no response
                 state[LOW], state[LOW_T] = value, n
             continue
         if value > state[HIGH]:
             state[HIGH], state[HIGH_T] = value, n
         size = state[HIGH] - state[LOW]
-        if value < state[HIGH] - max(0.02 * size, 0.03 * least):
+        if value < state[HIGH] - max(_BACK * size, _LEAST_BACK * least):
             rise = (state[HIGH_T] - state[LOW_T]) / rate
-            if size >= least and 0.3 <= rise <= 8.0 and count < out.shape[0]:
+            if size >= least and _SHORTEST_RESPONSE <= rise <= _LONGEST_RESPONSE and count < out.shape[0]:
                 out[count, 0], out[count, 1], out[count, 2], out[count, 3] = state[HIGH_T], n, size, state[LOW_T]
                 count += 1
             state[RISING], state[LOW], state[LOW_T] = 0.0, value, n
@@ -119,14 +146,18 @@ def find_breaths(x: Floats, sos: Floats, z: Floats, state: Floats, rate: float, 
         if n < 0.5 * rate:
             state[LOW], state[HIGH] = value, value
             continue
-        back = 0.2 * state[SIZE] + 1e-9
+        back = _WAY_BACK * state[SIZE] + _NOTHING
         if state[RISING] == 0.0:
             if value < state[LOW]:
                 state[LOW], state[LOW_T] = value, n
-            elif value > state[LOW] + back and n - state[LOW_T] > 0.2 * rate:
+            elif value > state[LOW] + back and n - state[LOW_T] > _SHORTEST_PHASE * rate:
                 whole = state[LOW_T] - state[LAST_T]
                 depth = state[HIGH] - state[LOW]
-                if state[LAST_T] > 0.0 and count < out.shape[0] and 0.8 * rate < whole < 20.0 * rate:
+                if (
+                    state[LAST_T] > 0.0
+                    and count < out.shape[0]
+                    and _SHORTEST_BREATH * rate < whole < _LONGEST_BREATH * rate
+                ):
                     out[count, 0], out[count, 1], out[count, 2] = state[LOW_T], n, depth
                     out[count, 3], out[count, 4] = state[HIGH_T] - state[LAST_T], whole
                     count += 1
@@ -134,11 +165,11 @@ def find_breaths(x: Floats, sos: Floats, z: Floats, state: Floats, rate: float, 
                 state[RISING], state[HIGH], state[HIGH_T] = 1.0, value, n
         elif value > state[HIGH]:
             state[HIGH], state[HIGH_T] = value, n
-        elif value < state[HIGH] - back and n - state[HIGH_T] > 0.2 * rate:
+        elif value < state[HIGH] - back and n - state[HIGH_T] > _SHORTEST_PHASE * rate:
             size = state[HIGH] - state[LOW]
             usual = state[SIZE]
-            state[SIZE] = size if usual == 0.0 else usual + 0.25 * (min(size, 3.0 * usual) - usual)
+            state[SIZE] = size if usual == 0.0 else usual + _SIZE_SHARE * (min(size, _LARGEST_BREATH * usual) - usual)
             state[RISING], state[LOW], state[LOW_T] = 0.0, value, n
-        if n - max(state[LOW_T], state[HIGH_T]) > 10.0 * rate:
-            state[SIZE] *= 1.0 - 0.2 / rate
+        if n - max(state[LOW_T], state[HIGH_T]) > _PAUSE * rate:
+            state[SIZE] *= 1.0 - _FADE / rate
     return count

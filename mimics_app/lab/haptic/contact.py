@@ -87,6 +87,12 @@ _PHASES = 16
 _MOST_STEPS = 10_000_000
 _CALLS = 20_000
 
+_HERTZIAN = 1.5
+"""Exponent of Hertz's sphere."""
+
+_MIDDLE = 1e-3
+"""Depth [m] that the pressed ones move about."""
+
 
 @kernel
 def _force(number: int, depth: float, rate: float) -> float:
@@ -96,7 +102,7 @@ def _force(number: int, depth: float, rate: float) -> float:
         return spring_damper(depth, rate, _STIFFNESS, _DAMPING)
     if number == 2:
         return hunt_crossley(depth, rate, _STIFFNESS, _U * _STIFFNESS / _SPEED, 1.0)
-    return hunt_crossley(depth, rate, _HERTZ, _U * _HERTZ / _SPEED, 1.5)
+    return hunt_crossley(depth, rate, _HERTZ, _U * _HERTZ / _SPEED, _HERTZIAN)
 
 
 @kernel
@@ -154,7 +160,7 @@ def _press(number: int, ticks: int, depth: Array, rate: Array, total: Array) -> 
     for _ in range(ticks):
         for i in range(depth.shape[0]):
             total[i] += _force(number, depth[i], rate[i])
-            depth[i] = 1e-3 + 0.5 * (depth[i] - 1e-3)
+            depth[i] = _MIDDLE + 0.5 * (depth[i] - _MIDDLE)
 
 
 def _law_cost_us(law: str, contacts: int) -> float:

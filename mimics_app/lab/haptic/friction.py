@@ -82,6 +82,15 @@ _TICKS = _SETTLED + _HELD + 1
 _CALLS = 20_000
 _FAILED = 1.01  # of the cone: what has left it by more holds nothing
 
+_LUGRE_EXPLICIT = 4
+"""Number of the law."""
+
+_SHAKE_HZ = 5.0
+"""Of the load."""
+
+_TO_AND_FRO = 100.0
+"""Square of the rate of the slide, 10 rad/s."""
+
 
 @dataclass(frozen=True, slots=True)
 class Hold:
@@ -108,7 +117,7 @@ def _friction(number: int, x: Array, v: Array, load: Array, state: FrictionRecor
         karnopp(v, load, _NORMAL, _MU, _MU, _THRESHOLD, state, out)
     elif number == 3:
         hayward_armstrong(x, _NORMAL, _MU, _BRISTLES, state, out)
-    elif number == 4:
+    elif number == _LUGRE_EXPLICIT:
         lugre_explicit(v, _NORMAL, _MU, _MU, _STRIBECK, _BRISTLES, 0.0, _DT, state, out)
     else:
         lugre_implicit(v, _NORMAL, _MU, _MU, _STRIBECK, _BRISTLES, 0.0, _DT, state, out)
@@ -116,7 +125,7 @@ def _friction(number: int, x: Array, v: Array, load: Array, state: FrictionRecor
 
 @kernel
 def _load_at(tick: int) -> float:
-    return 0.0 if tick < _LOADED else 1.0 + 0.5 * math.sin(2.0 * math.pi * 5.0 * _DT * (tick - _LOADED))
+    return 0.0 if tick < _LOADED else 1.0 + 0.5 * math.sin(2.0 * math.pi * _SHAKE_HZ * _DT * (tick - _LOADED))
 
 
 @kernel
@@ -164,7 +173,7 @@ def _slide(number: int, ticks: int, states: Table[FrictionRecord], x: Array, v: 
     for i in range(x.shape[0]):
         x_i, v_i, load_i, state_i, out_i = x[i], v[i], load[i], states[i], out[i]
         for _ in range(ticks):
-            v_i[0] -= _DT * 100.0 * x_i[0]  # to and fro at 10 rad/s
+            v_i[0] -= _DT * _TO_AND_FRO * x_i[0]
             x_i[0] += _DT * v_i[0]
             _friction(number, x_i, v_i, load_i, state_i, out_i)
 

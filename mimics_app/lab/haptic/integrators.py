@@ -76,6 +76,9 @@ _TICKS = 200
 _REFERENCE_STEPS = 100  # a tick: 10 us
 _COST_TICKS = 20_000
 
+_RK4 = 4
+"""Number of the method."""
+
 
 @kernel
 def _step(number: int, x: float, v: float, dt: float) -> tuple[float, float]:
@@ -87,7 +90,7 @@ def _step(number: int, x: float, v: float, dt: float) -> tuple[float, float]:
         return step_implicit(x, v, _PUSH, _MASS, _DAMPING, _STIFFNESS, dt)
     if number == 3:
         return step_midpoint(x, v, _PUSH, _MASS, _DAMPING, _STIFFNESS, dt)
-    if number == 4:
+    if number == _RK4:
         return step_rk4(x, v, _PUSH, _MASS, _DAMPING, _STIFFNESS, dt)
     return step_exact(x, v, _PUSH, _MASS, _DAMPING, _STIFFNESS, dt)
 

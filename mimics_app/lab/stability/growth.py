@@ -28,6 +28,12 @@ _GONE = 1e-6
 
 _LENGTHEN = 4
 
+_QUARTERS = 4
+"""Of a run."""
+
+_OVERFLOWS = 1e200
+"""A motion that far from rest counts as infinite: its square must stay finite."""
+
 
 @kernel
 def note_peak(size: float, tick: int, ticks: int, peaks: Vec) -> None:
@@ -39,9 +45,9 @@ def note_peak(size: float, tick: int, ticks: int, peaks: Vec) -> None:
         ticks: Length of the run.
         peaks: Shape [4], zero at the start.
     """
-    quarter = min(3, 4 * tick // ticks)
-    if not size < 1e200:
-        for i in range(quarter, 4):
+    quarter = min(3, _QUARTERS * tick // ticks)
+    if not size < _OVERFLOWS:
+        for i in range(quarter, _QUARTERS):
             peaks[i] = math.inf
     elif size > peaks[quarter]:
         peaks[quarter] = size

@@ -39,6 +39,9 @@ _CARTESIAN = int(AdmittanceForm.CARTESIAN)
 _GRIP_STIFFNESS = 4000.0
 _GRIP_DAMPING = 50.0
 
+_SPEED_SHARE = 0.1
+"""Way [m] that a speed [m/s] counts as, where it is asked how far a motion is from rest [s]."""
+
 
 @dataclass(frozen=True, slots=True)
 class Arm:
@@ -120,7 +123,7 @@ def _hold_rigidly(machine: Vec, hand: Vec, mass: float, damping: float, ticks: i
         admit(_CARTESIAN, q, force, mass, damping, _FREE, _FREE, 1.0, dt, scratch, v, dq)
         step_robot(machine)
         command_robot(machine, dq)
-        size = max(abs(machine[robot.Q + _AXIS]), 0.1 * abs(v[_AXIS]))
+        size = max(abs(machine[robot.Q + _AXIS]), _SPEED_SHARE * abs(v[_AXIS]))
         note_peak(size, i, ticks, peaks)
         if not size < _LARGE:
             peaks[3] = np.inf
@@ -144,7 +147,7 @@ def _hold_softly(machine: Vec, person: Vec, mass: float, damping: float, ticks: 
         q, force = data[DATA_Q : DATA_Q + 3], data[DATA_FORCE : DATA_FORCE + 3]
         admit(_CARTESIAN, q, force, mass, damping, _FREE, _FREE, 1.0, dt, scratch, v, dq)
         command_robot(machine, dq)
-        size = max(abs(machine[robot.Q + _AXIS]), 0.1 * abs(v[_AXIS]))
+        size = max(abs(machine[robot.Q + _AXIS]), _SPEED_SHARE * abs(v[_AXIS]))
         note_peak(size, i, ticks, peaks)
         if not size < _LARGE:
             peaks[3] = np.inf

@@ -5,15 +5,23 @@ Taken from the module's names when an experiment runs, so that a test may put a 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numba import from_dtype, types
 from numpy.typing import NDArray
 
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 
-__all__ = ["NORMAL_LAW", "ROTATION", "SHAPE", "identified_rate"]
+__all__ = ["NORMAL_LAW", "ROTATION", "SHAPE", "NormalLaw", "Rotation", "identified_rate"]
 
 Vec = NDArray[np.float64]
+
+NormalLaw = Callable[[float, float, float, float], float]
+"""What `NORMAL_LAW` is to a type checker."""
+
+Rotation = Callable[[Vec, Vec, Vec, float], None]
+"""What `ROTATION` is."""
 
 NORMAL_LAW = types.FunctionType(types.float64(types.float64, types.float64, types.float64, types.float64))
 """force [N] = law(depth [m], rate [m/s], k [N/m], b [N s/m])."""

@@ -11,9 +11,8 @@ the mean hold weighted by its own length, not K T/2. The tick that is run is the
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numba import from_dtype, types
@@ -36,6 +35,20 @@ from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROWS, ObjectWork, n
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.rendering.haptic.tunnel import build_tunnel
 
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import (
+        Fields,
+        Ints,
+        ObjectWork,
+        ObserverRecord,
+        SampleRecord,
+        SceneRecord,
+        Simulate,
+        StateRecord,
+        Table,
+        Tick,
+    )
+
 __all__ = [
     "PERIOD",
     "STIFFNESS",
@@ -52,9 +65,6 @@ __all__ = [
 ]
 
 Vec = NDArray[np.float64]
-Tick = Callable[..., Any]
-Simulate = Callable[..., Any]
-Fields = tuple[Callable[..., Any], ...]
 
 _VECTOR = types.float64[::1]
 
@@ -68,6 +78,9 @@ _QUIET = 1.0
 _UNLIMITED = 1e9
 _LEAST, _MOST = 0.05, 1000.0
 _FINE = 1e-6
+
+_PERIOD_NS = 1_000_000
+"""`PERIOD` [ns]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,16 +158,15 @@ def weighted_period(wakes: Wakes) -> float:
 
 
 @kernel
-def _classes(scenes: Any, late_ns: Any, held: Any) -> None:
+def _classes(scenes: Table[SceneRecord], late_ns: Ints, held: Ints) -> None:
     """Late-tick class of every tick, as `run_live` counts misses in a row (ticks of no length)."""
-    period_ns = 1_000_000
     in_row = 0
     before = 0
     for i in range(late_ns.shape[0]):
         held[i] = late_class(scenes[0], late_ns[i], in_row)
-        if late_ns[i] <= period_ns:
+        if late_ns[i] <= _PERIOD_NS:
             in_row = 0
-        elif before <= period_ns:
+        elif before <= _PERIOD_NS:
             in_row += 1
         before = late_ns[i]
 
@@ -182,7 +194,7 @@ _KIN = tuple(HAPTICMASTER.kinematics)
     )
 )
 def _stroke(
-    scenes: NDArray[np.void],
+    scenes: Table[SceneRecord],
     rows: Rows,
     objects: ObjectWork,
     tick: Tick,
@@ -191,11 +203,11 @@ def _stroke(
     kin: Kin,
     depth: Vec,
     rate: Vec,
-    held: NDArray[np.int64],
+    held: Ints,
     period: float,
-    states: NDArray[np.void],
-    samples: NDArray[np.void],
-    observers: NDArray[np.void],
+    states: Table[StateRecord],
+    samples: Table[SampleRecord],
+    observers: Table[ObserverRecord],
     out: Vec,
 ) -> None:
     """Run the product's tick over a prescribed motion; energy taken from the user after each tick [J]."""

@@ -39,6 +39,9 @@ _SMALLEST_GROWTH = 1e-6
 _BREAKING = {"explicit": 0.05, "semi-implicit": 0.0, "rk4": 0.0}
 """Methods with a largest step, and the least damping ratio for which they have one."""
 
+_RK4 = 4
+"""Number of the method."""
+
 
 @kernel
 def _step(method: int, x: float, v: float, b: float, h: float) -> tuple[float, float]:
@@ -51,7 +54,7 @@ def _step(method: int, x: float, v: float, b: float, h: float) -> tuple[float, f
         return step_implicit(x, v, 0.0, 1.0, b, 1.0, h)
     if method == 3:
         return step_midpoint(x, v, 0.0, 1.0, b, 1.0, h)
-    if method == 4:
+    if method == _RK4:
         return step_rk4(x, v, 0.0, 1.0, b, 1.0, h)
     return step_exact(x, v, 0.0, 1.0, b, 1.0, h)
 

@@ -47,6 +47,21 @@ _PRECISION = 1e-3
 _NEGLIGIBLE = 1e-6
 """A swing of this share of an encoder step is rest."""
 
+_CYCLE = 4
+"""Ticks: twice to and fro, the second time with all that the first left behind."""
+
+_EXTRAS, _BEFORES = (_SLIVER, 0.3, 0.9), (0.5 * _SLIVER, 0.2, 0.5)
+"""Shares of an encoder's step by which a motion goes beyond whole steps, and before which it begins."""
+
+_IN_THE_WALL = 10.5
+"""Where it begins, in steps of the encoder."""
+
+_COARSER = 1.15
+"""Ratio of the numbers of steps that are tried one after the other."""
+
+_QUARTERS = 4
+"""Of a run."""
+
 
 @dataclass(frozen=True, slots=True)
 class Device:
@@ -85,7 +100,7 @@ def _work_of_cycle(near: float, far: float, k: float, memory: Vec, data: Vec, ob
     push = np.zeros(3)
     start = 0.0
     energy = 0.0
-    for i in range(4):
+    for i in range(_CYCLE):
         x = near if i % 2 == 0 else far
         position[_AXIS] = -x
         push[_AXIS] = _wall_force(x, k, memory, still, data)
@@ -103,14 +118,14 @@ def _is_passive(
     data = np.zeros(DATA_LENGTH)
     steps = 1
     while steps <= _MOST_STEPS:
-        for extra in (_SLIVER, 0.3, 0.9):
+        for extra in _EXTRAS:
             way = (steps - 1 + extra) * quantum
-            for before in (0.5 * _SLIVER, 0.2, 0.5):
-                near = (10.5 - min(before, 0.5 * extra)) * quantum
+            for before in _BEFORES:
+                near = (_IN_THE_WALL - min(before, 0.5 * extra)) * quantum
                 taken = _work_of_cycle(near, near + way, k, memory, data, observer)
                 if taken + 2.0 * way * (friction + damping * way / _DT) < 0.0:
                     return False
-        steps = max(steps + 1, int(1.15 * steps))
+        steps = max(steps + 1, int(_COARSER * steps))
     return True
 
 
@@ -154,7 +169,7 @@ def _swing(k: float, friction: float, damping: float, push: float, x: float, v: 
         for _ in range(_SUBSTEPS):
             v = _slide(v, load, friction, damping, h)
             x += h * v
-        if 4 * i >= 3 * _TICKS:
+        if _QUARTERS * i >= 3 * _TICKS:
             lowest = min(lowest, x)
             highest = max(highest, x)
     return highest - lowest

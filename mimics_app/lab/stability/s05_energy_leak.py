@@ -27,6 +27,9 @@ _RATE = 1000.0
 _DEPTHS = (1e-3, 3e-3, 10e-3)
 _PHASES = 400
 
+_OUTSIDE = 4
+"""Ticks of a tap before and after the touch."""
+
 
 @kernel
 def _tap(
@@ -41,7 +44,7 @@ def _tap(
     line = np.zeros(late + 1)
     taken = 0.0
     naive = 0.0
-    ticks = int(2.0 * depth / (speed * dt)) + 4 + late
+    ticks = int(2.0 * depth / (speed * dt)) + _OUTSIDE + late
     for i in range(ticks):
         t = (i - 1 + phase) * dt
         going_in = speed * t <= depth

@@ -32,6 +32,9 @@ _PHASES = 400
 OFF, UNLIMITED = 0.0, math.inf
 """Largest damping [N s/m] of a controller that is off, and of one that may do all it needs."""
 
+_OUTSIDE = 4
+"""Ticks of a tap before and after the touch."""
+
 
 @kernel
 def _tap(
@@ -41,7 +44,7 @@ def _tap(
     place, push, v = np.zeros(3), np.zeros(3), np.zeros(3)
     credit = 0.0
     most_taken = 0.0
-    for i in range(int(2.0 * depth / (speed * dt)) + 4):
+    for i in range(int(2.0 * depth / (speed * dt)) + _OUTSIDE):
         t = (i - 1 + phase) * dt
         going_in = speed * t <= depth
         x = speed * t if going_in else 2.0 * depth - speed * t

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.kernel import kernel, typed_kernel
 from mimics_app.lab.experiment import Experiment, Outcome, largest_disagreement
 from mimics_app.lab.stability import s12_rotation_drift as rotations
-from mimics_app.lab.stability.laws import NORMAL_LAW, identified_rate
+from mimics_app.lab.stability.laws import NORMAL_LAW, NormalLaw, identified_rate
 from mimics_app.rendering.haptic.control.joint_pd import joint_pd, joint_pd_as_printed
 from mimics_app.rendering.haptic.kernels.contact import rate_of_depth, sphere
 from mimics_app.rendering.haptic.kernels.contact_law import pair_force, pair_force_printed, spring_damper
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 __all__ = ["EXPERIMENT", "object_law_printed", "pd_rate", "pressed_rate", "sphere_rate"]
 
 Vec = NDArray[np.float64]
-Law = Callable[..., float]
+JointPd = Callable[[Vec, Vec, Vec, Vec, Vec, Vec], None]
 
 _DT = 1e-3
 _TICKS = 400
@@ -61,7 +61,7 @@ _PD = types.FunctionType(types.void(*[types.float64[::1]] * 6))
 
 
 @typed_kernel(types.void(_PD, types.float64, types.float64, types.float64, types.float64[::1]))
-def _drive(pd: Any, kp: float, kd: float, dt: float, error: Vec) -> None:
+def _drive(pd: JointPd, kp: float, kd: float, dt: float, error: Vec) -> None:
     """A robot that moves with each command for one tick, and measures that speed; its error from rest at 0."""
     q, dq, target, command = np.full(3, _NUDGE), np.zeros(3), np.zeros(3), np.zeros(3)
     gains, rates = np.full(3, kp), np.full(3, kd)
@@ -78,7 +78,7 @@ def _drive(pd: Any, kp: float, kd: float, dt: float, error: Vec) -> None:
         NORMAL_LAW, types.float64, types.float64, types.float64, types.float64, types.float64, types.float64[::1]
     )
 )
-def _press(law: Any, m1: float, m2: float, k: float, b: float, dt: float, motion: Vec) -> None:
+def _press(law: NormalLaw, m1: float, m2: float, k: float, b: float, dt: float, motion: Vec) -> None:
     """Two bodies pressed together by k times the preload, nudged; how far they have come apart from rest.
 
     The first is the HIP when m1 is infinite.
@@ -116,14 +116,14 @@ def _touch_sphere(
         place, speed = step_semi_implicit(place, speed, push - load, mass, 0.0, 0.0, dt)
 
 
-def pd_rate(pd: Callable[..., None], kp: float) -> float:
+def pd_rate(pd: JointPd, kp: float) -> float:
     """Growth rate [1/s] of the error under a joint PD controller with Kp [1/s] and Kd 0.3."""
     error = np.zeros(60)
     _drive(pd, kp, _KD, _DT, error)
     return identified_rate(error, _DT)
 
 
-def pressed_rate(law: Law, b: float, m1: float, m2: float) -> float:
+def pressed_rate(law: NormalLaw, b: float, m1: float, m2: float) -> float:
     """Growth rate [1/s] of two bodies pressed together at 2 kN/m and b [N s/m]; m1 may be inf."""
     motion = np.zeros(_TICKS)
     _press(law, m1, m2, _STIFFNESS, b, _DT, motion)

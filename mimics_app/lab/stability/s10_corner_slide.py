@@ -8,6 +8,7 @@ point leaves through the side, where k d falls to zero: inherent to the law of t
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,12 +29,18 @@ __all__ = ["EXPERIMENT", "slide"]
 
 Vec = NDArray[np.float64]
 
+Shape = Callable[[Vec, Vec, Vec, "ContactRecord"], None]
+"""Nearest surface of a shape: place, velocity, dimensions, contact."""
+
 _EDGE = 0.1
 _STIFFNESS = 2000.0
 _SPEED = 0.01
 _DT = 1e-3
 _RUN_UP = 0.005
 _UNFELT = 0.1
+
+_ABOVE = 1e-3
+"""Where the slide begins, over the top [m]."""
 
 
 @kernel
@@ -45,10 +52,10 @@ def nearest(p: Vec, v: Vec, dimensions: Vec, contact: ContactRecord) -> None:
 @typed_kernel(
     types.void(SHAPE, types.float64, types.int64, types.float64[::1], from_dtype(CONTACT)[::1], types.float64[::1])
 )
-def _slide(shape: Any, depth: float, ticks: int, dimensions: Vec, contacts: Table[ContactRecord], out: Vec) -> None:
+def _slide(shape: Shape, depth: float, ticks: int, dimensions: Vec, contacts: Table[ContactRecord], out: Vec) -> None:
     """out: greatest change of the force in one tick inside [N], on leaving [N], ticks pushed by another face."""
     contact = contacts[0]
-    p = np.array([0.5 * dimensions[0] - depth - _RUN_UP, 0.0, 0.5 * dimensions[2] + 1e-3])
+    p = np.array([0.5 * dimensions[0] - depth - _RUN_UP, 0.0, 0.5 * dimensions[2] + _ABOVE])
     v = np.array([0.0, 0.0, -1.0])
     force = np.zeros(3)
     last = np.zeros(3)
@@ -73,7 +80,7 @@ def _slide(shape: Any, depth: float, ticks: int, dimensions: Vec, contacts: Tabl
         p[0] += _SPEED * _DT
 
 
-def slide(shape: Any, depth: float) -> tuple[float, float, int]:
+def slide(shape: Shape, depth: float) -> tuple[float, float, int]:
     """Press `depth` [m] into the top of a cube and slide out of its side at 10 mm/s.
 
     Returns:

@@ -49,6 +49,9 @@ _TREMOR_HZ = 2.0
 _HELD_M = 1e-6
 _CONE_ROUNDING = 1e-12
 
+_PUSH_BACK = 1e3
+"""Load on the held object for its speed [N s/m]: it says which way friction is asked for."""
+
 
 @kernel
 def _friction(model: int, x: Vec, v: Vec, load: Vec, dt: float, state: FrictionRecord, out: Vec) -> None:
@@ -97,7 +100,7 @@ def _excess(model: int, ticks: int, dt: float, path: Vec, states: Table[Friction
     worst = -1.0
     for i in range(1, ticks):
         v[0] = (path[i] - path[i - 1]) / dt
-        load[0] = 1e3 * v[0]
+        load[0] = _PUSH_BACK * v[0]
         _friction(model, path[i : i + 1], v, load, dt, states[0], force)
         worst = max(worst, abs(force[0]) / _CONE - 1.0)
     return worst

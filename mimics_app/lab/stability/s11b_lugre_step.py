@@ -33,6 +33,12 @@ _STIFFNESS = 1e5
 _TICKS = 20_000
 _LOST = 3.0
 
+_TENTHS = 10
+"""Of a slide."""
+
+_RUNAWAY = 1e6
+"""Deflection [m] beyond which a bristle is lost."""
+
 
 @kernel
 def _slide(implicit: bool, speed: float, dt: float, ticks: int, states: Table[FrictionRecord]) -> float:
@@ -44,9 +50,9 @@ def _slide(implicit: bool, speed: float, dt: float, ticks: int, states: Table[Fr
             lugre_implicit(v, _NORMAL, _MU, _MU_STATIC, _STRIBECK, _STIFFNESS, 0.0, dt, states[0], force)
         else:
             lugre_explicit(v, _NORMAL, _MU, _MU_STATIC, _STRIBECK, _STIFFNESS, 0.0, dt, states[0], force)
-        if i >= 9 * ticks // 10:
+        if i >= (_TENTHS - 1) * ticks // _TENTHS:
             worst = max(worst, abs(states[0].bristle[0]))
-        if not abs(states[0].bristle[0]) < 1e6:
+        if not abs(states[0].bristle[0]) < _RUNAWAY:
             return math.inf
     return worst
 

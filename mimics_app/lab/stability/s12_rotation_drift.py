@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.lab.experiment import Experiment, Outcome, largest_disagreement
-from mimics_app.lab.stability.laws import ROTATION
+from mimics_app.lab.stability.laws import ROTATION, Rotation
 from mimics_app.rendering.haptic.kernels.rotation import (
     rotate_axes,
     rotate_exponential,
@@ -37,14 +37,14 @@ _EXACT_DEG = 1e-6
 
 
 @typed_kernel(types.void(ROTATION, types.float64[::1], types.int64, types.float64, types.float64[::1]))
-def _spin(rotate: Any, omega: Vec, ticks: int, dt: float, q: Vec) -> None:
+def _spin(rotate: Rotation, omega: Vec, ticks: int, dt: float, q: Vec) -> None:
     """Turn q by `ticks` steps at constant omega: a body whose three moments are 1 kg m^2."""
     inverse_inertia = np.ones(3)
     for _ in range(ticks):
         rotate(q, omega, inverse_inertia, dt)
 
 
-def drift(rotate: Any, omega: Vec, dt: float = _DT, seconds: float = _SECONDS) -> float:
+def drift(rotate: Rotation, omega: Vec, dt: float = _DT, seconds: float = _SECONDS) -> float:
     """Angle [deg] between a simulated orientation and the exact one after turning at constant omega [rad/s]."""
     q = np.array([0.0, 0.0, 0.0, 1.0])
     ticks = round(seconds / dt)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
-from mimics_app.lab.stability.laws import ROTATION
+from mimics_app.lab.stability.laws import ROTATION, Rotation
 from mimics_app.rendering.haptic.kernels.rotation import (
     angular_velocity,
     kinetic_energy,
@@ -55,7 +55,7 @@ _ENERGY_AT_1_MS = 1e-5
         types.float64[::1],
     )
 )
-def _tumble(rotate: Any, q: Vec, momentum: Vec, inverse_inertia: Vec, ticks: int, dt: float, out: Vec) -> None:
+def _tumble(rotate: Rotation, q: Vec, momentum: Vec, inverse_inertia: Vec, ticks: int, dt: float, out: Vec) -> None:
     """out: flips, time of the first and of the last [s], greatest relative error of the energy."""
     omega = np.zeros(3)
     start = kinetic_energy(q, momentum, inverse_inertia)
@@ -77,7 +77,7 @@ def _tumble(rotate: Any, q: Vec, momentum: Vec, inverse_inertia: Vec, ticks: int
         rotate(q, momentum, inverse_inertia, dt)
 
 
-def tumble(rotate: Any, dt: float, seconds: float = _SECONDS) -> tuple[int, float, float]:
+def tumble(rotate: Rotation, dt: float, seconds: float = _SECONDS) -> tuple[int, float, float]:
     """Let the top turn freely.
 
     Returns:

@@ -9,7 +9,7 @@ The inflections are the roots of x'y'' - y'x'' of every piece, computed apart fr
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,9 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
 from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE, tunnel_force
 from mimics_app.rendering.haptic.tunnel import TunnelCurve, build_tunnel
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import Table, TunnelRecord, TunnelStateRecord
 
 __all__ = ["EXPERIMENT", "inflections", "walk_wall", "wavy_tunnel"]
 
@@ -56,7 +59,14 @@ def inflections(curve: TunnelCurve) -> Array:
 
 
 @kernel
-def _walk(tunnels: Any, path: Array, states: Any, force_world: Array, along_n: Array, s: Array) -> None:
+def _walk(
+    tunnels: Table[TunnelRecord],
+    path: Array,
+    states: Table[TunnelStateRecord],
+    force_world: Array,
+    along_n: Array,
+    s: Array,
+) -> None:
     still = np.zeros(3)
     for i in range(path.shape[0]):
         tunnel_force(tunnels[0], path[i], still, 0.0, states[0])

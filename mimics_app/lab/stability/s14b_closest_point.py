@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,9 @@ from mimics_app.maths.bspline import basis_functions
 from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE
 from mimics_app.rendering.haptic.kernels.tunnel_projection import slope, track
 from mimics_app.rendering.haptic.tunnel import TunnelCurve, build_tunnel
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import Table, TunnelRecord, TunnelStateRecord
 
 __all__ = ["BEND", "EXPERIMENT", "exact_clearance", "newton_miss", "smallest_clearance", "track_miss"]
 
@@ -59,7 +62,7 @@ def _bend() -> tuple[TunnelCurve, NDArray[Any]]:
 
 
 @kernel
-def _newton(tunnel: Any, p: Array, s: float) -> float:
+def _newton(tunnel: TunnelRecord, p: Array, s: float) -> float:
     """Textbook Newton on the slope of the square distance, kept inside the tunnel: no halving, no search."""
     for _ in range(_ITERATIONS):
         _, gradient, bend, _ = slope(tunnel, p[0], p[1], p[2], s)
@@ -68,7 +71,9 @@ def _newton(tunnel: Any, p: Array, s: float) -> float:
 
 
 @kernel
-def _follow(tunnels: Any, path: Array, s: float, by_track: bool, states: Any) -> float:
+def _follow(
+    tunnels: Table[TunnelRecord], path: Array, s: float, by_track: bool, states: Table[TunnelStateRecord]
+) -> float:
     """Greatest distance [m] by which the point found is farther than the closest one, along a path."""
     tunnel = tunnels[0]
     worst = 0.0

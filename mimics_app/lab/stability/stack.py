@@ -7,15 +7,12 @@ for k = 1 N/m and divided by the masses in units of m. A body between n fixed on
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.lab.stability.laws import NORMAL_LAW
+from mimics_app.lab.stability.laws import NORMAL_LAW, NormalLaw
 from mimics_app.lab.stability.linear import find_limit
 from mimics_app.rendering.haptic.kernels.contact_law import pair_damping, pair_stiffness
 from mimics_app.rendering.haptic.kernels.integrators import step_semi_implicit
@@ -46,7 +43,7 @@ _TICKS = 4000
         NORMAL_LAW, types.float64[::1], types.float64[::1], types.float64, types.float64, types.int64, types.float64
     )
 )
-def _shake(law: Any, masses: Vec, nudge: Vec, k: float, b: float, ticks: int, dt: float) -> float:
+def _shake(law: NormalLaw, masses: Vec, nudge: Vec, k: float, b: float, ticks: int, dt: float) -> float:
     """Nudge each body and let go; greatest deviation of any [m]. The top is pressed down by the preload."""
     n = masses.shape[0]
     x = nudge.copy()
@@ -67,7 +64,7 @@ def _shake(law: Any, masses: Vec, nudge: Vec, k: float, b: float, ticks: int, dt
     return worst
 
 
-def keeps_still(law: Callable[..., float], masses: Vec, dt: float = DT) -> bool:
+def keeps_still(law: NormalLaw, masses: Vec, dt: float = DT) -> bool:
     """True when a nudge of 0.1 nm never grows ten thousandfold in 4000 ticks.
 
     Args:
@@ -81,7 +78,7 @@ def keeps_still(law: Callable[..., float], masses: Vec, dt: float = DT) -> bool:
     )
 
 
-def smallest_mass(law: Callable[..., float], relative: Vec) -> float:
+def smallest_mass(law: NormalLaw, relative: Vec) -> float:
     """Smallest stable unit of mass m [kg] of a stack of masses m * relative; inf when none keeps still."""
     light, heavy = 0.1 * UNIT_MASS / float(np.min(relative)), 100.0 * UNIT_MASS / float(np.min(relative))
     if not keeps_still(law, heavy * relative):

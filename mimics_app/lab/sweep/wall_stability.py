@@ -26,12 +26,15 @@ _GONE = 1e-6
 _SHORTEST = 2_000
 _LONGEST = 128_000
 
+_QUARTERS, _LENGTHEN = 4, 4
+"""Of a run; and how much longer it is made when the answer is not plain."""
+
 
 @kernel
 def _decide(k: Vec, B: Vec, m: Vec, b: Vec, dt: Vec, delay: NDArray[np.int64], stable: NDArray[np.uint8]) -> None:
     """Whether each point's motion dies away: runs are made longer until the answer is plain (see growth.dies_away)."""
     line = np.zeros(_MOST_DELAY + 1)
-    peaks = np.zeros(4)
+    peaks = np.zeros(_QUARTERS)
     for i in range(k.shape[0]):
         ticks = _SHORTEST
         while True:
@@ -47,7 +50,7 @@ def _decide(k: Vec, B: Vec, m: Vec, b: Vec, dt: Vec, delay: NDArray[np.int64], s
             if ticks >= _LONGEST or (abs(grown) > _PLAIN and grown * still > 0.0):
                 stable[i] = 1 if still < 0.0 else 0
                 break
-            ticks *= 4
+            ticks *= _LENGTHEN
 
 
 def _run(values: Columns, folder: Path) -> Columns:

@@ -20,6 +20,12 @@ _STEPS = 4
 _LEAST_SLOPE = 0.2
 """Of the function whose zero is sought, at least: near the middle of a bend the closest point runs ahead."""
 
+_PLACE = 4
+"""Numbers of a place of the cord: along and up of the middle line, and of its tangent."""
+
+_ON_THE_LINE = 1e-6
+"""Nearer to the middle line than this [m] there is no direction to push in."""
+
 
 @kernel
 def _place(a: float, q: float, s: float, out: Vec) -> None:
@@ -66,11 +72,11 @@ def cord(parameters: Vec, p: Vec, v: Vec, t: float, out: Vec) -> None:
     if length <= 0.0 or a <= 0.0:
         return
     x, z = ax * p[0] + az * p[2], ax * p[2] - az * p[0]
-    at = np.empty(4)
+    at = np.empty(_PLACE)
     _nearest(a, parameters[3], length, x, p[1], at)
     dx, dy = x - at[0], p[1] - at[1]
     away = math.sqrt(dx * dx + dy * dy + z * z)
-    if away >= radius or away < 1e-6:
+    if away >= radius or away < _ON_THE_LINE:
         return
     nx, ny, nz = (ax * dx - az * z) / away, dy / away, (az * dx + ax * z) / away
     leaving = nx * v[0] + ny * v[1] + nz * v[2]

@@ -6,7 +6,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,10 +30,12 @@ from mimics_app.rendering.haptic.no_objects import NO_FIELDS, load_simulation, n
 from mimics_app.rendering.haptic.objects import ObjectWork, new_object_work
 from mimics_app.rendering.haptic.stability_report import StabilityReport, stability_of
 
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import Fields
+
 __all__ = ["HapticEngine"]
 
 Records = NDArray[Any]
-Fields = tuple[Callable[..., Any], ...]
 
 _JOIN_S = 2.0
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.atomics import load_acquire, now_ns, sleep_until_ns, store_release
 from mimics_app.contracts.borrowed import borrowed
 from mimics_app.contracts.function_pointers import functions_at
+from mimics_app.contracts.haptic import NANOSECOND
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.ring import push
 from mimics_app.contracts.session_memory import ControlWord
@@ -32,6 +33,9 @@ _QUIT = int(ControlWord.QUIT)
 _TICKS = int(ControlWord.TICKS)
 _MISSED = int(ControlWord.MISSED)
 _START_NS = int(ControlWord.START_NS)
+
+_UNCOUNTED_NS = 1_000_000_000
+"""Lateness is counted from the second second on [ns]: the first one warms caches."""
 
 
 @typed_kernel(types.int64(CHANNELS, WORK, types.int64[::1], types.float64[::1], types.int64, types.int64))
@@ -50,8 +54,8 @@ def run_live(
     sample = work.sample[0]
     control = channels.control
     timespec = work.timespec
-    dt = period_ns * 1e-9
-    first_counted = state.tick + 1_000_000_000 // period_ns
+    dt = period_ns * NANOSECOND
+    first_counted = state.tick + _UNCOUNTED_NS // period_ns
     due = now_ns(timespec) + period_ns
     control[_START_NS] = due - state.tick * period_ns
     ended = due
@@ -63,7 +67,7 @@ def run_live(
         while woke < due:
             woke = now_ns(timespec)
         late = woke - due
-        total, squares = follow_period(total, squares, float(woke - last_woke) * 1e-9, dt)
+        total, squares = follow_period(total, squares, float(woke - last_woke) * NANOSECOND, dt)
         last_woke = woke
         catching_up = ended > due
         late_stop_ns = loop_tick(

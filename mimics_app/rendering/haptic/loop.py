@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.atomics import store_release
 from mimics_app.contracts.borrowed import borrowed
 from mimics_app.contracts.function_pointers import functions_at
+from mimics_app.contracts.haptic import NANOSECOND
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.ring import push
 from mimics_app.contracts.session_memory import ControlWord
@@ -34,7 +35,7 @@ def advance_ticks(
     channels, work = borrowed(channels), borrowed(work)
     state = work.state[0]
     sample = work.sample[0]
-    dt = period_ns * 1e-9
+    dt = period_ns * NANOSECOND
     for _ in range(ticks):
         loop_tick(
             channels, work, tick, read, write, memory, simulate, fields, kin, 0, 0, dt, state.tick * period_ns, dt

@@ -5,8 +5,7 @@ Compiled into each of the loops the tick would be made into machine code three t
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numba import from_dtype, types
@@ -45,14 +44,12 @@ from mimics_app.rendering.haptic.kernels.vectors import rotate_back
 from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROWS, SIMULATE
 from mimics_app.rendering.haptic.publish import publish_events, publish_state
 
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import Fields, Read, SceneRecord, Simulate, Tick, Write
+
 __all__ = ["LOOP_FUNCTIONS", "LOOP_TICK", "SIMULATION", "TICK", "late_class", "loop_tick", "rows_of", "tick"]
 
 Vec = NDArray[np.float64]
-Read = Callable[..., Any]
-Write = Callable[..., Any]
-Simulate = Callable[..., Any]
-Fields = tuple[Callable[..., Any], ...]
-Tick = Callable[..., Any]
 
 _STOP = int(ControlWord.STOP)
 _HELD = int(ControlWord.HELD)
@@ -121,7 +118,7 @@ tick: Tick = typed_kernel(TICK)(ticking.tick.py_func)  # type: ignore[attr-defin
 
 
 @kernel
-def late_class(scene: Any, late_ns: int, missed_in_row: int) -> int:
+def late_class(scene: SceneRecord, late_ns: int, missed_in_row: int) -> int:
     """Late-tick class of a tick that woke `late_ns` after its release with `missed_in_row` misses behind it."""
     held = IN_TIME
     if scene.sequence == 0:
@@ -138,7 +135,7 @@ def late_class(scene: Any, late_ns: int, missed_in_row: int) -> int:
 
 
 @kernel
-def _take_inbox(channels: Channels, work: Work, scene: Any) -> None:
+def _take_inbox(channels: Channels, work: Work, scene: SceneRecord) -> None:
     """Newest INBOX record as the device sees it: target in the robot frame."""
     slot, _ = acquire(channels.inbox_words)
     record = channels.inboxes[slot]

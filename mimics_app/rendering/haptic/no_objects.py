@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +12,12 @@ from mimics_app.contracts.loop_ports import FIELD, MAX_FIELDS
 from mimics_app.contracts.object_rows import Rows
 from mimics_app.rendering.haptic.objects import SIMULATE, ObjectWork
 
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import Fields, ObjectCountsRecord, Simulate
+
 __all__ = ["NO_FIELDS", "load_simulation", "no_field", "no_objects"]
 
 Vec = NDArray[np.float64]
-Fields = tuple[Callable[..., Any], ...]
 
 
 @typed_kernel(FIELD)
@@ -32,11 +33,13 @@ NO_FIELDS: Fields = (no_field,) * MAX_FIELDS
 
 
 @typed_kernel(SIMULATE)
-def no_objects(rows: Rows, work: ObjectWork, counts: np.void, hand: Vec, fields: Fields, dt: float, force: Vec) -> None:
+def no_objects(
+    rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, hand: Vec, fields: Fields, dt: float, force: Vec
+) -> None:
     """Nothing is touched: the results of a tick stay as they were made."""
 
 
-def load_simulation() -> Callable[..., Any]:
+def load_simulation() -> Simulate:
     """The objects' part of the tick, imported and compiled when it is first needed."""
     from mimics_app.rendering.haptic.simulate import simulate_objects
 

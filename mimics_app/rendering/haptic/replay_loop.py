@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numba import from_dtype, types
@@ -11,7 +10,11 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.borrowed import borrowed
 from mimics_app.contracts.device_descriptor import KINEMATICS_SET, Kin
-from mimics_app.contracts.haptic import SAMPLE, SCENE
+from mimics_app.contracts.haptic import (
+    NANOSECOND,
+    SAMPLE,
+    SCENE,
+)
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.loop_ports import FIELDS
 from mimics_app.contracts.object_rows import Rows
@@ -21,14 +24,12 @@ from mimics_app.rendering.haptic.loop_tick import SIMULATION, TICK, rows_of
 from mimics_app.rendering.haptic.objects import ROW_STACK
 from mimics_app.rendering.haptic.publish import publish_events, publish_state
 
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import Fields, SampleRecord, SceneRecord, Simulate, Table, Tick
+
 __all__ = ["replay_recorded"]
 
 Vec = NDArray[np.float64]
-Read = Callable[..., Any]
-Write = Callable[..., Any]
-Simulate = Callable[..., Any]
-Fields = tuple[Callable[..., Any], ...]
-Tick = Callable[..., Any]
 
 
 @typed_kernel(
@@ -50,16 +51,16 @@ Tick = Callable[..., Any]
 def replay_recorded(
     channels: Channels,
     work: Work,
-    scenes: NDArray[Any],
+    scenes: Table[SceneRecord],
     stack: Rows,
     which: NDArray[np.int64],
-    inputs: NDArray[Any],
+    inputs: Table[SampleRecord],
     tick: Tick,
     simulate: Simulate,
     fields: Fields,
     kin: Kin,
     period_ns: int,
-    outputs: NDArray[Any],
+    outputs: Table[SampleRecord],
 ) -> int:
     """Run the tick over recorded inputs and tell its events and its newest state.
 
@@ -102,7 +103,7 @@ def replay_recorded(
             stop_word,
             held,
             row.period_s,
-            period_ns * 1e-9,
+            period_ns * NANOSECOND,
             work.command,
             out,
         )

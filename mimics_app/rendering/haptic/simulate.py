@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,15 +27,17 @@ from mimics_app.rendering.haptic.kernels.objects.touch import touch_points
 from mimics_app.rendering.haptic.kernels.vectors import all_finite
 from mimics_app.rendering.haptic.objects import SIMULATE, ObjectWork
 
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import Fields, ObjectCountsRecord
+
 __all__ = ["simulate_objects"]
 
 Vec = NDArray[np.float64]
-Fields = tuple[Callable[..., Any], ...]
 
 
 @typed_kernel(SIMULATE)
 def simulate_objects(
-    rows: Rows, work: ObjectWork, counts: Any, hand: Vec, fields: Fields, dt: float, force: Vec
+    rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, hand: Vec, fields: Fields, dt: float, force: Vec
 ) -> None:
     """One tick of every object.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import heapq
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,11 +14,20 @@ __all__ = ["collapse", "farthest"]
 F8 = NDArray[np.float64]
 I8 = NDArray[np.int64]
 
+Edge = tuple[float, int, int, int, int]
+"""An edge to collapse: its loss [m^2], from, to, and the stamps of both as it was queued."""
+
 _LEAST_TURN = 0.25
 """Cosine of the most a triangle's normal may turn by a collapse: about 75 degrees, so that nothing folds over."""
 
 _MAX_RING = 64
 """Triangles about a corner that are looked at; a corner with more stays."""
+
+_BALL = 4
+"""Numbers of a ball: middle and radius."""
+
+_VANISHED = 1e-12
+"""Square of the share of its area below which a triangle has vanished."""
 
 
 @kernel
@@ -72,7 +80,7 @@ def collapse(
 
 
 @kernel
-def _push(heap: Any, t: int, only: int, corners: I8, quadrics: F8, places: F8, stamps: I8) -> None:
+def _push(heap: list[Edge], t: int, only: int, corners: I8, quadrics: F8, places: F8, stamps: I8) -> None:
     """Queue a triangle's edges, both ways; of one corner only, or of all: -1."""
     for k in range(3):
         u, v = corners[t, k], corners[t, (k + 1) % 3]
@@ -174,7 +182,7 @@ def _turns_over(u: int, v: int, triangle: int, corners: I8, places: F8) -> bool:
         np.cross(after[1] - after[0], after[2] - after[0]),
     )
     old2, new2 = (old * old).sum(), (new * new).sum()
-    return new2 <= 1e-12 * old2 or (old * new).sum() < _LEAST_TURN * np.sqrt(old2 * new2)
+    return new2 <= _VANISHED * old2 or (old * new).sum() < _LEAST_TURN * np.sqrt(old2 * new2)
 
 
 @kernel
@@ -292,7 +300,7 @@ def _move(
 def farthest(points: F8, triangles: F8) -> float:
     """Largest distance [m] of a point, [n, 3], from the nearest of some triangles, [t, 3, 3]."""
     count = triangles.shape[0]
-    balls = np.empty((count, 4))
+    balls = np.empty((count, _BALL))
     for t in range(count):
         balls[t, 3] = 0.0
         for k in range(3):

@@ -24,6 +24,15 @@ _REACH = 36  # samples on each side among which the peak is sought first
 _COARSE = 3  # samples between them: a wave of 1.5 kHz is ten times as long
 _STEPS = 6  # of Newton's method, which doubles the digits each time
 
+_LOWEST = 90
+"""Degrees of elevation below the horizon: the first row of the grid."""
+
+_PARTS = 4
+"""Of a cell's spectra: left and right, real and imaginary."""
+
+_MET = 1e-10
+"""Square of an angle [rad^2] below which a measured direction is met."""
+
 
 class Cells(NamedTuple):
     """Responses by direction.
@@ -62,7 +71,7 @@ def find_nearest(point: Numbers, directions: Numbers, index: Words, weight: Numb
             for k in range(index.shape[0] - 1, place, -1):
                 weight[k], index[k] = weight[k - 1], index[k - 1]
             weight[place], index[place] = gap, n
-    if weight[0] < 1e-10:
+    if weight[0] < _MET:
         weight[:] = 0.0
         weight[0] = 1.0
         return
@@ -86,7 +95,7 @@ def add_blended(points: Numbers, directions: Numbers, values: Numbers, field: Nu
 @kernel
 def cell_of(azimuth: float, elevation: float, rows: Words) -> int:
     """Cell of the grid nearest to a direction; azimuth to the right from ahead, elevation upwards [rad]."""
-    degree = int(np.rint(np.degrees(elevation))) + 90
+    degree = int(np.rint(np.degrees(elevation))) + _LOWEST
     count = rows[degree + 1] - rows[degree]
     return rows[degree] + int(np.rint((azimuth + np.pi) / (2.0 * np.pi) * count)) % count
 
@@ -97,13 +106,13 @@ def fill_cell(cell: int, azimuth: float, elevation: float, cells: Cells) -> None
     if cells.filled[cell] != 0:
         return
     degree = int(np.rint(np.degrees(elevation)))
-    count = cells.rows[degree + 91] - cells.rows[degree + 90]
+    count = cells.rows[degree + _LOWEST + 1] - cells.rows[degree + _LOWEST]
     middle = np.rint((azimuth + np.pi) / (2.0 * np.pi) * count) / count * 2.0 * np.pi - np.pi
     up = np.radians(float(degree))
     index, weight, point = np.zeros(NEIGHBOURS, np.int64), np.zeros(NEIGHBOURS), np.zeros(3)
     point[0], point[1], point[2] = np.cos(up) * np.sin(middle), np.sin(up), -np.cos(up) * np.cos(middle)
     find_nearest(point, cells.directions, index, weight)
-    width = 4 * BINS
+    width = _PARTS * BINS
     spectra = cells.spectra[cell * width : (cell + 1) * width]
     for i in range(width):
         total = np.float32(0.0)

@@ -18,6 +18,9 @@ LANES = 16
 
 Samples = NDArray[np.float32]
 
+_RADIX = 4
+"""Values that a pass joins."""
+
 
 def turns_of(size: int) -> Samples:
     """Cos and -sin of 2 pi k / size for k < size, shape [2, size]: what `real_spectra` turns by.
@@ -35,7 +38,7 @@ def _pass_of_four(re: Samples, im: Samples, out_re: Samples, out_im: Samples, tu
 
     A loop for each output: one that writes two arrays is not made of wide instructions, as they might overlap.
     """
-    quarter = length // 4
+    quarter = length // _RADIX
     run = re.shape[0] // length
     step = turns.shape[1] // length
     for p in range(quarter):
@@ -43,7 +46,7 @@ def _pass_of_four(re: Samples, im: Samples, out_re: Samples, out_im: Samples, tu
         third, fourth = (p + 2 * quarter) * run, (p + 3 * quarter) * run
         a, b, c, d = re[first:], re[second:], re[third:], re[fourth:]
         e, f, g, h = im[first:], im[second:], im[third:], im[fourth:]
-        o = 4 * p * run
+        o = _RADIX * p * run
         y, z = out_re[o:], out_im[o:]
         for i in range(run):
             y[i] = (a[i] + c[i]) + (b[i] + d[i])
@@ -115,10 +118,10 @@ def real_spectra(work: Samples, turns: Samples, spectra: Samples) -> None:
     """
     half = turns.shape[1] // 2
     length, front = half, 0
-    while length >= 4:
+    while length >= _RADIX:
         back = 2 - front
         _pass_of_four(work[front], work[front + 1], work[back], work[back + 1], turns, length)
-        length, front = length // 4, back
+        length, front = length // _RADIX, back
     if length == 2:
         back = 2 - front
         _pass_of_two(work[front], work[back])

@@ -27,6 +27,12 @@ Floats = NDArray[np.float32]
 Numbers = NDArray[np.float64]
 Words = NDArray[np.int64]
 
+_ROOMS = 4
+"""Rows of the transform's room: even and odd samples, each before and after a pass."""
+
+_PARTS = 4
+"""Of the spectra for two ears: left and right, real and imaginary."""
+
 
 class Bank(NamedTuple):
     """All sounds, one behind the other.
@@ -234,9 +240,9 @@ def mix_for_ears(voices: Voices, order: Words, bank: Bank, tables: Tables, frame
         frames: Of the block, at most BLOCK.
         sums: Added to: steady, fading out, fading in; each left and right, real and imaginary, [3, 4 * BINS].
     """
-    work = np.zeros((4, SIZE // 2 * LANES), np.float32)
+    work = np.zeros((_ROOMS, SIZE // 2 * LANES), np.float32)
     spectra = np.zeros((LANES, 2, BINS), np.float32)
-    shape, fresh = np.zeros(2 * BINS, np.float32), np.zeros(4 * BINS, np.float32)
+    shape, fresh = np.zeros(2 * BINS, np.float32), np.zeros(_PARTS * BINS, np.float32)
     for first in range(0, order.shape[0], LANES):
         count = _gather(voices, order, first, bank, frames, work)
         real_spectra(work, tables.turns, spectra)
@@ -271,7 +277,7 @@ def mix_for_speakers(voices: Voices, order: Words, bank: Bank, tables: Tables, f
         frames: Of the block, at most BLOCK.
         sums: Added to: fading out, fading in, by channel, real and imaginary, [2, channels * 2 * BINS].
     """
-    work = np.zeros((4, SIZE // 2 * LANES), np.float32)
+    work = np.zeros((_ROOMS, SIZE // 2 * LANES), np.float32)
     spectra = np.zeros((LANES, 2, BINS), np.float32)
     shape, filtered = np.zeros(2 * BINS, np.float32), np.zeros(2 * BINS, np.float32)
     for first in range(0, order.shape[0], LANES):

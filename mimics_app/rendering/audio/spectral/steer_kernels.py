@@ -40,6 +40,15 @@ _NEPER = np.log(10.0) / 20.0  # of a decibel
 # humidity (ISO 9613-1).
 _AIR_LOW, _AIR_MIDDLE, _AIR_HIGH = 1.3e-3 * _NEPER, 5e-3 * _NEPER, 60e-3 * _NEPER
 
+_LOWEST, _LEFTMOST = 90.0, 180.0
+"""Degrees below the horizon and to the left at which the grid of delays begins."""
+
+_ROOT_3 = np.sqrt(3.0)
+_ROOT_15 = np.sqrt(15.0)
+_ROOT_3_8 = np.sqrt(3.0 / 8.0)
+_ROOT_5_8 = np.sqrt(5.0 / 8.0)
+"""Of the spherical harmonics' scale SN3D."""
+
 
 class Head(NamedTuple):
     """The listener.
@@ -203,8 +212,8 @@ def _turn_to_head(way: Numbers, distance: float, axes: Numbers, direction: Numbe
 def _delay_row(azimuth: float, elevation: float, cell: int, head: Head) -> int:
     """Row of the table of delays: the grid blended between its four nearest points, less what the cell has itself."""
     grid = head.delays
-    y = (np.degrees(elevation) + 90.0) / 2.0
-    x = (np.degrees(azimuth) + 180.0) / 2.0
+    y = (np.degrees(elevation) + _LOWEST) / 2.0
+    x = (np.degrees(azimuth) + _LEFTMOST) / 2.0
     i, j = min(int(y), grid.shape[0] - 2), min(int(x), grid.shape[1] - 2)
     u, w = y - i, x - j
     half = (1.0 - u) * ((1.0 - w) * grid[i, j] + w * grid[i, j + 1])
@@ -259,14 +268,14 @@ def pan_harmonics(order: Words, places: Places, voices: Voices) -> None:
         pan[0] = 1.0
         if places.relative[v] < 0:
             pan[1], pan[2], pan[3] = y, z, x
-            pan[4], pan[5] = np.sqrt(3.0) * x * y, np.sqrt(3.0) * y * z
-            pan[6], pan[7] = 0.5 * (3.0 * z * z - 1.0), np.sqrt(3.0) * x * z
-            pan[8] = 0.5 * np.sqrt(3.0) * (x * x - y * y)
-            pan[9] = np.sqrt(5.0 / 8.0) * y * (3.0 * x * x - y * y)
-            pan[10], pan[11] = np.sqrt(15.0) * x * y * z, np.sqrt(3.0 / 8.0) * y * (5.0 * z * z - 1.0)
-            pan[12], pan[13] = 0.5 * z * (5.0 * z * z - 3.0), np.sqrt(3.0 / 8.0) * x * (5.0 * z * z - 1.0)
-            pan[14] = 0.5 * np.sqrt(15.0) * z * (x * x - y * y)
-            pan[15] = np.sqrt(5.0 / 8.0) * x * (x * x - 3.0 * y * y)
+            pan[4], pan[5] = _ROOT_3 * x * y, _ROOT_3 * y * z
+            pan[6], pan[7] = 0.5 * (3.0 * z * z - 1.0), _ROOT_3 * x * z
+            pan[8] = 0.5 * _ROOT_3 * (x * x - y * y)
+            pan[9] = _ROOT_5_8 * y * (3.0 * x * x - y * y)
+            pan[10], pan[11] = _ROOT_15 * x * y * z, _ROOT_3_8 * y * (5.0 * z * z - 1.0)
+            pan[12], pan[13] = 0.5 * z * (5.0 * z * z - 3.0), _ROOT_3_8 * x * (5.0 * z * z - 1.0)
+            pan[14] = 0.5 * _ROOT_15 * z * (x * x - y * y)
+            pan[15] = _ROOT_5_8 * x * (x * x - 3.0 * y * y)
         _note_pan(voices, v)
 
 

@@ -10,16 +10,20 @@ taken at the end of the step, so that it is stable however large it is.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.device_descriptor import Kin
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_fields import MAX_JOINTS
-from mimics_app.rendering.haptic.kernels.device_records import DeviceScene, JointWork, PointStates
 from mimics_app.rendering.haptic.kernels.joints import find_jacobian, to_robot, torques_of, velocities_of
 from mimics_app.rendering.haptic.kernels.solve import solve_positive
 from mimics_app.rendering.haptic.kernels.vectors import copy
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import JointWorkRecord, SceneRecord, StateRecord, Table
 
 __all__ = ["admit_joints"]
 
@@ -27,7 +31,7 @@ Vec = NDArray[np.float64]
 
 
 @kernel
-def _coupling(kin: Kin, scene: DeviceScene, q: Vec, dq: Vec, dt: float, work: JointWork) -> None:
+def _coupling(kin: Kin, scene: SceneRecord, q: Vec, dq: Vec, dt: float, work: JointWorkRecord) -> None:
     """work.place = J' q' [m/s^2] of all points: how their velocities change while the joints keep theirs."""
     velocities_of(kin, scene, q, dq, work, work.velocities)
     for j in range(MAX_JOINTS):
@@ -38,7 +42,7 @@ def _coupling(kin: Kin, scene: DeviceScene, q: Vec, dq: Vec, dt: float, work: Jo
 
 
 @kernel
-def _forces(kin: Kin, scene: DeviceScene, states: PointStates, q: Vec, work: JointWork) -> None:
+def _forces(kin: Kin, scene: SceneRecord, states: Table[StateRecord], q: Vec, work: JointWorkRecord) -> None:
     """work.forces = measured and virtual force on each point, robot frame [N]; work.side is overwritten."""
     for c in range(scene.contacts):
         copy(states[c].f_meas, work.side[3 * c : 3 * c + 3])
@@ -50,7 +54,7 @@ def _forces(kin: Kin, scene: DeviceScene, states: PointStates, q: Vec, work: Joi
 
 @kernel
 def admit_joints(
-    kin: Kin, scene: DeviceScene, states: PointStates, mass: float, damping: float, dt: float, dq: Vec
+    kin: Kin, scene: SceneRecord, states: Table[StateRecord], mass: float, damping: float, dt: float, dq: Vec
 ) -> None:
     """Advance the joint velocities dq by one tick (semi-implicit Euler).
 

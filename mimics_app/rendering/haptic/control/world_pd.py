@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.device_descriptor import Kin, KinematicsStatus
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.control.joint_pd import joint_pd
-from mimics_app.rendering.haptic.kernels.device_records import DeviceScene, JointWork
 from mimics_app.rendering.haptic.kernels.joints import joints_of, points_of, rates_of, velocities_of
 from mimics_app.rendering.haptic.kernels.vectors import clamp_joints, copy
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import JointWorkRecord, SceneRecord
 
 __all__ = ["world_pd_straight", "world_pd_through_joints"]
 
@@ -20,7 +24,7 @@ _UNREACHABLE = int(KinematicsStatus.UNREACHABLE)
 
 
 @kernel
-def world_pd_through_joints(kin: Kin, scene: DeviceScene, q: Vec, dq: Vec, work: JointWork, command: Vec) -> int:
+def world_pd_through_joints(kin: Kin, scene: SceneRecord, q: Vec, dq: Vec, work: JointWorkRecord, command: Vec) -> int:
     """Inverse kinematics (2), then joint PD (5), as 4.2.6 describes.
 
     Although the mask says world space, the gains are joint gains: equal ones draw a straight line in the joints, which
@@ -46,7 +50,7 @@ def world_pd_through_joints(kin: Kin, scene: DeviceScene, q: Vec, dq: Vec, work:
 
 
 @kernel
-def world_pd_straight(kin: Kin, scene: DeviceScene, q: Vec, dq: Vec, work: JointWork, command: Vec) -> int:
+def world_pd_straight(kin: Kin, scene: SceneRecord, q: Vec, dq: Vec, work: JointWorkRecord, command: Vec) -> int:
     """Command = J^-1 (Kp (x_r - x) - Kd v), gains per axis: with equal ones a straight line in the world.
 
     The bow of the same sweep is 0.6 mm at Kp = 10 and 1 ms, first order in the step. Arguments as above; SINGULAR where

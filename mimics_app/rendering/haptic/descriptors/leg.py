@@ -32,6 +32,9 @@ LENGTHS = {"thigh": 0.43, "shank": 0.50, "foot": 0.12, "hip_width": 0.20}
 _DONE = int(KinematicsStatus.DONE)
 _UNREACHABLE = int(KinematicsStatus.UNREACHABLE)
 
+_ENTRIES = 6
+"""Of the Jacobian, for each pair of legs: three components of the foot of one by the two joints of the other."""
+
 
 @typed_kernel(KINEMATICS)
 def _forward(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
@@ -43,7 +46,7 @@ def _forward(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
 @typed_kernel(KINEMATICS)
 def _jacobian(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
     legs = int(geometry[HOW_MANY])
-    for i in range(6 * legs * legs):
+    for i in range(_ENTRIES * legs * legs):
         out[i] = 0.0
     for leg in range(legs):
         x1, x2, z1, z2 = leg_jacobian(geometry, q[2 * leg : 2 * leg + 2])

@@ -24,19 +24,32 @@ _MOST_DIGITS = 18
 _MOST_POWER = 22
 _POWERS = 10.0 ** np.arange(_MOST_POWER + 1)
 _LARGEST = 9.0e12
+"""Largest number that is written."""
+
+_TEN = 10
+"""Base of the digits."""
+
+_THREE_DECIMALS = 1e3
+"""What the largest number is scaled by at most, so that its digits fit into 64 bits."""
+
+_ABSURD_POWER = 9999
+"""Power of ten at which reading stops counting: beyond every float64."""
+
+_NEAR_OVERFLOW = 1e300
+"""A value that large is not scaled up further."""
 
 
 @kernel
 def write_whole(value: int, text: Bytes, at: int) -> int:
     """A whole number, not negative, into text[at:]; where it ends."""
     size = 1
-    rest = value // 10
+    rest = value // _TEN
     while rest > 0:
-        rest //= 10
+        rest //= _TEN
         size += 1
     for i in range(size):
-        text[at + size - 1 - i] = _ZERO + value % 10
-        value //= 10
+        text[at + size - 1 - i] = _ZERO + value % _TEN
+        value //= _TEN
     return at + size
 
 
@@ -47,7 +60,7 @@ def write_fixed(value: float, decimals: int, text: Bytes, at: int) -> int:
     Nothing finite is larger than 9e12 here; what is, or is not finite, is written as 0.
     """
     scale = _POWERS[decimals]
-    if not abs(value) * scale < _LARGEST * 1e3:
+    if not abs(value) * scale < _LARGEST * _THREE_DECIMALS:
         value = 0.0
     digits = int(abs(value) * scale + 0.5)
     if value < 0.0 and digits > 0:
@@ -59,8 +72,8 @@ def write_fixed(value: float, decimals: int, text: Bytes, at: int) -> int:
         text[at] = _POINT
         rest = digits % unit
         for i in range(decimals):
-            text[at + decimals - i] = _ZERO + rest % 10
-            rest //= 10
+            text[at + decimals - i] = _ZERO + rest % _TEN
+            rest //= _TEN
         at += 1 + decimals
     return at
 
@@ -83,7 +96,7 @@ def _read_exponent(text: Bytes, at: int, end: int) -> tuple[int, int]:
         return 0, at
     power = 0
     while _is_digit(text, place, end):
-        power = min(9999, power * 10 + int(text[place]) - _ZERO)
+        power = min(_ABSURD_POWER, power * _TEN + int(text[place]) - _ZERO)
         place += 1
     return -power if negative else power, place
 
@@ -91,7 +104,7 @@ def _read_exponent(text: Bytes, at: int, end: int) -> tuple[int, int]:
 @kernel
 def _times_power(value: float, power: int) -> float:
     """Value * 10^power in steps that are exact where one step is enough."""
-    while power > 0 and value != 0.0 and value < 1e300:
+    while power > 0 and value != 0.0 and value < _NEAR_OVERFLOW:
         step = min(power, _MOST_POWER)
         value *= _POWERS[step]
         power -= step
@@ -114,7 +127,7 @@ def read_number(text: Bytes, at: int, end: int) -> tuple[float, int]:
         if _is_digit(text, place, end):
             seen += 1
             if count < _MOST_DIGITS:
-                digits = digits * 10 + int(text[place]) - _ZERO
+                digits = digits * _TEN + int(text[place]) - _ZERO
                 count += 1 if digits > 0 else 0
                 power -= behind_point
             else:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numba import types
@@ -36,6 +35,9 @@ from mimics_app.contracts.loop_ports import (
 )
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import Read, Write
+
 __all__ = ["DeviceBench", "OtherSide", "Track", "run_ticks"]
 
 Vec = NDArray[np.float64]
@@ -57,8 +59,8 @@ _MATRIX = types.float64[:, ::1]
     )
 )
 def run_ticks(
-    read: Callable[..., Any],
-    write: Callable[..., Any],
+    read: Read,
+    write: Write,
     memory: Vec,
     inbox: Vec,
     data: Vec,

@@ -45,6 +45,15 @@ WORD, NUMBER, VECTOR, ERROR = 0, 1, 2, 3
 _OPEN, _CLOSE, _COMMA, _END = ord("["), ord("]"), ord(","), ord(";")
 _MINUS, _SPACE = ord("-"), ord(" ")
 
+_BYTE = 8
+"""Bits of a byte."""
+
+_LOW_BYTE = 0xFF
+"""Bits of the lowest byte."""
+
+_LENGTH_END = 4
+"""Behind the two bytes of a header that tell the length of its text."""
+
 
 @kernel
 def put_text(words: Bytes, text: Bytes, at: int) -> int:
@@ -73,8 +82,8 @@ def seal_text(frame: Bytes, end: int) -> int:
     """Put the header before the text that stands at frame[HEADER:end]; the length of the whole frame."""
     for i in range(HEADER):
         frame[i] = 0
-    frame[2] = ((end - HEADER) >> 8) & 0xFF
-    frame[3] = (end - HEADER) & 0xFF
+    frame[2] = ((end - HEADER) >> _BYTE) & _LOW_BYTE
+    frame[3] = (end - HEADER) & _LOW_BYTE
     return end
 
 
@@ -83,9 +92,9 @@ def frame_length(buffer: Bytes, begin: int, end: int) -> int:
     """Length of the frame at buffer[begin:end]; 0 when it is not whole yet, -1 when this is no frame at all."""
     if end - begin < HEADER:
         return 0
-    length = int(buffer[begin + 2]) << 8 | int(buffer[begin + 3])
+    length = int(buffer[begin + 2]) << _BYTE | int(buffer[begin + 3])
     strange = buffer[begin] != 0 or buffer[begin + 1] != 0
-    for i in range(4, HEADER):
+    for i in range(_LENGTH_END, HEADER):
         strange = strange or buffer[begin + i] != 0
     if strange or length > _LONGEST_ANSWER:
         return -1

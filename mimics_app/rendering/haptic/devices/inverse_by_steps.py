@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numba import from_dtype, types
@@ -13,6 +13,9 @@ from mimics_app.contracts.haptic import SCENE
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.rendering.haptic.kernels.joints import JOINT_WORK, joints_of
 
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import JointWorkRecord, SceneRecord, Table
+
 __all__ = ["inverse_by_steps"]
 
 Vec = NDArray[np.float64]
@@ -21,6 +24,6 @@ _VECTOR = types.float64[::1]
 
 
 @typed_kernel(types.int64(KINEMATICS_SET, from_dtype(SCENE)[::1], _VECTOR, from_dtype(JOINT_WORK)[::1], _VECTOR))
-def inverse_by_steps(kin: Kin, scenes: NDArray[Any], x: Vec, works: NDArray[Any], q: Vec) -> int:
+def inverse_by_steps(kin: Kin, scenes: Table[SceneRecord], x: Vec, works: Table[JointWorkRecord], q: Vec) -> int:
     """`kernels.joints.joints_of` for SCENE and JOINT_WORK records of shape [1]; compiled once for all devices."""
     return joints_of(kin, scenes[0], x, works[0], q)

@@ -42,6 +42,9 @@ TRIP_LENGTH = _RING + _SLOTS
 _FORGET = 1.0 / 250.0
 _SMOOTH = 0.1
 
+_LOW_BITS = 0xFFFF
+"""Bits of a command's number that an answer repeats."""
+
 
 @kernel
 def reset_trips(trips: Vec) -> None:
@@ -66,7 +69,7 @@ def note_sent(trips: Vec, tick: int) -> int:
 @kernel
 def ended_trip(trips: Vec, low_bits: int) -> int:
     """The full number of the command whose lowest 16 bits an answer tells; 0 for one that was never sent."""
-    back = (int(trips[_SENT]) - low_bits) & 0xFFFF
+    back = (int(trips[_SENT]) - low_bits) & _LOW_BITS
     return max(0, int(trips[_SENT]) - back)
 
 

@@ -18,9 +18,11 @@ __all__ = [
     "ASK",
     "BAD_CHECKSUMS",
     "BEGIN",
+    "BYTE",
     "COMMAND",
     "COMMAND_PAYLOAD",
     "DUPLICATES",
+    "ECHO",
     "END",
     "ESTABLISHED",
     "FRAMES",
@@ -32,12 +34,15 @@ __all__ = [
     "LAST_TICK",
     "LINE_LENGTH",
     "LOST",
+    "LOW_BYTE",
+    "LOW_WORD",
     "MAX_PAYLOAD",
     "OVERHEAD",
     "PROTOCOL",
     "REORDERED",
     "SCREEN",
     "SCREEN_PAYLOAD",
+    "SEQUENCE",
     "STATE",
     "STATE_PAYLOAD",
     "accept_sequence",
@@ -81,6 +86,19 @@ BAD_CHECKSUMS = 10
 LINE_LENGTH = 11
 """What a reader remembers, float64."""
 
+SEQUENCE, ECHO = 4, 6
+"""Where in a frame sequence and echo stand."""
+
+LOW_BYTE, LOW_WORD = 0xFF, 0xFFFF
+"""Bits of the lowest byte, and of the lowest two."""
+
+BYTE = 8
+"""Bits of a byte."""
+
+_CRC_START = 0xFFFF
+_CRC_FOLD, _CRC_HIGH, _CRC_LOW = 4, 12, 5
+"""Shifts of the checksum's polynomial x^16 + x^12 + x^5 + 1, a byte at a time."""
+
 _SYNC_0, _SYNC_1 = 0xA5, 0x5A
 _HALF = 0x8000
 _PATIENCE = 20
@@ -90,18 +108,18 @@ _PATIENCE = 20
 @kernel
 def crc16(data: Bytes, start: int, end: int) -> int:
     """CRC-16/CCITT-FALSE (polynomial 0x1021, from 0xFFFF) of data[start:end]; 0x29B1 for "123456789"."""
-    crc = 0xFFFF
+    crc = _CRC_START
     for i in range(start, end):
-        x = (crc >> 8) ^ int(data[i])
-        x ^= x >> 4
-        crc = ((crc << 8) ^ (x << 12) ^ (x << 5) ^ x) & 0xFFFF
+        x = (crc >> BYTE) ^ int(data[i])
+        x ^= x >> _CRC_FOLD
+        crc = ((crc << BYTE) ^ (x << _CRC_HIGH) ^ (x << _CRC_LOW) ^ x) & LOW_WORD
     return crc
 
 
 @kernel
 def word_at(data: Bytes, place: int) -> int:
     """Unsigned 16 bits at data[place:place + 2]."""
-    return int(data[place]) | int(data[place + 1]) << 8
+    return int(data[place]) | int(data[place + 1]) << BYTE
 
 
 @kernel
@@ -111,14 +129,14 @@ def seal_frame(frame: Bytes, kind: int, sequence: int, echo: int, payload: int) 
     frame[1] = _SYNC_1
     frame[2] = payload
     frame[3] = kind
-    frame[4] = sequence & 0xFF
-    frame[5] = (sequence >> 8) & 0xFF
-    frame[6] = echo & 0xFF
-    frame[7] = (echo >> 8) & 0xFF
+    frame[SEQUENCE] = sequence & LOW_BYTE
+    frame[SEQUENCE + 1] = (sequence >> BYTE) & LOW_BYTE
+    frame[ECHO] = echo & LOW_BYTE
+    frame[ECHO + 1] = (echo >> BYTE) & LOW_BYTE
     end = HEADER + payload
     crc = crc16(frame, 2, end)
-    frame[end] = crc & 0xFF
-    frame[end + 1] = crc >> 8
+    frame[end] = crc & LOW_BYTE
+    frame[end + 1] = crc >> BYTE
     return end + 2
 
 
@@ -167,7 +185,7 @@ def next_frame(line: Vec, buffer: Bytes) -> int:
 @kernel
 def accept_sequence(line: Vec, sequence: int, tick: int) -> bool:
     """Whether a frame is newer than all before; what is missing, double or late is counted."""
-    ahead = (sequence - int(line[LAST_SEQUENCE])) & 0xFFFF
+    ahead = (sequence - int(line[LAST_SEQUENCE])) & LOW_WORD
     restarted = tick - int(line[LAST_TICK]) > _PATIENCE
     if line[ESTABLISHED] == 1.0 and not (restarted and ahead >= _HALF):
         if ahead == 0:

@@ -26,7 +26,14 @@ from mimics_app.contracts.loop_ports import (
     INBOX_TARGET,
     INBOX_TRIAL,
 )
-from mimics_app.rendering.haptic.devices.serial_frames import HEADER, MAX_PAYLOAD, word_at
+from mimics_app.rendering.haptic.devices.serial_frames import (
+    BYTE,
+    HEADER,
+    LOW_BYTE,
+    LOW_WORD,
+    MAX_PAYLOAD,
+    word_at,
+)
 
 __all__ = [
     "FRAME_PLACES",
@@ -55,6 +62,9 @@ ROBOT_READY, ROBOT_NOT_HOMED, ROBOT_FAULT = 0, 1, 2
 
 _MICRO = 1e-6
 
+_STATE_AGE, _SCREEN_TRIAL = 42, 18
+"""Where the word of a STATE and of a SCREEN payload stands."""
+
 
 @kernel
 def fetch_payload(buffer: Bytes, frame: int, payload: Vec) -> None:
@@ -66,9 +76,9 @@ def fetch_payload(buffer: Bytes, frame: int, payload: Vec) -> None:
 
 @kernel
 def _put_word(small: Bytes, place: int, value: float) -> None:
-    word = int(min(65535.0, max(0.0, value)))
-    small[place] = word & 0xFF
-    small[place + 1] = word >> 8
+    word = int(min(float(LOW_WORD), max(0.0, value)))
+    small[place] = word & LOW_BYTE
+    small[place + 1] = word >> BYTE
 
 
 @kernel
@@ -79,7 +89,7 @@ def pack_command(command: Vec, usable: bool, payload: Vec) -> None:
         floats[i] = command[COMMAND_DQ + i] if usable else 0.0
         floats[3 + i] = command[COMMAND_FORCE + i] if usable else 0.0
     small[24] = 1 if usable and command[COMMAND_ENABLED] != 0.0 else 0
-    small[25] = int(command[COMMAND_STATE]) & 0xFF if usable else 0
+    small[25] = int(command[COMMAND_STATE]) & LOW_BYTE if usable else 0
 
 
 @kernel
@@ -102,9 +112,9 @@ def pack_state(data: Vec, status: int, payload: Vec) -> None:
         floats[3 + i] = data[DATA_DQ + i]
         floats[6 + i] = data[DATA_FORCE + i]
     floats[9] = data[DATA_GRASP]
-    small[40] = int(data[DATA_BUTTONS]) & 0xFF
+    small[40] = int(data[DATA_BUTTONS]) & LOW_BYTE
     small[41] = status
-    _put_word(small, 42, data[DATA_AGE] / _MICRO)
+    _put_word(small, _STATE_AGE, data[DATA_AGE] / _MICRO)
 
 
 @kernel
@@ -117,7 +127,7 @@ def unpack_state(payload: Vec, data: Vec) -> int:
         data[DATA_FORCE + i] = floats[6 + i]
     data[DATA_GRASP] = floats[9]
     data[DATA_BUTTONS] = float(small[40])
-    data[DATA_AGE] = word_at(small, 42) * _MICRO
+    data[DATA_AGE] = word_at(small, _STATE_AGE) * _MICRO
     return int(small[41])
 
 
@@ -128,9 +138,9 @@ def pack_screen(inbox: Vec, payload: Vec) -> None:
     for i in range(3):
         floats[i] = inbox[INBOX_TARGET + i]
     floats[3] = inbox[INBOX_GRASP]
-    small[16] = int(inbox[INBOX_BUTTONS]) & 0xFF
+    small[16] = int(inbox[INBOX_BUTTONS]) & LOW_BYTE
     small[17] = 1 if inbox[INBOX_ACTIVE] != 0.0 else 0
-    _put_word(small, 18, float(int(inbox[INBOX_TRIAL]) & 0xFFFF))
+    _put_word(small, _SCREEN_TRIAL, float(int(inbox[INBOX_TRIAL]) & LOW_WORD))
 
 
 @kernel
@@ -142,4 +152,4 @@ def unpack_screen(payload: Vec, inbox: Vec) -> None:
     inbox[INBOX_GRASP] = floats[3]
     inbox[INBOX_BUTTONS] = float(small[16])
     inbox[INBOX_ACTIVE] = float(small[17])
-    inbox[INBOX_TRIAL] = float(word_at(small, 18))
+    inbox[INBOX_TRIAL] = float(word_at(small, _SCREEN_TRIAL))

@@ -28,12 +28,14 @@ from mimics_app.rendering.haptic.devices.round_trip import (
 from mimics_app.rendering.haptic.devices.serial_frames import (
     COMMAND,
     COMMAND_PAYLOAD,
+    ECHO,
     END,
     LAST_SEQUENCE,
     LINE_LENGTH,
     OVERHEAD,
     SCREEN,
     SCREEN_PAYLOAD,
+    SEQUENCE,
     STATE,
     STATE_PAYLOAD,
     accept_sequence,
@@ -128,10 +130,10 @@ def _take_frames(memory: Vec, data: Vec, tick: int) -> int:
     frame = next_frame(line, buffer)
     while frame >= 0:
         wanted = buffer[frame + 3] == STATE and buffer[frame + 2] == STATE_PAYLOAD
-        if wanted and accept_sequence(line, word_at(buffer, frame + 4), tick):
+        if wanted and accept_sequence(line, word_at(buffer, frame + SEQUENCE), tick):
             fetch_payload(buffer, frame, payload)
             robot = unpack_state(payload, data)
-            note_answer(trips, ended_trip(trips, word_at(buffer, frame + 6)), tick)
+            note_answer(trips, ended_trip(trips, word_at(buffer, frame + ECHO)), tick)
             status = _FRESH if robot == ROBOT_READY else _FAULT if robot >= ROBOT_FAULT else _NO_DATA
         frame = next_frame(line, buffer)
     if status == _FRESH:

@@ -9,7 +9,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,9 @@ from mimics_app.rendering.haptic.kernels.safety import HOLD, is_stopped, latch
 from mimics_app.rendering.haptic.kernels.tank import payable_share, settle_account
 from mimics_app.rendering.haptic.kernels.tunnels import share_in_touch
 from mimics_app.rendering.haptic.kernels.vectors import fill, norm, rotate, rotate_back, scale
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import SceneRecord, StateRecord, Table, TotalsRecord, TouchedRecord
 
 __all__ = ["ACTING", "FREE_TIME", "account", "act", "acting_contact", "device_delay", "own_damping"]
 
@@ -75,19 +78,19 @@ _STABLE_DAMPER = 0.5
 
 
 @kernel
-def device_delay(scene: Any, state: Any) -> float:
+def device_delay(scene: SceneRecord, state: StateRecord) -> float:
     """From a command to its motion [s]: what the device states or what it measures, whichever is longer."""
     return max(scene.device_delay, state.delay)
 
 
 @kernel
-def own_damping(scene: Any) -> float:
+def own_damping(scene: SceneRecord) -> float:
     """Damping that every contact can count on: virtual, the device's own, and the arm's [N s/m]."""
     return scene.virtual_damping + scene.device_damping + scene.arm_damping
 
 
 @kernel
-def _find_way(scene: Any, state: Any, dt: float) -> None:
+def _find_way(scene: SceneRecord, state: StateRecord, dt: float) -> None:
     """How far what the forces act on has gone since the last tick, exactly for a force held meanwhile.
 
     The virtual mass goes (v_{k-1} + v_k) T / 2 under a constant force, the device from one position to the next. A
@@ -108,7 +111,7 @@ def _find_way(scene: Any, state: Any, dt: float) -> None:
 
 
 @kernel
-def delay_ticks(scene: Any, state: Any, dt: float) -> int:
+def delay_ticks(scene: SceneRecord, state: StateRecord, dt: float) -> int:
     """Ticks from a force to where it acts: the virtual mass takes it at once, a device after its delay."""
     if scene.force_driven == 0:
         return 0
@@ -116,7 +119,7 @@ def delay_ticks(scene: Any, state: Any, dt: float) -> int:
 
 
 @kernel
-def _lay_down(state: Any) -> None:
+def _lay_down(state: StateRecord) -> None:
     """Remember this tick's shares of the force on the user for when they act."""
     acting = state.acting
     slot = state.tick % _LINE
@@ -126,7 +129,7 @@ def _lay_down(state: Any) -> None:
 
 
 @kernel
-def acting_contact(scene: Any, state: Any, dt: float, f: Vec) -> None:
+def acting_contact(scene: SceneRecord, state: StateRecord, dt: float, f: Vec) -> None:
     """Share of the contacts f [N] in what acts from this tick on, world frame; after `act`."""
     late = delay_ticks(scene, state, dt)
     slot = (state.tick - late) % _LINE
@@ -135,7 +138,7 @@ def acting_contact(scene: Any, state: Any, dt: float, f: Vec) -> None:
 
 
 @kernel
-def _under_way(scene: Any, state: Any, dt: float) -> float:
+def _under_way(scene: SceneRecord, state: StateRecord, dt: float) -> float:
     """Energy [J] that contact forces which were sent but do not act yet will give at the present velocity."""
     acting = state.acting
     energy = 0.0
@@ -147,7 +150,7 @@ def _under_way(scene: Any, state: Any, dt: float) -> float:
 
 
 @kernel
-def account(scene: Any, state: Any, dt: float) -> None:
+def account(scene: SceneRecord, state: StateRecord, dt: float) -> None:
     """Count the exact work of the forces held since the last tick: credit of the contacts, and energy tank."""
     acting = state.acting
     if acting.filled == 0 and scene.sequence > 0:
@@ -174,7 +177,9 @@ def account(scene: Any, state: Any, dt: float) -> None:
 
 
 @kernel
-def _cap_shapes(scene: Any, state: Any, totals: Any, touched: Any, period: float) -> None:
+def _cap_shapes(
+    scene: SceneRecord, state: StateRecord, totals: TotalsRecord, touched: Table[TouchedRecord], period: float
+) -> None:
     """Choose how much of the touched shapes is rendered; it may not rise while any is touched."""
     acting = state.acting
     share, is_touching = 1.0, totals.touching > 0
@@ -187,7 +192,7 @@ def _cap_shapes(scene: Any, state: Any, totals: Any, touched: Any, period: float
 
 
 @kernel
-def _sort(scene: Any, state: Any, totals: Any) -> None:
+def _sort(scene: SceneRecord, state: StateRecord, totals: TotalsRecord) -> None:
     """Raw contact and active forces into state.f_contact and state.f_active [N], shapes capped."""
     acting = state.acting
     movable = totals.touching > totals.static_touching
@@ -202,7 +207,7 @@ def _sort(scene: Any, state: Any, totals: Any) -> None:
 
 
 @kernel
-def _follow_credit(scene: Any, state: Any, totals: Any, dt: float) -> None:
+def _follow_credit(scene: SceneRecord, state: StateRecord, totals: TotalsRecord, dt: float) -> None:
     """No more credit than the springs can hold, and none and no debt after a while of free motion."""
     acting = state.acting
     touching = norm(state.f_contact) > 0.0
@@ -217,7 +222,7 @@ def _follow_credit(scene: Any, state: Any, totals: Any, dt: float) -> None:
 
 
 @kernel
-def _take_back(scene: Any, state: Any, dt: float) -> float:
+def _take_back(scene: SceneRecord, state: StateRecord, dt: float) -> float:
     """Passivity controller: the factor >= 0 on the contacts' force; it never makes them pull."""
     acting = state.acting
     acting.passivity = 0.0
@@ -239,7 +244,7 @@ def _take_back(scene: Any, state: Any, dt: float) -> float:
 
 
 @kernel
-def _pay(state: Any) -> float:
+def _pay(state: StateRecord) -> float:
     """Share of the active forces that the tank can pay at the present speed."""
     power = 0.0
     for i in range(3):
@@ -248,7 +253,14 @@ def _pay(state: Any) -> float:
 
 
 @kernel
-def _compose(scene: Any, state: Any, totals: Any, touched: Any, period: float, dt: float) -> None:
+def _compose(
+    scene: SceneRecord,
+    state: StateRecord,
+    totals: TotalsRecord,
+    touched: Table[TouchedRecord],
+    period: float,
+    dt: float,
+) -> None:
     """state.f_wanted: the virtual force less what cap, passivity controller and tank take away; its two shares."""
     acting = state.acting
     _cap_shapes(scene, state, totals, touched, period)
@@ -266,7 +278,15 @@ def _compose(scene: Any, state: Any, totals: Any, touched: Any, period: float, d
 
 
 @kernel
-def act(scene: Any, state: Any, totals: Any, touched: Any, held: int, period: float, dt: float) -> None:
+def act(
+    scene: SceneRecord,
+    state: StateRecord,
+    totals: TotalsRecord,
+    touched: Table[TouchedRecord],
+    held: int,
+    period: float,
+    dt: float,
+) -> None:
     """Force the user feels: held in a late tick, zero in a stop state, else composed, limited and ramped.
 
     Args:

@@ -6,15 +6,17 @@ its joints, its safety state and its command, stands in the first one.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import SafetyState, TripCause
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.device_records import DeviceScene, PointStates
 from mimics_app.rendering.haptic.kernels.safety import latch
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import SceneRecord, StateRecord, Table, TotalsRecord
 
 __all__ = ["collect", "pass_on", "publish_others", "virtual_forces"]
 
@@ -25,7 +27,7 @@ _NOT_FINITE = int(TripCause.NOT_FINITE)
 
 
 @kernel
-def pass_on(scene: DeviceScene, states: PointStates) -> None:
+def pass_on(scene: SceneRecord, states: Table[StateRecord]) -> None:
     """What the first state knows of the device and its safety, into those of the other points."""
     state = states[0]
     for c in range(1, scene.contacts):
@@ -40,7 +42,7 @@ def pass_on(scene: DeviceScene, states: PointStates) -> None:
 
 
 @kernel
-def virtual_forces(scene: DeviceScene, states: PointStates, totals: Any) -> None:
+def virtual_forces(scene: SceneRecord, states: Table[StateRecord], totals: Table[TotalsRecord]) -> None:
     """Virtual force on each point behind the first: of the shapes it touches, world [N]."""
     for c in range(1, scene.contacts):
         for i in range(3):
@@ -48,7 +50,7 @@ def virtual_forces(scene: DeviceScene, states: PointStates, totals: Any) -> None
 
 
 @kernel
-def collect(scene: DeviceScene, states: PointStates) -> None:
+def collect(scene: SceneRecord, states: Table[StateRecord]) -> None:
     """What happened at other points that concerns all: a stop, a margin below 0, a cap that began."""
     state = states[0]
     state.told_margin = state.margin
@@ -66,7 +68,7 @@ def collect(scene: DeviceScene, states: PointStates) -> None:
 
 
 @kernel
-def publish_others(scene: DeviceScene, states: PointStates, totals: Any) -> None:
+def publish_others(scene: SceneRecord, states: Table[StateRecord], totals: Table[TotalsRecord]) -> None:
     """The numbers of the points behind the first, into the first state, from where they leave the loop."""
     state = states[0]
     for c in range(1, scene.contacts):

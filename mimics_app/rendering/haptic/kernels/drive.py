@@ -6,6 +6,8 @@ other the joints are led and their points follow.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,7 +19,6 @@ from mimics_app.rendering.haptic.control.impedance import draw_along, draw_joint
 from mimics_app.rendering.haptic.control.joint_admittance import admit_joints
 from mimics_app.rendering.haptic.control.joint_pd import joint_pd
 from mimics_app.rendering.haptic.control.world_pd import world_pd_straight, world_pd_through_joints
-from mimics_app.rendering.haptic.kernels.device_records import ControlScene, PointState, PointStates
 from mimics_app.rendering.haptic.kernels.joints import (
     find_jacobian,
     points_of,
@@ -29,6 +30,9 @@ from mimics_app.rendering.haptic.kernels.joints import (
 from mimics_app.rendering.haptic.kernels.limiter import brake_at_limits, limit_joints, settle
 from mimics_app.rendering.haptic.kernels.safety import HOLD, is_stopped, latch, lets_feel
 from mimics_app.rendering.haptic.kernels.vectors import all_finite, copy, fill, norm, scale
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import SceneRecord, StateRecord, Table
 
 __all__ = ["control", "note_arrival"]
 
@@ -54,7 +58,7 @@ _SEED = int(AdmittanceForm.SEED)
 
 
 @kernel
-def _find_velocities(kin: Kin, scene: ControlScene, states: PointStates, dq: Vec) -> None:
+def _find_velocities(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dq: Vec) -> None:
     """v_virtual of every point while the joints move with dq."""
     work = states[0].joint_work
     velocities_of(kin, scene, states[0].q, dq, work, work.velocities)
@@ -63,7 +67,7 @@ def _find_velocities(kin: Kin, scene: ControlScene, states: PointStates, dq: Vec
 
 
 @kernel
-def _share_below(scene: ControlScene, velocities: Vec, most: float) -> float:
+def _share_below(scene: SceneRecord, velocities: Vec, most: float) -> float:
     """Largest share of velocities of the points that leaves each within `most` [m/s], 0-1."""
     share = 1.0
     for c in range(scene.contacts):
@@ -74,7 +78,7 @@ def _share_below(scene: ControlScene, velocities: Vec, most: float) -> float:
 
 
 @kernel
-def _wish(kin: Kin, scene: ControlScene, state: PointState) -> None:
+def _wish(kin: Kin, scene: SceneRecord, state: StateRecord) -> None:
     """joint_work.wish: joint velocities that the PD controller asks for."""
     work = state.joint_work
     if scene.controller == _JOINT_PD:
@@ -86,7 +90,7 @@ def _wish(kin: Kin, scene: ControlScene, state: PointState) -> None:
 
 
 @kernel
-def _approach(kin: Kin, scene: ControlScene, state: PointState, acceleration: float, speed: float, dt: float) -> None:
+def _approach(kin: Kin, scene: SceneRecord, state: StateRecord, acceleration: float, speed: float, dt: float) -> None:
     """dq_virtual towards the wish, no point faster than `speed` nor harder than `acceleration`; all scaled alike."""
     work = state.joint_work
     velocities_of(kin, scene, state.q, work.wish, work, work.velocities)
@@ -100,7 +104,7 @@ def _approach(kin: Kin, scene: ControlScene, state: PointState, acceleration: fl
 
 
 @kernel
-def _drive_to_target(kin: Kin, scene: ControlScene, states: PointStates, dt: float) -> None:
+def _drive_to_target(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
     """PD controller towards SCENE.target, limited in acceleration and speed as a whole vector.
 
     A person's hand is on the handle: the drive is slow, and starts no harder than twice what it brakes with.
@@ -121,7 +125,7 @@ def _drive_to_target(kin: Kin, scene: ControlScene, states: PointStates, dt: flo
 
 
 @kernel
-def note_arrival(kin: Kin, scene: ControlScene, states: PointStates) -> None:
+def note_arrival(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> None:
     """state.arrived: a PD controller's target is within 1 mm and the robot at rest within 5 mm/s, at every point."""
     state, work = states[0], states[0].joint_work
     state.arrived = 0
@@ -141,7 +145,7 @@ def note_arrival(kin: Kin, scene: ControlScene, states: PointStates) -> None:
 
 
 @kernel
-def _follow_hand(kin: Kin, scene: ControlScene, states: PointStates, dt: float) -> None:
+def _follow_hand(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
     """Admittance: measured and virtual force move the virtual mass, or the masses at all points."""
     state = states[0]
     damping = scene.virtual_damping
@@ -175,7 +179,7 @@ def _follow_hand(kin: Kin, scene: ControlScene, states: PointStates, dt: float) 
 
 
 @kernel
-def _hold(kin: Kin, scene: ControlScene, states: PointStates) -> None:
+def _hold(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> None:
     """The last command again, within the limits of where the robot is by now; so the force, as the user feels it."""
     state, work = states[0], states[0].joint_work
     if lets_feel(scene.controller):
@@ -189,7 +193,7 @@ def _hold(kin: Kin, scene: ControlScene, states: PointStates) -> None:
 
 
 @kernel
-def _give_up(scene: ControlScene, states: PointStates, dt: float) -> None:
+def _give_up(scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
     """What would be sent is not finite: a latched stop, and nothing."""
     state = states[0]
     latch(state, _SAFE_STOP, _NOT_FINITE)
@@ -204,7 +208,7 @@ def _give_up(scene: ControlScene, states: PointStates, dt: float) -> None:
 
 
 @kernel
-def _velocities_finite(scene: ControlScene, states: PointStates) -> bool:
+def _velocities_finite(scene: SceneRecord, states: Table[StateRecord]) -> bool:
     for c in range(scene.contacts):
         if not all_finite(states[c].v_virtual):
             return False
@@ -212,7 +216,7 @@ def _velocities_finite(scene: ControlScene, states: PointStates) -> bool:
 
 
 @kernel
-def _control_motion(kin: Kin, scene: ControlScene, states: PointStates, dt: float) -> None:
+def _control_motion(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
     """Joint velocities for a device that follows them."""
     state, work = states[0], states[0].joint_work
     if scene.controller == _ADMITTANCE and state.safety >= _READY:
@@ -236,7 +240,7 @@ def _control_motion(kin: Kin, scene: ControlScene, states: PointStates, dt: floa
 
 
 @kernel
-def _control_force(kin: Kin, scene: ControlScene, states: PointStates, dt: float) -> None:
+def _control_force(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
     """Forces for a device that renders them: what the user is to feel, or what draws the device to a target."""
     state = states[0]
     drives = scene.controller == _JOINT_PD or scene.controller == _WORLD_PD
@@ -272,7 +276,7 @@ def _control_force(kin: Kin, scene: ControlScene, states: PointStates, dt: float
 
 
 @kernel
-def _draw_joints(kin: Kin, scene: ControlScene, state: PointState, dt: float) -> None:
+def _draw_joints(kin: Kin, scene: SceneRecord, state: StateRecord, dt: float) -> None:
     """torque_command that draws the joints along with dq_virtual."""
     work = state.joint_work
     find_jacobian(kin, scene, state.q, work)
@@ -284,7 +288,7 @@ def _draw_joints(kin: Kin, scene: ControlScene, state: PointState, dt: float) ->
 
 
 @kernel
-def _find_torques(kin: Kin, scene: ControlScene, states: PointStates) -> None:
+def _find_torques(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> None:
     """torque_command = J^T of the forces sent, for a device that takes torques; what is not finite is nothing."""
     state, work = states[0], states[0].joint_work
     for c in range(scene.contacts):
@@ -295,7 +299,7 @@ def _find_torques(kin: Kin, scene: ControlScene, states: PointStates) -> None:
 
 
 @kernel
-def _command_torques(kin: Kin, scene: ControlScene, states: PointStates, held: int, dt: float) -> None:
+def _command_torques(kin: Kin, scene: SceneRecord, states: Table[StateRecord], held: int, dt: float) -> None:
     """Torques of a device that takes them: of the forces felt, or what draws its joints; when late the last ones."""
     state = states[0]
     drives = scene.controller == _JOINT_PD or scene.controller == _WORLD_PD
@@ -306,7 +310,7 @@ def _command_torques(kin: Kin, scene: ControlScene, states: PointStates, held: i
 
 
 @kernel
-def control(kin: Kin, scene: ControlScene, states: PointStates, held: int, dt: float) -> None:
+def control(kin: Kin, scene: SceneRecord, states: Table[StateRecord], held: int, dt: float) -> None:
     """What to send, velocities or forces: from the controller, held, or dying away."""
     state = states[0]
     if is_stopped(state) or state.safety < _HOMED:

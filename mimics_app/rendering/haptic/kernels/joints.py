@@ -7,6 +7,7 @@ its joints, contacts and geometry. Points come one behind the other, three numbe
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +26,10 @@ from mimics_app.contracts.device_descriptor import (
 )
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_fields import MAX_CONTACTS, MAX_JOINTS
-from mimics_app.rendering.haptic.kernels.device_records import DeviceScene, JointWork
 from mimics_app.rendering.haptic.kernels.solve import solve_positive
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import JointWorkRecord, SceneRecord
 
 __all__ = [
     "JOINT_WORK",
@@ -81,19 +84,19 @@ _LONGEST_STEP = 0.5
 
 
 @kernel
-def points_of(kin: Kin, scene: DeviceScene, q: Vec, x: Vec) -> None:
+def points_of(kin: Kin, scene: SceneRecord, q: Vec, x: Vec) -> None:
     """Points x [m], shape [3 contacts or more], of the joints q."""
     kin[FORWARD](scene.geometry[:], q[:], q[:], x[:])
 
 
 @kernel
-def find_jacobian(kin: Kin, scene: DeviceScene, q: Vec, work: JointWork) -> None:
+def find_jacobian(kin: Kin, scene: SceneRecord, q: Vec, work: JointWorkRecord) -> None:
     """work.jacobian at the joints q."""
     kin[JACOBIAN](scene.geometry[:], q[:], q[:], work.jacobian[:])
 
 
 @kernel
-def velocities_of(kin: Kin, scene: DeviceScene, q: Vec, dq: Vec, work: JointWork, v: Vec) -> None:
+def velocities_of(kin: Kin, scene: SceneRecord, q: Vec, dq: Vec, work: JointWorkRecord, v: Vec) -> None:
     """V = J dq [m/s] of all points; v is not dq."""
     if kin[VELOCITY](scene.geometry[:], q[:], dq[:], v[:]) != _NOT_GIVEN:
         return
@@ -107,7 +110,7 @@ def velocities_of(kin: Kin, scene: DeviceScene, q: Vec, dq: Vec, work: JointWork
 
 
 @kernel
-def torques_of(kin: Kin, scene: DeviceScene, q: Vec, f: Vec, work: JointWork, tau: Vec) -> None:
+def torques_of(kin: Kin, scene: SceneRecord, q: Vec, f: Vec, work: JointWorkRecord, tau: Vec) -> None:
     """Tau = J^T f [N, N m] of forces f on all points, robot frame [N]; tau is not f."""
     if kin[TORQUE](scene.geometry[:], q[:], f[:], tau[:]) != _NOT_GIVEN:
         return
@@ -121,7 +124,7 @@ def torques_of(kin: Kin, scene: DeviceScene, q: Vec, f: Vec, work: JointWork, ta
 
 
 @kernel
-def _product(work: JointWork, rows: int, joints: int, a: int, b: int, of_rows: bool) -> float:
+def _product(work: JointWorkRecord, rows: int, joints: int, a: int, b: int, of_rows: bool) -> float:
     """Entry a, b of J J^T where `of_rows`, else of J^T J."""
     total = 0.0
     if of_rows:
@@ -134,7 +137,7 @@ def _product(work: JointWork, rows: int, joints: int, a: int, b: int, of_rows: b
 
 
 @kernel
-def _least_squares(scene: DeviceScene, work: JointWork, v: Vec, dq: Vec) -> int:
+def _least_squares(scene: SceneRecord, work: JointWorkRecord, v: Vec, dq: Vec) -> int:
     """Dq that comes nearest to J dq = v, damped; of many the smallest. SINGULAR where a direction is lost."""
     rows, joints = 3 * scene.contacts, scene.joints
     wide = rows < joints
@@ -160,7 +163,7 @@ def _least_squares(scene: DeviceScene, work: JointWork, v: Vec, dq: Vec) -> int:
 
 
 @kernel
-def rates_of(kin: Kin, scene: DeviceScene, q: Vec, v: Vec, work: JointWork, dq: Vec) -> int:
+def rates_of(kin: Kin, scene: SceneRecord, q: Vec, v: Vec, work: JointWorkRecord, dq: Vec) -> int:
     """Dq = J^-1 v for velocities v of all points [m/s], or what comes nearest; SINGULAR where a direction is lost."""
     status = kin[RATES](scene.geometry[:], q[:], v[:], dq[:])
     if status != _NOT_GIVEN:
@@ -170,7 +173,7 @@ def rates_of(kin: Kin, scene: DeviceScene, q: Vec, v: Vec, work: JointWork, dq: 
 
 
 @kernel
-def _missing(kin: Kin, scene: DeviceScene, x: Vec, q: Vec, work: JointWork) -> float:
+def _missing(kin: Kin, scene: SceneRecord, x: Vec, q: Vec, work: JointWorkRecord) -> float:
     """work.place = x less where q leads; its largest component [m]."""
     points_of(kin, scene, q, work.place)
     most = 0.0
@@ -181,7 +184,7 @@ def _missing(kin: Kin, scene: DeviceScene, x: Vec, q: Vec, work: JointWork) -> f
 
 
 @kernel
-def joints_of(kin: Kin, scene: DeviceScene, x: Vec, work: JointWork, q: Vec) -> int:
+def joints_of(kin: Kin, scene: SceneRecord, x: Vec, work: JointWorkRecord, q: Vec) -> int:
     """Joints q that bring the points to x [m], from the joints q on entry; UNREACHABLE: the nearest that was found.
 
     Joint limits are not asked: what lies beyond them the caller clamps and tells.
@@ -215,7 +218,7 @@ def joints_of(kin: Kin, scene: DeviceScene, x: Vec, work: JointWork, q: Vec) -> 
 
 
 @kernel
-def to_robot(kin: Kin, scene: DeviceScene, q: Vec, f: Vec, out: Vec) -> None:
+def to_robot(kin: Kin, scene: SceneRecord, q: Vec, f: Vec, out: Vec) -> None:
     """Forces on the points from the frames of their sensors to the robot frame; out is not f."""
     if kin[TO_ROBOT](scene.geometry[:], q[:], f[:], out[:]) == _NOT_GIVEN:
         for row in range(3 * scene.contacts):
@@ -223,7 +226,7 @@ def to_robot(kin: Kin, scene: DeviceScene, q: Vec, f: Vec, out: Vec) -> None:
 
 
 @kernel
-def to_tool(kin: Kin, scene: DeviceScene, q: Vec, f: Vec, out: Vec) -> None:
+def to_tool(kin: Kin, scene: SceneRecord, q: Vec, f: Vec, out: Vec) -> None:
     """Forces on the points from the robot frame to the frames of their sensors; out is not f."""
     if kin[TO_TOOL](scene.geometry[:], q[:], f[:], out[:]) == _NOT_GIVEN:
         for row in range(3 * scene.contacts):

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.haptic import DeviceStatus
+from mimics_app.contracts.haptic import (
+    NANOSECOND,
+    DeviceStatus,
+)
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.vectors import copy
 
@@ -37,7 +40,7 @@ def note_jump(scene: SceneRecord, state: StateRecord, status: int, last_age: flo
         way = 0.0
         for i in range(3):
             way += (state.hip[i] - state.last_hip[i]) ** 2
-        reach = scene.velocity_limit * (last_age + dt + 1e-9 * scene.late_hold_ns) + scene.position_jump
+        reach = scene.velocity_limit * (last_age + dt + NANOSECOND * scene.late_hold_ns) + scene.position_jump
         state.jumped = 0 if way <= reach * reach else 1
     state.placed = 1
     copy(state.hip, state.last_hip)

@@ -104,6 +104,15 @@ _SPEED_FILTER_HZ = 60.0
 _BRAKE = 40.0
 """Damping of drives that are not enabled [N m s/rad]: short-circuited motors behind their gears."""
 
+_STATE = 4
+"""Numbers of a leg's motion: two angles, two velocities."""
+
+_STAGES = 4
+"""Of the classical Runge-Kutta method."""
+
+_WEIGHTS = 6.0
+"""Sum of their weights 1, 2, 2, 1."""
+
 
 @kernel
 def order_leg(leg: Vec, command: Vec, enabled: bool) -> None:
@@ -225,15 +234,15 @@ def step_leg(leg: Vec) -> None:
     for i in range(2):
         tau[i] = leg[DRIVE + i] + leg[PERSON + i]
     copy(leg[Q : Q + 4], state)
-    for part in range(4):
+    for part in range(_STAGES):
         _rate(leg, state, tau, rate)
-        weight = 1.0 if part == 0 or part == 3 else 2.0
+        weight = 1.0 if part == 0 or part == _STAGES - 1 else 2.0
         reach = 0.5 * dt if part < 2 else dt
-        for i in range(4):
+        for i in range(_STATE):
             total[i] += weight * rate[i]
             state[i] = leg[Q + i] + reach * rate[i]
-    for i in range(4):
-        leg[Q + i] += dt / 6.0 * total[i]
+    for i in range(_STATE):
+        leg[Q + i] += dt / _WEIGHTS * total[i]
     _stop_at_ends(leg)
 
 

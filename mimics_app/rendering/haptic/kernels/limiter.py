@@ -13,6 +13,7 @@ from mimics_app.rendering.haptic.kernels.vectors import all_finite, fill, norm
 __all__ = ["brake_at_limits", "limit_force", "limit_held", "limit_joints", "settle"]
 
 Vec = NDArray[np.float64]
+Limits = NDArray[np.float64] | NDArray[np.float32]
 
 _BRAKE_TIME = 0.05
 """Time constant with which a joint may approach its limit [s]: speed <= room / time."""
@@ -25,6 +26,9 @@ _NOTHING = 1e-290
 
 _STANDSTILL = 1e-6
 """Below this a dying command is zero [m/s, rad/s]."""
+
+_ROUNDING = 1e-12
+"""A change by a smaller share than this is rounding and no limit [-]."""
 
 
 @kernel
@@ -112,7 +116,7 @@ def brake_at_limits(q: Vec, lowest: Vec, highest: Vec, dq: Vec) -> bool:
 
 
 @kernel
-def _joint_share(change: Vec, most: Vec, factor: float) -> float:
+def _joint_share(change: Vec, most: Limits, factor: float) -> float:
     """Largest share of a change of the joints that no joint's limit, times `factor`, forbids; 1: all of it."""
     share = 1.0
     for i in range(change.shape[0]):
@@ -123,7 +127,7 @@ def _joint_share(change: Vec, most: Vec, factor: float) -> float:
 
 
 @kernel
-def limit_joints(last: Vec, velocity: Vec, acceleration: Vec, each: bool, dt: float, step: Vec, dq: Vec) -> bool:
+def limit_joints(last: Vec, velocity: Limits, acceleration: Limits, each: bool, dt: float, step: Vec, dq: Vec) -> bool:
     """Bring joint velocities within the limits of every joint, on its velocity and on its change since the last tick.
 
     Args:
@@ -156,7 +160,7 @@ def limit_joints(last: Vec, velocity: Vec, acceleration: Vec, each: bool, dt: fl
         limited = last[i] + change
         after += abs(limited - dq[i])
         step[i] = limited
-    if not after > 1e-12 * before:
+    if not after > _ROUNDING * before:
         return False
     for i in range(size):
         dq[i] = step[i]

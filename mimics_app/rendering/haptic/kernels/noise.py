@@ -11,14 +11,29 @@ from mimics_app.contracts.kernel import kernel
 
 __all__ = ["gauss", "seed_noise", "uniform"]
 
+_STEP, _MIX_1, _MIX_2 = 0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB
+"""Of splitmix64 (Steele, Lea and Flood 2014): the golden ratio in 64 bits, and its two multipliers."""
+
+_FOLD_1, _FOLD_2, _FOLD_3 = 30, 27, 31
+"""Its shifts [bits]."""
+
+_LEFT, _RIGHT, _LEFT_AGAIN = 13, 7, 17
+"""Shifts of xorshift64 [bits]."""
+
+_SPARE_BITS = 11
+"""Bits of 64 beyond the 53 that a float64 holds exactly."""
+
+_STEPS_OF_ONE = 9007199254740992.0
+"""2^53: so many numbers lie in [0, 1)."""
+
 
 @kernel
 def seed_noise(memory: NDArray[np.float64], place: int, seed: int) -> None:
     """Start the generator in memory[place] (64 bits, not a number) from a seed, by one round of splitmix64."""
-    z = np.uint64(seed) + np.uint64(0x9E3779B97F4A7C15)
-    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    z = z ^ (z >> np.uint64(31))
+    z = np.uint64(seed) + np.uint64(_STEP)
+    z = (z ^ (z >> np.uint64(_FOLD_1))) * np.uint64(_MIX_1)
+    z = (z ^ (z >> np.uint64(_FOLD_2))) * np.uint64(_MIX_2)
+    z = z ^ (z >> np.uint64(_FOLD_3))
     if z == np.uint64(0):
         z = np.uint64(1)
     memory[place : place + 1].view(np.uint64)[0] = z
@@ -29,11 +44,11 @@ def uniform(memory: NDArray[np.float64], place: int) -> float:
     """Next number in [0, 1), 53 bits: xorshift64 (Marsaglia 2003)."""
     bits = memory[place : place + 1].view(np.uint64)
     x = bits[0]
-    x ^= x << np.uint64(13)
-    x ^= x >> np.uint64(7)
-    x ^= x << np.uint64(17)
+    x ^= x << np.uint64(_LEFT)
+    x ^= x >> np.uint64(_RIGHT)
+    x ^= x << np.uint64(_LEFT_AGAIN)
     bits[0] = x
-    return (x >> np.uint64(11)) * (1.0 / 9007199254740992.0)
+    return (x >> np.uint64(_SPARE_BITS)) * (1.0 / _STEPS_OF_ONE)
 
 
 @kernel

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
+from mimics_app.maths.quat import QUATERNION
 
 __all__ = [
     "angular_velocity",
@@ -99,7 +100,7 @@ def _exponential(omega: Three, dt: float) -> Four:
 def _store(value: Four, q: Quat) -> None:
     """Write a quaternion, brought back to unit length: R^T must stay R^-1 after a million steps."""
     scale = 1.0 / math.sqrt(value[0] * value[0] + value[1] * value[1] + value[2] * value[2] + value[3] * value[3])
-    for i in range(4):
+    for i in range(QUATERNION):
         q[i] = scale * value[i]
 
 

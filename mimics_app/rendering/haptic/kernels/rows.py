@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,16 @@ from mimics_app.contracts.loop_ports import (
 from mimics_app.contracts.record_copy import field_copier
 from mimics_app.rendering.haptic.kernels.vectors import norm
 
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import (
+        SampleRecord,
+        SceneRecord,
+        SnapshotRecord,
+        StateRecord,
+        Table,
+        TotalsRecord,
+    )
+
 __all__ = ["read_inputs", "write_command", "write_inputs", "write_outputs", "write_snapshot"]
 
 Vec = NDArray[np.float64]
@@ -44,7 +54,7 @@ _SAFE_STOP = int(SafetyState.SAFE_STOP)
 
 
 @kernel
-def write_command(scene: Any, states: Any, command: Vec) -> None:
+def write_command(scene: SceneRecord, states: Table[StateRecord], command: Vec) -> None:
     """Command vector for the device."""
     state = states[0]
     for i in range(MAX_JOINTS):
@@ -61,7 +71,7 @@ def write_command(scene: Any, states: Any, command: Vec) -> None:
 
 @kernel
 def write_inputs(
-    data: Vec, status: int, stop_word: int, held: int, period: float, state: Any, dt: float, row: Any
+    data: Vec, status: int, stop_word: int, held: int, period: float, state: StateRecord, dt: float, row: SampleRecord
 ) -> None:
     """The part of the sample row that a replay needs, exactly as the device gave it."""
     row.t = state.tick * dt
@@ -86,7 +96,7 @@ def write_inputs(
 
 
 @kernel
-def read_inputs(row: Any, data: Vec) -> None:
+def read_inputs(row: SampleRecord, data: Vec) -> None:
     """The data vector of the device back from a sample row."""
     for i in range(MAX_JOINTS):
         data[DATA_Q + i] = row.q[i]
@@ -103,13 +113,13 @@ def read_inputs(row: Any, data: Vec) -> None:
 
 
 @kernel
-def write_outputs(state: Any, totals: Any, row: Any) -> None:
+def write_outputs(state: StateRecord, totals: TotalsRecord, row: SampleRecord) -> None:
     """The part of the sample row that a replay compares."""
     _copy_outputs(state, totals, row)
 
 
 @kernel
-def write_snapshot(state: Any, totals: Any, t_ns: int, out: Any) -> None:
+def write_snapshot(state: StateRecord, totals: TotalsRecord, t_ns: int, out: SnapshotRecord) -> None:
     """The newest state of a tick that was released at `t_ns`, for all who read it while the loop goes on."""
     out.tick = state.tick - 1
     out.t_ns = t_ns

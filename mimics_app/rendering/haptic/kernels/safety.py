@@ -17,12 +17,22 @@ SAFE_STOP, never the other way.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
-from mimics_app.contracts.haptic import Button, Controller, DeviceStatus, SafetyState, TripCause
+from mimics_app.contracts.haptic import (
+    SECOND_NS,
+    Button,
+    Controller,
+    DeviceStatus,
+    SafetyState,
+    TripCause,
+)
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.tunnel import TunnelStatus
 from mimics_app.rendering.haptic.kernels.vectors import norm
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import SceneRecord, StateRecord, Table
 
 __all__ = [
     "HOLD",
@@ -73,7 +83,7 @@ _IMPEDANCE = int(Controller.IMPEDANCE)
 
 
 @kernel
-def is_stopped(state: Any) -> bool:
+def is_stopped(state: StateRecord) -> bool:
     """True in the two latched states."""
     return state.safety >= _SAFE_STOP
 
@@ -85,7 +95,7 @@ def lets_feel(controller: int) -> bool:
 
 
 @kernel
-def latch(state: Any, stop: int, cause: int) -> None:
+def latch(state: StateRecord, stop: int, cause: int) -> None:
     """Enter a stop state (SAFE_STOP or E_STOP) for a cause, unless one at least as strong is latched already."""
     if state.safety >= stop:
         return
@@ -97,7 +107,7 @@ def latch(state: Any, stop: int, cause: int) -> None:
 
 
 @kernel
-def _reset_when_asked(scene: Any, state: Any, stop_word: int) -> bool:
+def _reset_when_asked(scene: SceneRecord, state: StateRecord, stop_word: int) -> bool:
     """A changed count of resets leaves a latched stop, once stop key and button are released; True when it did."""
     if scene.resets == state.resets:
         return False
@@ -114,7 +124,7 @@ def _reset_when_asked(scene: Any, state: Any, stop_word: int) -> bool:
 
 
 @kernel
-def _outside_workspace(scene: Any, state: Any) -> bool:
+def _outside_workspace(scene: SceneRecord, state: StateRecord) -> bool:
     """True beyond the joint limits by more than the margin; written so that NaN limits count as outside."""
     for i in range(scene.joints):
         if not (
@@ -125,7 +135,7 @@ def _outside_workspace(scene: Any, state: Any) -> bool:
 
 
 @kernel
-def _gave_too_much(scene: Any, state: Any) -> bool:
+def _gave_too_much(scene: SceneRecord, state: StateRecord) -> bool:
     """True when one contact gave more than `energy_limit` to the handle, or, where controlled, to what it acts on."""
     lowest = state.observer.energy
     if scene.passivity == 1:
@@ -134,7 +144,7 @@ def _gave_too_much(scene: Any, state: Any) -> bool:
 
 
 @kernel
-def _point_trips(scene: Any, states: Any, cause: int) -> bool:
+def _point_trips(scene: SceneRecord, states: Table[StateRecord], cause: int) -> bool:
     """Whether any point of contact is too fast, jumped, or gave too much, as `cause` asks."""
     for c in range(scene.contacts):
         state = states[c]
@@ -148,7 +158,7 @@ def _point_trips(scene: Any, states: Any, cause: int) -> bool:
 
 
 @kernel
-def _largest_force(scene: Any, states: Any) -> float:
+def _largest_force(scene: SceneRecord, states: Table[StateRecord]) -> float:
     """Of the virtual forces on the points of contact [N]."""
     largest = norm(states[0].f_virt_world)
     for c in range(1, scene.contacts):
@@ -163,7 +173,7 @@ def _late_cause(held: int) -> int:
 
 
 @kernel
-def _find_trip(scene: Any, states: Any, status: int, held: int) -> int:
+def _find_trip(scene: SceneRecord, states: Table[StateRecord], status: int, held: int) -> int:
     """Cause that latches SAFE_STOP in this tick, or NONE."""
     cause, state = _NONE, states[0]
     if state.readable == 0 or state.tunnel.status == _TUNNEL_NOT_FINITE or state.objects_failed == 1:
@@ -172,7 +182,7 @@ def _find_trip(scene: Any, states: Any, status: int, held: int) -> int:
         cause = _DEVICE_FAULT
     elif state.safety >= _HOMED and held >= LATE_STOP and scene.late_latches == 1:
         cause = _late_cause(held)
-    elif state.safety >= _HOMED and int(state.age * 1e9 + 0.5) > scene.stale_stop_ns:
+    elif state.safety >= _HOMED and int(state.age * SECOND_NS + 0.5) > scene.stale_stop_ns:
         cause = _STALE_DEVICE
     elif state.safety >= _HOMED and _outside_workspace(scene, state):
         cause = _WORKSPACE
@@ -186,7 +196,7 @@ def _find_trip(scene: Any, states: Any, status: int, held: int) -> int:
 
 
 @kernel
-def _come_up(scene: Any, state: Any, quiet: bool) -> None:
+def _come_up(scene: SceneRecord, state: StateRecord, quiet: bool) -> None:
     """OFF to ACTIVE, at most one step a tick; READY falls back to HOMED when a PD target moves away."""
     safety = state.safety
     haptic = lets_feel(scene.controller)
@@ -204,7 +214,7 @@ def _come_up(scene: Any, state: Any, quiet: bool) -> None:
 
 
 @kernel
-def _stay_active(scene: Any, state: Any, quiet: bool, held: int) -> None:
+def _stay_active(scene: SceneRecord, state: StateRecord, quiet: bool, held: int) -> None:
     """ACTIVE and DEGRADED: leave for HOMED with another controller, degrade when late, return when quiet."""
     if not lets_feel(scene.controller):
         state.safety = _HOMED
@@ -218,7 +228,7 @@ def _stay_active(scene: Any, state: Any, quiet: bool, held: int) -> None:
 
 
 @kernel
-def _move_ramp(scene: Any, state: Any, dt: float) -> None:
+def _move_ramp(scene: SceneRecord, state: StateRecord, dt: float) -> None:
     """Soft start: up in ACTIVE over ramp_time, down in DEGRADED, zero elsewhere."""
     if state.safety == _ACTIVE:
         state.ramp = min(1.0, state.ramp + dt / scene.ramp_time) if scene.ramp_time > dt else 1.0
@@ -229,7 +239,9 @@ def _move_ramp(scene: Any, state: Any, dt: float) -> None:
 
 
 @kernel
-def step_safety(scene: Any, states: Any, status: int, stop_word: int, held: int, dt: float) -> None:
+def step_safety(
+    scene: SceneRecord, states: Table[StateRecord], status: int, stop_word: int, held: int, dt: float
+) -> None:
     """Decide this tick's state and soft-start factor, after motion and virtual force are known.
 
     Args:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.device_descriptor import Kin
-from mimics_app.contracts.haptic import DeviceStatus
+from mimics_app.contracts.haptic import (
+    SECOND_NS,
+    DeviceStatus,
+)
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_fields import MAX_JOINTS
 from mimics_app.contracts.loop_ports import (
@@ -21,9 +24,11 @@ from mimics_app.contracts.loop_ports import (
     DATA_Q,
     DATA_TORQUE,
 )
-from mimics_app.rendering.haptic.kernels.device_records import ControlScene, PointState, PointStates
 from mimics_app.rendering.haptic.kernels.joints import points_of, to_robot, velocities_of
 from mimics_app.rendering.haptic.kernels.vectors import copy, fill, rotate
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import SceneRecord, StateRecord, Table
 
 __all__ = ["find_motion", "size_ball", "take_data"]
 
@@ -48,14 +53,14 @@ def _is_plausible(data: Vec) -> bool:
 
 
 @kernel
-def _take_forces(states: PointStates, contacts: int, data: Vec) -> None:
+def _take_forces(states: Table[StateRecord], contacts: int, data: Vec) -> None:
     """Measured force of every point of contact."""
     for c in range(contacts):
         copy(data[DATA_FORCE + 3 * c : DATA_FORCE + 3 * c + 3], states[c].f_meas)
 
 
 @kernel
-def take_data(scene: ControlScene, states: PointStates, data: Vec, status: int, dt: float) -> None:
+def take_data(scene: SceneRecord, states: Table[StateRecord], data: Vec, status: int, dt: float) -> None:
     """Device data into the states; data that is not finite, or not fresh, leaves the last good motion standing."""
     state = states[0]
     state.readable = 1
@@ -78,12 +83,12 @@ def take_data(scene: ControlScene, states: PointStates, data: Vec, status: int, 
         for c in range(scene.contacts):
             fill(states[c].f_meas, 0.0)
     was_stale = state.stale
-    state.stale = 1 if int(state.age * 1e9 + 0.5) > scene.stale_warn_ns else 0
+    state.stale = 1 if int(state.age * SECOND_NS + 0.5) > scene.stale_warn_ns else 0
     state.stale_began = 1 if state.stale == 1 and was_stale == 0 and state.answered == 1 else 0
 
 
 @kernel
-def _place(scene: ControlScene, state: PointState, x: Vec, v: Vec, f: Vec) -> None:
+def _place(scene: SceneRecord, state: StateRecord, x: Vec, v: Vec, f: Vec) -> None:
     """Position, velocity and measured force of one point, robot frame, into its state, and into the world."""
     copy(x, state.hip)
     copy(v, state.v)
@@ -95,7 +100,7 @@ def _place(scene: ControlScene, state: PointState, x: Vec, v: Vec, f: Vec) -> No
 
 
 @kernel
-def find_motion(kin: Kin, scene: ControlScene, states: PointStates) -> None:
+def find_motion(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> None:
     """Position, velocity and measured force of every point of contact in robot and world frame."""
     state, work = states[0], states[0].joint_work
     points_of(kin, scene, state.q, work.points)
@@ -109,7 +114,7 @@ def find_motion(kin: Kin, scene: ControlScene, states: PointStates) -> None:
 
 
 @kernel
-def size_ball(scene: Any, state: Any, dt: float) -> None:
+def size_ball(scene: SceneRecord, state: StateRecord, dt: float) -> None:
     """Ball radius from grasp force: largest open-handed, smallest at grasp_force_full, smoothed."""
     share = state.grasp / scene.grasp_force_full if scene.grasp_force_full > 0.0 else 0.0
     share = min(1.0, max(0.0, share))

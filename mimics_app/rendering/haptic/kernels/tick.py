@@ -8,8 +8,7 @@ the measured period and the parameter block. All are recorded, so that a recordi
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,18 +30,29 @@ from mimics_app.rendering.haptic.kernels.tunnels import follow_tunnels, forget_t
 from mimics_app.rendering.haptic.kernels.vectors import copy
 from mimics_app.rendering.haptic.kernels.watch import watch_contact, watch_margin
 
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import (
+        Fields,
+        ObjectCountsRecord,
+        ObjectWork,
+        Rows,
+        SampleRecord,
+        SceneRecord,
+        Simulate,
+        StateRecord,
+        Table,
+    )
+
 __all__ = ["tick"]
 
 Vec = NDArray[np.float64]
-Simulate = Callable[..., Any]
-Fields = tuple[Callable[..., Any], ...]
 
 _ACTIVE = int(SafetyState.ACTIVE)
 _DEGRADED = int(SafetyState.DEGRADED)
 
 
 @kernel
-def _follow_contacts(objects: Any, counts: Any, state: Any, dt: float) -> None:
+def _follow_contacts(objects: ObjectWork, counts: ObjectCountsRecord, state: StateRecord, dt: float) -> None:
     """Begin and end of contacts with a tunnel's wall and with objects; only what the user can feel counts."""
     felt = state.safety == _ACTIVE or state.safety == _DEGRADED
     state.contact_change = follow_touch(state, felt and state.tunnel.wall_force > 0.0, felt, dt)
@@ -51,13 +61,13 @@ def _follow_contacts(objects: Any, counts: Any, state: Any, dt: float) -> None:
 
 @kernel
 def tick(
-    scene: Any,
-    rows: Any,
-    objects: Any,
+    scene: SceneRecord,
+    rows: Rows,
+    objects: ObjectWork,
     simulate: Simulate,
     fields: Fields,
     kin: Kin,
-    states: Any,
+    states: Table[StateRecord],
     data: Vec,
     status: int,
     stop_word: int,
@@ -65,7 +75,7 @@ def tick(
     period: float,
     dt: float,
     command: Vec,
-    row: Any,
+    row: SampleRecord,
 ) -> None:
     """One tick.
 

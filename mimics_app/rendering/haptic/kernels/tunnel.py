@@ -23,7 +23,7 @@ from __future__ import annotations
 
 import math
 from enum import IntEnum
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,9 +31,18 @@ from numpy.typing import NDArray
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.tunnel_projection import axis, locate, project
 
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import TunnelRecord, TunnelStateRecord
+
 __all__ = ["TUNNEL_STATE", "TunnelStatus", "arc_at", "fade_at_end", "restart_tracking", "tunnel_force"]
 
 Vec = NDArray[np.float64]
+
+_NO_RUN = 1e-24
+"""Square of a length below which something has no direction [m^2]."""
+
+_NO_NORMAL = 1e-12
+"""Length of a blended normal, of unit ones, below which it is left as it is [-]."""
 
 
 class TunnelStatus(IntEnum):
@@ -101,7 +110,7 @@ _MAX_COORDINATE = 1e6
 
 
 @kernel
-def restart_tracking(state: Any) -> None:
+def restart_tracking(state: TunnelStateRecord) -> None:
     """Forget the branch: the next call searches the whole tunnel and, in a tie, starts at the beginning."""
     state.tracking = 0
     state.s = 0.0
@@ -117,7 +126,7 @@ def _is_usable(p: Vec, v: Vec, ball_radius: float, rate: float) -> bool:
 
 
 @kernel
-def _speed(tunnel: Any, piece: int, u: float) -> float:
+def _speed(tunnel: TunnelRecord, piece: int, u: float) -> float:
     """|dC/du| [m]."""
     _, x, _ = axis(tunnel, piece, 0, u)
     _, y, _ = axis(tunnel, piece, 1, u)
@@ -126,14 +135,14 @@ def _speed(tunnel: Any, piece: int, u: float) -> float:
 
 
 @kernel
-def _length_to(tunnel: Any, piece: int, u: float) -> float:
+def _length_to(tunnel: TunnelRecord, piece: int, u: float) -> float:
     """Length of the piece from 0 to u [m] by three-point Gauss-Legendre."""
     outer = _speed(tunnel, piece, (0.5 - _GAUSS_3) * u) + _speed(tunnel, piece, (0.5 + _GAUSS_3) * u)
     return u * (5.0 * outer + 8.0 * _speed(tunnel, piece, 0.5 * u)) / 18.0
 
 
 @kernel
-def arc_at(tunnel: Any, piece: int, u: float) -> float:
+def arc_at(tunnel: TunnelRecord, piece: int, u: float) -> float:
     """Arc length up to u of a piece [m]; what three points miss of the whole piece is spread, so that no knot shows."""
     start = tunnel.arc_length[piece]
     missing = tunnel.arc_length[piece + 1] - start - _length_to(tunnel, piece, 1.0)
@@ -149,7 +158,7 @@ def fade_at_end(remaining: float) -> float:
 
 @kernel
 def _carry_normal(
-    tunnel: Any, piece: int, end: int, x: float, y: float, z: float, tx: float, ty: float, tz: float
+    tunnel: TunnelRecord, piece: int, end: int, x: float, y: float, z: float, tx: float, ty: float, tz: float
 ) -> tuple[float, float, float]:
     """Normal at a point of a piece, carried from one of its ends by double reflection (Wang et al. 2008, table I)."""
     x0, tx0, _ = axis(tunnel, piece, 0, float(end))
@@ -166,7 +175,7 @@ def _carry_normal(
     ay = y - y0
     az = z - z0
     square = ax * ax + ay * ay + az * az
-    if square > 1e-24:
+    if square > _NO_RUN:
         f = 2.0 * (ax * nx + ay * ny + az * nz) / square
         nx -= f * ax
         ny -= f * ay
@@ -179,7 +188,7 @@ def _carry_normal(
     ay = ty - ty0
     az = tz - tz0
     square = ax * ax + ay * ay + az * az
-    if square > 1e-24:
+    if square > _NO_RUN:
         f = 2.0 * (ax * nx + ay * ny + az * nz) / square
         nx -= f * ax
         ny -= f * ay
@@ -189,7 +198,7 @@ def _carry_normal(
 
 @kernel
 def _frenet_normal(
-    tunnel: Any, piece: int, u: float, tx: float, ty: float, tz: float
+    tunnel: TunnelRecord, piece: int, u: float, tx: float, ty: float, tz: float
 ) -> tuple[float, float, float, float]:
     """Unit normal towards the centre of curvature, and 1; 0 where the bisector is straight and has none."""
     _, vx, ax = axis(tunnel, piece, 0, u)
@@ -206,7 +215,9 @@ def _frenet_normal(
 
 
 @kernel
-def _write_frame(tunnel: Any, piece: int, u: float, x: float, y: float, z: float, state: Any) -> None:
+def _write_frame(
+    tunnel: TunnelRecord, piece: int, u: float, x: float, y: float, z: float, state: TunnelStateRecord
+) -> None:
     """Set n and b at the closest point: normals carried from both ends of the piece, blended, so that no knot shows.
 
     By the tunnel's wish n is Frenet's where the bisector bends; on a straight part it has none, and is carried.
@@ -223,7 +234,7 @@ def _write_frame(tunnel: Any, piece: int, u: float, x: float, y: float, z: float
     nx -= along * tx
     ny -= along * ty
     nz -= along * tz
-    size = max(math.sqrt(nx * nx + ny * ny + nz * nz), 1e-12)
+    size = max(math.sqrt(nx * nx + ny * ny + nz * nz), _NO_NORMAL)
     nx /= size
     ny /= size
     nz /= size
@@ -240,7 +251,7 @@ def _write_frame(tunnel: Any, piece: int, u: float, x: float, y: float, z: float
 
 
 @kernel
-def _release(state: Any, status: int) -> None:
+def _release(state: TunnelStateRecord, status: int) -> None:
     """No force, and a fresh search at the next call."""
     state.status = status
     state.tracking = 0
@@ -254,7 +265,7 @@ def _release(state: Any, status: int) -> None:
 
 
 @kernel
-def tunnel_force(tunnel: Any, p: Vec, v: Vec, ball_radius: float, state: Any) -> None:
+def tunnel_force(tunnel: TunnelRecord, p: Vec, v: Vec, ball_radius: float, state: TunnelStateRecord) -> None:
     """Force of the tunnel on the user for one tick (D2.1 4.2.10), and where the ball is in it.
 
     Deterministic; allocates nothing. The force is finite for every input: a position, velocity or ball radius that is
@@ -305,14 +316,20 @@ def tunnel_force(tunnel: Any, p: Vec, v: Vec, ball_radius: float, state: Any) ->
 
 
 @kernel
-def _push(tunnel: Any, softening: float, depth: float, rate: float) -> float:
+def _push(tunnel: TunnelRecord, softening: float, depth: float, rate: float) -> float:
     """Spring-damper of wall and caps [N], for a depth > 0 [m] that grows at `rate` [m/s]; it never pulls."""
     return max(0.0, tunnel.stiffness * (1.0 - softening) * depth + tunnel.damping * rate)
 
 
 @kernel
 def _wall(
-    tunnel: Any, e: tuple[float, float, float], lean: float, room: float, room_rate: float, v: Vec, state: Any
+    tunnel: TunnelRecord,
+    e: tuple[float, float, float],
+    lean: float,
+    room: float,
+    room_rate: float,
+    v: Vec,
+    state: TunnelStateRecord,
 ) -> tuple[float, float]:
     """Set the wall's force for the offset e across the tunnel; returns its depth [m] and rate [m/s].
 
@@ -337,7 +354,9 @@ def _wall(
 
 
 @kernel
-def _add_cap(tunnel: Any, along: float, v_t: float, room: float, room_rate: float, state: Any) -> tuple[float, float]:
+def _add_cap(
+    tunnel: TunnelRecord, along: float, v_t: float, room: float, room_rate: float, state: TunnelStateRecord
+) -> tuple[float, float]:
     """Add the flat cap's force, `along` [m] beyond an end (sign: which); returns its depth [m] and rate [m/s]."""
     depth = abs(along) - room
     if depth <= 0.0:
@@ -351,7 +370,7 @@ def _add_cap(tunnel: Any, along: float, v_t: float, room: float, room_rate: floa
 
 
 @kernel
-def _write_contact(wall: tuple[float, float], cap: tuple[float, float], state: Any) -> None:
+def _write_contact(wall: tuple[float, float], cap: tuple[float, float], state: TunnelStateRecord) -> None:
     """Depth and rate of the deeper of the two, and the direction of what both push."""
     deeper = cap if cap[0] > wall[0] else wall
     state.penetration = deeper[0]
@@ -365,14 +384,14 @@ def _write_contact(wall: tuple[float, float], cap: tuple[float, float], state: A
 
 @kernel
 def _add_forces(
-    tunnel: Any,
+    tunnel: TunnelRecord,
     offset: tuple[float, float, float],
     bend: float,
     radius_slope: float,
     remaining: float,
     v: Vec,
     ball_radius: float,
-    state: Any,
+    state: TunnelStateRecord,
 ) -> None:
     """Sum wall, cap, drag and assistance for offset = p - C(s) [m]; bend = kappa.e [-], remaining arc [m]."""
     tx = state.tangent[0]
@@ -403,7 +422,7 @@ def _add_forces(
 
 
 @kernel
-def _resolve(e: tuple[float, float, float], state: Any) -> None:
+def _resolve(e: tuple[float, float, float], state: TunnelStateRecord) -> None:
     """Offset and force along t, n, b; a force that is not finite is released as zero."""
     t = state.tangent
     n = state.normal_n

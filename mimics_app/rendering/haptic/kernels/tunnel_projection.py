@@ -62,6 +62,15 @@ _GOLDEN_STEPS = 46
 _GOLDEN_SAMPLES = 8
 _BRUTE_SAMPLES = 256
 
+_LEAST_CONVEXITY = 0.1
+"""The distance is convex enough for Newton where its second derivative is this share of |C'|^2 at least."""
+
+_ROUNDING = 1e-12
+"""A square distance that grows by a smaller share did not grow."""
+
+_NO_GROWTH = 1e-9
+"""A distance that grows by less [m] than this beyond what the ball moved did not either."""
+
 
 @kernel
 def locate(tunnel: TunnelRecord, s: float) -> tuple[int, float]:
@@ -112,7 +121,7 @@ def _distance2(tunnel: TunnelRecord, px: float, py: float, pz: float, piece: int
 @kernel
 def _newton_step(gradient: float, bend: float, speed2: float) -> float:
     """Step in s; where the distance is not convex (beyond the centre of curvature) the Gauss-Newton step, downhill."""
-    convexity = bend if bend > 0.1 * speed2 else speed2
+    convexity = bend if bend > _LEAST_CONVEXITY * speed2 else speed2
     return min(max(-gradient / convexity, -0.5), 0.5)
 
 
@@ -133,7 +142,7 @@ def refine(tunnel: TunnelRecord, px: float, py: float, pz: float, s: float) -> t
             at_end = (s <= 0.0 and gradient >= 0.0) or (s >= last and gradient <= 0.0)
             return s, distance2, at_end or bend >= 0.0
         trial2, trial_gradient, trial_bend, trial_speed2 = slope(tunnel, px, py, pz, trial)
-        if trial2 > distance2 * (1.0 + 1e-12):
+        if trial2 > distance2 * (1.0 + _ROUNDING):
             step = 0.5 * (trial - s)
             continue
         s, distance2, gradient, bend, speed2 = trial, trial2, trial_gradient, trial_bend, trial_speed2
@@ -224,8 +233,8 @@ def track_one_step(tunnel: TunnelRecord, px: float, py: float, pz: float, state:
     s = min(max(state.s + _newton_step(gradient, bend, speed2), 0.0), last)
     piece, u = locate(tunnel, s)
     distance2 = _distance2(tunnel, px, py, pz, piece, u)
-    found = bend > 0.1 * speed2
-    if not found or distance2 > before2 * (1.0 + 1e-12):
+    found = bend > _LEAST_CONVEXITY * speed2
+    if not found or distance2 > before2 * (1.0 + _ROUNDING):
         s, distance2, found = refine(tunnel, px, py, pz, state.s)
     return _keep_branch(tunnel, px, py, pz, state, s, distance2, found)
 
@@ -245,7 +254,7 @@ def _keep_branch(
     moved = math.sqrt((px - state.tracked[0]) ** 2 + (py - state.tracked[1]) ** 2 + (pz - state.tracked[2]) ** 2)
     distance = math.sqrt(distance2)
     state.ticks += 1
-    if state.tracking == 0 or moved > _TELEPORT or not found or distance > state.distance + moved + 1e-9:
+    if state.tracking == 0 or moved > _TELEPORT or not found or distance > state.distance + moved + _NO_GROWTH:
         s = search(tunnel, px, py, pz, _TIE if state.tracking == 0 else 0.0)
         state.tracking = 1
         state.ticks = 0

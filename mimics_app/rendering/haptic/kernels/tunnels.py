@@ -11,8 +11,7 @@ tunnel that the task is about (SCENE.own_tunnel), wherever the ball is; force an
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +19,17 @@ from numpy.typing import NDArray
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.stability import spring_share, stiffness_limit
 from mimics_app.rendering.haptic.kernels.tunnel import TunnelStatus, restart_tracking, tunnel_force
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import (
+        HoldingRecord,
+        SceneRecord,
+        StateRecord,
+        Table,
+        ToldRecord,
+        TunnelRecord,
+        TunnelStateRecord,
+    )
 
 __all__ = ["HOLDING", "TOLD", "follow_tunnels", "forget_tunnels", "share_in_touch"]
 
@@ -63,99 +73,6 @@ TOLD = np.dtype(
 """What the sample tells of the task's own tunnel."""
 
 
-class _Counts(Protocol):
-    tunnels: int
-
-
-class _Scene(Protocol):
-    """Of SCENE what is read here."""
-
-    cap: int
-    cap_margin: float
-    own_tunnel: int
-    objects: _Counts
-
-
-class _Tunnel(Protocol):
-    """Of TUNNEL what is read here."""
-
-    pieces: int
-    stiffness: float
-    damping: float
-    centring: float
-
-
-class _Memory(Protocol):
-    """Of TUNNEL_STATE what is read and written here."""
-
-    status: int
-    s: float
-    progress: float
-    distance: float
-    offset_n: float
-    offset_b: float
-    radius: float
-    penetration: float
-    approach_speed: float
-    wall_force: float
-    share: float
-    softening: float
-    ball_radius_rate: float
-    force_world: Vec
-    force_tnb: Vec
-    assist_world: Vec
-    normal_world: Vec
-
-
-class _Holding(Protocol):
-    """HOLDING."""
-
-    stiffness: float
-    damping: float
-    centring: float
-    there: int
-    row: int
-    chosen: int
-    status: int
-    s: float
-    penetration: float
-    approach_speed: float
-    wall_force: float
-    force_world: Vec
-    assist_world: Vec
-    normal_world: Vec
-
-
-class _Told(Protocol):
-    """TOLD."""
-
-    force_tnb: Vec
-    s: float
-    progress: float
-    distance: float
-    offset_n: float
-    offset_b: float
-    penetration: float
-    radius: float
-
-
-class _Acting(Protocol):
-    wall_share: float
-    both_share: float
-
-
-class _State(Protocol):
-    """Of STATE what is read and written here."""
-
-    tunnel: _Holding
-    told: _Told
-    acting: _Acting
-    hip_world: Vec
-    v_world: Vec
-    ball_radius: float
-    ball_radius_rate: float
-
-
 _FOLLOWING = int(TunnelStatus.FOLLOWING)
 
 
@@ -166,7 +83,7 @@ def share_in_touch(last: float, now: float, touching: bool) -> float:
 
 
 @kernel
-def forget_tunnels(tunnels: Sequence[_Memory], state: _State) -> None:
+def forget_tunnels(tunnels: Table[TunnelStateRecord], state: StateRecord) -> None:
     """Search every tunnel anew, and find out anew which of them holds the ball."""
     state.tunnel.chosen = 0
     for k in range(len(tunnels)):
@@ -174,7 +91,9 @@ def forget_tunnels(tunnels: Sequence[_Memory], state: _State) -> None:
 
 
 @kernel
-def _stable_share(scene: _Scene, tunnel: _Tunnel, state: _State, own: float, delay: float, period: float) -> float:
+def _stable_share(
+    scene: SceneRecord, tunnel: TunnelRecord, state: StateRecord, own: float, delay: float, period: float
+) -> float:
     """How much of the wall's stiffness is stable, 0-1, for the measured period and delay."""
     if scene.cap != 1 or tunnel.pieces <= 0:
         return 1.0
@@ -185,7 +104,14 @@ def _stable_share(scene: _Scene, tunnel: _Tunnel, state: _State, own: float, del
 
 @kernel
 def _follow_one(
-    scene: _Scene, tunnel: _Tunnel, memory: _Memory, state: _State, own: float, delay: float, period: float, holds: bool
+    scene: SceneRecord,
+    tunnel: TunnelRecord,
+    memory: TunnelStateRecord,
+    state: StateRecord,
+    own: float,
+    delay: float,
+    period: float,
+    holds: bool,
 ) -> None:
     """One tunnel as if it held the ball, its wall no stiffer than stable."""
     share = _stable_share(scene, tunnel, state, own, delay, period)
@@ -198,7 +124,7 @@ def _follow_one(
 
 
 @kernel
-def _holder(tunnels: Sequence[_Memory], count: int, state: _State) -> int:
+def _holder(tunnels: Table[TunnelStateRecord], count: int, state: StateRecord) -> int:
     """Row of the tunnel that the ball is in from now on."""
     row = state.tunnel.row
     stays = state.tunnel.chosen == 1 and row < count and tunnels[row].status == _FOLLOWING
@@ -217,7 +143,7 @@ def _holder(tunnels: Sequence[_Memory], count: int, state: _State) -> int:
 
 
 @kernel
-def _hold(tunnel: _Tunnel, memory: _Memory, holding: _Holding) -> None:
+def _hold(tunnel: TunnelRecord, memory: TunnelStateRecord, holding: HoldingRecord) -> None:
     """What the tunnel that holds the ball does."""
     holding.there = 1 if tunnel.pieces > 0 else 0
     holding.status = memory.status
@@ -235,7 +161,7 @@ def _hold(tunnel: _Tunnel, memory: _Memory, holding: _Holding) -> None:
 
 
 @kernel
-def _hold_nothing(holding: _Holding) -> None:
+def _hold_nothing(holding: HoldingRecord) -> None:
     """The scene has no tunnel."""
     holding.there = 0
     holding.status = 0
@@ -251,7 +177,7 @@ def _hold_nothing(holding: _Holding) -> None:
 
 
 @kernel
-def _tell(memory: _Memory, told: _Told, holds: bool) -> None:
+def _tell(memory: TunnelStateRecord, told: ToldRecord, holds: bool) -> None:
     """What the sample tells of the task's own tunnel."""
     told.s = memory.s
     told.progress = memory.progress
@@ -266,10 +192,10 @@ def _tell(memory: _Memory, told: _Told, holds: bool) -> None:
 
 @kernel
 def follow_tunnels(
-    scene: _Scene,
-    rows: Sequence[_Tunnel],
-    tunnels: Sequence[_Memory],
-    state: _State,
+    scene: SceneRecord,
+    rows: Table[TunnelRecord],
+    tunnels: Table[TunnelStateRecord],
+    state: StateRecord,
     own: float,
     delay: float,
     period: float,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.kernel import kernel
@@ -10,6 +10,9 @@ from mimics_app.rendering.haptic.kernels.acting import FREE_TIME, acting_contact
 from mimics_app.rendering.haptic.kernels.contact_limits import is_pressed, touched_margin
 from mimics_app.rendering.haptic.kernels.passivity import observe, reset_observer
 from mimics_app.rendering.haptic.kernels.stability import LARGEST_MARGIN, margin_of, stiffness_limit
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import ObjectWork, SceneRecord, StateRecord, TotalsRecord
 
 __all__ = ["felt_share", "watch_contact", "watch_margin"]
 
@@ -21,12 +24,12 @@ _DEGRADED = int(SafetyState.DEGRADED)
 
 
 @kernel
-def _is_felt(state: Any) -> bool:
+def _is_felt(state: StateRecord) -> bool:
     return state.safety == _ACTIVE or state.safety == _DEGRADED
 
 
 @kernel
-def felt_share(state: Any, totals: Any) -> float:
+def felt_share(state: StateRecord, totals: TotalsRecord) -> float:
     """Share 0-1 of the authored stiffness that is rendered: of touched shapes, else of the tunnel's wall."""
     share = 1.0
     if totals.touching > 0:
@@ -37,7 +40,7 @@ def felt_share(state: Any, totals: Any) -> float:
 
 
 @kernel
-def watch_margin(scene: Any, state: Any, objects: Any, period: float) -> None:
+def watch_margin(scene: SceneRecord, state: StateRecord, objects: ObjectWork, period: float) -> None:
     """Stability limit and margin of what is rendered, for the measured period; tells when margin or stiffness is lost.
 
     The wall of the tunnel counts before it is touched, shapes only while they are; of several contacts at once the
@@ -67,7 +70,7 @@ def watch_margin(scene: Any, state: Any, objects: Any, period: float) -> None:
 
 
 @kernel
-def _follow_observer(scene: Any, state: Any, felt: bool, dt: float) -> None:
+def _follow_observer(scene: SceneRecord, state: StateRecord, felt: bool, dt: float) -> None:
     """Energy of the contacts by the passivity observer, from 0 at the begin of each."""
     free = state.acting.free_ticks
     if felt and free == 0 and state.in_touch == 0:
@@ -81,7 +84,7 @@ def _follow_observer(scene: Any, state: Any, felt: bool, dt: float) -> None:
 
 
 @kernel
-def _keep_least(state: Any, objects: Any) -> None:
+def _keep_least(state: StateRecord, objects: ObjectWork) -> None:
     """The least margin of each contact."""
     for i in range(objects.totals[state.contact].listed):
         touched = objects.touched[state.contact, i]
@@ -93,7 +96,7 @@ def _keep_least(state: Any, objects: Any) -> None:
 
 
 @kernel
-def watch_contact(scene: Any, state: Any, objects: Any, dt: float) -> None:
+def watch_contact(scene: SceneRecord, state: StateRecord, objects: ObjectWork, dt: float) -> None:
     """Energy of the contacts, the worst of all and of each, and when the cap begins to act.
 
     Args:

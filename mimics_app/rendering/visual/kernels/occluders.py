@@ -18,6 +18,15 @@ F8 = NDArray[np.float64]
 _POINTS = 24
 """A box cut by the near plane has at most 8 corners and 12 cut edges, of which some are gone."""
 
+_CORNERS, _WINDOW = 8, 4
+"""Of a box, and of the near plane's window."""
+
+_AT_THE_EYE = 1e-300
+"""Square of a distance [m^2] in whose place none is divided by."""
+
+_FAR_BELOW = 1e9
+"""Line of the picture beyond which a hull is cut [px], so that it is a whole number."""
+
 
 @kernel
 def _to_local(world: F8, row: int, x: float, y: float, z: float, out: F8, place: int) -> None:
@@ -54,15 +63,15 @@ def _holds(
         out: Written: eye and corners in the node's frame, [5, 3].
     """
     _to_local(world, row, eye[0] - world[row, 0, 3], eye[1] - world[row, 1, 3], eye[2] - world[row, 2, 3], out, 0)
-    for corner in range(4):
+    for corner in range(_WINDOW):
         _to_local(world, row, window[corner, 0], window[corner, 1], window[corner, 2], out, corner + 1)
     for k in range(3):
-        for corner in range(1, 5):
+        for corner in range(1, _WINDOW + 1):
             out[corner, k] += out[0, k]
     apart = False
     for k in range(3):
         low, high = math.inf, -math.inf
-        for point in range(5):
+        for point in range(_WINDOW + 1):
             low, high = min(low, out[point, k] - middle[box, k]), max(high, out[point, k] - middle[box, k])
         apart = apart or low > half[box, k] or high < -half[box, k]
     if not apart:
@@ -106,7 +115,7 @@ def pick_occluders(
             for axis in range(3):
                 size += (world[row, k, axis] * inner_half[box, axis]) ** 2
             away += (centres[item, k] - eye[k]) ** 2
-        worth = size / max(away, 1e-300)
+        worth = size / max(away, _AT_THE_EYE)
         if kept == most and worth <= score[kept - 1]:
             continue
         place = kept if kept < most else most - 1
@@ -122,7 +131,7 @@ def pick_occluders(
 def _cut_near(corners: F8, near: float, points: F8) -> int:
     """Screen points [px] of a box's corners and, where it reaches behind the near plane, of its edges there."""
     count = 0
-    for corner in range(8):
+    for corner in range(_CORNERS):
         if corners[corner, 2] >= near:
             points[count, 0] = corners[corner, 0] / corners[corner, 2]
             points[count, 1] = corners[corner, 1] / corners[corner, 2]
@@ -214,7 +223,7 @@ def _fill(hull: F8, size: int, planes: F8, faces: int, block: int, reach: float,
     for k in range(1, size):
         bottom, top = min(bottom, hull[k, 1]), max(top, hull[k, 1])
     first = max(0, math.floor(bottom / block) - 1) if bottom > 0.0 else 0
-    last = min(nearness.shape[0], math.floor(min(top, 1e9) / block) + 1) if top > 0.0 else 0
+    last = min(nearness.shape[0], math.floor(min(top, _FAR_BELOW) / block) + 1) if top > 0.0 else 0
     low_side, high_side = 0.5 - reach, block - 0.5 + reach
     for row in range(first, last):
         y0, y1 = row * block + low_side, row * block + high_side
@@ -290,8 +299,8 @@ def draw_occluders(
         How many were used.
     """
     nearness[:] = 0.0
-    corners, points, hull = np.empty((8, 3)), np.empty((_POINTS, 2)), np.empty((2 * _POINTS, 2))
-    spots, planes = np.empty((5, 3)), np.empty((3, 3))
+    corners, points, hull = np.empty((_CORNERS, 3)), np.empty((_POINTS, 2)), np.empty((2 * _POINTS, 2))
+    spots, planes = np.empty((_WINDOW + 1, 3)), np.empty((3, 3))
     used = 0
     for i in range(count):
         item = chosen[i]

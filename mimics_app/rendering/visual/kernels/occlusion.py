@@ -32,6 +32,9 @@ MARGIN_PX = 0.0625
 _DEPTH_SHARE = 1.0 / 64.0
 """Of a thing's own range of 1/w, by which its edges may come out nearer than its box."""
 
+_CORNERS = 8
+"""Of a box."""
+
 
 @kernel
 def _is_hidden(
@@ -39,7 +42,7 @@ def _is_hidden(
 ) -> bool:
     x0, x1, y0, y1 = math.inf, -math.inf, math.inf, -math.inf
     nearest, farthest = math.inf, 0.0
-    for corner in range(8):
+    for corner in range(_CORNERS):
         w = corners[corner, 2]
         if not w > near:
             return False
@@ -98,7 +101,7 @@ def remove_hidden(
     Returns:
         How many stay.
     """
-    corners = np.empty((8, 3))
+    corners = np.empty((_CORNERS, 3))
     touch = 0.5 + reach
     kept = 0
     for i in range(count):

@@ -25,6 +25,9 @@ _RANK_SHIFT, _MESH_BITS = 44, 24
 _FINE_DROP, _COARSE_DROP = 11, 21
 """Low bits of a distance's float32 that are left out: 12 or 2 bits of mantissa stay."""
 
+_DIGITS, _DIGIT_BITS, _DIGIT = 8, 8, 255
+"""Of a key of 64 bits: how many, the bits of each, and their mask."""
+
 
 @kernel
 def make_keys(
@@ -93,22 +96,22 @@ def sort_by_key(keys: U8, items: I4, count: int, spare_keys: U8, spare_items: I4
     counts[:] = 0
     for i in range(count):
         key = keys[i]
-        for digit in range(8):
-            counts[digit, np.intp((key >> np.uint64(8 * digit)) & np.uint64(255))] += 1
+        for digit in range(_DIGITS):
+            counts[digit, np.intp((key >> np.uint64(_DIGIT_BITS * digit)) & np.uint64(_DIGIT))] += 1
     swapped = False
-    for digit in range(8):
-        shift = np.uint64(8 * digit)
+    for digit in range(_DIGITS):
+        shift = np.uint64(_DIGIT_BITS * digit)
         from_keys, from_items = (spare_keys, spare_items) if swapped else (keys, items)
         to_keys, to_items = (keys, items) if swapped else (spare_keys, spare_items)
-        if count == 0 or counts[digit, np.intp((from_keys[0] >> shift) & np.uint64(255))] == count:
+        if count == 0 or counts[digit, np.intp((from_keys[0] >> shift) & np.uint64(_DIGIT))] == count:
             continue
         start = 0
-        for value in range(256):
+        for value in range(_DIGIT + 1):
             size = counts[digit, value]
             counts[digit, value] = start
             start += size
         for i in range(count):
-            found = np.intp((from_keys[i] >> shift) & np.uint64(255))
+            found = np.intp((from_keys[i] >> shift) & np.uint64(_DIGIT))
             place = counts[digit, found]
             counts[digit, found] = place + 1
             to_keys[place], to_items[place] = from_keys[i], from_items[i]

@@ -88,29 +88,45 @@ _OWN = 2
 _LEAST_REST = 1e-3
 """Height above the floor at which particles come to rest; up to twice as much, so that they do not flicker [m]."""
 
+_FOLD_1, _FOLD_2, _FOLD_3 = np.uint64(30), np.uint64(27), np.uint64(31)
+"""Shifts of splitmix64 [bits]."""
+
+_SPARE_BITS, _STEP_OF_ONE = np.uint64(11), 2.0**-53
+"""Bits of 64 beyond those that a float64 holds exactly, and the step between its numbers below 1."""
+
+_LIFE, _CONE, _AROUND, _SPEED, _BIRTHPLACE, _REST, _ANGLE, _SPIN = 0, 1, 2, 3, 4, 7, 8, 9
+_AXIS_UP, _AXIS_AROUND, _TINT, _PHASE, _HEIGHT = 10, 11, 12, 13, 16
+"""Questions about a particle; a place has three numbers, a phase two."""
+
+_COLOUR = 4
+"""Numbers of a colour and of a style."""
+
+_HARDLY_DRAGGED, _BARELY_DRAGGED = 1e-3, 1e-8
+"""Drag times age [-] below which `fall` and `ease` are their series: the closed form would lose its digits."""
+
 
 @kernel
 def hash_unit(seed: int, number: int, which: int) -> float:
     """A number in [0, 1) for the `which`-th question about particle `number`: splitmix64 (Steele et al. 2014)."""
     z = np.uint64(seed) + np.uint64(number) * _GOLDEN + np.uint64(which) * _STRIDE
-    z = (z ^ (z >> np.uint64(30))) * _MIX_1
-    z = (z ^ (z >> np.uint64(27))) * _MIX_2
-    z = z ^ (z >> np.uint64(31))
-    return float(z >> np.uint64(11)) * 2.0**-53
+    z = (z ^ (z >> _FOLD_1)) * _MIX_1
+    z = (z ^ (z >> _FOLD_2)) * _MIX_2
+    z = z ^ (z >> _FOLD_3)
+    return float(z >> _SPARE_BITS) * _STEP_OF_ONE
 
 
 @kernel
 def ease(age: float, drag: float) -> float:
     """Way of a unit speed that drag slows down: (1 - exp(-c t)) / c [s]."""
     x = drag * age
-    return age * (1.0 - 0.5 * x) if x < 1e-8 else -math.expm1(-x) / drag
+    return age * (1.0 - 0.5 * x) if x < _BARELY_DRAGGED else -math.expm1(-x) / drag
 
 
 @kernel
 def fall(age: float, drag: float, eased: float) -> float:
     """Way under a unit pull that drag slows down: (t - ease) / c [s^2], given `ease` of the same."""
     x = drag * age
-    return age * age * (0.5 - x / 6.0 + x * x / 24.0) if x < 1e-3 else (age - eased) / drag
+    return age * age * (0.5 - x / 6.0 + x * x / 24.0) if x < _HARDLY_DRAGGED else (age - eased) / drag
 
 
 @kernel
@@ -119,25 +135,25 @@ def _bear(emitter: Records, number: int, birth: Records) -> None:
     seed, one = emitter[0]["seed"], birth[0]
     one["number"] = number
     shortest, slowest, least = emitter[0]["lifetime"][0], emitter[0]["speed"][0], emitter[0]["size"][0]
-    one["life"] = shortest + hash_unit(seed, number, 0) * (emitter[0]["lifetime"][1] - shortest)
-    cosine = 1.0 - hash_unit(seed, number, 1) * (1.0 - emitter[0]["cosine"])
+    one["life"] = shortest + hash_unit(seed, number, _LIFE) * (emitter[0]["lifetime"][1] - shortest)
+    cosine = 1.0 - hash_unit(seed, number, _CONE) * (1.0 - emitter[0]["cosine"])
     sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))
-    around = 2.0 * math.pi * hash_unit(seed, number, 2)
-    speed = slowest + hash_unit(seed, number, 3) * (emitter[0]["speed"][1] - slowest)
+    around = 2.0 * math.pi * hash_unit(seed, number, _AROUND)
+    speed = slowest + hash_unit(seed, number, _SPEED) * (emitter[0]["speed"][1] - slowest)
     one["velocity"][0], one["velocity"][1] = speed * math.cos(around) * sine, speed * math.sin(around) * sine
     one["velocity"][2] = speed * cosine
     for k in range(3):
-        one["place"][k] = hash_unit(seed, number, 4 + k)
-    one["rest"] = _LEAST_REST * (1.0 + hash_unit(seed, number, 7))
-    one["angle"] = 2.0 * math.pi * hash_unit(seed, number, 8)
-    one["spin"] = emitter[0]["spin"] * (2.0 * hash_unit(seed, number, 9) - 1.0)
-    up, around = 2.0 * hash_unit(seed, number, 10) - 1.0, 2.0 * math.pi * hash_unit(seed, number, 11)
+        one["place"][k] = hash_unit(seed, number, _BIRTHPLACE + k)
+    one["rest"] = _LEAST_REST * (1.0 + hash_unit(seed, number, _REST))
+    one["angle"] = 2.0 * math.pi * hash_unit(seed, number, _ANGLE)
+    one["spin"] = emitter[0]["spin"] * (2.0 * hash_unit(seed, number, _SPIN) - 1.0)
+    up, around = 2.0 * hash_unit(seed, number, _AXIS_UP) - 1.0, 2.0 * math.pi * hash_unit(seed, number, _AXIS_AROUND)
     flat = math.sqrt(1.0 - up * up)
     one["axis"][0], one["axis"][1], one["axis"][2] = flat * math.cos(around), up, flat * math.sin(around)
-    one["tint"] = int(hash_unit(seed, number, 12) * emitter[0]["tints"])
+    one["tint"] = int(hash_unit(seed, number, _TINT) * emitter[0]["tints"])
     for k in range(2):
-        one["phase"][k] = 2.0 * math.pi * hash_unit(seed, number, 13 + k)
-    one["height"] = 0.5 * (least + hash_unit(seed, number, 16) * (emitter[0]["size"][1] - least))
+        one["phase"][k] = 2.0 * math.pi * hash_unit(seed, number, _PHASE + k)
+    one["height"] = 0.5 * (least + hash_unit(seed, number, _HEIGHT) * (emitter[0]["size"][1] - least))
 
 
 @kernel
@@ -188,7 +204,7 @@ def _colour(emitter: Records, tint: int, share: float, out: F4) -> None:
     first = min(int(at), max(last - 1, 0))
     mix = at - first
     after = min(first + 1, last)
-    for k in range(4):
+    for k in range(_COLOUR):
         value = emitter[0]["colour"][first, k] * (1.0 - mix) + emitter[0]["colour"][after, k] * mix
         out[k] = value * emitter[0]["tint"][tint, k]
 
@@ -272,7 +288,7 @@ def fill_particles(
         sprite["lift"] = 0.0
         sprite["facing"] = _OWN if emitter[0]["tumbles"] else 0
         sprite["state"] = emitter[0]["state"]
-        for k in range(4):
+        for k in range(_COLOUR):
             sprite["style"][k] = emitter[0]["style"][k]
         at += 1
     return at

@@ -11,6 +11,9 @@ __all__ = ["project_box"]
 
 F8 = NDArray[np.float64]
 
+_CORNERS, _UP = 8, 4
+"""Of a box, numbered by bits: which side along each of its axes; and the bit of the third."""
+
 
 @kernel
 def _project(screen: F8, eye: F8, x: float, y: float, z: float, out: F8, place: int) -> None:
@@ -23,10 +26,10 @@ def _project(screen: F8, eye: F8, x: float, y: float, z: float, out: F8, place: 
 @kernel
 def project_box(screen: F8, eye: F8, world: F8, row: int, middle: F8, half: F8, item: int, out: F8) -> None:
     """The eight corners of a box in a node's frame."""
-    for corner in range(8):
+    for corner in range(_CORNERS):
         x = middle[item, 0] + (half[item, 0] if corner & 1 else -half[item, 0])
         y = middle[item, 1] + (half[item, 1] if corner & 2 else -half[item, 1])
-        z = middle[item, 2] + (half[item, 2] if corner & 4 else -half[item, 2])
+        z = middle[item, 2] + (half[item, 2] if corner & _UP else -half[item, 2])
         px = world[row, 0, 0] * x + world[row, 0, 1] * y + world[row, 0, 2] * z + world[row, 0, 3]
         py = world[row, 1, 0] * x + world[row, 1, 1] * y + world[row, 1, 2] * z + world[row, 1, 3]
         pz = world[row, 2, 0] * x + world[row, 2, 1] * y + world[row, 2, 2] * z + world[row, 2, 3]

@@ -14,6 +14,9 @@ __all__ = ["morph_vertices", "skin_dual", "skin_linear"]
 F4 = NDArray[np.float32]
 U2 = NDArray[np.uint16]
 
+_COLUMNS = 4
+"""Of an affine matrix of three rows."""
+
 
 @kernel
 def morph_vertices(base: F4, deltas: F4, weights: F4, out: F4) -> None:
@@ -57,12 +60,12 @@ def skin_linear(positions: F4, normals: F4, joints: U2, weights: F4, rows: F4, s
         stretched: True takes normals along by the cofactors, as what is stretched needs.
         out: Position and normal are written, the rest is left; [n, 8].
     """
-    m = np.empty((3, 4), np.float32)
+    m = np.empty((3, _COLUMNS), np.float32)
     for v in range(positions.shape[0]):
         share = weights[v, 0]
         j = joints[v, 0]
         for r in range(3):
-            for c in range(4):
+            for c in range(_COLUMNS):
                 m[r, c] = share * rows[j, r, c]
         for k in range(1, joints.shape[1]):
             share = weights[v, k]
@@ -70,7 +73,7 @@ def skin_linear(positions: F4, normals: F4, joints: U2, weights: F4, rows: F4, s
                 break
             j = joints[v, k]
             for r in range(3):
-                for c in range(4):
+                for c in range(_COLUMNS):
                     m[r, c] += share * rows[j, r, c]
         x, y, z = positions[v, 0], positions[v, 1], positions[v, 2]
         a, b, c_ = normals[v, 0], normals[v, 1], normals[v, 2]

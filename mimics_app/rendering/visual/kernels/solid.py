@@ -17,6 +17,9 @@ U1 = NDArray[np.uint8]
 
 _BISECTIONS = 10
 
+_CORNERS, _SIDES = 8, 6
+"""Of a box."""
+
 
 @kernel
 def points_on_edges(points: F8, edges: I4, candidates: I4, tolerance: float, found: F8, most: int) -> int:
@@ -146,7 +149,7 @@ def mark_cells(triangles: F8, least: F8, size: F8, blocked: U1) -> None:
         size: Of a cell [m], [3].
         blocked: Set to 1 where touched, [nx, ny, nz].
     """
-    scratch, low, high = np.empty((8, 3)), np.empty(3), np.empty(3)
+    scratch, low, high = np.empty((_CORNERS, 3)), np.empty(3), np.empty(3)
     first, last = np.empty(3, np.int64), np.empty(3, np.int64)
     for t in range(triangles.shape[0]):
         for k in range(3):
@@ -198,7 +201,7 @@ def _flood(blocked: U1, labels: I4, stack: I4, i: int, j: int, k: int, label: in
     while height:
         height -= 1
         x, y, z = stack[height, 0], stack[height, 1], stack[height, 2]
-        for side in range(6):
+        for side in range(_SIDES):
             step = 1 - 2 * (side % 2)
             a, b = x + (step if side < 2 else 0), y + (step if side in (2, 3) else 0)
             c = z + (step if side > 3 else 0)
@@ -277,8 +280,8 @@ def grow_box(triangles: F8, box: F8, reach: F8) -> None:
         box: Least and greatest corner [m], [2, 3], changed.
         reach: Farthest each face may go, by axis [m], [3].
     """
-    scratch = np.empty((8, 3))
-    for face in range(6):
+    scratch = np.empty((_CORNERS, 3))
+    for face in range(_SIDES):
         side, axis = face % 2, face // 2
         step = reach[axis] if side else -reach[axis]
         before = box[side, axis]

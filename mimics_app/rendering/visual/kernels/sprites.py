@@ -34,6 +34,9 @@ _FREE, _UPRIGHT, _OWN = 0, 1, 2
 _STEEPEST = 1e-4
 """Sine of the angle to the vertical below which "right" is the eye's own."""
 
+_CORNERS, _NUMBERS = 4, 4
+"""Of a sprite, and of its tint and style."""
+
 
 @kernel
 def see_sprites(
@@ -141,10 +144,10 @@ def write_sprites(
             out[first + i, 2]["position"][k] = middle - across + along
             out[first + i, 3]["position"][k] = middle + across + along
         style = sprites[n]["style"]
-        for corner in range(4):
+        for corner in range(_CORNERS):
             vertex = out[first + i, corner]
-            for k in range(4):
+            for k in range(_NUMBERS):
                 vertex["tint"][k] = sprites[n]["tint"][k]
             vertex["style"][0] = np.uint16(style[0])
-            for k in range(1, 4):
+            for k in range(1, _NUMBERS):
                 vertex["style"][k] = np.uint16(style[k] * _WHOLE + 0.5)

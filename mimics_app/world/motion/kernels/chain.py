@@ -6,12 +6,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
-from mimics_app.maths.quat import multiply, normalise, rotate, slerp
+from mimics_app.maths.quat import (
+    QUATERNION,
+    multiply,
+    normalise,
+    rotate,
+    slerp,
+)
 
 __all__ = ["arc", "follow_chain", "follow_one", "localise", "multiply_rows", "slerp_rows"]
 
 F8 = NDArray[np.float64]
 I4 = NDArray[np.int32]
+
+_OPPOSED = 1e-12
+"""1 + cosine of two directions below which they are opposed: any axis at right angles will do."""
 
 
 @kernel
@@ -59,7 +68,7 @@ def localise(slot: int, wanted: F8, parents: I4, r: F8, local_r: F8) -> None:
     if above < 0:
         local_r[slot] = wanted
         return
-    back = np.empty(4)
+    back = np.empty(QUATERNION)
     back[0], back[1], back[2], back[3] = -r[above, 0], -r[above, 1], -r[above, 2], r[above, 3]
     multiply(back, wanted, local_r[slot])
     normalise(local_r[slot], local_r[slot])
@@ -71,7 +80,7 @@ def arc(a: F8, b: F8, out: F8) -> None:
     x, y, z = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
     lengths = np.sqrt((a[0] ** 2 + a[1] ** 2 + a[2] ** 2) * (b[0] ** 2 + b[1] ** 2 + b[2] ** 2))
     w = lengths + a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-    if w <= 1e-12 * lengths:  # opposed: about any axis at right angles
+    if w <= _OPPOSED * lengths:
         if abs(a[0]) < abs(a[1]):
             x, y, z = 0.0, a[2], -a[1]
         else:

@@ -13,6 +13,18 @@ __all__ = ["foot_path"]
 
 F8 = NDArray[np.float64]
 
+_FLAT_FROM, _ROLLS_FROM = 0.2, 0.55
+"""Shares of the stance at which the sole is down flat, and at which the heel leaves the ground."""
+
+_ROLLS_TIME = 0.45
+"""Share of the stance in which it rolls off over the ball."""
+
+_CLEARANCE = 0.004
+"""Of toe and heel over the ground in the middle of the swing, at least [m]."""
+
+_PATH = 5
+"""Numbers of a foot's path, see `foot_path`."""
+
 
 @kernel
 def _ease(x: float) -> float:
@@ -43,15 +55,15 @@ def foot_path(phase: float, stance: float, stride: float, shape: F8, out: F8) ->
         # Where the ankle of a flat foot would stand: it goes back at an even pace.
         base = reach - stride * phase
         pitch, pivot = 0.0, 0.0
-        if x < 0.2:
-            pitch, pivot = shape[4] * (1.0 - _ease(x / 0.2)), heel
-        elif x > 0.55:
-            pitch, pivot = -shape[5] * _ease((x - 0.55) / 0.45), ball
+        if x < _FLAT_FROM:
+            pitch, pivot = shape[4] * (1.0 - _ease(x / _FLAT_FROM)), heel
+        elif x > _ROLLS_FROM:
+            pitch, pivot = -shape[5] * _ease((x - _ROLLS_FROM) / _ROLLS_TIME), ball
         _place(base, pivot, pitch, ankle, out)
         out[3], out[4] = base + pivot, 1.0
         return
     x = (phase - stance) / (1.0 - stance)
-    lift, touch = np.empty(5), np.empty(5)
+    lift, touch = np.empty(_PATH), np.empty(_PATH)
     _place(reach - stride * stance, ball, -shape[5], ankle, lift)
     _place(reach, heel, shape[4], ankle, touch)
     # Both ends are left at the pace of the ground, so that the foot neither kicks nor brakes.
@@ -64,7 +76,7 @@ def foot_path(phase: float, stance: float, stride: float, shape: F8, out: F8) ->
     out[2] = (1.0 - share) * -shape[5] + share * shape[4]
     # Toe and heel never dip into the ground, however the foot is pitched.
     low = min(_below(heel, out[2], ankle), _below(ball, out[2], ankle))
-    out[1] = max(out[1], -low + 0.004 * math.sin(math.pi * x))
+    out[1] = max(out[1], -low + _CLEARANCE * math.sin(math.pi * x))
     out[3], out[4] = out[0], 0.0
 
 

@@ -8,10 +8,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
+from mimics_app.maths.quat import QUATERNION
 
 __all__ = ["reach_by_descent", "reach_by_fabrik"]
 
 F8 = NDArray[np.float64]
+
+_NOWHERE = 1e-12
+"""Distance [m] in whose place none is divided by."""
+
+_NO_ARC = 1e-18
+"""Product of two lengths [m^2] below which there is no direction to turn from or to."""
+
+_OPPOSED = 1e-9
+"""1 + cosine below which two directions are opposed and no arc is the shortest."""
 
 
 @kernel
@@ -22,7 +32,7 @@ def _away(a: F8, b: F8) -> float:
 @kernel
 def _pull(point: F8, anchor: F8, length: float) -> None:
     """Bring a point to a distance from an anchor along the line between them."""
-    scale = length / max(_away(point, anchor), 1e-12)
+    scale = length / max(_away(point, anchor), _NOWHERE)
     for i in range(3):
         point[i] = anchor[i] + scale * (point[i] - anchor[i])
 
@@ -67,13 +77,13 @@ def _find_arc(pivot: F8, hand: F8, target: F8, turn: F8) -> bool:
     v0, v1, v2 = hand[0] - pivot[0], hand[1] - pivot[1], hand[2] - pivot[2]
     w0, w1, w2 = target[0] - pivot[0], target[1] - pivot[1], target[2] - pivot[2]
     lengths = math.sqrt((v0 * v0 + v1 * v1 + v2 * v2) * (w0 * w0 + w1 * w1 + w2 * w2))
-    if lengths < 1e-18:
+    if lengths < _NO_ARC:
         return False
     turn[0] = (v1 * w2 - v2 * w1) / lengths
     turn[1] = (v2 * w0 - v0 * w2) / lengths
     turn[2] = (v0 * w1 - v1 * w0) / lengths
     turn[3] = (v0 * w0 + v1 * w1 + v2 * w2) / lengths
-    return turn[3] > -1.0 + 1e-9
+    return turn[3] > -1.0 + _OPPOSED
 
 
 @kernel
@@ -89,7 +99,7 @@ def _apply_arc(pivot: F8, turn: F8, moved: F8) -> None:
 @kernel
 def reach_by_descent(asked: F8, limbs: F8, tolerance: float, most: int, out: F8) -> int:
     """The same by turning elbow and shoulder in turn so that the hand points at the target; see `reach_by_fabrik`."""
-    rounds, turn = 0, np.empty(4)
+    rounds, turn = 0, np.empty(QUATERNION)
     for k in range(asked.shape[0]):
         shoulder, target = asked[k, :3], asked[k, 3:6]
         a, b, elbow, hand = limbs[k, 0], limbs[k, 1], out[k, :3], out[k, 3:]

@@ -12,13 +12,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
-from mimics_app.maths.quat import from_matrix, normalise
+from mimics_app.maths.quat import (
+    QUATERNION,
+    from_matrix,
+    normalise,
+)
 
 __all__ = ["bound_joints", "write_palette"]
 
 F4 = NDArray[np.float32]
 F8 = NDArray[np.float64]
 I4 = NDArray[np.int32]
+
+_FLAT = 1e-300
+"""Determinant below which a matrix has no inverse."""
+
+_COLUMNS = 4
+"""Of an affine matrix of three rows."""
 
 
 @kernel
@@ -28,7 +38,7 @@ def _invert(world: F8, out: F8) -> bool:
     d, e, f = world[1, 0], world[1, 1], world[1, 2]
     g, h, i = world[2, 0], world[2, 1], world[2, 2]
     det = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
-    if not abs(det) > 1e-300:
+    if not abs(det) > _FLAT:
         return False
     out[0, 0], out[0, 1], out[0, 2] = (e * i - f * h) / det, (c * h - b * i) / det, (b * f - c * e) / det
     out[1, 0], out[1, 1], out[1, 2] = (f * g - d * i) / det, (a * i - c * g) / det, (c * d - a * f) / det
@@ -42,7 +52,7 @@ def _invert(world: F8, out: F8) -> bool:
 def _compose(a: F8, b: F8, out: F8) -> None:
     """Set out = a b of affine matrices, the first three rows; out is neither of them."""
     for r in range(3):
-        for c in range(4):
+        for c in range(_COLUMNS):
             out[r, c] = a[r, 0] * b[0, c] + a[r, 1] * b[1, c] + a[r, 2] * b[2, c]
         out[r, 3] += a[r, 3]
 
@@ -61,11 +71,11 @@ def _stretch(m: F8) -> float:
 @kernel
 def _store_dual(m: F8, out: F4) -> None:
     """A rigid motion as a unit dual quaternion, real part then dual part, xyzw each (Kavan et al. 2008)."""
-    q = np.empty(4)
+    q = np.empty(QUATERNION)
     from_matrix(m, q)
     normalise(q, q)
     x, y, z = m[0, 3], m[1, 3], m[2, 3]
-    for i in range(4):
+    for i in range(QUATERNION):
         out[i] = q[i]
     out[4] = 0.5 * (x * q[3] + y * q[2] - z * q[1])
     out[5] = 0.5 * (-x * q[2] + y * q[3] + z * q[0])
@@ -89,7 +99,7 @@ def write_palette(joint_rows: I4, mesh_row: int, world: F8, inverse_bind: F8, ro
         How far the joints stretch: the largest error of a product of two axes; -1: the mesh's node is flat, and
         nothing was written.
     """
-    back, joint, product = np.empty((3, 4)), np.empty((3, 4)), np.empty((3, 4))
+    back, joint, product = np.empty((3, _COLUMNS)), np.empty((3, _COLUMNS)), np.empty((3, _COLUMNS))
     if not _invert(world[mesh_row], back):
         return -1.0
     worst = 0.0
@@ -98,7 +108,7 @@ def write_palette(joint_rows: I4, mesh_row: int, world: F8, inverse_bind: F8, ro
         _compose(joint, inverse_bind[j], product)
         worst = max(worst, _stretch(product))
         for r in range(3):
-            for c in range(4):
+            for c in range(_COLUMNS):
                 rows[j, r, c] = product[r, c]
         _store_dual(product, duals[j])
     return worst

@@ -6,7 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
-from mimics_app.maths.quat import multiply, normalise, slerp
+from mimics_app.maths.quat import (
+    QUATERNION,
+    multiply,
+    normalise,
+    slerp,
+)
 
 __all__ = ["blend_pose", "sample_clip"]
 
@@ -36,8 +41,8 @@ def _between(
 ) -> None:
     """The value at a share t of the way between two keys whose values begin at `here` and `after`."""
     if kind == _LINEAR and turns:
-        a, b = np.empty(4), np.empty(4)
-        for i in range(4):
+        a, b = np.empty(QUATERNION), np.empty(QUATERNION)
+        for i in range(QUATERNION):
             a[i], b[i] = values[here + i], values[after + i]
         slerp(a, b, t, out[:4])
         return
@@ -123,7 +128,7 @@ def sample_clip(
 @kernel
 def _add_turn(rotation: F8, reference: F8, sampled: F8, share: float) -> None:
     """Turn by a share of the way from a reference to what is sampled, in the joint's own frame."""
-    delta, back, still = np.empty(4), np.empty(4), np.zeros(4)
+    delta, back, still = np.empty(QUATERNION), np.empty(QUATERNION), np.zeros(QUATERNION)
     still[3] = 1.0
     back[0], back[1], back[2], back[3] = -reference[0], -reference[1], -reference[2], reference[3]
     multiply(back, sampled, delta)

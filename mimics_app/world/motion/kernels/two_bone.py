@@ -24,6 +24,18 @@ _AT_SHOULDER, _TOO_FAR, _TOO_NEAR, _ON_POLE, _NO_LENGTH, _NOT_FINITE, _TURNING =
 _NEAR = 1e-6
 """Of the limb's length: distances below it have no direction."""
 
+_OPPOSED = 1e-9
+"""1 + cosine below which a direction has turned over: no arc is the shortest."""
+
+_ASKED = 9
+"""Numbers of a limb that is asked: shoulder, target and pole."""
+
+_ABSURD = 1e9
+"""Beyond this [m] a limb's length counts as not finite."""
+
+_SOON_NEAR = 1e-6
+"""Square of the share of the limb's length below which a target is left to the careful way."""
+
 
 @kernel
 def soften(distance: float, longest: float, shortest: float, soft: float) -> float:
@@ -76,7 +88,7 @@ def _carry(states: F8, i: int, u: F8, w: F8) -> None:
     d, e, f = states[i, 3], states[i, 4], states[i, 5]
     x, y, z = b * u[2] - c * u[1], c * u[0] - a * u[2], a * u[1] - b * u[0]
     cosine = a * u[0] + b * u[1] + c * u[2]
-    if cosine > -1.0 + 1e-9:
+    if cosine > -1.0 + _OPPOSED:
         along = (x * d + y * e + z * f) / (1.0 + cosine)
         w[0] = cosine * d + y * f - z * e + along * x
         w[1] = cosine * e + z * d - x * f + along * y
@@ -129,10 +141,10 @@ def _choose_side(asked: F8, limbs: F8, states: F8, i: int, u: F8, w: F8, before:
 def _reach_one(asked: F8, limbs: F8, states: F8, i: int, out: F8, u: F8, w: F8, before: F8) -> int:
     """One limb; see `reach_two_bones`."""
     finite = 0.0
-    for k in range(9):
+    for k in range(_ASKED):
         finite += 0.0 * asked[i, k]
     a, b = limbs[i, 0], limbs[i, 1]
-    if not (finite == 0.0 and a >= 0.0 and b >= 0.0 and a + b < 1e9):
+    if not (finite == 0.0 and a >= 0.0 and b >= 0.0 and a + b < _ABSURD):
         return _NOT_FINITE
     longest, shortest, case = a + b, abs(a - b), 0
     if not longest > 0.0:
@@ -171,7 +183,7 @@ def _reach_plain(asked: F8, limbs: F8, states: F8, i: int, out: F8) -> bool:
     d2 = dx * dx + dy * dy + dz * dz
     outer, inner = (1.0 - limbs[i, 2]) * (a + b), abs(a - b) + limbs[i, 2] * (a + b)
     # Whatever is not finite fails one of these.
-    if not (d2 < outer * outer and d2 > inner * inner and d2 > 1e-6 * (a + b) ** 2 and limbs[i, 3] == math.inf):
+    if not (d2 < outer * outer and d2 > inner * inner and d2 > _SOON_NEAR * (a + b) ** 2 and limbs[i, 3] == math.inf):
         return False
     share = (px * dx + py * dy + pz * dz) / d2
     px, py, pz = px - share * dx, py - share * dy, pz - share * dz

@@ -13,7 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
-from mimics_app.maths.quat import multiply, normalise, rotate, rotate_back, slerp
+from mimics_app.maths.quat import (
+    QUATERNION,
+    multiply,
+    normalise,
+    rotate,
+    rotate_back,
+    slerp,
+)
 from mimics_app.world.motion.kernels.chain import arc, follow_one, localise
 from mimics_app.world.motion.kernels.two_bone import reach_two_bones
 
@@ -46,6 +53,27 @@ _ROLL_SHARE = 0.5
 """Of the roll of the wrist that the forearm takes."""
 _ARM_SOFT = 0.03
 
+_BEFORE = 0.15
+"""Hands less far from the body than this, over the ground [m], tell no direction."""
+
+_BEHIND = 0.6 * math.pi
+"""Nor do hands that are farther from where the head looks than this [rad]."""
+
+_GIVES_OVER = 0.3
+"""Further reach, in lengths of the arm, over which the collar bone comes to follow altogether."""
+
+_NO_TURN = 1e-9
+"""A turn by less than this [rad] has no axis."""
+
+_ELBOW_OUT, _ELBOW_UP, _ELBOW_AHEAD = 0.45, -0.8, -0.5
+"""Where an elbow points from its shoulder: outwards, down and back [m]."""
+
+_ASKED, _LIMB, _FOUND, _KEPT = 9, 4, 6, 7
+"""Numbers of one arm's reach, see `reach_two_bones`: asked, of the limb, found, and kept from step to step."""
+
+_ARM = 4
+"""Bones of an arm: shoulder, upper arm, lower arm, hand."""
+
 
 @kernel
 def _azimuth(x: float, z: float) -> float:
@@ -74,9 +102,9 @@ def _chest_yaw(head: F8, hands: F8, tracked: I4, middle: F8, seconds: float, sta
         if tracked[side]:
             x, z, count = x + hands[side, 0] - middle[0], z + hands[side, 2] - middle[2], count + 1
     # Hands before the body tell its direction, hands beside or behind it do not.
-    if count and math.hypot(x, z) > 0.15 * count:
+    if count and math.hypot(x, z) > _BEFORE * count:
         off = _wrap(_azimuth(x, z) - wanted)
-        if abs(off) < 0.6 * math.pi:
+        if abs(off) < _BEHIND:
             wanted += (1.0 - _HEAD_SHARE) * off
     if state[1] == 0.0:
         state[0], state[1] = wanted, 1.0
@@ -91,7 +119,7 @@ def _chest_yaw(head: F8, hands: F8, tracked: I4, middle: F8, seconds: float, sta
 @kernel
 def _turn_in_model(slot: int, turn: F8, rest_r: F8, parents: I4, t: F8, r: F8, s: F8, lt: F8, lr: F8, ls: F8) -> None:
     """Turn a slot by a rotation of the model's frame from how it rests, and take over where it is now."""
-    wanted = np.empty(4)
+    wanted = np.empty(QUATERNION)
     multiply(turn, rest_r[slot], wanted)
     follow_one(slot, parents, lt, lr, ls, t, r, s)
     localise(slot, wanted, parents, r, lr)
@@ -102,7 +130,7 @@ def _bend_spine(
     bones: I4, yaw: float, bend: F8, rest_r: F8, parents: I4, t: F8, r: F8, s: F8, lt: F8, lr: F8, ls: F8
 ) -> None:
     """Hips take some of the yaw, and spine, chest and upper chest the rest and the bend, in even steps."""
-    turn, leaned, part, still = np.empty(4), np.empty(4), np.empty(4), np.zeros(4)
+    turn, leaned, part, still = np.empty(QUATERNION), np.empty(QUATERNION), np.empty(QUATERNION), np.zeros(QUATERNION)
     still[3] = 1.0
     levels = 0
     for k in range(_SPINE, _NECK):
@@ -133,19 +161,19 @@ def _give_shoulder(
     slot: int, arm: int, target: F8, length: float, parents: I4, t: F8, r: F8, s: F8, lt: F8, lr: F8, ls: F8
 ) -> None:
     """Turn a collar bone towards what is nearly out of reach."""
-    now, wanted, turn, turned = np.empty(3), np.empty(3), np.empty(4), np.empty(4)
+    now, wanted, turn, turned = np.empty(3), np.empty(3), np.empty(QUATERNION), np.empty(QUATERNION)
     away = 0.0
     for i in range(3):
         away += (target[i] - t[arm, i]) ** 2
         now[i], wanted[i] = t[arm, i] - t[slot, i], target[i] - t[slot, i]
-    share = min(max((math.sqrt(away) / length - _GIVES_FROM) / 0.3, 0.0), 1.0)
+    share = min(max((math.sqrt(away) / length - _GIVES_FROM) / _GIVES_OVER, 0.0), 1.0)
     if share <= 0.0:
         return
     arc(now, wanted, turn)
     angle = 2.0 * math.acos(min(1.0, abs(turn[3])))
-    if angle < 1e-9:
+    if angle < _NO_TURN:
         return
-    still = np.zeros(4)
+    still = np.zeros(QUATERNION)
     still[3] = 1.0
     # Smooth where it begins: the square of the share.
     slerp(still, turn, min(share * share, _MOST_COLLAR / angle), turn)
@@ -168,7 +196,7 @@ def _reach_arm(
 ) -> int:  # fmt: skip
     """One arm: collar bone, elbow, hand; the roll of the wrist goes half into the forearm."""
     collar, upper, lower, end = bones[first], bones[first + 1], bones[first + 2], bones[first + 3]
-    for k in range(4):
+    for k in range(_ARM):
         if bones[first + k] >= 0:
             follow_one(bones[first + k], parents, lt, lr, ls, t, r, s)
     a = b = 0.0
@@ -177,16 +205,16 @@ def _reach_arm(
     a, b = math.sqrt(a), math.sqrt(b)
     if collar >= 0:
         _give_shoulder(collar, upper, hand[:3], a + b, parents, t, r, s, lt, lr, ls)
-    pole, turn = np.empty(3), np.empty(4)
-    pole[0], pole[1], pole[2] = 0.45 * side, -0.8, -0.5
+    pole, turn = np.empty(3), np.empty(QUATERNION)
+    pole[0], pole[1], pole[2] = _ELBOW_OUT * side, _ELBOW_UP, _ELBOW_AHEAD
     _about_y(yaw, turn)
     rotate(turn, pole, pole)
-    asked, limb, out, case = np.empty((1, 9)), np.empty((1, 4)), np.zeros((1, 6)), np.zeros(1, np.int32)
+    asked, limb, out, case = np.empty((1, _ASKED)), np.empty((1, _LIMB)), np.zeros((1, _FOUND)), np.zeros(1, np.int32)
     for i in range(3):
         asked[0, i], asked[0, 3 + i], asked[0, 6 + i] = t[upper, i], hand[i], t[upper, i] + pole[i]
     limb[0, 0], limb[0, 1], limb[0, 2], limb[0, 3] = a, b, _ARM_SOFT, rate * seconds if seconds > 0.0 else math.inf
-    reach_two_bones(asked, limb, state.reshape(1, 7), out, case)
-    now, wanted, turned = np.empty(3), np.empty(3), np.empty(4)
+    reach_two_bones(asked, limb, state.reshape(1, _KEPT), out, case)
+    now, wanted, turned = np.empty(3), np.empty(3), np.empty(QUATERNION)
     for i in range(3):
         now[i], wanted[i] = t[lower, i] - t[upper, i], out[0, i] - t[upper, i]
     arc(now, wanted, turn)
@@ -209,7 +237,13 @@ def _roll(
 ) -> None:
     """Give the forearm its share of the wrist's roll, then turn the hand exactly as it is tracked."""
     length = math.sqrt(axis[0] ** 2 + axis[1] ** 2 + axis[2] ** 2)
-    wanted, relative, back, turn, turned = np.empty(4), np.empty(4), np.empty(4), np.empty(4), np.empty(4)
+    wanted, relative, back, turn, turned = (
+        np.empty(QUATERNION),
+        np.empty(QUATERNION),
+        np.empty(QUATERNION),
+        np.empty(QUATERNION),
+        np.empty(QUATERNION),
+    )
     multiply(hand, rest_r[end], wanted)
     follow_one(end, parents, lt, lr, ls, t, r, s)
     back[0], back[1], back[2], back[3] = -r[end, 0], -r[end, 1], -r[end, 2], r[end, 3]
@@ -269,14 +303,14 @@ def solve_upper_body(
     """
     neck, top = bones[_NECK], bones[_HEAD]
     yaw = _chest_yaw(head, hands, tracked, head[:3], seconds, state)
-    chest_turn, neck_turn, place = np.empty(4), np.empty(4), np.empty(3)
+    chest_turn, neck_turn, place = np.empty(QUATERNION), np.empty(QUATERNION), np.empty(3)
     _about_y(yaw, chest_turn)
     # Where the neck is does not depend on the bend of the spine: between the chest's yaw and the head.
     slerp(chest_turn, head[3:], _NECK_SHARE, neck_turn)
     for i in range(3):
         place[i] = rest_t[top, i] - rest_t[neck, i]
     rotate(neck_turn, place, place)
-    upright, leaned, bend = np.empty(3), np.empty(3), np.empty(4)
+    upright, leaned, bend = np.empty(3), np.empty(3), np.empty(QUATERNION)
     for i in range(3):
         place[i] = head[i] - place[i]
         upright[i] = rest_t[neck, i] - rest_t[bones[_HIPS], i]

@@ -70,6 +70,9 @@ _LARGEST_SPEED = 1.0
 _LARGEST_FORCE = 250.0
 _STOP_TIME = 0.02
 
+_SLOWEST_SLIDE = 1e-3
+"""Below this speed [m/s] friction falls to zero with the speed, so that it has no jump at rest."""
+
 
 @kernel
 def _spring(row: Vec, x: Vec, v: Vec, damping: float, f: Vec) -> None:
@@ -158,7 +161,7 @@ def _object(row: Vec, x: Vec, v: Vec, damping: float, f: Vec) -> None:
         slide[i] = row[VEL + i] - v[i] - approach * normal[i]
     speed = norm(slide)
     for i in range(3):
-        f[i] = push * normal[i] + (row[FRICTION] * push * slide[i] / max(speed, 1e-3))
+        f[i] = push * normal[i] + (row[FRICTION] * push * slide[i] / max(speed, _SLOWEST_SLIDE))
 
 
 @kernel

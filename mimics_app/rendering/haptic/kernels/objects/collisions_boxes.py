@@ -31,6 +31,9 @@ _EDGE = 1.05
 _PARALLEL = 1e-6
 """Square of the sine between two edges below which they have no normal of their own."""
 
+_FIRST_OF_B, _FIRST_EDGE = 4, 7
+"""The 15 axes: faces of a from 1 on, faces of b from 4 on, crossed edges from 7 on."""
+
 
 @kernel
 def _compare_axes(a: SolidRecord, b: SolidRecord, cosines: Mat) -> None:
@@ -69,9 +72,9 @@ def _faces(
         deep = reach + 0.5 * a.size[2] * abs(cosines[2, j]) - abs(second[j])
         if deep <= 0.0:
             return 0, 0.0, 0.0
-        weighed = deep * _KEEP if feature == j + 4 else deep
+        weighed = deep * _KEEP if feature == j + _FIRST_OF_B else deep
         if weighed < least:
-            best, overlap, least = j + 4, deep, weighed
+            best, overlap, least = j + _FIRST_OF_B, deep, weighed
     return best, overlap, least
 
 
@@ -98,7 +101,7 @@ def _edges(
             if deep <= 0.0:
                 return 0, 0.0
             deep /= math.sqrt(square)
-            number = 7 + 3 * i + j
+            number = _FIRST_EDGE + 3 * i + j
             weighed = deep * _EDGE * (_KEEP if feature == number else 1.0)
             if weighed < least:
                 best, overlap, least = number, deep, weighed
@@ -108,11 +111,11 @@ def _edges(
 @kernel
 def _direction(a: SolidRecord, b: SolidRecord, number: int) -> Three:
     """Unit vector along one of the 15 axes."""
-    if number < 4:
+    if number < _FIRST_OF_B:
         return axis(a, number - 1)
-    if number < 7:
-        return axis(b, number - 4)
-    n = cross(axis(a, (number - 7) // 3), axis(b, (number - 7) % 3))
+    if number < _FIRST_EDGE:
+        return axis(b, number - _FIRST_OF_B)
+    n = cross(axis(a, (number - _FIRST_EDGE) // 3), axis(b, (number - _FIRST_EDGE) % 3))
     return times(1.0 / math.sqrt(dot(n, n)), n)
 
 

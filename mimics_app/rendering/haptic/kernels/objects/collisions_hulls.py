@@ -60,6 +60,15 @@ _AT_ORIGIN = 1e-20
 _TOUCHING = 1e-9
 """Distance of two cores below which its direction says nothing [m]."""
 
+_AT_A, _AT_B, _AT_C = 1, 2, 4
+"""Corners of a triangle as bits."""
+
+_TETRAHEDRON = 4
+"""Its corners, and its faces: one against each."""
+
+_AXES_OF_BOTH, _DIRECTIONS = 6, 15
+"""The axes of two solids, and with the nine crossings of these: what is tried of two that overlap."""
+
 
 @kernel
 def _skin(solid: SolidRecord) -> float:
@@ -122,11 +131,11 @@ def _triangle(a: Three, b: Three, c: Three) -> tuple[int, Three]:
     d1, d2, d3, d4, d5, d6 = -dot(ab, a), -dot(ac, a), -dot(ab, b), -dot(ac, b), -dot(ab, c), -dot(ac, c)
     va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
     if d1 <= 0.0 and d2 <= 0.0:
-        return 1, a
+        return _AT_A, a
     if d3 >= 0.0 and d4 <= d3:
-        return 2, b
+        return _AT_B, b
     if d6 >= 0.0 and d5 <= d6:
-        return 4, c
+        return _AT_C, c
     return _inside_triangle(a, b, c, (d1, d2, d3), (d4, d5, d6), (va, vb, vc))
 
 
@@ -137,13 +146,13 @@ def _inside_triangle(a: Three, b: Three, c: Three, d123: Three, d456: Three, are
     d4, d5, d6 = d456
     va, vb, vc = areas
     if vc <= 0.0 and d1 >= 0.0 and d3 <= 0.0:
-        return 3, along(a, d1 / (d1 - d3), minus(b, a))
+        return _AT_A | _AT_B, along(a, d1 / (d1 - d3), minus(b, a))
     if vb <= 0.0 and d2 >= 0.0 and d6 <= 0.0:
-        return 5, along(a, d2 / (d2 - d6), minus(c, a))
+        return _AT_A | _AT_C, along(a, d2 / (d2 - d6), minus(c, a))
     if va <= 0.0:
-        return 6, along(b, (d4 - d3) / ((d4 - d3) + (d5 - d6)), minus(c, b))
+        return _AT_B | _AT_C, along(b, (d4 - d3) / ((d4 - d3) + (d5 - d6)), minus(c, b))
     scale = 1.0 / (va + vb + vc)
-    return 7, along(along(a, vb * scale, minus(b, a)), vc * scale, minus(c, a))
+    return _AT_A | _AT_B | _AT_C, along(along(a, vb * scale, minus(b, a)), vc * scale, minus(c, a))
 
 
 @kernel
@@ -176,15 +185,15 @@ def _outside_of(a: Three, b: Three, c: Three, other: Three) -> bool:
 def _on_tetrahedron(simplex: Simplex) -> tuple[int, Three]:
     """The nearest of the faces the origin is outside of; 4 corners: it is inside."""
     nearest, dropped = math.inf, -1
-    for i in range(4):
-        a, b = _corner(simplex, (i + 1) % 4), _corner(simplex, (i + 2) % 4)
-        c, other = _corner(simplex, (i + 3) % 4), _corner(simplex, i)
+    for i in range(_TETRAHEDRON):
+        a, b = _corner(simplex, (i + 1) % _TETRAHEDRON), _corner(simplex, (i + 2) % _TETRAHEDRON)
+        c, other = _corner(simplex, (i + 3) % _TETRAHEDRON), _corner(simplex, i)
         if _outside_of(a, b, c, other):
             _, point = _triangle(a, b, c)
             if dot(point, point) < nearest:
                 nearest, dropped = dot(point, point), i
     if dropped < 0:
-        return 4, (0.0, 0.0, 0.0)
+        return _TETRAHEDRON, (0.0, 0.0, 0.0)
     _drop_corner(simplex, dropped)
     return _on_triangle(simplex)
 
@@ -214,7 +223,7 @@ def _gap(a: SolidRecord, b: SolidRecord, start: Three, skin_a: float, skin_b: fl
             break
         _keep(simplex, count, w)
         count, v = _on_simplex(simplex, count + 1)
-        if count == 4 or dot(v, v) < _AT_ORIGIN:
+        if count == _TETRAHEDRON or dot(v, v) < _AT_ORIGIN:
             return 0.0, 0.0, 0.0
     return v
 
@@ -232,9 +241,9 @@ def _candidate(a: SolidRecord, b: SolidRecord, i: int) -> Three:
     """Directions worth trying of two solids that overlap: their axes and the crossings of these."""
     if i < 3:
         return axis(a, i)
-    if i < 6:
+    if i < _AXES_OF_BOTH:
         return axis(b, i - 3)
-    crossed = cross(axis(a, (i - 6) // 3), axis(b, (i - 6) % 3))
+    crossed = cross(axis(a, (i - _AXES_OF_BOTH) // 3), axis(b, (i - _AXES_OF_BOTH) % 3))
     return unit(crossed, axis(b, 1))
 
 
@@ -245,7 +254,7 @@ def _least_overlap(a: SolidRecord, b: SolidRecord, last: Three) -> tuple[float, 
     normal = unit(last, unit(between, (0.0, 1.0, 0.0)))
     overlap = _overlap(a, b, normal)
     least = _KEEP * overlap
-    for i in range(15):
+    for i in range(_DIRECTIONS):
         n = _candidate(a, b, i)
         way = dot(between, n)
         n = times(-1.0, n) if way < 0.0 or (way == 0.0 and dot(last, n) < 0.0) else n

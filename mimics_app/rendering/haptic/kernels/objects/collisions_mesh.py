@@ -60,6 +60,9 @@ _DEEPEST = 0.5
 _OF_A_CORNER = 0.25
 """Share of a face's stiffness that each of its four corners has [-]."""
 
+_CORNERS = 8
+"""Of a box."""
+
 
 @kernel
 def _samples(solid: SolidRecord) -> tuple[int, float, float, float]:
@@ -70,7 +73,7 @@ def _samples(solid: SolidRecord) -> tuple[int, float, float, float]:
     if solid.kind == _CAPSULE:
         return 2, size[0], 0.5, size[0]
     if solid.kind == _BOX:
-        return 8, 0.0, _OF_A_CORNER, _DEEPEST * min(size[0], min(size[1], size[2]))
+        return _CORNERS, 0.0, _OF_A_CORNER, _DEEPEST * min(size[0], min(size[1], size[2]))
     return 2 * _RIM, 0.0, 1.0 / _RIM, _DEEPEST * min(2.0 * size[0], size[1])
 
 

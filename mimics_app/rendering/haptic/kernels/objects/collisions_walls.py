@@ -35,6 +35,12 @@ _CAPSULE = int(ShapeKind.CAPSULE)
 _OF_A_CORNER = 0.25
 """Share of a face's stiffness that each of its four corners has [-]."""
 
+_CORNERS = 8
+"""Of a box, numbered by bits: which side along each of its axes."""
+
+_UP = 4
+"""The bit of its third axis."""
+
 
 @kernel
 def _sink(p: Three, height: float, share: float, n: Three, points: Points, count: int) -> int:
@@ -54,10 +60,10 @@ def _box(solid: SolidRecord, height: float, n: Three, points: Points) -> int:
     if height >= abs(ex) + abs(ey) + abs(ez):
         return 0
     count = 0
-    for corner in range(8):
+    for corner in range(_CORNERS):
         i = 1.0 if corner & 1 else -1.0
         j = 1.0 if corner & 2 else -1.0
-        k = 1.0 if corner & 4 else -1.0
+        k = 1.0 if corner & _UP else -1.0
         h = height + i * ex + j * ey + k * ez
         if h < 0.0:
             p = along(along(along(centre, i * hx, x), j * hy, y), k * hz, z)

@@ -8,7 +8,7 @@ alone pulls at its centre of mass about a place in the world, and the user feels
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
         BodyRecord,
         EffectMemoryRecord,
         EffectRecord,
+        Fields,
         MotionRecord,
         ObjectCountsRecord,
         ObjectWork,
@@ -140,7 +141,7 @@ def _along_path(effect: EffectRecord, work: ObjectWork, memory: EffectMemoryReco
 
 
 @kernel
-def _call_field(effect: EffectRecord, work: ObjectWork, fields: Any, t: float, memory: EffectMemoryRecord) -> None:
+def _call_field(effect: EffectRecord, work: ObjectWork, fields: Fields, t: float, memory: EffectMemoryRecord) -> None:
     """Force of a compiled function of somebody else's; it is given copies, and plain arrays of their own."""
     if not (0 <= effect.field < MAX_FIELDS and is_within(effect, memory)):
         return
@@ -162,7 +163,7 @@ def _act(
     effect: EffectRecord,
     work: ObjectWork,
     counts: ObjectCountsRecord,
-    fields: Any,
+    fields: Fields,
     t: float,
     memory: EffectMemoryRecord,
 ) -> None:
@@ -243,7 +244,7 @@ def _is_finite(memory: EffectMemoryRecord) -> bool:
 
 
 @kernel
-def apply_effects(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, hand: Vec, fields: Any) -> None:
+def apply_effects(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, hand: Vec, fields: Fields) -> None:
     """Add the forces of all effects to totals.effect_force and to the bodies they act on.
 
     A force that is not finite counts as zero: one of a force field puts the field into quarantine and is told in

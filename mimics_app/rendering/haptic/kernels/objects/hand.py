@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_fields import MAX_CONTACTS
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import StateRecord, Table
 
 __all__ = [
     "HAND_FORCE_MEASURED",
@@ -37,7 +40,7 @@ HAND_LENGTH = HAND_GRASP + 2
 
 
 @kernel
-def write_hand(states: Any, contacts: int, dt: float, hand: NDArray[np.float64]) -> None:
+def write_hand(states: Table[StateRecord], contacts: int, dt: float, hand: NDArray[np.float64]) -> None:
     """Fill the vector, shape [HAND_LENGTH], from the STATE records of the points of contact."""
     for c in range(contacts):
         for i in range(3):

@@ -66,6 +66,9 @@ _PARALLEL = 1e-9
 _OF_A_CORNER = 0.25
 """Share of a face's stiffness that each of its four corners has [-]."""
 
+_FACE = 4
+"""Corners of a face of a box."""
+
 
 @kernel
 def add_point(points: Points, count: int, p: Three, depth: float, share: float) -> int:
@@ -97,7 +100,7 @@ def _box_face(solid: SolidRecord, d: Three, corners: Floats) -> Three:
         n, t, s, depth, width, height = axes[2], axes[0], axes[1], size[2], size[0], size[1]
     out = times(math.copysign(1.0, looks[face]), n)
     centre = along(middle(solid), 0.5 * depth, out)
-    for corner in range(4):
+    for corner in range(_FACE):
         u = 0.5 * width if corner == 0 or corner == 3 else -0.5 * width
         v = 0.5 * height if corner < 2 else -0.5 * height
         p = along(along(centre, u, t), v, s)
@@ -140,7 +143,7 @@ def write_feature(solid: SolidRecord, d: Three, corners: Floats) -> tuple[int, T
         (corners, outward normal of the feature, share of a lone corner of it). Two corners are a line.
     """
     if solid.kind == _BOX:
-        return 4, _box_face(solid, d, corners), _OF_A_CORNER
+        return _FACE, _box_face(solid, d, corners), _OF_A_CORNER
     count, n = _cylinder_feature(solid, d, corners)
     if count == 2:
         # From a half of each end of a lying cylinder to the eighth that a point of the rim has, without a step.

@@ -50,7 +50,7 @@ def _same_form(a: ShapeRecord, b: ShapeRecord) -> bool:
     for i in range(3):
         if a.position[i] != b.position[i] or a.size[i] != b.size[i]:
             return False
-    for i in range(4):
+    for i in range(quat.QUATERNION):
         if a.orientation[i] != b.orientation[i]:
             return False
     return a.rounding == b.rounding

@@ -43,6 +43,9 @@ ANYWHERE = (0.0, 0.0, 0.0)
 INSIDE = 6
 """Region of a triangle: its interior. 0..2: the edge from that corner to the next; 3..5: a corner."""
 
+_CORNER_A, _CORNER_B, _CORNER_C = 3, 4, 5
+"""Regions of the corners."""
+
 _SURFACE = 1e-9
 """A way may begin so far [m] behind a triangle and still enter through it: rounding of what was released there."""
 
@@ -93,13 +96,13 @@ def closest_on_triangle(vertices: Array, corners: Indices, t: int, p: Vec, out: 
     ab_cp, ac_cp = ab_ap - ab_ac, ac_ap - ac_ac
     if ab_ap <= 0.0 and ac_ap <= 0.0:
         _along(vertices, a, a, 0.0, out)
-        return 3
+        return _CORNER_A
     if ab_bp >= 0.0 and ac_bp <= ab_bp:
         _along(vertices, b, b, 0.0, out)
-        return 4
+        return _CORNER_B
     if ac_cp >= 0.0 and ab_cp <= ac_cp:
         _along(vertices, c, c, 0.0, out)
-        return 5
+        return _CORNER_C
     return _closest_off_corners(vertices, a, b, c, (ab_ap, ac_ap, ab_bp, ac_bp, ab_cp, ac_cp), out)
 
 

@@ -33,6 +33,9 @@ _USUAL_DEPTH = 1e-3
 
 _LONG_APART = 1 << 30
 
+_PRIME_A, _PRIME_B, _FOLD = 73856093, 19349663, 15
+"""Of the hash of two numbers (Teschner et al. 2003), and the shift that brings its high bits down [bits]."""
+
 
 @kernel
 def forget_contact(pair: PairRecord) -> None:
@@ -114,8 +117,8 @@ def join_surfaces(first: ShapeRecord, second: ShapeRecord, pair: PairRecord) -> 
 @kernel
 def _home(a: int, b: int, slots: Slots) -> int:
     """Where the hash looks first for a pair; the table's length is a power of two."""
-    mixed = (a * 73856093) ^ (b * 19349663)
-    return (mixed ^ (mixed >> 15)) & (slots.shape[0] - 1)
+    mixed = (a * _PRIME_A) ^ (b * _PRIME_B)
+    return (mixed ^ (mixed >> _FOLD)) & (slots.shape[0] - 1)
 
 
 @kernel

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import ObjectCountsRecord, ObjectWork, Rows
 
 __all__ = ["place_points"]
 
@@ -15,7 +18,7 @@ Vec = NDArray[np.float64]
 
 
 @kernel
-def place_points(rows: Any, work: Any, counts: Any, positions: Vec, velocities: Vec) -> None:
+def place_points(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, positions: Vec, velocities: Vec) -> None:
     """Put every point in use at its offset from its point of contact; that does not turn, so all on it move alike.
 
     Args:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
+from mimics_app.maths.quat import QUATERNION
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import MotionRecord, Table
@@ -19,6 +20,9 @@ _SHIFT = 12
 _MASK = (1 << 52) - 1
 """What a float64 can hold exactly."""
 
+_FOLD = 29
+"""Shift that brings the high bits of a product down [bits]."""
+
 
 @kernel
 def write_poses(motions: Table[MotionRecord], bodies: int, poses: NDArray[np.float64]) -> None:
@@ -27,7 +31,7 @@ def write_poses(motions: Table[MotionRecord], bodies: int, poses: NDArray[np.flo
         motion = motions[k]
         for i in range(3):
             poses[k, i] = motion.position[i]
-        for i in range(4):
+        for i in range(QUATERNION):
             poses[k, 3 + i] = motion.orientation[i]
 
 
@@ -44,5 +48,5 @@ def sum_motions(words: NDArray[np.int64], bodies: int) -> float:
     for k in range(bodies):
         for i in range(words.shape[1]):
             total = (total ^ np.uint64(words[k, i])) * multiplier
-            total ^= total >> np.uint64(29)
+            total ^= total >> np.uint64(_FOLD)
     return float(np.int64((total >> np.uint64(_SHIFT)) & np.uint64(_MASK)))

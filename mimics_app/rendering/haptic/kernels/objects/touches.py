@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.state import CONTACT_BEGAN, CONTACT_ENDED, CONTACT_UNCHANGED
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import (
+        ObjectCountsRecord,
+        ObjectWork,
+        StateRecord,
+        Table,
+        TotalsRecord,
+        TouchRecord,
+    )
 
 __all__ = ["CLEAR_TIME", "TOUCH", "follow_touch", "follow_touches"]
 
@@ -26,7 +36,7 @@ TOUCH = np.dtype(
 
 
 @kernel
-def follow_touch(touch: Any, touching: bool, felt: bool, dt: float) -> int:
+def follow_touch(touch: TouchRecord | StateRecord, touching: bool, felt: bool, dt: float) -> int:
     """Follow one partner for one tick; its CONTACT_... change.
 
     Args:
@@ -46,7 +56,7 @@ def follow_touch(touch: Any, touching: bool, felt: bool, dt: float) -> int:
 
 
 @kernel
-def _touch_static(totals: Any) -> bool:
+def _touch_static(totals: Table[TotalsRecord]) -> bool:
     """Whether any point of contact touches the static scene."""
     for c in range(totals.shape[0]):
         if totals[c].static_touching > 0:
@@ -55,7 +65,7 @@ def _touch_static(totals: Any) -> bool:
 
 
 @kernel
-def follow_touches(work: Any, counts: Any, felt: bool, dt: float) -> None:
+def follow_touches(work: ObjectWork, counts: ObjectCountsRecord, felt: bool, dt: float) -> None:
     """Follow the static scene and all bodies for one tick."""
     if counts.shapes == 0:
         return
