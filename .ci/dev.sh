@@ -98,6 +98,14 @@ system_packages() {
     exit 69
 }
 
+# Rivals that PyPI has (pyproject.toml, dependency group "peers"); what cannot be had is not measured.
+peers_of_pypi() {
+    peers=$("$vpython" -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["dependency-groups"]["peers"])')
+    # shellcheck disable=SC2086
+    "$vpython" -m pip install --quiet --disable-pip-version-check --only-binary :all: $peers ||
+        say "rivals of PyPI ($peers) cannot be installed: what is missing is not measured"
+}
+
 # --- Python ------------------------------------------------------------------------------------------------------
 
 suits() { # new enough, known to the pinned wheels, and built with what ctypes and downloads need
@@ -282,6 +290,7 @@ case $word in
         ;;
     bench)
         prepare run
+        peers_of_pypi
         exec "$venv/bin/mimics" bench all "$@"
         ;;
     clean) # never runs/: that is data

@@ -39,6 +39,7 @@ GROUPS = {
     "bloom": "visual.effects",
     "ambient occlusion": "visual.effects",
     "skinning": "visual.skinning",
+    "shading": "visual.shading",
     "joint mixing": "visual.skinning",
     "limb reach": "visual.reach",
     "cord": "visual.cord",

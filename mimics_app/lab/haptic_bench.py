@@ -6,8 +6,8 @@ and motion for bodies. `us` is the cost in the compiled loop, as the product run
 with that scene, simulated robot and person included.
 
 Where a peer is measured beside bodies, in the same run, `us_from_python` is the same work of ours called tick by tick
-from Python as the peer is: the same slide of the hand, as many rounds, the shortest of them. What is not measured is
-left out.
+from Python as the peer is: the same slide of the hand, as many rounds, the shortest of them. Peers that are not
+installed are named as not measured.
 """
 
 from __future__ import annotations
@@ -354,4 +354,6 @@ def measure_haptic(step: Step = lambda _: None, peers: Path | None = None) -> di
         _mixed_row(step, reference),
         _heap_rows(step, reference),
     )
-    return {"reference_ns": reference * 1e3, "rows": [row.figures() for part in parts for row in part]}
+    rows = [row for part in parts for row in part]
+    absent = [name for name in PEERS if not any((row.peer or "").startswith(name) for row in rows)]
+    return {"reference_ns": reference * 1e3, "not_measured": absent, "rows": [row.figures() for row in rows]}

@@ -1,7 +1,8 @@
-// The cheapest lit surface: light per vertex in display values, as fixed pipelines had it. Shared state for all looks:
-// what tells them apart comes with each instance.
+// The cheapest lit surface: light and haze per vertex, already as they are displayed. Shared state for all looks: what
+// tells them apart comes with each instance. Without a tone map light counts as display values, as fixed pipelines had it.
 #include "common/view.glsl"
 #include "common/sky.glsl"
+#include "common/output.glsl"
 
 in vec3 in_position;
 in vec3 in_normal;
@@ -16,7 +17,8 @@ in vec4 in_colour;
 
 invariant gl_Position;
 out vec3 at;
-out vec3 shade;
+out vec3 shade;                 // what it leaves of the picture's display values
+out vec3 haze;                  // what haze adds to them
 
 void main() {
     mat3 axes = transpose(mat3(eye_row0.xyz, eye_row1.xyz, eye_row2.xyz));
@@ -26,10 +28,14 @@ void main() {
     gl_Position = clip_from_eye * vec4(position_eye, 1.0);
     vec3 n = normalize(turn * in_normal) * (dot(axes[0], turn[0]) < 0.0 ? -1.0 : 1.0);
     vec3 light = sky_irradiance(n) + sun_colour.rgb * max(dot(n, sun_direction.xyz), 0.0);
+    light = sky_ground.w > 0.5 ? encode_output(light) : light;
     shade = paint.rgb * (paint.w < 0.0 ? vec3(1.0) : light);
 #ifdef COLOURED
-    shade *= pow(in_colour.rgb, vec3(1.0 / 2.2));
+    shade *= encode_srgb(in_colour.rgb);
 #endif
+    float seen = fog_share(length(position_eye));
+    shade *= seen;
+    haze = (1.0 - seen) * encode_output(fog_colour.rgb);
     vec2 scale = vec2(1.0);
 #ifdef MIRROR_U
     scale.x = 0.5;

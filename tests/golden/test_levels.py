@@ -86,15 +86,17 @@ def test_each_view_has_its_own_level():
             assert renderer.draw(pair).triangles == 1280 + 80
 
 
-def test_a_shadow_map_has_the_finest_level_once():
+@pytest.mark.parametrize(("texels", "triangles"), [(64, 80), (2048, 1280)])
+def test_a_shadow_map_has_one_level_as_coarse_as_its_texels(texels, triangles):
+    """The ball is 57 texels wide, 0.1 % of a picture of 1920 x 1080, or 1,900: more than all of its height."""
     world = make_world()
     sun = world.root.create_child()
     sun.look_at((0.1, -1.0, 0.0))
     sun.create_light("directional", casts_shadow=1)
     world.update()
     with create_surface("egl", (64, 64)) as surface:
-        settings = RenderSettings(msaa=0, shadow_size=64)
-        assert Renderer(surface, world, settings).draw([view_at(distance_of(0.05))]).triangles == 1280 + 320
+        settings = RenderSettings(msaa=0, shadow_size=texels)
+        assert Renderer(surface, world, settings).draw([view_at(distance_of(0.05))]).triangles == triangles + 320
 
 
 @pytest.mark.parametrize("coverages", [(0.1, 0.2, 0.0), (0.1, 0.01), ()])

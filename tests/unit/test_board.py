@@ -7,9 +7,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from mimics_app.app.picture.board import draw_board
+from mimics_app.app.picture.board import BoardLayout
 from mimics_app.app.picture.stability_card import stability_card
-from mimics_app.contracts.board import Board
+from mimics_app.contracts.board import Bar, Board, Card
 from mimics_app.rendering.visual.figures.hud import Hud
 
 GREEN, ORANGE, RED = (0.36, 0.78, 0.47), (0.96, 0.62, 0.16), (0.90, 0.22, 0.20)
@@ -18,7 +18,7 @@ GREEN, ORANGE, RED = (0.36, 0.78, 0.47), (0.96, 0.62, 0.16), (0.90, 0.22, 0.20)
 def _colours(margin: float, energy: float = 0.0) -> set[tuple[float, ...]]:
     hud = Hud()
     snapshot = SimpleNamespace(margin=margin, energy=energy, stiffness_share=1.0)
-    draw_board(hud, Board({"margin": stability_card(snapshot)}), ["margin"], 30.0)
+    BoardLayout().lay(hud, Board({"margin": stability_card(snapshot)}), ["margin"], 30.0)
     return {tuple(np.round(row["tint"][:3], 2).tolist()) for row in hud.rows()}
 
 
@@ -33,6 +33,33 @@ def test_margin_has_the_colour_of_its_danger(margin: float, colour: tuple[float,
 def test_energy_given_away_is_red_though_the_margin_is_wide():
     assert _as_drawn({GREEN, RED}) <= _colours(3.0, energy=-2e-3)
     assert not _as_drawn({RED}) & _colours(3.0, energy=2e-3)
+
+
+def test_what_stays_is_not_laid_out_again(monkeypatch):
+    """The display is untouched while nothing changes; then only the card that did is laid out, as if all had been."""
+    laid: list[str] = []
+    layout, hud, text = BoardLayout(), Hud(), Hud.text
+    monkeypatch.setattr(Hud, "text", lambda self, *args, **more: laid.append(args[2]) or text(self, *args, **more))
+
+    def lay(time: str, newtons: float, message: str = "", keys=()) -> list[str]:
+        laid.clear()
+        cards = {"time": Card("Time", time), "force": Card("Force", "1 N", bar=Bar(newtons, None))}
+        layout.lay(hud, Board(cards, message), ["time", "gone", "force"], 30.0, keys)
+        fresh = Hud()
+        seen = list(laid)
+        BoardLayout().lay(fresh, Board(cards, message), ["time", "gone", "force"], 30.0, keys)
+        assert np.array_equal(hud.rows(), fresh.rows())
+        return seen
+
+    assert lay("1 s", 2.0) == ["Time", "1 s", "Force", "1 N"]
+    before = hud.revision
+    assert lay("1 s", 2.0) == [] and hud.revision == before
+    assert lay("2 s", 2.0) == ["Time", "2 s"] and hud.revision > before
+    assert lay("2 s", 3.0) == ["Force", "1 N"]
+    assert lay("2 s", 3.0, "Well done") == ["Well done"]
+    assert lay("2 s", 3.0, "", [("H", "keys")]) == ["H", "keys"]
+    hud.clear()
+    assert lay("2 s", 3.0) == [], "what somebody else took off is put back, from what was laid out"
 
 
 def _as_drawn(colours: set[tuple[float, ...]]) -> set[tuple[float, ...]]:

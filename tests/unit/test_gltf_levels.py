@@ -16,7 +16,7 @@ from mimics_app.world.gltf.model_world import load_model_world
 from mimics_app.world.meshes.primitives import sphere
 from mimics_app.world.simplify.level_writer import write_levels
 
-APPLE = root() / "assets" / "models" / "market" / "apple.glb"
+STONE = root() / "assets" / "models" / "touch" / "stone.glb"
 PIXEL = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR4nGP4z8DwHwAFAAH/iZk9HQAAAABJRU5ErkJggg=="
 
 
@@ -99,11 +99,11 @@ def test_what_has_levels_is_left_alone_and_so_is_what_gets_no_smaller(tmp_path):
 
 
 def test_the_command_writes_a_file_and_tells_its_levels(tmp_path, capsys):
-    assert main(["assets", "levels", str(APPLE), "--out", str(tmp_path), "--json"]) == 0
+    assert main(["assets", "levels", str(STONE), "--out", str(tmp_path), "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
     (mesh,) = answer["meshes"]
     assert len(mesh["triangles"]) == 4 and mesh["triangles"][3] < 0.07 * mesh["triangles"][0]
-    assert (tmp_path / "apple_levels.glb").is_file()
+    assert (tmp_path / "stone_levels.glb").is_file()
 
 
 def test_the_viewer_counts_the_finest_level_alone(tmp_path):

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import pytest
 
 from mimics_app.app.picture.governor import FULL, FrameGovernor
+from mimics_app.app.picture.held_quality import Held, HeldQuality
 
 BUDGET = 16.7
 
@@ -175,3 +176,63 @@ def test_shares_count_every_frame_once():
     lost = (lines[0]["t_ns"] - 3e9) / 40e6  # frames until the first move: still at full quality
     assert summary["shares"][FULL] == pytest.approx((before + lost) / play.frames, abs=1.5 / play.frames)
     assert summary["frame_ms"]["p50"] == 40.0 or summary["frame_ms"]["p50"] == 10.0
+
+
+def _costs(steps: dict[str, Step], full_ms: float, saving: float) -> float:
+    """What a frame takes: every level given up saves the same share of it."""
+    return full_ms * saving ** sum(step.told[-1] if step.told else 0 for step in steps.values())
+
+
+def test_a_run_starts_from_a_quality_it_can_hold():
+    """40 ms, and three quarters of that with every level given up: three levels bring it to 16.9 ms, four have room."""
+    play, steps, lines = _play()
+    play.governor.settle(lambda: _costs(steps, 40.0, 0.75))
+    assert play.governor.given_up == list(play.governor.steps)
+    assert [line["way"] for line in lines] == ["start"] * 4
+    play.run(60.0, lambda: _costs(steps, 40.0, 0.75))
+    assert len(lines) == 4, "neither up, which would be over the budget, nor down"
+
+
+def test_a_light_scene_starts_in_full():
+    play, steps, lines = _play()
+    play.governor.settle(lambda: 15.0)
+    assert not lines and play.governor.state == FULL and all(not step.told for step in steps.values())
+
+
+def test_what_was_held_is_where_the_next_run_starts(tmp_path):
+    """Also through the file; the first run steps down frame by frame, the second not once."""
+    first, steps, lines = _play()
+    first.run(30.0, lambda: _costs(steps, 30.0, 0.7))
+    assert [line["way"] for line in lines] == ["down", "down"]
+    kept = HeldQuality(tmp_path / "quality.json")
+    kept.keep("tunnel", first.governor.held)
+    second, steps, lines = _play()
+    held = HeldQuality(tmp_path / "quality.json").find("tunnel")
+    assert held is not None and second.governor.start_from(held)
+    second.run(60.0, lambda: _costs(steps, 30.0, 0.7))
+    assert [line["way"] for line in lines] == ["start", "start"]
+    assert second.governor.given_up == first.governor.given_up
+
+
+def test_what_other_levels_held_is_passed_over():
+    play, steps, lines = _play(fixed=("shadows",))
+    other, _, _ = _play()
+    other.run(5.0, 40.0)
+    assert not play.governor.start_from(other.governor.held)
+    assert not lines and all(not step.told for step in steps.values())
+
+
+@pytest.mark.parametrize("damage", [b"", b"{", b"[1]", b'{"tunnel": {"steps": 3}}', b"\xff\xfe"])
+def test_a_damaged_file_of_held_qualities_is_as_good_as_none(tmp_path, damage):
+    file = tmp_path / "quality.json"
+    file.write_bytes(damage)
+    kept = HeldQuality(file)
+    assert kept.find("tunnel") is None
+    kept.keep("tunnel", Held(("shadows off",), (1.2,)))
+    assert HeldQuality(file).find("tunnel") == Held(("shadows off",), (1.2,))
+
+
+def test_a_folder_that_cannot_be_written_is_no_fault(tmp_path):
+    kept = HeldQuality(tmp_path / "nowhere" / "quality.json")
+    kept.keep("tunnel", Held((), ()))
+    assert kept.find("tunnel") is None

@@ -10,7 +10,7 @@ import pytest
 from mimics_app.builders.catalogue import find_builder
 from mimics_app.builders.market.fruit import APPLE_RADIUS
 from mimics_app.contracts.resources import root
-from mimics_app.world.gltf.file import GltfDocument, load_gltf
+from mimics_app.world.gltf.file import GltfDocument, GltfMesh, load_gltf
 
 FOLDER = root() / "assets" / "models" / "market"
 
@@ -38,6 +38,24 @@ def test_another_seed_grows_another_garden(built, tmp_path):
     assert other["apple.glb"].read_bytes() == built["apple.glb"].read_bytes()
 
 
+def finest(document: GltfDocument) -> list[GltfMesh]:
+    """The meshes without their coarser forms, which have the same names and come after all of them."""
+    return list({mesh.name: mesh for mesh in reversed(document.meshes)}.values())
+
+
+def test_what_is_seen_whole_has_coarser_forms_and_the_meadow_has_tiles(built):
+    """A tree's crown hides most of its balls' insides; of the meadow a view of 63 degrees sees less than half."""
+    for name, file in built.items():
+        meshes = load_gltf(file).meshes
+        counts = [sum(part.mesh.triangle_count for part in mesh.primitives) for mesh in meshes]
+        if name == "meadow.glb":
+            assert len(meshes) == len(finest(load_gltf(file))) > 60 and max(counts) < 0.05 * sum(counts)
+        else:
+            assert len(meshes) > len(finest(load_gltf(file))), name
+    tree = [sum(part.mesh.triangle_count for part in mesh.primitives) for mesh in load_gltf(built["tree.glb"]).meshes]
+    assert tree[0] < 16_000 and tree[-1] < 0.06 * tree[0]
+
+
 @pytest.mark.parametrize(
     ("name", "size", "within"),
     [
@@ -61,7 +79,7 @@ def test_the_apple_is_round_about_its_middle(built):
 
 def test_every_triangle_faces_its_normals(built):
     for name, file in built.items():
-        for mesh in load_gltf(file).meshes:
+        for mesh in finest(load_gltf(file)):
             for part in mesh.primitives:
                 corners = part.mesh.positions.astype(float)[part.mesh.indices.reshape(-1, 3)]
                 faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

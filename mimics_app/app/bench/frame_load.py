@@ -24,6 +24,7 @@ from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.app.settings import Quality, RunSettings
 from mimics_app.contracts.clock import process_seconds
+from mimics_app.contracts.frame_budget import over_budget
 from mimics_app.rendering.haptic.devices.device_names import SIMULATED
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 
@@ -46,7 +47,9 @@ class _Watch:
 
     Attributes:
         session: Whose.
-        from_ns, stages_ns, end_ns: When frames count, when stages are timed instead, when it ends.
+        seconds: Length of the measurement [s].
+        from_ns, stages_ns: When frames count, and when stages are timed instead; told by the first frame, which the
+            governor may have kept waiting.
         frames_ms: Of whole frames [ms].
         stages: Times of each stage [ms].
         begun: Processor time and moment of the first frame that counts [s].
@@ -54,9 +57,9 @@ class _Watch:
     """
 
     session: Session
-    from_ns: float
-    stages_ns: float
-    end_ns: float
+    seconds: float
+    from_ns: float = 0.0
+    stages_ns: float = 0.0
     frames_ms: list[float] = field(default_factory=list)
     stages: dict[str, list[float]] = field(default_factory=dict)
     begun: tuple[float, int] | None = None
@@ -66,6 +69,9 @@ class _Watch:
     def look(self, _: Frames) -> None:
         """After a frame."""
         picture, governor, now_ns = self.session.picture, self.session.governor, self.session.clock.now_ns()
+        if self.from_ns == 0.0:
+            self.from_ns = now_ns + _SETTLING_S * _NS
+            self.stages_ns = self.from_ns + (1.0 - _TIMED_SHARE) * self.seconds * _NS
         if picture is None or governor is None or now_ns < self.from_ns:
             return
         if self.begun is None:
@@ -109,9 +115,7 @@ def main(scene: Path, size: tuple[int, int], surface: str, seconds: float, quali
 def _measure(session: Session, surface: str, seconds: float) -> Row:
     start_loop(session)
     open_picture(session, create_surface(surface, session.settings.size, session.scene.name))
-    begin = session.clock.now_ns() + _SETTLING_S * _NS
-    end = begin + seconds * _NS
-    watch = _Watch(session, begin, end - _TIMED_SHARE * seconds * _NS, end)
+    watch = _Watch(session, seconds)
     late, ticks = session.haptics.histogram(), session.haptics.ticks
     with left_alone():
         run_live(session, Frames(session), watch.look)
@@ -128,6 +132,7 @@ def _row(session: Session, watch: _Watch, missed: int, ticks: int) -> Row:
         "fps": watch.fps,
         "ms": _spread(watch.frames_ms),
         "stages": {name: _spread(times) for name, times in watch.stages.items()},
+        "over_budget": over_budget({name: float(np.median(times)) for name, times in watch.stages.items()}),
         "cpu_ms": watch.cpu_ms,
         "triangles": 0 if stats is None else stats.triangles,
         "draw_calls": 0 if stats is None else stats.draws,

@@ -126,11 +126,23 @@ def _run_render(args: argparse.Namespace) -> int:
             args.fps,
         )
     )
+    ogre = _beside(args, workload, folder)
+    answer |= {} if ogre is None else {"ogre_ms": ogre, "times_ogre": ogre / answer["ms_median"]}
     if args.json:
         output.write_object("bench", answer)
     else:
         print("RESULT " + json.dumps(answer))
     return 0
+
+
+def _beside(args: argparse.Namespace, workload: str, folder: Path | None) -> float | None:
+    """OGRE's median frame of the same workload, as large and with as many samples [ms]; None where it has none."""
+    from mimics_app.app.bench.ogre import OGRE_WORKLOADS, measure_ogre
+
+    if workload not in OGRE_WORKLOADS:
+        return None
+    more = ["--data", str(folder), "--frames", str(args.frames), "--warmup", str(args.warmup), "--n", str(args.n)]
+    return measure_ogre(workload, args.size, _say, msaa=args.msaa or 0, more=more)
 
 
 def _measure_realtime(args: argparse.Namespace) -> dict[str, Any]:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.app.picture.key_page import Keys, draw_keys
 from mimics_app.contracts.board import Bar, Board, Card, Tone
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Colour, Hud
 from mimics_app.rendering.visual.figures.palette import ACCENT, FAINT, INK
 
-__all__ = ["OPERATORS_CARDS", "draw_board"]
+__all__ = ["OPERATORS_CARDS", "BoardLayout"]
 
 OPERATORS_CARDS = frozenset({"margin"})
 """Figures that tell the person at the task nothing: they come with the forces of F5."""
@@ -34,30 +38,51 @@ _MARGIN = 22.0
 _HEIGHT = 62.0
 
 
-def draw_board(hud: Hud, board: Board, show: Sequence[str], force_full: float) -> None:
-    """Lay a board over the picture.
+class BoardLayout:
+    """Lays a board over the picture; a card, or the whole, that has not changed since the last frame stays."""
 
-    Args:
-        hud: What to draw on; cleared first.
-        board: The board.
-        show: Names of the cards wanted, in the order of the scene; one that the board has not is left out.
-        force_full: Force that fills the bar of a card without a scale of its own [N].
-    """
-    hud.clear()
-    x = _MARGIN
-    for name in show:
-        card = board.cards.get(name)
-        if card is None:
-            continue
-        y = CANVAS_HEIGHT - _MARGIN - _HEIGHT
-        hud.box(x, y, card.width, _HEIGHT, _PANEL, radius=12.0)
-        _draw_card(hud, card, (x + 16.0, y + 12.0, card.width - 32.0), force_full)
-        x += card.width + 12.0
-    _draw_message(hud, board.message, alarm=board.alarm)
+    def __init__(self) -> None:
+        self._laid: tuple[Hashable, int] | None = None
+        self._cards: dict[str, tuple[Hashable, NDArray[np.void]]] = {}
+
+    def lay(self, hud: Hud, board: Board, show: Sequence[str], force_full: float, keys: Keys = ()) -> None:
+        """Make a board, and a page of keys over it, all that is on a display.
+
+        Args:
+            hud: What to draw on.
+            board: The board.
+            show: Names of the cards wanted, in the order of the scene; one that the board has not is left out.
+            force_full: Force that fills the bar of a card without a scale of its own [N].
+            keys: The page, () for none.
+        """
+        cards = tuple((name, board.cards[name]) for name in show if name in board.cards)
+        wanted = (id(hud), cards, board.message, board.alarm, force_full, hud.width, tuple(keys))
+        if self._laid == (wanted, hud.revision):
+            return
+        hud.clear()
+        x = _MARGIN
+        for name, card in cards:
+            hud.extend(self._rows(name, hud, card, x, force_full))
+            x += card.width + 12.0
+        _draw_message(hud, board.message, alarm=board.alarm)
+        if keys:
+            draw_keys(hud, keys)
+        self._laid = wanted, hud.revision
+
+    def _rows(self, name: str, hud: Hud, card: Card, x: float, force_full: float) -> NDArray[np.void]:
+        """What a card at a place is made of, HUD_ROW [n]."""
+        wanted = (card, x, force_full)
+        if self._cards.get(name, (None,))[0] != wanted:
+            alone = Hud(hud.atlas)
+            _draw_card(alone, card, x, force_full)
+            self._cards[name] = wanted, alone.rows()
+        return self._cards[name][1]
 
 
-def _draw_card(hud: Hud, card: Card, place: Place, force_full: float) -> None:
-    x, y, width = place
+def _draw_card(hud: Hud, card: Card, left: float, force_full: float) -> None:
+    bottom = CANVAS_HEIGHT - _MARGIN - _HEIGHT
+    hud.box(left, bottom, card.width, _HEIGHT, _PANEL, radius=12.0)
+    place = x, y, width = left + 16.0, bottom + 12.0, card.width - 32.0
     hud.text(x, y + 27.0, card.label, 15.0, FAINT)
     if card.bar is not None:
         hud.text(x + width, y + 27.0, card.text, 17.0, INK, bold=True, align="right")

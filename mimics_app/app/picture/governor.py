@@ -1,6 +1,7 @@
 """Holds the frame's time by giving up quality step by step, and takes it back when there is time again.
 
-It never touches the haptic loop, and nothing that a study has fixed. Down after half a second over the budget; up after
+It never touches the haptic loop, and nothing that a study has fixed. It starts from what was held before, or from what
+frames drawn before the first one fit into (`start_from`, `settle`). Down after half a second over the budget; up after
 three seconds in which the frame would have stayed within it one level up too, by what that level cost when it was left.
 That cost is doubted after half a minute of ease, since the load may have changed just then; doubts grow ever rarer.
 """
@@ -12,6 +13,7 @@ from dataclasses import dataclass
 from statistics import median
 from typing import Any
 
+from mimics_app.app.picture.held_quality import Held
 from mimics_app.contracts.governor import QualityStep
 
 __all__ = ["FULL", "FrameGovernor"]
@@ -97,6 +99,48 @@ class FrameGovernor:
         return [move.label for move in self._ladder[: self._given_up]]
 
     @property
+    def frames(self) -> int:
+        """How many were counted."""
+        return len(self._times_ms)
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        """Every level that can be given up, in order."""
+        return tuple(move.label for move in self._ladder)
+
+    @property
+    def held(self) -> Held:
+        """The quality that most frames had, for the next run to start from."""
+        counts = [self._counts.get(state, 0) for state in (FULL, *self.steps)]
+        most = max(range(len(counts)), key=lambda level: counts[level])
+        return Held(self.steps, tuple(move.growth for move in self._ladder[:most]))
+
+    def start_from(self, held: Held) -> bool:
+        """Begin with what was held before; False, and nothing is changed, where that was of other levels."""
+        if held.steps != self.steps or len(held.growths) > len(self._ladder):
+            return False
+        for growth in held.growths:
+            self._begin_lower(growth)
+        return True
+
+    def settle(self, frame_ms: Callable[[], float]) -> None:
+        """Before the first frame: give up levels until a frame, drawn now by `frame_ms` [ms], has room."""
+        now_ms = frame_ms()
+        while now_ms > _ROOM * self._budget_ms and self._given_up < len(self._ladder):
+            before_ms = now_ms
+            self._begin_lower(1.0)
+            now_ms = frame_ms()
+            self._ladder[self._given_up - 1].growth = max(1.0, before_ms / max(now_ms, 1e-6))
+
+    def _begin_lower(self, growth: float) -> None:
+        move = self._ladder[self._given_up]
+        move.step.apply(move.level)
+        move.growth = max(1.0, growth)
+        self._given_up += 1
+        line = {"step": move.step.name, "level": move.step.levels[move.level], "way": "start"}
+        self._log("governor", {**line, "frame_ms": None, "t_ns": 0})
+
+    @property
     def last_ms(self) -> float:
         """How long the newest frame took [ms]; 0.0 before the first."""
         return self._times_ms[-1] if self._times_ms else 0.0
@@ -128,7 +172,7 @@ class FrameGovernor:
         return {
             "budget_ms": self._budget_ms,
             "frame_ms": {"p50": median(times), "p95": times[min(len(times) - 1, round(0.95 * len(times)))]},
-            "steps": [move.label for move in self._ladder],
+            "steps": list(self.steps),
             "moves": self._moves,
             "shares": {state: count / frames for state, count in self._counts.items()},
         }

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from mimics_app.app.picture.board import OPERATORS_CARDS, draw_board
-from mimics_app.app.picture.key_page import Keys, draw_keys
+from mimics_app.app.picture.board import OPERATORS_CARDS, BoardLayout
+from mimics_app.app.picture.key_page import Keys
 from mimics_app.app.picture.lost_picture import draw_or_recover
 from mimics_app.app.picture.methods import with_methods
 from mimics_app.app.picture.shown_on import open_display
@@ -120,6 +120,7 @@ class Picture:
         self.renderer = Renderer(self.presenter.drawn, world, settings)
         self.film: Film | None = None
         self.keys: Keys = ()
+        self._layout = BoardLayout()
         self.stats: FrameStats | None = None
         self._software = draws_in_software(surface)
         self.show(scene, world)
@@ -249,13 +250,11 @@ class Picture:
         screen = [view for view in views if view.screen == views[0].screen]
         hud.width = plane_of_views(screen, self.renderer.settings.hud_depth).canvas_width
         if self._board is None:
-            hud.clear()
-        else:
-            operator = self.renderer.shows("forces")
-            show = [name for name in self._board.show if operator or name not in OPERATORS_CARDS]
-            draw_board(hud, board, show, self._board.force_full)
-        if self.keys:
-            draw_keys(hud, self.keys)
+            self._layout.lay(hud, Board(), (), 1.0, self.keys)
+            return
+        operator = self.renderer.shows("forces")
+        show = [name for name in self._board.show if operator or name not in OPERATORS_CARDS]
+        self._layout.lay(hud, board, show, self._board.force_full, self.keys)
 
     def ray(self, right: float, up: float) -> Ray | None:
         """The ray through a place of the window, each coordinate in [-1, 1]."""

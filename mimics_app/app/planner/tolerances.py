@@ -23,6 +23,7 @@ BY_PROFILE: Mapping[Profile, Mapping[str, float]] = {
         "edge_px": 0.5,
         "shadow_m": 1e-3,
         "pixel_share": 0.1,
+        "colour_levels": 40.0,
         "effect_share": 1.0,
     },
     "training": {
@@ -35,6 +36,7 @@ BY_PROFILE: Mapping[Profile, Mapping[str, float]] = {
         "edge_px": 0.1,
         "shadow_m": 2e-4,
         "pixel_share": 0.03,
+        "colour_levels": 2.0,
         "effect_share": 0.1,
     },
     "study": {
@@ -47,6 +49,7 @@ BY_PROFILE: Mapping[Profile, Mapping[str, float]] = {
         "edge_px": 0.1,
         "shadow_m": 1.5e-4,
         "pixel_share": 0.005,
+        "colour_levels": 1.0,
         "effect_share": 0.05,
     },
 }
@@ -55,7 +58,7 @@ BY_PROFILE: Mapping[Profile, Mapping[str, float]] = {
 draft       what a hand does not notice while a scene is made: 0.5 N, 1 mm, one degree; a bounce is right to a thirtieth
             of the speed, which no stricter profile can better by much at 1 kHz; sounds need no direction
             (700 us is the whole width of a head); every second refresh of a 60 Hz screen; edges fall as they fall,
-            and bloom and ambient occlusion may be missing altogether
+            surfaces are lit by their corners, and bloom and ambient occlusion may be missing altogether
 training    a tenth of what a hand or the robot's encoder (10 um) tells apart; sounds come from where they are; edges
             of bodies to a tenth of a pixel, those of shadows to a fifth of a millimetre
 study       what cannot be seen in the analysis of a recording: a thousandth of the training's, or rounding; far bodies
@@ -73,6 +76,7 @@ FIELD_OF_UNIT: Mapping[str, str] = {
     "m of a shadow's edge": "shadow_m",
     "share of pixels": "pixel_share",
     "of the effect": "effect_share",
+    "levels of 255": "colour_levels",
 }
 """Which tolerance bounds an error, by the unit of the error in the table of methods."""
 

@@ -229,6 +229,11 @@ def _named_skinning(scene: Scene) -> Settings | None:
     return None if by == "auto" else {"skinning": by}
 
 
+def _named_shading(scene: Scene) -> Settings | None:
+    shading = visual_of(scene).shading
+    return None if shading == "auto" else {"shading": shading}
+
+
 def _shows_models(scene: Scene) -> bool:
     return any(mesh.source for _, mesh, _ in scene.components(MeshComponent))
 
@@ -264,6 +269,7 @@ USES: Mapping[str, Use] = {
     "occlusion": Use("bodies hidden behind others", _shows_models),
     "level of detail": Use("coarser forms of far bodies", _shows_models),
     "skinning": Use("bodies that follow joints", _bends, _named_skinning),
+    "shading": Use("light on surfaces", _has(CameraComponent), _named_shading),
     "sun shadows": Use("shadows of the sun", _has_sun_shadow, _named_shadows, _may_shadow, _PROBE_PX),
     "anti aliasing": Use("anti-aliasing", _has(CameraComponent), _named_edges, pixels=_PROBE_PX),
     "ambient occlusion": Use(

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 from mimics_app.app.picture.governor import FrameGovernor
+from mimics_app.app.picture.held_quality import HeldQuality, measure_frame_ms, name_of_picture
 from mimics_app.app.planner.tolerances import tolerances_of
 from mimics_app.app.play.device_watch import DeviceWatch
 from mimics_app.app.play.leaving import Leaving
@@ -20,6 +22,9 @@ from mimics_app.rendering.visual.quality_steps import quality_steps
 __all__ = ["run_live", "run_unseen", "run_virtual"]
 
 _NS = 1_000_000_000
+_FEWEST_FRAMES = 120
+"""A run of fewer frames says nothing of what can be held."""
+
 _LATCHED = (SafetyState.SAFE_STOP, SafetyState.E_STOP)
 
 Progress = Callable[[Frames], None]
@@ -44,9 +49,17 @@ def run_live(session: Session, frames: Frames, after_frame: Progress) -> None:
     A haptic loop that ended by itself ends the run too; stopping the session then says why. So does a picture that is
     lost for good.
     """
-    picture, keys, leaving = session.picture, ViewKeys(session), Leaving(session)
-    reload, watch = SceneReload(session), DeviceWatch(session)
     governor = session.governor = _govern(session)
+    name = _start_lower(session, governor) if governor is not None and governor.steps else ""
+    _run_frames(session, frames, after_frame)
+    if name and governor is not None and governor.frames >= _FEWEST_FRAMES:
+        HeldQuality().keep(name, governor.held)
+
+
+def _run_frames(session: Session, frames: Frames, after_frame: Progress) -> None:
+    picture, governor = session.picture, session.governor
+    keys, leaving = ViewKeys(session), Leaving(session)
+    reload, watch = SceneReload(session), DeviceWatch(session)
     limit = session.clock.now_ns() + _limit_ns(session)
     due = session.clock.now_ns()
     while session.clock.now_ns() < limit and session.haptics.running and not leaving.wanted(frames):
@@ -80,6 +93,20 @@ def _govern(session: Session) -> FrameGovernor | None:
     fixed = {step.name for step in steps} if settings.profile == "study" or settings.quality == "full" else ()
     budget_ms = tolerances_of(session.scene, settings.profile)["frame_ms"]
     return FrameGovernor(steps, budget_ms, fixed=fixed, log=session.recorder.journal)
+
+
+def _start_lower(session: Session, governor: FrameGovernor) -> str:
+    """Start from what this picture held last time on this machine, else from what it can hold, as drawn now.
+
+    Returns:
+        The name that what it holds is kept under.
+    """
+    assert session.picture is not None
+    name = name_of_picture(session.picture, session.scene.path.stem, session.settings.profile)
+    known = HeldQuality().find(name)
+    if known is None or not governor.start_from(known):
+        governor.settle(partial(measure_frame_ms, session.picture))
+    return name
 
 
 def run_unseen(session: Session, frames: Frames, after_frame: Progress) -> None:

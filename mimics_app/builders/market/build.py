@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
-from mimics_app.builders.market.clay import Clay, pack_model
+from mimics_app.builders.market.clay import PIXELS, PIXELS_OF_EDGES, PIXELS_OF_LEAVES, Clay, pack_model
 from mimics_app.builders.market.fruit import apple
 from mimics_app.builders.market.garden import build_meadow, build_tree
 from mimics_app.builders.market.hand import fingers, palm, thumb
@@ -20,7 +20,7 @@ def compose(seed: int) -> dict[str, bytes]:
     Args:
         seed: Of everything that grows.
     """
-    models: Mapping[str, Mapping[str, tuple[Clay, float]]] = {
+    models: Mapping[str, Mapping[str, tuple[Clay | Sequence[Clay], float]]] = {
         "apple": {"apple": (apple(), 0.30)},
         "stall": {"wood": (stall_wood(), 0.8), "cloth": (awning(), 1.0), "goods": (goods(), 0.4)},
         "tree": {"tree": (build_tree(2 * seed - 2), 1.0)},
@@ -33,4 +33,6 @@ def compose(seed: int) -> dict[str, bytes]:
         "fence": {"fence": (fence(), 0.8)},
         "jug": {"jug": (jug(), 0.25)},
     }
-    return {f"{name}.glb": pack_model(name, parts) for name, parts in models.items()}
+    pixels = dict.fromkeys(("apple", "bed", "crate", "fence", "jug"), PIXELS_OF_EDGES)
+    pixels |= dict.fromkeys(("tree", "tree_round"), PIXELS_OF_LEAVES)
+    return {f"{name}.glb": pack_model(name, parts, pixels.get(name, PIXELS)) for name, parts in models.items()}

@@ -4,16 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.world.gltf.source import parse_gltf
 from mimics_app.world.gltf.writer import GltfWriter, MeshPart
 from mimics_app.world.meshes.mesh import MeshData, compute_normals
 from mimics_app.world.meshes.primitives import tube
+from mimics_app.world.simplify.level_writer import add_levels
 
 __all__ = [
     "F8",
+    "PIXELS",
+    "PIXELS_OF_EDGES",
+    "PIXELS_OF_LEAVES",
     "Clay",
     "Colour",
     "Painter",
@@ -23,6 +29,7 @@ __all__ = [
     "mix",
     "noise",
     "pack_model",
+    "picked",
     "plain",
     "planked",
     "rounded_box",
@@ -34,6 +41,18 @@ F8 = NDArray[np.float64]
 Colour = tuple[float, float, float]
 Painter = Callable[[F8, F8], F8]
 """Linear RGB, [n, 3], of positions and normals, [n, 3] each."""
+
+LEVELS = (0.5, 0.3, 0.15, 0.05)
+"""Shares of a model's triangles that its coarser forms have."""
+
+PIXELS = 3.0
+"""By which a corner of a thing may be wrong where a coarser form is shown, in a picture of 1920 x 1080 [px]."""
+
+PIXELS_OF_LEAVES = 14.0
+"""The same of what has no shape that anybody knows."""
+
+PIXELS_OF_EDGES = 0.25
+"""The same of what has bevelled edges or a pattern, which are gone before its shape is: shadows alone are coarser."""
 
 
 class Clay:
@@ -57,6 +76,11 @@ class Clay:
         self._pieces.append((positions, normals, colours, indices))
         return self
 
+    @property
+    def empty(self) -> bool:
+        """Whether nothing was added."""
+        return not self._pieces
+
     def part(self) -> MeshPart:
         """Everything as one part."""
         starts = np.cumsum([0] + [len(piece[0]) for piece in self._pieces])
@@ -73,14 +97,29 @@ class Clay:
         )
 
 
-def pack_model(model: str, parts: Mapping[str, tuple[Clay, float]]) -> bytes:
-    """A GLB of one node per name, each painted clay of a roughness; materials are named after the model too."""
+def pack_model(model: str, parts: Mapping[str, tuple[Clay | Sequence[Clay], float]], pixels: float = PIXELS) -> bytes:
+    """A GLB of one node per name, each painted clay of a roughness; materials are named after the model too.
+
+    What is seen whole has levels of detail, wrong by so many `pixels` at most; several clays of one name are tiles of
+    one thing, of which those out of view are left out instead.
+    """
     writer = GltfWriter("mimics market builder")
     for name, (clay, roughness) in parts.items():
         material = writer.add_material(f"{model}_{name}", roughness=roughness)
-        mesh = writer.add_mesh(name, [(writer.add_part(clay.part()), material)])
-        writer.add_node(name, mesh=mesh)
-    return writer.to_bytes()
+        tiles = {name: clay} if isinstance(clay, Clay) else {f"{name}_{k}": tile for k, tile in enumerate(clay)}
+        for node, tile in tiles.items():
+            mesh = writer.add_mesh(node, [(writer.add_part(tile.part()), material)])
+            writer.add_node(node, mesh=mesh)
+    data = writer.to_bytes()
+    if not all(isinstance(clay, Clay) for clay, _ in parts.values()):
+        return data
+    return add_levels(parse_gltf(data, Path(model), Path(), model), LEVELS, pixels)[0]
+
+
+def picked(mesh: MeshData, triangles: NDArray[np.bool_]) -> MeshData:
+    """Some triangles of a mesh, [n], with the vertices they need; normals stay what they are."""
+    used, indices = np.unique(mesh.indices.reshape(-1, 3)[triangles].ravel(), return_inverse=True)
+    return MeshData(mesh.positions[used], mesh.normals[used], indices.astype(np.uint32).reshape(-1))
 
 
 def mix(a: Colour | F8, b: Colour | F8, share: F8 | float) -> F8:

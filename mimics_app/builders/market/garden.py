@@ -3,10 +3,25 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from mimics_app.builders.market.clay import F8, Clay, Colour, Painter, bar, chance, mix, noise, surface, turned
+from mimics_app.builders.market.clay import (
+    F8,
+    Clay,
+    Colour,
+    Painter,
+    bar,
+    chance,
+    mix,
+    noise,
+    picked,
+    surface,
+    turned,
+)
 from mimics_app.world.meshes.mesh import MeshData, compute_normals
 from mimics_app.world.meshes.primitives import icosphere
 
@@ -16,6 +31,15 @@ GRASS_DARK: Colour = (0.060, 0.150, 0.030)
 GRASS: Colour = (0.125, 0.245, 0.048)
 GRASS_LIGHT: Colour = (0.26, 0.35, 0.085)
 EARTH: Colour = (0.40, 0.275, 0.15)
+
+_FLAT = np.array([1.0, 0.88, 1.0])
+"""Foliage is less high than wide."""
+
+_DEEP = 0.88
+"""Share of the way to a foliage's surface that its triangles surely cover: they cut off its bumps."""
+
+_SECTORS, _RINGS = 16, (0.35, 0.7, 1.5, 3.5)
+"""Tiles of the meadow: so many about the middle, and where each ring of them ends [m]; the last at the edge."""
 
 
 def build_tree(seed: int) -> Clay:
@@ -43,8 +67,9 @@ def build_tree(seed: int) -> Clay:
         )
     blobs += [(0.055, 0.565, 0.03, 0.085), (-0.06, 0.55, -0.02, 0.082)]
     centre = np.array([lean, 0.45, 0.0])
-    for i, (x, y, z, radius) in enumerate(blobs):
-        clay.add(_foliage(radius, 50 * seed + i), _leaves(centre, seed), at=(x + lean, y, z))
+    crown = [_Foliage((x + lean, y, z), radius, 50 * seed + i) for i, (x, y, z, radius) in enumerate(blobs)]
+    for one in crown:
+        clay.add(one.mesh([other for other in crown if other is not one]), _leaves(centre, seed), at=one.middle)
     for i in range(26):
         turn, up = 2.0 * math.pi * r[40 + i], r[80 + i]
         out = 0.195 * math.sqrt(max(0.05, 1.0 - ((up - 0.35) / 0.75) ** 2))
@@ -57,13 +82,35 @@ def build_tree(seed: int) -> Clay:
     return clay
 
 
-def _foliage(radius: float, seed: int) -> MeshData:
-    """A ball with bumps."""
-    ball = icosphere(1.0, 3)
-    unit = ball.positions.astype(np.float64)
-    bumps = 0.80 + 0.26 * noise(unit + 9.0, 0.42, seed) + 0.12 * noise(unit + 5.0, 0.17, seed + 1)
-    positions = radius * unit * bumps[:, None] * [1.0, 0.88, 1.0]
-    return MeshData(positions.astype(np.float32), compute_normals(positions, ball.indices), ball.indices)
+@dataclass(frozen=True)
+class _Foliage:
+    """A ball with bumps: its middle [m], its radius [m], the seed of its bumps."""
+
+    middle: tuple[float, float, float]
+    radius: float
+    seed: int
+
+    def mesh(self, others: Sequence[_Foliage]) -> MeshData:
+        """Its surface about its middle, less what is hidden inside others."""
+        ball = icosphere(1.0, 3)
+        unit = ball.positions.astype(np.float64)
+        positions = unit * self._reach(unit)[:, None] * _FLAT
+        whole = MeshData(positions.astype(np.float32), compute_normals(positions, ball.indices), ball.indices)
+        hidden = np.zeros(whole.triangle_count, np.bool_)
+        for other in others:
+            hidden |= other.holds(positions + self.middle)[ball.indices.reshape(-1, 3)].all(axis=1)
+        return picked(whole, ~hidden)
+
+    def holds(self, places: F8) -> NDArray[np.bool_]:
+        """Whether places [m], [n, 3], lie so far inside that they are not seen."""
+        away = (places - self.middle) / _FLAT
+        length = np.linalg.norm(away, axis=1)
+        return length < _DEEP * self._reach(away / np.maximum(length, 1e-9)[:, None])
+
+    def _reach(self, unit: F8) -> F8:
+        """How far the surface is in directions [n, 3], before it is flattened [m]."""
+        bumps = 0.80 + 0.26 * noise(unit + 9.0, 0.42, self.seed) + 0.12 * noise(unit + 5.0, 0.17, self.seed + 1)
+        return np.asarray(self.radius * bumps)
 
 
 def _leaves(centre: F8, seed: int) -> Painter:
@@ -97,9 +144,39 @@ def path_share(x: F8, z: F8) -> F8:
     return np.clip((0.105 - np.abs(x - middle) + ragged) / 0.03, 0.0, 1.0)
 
 
-def build_meadow(seed: int) -> Clay:
-    """Ground out to 9 m, finest where it is near."""
-    clay = Clay()
+class _Tiles:
+    """The meadow in sectors of rings, of which what is out of view need not be drawn."""
+
+    def __init__(self) -> None:
+        self._clays = [Clay() for _ in range(_SECTORS * (len(_RINGS) + 1))]
+
+    @property
+    def clays(self) -> list[Clay]:
+        """Those that hold something."""
+        return [clay for clay in self._clays if not clay.empty]
+
+    def at(self, x: float, z: float) -> Clay:
+        """The tile about a place [m]."""
+        return self._clays[int(_tile(np.array([x]), np.array([z]))[0])]
+
+    def add(self, mesh: MeshData, paint: Painter) -> None:
+        """Each triangle to the tile that its middle is in; normals stay those of the whole."""
+        middles = mesh.positions[mesh.indices.reshape(-1, 3)].astype(np.float64).mean(axis=1)
+        tiles = _tile(middles[:, 0], middles[:, 2])
+        for number in np.unique(tiles):
+            self._clays[number].add(picked(mesh, tiles == number), paint)
+
+
+def _tile(x: F8, z: F8) -> NDArray[np.int64]:
+    """Numbers of the tiles that places are in [m]."""
+    ring = np.searchsorted(_RINGS, np.hypot(x, z))
+    sector = np.floor((np.arctan2(-z, x) / (2.0 * math.pi) % 1.0) * _SECTORS).astype(np.int64) % _SECTORS
+    return np.asarray(ring * _SECTORS + sector)
+
+
+def build_meadow(seed: int) -> list[Clay]:
+    """Ground out to 9 m, finest where it is near, in tiles."""
+    tiles = _Tiles()
     reach = np.concatenate([np.linspace(0.0, 0.7, 44), 0.7 * (9.0 / 0.7) ** np.linspace(0.0, 1.0, 46)[1:]])
 
     def point(r: F8, turn: F8) -> F8:
@@ -123,12 +200,12 @@ def build_meadow(seed: int) -> Clay:
         colour = mix(mix(colour, sand, path_share(x, z)), lawn, bed)
         return colour * (0.92 + 0.16 * noise(flat, 0.009, 3))[:, None]
 
-    clay.add(surface(point, reach, np.linspace(0.0, 2.0 * math.pi, 161)), paint)
-    _grow(clay, seed)
-    return clay
+    tiles.add(surface(point, reach, np.linspace(0.0, 2.0 * math.pi, 161)), paint)
+    _grow(tiles, seed)
+    return tiles.clays
 
 
-def _grow(clay: Clay, seed: int) -> None:
+def _grow(tiles: _Tiles, seed: int) -> None:
     """Tufts and flowers about the bed and the path, none inside."""
     r = chance(6000, 76 + seed)
     count = 0
@@ -140,11 +217,12 @@ def _grow(clay: Clay, seed: int) -> None:
         count += 1
         size = 0.014 + 0.020 * r[3 * i + 2]
         y = float(ground_height(np.array([x]), np.array([z]))[0])
+        clay = tiles.at(x, z)
         clay.add(_tuft(size, i), _blades, at=(x, y, z))
         if count % 5 == 0:
             colour = ((0.90, 0.86, 0.78), (0.85, 0.60, 0.06), (0.62, 0.16, 0.30))[count // 5 % 3]
             clay.add(
-                icosphere(0.0052, 1),
+                icosphere(0.0052, 0),
                 colour,
                 at=(x + 0.006, y + size * 1.25, z + 0.004),
                 turn=turned(scale=(1.0, 0.55, 1.0)),

@@ -6,11 +6,13 @@ the pixels that differ from the picture in which nothing is left out.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache, partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import reference_us
@@ -23,7 +25,9 @@ from mimics_app.world.environment import Sky
 from mimics_app.world.gltf.model_world import load_model_world
 from mimics_app.world.world import World
 
-__all__ = ["DETAIL", "OCCLUSION", "city_error", "city_us"]
+__all__ = ["DETAIL", "OCCLUSION", "city_error", "city_pictures", "city_us"]
+
+Picture = NDArray[np.uint8]
 
 OCCLUSION, DETAIL = "occlusion", "level of detail"
 
@@ -62,13 +66,16 @@ def city_us(settings: RenderSettings) -> float:
     return frame_us(_city(), _SIZE, settings, _view, len(_PLACES))
 
 
+def city_pictures(settings: RenderSettings, whole: RenderSettings) -> Iterator[tuple[Picture, Picture]]:
+    """Display values at each of the places, [height, width, 4], by the one and by the other settings."""
+    for number in range(len(_PLACES)):
+        view = _view(number)
+        yield show_picture(_city(), _SIZE, settings, view), show_picture(_city(), _SIZE, whole, view)
+
+
 def city_error(settings: RenderSettings, whole: RenderSettings) -> float:
     """Share of the pixels that differ from the same places drawn as `whole` says, by more than one level of 255."""
-    apart = []
-    for number in range(len(_PLACES)):
-        one, other = (show_picture(_city(), _SIZE, each, _view(number)) for each in (settings, whole))
-        apart.append(differing_pixels(one, other, level=1))
-    return float(np.mean(apart))
+    return float(np.mean([differing_pixels(*pair, level=1) for pair in city_pictures(settings, whole)]))
 
 
 def _register(group: str, name: str, source: str, valid: str, whole: RenderSettings, **changes: Any) -> None:

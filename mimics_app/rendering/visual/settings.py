@@ -10,9 +10,9 @@ from mimics_app.world.materials.technique import Profile
 
 __all__ = ["BendBy", "Culling", "Occlusion", "QualityChanges", "RenderSettings", "Shading", "ShadowKind"]
 
-Shading = Literal["full", "plain"]
-"""Which techniques draw opaque surfaces: each material's own, or for all that can be the cheapest lit one, whose light
-is worked out per vertex in display values."""
+Shading = Literal["full", "matt", "plain"]
+"""Which techniques draw opaque surfaces: each material's own; or, of those that are lit, one further down its chain of
+fallbacks: without what they mirror and without lamps, or the cheapest, lit per vertex in display values."""
 
 
 BendBy = Literal["processor", "feedback"]

@@ -39,6 +39,13 @@ class VisualSettings(Component, frozen=True):
         Literal["auto", "processor", "feedback"],
         Meta(description="Who bends bodies that follow joints: the processor or a shader; auto: the planner"),
     ] = "auto"
+    shading: Annotated[
+        Literal["auto", "full", "matt", "plain"],
+        Meta(
+            description="How opaque surfaces are lit: full; matt: by sun and sky, without what they mirror; plain: "
+            "by its corners, without shadows; auto: the planner (mimics explain)"
+        ),
+    ] = "auto"
     exposure: Annotated[float, Meta(gt=0, le=64, description="Factor on all light before the tone map")] = 1.0
     tone_map: Annotated[
         Literal["neutral", "none"],
@@ -149,6 +156,9 @@ class Tolerances(Component, frozen=True):
     shadow_m: Annotated[_Limit | None, Meta(description="Of the place of a shadow's edge [m]")] = None
     pixel_share: Annotated[
         _Limit | None, Meta(description="Pixels that may differ by what is left out or coarser, of all of them")
+    ] = None
+    colour_levels: Annotated[
+        _Limit | None, Meta(description="By which simpler shading may differ, root mean square, of 255")
     ] = None
     effect_share: Annotated[
         _Limit | None, Meta(description="What may be missing of bloom or ambient occlusion, of all of it; 1: both")

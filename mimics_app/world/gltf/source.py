@@ -19,7 +19,7 @@ from mimics_app.world.scene.json_text import parse_json
 from mimics_app.world.scene.paths import PathFault, find_file
 from mimics_app.world.scene.source import read_bytes
 
-__all__ = ["MAX_ITEMS", "MAX_NOTES", "MAX_TOTAL_BYTES", "GltfError", "GltfSource", "open_gltf"]
+__all__ = ["MAX_ITEMS", "MAX_NOTES", "MAX_TOTAL_BYTES", "GltfError", "GltfSource", "open_gltf", "parse_gltf"]
 
 MAX_TOTAL_BYTES = 256 * 1024 * 1024
 """Most bytes one model may take in memory: buffers, decoded accessors, pictures, and the arrays of every primitive.
@@ -226,7 +226,21 @@ def open_gltf(path: Path, root: Path, file: str) -> GltfSource:
     Raises:
         GltfError: it cannot be read, is damaged, or is another version.
     """
-    data = read_bytes(path, file, MAX_TOTAL_BYTES)
+    return parse_gltf(read_bytes(path, file, MAX_TOTAL_BYTES), path, root, file)
+
+
+def parse_gltf(data: bytes, path: Path, root: Path, file: str) -> GltfSource:
+    """The same of a file's content.
+
+    Args:
+        data: What the file holds.
+        path: Where it is or would be.
+        root: Folder that every file it names must stay inside.
+        file: Name for messages.
+
+    Raises:
+        GltfError: it is damaged, or is another version.
+    """
     text, binary = _chunks(data, file) if data[:4] == _MAGIC else (data, None)
     document, issues = parse_json(text, file)
     if issues:  # values that no reader of this file could hold

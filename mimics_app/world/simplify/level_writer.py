@@ -21,7 +21,7 @@ from mimics_app.world.levels import MAX_LEVELS
 from mimics_app.world.scene.source import read_bytes
 from mimics_app.world.simplify.decimation import decimate
 
-__all__ = ["SHARES", "MeshLevels", "write_levels"]
+__all__ = ["SHARES", "MeshLevels", "add_levels", "write_levels"]
 
 SHARES = (0.5, 0.2, 0.06)
 """Of a mesh's triangles, level after level, unless others are asked for."""
@@ -70,14 +70,24 @@ def write_levels(file: Path, out: Path, shares: Sequence[float] = SHARES, pixels
         SceneError: the file cannot be read, or is wrong.
         ValueError: the shares do not fall from below 1 to above 0.
     """
+    data, levels = add_levels(open_gltf(file, file.resolve().parent, str(file)), shares, pixels)
+    out.parent.mkdir(parents=True, exist_ok=True)
+    out.write_bytes(data)
+    return levels
+
+
+def add_levels(source: GltfSource, shares: Sequence[float], pixels: float = 1.0) -> tuple[bytes, list[MeshLevels]]:
+    """An opened file as .glb with levels of detail, and the levels; see `write_levels`.
+
+    Raises:
+        SceneError: the file is wrong.
+        ValueError: the shares do not fall from below 1 to above 0.
+    """
     steps = itertools.pairwise([1.0, *shares, 0.0])
     if not 1 <= len(shares) < MAX_LEVELS or any(after >= before for before, after in steps):
         raise ValueError(f"{list(shares)} are not 1 to {MAX_LEVELS - 1} falling shares between 1 and 0")
-    source = open_gltf(file, file.resolve().parent, str(file))
     levels = _LevelWriter(source, shares, pixels).add_levels()
-    out.parent.mkdir(parents=True, exist_ok=True)
-    out.write_bytes(pack_glb(source.json, source.binary or b""))
-    return levels
+    return pack_glb(source.json, source.binary or b""), levels
 
 
 class _LevelWriter:

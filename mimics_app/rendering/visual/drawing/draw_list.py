@@ -87,6 +87,7 @@ class DrawList:
         self._updates = 0
         self._world: F8 = np.zeros((0, 4, 4))
         self._casters: dict[float, Casters] = {}
+        self._coarser: dict[float, tuple[Casters, Casters]] = {}
         self._bent: dict[str, int] = {}
         self.fates: NDArray[np.uint8] | None = None
 
@@ -126,6 +127,7 @@ class DrawList:
         moved = self._move(world, everything=stale)
         if stale or moved or not np.array_equal(before, self._shown):
             self._casters.clear()
+            self._coarser.clear()
         self._culler.moved(moved, self.centres, self.radii)
         self.fates = np.zeros(len(self.items.rows), np.uint8) if fates else None
         self.used[:] = False
@@ -172,6 +174,28 @@ class DrawList:
             held = casting[self.radii[casting] <= longest]
             known = self._casters[longest] = Casters(casting, self.centres[held], self.radii[held])
         return known
+
+    def coarser(self, casters: Casters, texel: float) -> Casters:
+        """The same bodies in the forms that do for a map whose texels are so wide [m].
+
+        Returns:
+            The same object for the same casters as in one of the last frames.
+        """
+        if not self._levels.any:
+            return casters
+        known = self._coarser.get(texel)
+        if known is None or known[0] is not casters:
+            known = self._coarser[texel] = casters, self._coarsen(casters, texel)
+        return known[1]
+
+    def _coarsen(self, casters: Casters, texel: float) -> Casters:
+        shown = self._levels.show_for_texels(self._shown, self.radii, texel)
+        drawn = np.zeros(len(self.items.rows), np.bool_)
+        drawn[casters.items] = True
+        families = np.unique(self.items.families[casters.items])
+        drawn |= np.isin(self.items.families, families[families >= 0])
+        items = np.flatnonzero(drawn & (shown > 0) & (self.items.casting > 0)).astype(np.int32)
+        return Casters(items, casters.centres, casters.radii)
 
     def batch_casters(self, frame: FrameBuffers, casters: Casters, origin: F8) -> list[DrawRun]:
         """Queue the shadow pass: instances relative to `origin` [m], grouped by state and mesh."""

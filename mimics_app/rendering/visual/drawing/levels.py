@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable
 
 import numpy as np
@@ -13,6 +14,9 @@ from mimics_app.rendering.visual.view import View
 from mimics_app.world.world import World
 
 __all__ = ["Levels"]
+
+_PICTURE = (1920, 1080)
+"""In which the coverages of levels are told [px]."""
 
 F8 = NDArray[np.float64]
 I4 = NDArray[np.int32]
@@ -60,6 +64,21 @@ class Levels:
         eye = np.ascontiguousarray(view.eye_world)
         window = view.window / detail**2
         choose_levels(self._leads, centres, radii, self._counts, self._coverages, eye, window, chosen)
+        show_levels(shown, self._items.levels, self._items.families, chosen, self._shown)
+        return self._shown
+
+    def show_for_texels(self, shown: U1, radii: F8, texel: float) -> U1:
+        """What may be drawn into a map whose texels are so wide [m]: each body as coarse as a texel does not show.
+
+        Good until the next call. A body's coverages say from where a level is wrong by no more than a pixel or so of a
+        picture of `_PICTURE`; the same body covers as much of such a picture whose pixels are as wide as the texels.
+        """
+        if not self.any:
+            return shown
+        radius = np.where(self._leads >= 0, radii[self._leads], 0.0)
+        covered = math.pi * (radius / texel) ** 2 / (_PICTURE[0] * _PICTURE[1])
+        coarser = (covered[:, None] < self._coverages).sum(axis=1)
+        chosen = np.minimum(coarser, self._counts - 1).astype(np.int32)
         show_levels(shown, self._items.levels, self._items.families, chosen, self._shown)
         return self._shown
 

@@ -45,6 +45,12 @@ _FIGURES = ("normal", "surface", "occlusion")
 """Maps whose texels are no colours."""
 
 _PLAIN = "plain"
+_SIMPLER: Mapping[Shading, str] = {"matt": "lit_matt", "plain": _PLAIN}
+"""Technique that draws what may be drawn by it, by shading."""
+
+_KEPT = ("glass", "mirror")
+"""Techniques that are what their material is there for."""
+
 _MATT = 0.95
 """Roughness from which a dielectric's mirroring is left out: it is spread out to about 2 % of what shines on it."""
 _FALLBACK = Material("")
@@ -137,12 +143,9 @@ class MaterialStore:
 
     def _make(self, name: str, material: Material, pictures: _Pictures, coloured: bool) -> Look:
         self._tell_of_textures(material, pictures)
-        if self._variant.shading == "plain" and _can_be_plain(material, self._chain(material)):
-            return self._make_plain(name, material, pictures, coloured, self._techniques[_PLAIN])
+        wanted = self._wanted(material)
         while True:
-            choice = choose_technique(
-                material.technique, self._techniques, self._has, self._variant.profile, self._broken
-            )
+            choice = choose_technique(wanted, self._techniques, self._has, self._variant.profile, self._broken)
             if choice.fault:
                 self._tell(f'material "{name}": {choice.why}')
             try:
@@ -200,6 +203,13 @@ class MaterialStore:
         shadow_state = "solid" if material.alpha_mode == "opaque" else (name, coloured)
         paint = (red, green, blue, number)
         return Look(material, (drawn,), shadow_shader, block, textures, state, shadow_state, paint)  # type: ignore[arg-type]
+
+    def _wanted(self, material: Material) -> str:
+        """The technique asked for: the material's own, or a simpler one of its chain that shows what matters of it."""
+        chain, simpler = self._chain(material), _SIMPLER.get(self._variant.shading)
+        if simpler is None or simpler not in chain or chain[0] in _KEPT or not _shown_by(simpler, material):
+            return material.technique
+        return simpler
 
     def _chain(self, material: Material) -> list[str]:
         return technique_chain(material.technique, self._techniques) or ["lit", _PLAIN]
@@ -269,8 +279,9 @@ def _same(was: tuple[Material, _Pictures], now: tuple[Material, _Pictures] | Non
     return all(picture is now[1][which] for which, picture in was[1].items())
 
 
-def _can_be_plain(material: Material, chain: list[str]) -> bool:
-    """True for an opaque surface that the plain technique shows whole: no holes, lines or light of its own."""
-    opaque = material.alpha_mode == "opaque" and _PLAIN in chain and chain[0] not in ("glass", "mirror")
-    still = material.uv_transforms[0] == IDENTITY
-    return opaque and still and material.grid == 0.0 and not any(material.emission)
+def _shown_by(simpler: str, material: Material) -> bool:
+    """True for a surface of which a simpler technique leaves out no holes, lines or light of its own."""
+    if simpler == _PLAIN:
+        whole = material.alpha_mode == "opaque" and material.uv_transforms[0] == IDENTITY
+        return whole and material.grid == 0.0 and not any(material.emission)
+    return material.grid == 0.0 and "emission" not in material.textures

@@ -8,6 +8,7 @@ from statistics import median
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.frame_budget import BUDGET_MS, FRAME_MS
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, HUD_ROW, Colour, Hud
 from mimics_app.rendering.visual.figures.palette import FAINT, INK
 from mimics_app.rendering.visual.overlay.stage_times import FrameTimes
@@ -19,6 +20,7 @@ _MARGIN, _BELOW = 18.0, 98.0
 """From the right edge, and from the upper one: below the figures of a task."""
 _FRAMES = 240
 _PANEL: Colour = (0.05, 0.06, 0.08, 0.80)
+_OVER: Colour = (0.98, 0.45, 0.36, 1.0)
 _GPU: Colour = (1.0, 1.0, 1.0, 0.95)
 _COLOURS: tuple[Colour, ...] = (
     (0.36, 0.62, 0.96, 1.0),
@@ -29,7 +31,6 @@ _COLOURS: tuple[Colour, ...] = (
     (0.50, 0.85, 0.90, 1.0),
     (0.70, 0.70, 0.74, 1.0),
 )
-_BUDGET_MS = 1000.0 / 60.0
 _SCALES_MS = (20.0, 40.0, 80.0, 160.0, 400.0, 2000.0)
 _SUMMED = 30
 """Newest frames the figures are the median of."""
@@ -49,7 +50,7 @@ def draw_frame_graph(hud: Hud, frames: Sequence[FrameTimes]) -> None:
     longest = max(sum(frame.cpu_ms.values()) for frame in known)
     full = next((scale for scale in _SCALES_MS if longest <= scale), _SCALES_MS[-1])
     hud.extend(_bars(known, stages, x + 14.0, bottom, _HEIGHT / full))
-    budget = bottom + _BUDGET_MS * _HEIGHT / full
+    budget = bottom + FRAME_MS * _HEIGHT / full
     hud.box(x + 14.0, budget, _WIDTH, 1.0, FAINT)
     hud.text(x + 14.0 + _WIDTH, budget + 3.0, "60 Hz", 11.0, FAINT, align="right")
     _write_stages(hud, known, stages, x + 14.0, bottom - 22.0)
@@ -97,5 +98,7 @@ def _write_stages(hud: Hud, frames: Sequence[FrameTimes], stages: Sequence[str],
         hud.text(x + 18.0, line, name, 14.0, INK)
         cpu = median(frame.cpu_ms.get(name, 0.0) for frame in newest)
         gpu = [frame.gpu_ms[name] for frame in newest if name in frame.gpu_ms]
-        hud.text(x + 260.0, line, f"{cpu:.2f} ms", 14.0, INK, align="right")
-        hud.text(x + 380.0, line, f"driver {median(gpu):.2f}" if gpu else "", 14.0, FAINT, align="right")
+        may = BUDGET_MS.get(name, FRAME_MS)
+        hud.text(x + 230.0, line, f"{cpu:.2f} ms", 14.0, _OVER if cpu > may else INK, align="right")
+        hud.text(x + 300.0, line, f"of {may:.1f}", 14.0, FAINT, align="right")
+        hud.text(x + 420.0, line, f"driver {median(gpu):.2f}" if gpu else "", 14.0, FAINT, align="right")

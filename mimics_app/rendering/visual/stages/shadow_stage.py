@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -91,6 +91,7 @@ class ShadowStage:
             casters = listed.casters(settings.shadow_reach)
             frustum = fit_shadow_frustum(lighting.sun_direction, casters.centres, casters.radii, tile)
             sun = [whole_map(frustum, casters)] if frustum is not None else []
+        sun = [replace(each, casters=listed.coarser(each.casters, each.texel)) for each in sun]
         every = listed.casters(math.inf) if spots else None
         cones = {number: fit_spot(lighting.places[number], every, tile) for number in spots if every is not None}
         self.plan = lay_out(sun, cones)

@@ -1,0 +1,37 @@
+"""What each stage of a frame may cost at 60 frames a second: what the frame graph draws and the bench compares with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+__all__ = ["BUDGET_MS", "FRAME_MS", "over_budget"]
+
+FRAME_MS = 1000.0 / 60.0
+"""Of a whole frame [ms]."""
+
+BUDGET_MS: Mapping[str, float] = {
+    "reload": 0.1,
+    "inputs": 0.2,
+    "signals": 0.2,
+    "watch": 0.2,
+    "tasks": 0.5,
+    "scenario": 0.4,
+    "world update": 0.4,
+    "sound": 0.4,
+    "record": 0.2,
+    "board": 0.3,
+    "cull": 1.0,
+    "shadows": 2.0,
+    "mirrors": 1.0,
+    "submit": 8.0,
+    "overlay": 0.5,
+    "post": 0.7,
+    "swap": 0.5,
+}
+"""By stage, in the order they run [ms]; together they leave a frame some air. `submit` is the world in every view."""
+
+
+def over_budget(stages_ms: Mapping[str, float]) -> list[str]:
+    """Stages that took longer than they may [ms], the worst first."""
+    over = {name: ms / BUDGET_MS[name] for name, ms in stages_ms.items() if ms > BUDGET_MS.get(name, float("inf"))}
+    return sorted(over, key=lambda name: -over[name])
