@@ -12,6 +12,8 @@ from mimics_app.world.scene_node import SceneNode
 from mimics_app.world.world import World
 
 if TYPE_CHECKING:
+    from mimics_app.world.motion.animator import Animator
+    from mimics_app.world.motion.gait import Pace
     from mimics_app.world.motion.machine import StateMachine
     from mimics_app.world.motion.pose import Pose
 
@@ -32,9 +34,9 @@ _CLEAR = 0.5
 _NEAR, _BESIDE = 1.5, 0.7
 """Distance along the alley at which passing begins, and up to which it lasts [m]."""
 _STARTS, _STOPS = 0.12, 0.05
-"""Speeds at which feet begin to walk and at which they stand [m/s]."""
-_MID_STANCE = {"walk": 0.25, "step_back": 0.63}
-"""Share of a gait's clip at which one foot passes the other: so somebody who stands sets out."""
+"""Speeds at which somebody is on the way and at which they have arrived [m/s]."""
+_CRAWL = 0.02
+"""Below this speed somebody stands [m/s]."""
 _UNSEEN = 1e-3
 """Scale of a head that is not to be seen: a fifth of a millimetre."""
 _FADE = 0.25
@@ -42,9 +44,7 @@ _FADE = 0.25
 
 
 class AlleyFigure:
-    """A node in an alley along -z, with a model that has the states "still", "walk" and "step_back".
-
-    The speed that the states "walk" and "step_back" give is what their clips need at 1 m/s: feet do not slide.
+    """A node in an alley along -z, with a model that has the state "still" and legs that walk where the node goes.
 
     Args:
         world: Of the node.
@@ -60,15 +60,15 @@ class AlleyFigure:
         self._node, self._ahead = node, ahead
         self._machine = _machine_below(world, node)
         self._height = float(node.position[1])
+        self._doing, self._walks = "", False
+        self._yaw: float | None = None
         self.along, self.aside = -float(node.position[2]), 0.0
         self._speed, self._side_speed = 0.0, 0.0
-        self._yaw: float | None = None
-        self._doing = ""
+        self._walk_with(node)
 
     def hide_head(self) -> None:
         """Draw the model without its head, for whoever looks out of it: it is made too small to be seen."""
-        world, found = self._node.world, (self._node, *self._node.children)
-        animator = next((world.motion.animators[n.index] for n in found if n.index in world.motion.animators), None)
+        animator = _animator_below(self._node)
         if animator is None or "head" not in animator.rig.names:
             return
         head = animator.rig.slot("head")
@@ -112,23 +112,46 @@ class AlleyFigure:
             self._turn(self._towards(other) if facing is None else self._direction(0.0, facing), seconds)
 
     def show(self, gesture: str) -> None:
-        """Walk while on the way; else the state called `gesture` where the model has it, or stand still."""
+        """Be in the state called `gesture` where the model has it, once arrived; on the way, still above the legs."""
         machine = self._machine
         if machine is None:
             return
         speed = math.hypot(self._speed, self._side_speed)
-        walks = speed > (_STOPS if self._doing in ("walk", "step_back") else _STARTS)
-        doing = self._gait() if walks else gesture
+        self._walks = speed > (_STOPS if self._walks else _STARTS)
+        doing = "still" if self._walks else gesture
         if doing != self._doing and doing in machine.names:
-            machine.enter(doing, _FADE, _MID_STANCE.get(doing, 0.0))
+            machine.enter(doing, _FADE)
         self._doing = doing
-        if walks and machine.state == doing:
-            machine.pace(speed)
 
-    def _gait(self) -> str:
-        """By whether the way leads ahead."""
+    def _walk_with(self, node: SceneNode) -> None:
+        """Have the legs of the model below a node walk with it."""
+        animator = _animator_below(node)
+        if animator is None:
+            return
+        from mimics_app.world.motion.gait import Walk
+        from mimics_app.world.motion.humanoid import find_humanoid
+
+        bones = find_humanoid(animator.rig)
+        if not bones.missing:
+            walk = Walk(
+                animator.rig,
+                bones,
+                self._pace,
+                ground=lambda: (self.aside, -self.along, self._yaw or 0.0),
+                events=lambda event: animator.events.append(event),
+            )
+            animator.steps.insert(0, walk)  # the head turns to somebody after the trunk has
+
+    def _pace(self) -> Pace:
+        """How the legs go: at the speed over the ground, backwards where the way does not lead ahead."""
+        from mimics_app.world.motion.gait import Pace, natural_step
+
         yaw = self._yaw or 0.0
-        return "walk" if self._side_speed * math.sin(yaw) - self._speed * math.cos(yaw) >= 0.0 else "step_back"
+        speed = math.hypot(self._speed, self._side_speed)
+        if speed < _CRAWL:
+            return Pace(0.0, 0.0)
+        ahead = self._side_speed * math.sin(yaw) - self._speed * math.cos(yaw)
+        return Pace(math.copysign(speed, ahead), natural_step(speed))
 
     def _towards(self, other: AlleyFigure) -> float:
         return self._direction(other.aside, other.along)
@@ -152,6 +175,12 @@ def _eased(speed: float, left: float, seconds: float) -> float:
     wanted = min(max(_EAGER * left, -_FASTEST), _FASTEST)
     change = _PUSH * seconds
     return speed + min(max(wanted - speed, -change), change)
+
+
+def _animator_below(node: SceneNode) -> Animator | None:
+    """What moves the model that stands on a node or on a child of it."""
+    animators = node.world.motion.animators
+    return next((animators[each.index] for each in (node, *node.children) if each.index in animators), None)
 
 
 def _machine_below(world: World, node: SceneNode) -> StateMachine | None:

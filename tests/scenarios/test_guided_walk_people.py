@@ -38,7 +38,7 @@ class Does:
 
 
 @pytest.mark.parametrize(
-    ("deed", "shown", "step_heard"), [(4, "beckon", False), (5, "point", False), (0, "walk", True)]
+    ("deed", "shown", "step_heard"), [(4, "beckon", False), (5, "point", False), (0, "still", True)]
 )
 def test_the_avatar_does_what_the_task_says(deed: int, shown: str, step_heard: bool) -> None:
     parts = prepare_scene(load_checked_scene(WALK), RunSettings(WALK))
@@ -54,7 +54,7 @@ def test_the_avatar_does_what_the_task_says(deed: int, shown: str, step_heard: b
                     assert event.kind == "step"
                     steps.append(float(world.find(f"avatar/{event.node}").world_matrix()[1, 3]))
     assert {"still", "greet", shown} <= seen
-    assert {"beckon", "point", "walk"} & seen == {shown}
+    assert {"beckon", "point"} & seen == {shown} - {"still"}
     assert bool(steps) is step_heard
     # The ankle of a foot that comes down is as far above the ground as that of a foot that stands, a heel's tilt apart.
     assert all(0.04 < height < 0.16 for height in steps)
@@ -73,7 +73,7 @@ def test_success_is_cheered_and_then_greeted() -> None:
 
 
 def test_feet_do_not_slide() -> None:
-    """While the avatar walks, one of its feet stands: of heels and toes the stillest goes little of its way."""
+    """While the avatar sets out, walks and stops, one of heels and toes keeps its place to a hundredth of the way."""
     world, avatar, person = alley()
     avatar.put(-2.5)
     person.put(4.0)
@@ -88,7 +88,8 @@ def test_feet_do_not_slide() -> None:
     moved = np.linalg.norm(np.diff(np.array(places), axis=0), axis=2)
     way = avatar.along + 2.5
     assert way > 3.0
-    assert moved.min(axis=1).sum() < 0.4 * way  # of a figure that glides it is all; the clip itself has a third
+    # Of a figure that glides it is all. Ankle and joint of the toes are above the sole, and roll over it.
+    assert moved.min(axis=1).sum() < 0.06 * way
 
 
 def test_the_avatar_walks_round_the_person_and_turns_to_them() -> None:
@@ -112,14 +113,16 @@ def test_who_is_too_near_steps_back_and_keeps_looking() -> None:
     avatar.put(1.0)
     person.put(0.0)
     avatar.face(person)
-    machine, shown = world.motion.machines[world.find("avatar").index], set()
-    for _ in range(60 * 2):
+    feet = [world.find(f"avatar/{side}Foot") for side in ("left", "right")]
+    heights = []
+    for _ in range(60 * 3):
         avatar.go(1.6, person, FRAME)
         avatar.show("still")
-        shown.add(machine.state)
-    assert shown == {"still", "step_back"}
-    assert machine.state == "still"
+        play(world)
+        heights.append([foot.world_matrix()[1, 3] for foot in feet])
+    assert (np.array(heights).max(axis=0) > 0.09).all()  # both were lifted
     assert world.find("avatar").world_matrix()[2, 2] == pytest.approx(1.0)
+    assert all(abs(foot.world_matrix()[2, 3] + 1.6) < 0.1 for foot in feet)  # and are under the avatar again
 
 
 def alley() -> tuple[World, AlleyFigure, AlleyFigure]:

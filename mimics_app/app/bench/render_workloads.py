@@ -2,7 +2,8 @@
 
 city: walking down a street, 1.4 m a frame. nodes: cubes under groups, every one of which moves every frame. crowd:
 people who walk on the spot, each at its own phase. walk: the product's own city as its scene shows it, with shadows,
-sky and all materials, at the pace of a person.
+sky and all materials, at the pace of a person. people: the same with a hundred people on its sidewalks; people_full:
+without levels of detail and steps of time by distance.
 """
 
 from __future__ import annotations
@@ -40,10 +41,10 @@ AMBIENT, DIFFUSE = 0.4, 0.8
 _BACKGROUND = (0.5, 0.6, 0.7)
 """Display values."""
 
-WORKLOADS = ("city", "nodes", "crowd", "walk")
+WORKLOADS = ("city", "nodes", "crowd", "walk", "people", "people_full")
 _FILES = {"city": "city.glb", "nodes": "cube.glb", "crowd": "character.glb"}
 _DEFAULT_NODES = 10_000
-_DEFAULT_PEOPLE = 20
+_DEFAULT_PEOPLE, _ON_SIDEWALKS = 20, 100
 
 
 class Workload(ABC):
@@ -259,6 +260,10 @@ def open_workload(name: str, folder: Path | None, count: int) -> Workload:
     """
     if name == "walk":
         return Walk()
+    if name in ("people", "people_full"):
+        from mimics_app.app.bench.people_workload import People
+
+        return People(count or _ON_SIDEWALKS, name == "people_full")
     if folder is None:
         raise UsageError("the folder of the workloads is not known", "name it by --data or RENDER_DATA")
     file = folder / _FILES[name]

@@ -19,7 +19,7 @@ _KINDS = ("product", "rival_python_thread", "unprivileged")
 _ALL_SECONDS, _FRAME_SECONDS = 10.0, 6.0
 """Longest that a measurement takes where all are made [s]."""
 
-WORKLOADS = ("city", "nodes", "crowd", "walk")
+WORKLOADS = ("city", "nodes", "crowd", "walk", "people", "people_full")
 
 _rounds = whole_number("number of rounds", range(1, 1001))
 _frames = whole_number("number of frames", range(1, 1001))
@@ -52,7 +52,7 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
         "names",
         nargs="*",
         metavar="NAME",
-        help="of render: city, nodes, crowd or walk; of frame: scenes (default: all)",
+        help="of render: city, nodes, crowd, walk, people or people_full; of frame: scenes (default: all)",
     )
     parser.add_argument(
         "--data",

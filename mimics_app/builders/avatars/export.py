@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from mimics_app.builders.avatars.detail import LEVELS, coarser, coverages
 from mimics_app.builders.avatars.fields import F8
 from mimics_app.builders.avatars.motions import Motion
 from mimics_app.builders.avatars.piece import Piece
@@ -17,7 +18,7 @@ from mimics_app.world.gltf.writer import GltfWriter
 __all__ = ["FigureWriter", "Paint"]
 
 _ARRAY_BUFFER, _ELEMENT_BUFFER = 34962, 34963
-_FULL = 65535
+_FULL, _SIGNED = 65535, 32767
 _STILL = 1e-4
 """Least change of a channel that is kept [rad, m, share]."""
 _LEAST_STEP = 2e-5
@@ -66,8 +67,22 @@ class FigureWriter(GltfWriter):
         self._known: dict[bytes, int] = {}
 
     def add_skinned(self, name: str, pieces: Sequence[Piece], paints: Mapping[str, Paint]) -> None:
-        """Add a node with parts on the skeleton; all of them get every morph that one of them has."""
+        """Add a node with parts on the skeleton and its coarser forms; all get every morph that one of them has."""
         morphs = list({morph: None for piece in pieces for morph in piece.moves})
+        node = self.add_node(name, parent=self._root, mesh=self._add_mesh(name, pieces, paints, morphs))
+        self._tables["nodes"][node]["skin"] = self._skin
+        if morphs:
+            self._morphed[name] = (node, morphs)
+        meshes, errors = [], []
+        for number, level in enumerate(LEVELS):
+            made = [coarser(piece, level) for piece in pieces]
+            meshes.append(self._add_mesh(f"{name}_{number + 1}", [piece for piece, _ in made], paints, morphs))
+            errors.append(max([*errors, *(error for _, error in made)]))
+        self.add_detail_levels(node, meshes, coverages(pieces, errors))
+        for coarse in self._tables["nodes"][-len(meshes) :]:
+            coarse["skin"] = self._skin
+
+    def _add_mesh(self, name: str, pieces: Sequence[Piece], paints: Mapping[str, Paint], morphs: Sequence[str]) -> int:
         primitives = []
         for piece in pieces:
             primitive: dict[str, Any] = {
@@ -82,11 +97,8 @@ class FigureWriter(GltfWriter):
             primitives.append(primitive)
         mesh: dict[str, Any] = {"name": name, "primitives": primitives}
         if morphs:
-            mesh |= {"weights": [0.0] * len(morphs), "extras": {"targetNames": morphs}}
-        node = self.add_node(name, parent=self._root, mesh=self._add("meshes", mesh))
-        self._tables["nodes"][node]["skin"] = self._skin
-        if morphs:
-            self._morphed[name] = (node, morphs)
+            mesh |= {"weights": [0.0] * len(morphs), "extras": {"targetNames": list(morphs)}}
+        return self._add("meshes", mesh)
 
     def add_motion(self, name: str, motion: Motion) -> None:
         """Add a motion as an animation; joints that keep still through it are given once."""
@@ -101,7 +113,7 @@ class FigureWriter(GltfWriter):
         def add(node: int, path: str, values: F8) -> None:
             moving = float(np.ptp(values, axis=0).max()) > _STILL
             kept = values if moving else values[:1]
-            output = self._keys(kept)
+            output = self._turns(kept) if path == "rotation" else self._keys(kept)
             samplers.append({"input": long if moving else brief, "output": output, "interpolation": "LINEAR"})
             channels.append({"sampler": len(samplers) - 1, "target": {"node": node, "path": path}})
 
@@ -130,6 +142,14 @@ class FigureWriter(GltfWriter):
     def _times(self, times: F8) -> int:
         return self._keys(times.reshape(-1, 1), bounds=True)
 
+    def _turns(self, turns: F8) -> int:
+        """An accessor of quaternions in 16 bits: steps of 3e-5; equal ones are kept once."""
+        stored = np.round(turns * _SIGNED).astype("<i2")
+        name = stored.tobytes() + b"turns"
+        if name not in self._known:
+            self._known[name] = self._array(stored, 0, normalized=True)
+        return self._known[name]
+
     def _keys(self, values: F8, *, bounds: bool = False) -> int:
         """An accessor of keys; equal ones are kept once."""
         stored = values.astype(np.float32)
@@ -145,16 +165,22 @@ class FigureWriter(GltfWriter):
         return {
             "POSITION": self._array(piece.places.astype(np.float32), _ARRAY_BUFFER, bounds=True),
             "NORMAL": self._array(piece.normals.astype(np.float32), _ARRAY_BUFFER),
-            "TEXCOORD_0": self._array(piece.uvs.astype(np.float32), _ARRAY_BUFFER),
+            "TEXCOORD_0": self._uvs(piece.uvs),
             "COLOR_0": self._array(np.round(255.0 * shades).astype(np.uint8), _ARRAY_BUFFER, normalized=True),
             "JOINTS_0": self._array(joints, _ARRAY_BUFFER),
             "WEIGHTS_0": self._array(shares, _ARRAY_BUFFER, normalized=True),
         }
 
+    def _uvs(self, uvs: F8) -> int:
+        """Coordinates on a picture: in 16 bits, a 32nd of a pixel of 2048, where they do not go beyond it."""
+        if uvs.min() < 0.0 or uvs.max() > 1.0:
+            return self._array(uvs.astype(np.float32), _ARRAY_BUFFER)
+        return self._array(np.round(uvs * _FULL).astype("<u2"), _ARRAY_BUFFER, normalized=True)
+
     def _steps(self, steps: F8 | None, count: int) -> int:
         """Steps of a morph as a sparse accessor: most corners keep still."""
         moves = np.zeros((count, 3)) if steps is None else steps
-        moved = np.flatnonzero(np.abs(moves).max(axis=1) > _LEAST_STEP)
+        moved = np.flatnonzero(np.abs(moves).max(axis=1, initial=0.0) > _LEAST_STEP)
         if not len(moved):
             moved = np.array([0])
         values = np.where(np.isin(np.arange(count), moved)[:, None], moves, 0.0).astype(np.float32)

@@ -20,7 +20,16 @@ if TYPE_CHECKING:
     from mimics_app.world.gltf.file import GltfDocument
     from mimics_app.world.scene.scene import Scene
 
-__all__ = ["Animation", "AnimationLayer", "AnimationState", "AnimationTransition", "Avatar", "MotionCause", "Reach"]
+__all__ = [
+    "Animation",
+    "AnimationLayer",
+    "AnimationState",
+    "AnimationTransition",
+    "Avatar",
+    "MotionCause",
+    "Reach",
+    "model_of",
+]
 
 MotionCause = Literal[
     "approach", "ready", "start", "goal", "timeout", "aborted", "rest", "done", "contact", "contact_end", "impact"
@@ -115,7 +124,7 @@ class Avatar(Component, frozen=True):
     breathe: Annotated[bool, Meta(description="By the morph target of that name, a quarter of a hertz")] = True
 
 
-def _model_of(pointer: str, scene: Scene) -> GltfDocument | None:
+def model_of(pointer: str, scene: Scene) -> GltfDocument | None:
     """The model that the same entity shows; None where it is wrong or missing, which is told elsewhere."""
     entity = next((each for each in scene.entities if pointer.startswith(f"{each.pointer}/")), None)
     mesh = None if entity is None else entity.components.get("mesh")
@@ -128,7 +137,7 @@ def _model_of(pointer: str, scene: Scene) -> GltfDocument | None:
 
 
 def _check_animation(animation: Animation, pointer: str, scene: Scene) -> list[Issue]:
-    model = _model_of(pointer, scene)
+    model = model_of(pointer, scene)
     if model is None:
         return [
             scene.issue(pointer, "the entity shows no model whose clips could play", 'give it a "mesh" with a "source"')
@@ -176,7 +185,7 @@ def _check_states(animation: Animation, pointer: str, scene: Scene) -> list[Issu
 
 def _check_avatar(avatar: Avatar, pointer: str, scene: Scene) -> list[Issue]:
     issues: list[Issue] = []
-    if _model_of(pointer, scene) is None:
+    if model_of(pointer, scene) is None:
         issues.append(scene.issue(pointer, "the entity shows no model", 'give it a "mesh" with a "source"'))
     if avatar.look_at not in (None, "camera"):
         issues += scene.check_entity(f"{pointer}/look_at", str(avatar.look_at))

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 __all__ = ["GltfWriter", "MeshPart", "WrittenPart", "pack_glb"]
 
 _ARRAY_BUFFER, _ELEMENT_BUFFER = 34962, 34963
-_CODES = {"|u1": 5121, "<u2": 5123, "<u4": 5125, "<f4": 5126}
+_CODES = {"|u1": 5121, "<i2": 5122, "<u2": 5123, "<u4": 5125, "<f4": 5126}
 _JSON_CHUNK, _BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 _PLACE = ("translation", "rotation", "scale")
 _SHAPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}

@@ -11,6 +11,7 @@ from mimics_app.maths.cord import Ripples
 from mimics_app.world.components.animation import Animation, Avatar
 from mimics_app.world.components.cord import CordComponent
 from mimics_app.world.components.effects import Billboard, Particles, Projector
+from mimics_app.world.components.encourager import Encourager
 from mimics_app.world.components.pictures import Inset, Mirror, Screen
 from mimics_app.world.components.shapes import Shape
 from mimics_app.world.components.visible import CameraComponent, Environment, LightComponent, MeshComponent
@@ -64,7 +65,7 @@ def build(scene: Scene) -> World:
 
 def set_in_motion(world: World, scene: Scene, entity: SceneEntity) -> None:
     """Have the model of an entity do what its components say; nothing is loaded for one that says nothing."""
-    if any(isinstance(component, Animation | Avatar) for component in entity.components.values()):
+    if any(isinstance(component, Animation | Avatar | Encourager) for component in entity.components.values()):
         from mimics_app.world.scene.moving import set_moving
 
         set_moving(world, scene, entity)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import SceneError
 from mimics_app.world.components.animation import Animation, Avatar, Reach
+from mimics_app.world.components.encourager import Encourager
 from mimics_app.world.scene.scene import Scene, SceneEntity
 from mimics_app.world.scene_node import SceneNode
 from mimics_app.world.world import World
@@ -23,6 +24,8 @@ __all__ = ["set_moving"]
 
 F8 = NDArray[np.float64]
 
+_MOVING = (Animation, Avatar, Encourager)
+
 
 def set_moving(world: World, scene: Scene, entity: SceneEntity) -> None:
     """Have the model of an entity do what its components say, in place of what it did before.
@@ -32,15 +35,20 @@ def set_moving(world: World, scene: Scene, entity: SceneEntity) -> None:
     """
     node = world.find(entity.id)
     animator = world.motion.animators.get(node.index)
-    asked = [each for each in entity.components.values() if isinstance(each, Animation | Avatar)]
+    asked = [each for each in entity.components.values() if isinstance(each, _MOVING)]
     if animator is None or not asked:
         return
-    scene.read.update(name for name, each in entity.components.items() if isinstance(each, Animation | Avatar))
+    scene.read.update(name for name, each in entity.components.items() if isinstance(each, _MOVING))
     animator.reset()
-    animator.moves = True
+    hidden = any(isinstance(each, Encourager) and not each.shown for each in asked)
+    animator.moves, node.visible = not hidden, node.visible and not hidden
+    if hidden:
+        return
     for component in asked:
         if isinstance(component, Animation):
             _animate(world, node, animator, component)
+        elif isinstance(component, Encourager):
+            _encourage(world, node, animator, component)
     for component in asked:
         if isinstance(component, Avatar):
             _enliven(world, scene, entity, animator, component)
@@ -75,6 +83,13 @@ def _animate(world: World, node: SceneNode, animator: Animator, wanted: Animatio
     if wanted.root_motion is not None:
         slot = animator.rig.slot(wanted.root_motion)
         animator.steps.append(RootMotion(animator, slot, world.transforms, node.index))
+
+
+def _encourage(world: World, node: SceneNode, animator: Animator, wanted: Encourager) -> None:
+    from mimics_app.world.motion.encouraging import EncouragingMachine
+
+    clips = {"greet": wanted.greet, "cheer": wanted.cheer, "console": wanted.console, "farewell": wanted.farewell}
+    world.motion.machines[node.index] = EncouragingMachine(animator, idle=wanted.idle, praise=wanted.praise, **clips)
 
 
 def _enliven(world: World, scene: Scene, entity: SceneEntity, animator: Animator, wanted: Avatar) -> None:

@@ -40,6 +40,8 @@ class Levels:
         finest = np.flatnonzero((items.levels == 0) & (items.families >= 0))[::-1]
         self._leads[items.families[finest]] = finest
         self._chosen: dict[Hashable, I4] = {}
+        bends = np.array([name in world.motion.body_of for name in items.mesh_names], np.bool_)[items.meshes]
+        self._bends = np.isin(np.arange(len(self._counts)), items.families[bends])
         self._shown = np.zeros(len(items.rows), np.uint8)
 
     @property
@@ -83,9 +85,15 @@ class Levels:
         return self._shown
 
     def show_finest(self, shown: U1) -> U1:
-        """What may be drawn where no view counts, as in a shadow map: each body's finest level."""
+        """What may be drawn where no view counts, as in a shadow map: each body's finest level.
+
+        Of what bends it is the finest that a view showed last: another one would have to be bent for its shadow alone.
+        """
         if not self.any:
             return shown
         finest = np.zeros(len(self._counts), np.int32)
+        if self._chosen and self._bends.any():
+            seen = np.minimum.reduce([np.where(each < 0, 0, each) for each in self._chosen.values()])
+            finest[self._bends] = np.minimum(seen, self._counts - 1)[self._bends]
         show_levels(shown, self._items.levels, self._items.families, finest, self._shown)
         return self._shown

@@ -9,86 +9,150 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["foot_path"]
+__all__ = ["place_feet"]
 
 F8 = NDArray[np.float64]
 
-_FLAT_FROM, _ROLLS_FROM = 0.2, 0.55
-"""Shares of the stance at which the sole is down flat, and at which the heel leaves the ground."""
-
-_ROLLS_TIME = 0.45
-"""Share of the stance in which it rolls off over the ball."""
-
 _CLEARANCE = 0.004
-"""Of toe and heel over the ground in the middle of the swing, at least [m]."""
+"""Of the sole over the ground in the middle of a swing, at least [m]."""
 
-_PATH = 5
-"""Numbers of a foot's path, see `foot_path`."""
+_TOES_UP = 0.44
+"""How far toes are bent up in the middle of a swing, so that they clear the ground [rad]: 25 degrees."""
+_HANDOVER = 0.6
+"""Share of the time in which both feet stand after which the one that came down carries all."""
 
 
 @kernel
 def _ease(x: float) -> float:
     """From 0 to 1 without a kink at either end."""
+    x = min(max(x, 0.0), 1.0)
     return x * x * x * (10.0 + x * (6.0 * x - 15.0))
 
 
 @kernel
-def foot_path(phase: float, stance: float, stride: float, shape: F8, out: F8) -> None:
-    """Where the ankle of a foot is, how the foot is pitched, and which point of the sole stands, relative to the body.
+def _at(table: F8, phase: float, column: int) -> float:
+    """A column of a cycle's table at a phase: a cubic through its samples."""
+    count = table.shape[0]
+    place = phase * count
+    k = int(place)
+    x = place - k
+    a, b = table[(k - 1) % count, column], table[k % count, column]
+    c, d = table[(k + 1) % count, column], table[(k + 2) % count, column]
+    return b + 0.5 * x * (c - a + x * (2.0 * a - 5.0 * b + 4.0 * c - d + x * (3.0 * (b - c) + d - a)))
 
-    The sole touches with the heel, rolls down flat, and rolls off over the ball. The point that stands moves backwards
-    by the stride in a cycle, whatever the foot does about it; the ankle follows from it and the pitch.
 
-    Args:
-        phase: Of the foot, 0: its heel touches; 0 to 1.
-        stance: Share of the cycle in which it stands.
-        stride: Way of the body in a cycle [m].
-        shape: Ankle above the sole [m], heel behind the ankle [m], ball before it [m], height of the swing [m],
-            greatest pitch of the heel's touch and of the push-off [rad]; [6].
-        out: Ankle ahead of the hip [m], ankle above the ground [m], pitch of the foot (toes up) [rad], point of
-            contact ahead of the hip [m], 1 while it stands; written, [5].
-    """
-    ankle, heel, ball = shape[0], -shape[1], shape[2]
-    reach = 0.5 * stance * stride
-    if phase < stance:
-        x = phase / stance
-        # Where the ankle of a flat foot would stand: it goes back at an even pace.
-        base = reach - stride * phase
-        pitch, pivot = 0.0, 0.0
-        if x < _FLAT_FROM:
-            pitch, pivot = shape[4] * (1.0 - _ease(x / _FLAT_FROM)), heel
-        elif x > _ROLLS_FROM:
-            pitch, pivot = -shape[5] * _ease((x - _ROLLS_FROM) / _ROLLS_TIME), ball
-        _place(base, pivot, pitch, ankle, out)
-        out[3], out[4] = base + pivot, 1.0
-        return
+@kernel
+def _stand(phase: float, stance: float, stride: float, touch: float, shape: F8, table: F8, out: F8) -> None:
+    """A foot that stands: heel, sole or ball keeps its place over the ground, the ankle goes about it."""
+    base = touch - stride * phase
+    pitch = _at(table, phase, 2)
+    half = 0.45 * stance
+    pitch = max(pitch, 0.0) if phase < half else min(max(pitch, -shape[6]), 0.0)
+    # Rolled off over the joint of the toes, which stay flat; over the heel's corner before.
+    pivot, joint = -shape[1], 0.0
+    if pitch < 0.0:
+        pivot, joint = shape[2], shape[7]
+    elif pitch == 0.0:
+        pivot = 0.0
+    over = shape[0] - joint
+    out[0] = base + pivot - pivot * math.cos(pitch) - over * math.sin(pitch)
+    out[1] = joint - pivot * math.sin(pitch) + over * math.cos(pitch)
+    out[2] = pitch
+    out[3], out[4] = base + pivot, 1.0
+    out[5] = min(max(-pitch, 0.0), shape[6])
+
+
+@kernel
+def _chord(knee: float, shape: F8) -> float:
+    """Square of the way from hip to ankle for a flexion of the knee."""
+    return shape[4] ** 2 + shape[5] ** 2 + 2.0 * shape[4] * shape[5] * math.cos(max(knee, 0.035))
+
+
+@kernel
+def _hip_over(phase: float, shape: F8, table: F8, foot: F8) -> float:
+    """How high the hip is over a foot that stands, its knee bent as the table has it."""
+    high = _chord(_at(table, phase, 1), shape) - foot[0] ** 2
+    return foot[1] + math.sqrt(max(high, 0.25 * shape[4] ** 2))
+
+
+@kernel
+def _swing(phase: float, stance: float, ends: F8, hip: float, shape: F8, table: F8, out: F8) -> None:
+    """A foot in the air: as thigh and knee of the table have it, led from where it left to where it comes down."""
     x = (phase - stance) / (1.0 - stance)
-    lift, touch = np.empty(_PATH), np.empty(_PATH)
-    _place(reach - stride * stance, ball, -shape[5], ankle, lift)
-    _place(reach, heel, shape[4], ankle, touch)
-    # Both ends are left at the pace of the ground, so that the foot neither kicks nor brakes.
-    slope = -stride * (1.0 - stance)
-    h00, h10 = 2 * x**3 - 3 * x**2 + 1, x**3 - 2 * x**2 + x
-    h01, h11 = 3 * x**2 - 2 * x**3, x**3 - x**2
-    out[0] = h00 * lift[0] + h10 * slope + h01 * touch[0] + h11 * slope
-    share = _ease(x)
-    out[1] = (1.0 - share) * lift[1] + share * touch[1] + shape[3] * math.sin(math.pi * x) ** 2
-    out[2] = (1.0 - share) * -shape[5] + share * shape[4]
-    # Toe and heel never dip into the ground, however the foot is pitched.
-    low = min(_below(heel, out[2], ankle), _below(ball, out[2], ankle))
-    out[1] = max(out[1], -low + _CLEARANCE * math.sin(math.pi * x))
+    left, comes = 1.0 - _ease(2.0 * x), _ease(2.0 * x - 1.0)
+    thigh, knee = _at(table, phase, 0), _at(table, phase, 1)
+    ahead = shape[4] * math.sin(thigh) + shape[5] * math.sin(thigh - knee)
+    up = hip - shape[4] * math.cos(thigh) - shape[5] * math.cos(thigh - knee)
+    out[0] = ahead + left * ends[0] + comes * ends[2]
+    out[1] = up + left * ends[1] + comes * ends[3]
+    out[2] = _at(table, phase, 2)
+    out[5] = max(left * min(max(-ends[4], 0.0), shape[6]), min(shape[6], _TOES_UP) * math.sin(math.pi * x))
+    s, c = math.sin(out[2]), math.cos(out[2])
+    toes = shape[2] * s - (shape[0] - shape[7]) * c - shape[7] * math.cos(out[2] + out[5])
+    low = min(-shape[1] * s - shape[0] * c, toes, toes + (shape[3] - shape[2]) * math.sin(out[2] + out[5]))
+    least = _CLEARANCE * math.sin(math.pi * x) - low
+    over = out[1] - least
+    # Lifted smoothly where it would come nearer to the ground than that, to just that at either end.
+    soft = 0.008 * math.sin(math.pi * x)
+    out[1] = least + 0.5 * (over + math.sqrt(over * over + soft * soft))
     out[3], out[4] = out[0], 0.0
 
 
 @kernel
-def _below(along: float, pitch: float, ankle: float) -> float:
-    """Height of a point of the sole over the ankle, for a foot of a pitch."""
-    return along * math.sin(pitch) - ankle * math.cos(pitch)
+def place_feet(phase: float, stance: float, stride: float, touch: float, shape: F8, table: F8, out: F8) -> float:
+    """Where both ankles are, how the feet are pitched, and which points of the soles stand, relative to the hip.
+
+    A sole touches with the heel, rolls down flat, and rolls off over the ball, by the table's pitch. The point that
+    stands moves backwards by the stride in a cycle, whatever the foot does about it; the ankle follows from it. The hip
+    is as high as lets the knee that carries bend as the table has it; the foot in the air follows the table.
+
+    Args:
+        phase: Of the left foot, 0: its heel touches; 0 to 1. The right one is half a cycle off.
+        stance: Share of the cycle in which a foot stands.
+        stride: Way of the body in a cycle [m].
+        touch: Where the ankle of a flat foot would be at the heel's touch, ahead of the hip [m].
+        shape: Ankle above the sole, heel behind the ankle, ball and tip of the toes before it, thigh, shank [m],
+            farthest that toes bend [rad], joint of the toes above the
+            sole [m]; [8].
+        table: Lean of the thigh, flexion of the knee, pitch of the foot over the cycle [rad], [n, 3].
+        out: Of each foot: ankle ahead of the hip [m], ankle above the ground [m], pitch (toes up) [rad], point of
+            contact ahead of the hip [m], 1 while it stands, bend of the toes up [rad], share of the body that it
+            carries; written, [2, 7].
+
+    Returns:
+        The hip's height above the ground [m].
+    """
+    hip = 0.0
+    for k in range(2):
+        own = (phase + 0.5 * k) % 1.0
+        if own >= stance:
+            continue
+        _stand(own, stance, stride, touch, shape, table, out[k])
+        both = stance - 0.5
+        # The foot that comes down carries before the other one has left.
+        load = _ease(own / (_HANDOVER * both)) * (1.0 - _ease((own - 0.5) / (_HANDOVER * both)))
+        out[k, 6] = load
+        hip += load * _hip_over(own, shape, table, out[k])
+    for k in range(2):
+        own = (phase + 0.5 * k) % 1.0
+        if own < stance:
+            continue
+        out[k, 6] = 0.0
+        ends = np.empty(5)
+        _ends(stance, stride, touch, hip, shape, table, ends)
+        _swing(own, stance, ends, hip, shape, table, out[k])
+    return hip
 
 
 @kernel
-def _place(base: float, pivot: float, pitch: float, ankle: float, out: F8) -> None:
-    """The ankle of a foot whose sole touches the ground at a point of its own, pitched about it."""
-    out[0] = base + pivot - pivot * math.cos(pitch) - ankle * math.sin(pitch)
-    out[1] = -pivot * math.sin(pitch) + ankle * math.cos(pitch)
-    out[2] = pitch
+def _ends(stance: float, stride: float, touch: float, hip: float, shape: F8, table: F8, ends: F8) -> None:
+    """What the table lacks of where the foot leaves the ground and of where it comes down; pitch at which it leaves."""
+    foot = np.empty(6)
+    for k in range(2):
+        _stand(stance if k == 0 else 0.0, stance, stride, touch, shape, table, foot)
+        phase = stance if k == 0 else 1.0
+        thigh, knee = _at(table, phase, 0), _at(table, phase, 1)
+        ends[2 * k] = foot[0] - shape[4] * math.sin(thigh) - shape[5] * math.sin(thigh - knee)
+        ends[2 * k + 1] = foot[1] - hip + shape[4] * math.cos(thigh) + shape[5] * math.cos(thigh - knee)
+        if k == 0:
+            ends[4] = foot[2]

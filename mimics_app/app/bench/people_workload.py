@@ -1,0 +1,82 @@
+"""A hundred of the shipped people on both sidewalks of the product's city, each walking at their own phase.
+
+What is far is bent with fewer vertices and less often; `full` takes both away, to tell what they cost and change.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import cycle
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.app.bench.render_workloads import Walk
+from mimics_app.contracts.resources import root
+from mimics_app.maths import quat
+from mimics_app.world.gltf.file import load_gltf
+from mimics_app.world.gltf.prefab import ModelPrefab
+from mimics_app.world.scene.assets import ModelPart, SceneAsset
+
+__all__ = ["People"]
+
+F8 = NDArray[np.float64]
+
+_FIRST, _APART = 324.0, 2.6
+"""Where along the street the nearest stand, and how far apart pairs are [m]."""
+_SIDES = (8.3, -8.3)
+"""Across the street, where people walk on the sidewalks [m]."""
+_SPEED, _CLIP = 1.25, "walk"
+"""Of the clip [m/s]."""
+_KERB = 0.12
+"""Height of the sidewalks [m]."""
+
+
+class People(Walk):
+    """The street of `walk` with people; the eye goes along it.
+
+    Args:
+        count: People.
+        full: Everybody in full detail, moved in every frame.
+    """
+
+    def __init__(self, count: int, full: bool) -> None:
+        super().__init__()
+        self._full = full
+        folder = root() / "assets" / "models" / "avatars"
+        prefabs = [_load(file, full) for file in sorted(folder.glob("*.glb"))]
+        world, chance = self.world, np.random.default_rng(1)
+        self._people, self._starts, self._ways = [], [], []
+        for number, prefab in zip(range(count), cycle(prefabs), strict=False):
+            side = _SIDES[number % 2]
+            place = np.array([side + chance.uniform(-0.9, 0.9), _KERB, _FIRST - _APART * (number // 2)])
+            way = -1.0 if number % 3 else 1.0  # most go where the eye goes
+            person = world.root.create_child(f"person {number}", place)
+            person.set_orientation(quat.about_axis((0.0, 1.0, 0.0), math.pi if way < 0.0 else 0.0))
+            prefab.instantiate(world, person)
+            animator = world.motion.animators[person.index]
+            animator.play(_CLIP, at=float(chance.uniform(0.0, animator.clips[_CLIP].duration)))
+            self._people.append(person)
+            self._starts.append(place)
+            self._ways.append(way)
+        self.nodes = count
+        world.update()
+
+    def update(self, frame: int) -> None:
+        motion = self.world.motion
+        motion.time = frame / 30.0
+        motion.eye_world = None if self._full else self.eye(frame)[0]
+        for person, start, way in zip(self._people, self._starts, self._ways, strict=True):
+            person.set_position(start + (0.0, 0.0, way * _SPEED * motion.time))
+        self.world.update()
+
+
+def _load(path: Path, full: bool) -> ModelPrefab:
+    """One of the people, without coarser forms where all are wanted in full."""
+    model = load_gltf(path)
+    if full:
+        for node in model.nodes:
+            node.levels, node.coverages = [], []
+    asset = SceneAsset(path.stem, "model", path, model=model, files=tuple(model.files))
+    return ModelPrefab(ModelPart(asset, model, tuple(model.roots)))

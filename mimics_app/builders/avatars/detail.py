@@ -1,0 +1,79 @@
+"""Coarser forms of the people's parts, each with vertices of its own: what is far away is bent for little."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from mimics_app.builders.avatars.fields import F8
+from mimics_app.builders.avatars.piece import Piece
+from mimics_app.world.simplify.decimation import decimate
+
+__all__ = ["LEVELS", "Level", "coarser", "coverages"]
+
+_PICTURE = 1920.0 * 1080.0
+"""Of a picture that levels are meant for [px]."""
+_PIXELS = 2.0
+"""Largest error of a level that is seen [px]: of the one corner that is farthest from it."""
+
+
+@dataclass(frozen=True)
+class Level:
+    """A coarser form.
+
+    Attributes:
+        share: Of the triangles that are left.
+        influences: Joints that a corner follows at most.
+        moves: Whether morphs still show.
+    """
+
+    share: float
+    influences: int
+    moves: bool
+
+
+LEVELS = (Level(0.42, 4, True), Level(0.13, 2, False), Level(0.045, 1, False))
+"""Ever coarser."""
+
+
+def coarser(piece: Piece, level: Level) -> tuple[Piece, float]:
+    """A part with fewer triangles, and how far a corner of the part lies from it at most [m]."""
+    count = max(4, round(level.share * len(piece.triangles)))
+    made = decimate(piece.places, piece.triangles.ravel(), count)
+    kept, triangles = np.unique(made.indices, return_inverse=True)
+    weights = _strongest(piece.weights[kept], level.influences)
+    return replace(
+        piece,
+        places=piece.places[kept],
+        normals=piece.normals[kept],
+        triangles=triangles.reshape(-1, 3),
+        weights=weights,
+        uvs=piece.uvs[kept],
+        shades=piece.shades[kept],
+        moves={name: steps[kept] for name, steps in piece.moves.items()} if level.moves else {},
+    ), made.error
+
+
+def _strongest(weights: F8, influences: int) -> F8:
+    """Weights of the strongest joints only, which add up to 1 again."""
+    order = np.argsort(-weights, axis=1, kind="stable")[:, :influences]
+    kept = np.zeros_like(weights)
+    np.put_along_axis(kept, order, np.take_along_axis(weights, order, axis=1), axis=1)
+    return np.asarray(kept / kept.sum(axis=1, keepdims=True))
+
+
+def coverages(pieces: Sequence[Piece], errors: Sequence[float]) -> list[float]:
+    """Least share of a picture's area at which each form of a group of parts is shown, the finest first.
+
+    Args:
+        pieces: The finest form.
+        errors: Of the coarser ones [m], rising.
+    """
+    places = np.concatenate([piece.places for piece in pieces])
+    radius = float(np.linalg.norm(places - 0.5 * (places.min(axis=0) + places.max(axis=0)), axis=1).max())
+    # A sphere covers c of the picture where its radius is sqrt(c A / pi) pixels; an error is the same share of both.
+    least = [min(1.0, math.pi * (_PIXELS * radius / max(error, 1e-6)) ** 2 / _PICTURE) for error in errors]
+    return [round(value * (1.0 - 1e-4) ** k, 9) for k, value in enumerate(least)] + [0.0]

@@ -1,0 +1,54 @@
+"""Component type of a person who follows the trials and encourages: greets, praises, waves on."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+from msgspec import Meta
+
+from mimics_app.contracts.errors import Issue, nearest
+from mimics_app.world.components.animation import model_of
+from mimics_app.world.components.bounds import Name
+from mimics_app.world.components.registry import Component, component, register_check, register_limit
+
+if TYPE_CHECKING:
+    from mimics_app.world.scene.scene import Scene
+
+__all__ = ["Encourager"]
+
+Clips = Annotated[tuple[Name, ...], Meta(min_length=1, max_length=20)]
+
+
+@component("encourager")
+class Encourager(Component, frozen=True):
+    """The model of the same entity reacts to results of trials by its clips; it changes nothing that is felt."""
+
+    shown: Annotated[bool, Meta(description="false: nobody is there, and nothing of it is drawn or moved")] = True
+    idle: Annotated[Name, Meta(description="Clip between reactions")] = "idle"
+    greet: Annotated[Name, Meta(description="Clip at the first trial of a session")] = "wave"
+    praise: Annotated[Clips, Meta(description="Clips after a success, in turn")] = ("clap", "wave")
+    cheer: Annotated[Name, Meta(description="Clip after a success that follows a failure or is the third in a row")] = (
+        "cheer"
+    )
+    console: Annotated[Name, Meta(description="Clip after a trial that was not finished: let us go on")] = "beckon"
+    farewell: Annotated[Name, Meta(description="Clip after the last trial")] = "wave"
+
+
+def _check(wanted: Encourager, pointer: str, scene: Scene) -> list[Issue]:
+    model = model_of(pointer, scene)
+    if model is None:
+        return [scene.issue(pointer, "the entity shows no model that could react", 'give it a "mesh" with a "source"')]
+    clips = [clip.name for clip in model.clips]
+    told = [(name, getattr(wanted, name)) for name in ("idle", "greet", "cheer", "console", "farewell")]
+    told += [(f"praise/{k}", clip) for k, clip in enumerate(wanted.praise)]
+    return [
+        scene.issue(
+            f"{pointer}/{where}", f'the model has no clip "{clip}"', nearest(clip, clips) if clips else "it has none"
+        )
+        for where, clip in told
+        if clip not in clips
+    ]
+
+
+register_limit("encourager", 100)
+register_check("encourager", _check)

@@ -1,0 +1,78 @@
+"""Somebody who reacts to how trials go: which clip comes after which result."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from mimics_app.world.motion.animator import Animator
+from mimics_app.world.motion.machine import State, StateMachine
+
+__all__ = ["EncouragingMachine"]
+
+_IDLE, _GREET, _CHEER, _CONSOLE, _FAREWELL = "idle", "greet", "cheer", "console", "farewell"
+_FADE = 0.35
+"""In which one goes over to the other [s]."""
+_IN_A_ROW = 3
+"""So many successes in a row are cheered."""
+
+
+class EncouragingMachine(StateMachine):
+    """Chooses by what went before, so that the same thing is not done each time.
+
+    Args:
+        animator: Whose lowest layer shows it.
+        idle: Clip between reactions.
+        greet: At the first trial.
+        praise: After a success, in turn.
+        cheer: After a success that a failure went before, and every third in a row.
+        console: After a trial that was not finished.
+        farewell: After the last trial.
+
+    Raises:
+        KeyError: a clip is missing; the message names the nearest.
+    """
+
+    def __init__(
+        self,
+        animator: Animator,
+        *,
+        idle: str,
+        greet: str,
+        praise: Sequence[str],
+        cheer: str,
+        console: str,
+        farewell: str,
+    ) -> None:
+        once = {_GREET: greet, _CHEER: cheer, _CONSOLE: console, _FAREWELL: farewell}
+        once |= {f"praise {k}": clip for k, clip in enumerate(praise)}
+        states = {_IDLE: State(idle)}
+        states |= {name: State(clip, 1.0, False, _IDLE, _FADE) for name, clip in once.items()}
+        super().__init__(animator, states, (), _IDLE)
+        self._praises, self._greeted = len(praise), False
+        self._given, self._row, self._failed = 0, 0, False
+
+    def trigger(self, cause: str) -> bool:
+        state = self._reaction(cause)
+        if state is None:
+            return False
+        self.enter(state, _FADE)
+        return True
+
+    def _reaction(self, cause: str) -> str | None:
+        """What is done about something that happened; None: nothing."""
+        if cause == "ready" and not self._greeted:
+            self._greeted = True
+            return _GREET
+        if cause in ("timeout", "aborted"):
+            self._row, self._failed = 0, True
+            return _CONSOLE
+        if cause == "done":
+            return _FAREWELL
+        if cause != "goal":
+            return None
+        self._row += 1
+        failed, self._failed = self._failed, False
+        if failed or self._row % _IN_A_ROW == 0:
+            return _CHEER
+        self._given += 1
+        return f"praise {(self._given - 1) % self._praises}"

@@ -1,0 +1,157 @@
+"""How people bend hip, knee and ankle when they walk: published curves, and the table a walk is shaped after.
+
+Sources:
+
+- Natural speed: mean of healthy adults, one value per 2 % of the cycle from heel contact to heel contact [degrees]. The
+  numbers are those that SCONE Studio ships for its gait analysis (resources/gaitanalysis/default.zml). Who uses them
+  credits G. Bovi et al., A multiple-task gait analysis approach, Gait & Posture 33 (2011) 6-13; that credit is theirs
+  and not checked here. The ankle is told with the offset of 20 degrees that the file names. The hip is against the
+  pelvis, which is tilted ahead by `TILT`.
+- Knee from 0.5 to 5 km/h: B. Koopman, E. H. F. van Asseldonk, H. van der Kooij, Speed-dependent reference joint
+  trajectory generation for robotic gait support, J. Biomechanics 47 (2014) 1447-1458: regression of six events on
+  speed [km/h] and body height [m], joined by quintic polynomials. Rows: 1, speed, its square, height.
+
+The two differ by 8 degrees (root mean square) in the knee at 1.2 m/s: by where the joint's zero is, and by later
+toe-off in the second. Of hip and ankle at other speeds no numbers are at hand: they are the natural ones, scaled
+with the step.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["NATURAL", "NATURAL_STANCE", "SAMPLES", "TILT", "knee_by_speed", "shape_gait", "stance_share"]
+
+F8 = NDArray[np.float64]
+
+SAMPLES = 50
+"""Of a cycle; row k is at k/50."""
+TILT = 9.1
+"""Mean tilt of the pelvis ahead in the natural table [degrees]."""
+NATURAL_STANCE = 0.60
+"""Share of the cycle in which a foot stands at natural speed."""
+
+NATURAL: dict[str, tuple[float, ...]] = {
+    "hip": (
+        33.0, 32.9, 32.5, 32.0, 31.2, 29.9, 28.1, 26.1, 24.0, 21.9, 19.7, 17.4, 14.9, 12.4, 9.9, 7.5, 5.2,
+        3.0, 0.9, -1.1, -2.9, -4.5, -5.8, -6.8, -7.6, -8.2, -8.3, -7.8, -6.7, -4.9, -2.3, 1.1, 5.0, 9.0,
+        12.9, 16.7, 20.2, 23.4, 26.3, 28.9, 30.9, 32.5, 33.4, 33.7, 33.5, 32.8, 32.0, 31.5, 31.4, 31.7,
+    ),
+    "knee": (
+        7.9, 10.3, 11.9, 14.7, 17.4, 19.0, 19.4, 19.0, 18.1, 17.2, 16.2, 15.1, 14.0, 12.8, 11.5, 10.2, 9.1,
+        8.1, 7.5, 7.2, 7.3, 7.7, 8.6, 10.0, 11.9, 14.1, 17.0, 20.6, 25.2, 30.8, 37.2, 44.0, 50.4, 55.7,
+        59.8, 62.4, 63.4, 63.0, 61.3, 58.4, 54.2, 48.9, 42.4, 35.0, 26.8, 18.7, 11.6, 6.5, 4.0, 4.4,
+    ),
+    "ankle": (
+        -2.3, -3.9, -6.2, -6.1, -4.6, -2.5, -0.5, 1.0, 2.3, 3.4, 4.4, 5.4, 6.4, 7.2, 7.9, 8.6, 9.2,
+        10.0, 10.7, 11.5, 12.0, 12.4, 12.4, 12.1, 11.1, 9.4, 6.6, 2.4, -3.4, -9.8, -15.3, -18.9, -19.9, -18.0,
+        -14.6, -10.7, -7.3, -4.3, -1.8, 0.0, 1.4, 2.4, 2.7, 2.4, 1.3, 0.0, -1.1, -1.9, -2.5, -2.7,
+    ),
+}  # fmt: skip
+"""Flexion of hip and knee, dorsiflexion of the ankle [degrees], [50] each."""
+
+_WHEN = (
+    (0.0, 0.0, 0.0, 0.0),  # heel contact
+    (17.1031, 0.0, 0.0, 0.0),  # greatest flexion in stance
+    (48.5422, -0.998055, 0.0, 0.0),  # least flexion in stance
+    (68.9475, -6.09610, 0.610870, 5.96713),  # bends fastest
+    (85.8158, -4.48022, 0.518829, 0.0),  # greatest flexion in swing
+    (92.4891, 0.0, 0.0, 0.0),  # straightens fastest
+)
+_ANGLE = (
+    (31.5946, -4.31134, 0.494138, -13.0496), (5.99480, 3.02815, 0.0, 0.0), (-10.0373, 0.0, 0.0, 7.59433),
+    (29.6178, 3.80279, -0.486270, 0.0), (38.1104, 9.74369, -1.10481, 0.0), (24.6306, -0.967375, 0.0, 0.0),
+)  # fmt: skip
+_SLOPE = (
+    (-3.58087, 0.0, 0.0, 1.97723), (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0),
+    (3.27633, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0), (-0.445591, 0.0, -0.0318891, -1.69608),
+)  # fmt: skip
+_BEND = (
+    (0.301196, 0.0732306, 0.0, 0.0), (-0.0944567, 0.0, -0.00496254, 0.0), (0.0418350, 0.0, 0.00435602, 0.0),
+    (0.0, 0.0, 0.0, 0.0), (-0.783686, 0.224573, -0.0263203, 0.0), (0.0, 0.0, 0.0, 0.0),
+)  # fmt: skip
+"""When the six events of the knee are [%], its angle there [degrees], and the angle's first and second derivative."""
+
+_HEIGHT = 1.75
+"""Of the body for which the knee is worked out [m]."""
+_SLOW, _NATURAL = 1.0, 1.3
+"""Up to which speed the knee is that of the regression, and from which it is the natural one [m/s]."""
+_LEAST_KNEE = 4.5
+"""Nobody here locks the knee [degrees]: of zeros of tables it is not known how straight the leg was."""
+_FLAT = (0.14, 0.28, 0.48, 0.70)
+"""Shares of the stance: the foot comes down flat, stays flat, and rises from the heel on to full."""
+
+
+def stance_share(speed: float) -> float:
+    """Share of a cycle in which a foot stands at a speed [m/s]: more when slower, as the knee's events come later."""
+    return min(0.72, max(0.56, NATURAL_STANCE + 0.13 * (_NATURAL - speed)))
+
+
+def knee_by_speed(speed: float, height: float = _HEIGHT) -> F8:
+    """Flexion of the knee at a speed [m/s] of a body of a height [m], as the regression has it [degrees], [50]."""
+    kmh = 3.6 * min(max(speed, 0.14), 1.39)  # the range that was measured
+    terms = np.array([1.0, kmh, kmh * kmh, height])
+    when, angle, slope, bend = (np.array(rows) @ terms for rows in (_WHEN, _ANGLE, _SLOPE, _BEND))
+    when = np.append(when, 100.0)
+    at = np.arange(SAMPLES) * 100.0 / SAMPLES
+    knee = np.empty(SAMPLES)
+    for k in range(6):
+        n = (k + 1) % 6
+        length = when[k + 1] - when[k]
+        ends = (angle[k], slope[k] * length, bend[k] * length**2, angle[n], slope[n] * length, bend[n] * length**2)
+        inside = (at >= when[k]) & (at < when[k + 1])
+        knee[inside] = _quintic((at[inside] - when[k]) / length, ends)
+    return knee
+
+
+def _quintic(x: F8, ends: tuple[float, ...]) -> F8:
+    """The polynomial of fifth degree with value, slope and bend given at 0 and at 1."""
+    y0, d0, c0, y1, d1, c1 = ends
+    step, d, c = y1 - y0 - d0 - 0.5 * c0, d1 - d0 - c0, c1 - c0
+    cubic, fourth, fifth = 10.0 * step - 4.0 * d + 0.5 * c, -15.0 * step + 7.0 * d - c, 6.0 * step - 3.0 * d + 0.5 * c
+    return np.asarray(y0 + x * (d0 + x * (0.5 * c0 + x * (cubic + x * (fourth + x * fifth)))))
+
+
+@lru_cache(maxsize=64)
+def shape_gait(speed: float, stretch: float) -> F8:
+    """What a leg does over a cycle at a speed: lean of the thigh ahead, flexion of the knee, pitch of the foot [rad].
+
+    Args:
+        speed: [m/s].
+        stretch: The step over the one of the natural table, in lengths of the leg.
+
+    Returns:
+        [50, 3]; pitch is toes up, and just 0 while the foot stands flat.
+    """
+    stance = stance_share(speed)
+    phase = np.arange(SAMPLES) / SAMPLES
+    standing = phase < stance
+    natural_phase = np.where(
+        standing,
+        phase * NATURAL_STANCE / stance,
+        NATURAL_STANCE + (phase - stance) * (1.0 - NATURAL_STANCE) / (1.0 - stance),
+    )
+    hip, knee, ankle = (
+        np.interp(natural_phase, np.arange(SAMPLES) / SAMPLES, NATURAL[name], period=1.0)
+        for name in ("hip", "knee", "ankle")
+    )
+    thigh = hip - TILT
+    middle = 0.5 * float(thigh.max() + thigh.min())
+    thigh = middle * min(stretch, 1.0) + stretch * (thigh - middle)
+    share = min(max((speed - _SLOW) / (_NATURAL - _SLOW), 0.0), 1.0)
+    knee = share * knee + (1.0 - share) * knee_by_speed(speed)
+    knee = np.maximum(knee, _LEAST_KNEE)
+    x = phase / stance
+    down, flat, rises, high = _FLAT
+    window = np.clip((flat - x) / (flat - down), 0.0, 1.0) + np.clip((x - rises) / (high - rises), 0.0, 1.0)
+    pitch = thigh - knee + min(stretch, 1.0) * ankle
+    # A foot that stands flat is pitched by nothing: where the ankle has its zero differs between tables.
+    pitch -= float(pitch[(x > flat) & (x < rises)].mean())
+    pitch = np.where(standing, window * pitch, pitch)
+    pitch = np.where(x < flat, np.maximum(pitch, 0.0), np.where(standing, np.minimum(pitch, 0.0), pitch))
+    table = np.radians(np.stack([thigh, knee, pitch], axis=1))
+    table.setflags(write=False)
+    return table

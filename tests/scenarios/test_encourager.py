@@ -1,0 +1,78 @@
+"""Somebody who encourages: reacts to results, each time a little otherwise, and changes nothing that is felt."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.session.core import open_core
+from mimics_app.app.session.frame import Frames
+from mimics_app.app.session.preparation import prepare_scene
+from mimics_app.app.settings import RunSettings
+from mimics_app.contracts.errors import SceneError
+from mimics_app.contracts.resources import root
+from mimics_app.world.motion.machine import StateMachine
+from mimics_app.world.scene.file import build_world
+from mimics_app.world.world import World
+
+SCENES = ("wavy_tunnel", "pick_and_place")
+
+
+def _told(tmp_path: Path, **encourager: object) -> Path:
+    """The tunnel with another encourager, in a file of its own."""
+    scene = json.loads((root() / "scenes" / "wavy_tunnel.json").read_text())
+    entity = next(each for each in scene["entities"] if each["id"] == "encourager")
+    entity["components"]["encourager"] = encourager
+    file = tmp_path / "scene.json"
+    file.write_text(json.dumps(scene))
+    return file
+
+
+def _machine(world: World) -> StateMachine:
+    return world.motion.machines[world.find("encourager").index]
+
+
+def test_results_are_answered_and_not_always_in_the_same_way() -> None:
+    world = build_world(load_checked_scene(root() / "scenes" / "wavy_tunnel.json"))
+    machine, shown = _machine(world), []
+    for cause in ("ready", "goal", "ready", "goal", "goal", "timeout", "goal", "contact", "done"):
+        machine.trigger(cause)
+        shown.append(machine.state)
+        for _ in range(60 * 4):
+            world.motion.time += 1.0 / 60.0
+            world.update()
+        assert machine.state == "idle"
+    assert shown == [
+        "greet", "praise 0", "idle", "praise 1", "cheer", "console", "cheer", "idle", "farewell",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_session_greets_and_the_encourager_looks_at_the_person(name: str) -> None:
+    file = root() / "scenes" / f"{name}.json"
+    seen = set()
+    with open_core(prepare_scene(load_checked_scene(file), RunSettings(file))) as core:
+        play = Frames(core)
+        for _ in range(60 * 14):
+            play.play_on()
+            seen.add(_machine(core.world).state)
+            if "greet" in seen and (name == "pick_and_place" or "praise 0" in seen):
+                break
+    assert {"idle", "greet"} <= seen
+    assert name != "wavy_tunnel" or "praise 0" in seen  # the simulated person is through by then
+
+
+def test_who_is_not_wanted_is_neither_drawn_nor_moved(tmp_path: Path) -> None:
+    world = build_world(load_checked_scene(_told(tmp_path, shown=False)))
+    index = world.find("encourager").index
+    assert not world.find("encourager").visible and index not in world.motion.machines
+    assert not world.motion.animators[index].moves
+    assert not world.motion.alive
+
+
+def test_a_clip_that_the_model_lacks_is_refused_by_name(tmp_path: Path) -> None:
+    with pytest.raises(SceneError, match=r'components/encourager/praise/1.*no clip "clapp"'):
+        load_checked_scene(_told(tmp_path, praise=["wave", "clapp"]))
