@@ -25,6 +25,7 @@ __all__ = ["COMMANDS", "main", "parse"]
 COMMANDS: dict[str, str] = {
     "run": "run a scene: in a window, or headless with the simulated patient",
     "render": "draw frames of a scene to PNG files",
+    "scenes": "list the shipped scenes: name, group, what each takes and how long",
     "view": "look at a model or a scene from all sides; draw contact sheets",
     "avatar": "say which joints of a person's model are which",
     "check": "validate scene files and report every error",

@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 
 from mimics_app.app.picture.board import OPERATORS_CARDS, draw_board
-from mimics_app.app.picture.key_page import Keys, draw_keys
 from mimics_app.app.picture.lost_picture import draw_or_recover
 from mimics_app.app.picture.methods import with_methods
 from mimics_app.app.picture.shown_on import open_display
@@ -23,6 +22,7 @@ from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import SceneError, nearest
 from mimics_app.contracts.input_port import Ray
 from mimics_app.contracts.stage_timer import UNTIMED, StageTimer
+from mimics_app.rendering.visual.figures.key_page import Keys, draw_keys
 from mimics_app.rendering.visual.frame_stats import FrameStats
 from mimics_app.rendering.visual.passes.hud import plane_of_views
 from mimics_app.rendering.visual.presenting.presenter import Presenter
@@ -248,12 +248,9 @@ class Picture:
         hud = self.renderer.hud
         screen = [view for view in views if view.screen == views[0].screen]
         hud.width = plane_of_views(screen, self.renderer.settings.hud_depth).canvas_width
-        if self._board is None:
-            hud.clear()
-        else:
-            operator = self.renderer.shows("forces")
-            show = [name for name in self._board.show if operator or name not in OPERATORS_CARDS]
-            draw_board(hud, board, show, self._board.force_full)
+        operator, wanted = self.renderer.shows("forces"), () if self._board is None else self._board.show
+        show = [name for name in wanted if operator or name not in OPERATORS_CARDS]
+        draw_board(hud, board, show, 0.0 if self._board is None else self._board.force_full)
         if self.keys:
             draw_keys(hud, self.keys)
 

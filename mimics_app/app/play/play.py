@@ -25,7 +25,7 @@ from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal import output
 from mimics_app.app.terminal.display import has_display
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.contracts.errors import DeviceError, PartialDataError, SafetyStop
+from mimics_app.contracts.errors import DeviceError, MimicsError, PartialDataError, SafetyStop
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.recording.history import earlier_runs
 from mimics_app.recording.manifest import Manifest
@@ -53,7 +53,7 @@ def play(settings: RunSettings, *, as_json: bool) -> int:
     windowed = not settings.headless and has_display()
     log = JourneyLog(settings.journey)
     log.doing("Reading the scene")
-    with private_files(), build_session(settings, live=windowed) as session, _told_where(session):
+    with private_files(), _heard_of(log), build_session(settings, live=windowed) as session, _told_where(session):
         frames = Frames(session)
         if not (windowed or settings.headless):
             sys.stderr.write(f"mimics: no display: {_WHO_PLAYS[session.live]}\n")
@@ -94,6 +94,16 @@ def _report(session: Session, manifest: Manifest) -> tuple[Path | None, bool]:
     except OSError as error:
         sys.stderr.write(f"mimics: the report cannot be written: {error.strerror}; mimics report {session.folder}\n")
         return None, False
+
+
+@contextmanager
+def _heard_of(log: JourneyLog) -> Iterator[None]:
+    """Whoever opened the session hears why it could not be, too."""
+    try:
+        yield
+    except MimicsError as error:
+        log.failed("; ".join(part for part in (error.issues[0].what, error.issues[0].fix) if part))
+        raise
 
 
 @contextmanager

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mimics_app.app.picture.key_page import Keys
+from mimics_app.rendering.visual.figures.key_page import Keys
 
 __all__ = ["session_keys"]
 
@@ -15,6 +15,7 @@ _AT_ROBOT = (("Handle of the robot", "move the hand"),)
 _ALWAYS = (
     ("Space, gamepad B", "stop the force at once"),
     ("R", "allow force again after a stop"),
+    ("P, gamepad Start", "pause and go on"),
     ("H", "this page"),
     ("F5", "force and stability figures, for the operator"),
     ("F1, F12", "frame times;  keep a picture"),

@@ -6,7 +6,6 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from mimics_app.app.picture.key_page import draw_keys
 from mimics_app.app.picture.overlay_keys import toggle_overlay
 from mimics_app.app.settings import Profile
 from mimics_app.app.viewer.controls import ViewerControls
@@ -16,6 +15,7 @@ from mimics_app.app.viewer.shown import Shown, Up, open_shown
 from mimics_app.app.viewer.viewport import Viewport
 from mimics_app.contracts.clock import FRAME_NS, Clock, MonotonicClock
 from mimics_app.contracts.errors import MimicsError, SceneError
+from mimics_app.rendering.visual.figures.key_page import draw_keys
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import save_png
 from mimics_app.rendering.visual.surfaces.surface import Size
