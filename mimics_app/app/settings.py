@@ -47,7 +47,7 @@ class RunSettings:
         device: Instead of the scene's robot device; "" keeps it (a window takes "pointer").
         recording: Run folder whose sensors the device "replay" plays, or None.
         patient: Preset instead of the scene's; "" keeps it.
-        sound: "auto": device when live, file when headless; "off": none.
+        sound: "auto": the device when live, nothing kept when headless; "file": sound.wav in the run; "off": none.
         size: Of the picture [px].
         display: Where it is shown, KIND or KIND:FILE; "" keeps the scene's.
         pictures: Frames a headless run draws and keeps.

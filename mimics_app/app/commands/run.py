@@ -48,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--patient", choices=("healthy", "moderate", "severe"), default="", help="instead of the scene's"
     )
-    parser.add_argument("--sound", choices=SOUNDS, default="auto", help="where sound goes")
+    parser.add_argument("--sound", choices=SOUNDS, default="auto", help="auto plays it, file keeps it")
     parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="of the picture [px]")
     add_display_argument(parser)
     parser.add_argument(
