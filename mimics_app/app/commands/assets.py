@@ -33,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--picture",
         type=Path,
         metavar="PNG",
-        help="of build: draw the models built from six sides each, of sounds their spectra",
+        help="of build: draw the models built from six sides each, of sounds their spectra; of thumbnails: all on one",
     )
     parser.add_argument(
         "--shares", type=_share, nargs="+", metavar="SHARE", help="of levels: of the triangles, falling (0.5 0.2 0.06)"
@@ -87,7 +87,7 @@ def _levels(args: argparse.Namespace) -> int:
 
 
 def _thumbnails(args: argparse.Namespace) -> int:
-    from mimics_app.app.play.thumbnails import draw_thumbnails
+    from mimics_app.app.play.thumbnails import draw_sheet, draw_thumbnails
     from mimics_app.app.terminal import output
 
     files = []
@@ -95,6 +95,8 @@ def _thumbnails(args: argparse.Namespace) -> int:
         files.append(file)
         if not args.json:
             print(f"{file}: {file.stat().st_size} bytes", flush=True)
+    if args.picture is not None:
+        draw_sheet(files, args.picture)
     if args.json:
         output.write_object("assets", {"files": files})
     return 0

@@ -8,6 +8,7 @@ from typing import Any
 from mimics_app.contracts.trial_counts import COUNTED_TRIALS
 from mimics_app.recording.history import EarlierRun
 from mimics_app.recording.result_words import mean_time, result_sentence, trial_lines
+from mimics_app.rendering.visual.figures.key_page import Keys
 from mimics_app.rendering.visual.launcher.result_page import Button, ResultContent
 
 __all__ = ["result_content"]
@@ -16,12 +17,17 @@ _BUTTONS = (
     Button("again", "Again", "n"),
     Button("other", "Another scene", "o"),
     Button("report", "Open report", "r"),
+    Button("keys", "Keys", "h"),
     Button("leave", "Close", "c"),
 )
 
 
 def result_content(
-    title: str, answer: Mapping[str, Any], rows: Sequence[Mapping[str, Any]], earlier: Sequence[EarlierRun]
+    title: str,
+    answer: Mapping[str, Any],
+    rows: Sequence[Mapping[str, Any]],
+    earlier: Sequence[EarlierRun],
+    keys: Keys = (),
 ) -> ResultContent:
     """The page's content.
 
@@ -30,6 +36,7 @@ def result_content(
         answer: The object of `mimics run --json`.
         rows: Of trials.csv.
         earlier: Runs of the same scene and participant before this one, oldest first.
+        keys: Of the session.
     """
     task = answer["task"]
     head, lines = trial_lines(rows)
@@ -41,6 +48,7 @@ def result_content(
         rows=lines,
         buttons=_BUTTONS if answer.get("report") else tuple(each for each in _BUTTONS if each.name != "report"),
         footnote=f"Recorded in {answer['run_dir']}",
+        keys=keys,
     )
 
 

@@ -146,13 +146,15 @@ def _show_result(session: Session, answer: dict[str, Any]) -> str:
     """Let the person read what it came to on the window of the session, and choose what comes next."""
     from mimics_app.app.play.outcome import result_content
     from mimics_app.app.play.result_screen import show_result
+    from mimics_app.app.play.session_keys import session_keys
 
     surface, settings = session.window, session.settings
     assert surface is not None
     try:
         scene, folder = session.scene, session.folder
         earlier = earlier_runs(folder.parent, scene.name, settings.participant, besides=folder)
-        content = result_content(scene.title or scene.name, answer, session.tasks.rows, earlier)
+        keys = session_keys(at_robot=session.haptics.plugin.real_time)
+        content = result_content(scene.title or scene.name, answer, session.tasks.rows, earlier, keys)
         return show_result(surface, content, Path(answer["report"]), MonotonicClock())
     finally:
         surface.close()

@@ -19,7 +19,10 @@ class TunnelSection(ReportSection):
     """Handle path blue, bisector red, walls green."""
 
     heading = "Movement through the tunnel"
-    colours = "The handle path is blue, the centre line of the tunnel red, its walls green."
+    colours = (
+        "The handle path is blue, the centre line of the tunnel red, its walls green. "
+        "A contact at the near or the far side of the tunnel is drawn between its walls."
+    )
     touching = "ball in the wall"
     contact = "wall contact begins"
     contacts = "wall contacts"
