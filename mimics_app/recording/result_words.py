@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from mimics_app.contracts.plural import counted
-from mimics_app.contracts.trial_counts import COUNTED_TRIALS, FINISHED
+from mimics_app.contracts.trial_counts import COUNTED_TRIALS, FINISHED, SESSION_ENDED
 from mimics_app.recording.history import EarlierRun
 from mimics_app.recording.report_values import number
 
@@ -40,7 +40,7 @@ def result_sentence(task: Mapping[str, Any], earlier: Sequence[EarlierRun]) -> s
     if not trials:
         practice = task.get("practice")
         ended = number(practice.get("trials")) if isinstance(practice, Mapping) else None
-        return f"Practice only: {counted(int(ended), 'trials')}." if ended else "No trial was ended."
+        return f"Practice only: {counted(int(ended), 'trials')}." if ended else "No trial came to its end."
     completed = number(task.get("completed")) or 0.0
     parts = [f"{completed:.0f} of {counted(int(trials), 'trials')} finished", *_against_last(task, earlier)]
     return ", ".join(parts) + "."
@@ -55,7 +55,7 @@ def trial_lines(rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[tupl
     """Captions, and a line of texts for each row of trials.csv; what no row has is left out."""
     if not rows:
         return [], []
-    shown = [column for column in _COLUMNS if any(number(row.get(column[0])) is not None for row in rows)]
+    shown = [column for column in _COLUMNS if any(_has(row, column[0]) for row in rows)]
     head = ["Trial", "Result", *(caption for _, caption, _ in shown)]
     return head, [(name, _outcome(row), *_cells(row, shown)) for name, row in zip(trial_names(rows), rows, strict=True)]
 
@@ -70,11 +70,16 @@ def trial_names(rows: Sequence[Mapping[str, Any]]) -> list[str]:
 def _outcome(row: Mapping[str, Any]) -> str:
     outcome = _OUTCOMES.get(str(row.get("outcome")), str(row.get("outcome", "")))
     cause = row.get("cause")
-    return f"{outcome}: {cause}" if cause else outcome
+    return f"{outcome}: {cause}" if cause and cause != SESSION_ENDED else outcome
+
+
+def _has(row: Mapping[str, Any], column: str) -> bool:
+    """Whether a row tells a measure; one in which nobody was let go tells none."""
+    return number(row.get(column)) is not None and row.get("time_s") != 0.0
 
 
 def _cells(row: Mapping[str, Any], shown: Sequence[tuple[str, str, Callable[[float], str]]]) -> list[str]:
-    return ["" if (value := number(row.get(key))) is None else text(value) for key, _, text in shown]
+    return [text(float(row[key])) if _has(row, key) else "" for key, _, text in shown]
 
 
 def _against_last(task: Mapping[str, Any], earlier: Sequence[EarlierRun]) -> list[str]:

@@ -153,7 +153,7 @@ def _show_result(session: Session, answer: dict[str, Any]) -> str:
     try:
         scene, folder = session.scene, session.folder
         earlier = earlier_runs(folder.parent, scene.name, settings.participant, besides=folder)
-        keys = session_keys(at_robot=session.haptics.plugin.real_time)
+        keys = session_keys(session.haptics.plugin)
         content = result_content(scene.title or scene.name, answer, session.tasks.rows, earlier, keys)
         return show_result(surface, content, Path(answer["report"]), MonotonicClock())
     finally:
