@@ -37,7 +37,7 @@ CONTEXT = TaskContext(
 
 
 class Kept:
-    """One session of a paper robot with everything a recording keeps of it: a key and a pause in trial 0, an action for trial 1."""
+    """One session of a paper robot and all that is kept of it: a key and a pause in trial 0, an action for trial 1."""
 
     def __init__(self) -> None:
         self.frames: list[TaskFrame] = []
