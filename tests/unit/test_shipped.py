@@ -122,3 +122,12 @@ def test_sessions_played_lately_are_cards_with_their_score(tmp_path: Path) -> No
     assert [card.badge for card in recent] == ["75 of 100", "60 of 100"]
     assert recent[0].description == "1 of 2 trials finished, mean time 3.2 s."
     assert "02 Jan 2026" in recent[0].facts and recent[0].facts.endswith("P1")
+
+
+def test_a_scene_that_is_only_looked_at_needs_a_display_and_says_so(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    assert cli.main(["run", "lanterns"]) == 4
+    assert "this scene is only looked at; mimics view" in capsys.readouterr().err
