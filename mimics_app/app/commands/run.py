@@ -142,8 +142,7 @@ def _look(args: argparse.Namespace) -> int:
     from mimics_app.app.viewer.shown import open_shown
 
     with ViewerSession(open_shown(args.scene, "y"), args.size, args.profile, "", "y") as session:
-        log.shown()
-        session.run()
+        session.run(log.shown)
     log.chose("other")
     if args.json:
         write_object("run", {"looked_at": args.scene})

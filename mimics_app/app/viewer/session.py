@@ -31,6 +31,10 @@ _REST_NS = _NS // 5
 _LONGEST_STEP_S = 0.1
 
 
+def _do_nothing() -> None:
+    """Nobody waits for the first picture."""
+
+
 class ViewerSession:
     """One window, from opening to closing.
 
@@ -62,8 +66,10 @@ class ViewerSession:
         self.saved: list[Path] = []
         self.backend = self._surface.backend
 
-    def run(self) -> None:
-        """Show it until the window closes."""
+    def run(self, shown: Callable[[], None] = _do_nothing) -> None:
+        """Show it until the window closes; `shown` is called once the first picture is on the glass."""
+        self._draw(smooth=False)
+        shown()
         due = looked = before = begun = drawn = self._clock.now_ns()
         rested = False
         while not (self._surface.should_close or self._left):
