@@ -35,7 +35,7 @@ def travelled(pauses: tuple[int, ...]) -> Player:
     raise AssertionError("the trial has no end")
 
 
-def test_the_clock_of_the_task_stands_still():
+def test_the_clock_of_the_task_stands_still() -> None:
     plain, paused = travelled(()), travelled((30, 90))
     for name in ("time_s", "path_error_rms_m", "score", "outcome", "progress"):
         assert paused.manager.rows[0][name] == pytest.approx(plain.manager.rows[0][name], abs=1e-6), name
@@ -43,7 +43,7 @@ def test_the_clock_of_the_task_stands_still():
     assert (row["end_ns"] - row["begin_ns"]) / 1e9 == pytest.approx(row["time_s"] + 600 * FRAME_NS / 1e9)
 
 
-def test_a_time_limit_is_put_off():
+def test_a_time_limit_is_put_off() -> None:
     player = make_player({"start": {"ready_s": 0.1}, "time_limit_s": 2.0}, speed=0.0)
     player.until("travel")
     player.step(pressed=("p",))
@@ -54,7 +54,7 @@ def test_a_time_limit_is_put_off():
     assert 115 <= player.until("timeout") <= 121
 
 
-def test_the_robot_is_held_where_it_is_and_then_given_back():
+def test_the_robot_is_held_where_it_is_and_then_given_back() -> None:
     player = make_player(TASK)
     player.until("travel")
     held = player.step(pressed=("p",), q=np.array([0.03, -0.1, 0.04]))
@@ -65,7 +65,7 @@ def test_the_robot_is_held_where_it_is_and_then_given_back():
     assert on.haptic["controller"] == Controller.ADMITTANCE and on.person_may_act and not on.view.paused
 
 
-def test_contacts_in_a_pause_are_none_of_the_travel():
+def test_contacts_in_a_pause_are_none_of_the_travel() -> None:
     player = make_player(TASK)
     player.until("travel")
     player.step(pressed=("p",))
@@ -75,7 +75,7 @@ def test_contacts_in_a_pause_are_none_of_the_travel():
     assert player.manager.rows[0]["contacts"] == 0
 
 
-def test_a_stop_ends_the_pause_and_is_not_paused_itself():
+def test_a_stop_ends_the_pause_and_is_not_paused_itself() -> None:
     player = make_player(TASK)
     player.until("travel")
     player.step(pressed=("p",))
@@ -85,7 +85,7 @@ def test_a_stop_ends_the_pause_and_is_not_paused_itself():
     assert not player.orders[-1].view.paused
 
 
-def test_time_left_stands_beside_the_time_and_practice_is_called_so():
+def test_time_left_stands_beside_the_time_and_practice_is_called_so() -> None:
     blocks = [{"practice": True}, {"trials": [{"label": "a"}, {"label": "b"}]}]
     player = make_player({**TASK, "trials": blocks})
     assert player.step().board.cards["trial"].text == "Practice"
