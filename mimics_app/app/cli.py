@@ -25,6 +25,7 @@ __all__ = ["COMMANDS", "main", "parse"]
 COMMANDS: dict[str, str] = {
     "run": "run a scene: in a window, or headless with the simulated patient",
     "render": "draw frames of a scene to PNG files",
+    "scenes": "list the shipped scenes: name, group, what each takes and how long",
     "view": "look at a model or a scene from all sides; draw contact sheets",
     "avatar": "say which joints of a person's model are which",
     "check": "validate scene files and report every error",
@@ -41,6 +42,7 @@ COMMANDS: dict[str, str] = {
     "bench": "measure the product against rivals on this machine",
     "lab": "chart speed against accuracy, and show where methods fail",
     "assets": "build the shipped models and sounds anew, exactly",
+    "completion": "print what makes a shell complete commands, options and names of scenes",
     "warmup": "compile the kernels now instead of at the first run",
 }
 """Each is a module of `app.commands` with `add_arguments(parser)` and `run(args)`; with none given `launch` runs."""
@@ -120,7 +122,7 @@ def _parser_of(command: str) -> _Parser:
     module = _command_module(command)
     module.add_arguments(parser)
     parser.add_argument("--json", action="store_true", help="write one JSON object to stdout, all else to stderr")
-    parser.set_defaults(command=command, run=module.run)
+    parser.set_defaults(command=command, run=module.run, commands=COMMANDS, parser_of=_parser_of)
     return parser
 
 

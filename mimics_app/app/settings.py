@@ -6,14 +6,27 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-__all__ = ["PROFILES", "QUALITIES", "RECIPES", "SOUNDS", "Profile", "Quality", "RunSettings", "SoundChoice"]
+__all__ = [
+    "DIFFICULTIES",
+    "PROFILES",
+    "QUALITIES",
+    "RECIPES",
+    "SOUNDS",
+    "Difficulty",
+    "Profile",
+    "Quality",
+    "RunSettings",
+    "SoundChoice",
+]
 
 Profile = Literal["draft", "training", "study"]
 SoundChoice = Literal["auto", "device", "file", "off"]
 Quality = Literal["auto", "full"]
+Difficulty = Literal["easier", "usual", "harder"]
 
 PROFILES: tuple[Profile, ...] = ("draft", "training", "study")
 QUALITIES: tuple[Quality, ...] = ("auto", "full")
+DIFFICULTIES: tuple[Difficulty, ...] = ("easier", "usual", "harder")
 SOUNDS: tuple[SoundChoice, ...] = ("auto", "device", "file", "off")
 RECIPES = ("auto", "fifo", "ordinary", "plain")
 """What `rendering.haptic.scheduler` knows; named here too so that --help imports no haptics (a test compares them)."""
@@ -34,7 +47,7 @@ class RunSettings:
         device: Instead of the scene's robot device; "" keeps it (a window takes "pointer").
         recording: Run folder whose sensors the device "replay" plays, or None.
         patient: Preset instead of the scene's; "" keeps it.
-        sound: "auto": device when live, file when headless; "off": none.
+        sound: "auto": the device when live, nothing kept when headless; "file": sound.wav in the run; "off": none.
         size: Of the picture [px].
         display: Where it is shown, KIND or KIND:FILE; "" keeps the scene's.
         pictures: Frames a headless run draws and keeps.
@@ -45,6 +58,8 @@ class RunSettings:
         goal: What the policy is rewarded for, see `learning.goals.build_goal`; "": what the task says.
         baseline_s: How long the person's rest is measured at the beginning [s].
         runs: Folder the run folder is made in.
+        difficulty: "easier" and "harder" move what the task can adapt half-way to its easiest or hardest value.
+        trials: How many trials count, in the scene's order and again from its beginning; 0: as the scene says.
         participant: Code of the person, for results over time; "": none.
         journey: File that hears how far the start has come and what the person chose on the page of results, or None.
         recipe: Scheduler of the live haptic loop, one of RECIPES.
@@ -73,5 +88,7 @@ class RunSettings:
     runs: Path = field(default_factory=lambda: Path("runs"))
     recipe: str = "auto"
     from_trial: int = 1
+    difficulty: Difficulty = "usual"
+    trials: int = 0
     participant: str = ""
     journey: Path | None = None

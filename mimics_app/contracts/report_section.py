@@ -99,10 +99,10 @@ class ReportSection:
     """
 
     heading: ClassVar[str] = "Movement of the hand"
-    colours: ClassVar[str] = "The path of the robot's top is blue."
+    colours: ClassVar[str] = "The handle path is blue."
     touching: ClassVar[str] = "touching"
     contact: ClassVar[str] = "contact begins"
-    path_error: ClassVar[str] = "path error"
+    path_error: ClassVar[str] = "distance from the line"
     contacts: ClassVar[str] = "contacts"
     from_floor: ClassVar[bool] = False
 
@@ -120,7 +120,7 @@ class ReportSection:
 
     def hand(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[Curve]:
         """The path of the hand, where the person led."""
-        return [Curve(np.where(attempt.free[:, None], frontal(attempt), np.nan), "robot", "path of the robot")]
+        return [Curve(np.where(attempt.free[:, None], frontal(attempt), np.nan), "robot", "handle path")]
 
     def marks(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[Marks]:
         """Moments on the path."""

@@ -45,6 +45,7 @@ class TaskContext:
         offers: What the scene has for kinds of task, e.g. "tunnel".
         feel: Controller under which the person leads: ADMITTANCE, or IMPEDANCE on a force driven device.
         simulated: Nobody is there: whoever asks the person something answers itself.
+        by_pointer: The person plays with mouse, keys or gamepad; prompts name what to press.
     """
 
     start_joints: tuple[float, ...]
@@ -54,6 +55,7 @@ class TaskContext:
     offers: frozenset[str] = frozenset()
     feel: Controller = Controller.ADMITTANCE
     simulated: bool = False
+    by_pointer: bool = False
 
 
 class Scenario(Protocol):

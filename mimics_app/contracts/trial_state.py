@@ -36,6 +36,7 @@ class TaskView:
         trials: How many there are.
         elapsed_s: Time in the present state [s].
         on_a_way: Whether a kind of task measures the progress; else it is that of the time.
+        paused: The task and its clock stand still until the person goes on.
     """
 
     state: TrialState = TrialState.APPROACH
@@ -44,8 +45,9 @@ class TaskView:
     trials: int = 0
     elapsed_s: float = 0.0
     on_a_way: bool = True
+    paused: bool = False
 
     @property
     def robot_leads(self) -> bool:
         """Whether the robot moves, or holds, the hand: a cursor then rests on the ball."""
-        return self.state not in _PERSON_LEADS
+        return self.paused or self.state not in _PERSON_LEADS

@@ -8,7 +8,7 @@ from typing import Literal
 
 __all__ = ["GamepadState", "InputEvent", "InputKind"]
 
-InputKind = Literal["key", "button", "move", "wheel", "pad", "resize", "close"]
+InputKind = Literal["key", "text", "button", "move", "wheel", "pad", "resize", "close"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,9 +16,10 @@ class InputEvent:
     """One event of a window, in the order it happened.
 
     Attributes:
-        kind: "key", "button" (mouse), "move" (pointer), "wheel", "pad" (gamepad button), "resize" or "close".
-        name: Key ("a", "space", "escape", "up", "f11", ...), mouse button ("left", "right", "middle") or gamepad
-            button ("a", "b", "start", "dpad_up", ...); "" for the other kinds.
+        kind: "key", "text" (a character that a key or several made), "button" (mouse), "move" (pointer), "wheel", "pad"
+            (gamepad button), "resize" or "close".
+        name: Key ("a", "space", "escape", "up", "f11", ...), the character, mouse button ("left", "right", "middle") or
+            gamepad button ("a", "b", "start", "dpad_up", ...); "" for the other kinds.
         pressed: True on press and on key repeat, False on release.
         repeat: True when a held key repeats.
         x: Pointer to the right in [-1, 1] of the window; for "wheel" the sideways steps, for "resize" the width [px].

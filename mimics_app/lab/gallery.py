@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -45,8 +46,25 @@ class _Shown:
         return {method["method"]: (method["source"], method["valid_range"]) for method in self.data["methods"]}
 
 
-def write_gallery(folder: Path) -> Path:
+Limits = Mapping[str, Mapping[str, float]]
+"""By profile: the largest error it accepts, by the unit of the error."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Line:
+    """A chart in the table at the head of the page: its default, and what each profile takes by error alone."""
+
+    one: _Shown
+    default: Data | None
+    taken: dict[str, str]
+
+
+def write_gallery(folder: Path, limits: Limits | None = None) -> Path:
     """Write `index.html` with every figure whose two files lie in a folder: charts, S1, S2 and so on, then the rest.
+
+    Args:
+        folder: Of the figures.
+        limits: Of each profile, for the table of what it takes; None for no such columns.
 
     Raises:
         OSError: The folder cannot be read or written.
@@ -58,10 +76,32 @@ def write_gallery(folder: Path) -> Path:
     page = folder / "index.html"
     environment = load_templates(_TEMPLATES, number=_number, cell=_cell)
     text = environment.get_template("gallery.html.j2").render(
-        charts=charts, maps=maps, figures=figures, most_rows=_MOST_ROWS, drawing_style=Markup(STYLE)
+        lines=[_line_of(one, limits or {}) for one in charts],
+        profiles=list(limits or {}),
+        charts=charts,
+        maps=maps,
+        figures=figures,
+        most_rows=_MOST_ROWS,
+        drawing_style=Markup(STYLE),
     )
     page.write_text(text, encoding="utf-8")
     return page
+
+
+def _line_of(one: _Shown, limits: Limits) -> _Line:
+    rows = one.data["rows"]
+    default = next((row for row in rows if row["method"] == one.data["default"]), None)
+    unit, of_profiles = one.data["unit"], one.data["default"] in limits  # a chart of whole scenes compares profiles
+    taken = {name: "" if of_profiles else _cheapest(rows, within.get(unit)) for name, within in limits.items()}
+    return _Line(one, default, taken)
+
+
+def _cheapest(rows: list[Data], limit: float | None) -> str:
+    """The cheapest method whose error a limit allows; "" where no profile has one for such errors."""
+    if limit is None:
+        return ""
+    right = [row for row in rows if row["valid"] and row["error"] is not None and row["error"] <= limit]
+    return str(min(right, key=lambda row: float(row["cost_ns"]))["method"]) if right else "no method"
 
 
 def _inline(numbers: Path) -> Markup:

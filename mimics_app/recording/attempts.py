@@ -14,6 +14,7 @@ from mimics_app.contracts.object_rows import Rows
 from mimics_app.contracts.report_section import TunnelShape
 from mimics_app.recording.columns import whole
 from mimics_app.recording.report_values import number
+from mimics_app.recording.result_words import trial_names
 from mimics_app.recording.run import Run
 
 __all__ = ["Attempt", "find_attempts", "tunnel_shape"]
@@ -34,6 +35,7 @@ class Attempt:
         free: Where the person led (admittance or impedance control), shape [n]; elsewhere the robot was driven.
         tunnel: The tunnel it went through, None where there is none.
         row: Its row of trials.csv, {} where it has none.
+        name: Which trial it was, as people count them; "" where nothing says.
     """
 
     number: int
@@ -41,23 +43,22 @@ class Attempt:
     free: NDArray[np.bool_]
     tunnel: TunnelShape | None
     row: Mapping[str, Any]
+    name: str = ""
 
     @property
     def title(self) -> str:
         """What it was, in words."""
         if not self.row:
             return f"Attempt {self.number} (not finished)" if self.number else "Whole run"
-        trial, attempt, score = (number(self.row.get(name)) for name in ("trial", "attempt", "score"))
-        words = [f"Trial {(self.number if trial is None else trial) + 1:.0f}"]
+        attempt, score = (number(self.row.get(name)) for name in ("attempt", "score"))
+        words = [self.name if self.row.get("practice") else f"Trial {self.name}"]
         if attempt is not None and attempt > 1:
             words.append(f"attempt {attempt:.0f}")
         if self.row.get("label"):
             words.append(str(self.row["label"]))
-        if self.row.get("practice"):
-            words.append("practice")
         words.append(str(self.row.get("outcome", "")))
         if score is not None:
-            words.append(f"score {score:.1f}")
+            words.append(f"score {score:.0f} of 100")
         return " · ".join(word for word in words if word)
 
 
@@ -70,6 +71,7 @@ def find_attempts(run: Run) -> list[Attempt]:
     sequences = whole(samples["sequence"])
     numbers = _per_row(sequences, blocks, "trial", 0)
     controllers = _per_row(sequences, blocks, "controller", Controller.ADMITTANCE)
+    names = trial_names(run.trials)
     begun = [int(n) for n in np.unique(numbers) if n > 0] or [0]
     attempts = []
     for i, count in enumerate(begun):
@@ -78,8 +80,8 @@ def find_attempts(run: Run) -> list[Attempt]:
         tunnel = next(
             (tunnel_shape(blocks[s], run.rows.get(s)) for s in _in_order(sequences[mine]) if s in blocks), None
         )
-        row = run.trials[i] if i < len(run.trials) else {}
-        attempts.append(Attempt(count, samples[mine], free, tunnel, row))
+        row, name = (run.trials[i], names[i]) if i < len(run.trials) else ({}, "")
+        attempts.append(Attempt(count, samples[mine], free, tunnel, row, name))
     return attempts
 
 

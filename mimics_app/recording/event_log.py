@@ -36,6 +36,18 @@ __all__ = [
 
 _SCALARS = ("t_ns", "tick", "body_a", "body_b", "material_a", "material_b", "speed", "force", "value")
 _VECTORS = ("position_world", "normal_world")
+_TOLD = {
+    "state": "state",
+    "trip": "cause",
+    "parameters": "sequence",
+    "margin": "margin",
+    "cap": "stiffness_share",
+    "stale": "age_s",
+    "left_out": "pairs",
+    "quarantine": "effect",
+}
+"""What the number of an event of these kinds is called in its line; of the others it is a `force` [N]. In memory all
+stand in one field, and in the lines of older recordings too, which are read as ever."""
 
 
 def _plain(value: Any) -> Any:
@@ -81,7 +93,12 @@ def encode_event(event: NDArray[Any], n: int) -> bytes:
     except ValueError:
         kind = f"kind_{int(event['kind'])}"
     fields = {name: event[name].item() for name in _SCALARS} | {name: event[name].tolist() for name in _VECTORS}
-    return encode_line("loop", kind, {"n": n, **fields})
+    return encode_line("loop", kind, {"n": n, **{_name(kind, field): value for field, value in fields.items()}})
+
+
+def _name(kind: str, field: str) -> str:
+    """Under which name a field of an event of a kind stands in its line."""
+    return _TOLD.get(kind, field) if field == "force" else field
 
 
 def events_of(lines: list[dict[str, Any]]) -> NDArray[Any]:
@@ -92,7 +109,7 @@ def events_of(lines: list[dict[str, Any]]) -> NDArray[Any]:
         for event, line in zip(events, loop, strict=True):
             event["kind"] = _kind_of(line["kind"])
             for field in (*_SCALARS, *_VECTORS):
-                value = line[field]
+                value = line[field] if field in line else line[_name(line["kind"], field)]
                 event[field] = value if isinstance(value, int) else np.array(value, np.float64)  # None becomes NaN
     return events
 
@@ -134,7 +151,6 @@ class _Loop(msgspec.Struct):
     material_a: _Int16
     material_b: _Int16
     speed: float | None
-    force: float | None
     value: float | None
     position_world: _Vector
     normal_world: _Vector
@@ -200,6 +216,9 @@ def _parse_line(text: bytes) -> dict[str, Any]:
         raise ValueError("no source and kind")
     if source == "loop":
         msgspec.convert(line, _Loop)
+        told = line["force"] if "force" in line else line.get(_name(kind, "force"), "")
+        if told is not None and (isinstance(told, bool) or not isinstance(told, int | float)):
+            raise ValueError("no number")
         if abs(_kind_of(kind)) >= 2**31:
             raise ValueError("no kind of event")
     elif shape := _SHAPES.get((source, kind)):

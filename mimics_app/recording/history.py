@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from mimics_app.recording.manifest import read_manifest
 from mimics_app.recording.session_header import read_session
 
-__all__ = ["EarlierRun", "earlier_runs"]
+__all__ = ["EarlierRun", "earlier_runs", "recent_runs"]
 
 _MOST_FOLDERS = 400
 """Newest run folders that are looked at: a glance at each takes about a millisecond."""
@@ -25,6 +26,8 @@ class EarlierRun:
         completed, trials: Completed and ended trials, practice left out.
         score: Mean score of 100; None where the task has none.
         time_s: Mean time of a trial [s]; None where none ended.
+        scene, participant: What was played, and by whom.
+        utc: When it began, as in the header; "" where that does not say.
     """
 
     folder: Path
@@ -32,6 +35,9 @@ class EarlierRun:
     trials: int
     score: float | None
     time_s: float | None
+    scene: str = ""
+    participant: str = ""
+    utc: str = ""
 
 
 def earlier_runs(parent: Path, scene: str, participant: str, *, besides: Path | None = None) -> list[EarlierRun]:
@@ -43,25 +49,35 @@ def earlier_runs(parent: Path, scene: str, participant: str, *, besides: Path | 
         participant: Whose; "" for those without a code.
         besides: A run that is left out.
     """
-    folders = sorted((path for path in parent.glob("*_*") if path != besides), reverse=True)[:_MOST_FOLDERS]
-    return list(_of(reversed(folders), scene, participant))
+    newest_first = (run for run in _closed(parent, besides) if (run.scene, run.participant) == (scene, participant))
+    return list(newest_first)[::-1]
 
 
-def _of(folders: Iterator[Path], scene: str, participant: str) -> Iterator[EarlierRun]:
-    for folder in folders:
+def recent_runs(parent: Path, most: int) -> list[EarlierRun]:
+    """The newest runs of any scene with trials that ended, newest first, at most so many."""
+    return list(islice(_closed(parent), most))
+
+
+def _closed(parent: Path, besides: Path | None = None) -> Iterator[EarlierRun]:
+    """Closed runs with trials that ended, newest first."""
+    for folder in sorted((path for path in parent.glob("*_*") if path != besides), reverse=True)[:_MOST_FOLDERS]:
         manifest, _ = read_manifest(folder)
         task = manifest.summary.get("task") if manifest is not None else None
         if not isinstance(task, dict) or not task.get("trials"):
             continue
         header, _ = read_session(folder)
-        if _named(header) == (scene, participant):
-            yield EarlierRun(
-                folder,
-                _count(task, "completed"),
-                _count(task, "trials"),
-                _figure(task, "score"),
-                _figure(task, "time_s"),
-            )
+        name, participant = _named(header)
+        clock = header.get("clock")
+        yield EarlierRun(
+            folder,
+            _count(task, "completed"),
+            _count(task, "trials"),
+            _figure(task, "score"),
+            _figure(task, "time_s"),
+            name,
+            participant,
+            str(clock.get("utc", "")) if isinstance(clock, dict) else "",
+        )
 
 
 def _named(header: dict[str, Any]) -> tuple[str, str]:

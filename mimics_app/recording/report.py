@@ -21,6 +21,7 @@ from mimics_app.contracts.trips import TripReader
 from mimics_app.plotting.plot import Plot
 from mimics_app.recording.attempts import Attempt, find_attempts
 from mimics_app.recording.report_figures import draw_lateness, draw_path, draw_states, draw_traces
+from mimics_app.recording.report_front import Front, front_of
 from mimics_app.recording.report_governor import governor_tables
 from mimics_app.recording.report_page import render_page
 from mimics_app.recording.report_stability import smallest_margin, stability_tables
@@ -45,7 +46,6 @@ from mimics_app.recording.verdict import judge
 
 __all__ = ["Page", "Punctuality", "page_of", "punctuality", "write_report"]
 
-_OPEN_ATTEMPTS = 3
 _WARM_UP_TICKS = 1000
 _OWN_KEYS = ("format", "version", "versions", "machine", "clock", "plan")
 _TRIPS = "{}. A stop is latched until a person resets it; a short hold, after a late tick, ends by itself."
@@ -99,8 +99,9 @@ class Movement:
 
 @dataclass(frozen=True, slots=True)
 class Safety:
-    """States over time, trips, what was not simulated, the second before each trip, stability."""
+    """Figures by name, states over time, trips, what was not simulated, the second before each trip, stability."""
 
+    cards: dict[str, str]
     words: str
     states: Plot
     trips: Table | None
@@ -147,6 +148,7 @@ class Page:
         problems: What is not as it should be, one sentence each.
         cards: Figures of the run by name.
         counted: What these figures are over, as in the summary of the task; "" where there are none.
+        front: Of page one.
         trials: None where none ended.
         heading, colours: Of the movement.
         movement: Of each attempt.
@@ -163,6 +165,7 @@ class Page:
     problems: list[str]
     cards: dict[str, str]
     counted: str
+    front: Front
     trials: Trials | None
     heading: str
     colours: str
@@ -197,7 +200,7 @@ def page_of(run: Run, sections: Sequence[ReportSection]) -> Page:
     attempts = find_attempts(run)
     facts = mapping(run.session.get("facts"))
     section = _section_of(sections, facts, attempts)
-    recorded, listed = len(run.haptic) > 0, list(enumerate(attempts))
+    recorded, first = len(run.haptic) > 0, _first_shown(attempts)
     return Page(
         title=f"Report of {_scene_name(run)}",
         status=_BADGES.get(run.status, f"recording {run.status}"),
@@ -206,10 +209,11 @@ def page_of(run: Run, sections: Sequence[ReportSection]) -> Page:
         problems=list(judge(run).problems),
         cards={name: text for name, text in _cards(run, attempts, section).items() if text != NONE},
         counted=str(task.get("counted", COUNTED_TRIALS)) if (task := mapping(run.summary.get("task"))) else "",
+        front=front_of(run),
         trials=trials_of(run),
         heading=section.heading if attempts else "Movement",
         colours=section.colours if attempts else "",
-        movement=[_movement(run, attempt, (section, facts), opened=i < _OPEN_ATTEMPTS) for i, attempt in listed],
+        movement=[_movement(run, attempt, (section, facts), opened=attempt is first) for attempt in attempts],
         contacts=contacts_of(run),
         safety=_safety(run) if recorded else None,
         real_time=_real_time(run) if recorded else None,
@@ -217,6 +221,12 @@ def page_of(run: Run, sections: Sequence[ReportSection]) -> Page:
         settings=_settings(run),
         record=_record(run),
     )
+
+
+def _first_shown(attempts: list[Attempt]) -> Attempt | None:
+    """The attempt that is open on the page: the first that is no practice; the others are folded."""
+    counting = [attempt for attempt in attempts if not attempt.row.get("practice")]
+    return next(iter([*counting, *attempts]), None)
 
 
 def _scene_name(run: Run) -> str:
@@ -229,10 +239,11 @@ def _scene_name(run: Run) -> str:
 
 def _head_line(run: Run) -> list[str]:
     seconds = float(run.haptic["t"][-1]) if len(run.haptic) else 0.0
-    words = [_local_time(mapping(run.session.get("clock")).get("utc")), f"{seconds:.1f} s"]
-    words.append(f"seed {shown(run.session.get('seed'))}")
     known = {**mapping(run.session.get("settings")), **run.session}
-    words += [shown(known[key]) for key in ("participant", "patient", "device", "profile") if known.get(key)]
+    whose = [f"participant {shown(known['participant'])}"] if known.get("participant") else []
+    words = [*whose, _local_time(mapping(run.session.get("clock")).get("utc")), f"{seconds:.1f} s"]
+    words += [shown(known[key]) for key in ("patient", "device", "profile") if known.get(key)]
+    words.append(f"seed {shown(run.session.get('seed'))}")
     return [word for word in words if word]
 
 
@@ -249,15 +260,22 @@ def _cards(run: Run, attempts: list[Attempt], section: ReportSection) -> dict[st
     felt = [_largest(attempt.samples[attempt.free]["f_user_world"]) for attempt in attempts]
     return {
         **_trial_cards(run),
-        "score": one(task.get("score")),
-        "time": one(task.get("time_s"), "s"),
+        "score of 100": one(task.get("score")),
+        "mean time of a trial": one(task.get("time_s"), "s"),
         **{name: _card(*figure) for name, figure in section.tiles(task).items()},
         section.path_error: one(scaled(task.get("path_error_m"), 1000.0), "mm"),
         section.contacts: shown(task.get("contacts")),
         "largest force felt": one(max(felt, default=0.0) or None, "N"),
+        "safety stops": shown(_stops_and_holds(run)["safety stops"]),
+    }
+
+
+def _operators_cards(run: Run) -> dict[str, str]:
+    """Figures of how the machine ran, which say nothing of the person."""
+    return {
         "smallest stability margin": one(scaled(smallest_margin(run.haptic), 100.0), "%"),
         **_late_card(run),
-        **{name: shown(number) for name, number in _stops_and_holds(run).items()},
+        "short holds": shown(_stops_and_holds(run)["short holds"]),
     }
 
 
@@ -317,6 +335,7 @@ def _movement(run: Run, attempt: Attempt, told: tuple[ReportSection, Mapping[str
 def _safety(run: Run) -> Safety:
     counts = _stops_and_holds(run)
     return Safety(
+        cards={name: text for name, text in _operators_cards(run).items() if text != NONE},
         words=_TRIPS.format(", ".join(f"{name}: {number}" for name, number in counts.items())),
         states=draw_states(run.haptic),
         trips=trip_table(run),

@@ -54,7 +54,7 @@ def stability_lines(attempt: Attempt) -> dict[str, dict[str, tuple[str, Values]]
         return {}
     return {
         "stability margin [%]": {
-            "margin": ("how much stiffer the wall might be", 100.0 * np.minimum(samples["margin"], _MOST_SHOWN)),
+            "margin": ("stiffness reserve", 100.0 * np.minimum(samples["margin"], _MOST_SHOWN)),
         },
         "energy [mJ]": {
             "energy": ("taken by the wall since the contact began", 1000.0 * samples["energy"]),
@@ -74,7 +74,7 @@ def stability_tables(run: Run) -> dict[str, Table]:
         ("mean period, weighted by length [ms]", 1e3 * float(samples["period_s"].mean())),
         ("longest it was [ms]", 1e3 * float(samples["period_s"].max())),
         ("times the margin was lost", len(lost)),
-        ("contacts that the cap softened", len(capped)),
+        ("contacts with reduced stiffness", len(capped)),
         ("ticks in which the passivity controller acted", int((samples["passivity"] > 0.0).sum())),
         ("least level of the energy tank [J]", float(samples["tank"].min())),
         ("least share of active forces it could pay [%]", 100.0 * float(samples["tank_share"].min())),
@@ -85,7 +85,7 @@ def stability_tables(run: Run) -> dict[str, Table]:
         rows = [
             ("smallest margin while touching [%]", margin),
             ("smallest stable stiffness then [N/m]", limit),
-            ("most that one contact gave away [mJ]", given),
+            ("largest energy returned by one contact [mJ]", given),
             ("least share of the authored stiffness [%]", 100.0 * float(touching["stiffness_share"].min())),
             *rows,
         ]

@@ -17,7 +17,15 @@ import pyarrow as pa
 
 from mimics_app.contracts.messages import SignalBlock
 from mimics_app.recording.append_file import AppendFile
-from mimics_app.recording.arrow_format import END_OF_STREAM, Block, decode_batch, encode_batch, rows_crc, schema_bytes
+from mimics_app.recording.arrow_format import (
+    END_OF_STREAM,
+    Block,
+    compressed,
+    decode_batch,
+    encode_batch,
+    rows_crc,
+    schema_bytes,
+)
 from mimics_app.recording.arrow_scan import Found, last_block, read_schema, scan_stream
 from mimics_app.recording.run_folder import FILES
 from mimics_app.recording.signal_rows import SignalRow, unpack_signals
@@ -49,7 +57,7 @@ def encode_signals(rows: _Sent, seq: int, first: int) -> bytes:
     columns = [pa.array([row[i] for row in rows], schema.field(i).type) for i in range(4)]
     columns.append(pa.ListArray.from_arrays(pa.array(offsets), pa.array(flat), type=schema.field(4).type))
     batch = pa.RecordBatch.from_arrays(columns, schema=schema)
-    return encode_batch(batch, seq, first, rows_crc(seq, first, _heads(rows), offsets, flat))
+    return encode_batch(batch, seq, first, rows_crc(seq, first, _heads(rows), offsets, flat), compressed())
 
 
 def decode_signals(data: bytes | memoryview) -> Block:

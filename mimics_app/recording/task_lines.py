@@ -16,7 +16,7 @@ from mimics_app.recording.trial_table import as_read
 
 __all__ = ["TASK_KINDS", "FrameLine", "TaskDifference", "TaskLines", "compare_lines", "compare_rows", "gather_task"]
 
-TASK_KINDS = ("state", "action", "clipped", "session_end")
+TASK_KINDS = ("state", "action", "clipped", "pause", "session_end")
 """Kinds of the app's lines that the task manager journals."""
 
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 from mimics_app.contracts.board import Bar, Card, Tone
 from mimics_app.tasks.kinds.carry_spec import GripSpec
 
-__all__ = ["CARDS", "count_card", "force_card", "grasp_card", "progress_card", "state_card", "time_card"]
+__all__ = ["CARDS", "count_card", "force_card", "grasp_card", "progress_card", "state_card", "time_card", "trial_card"]
 
 CARDS = ("progress", "time", "contacts", "force", "score", "state", "trial", "margin")
 """Cards that every task has; "margin" is the stability monitor's."""
@@ -20,9 +22,15 @@ def progress_card(share: float, label: str = "Tunnel") -> Card:
     return Card(label, f"{100.0 * share:.0f} %", bar=Bar(share), width=_WITH_BAR)
 
 
-def time_card(seconds: float) -> Card:
-    """Time of the trial [s]."""
-    return Card("Time", f"{seconds:.1f} s")
+def time_card(seconds: float, left_s: float | None = None) -> Card:
+    """Time of the trial, and how much of it is left [s]; None: none runs."""
+    left = "" if left_s is None else f"{math.ceil(left_s)} s left"
+    return Card("Time", f"{seconds:.1f} s", remark=left, width=180.0)
+
+
+def trial_card(which: str) -> Card:
+    """Practice, or which trial of how many."""
+    return Card("Trial", which.removeprefix("Trial "))
 
 
 def count_card(label: str, number: float, width: float = 150.0) -> Card:

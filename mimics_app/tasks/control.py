@@ -14,7 +14,7 @@ _FREE = (TrialState.READY, TrialState.TRAVEL)
 
 
 class RobotControl:
-    """Approach: PD to the start. Ready and travel: the person leads. Stopped: off. Otherwise: hold where it is.
+    """Approach: PD to the start. Ready and travel: the person leads. Stopped: off. Otherwise, or paused: hold it.
 
     Holding between trials carries the arm, and nothing moves a hand that rests.
     """
@@ -25,6 +25,7 @@ class RobotControl:
         self._controller = Controller.OFF
         self._target = home.target
         self._holding = False
+        self._before = self._controller, self._target
 
     def enter(self, state: TrialState, q: tuple[float, ...]) -> None:
         """A state begins with the joints at q [m or rad]."""
@@ -40,6 +41,15 @@ class RobotControl:
             self._controller, self._target = self._home.controller, self._home.target
         elif self._holding and not held_before:
             self._target = q
+
+    def pause(self, q: tuple[float, ...]) -> None:
+        """Hold the robot where it is, at the joints q [m or rad], until `go_on`."""
+        self._before = self._controller, self._target
+        self._controller, self._target = Controller.JOINT_PD, q
+
+    def go_on(self) -> None:
+        """What was wanted before the pause is wanted again."""
+        self._controller, self._target = self._before
 
     def wanted(self) -> Mapping[str, object]:
         """SCENE fields as they should be now."""

@@ -8,7 +8,7 @@ from mimics_app.contracts.haptic import TripCause
 from mimics_app.contracts.trial_state import TrialState
 from mimics_app.tasks.task import StateName
 
-__all__ = ["BUILT_IN", "Announcement", "cause_words", "state_message"]
+__all__ = ["BUILT_IN", "Announcement", "built_in_messages", "cause_words", "state_message"]
 
 BUILT_IN: Mapping[TrialState, str] = {
     TrialState.APPROACH: "The robot moves to the start",
@@ -17,7 +17,7 @@ BUILT_IN: Mapping[TrialState, str] = {
     TrialState.FINISHED: "Well done: {score} points",
     TrialState.TIMEOUT: "Time is over: {score} points",
     TrialState.ABORTED: "The start was not reached",
-    TrialState.STOPPED: "Stopped: {cause}. When it is safe, the operator resets it: R",
+    TrialState.STOPPED: "Stopped: {cause}. When it is safe, the operator allows force again: R",
     TrialState.REST: "Rest: {seconds} s",
     TrialState.DONE: "Finished: {score} points",
 }
@@ -31,8 +31,17 @@ _WITHOUT_SCORE: Mapping[TrialState, str] = {
 }
 """The same where trials earn no points."""
 
+_AT_POINTER: Mapping[TrialState, str] = {TrialState.STOPPED: "Stopped: {cause}. R goes on"}
+"""The same where no robot is attached."""
+
 _GO_S = 1.5
 """How long the travel's message stays [s]; then the person has the picture to themselves."""
+
+
+def built_in_messages(*, with_score: bool, by_pointer: bool) -> Mapping[StateName, str]:
+    """The lines of a task that writes none of its own; without a score they promise no points."""
+    lines = {**BUILT_IN, **({} if with_score else _WITHOUT_SCORE), **(_AT_POINTER if by_pointer else {})}
+    return {state.value: text for state, text in lines.items()}
 
 
 def state_message(
@@ -40,10 +49,9 @@ def state_message(
 ) -> str:
     """The line of a state, `elapsed_s` [s] after it began, or what is to be done next in it.
 
-    Only the named fields are filled in; other braces stay. Without a `score` the built-in lines promise no points.
+    Only the named fields are filled in; other braces stay.
     """
-    built_in = BUILT_IN if "score" in fields else {**BUILT_IN, **_WITHOUT_SCORE}
-    text = texts.get(state.value, built_in[state])
+    text = texts.get(state.value, "")
     if state is TrialState.TRAVEL and elapsed_s >= _GO_S:
         text = prompt
     for name, value in fields.items():
@@ -68,6 +76,10 @@ class Announcement:
     def show(self, text: str, until_ns: int) -> None:
         """Show a line until a time [ns]."""
         self._text, self._until_ns = text, until_ns
+
+    def put_off(self, paused_ns: int) -> None:
+        """It stays so much longer [ns]."""
+        self._until_ns += paused_ns
 
     def line(self, now_ns: int, otherwise: str) -> str:
         """What is read now."""

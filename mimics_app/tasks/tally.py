@@ -58,6 +58,7 @@ class Tally:
     def __init__(self, first: Observation, plays: Sequence[KindPlay] = ()) -> None:
         self._plays = tuple(plays)
         self._begin_ns = self._last_ns = first.now_ns
+        self._paused_ns = 0
         self._contacts = int(first.touching)
         self._contact_ns = 0
         self._parted_ns = first.now_ns
@@ -80,7 +81,7 @@ class Tally:
     @property
     def time_s(self) -> float:
         """Length of the travel so far [s]."""
-        return (self._last_ns - self._begin_ns) / 1e9
+        return (self._last_ns - self._begin_ns - self._paused_ns) / 1e9
 
     @property
     def contacts(self) -> int:
@@ -103,9 +104,15 @@ class Tally:
         self._path += math.dist(seen.ball_world, self._last.ball_world)
         for play in self._plays:
             play.travel(seen, seconds)
-        self._times_s.append((seen.now_ns - self._begin_ns) / 1e9)
+        self._times_s.append((seen.now_ns - self._begin_ns - self._paused_ns) / 1e9)
         self._speeds.append(seen.speed)
         self._last, self._last_ns = seen, seen.now_ns
+
+    def pause(self, now_ns: int, paused_ns: int) -> None:
+        """A frame that does not count, `paused_ns` after the one before it."""
+        self._close_contact(self._last_ns)
+        self._paused_ns += paused_ns
+        self._last_ns = now_ns
 
     def _add_distance(self, seen: Observation, seconds: float) -> None:
         if seen.distance is None:

@@ -12,7 +12,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from mimics_app.contracts.board import Board, Card
+from mimics_app.contracts.board import Board
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.messages import (
     HapticSnapshot,
@@ -30,14 +30,15 @@ from mimics_app.tasks.actions import ActionSpace, Settings, build_action_space, 
 from mimics_app.tasks.adaptation import Adaptation
 from mimics_app.tasks.arrival import Arrival
 from mimics_app.tasks.attempts import ABORTED, TIMEOUT, Attempts, Row
-from mimics_app.tasks.cards import count_card, force_card, progress_card, state_card, time_card
+from mimics_app.tasks.cards import count_card, force_card, progress_card, state_card, time_card, trial_card
 from mimics_app.tasks.control import RobotControl
 from mimics_app.tasks.goals import Goals
-from mimics_app.tasks.hud import Announcement, cause_words, state_message
+from mimics_app.tasks.hud import Announcement, built_in_messages, cause_words, state_message
 from mimics_app.tasks.kinds.kind import KindPlay, TaskKind
 from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.observation import Observation, observe
 from mimics_app.tasks.orders import Changes
+from mimics_app.tasks.pause import PAUSED, Pause
 from mimics_app.tasks.state_machine import Conditions, next_state
 from mimics_app.tasks.task import ActionDeed, Deed, DurationGoal, MessageDeed, ScoreSpec, SoundDeed, TaskSpec
 from mimics_app.tasks.trials import Trial, plan_trials, trial_blocks
@@ -89,12 +90,14 @@ class TaskManager:
         self._has_score = bool(kinds) or spec.score != ScoreSpec()  # the built-in weights judge a way
         score = spec.score if self._has_score else None
         self._attempts = Attempts(plan, score, spec.start.attempts, on_trial, plays, counts, first_trial)
-        self._bodies = context.bodies
+        self._bodies, self._by_pointer = context.bodies, context.by_pointer
         self._arrival = Arrival(spec.start, context.start_joints)
         self._control = RobotControl(context.home or Home(context.start_joints), context.feel)
         self._goals = Goals(spec.goals, [self._play_of(goal) for goal in spec.goals])
         self._triggers = Triggers(spec.triggers, [self._play_of(trigger.when) for trigger in spec.triggers])
         self._announcement = Announcement()
+        self._pause = Pause()
+        self._seen: Observation | None = None
         self._haptic, self._visual, self._audio = Changes(), Changes(), Changes()
         self._settings = Settings()
         self._state = TrialState.APPROACH
@@ -143,11 +146,14 @@ class TaskManager:
     ) -> TaskOrders:
         """One frame: `events` are the EVENT records since the last one, shape [n]; `now_ns` never falls."""
         seen = replace(observe(snapshot, events, now_ns, self._bodies), pressed=vr.pressed)
-        for play in self._plays.values():
-            seen = play.see(seen, self._settings.task)
         if action is not None:
             self._take(action, now_ns)
         self._result = None
+        if self._pauses(seen):
+            return self._orders(self._stand_still(now_ns), ())
+        for play in self._plays.values():
+            seen = play.see(seen, self._settings.task)
+        self._seen = seen
         left, entered = self._advance(seen)
         moment = Moment(self._state, entered, left, vr.pressed, seen)
         sounds = [sound for deed in self._triggers.due(moment) for sound in self._do(deed, seen)]
@@ -162,6 +168,31 @@ class TaskManager:
     def result(self) -> dict[str, Any]:
         """Totals under the keys of `mimics run --json`, see `Attempts.result`."""
         return self._attempts.result(self._last_ns)
+
+    def _pauses(self, seen: Observation) -> bool:
+        """Whether the task stands still in this frame; there is nothing to hold before the first one."""
+        if self._seen is not None and self._pause.switched(seen, self._state):
+            self._on_event("pause", {"t_ns": seen.now_ns, "on": self._pause.on})
+            if self._pause.on:
+                self._control.pause(seen.q)
+            else:
+                self._control.go_on()
+        return self._pause.on
+
+    def _stand_still(self, now_ns: int) -> Observation:
+        """Put off whatever is due by the time since the last frame; what is seen is the last frame that counted."""
+        assert self._seen is not None and self._entered_ns is not None
+        paused_ns = now_ns - self._last_ns
+        self._last_ns = now_ns
+        self._entered_ns += paused_ns
+        self._goals.restart()
+        self._arrival.restart()
+        self._announcement.put_off(paused_ns)
+        if self._attempts.tally is not None:
+            self._attempts.tally.pause(now_ns, paused_ns)
+        for play in self._plays.values():
+            play.pause(paused_ns)
+        return replace(self._seen, now_ns=now_ns, pressed=())
 
     def _advance(self, seen: Observation) -> tuple[TrialState | None, TrialState | None]:
         """Let time pass and go to the state that follows; the states (left, entered) in this frame."""
@@ -210,11 +241,9 @@ class TaskManager:
         elif following is TrialState.ABORTED:
             cause = "start not reached" if state is TrialState.APPROACH else "soft start not over"
             self._attempts.end(ABORTED, cause, values, seen.now_ns)
-        elif following is TrialState.FINISHED:
-            self._attempts.end(FINISHED, "", values, seen.now_ns)
-            self._result = self._attempts.trial_result(values, seen.now_ns)
-        elif following is TrialState.TIMEOUT:
-            self._attempts.end(TIMEOUT, "", values, seen.now_ns)
+        elif following in (TrialState.FINISHED, TrialState.TIMEOUT):
+            outcome = FINISHED if following is TrialState.FINISHED else TIMEOUT
+            self._attempts.end(outcome, "", values, seen.now_ns)
             self._result = self._attempts.trial_result(values, seen.now_ns)
 
     def _enter(self, state: TrialState, seen: Observation) -> None:
@@ -282,7 +311,7 @@ class TaskManager:
             touches=tuple(touches),
             view=view,
             board=self._lay_out(seen, view),
-            person_may_act=self._state is TrialState.TRAVEL,
+            person_may_act=self._state is TrialState.TRAVEL and not self._pause.on,
             finished=self.done,
             result=self._result or self._step_result(seen.now_ns),
             demand=self._space.demand(self._adaptation.values),
@@ -295,10 +324,8 @@ class TaskManager:
         for play in self._plays.values():
             step = play.step
             if step is not None:
-                number, values = self._attempts.number, dict(self._adaptation.values)
-                return TrialResult(
-                    number, now_ns, "step", 0.0, step.reward, values=values, observed=dict(step.observed)
-                )
+                number, values, observed = self._attempts.number, self.values, dict(step.observed)
+                return TrialResult(number, now_ns, "step", 0.0, step.reward, values=values, observed=observed)
         return None
 
     def _view(self, seen: Observation) -> TaskView:
@@ -307,7 +334,8 @@ class TaskManager:
         travels = self._state is TrialState.TRAVEL
         done = seen.progress if on_a_way else elapsed / self._length_s() if travels else 0.0
         progress = min(max(done, 0.0), 1.0)
-        return TaskView(self._state, progress, attempts.number + 1, len(attempts.plan), elapsed, on_a_way)
+        trial, trials = attempts.number + 1, len(attempts.plan)
+        return TaskView(self._state, progress, trial, trials, elapsed, on_a_way, self._pause.on)
 
     def _lay_out(self, seen: Observation, view: TaskView) -> Board:
         attempts = self._attempts
@@ -324,19 +352,25 @@ class TaskManager:
         for play in self._plays.values():
             fields |= play.words
             prompt = play.prompt or prompt
-        line = state_message(self._state, self._spec.messages, view.elapsed_s, fields, prompt)
+        built_in = built_in_messages(with_score=self._has_score, by_pointer=self._by_pointer)
+        line = state_message(self._state, {**built_in, **self._spec.messages}, view.elapsed_s, fields, prompt)
         cards = {
-            "trial": Card("Trial", f"{view.trial} / {view.trials}"),
+            "trial": trial_card(attempts.which),
             "state": state_card(view.state),
             **({"progress": progress_card(view.progress, self._captions.label)} if self._plays else {}),
-            "time": time_card(attempts.tally.time_s if attempts.tally else 0.0),
+            "time": time_card(attempts.tally.time_s if attempts.tally else 0.0, self._left_s(view)),
             "contacts": count_card(self._captions.contacts, attempts.tally.contacts if attempts.tally else 0),
             "force": force_card(seen.force),
             **({"score": count_card("Score", score, width=130.0)} if self._has_score else {}),
         }
         for play in self._plays.values():
             cards |= play.cards(seen, attempts.finished)
-        return Board(cards, self._announcement.line(seen.now_ns, line), alarm=self._state is TrialState.STOPPED)
+        line = PAUSED if self._pause.on else self._announcement.line(seen.now_ns, line)
+        return Board(cards, line, alarm=self._state is TrialState.STOPPED)
+
+    def _left_s(self, view: TaskView) -> float | None:
+        """Time left of the travel [s]; None outside of one."""
+        return max(0.0, self._length_s() - view.elapsed_s) if self._state is TrialState.TRAVEL else None
 
     def _play_of(self, part: object) -> KindPlay | None:
         """The kind of task that a goal or a condition is of; None for the task's own."""

@@ -27,6 +27,7 @@ class _ContextRecord(msgspec.Struct):
     offers: list[str]
     feel: int
     simulated: bool = False
+    by_pointer: bool = False
 
 
 class _TaskRecord(msgspec.Struct):
@@ -41,7 +42,14 @@ def task_record(spec: TaskSpec, context: TaskContext) -> dict[str, Any]:
     home = None if context.home is None else _HomeRecord(context.home.target, int(context.home.controller))
     places = {name: context.places[name] for name in dict.fromkeys(_texts(plain)) if name in known}
     kept = _ContextRecord(
-        context.start_joints, home, context.bodies, places, sorted(context.offers), int(context.feel), context.simulated
+        start_joints=context.start_joints,
+        home=home,
+        bodies=context.bodies,
+        places=places,
+        offers=sorted(context.offers),
+        feel=int(context.feel),
+        simulated=context.simulated,
+        by_pointer=context.by_pointer,
     )
     record: dict[str, Any] = msgspec.to_builtins(_TaskRecord(plain, kept))
     return record
@@ -63,6 +71,7 @@ def task_of_record(record: Mapping[str, Any]) -> tuple[TaskSpec, TaskContext]:
         offers=frozenset(known.offers),
         feel=Controller(known.feel),
         simulated=known.simulated,
+        by_pointer=known.by_pointer,
     )
     return msgspec.convert(kept.spec, TaskSpec), context
 

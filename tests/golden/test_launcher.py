@@ -15,14 +15,27 @@ import pytest
 
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.window_input import GamepadState, InputEvent
-from mimics_app.rendering.visual.launcher.launcher import Launcher, ScenarioCard
+from mimics_app.rendering.visual.launcher.launcher import Launcher, LauncherChoice, ScenarioCard
+from mimics_app.rendering.visual.launcher.setting import Choice, Setting
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from tests.support.xvfb import display
 
 _ROOT = Path(__file__).parents[2]
-OPTIONS = {"profile": ["auto", "fast"], "device": ["simulated", "pointer", "replay"], "patient": ["healthy", "severe"]}
+OPTIONS = [
+    Setting("profile", "Quality", "Of the picture.", [Choice("auto", "usual"), Choice("fast", "quick")]),
+    Setting("device", "Who plays", "Who.", [Choice("simulated", "a"), Choice("pointer", "b"), Choice("replay", "c")]),
+    Setting("patient", "Patient", "How.", [Choice("healthy", "healthy"), Choice("severe", "severe")]),
+]
 CARDS = [ScenarioCard(f"Scene {n}", "Words about it. " * 5, None, Path(f"scene_{n}.json")) for n in range(7)]
+WHO = Setting("who", "Who plays", "A person or a robot.", [Choice("mouse", "mouse"), Choice("robot", "robot")])
+PORT = Setting("port", "Port", "Of the robot.", typed=True, empty="type it here", with_values=("robot",))
+GROUPED = [
+    ScenarioCard("Wavy tunnel", "Carry the ball.", None, Path("wavy_tunnel.json"), "Tasks", "one hand", "90"),
+    ScenarioCard("Rollers", "Push them up.", None, Path("rollers.json"), "Examples"),
+    ScenarioCard("City walk", "A town.", None, Path("city_walk.json"), "Places"),
+    ScenarioCard("Rollers", "1 of 1 trials.", None, Path("rollers.json"), "Recent", everywhere=False),
+]
 
 
 @pytest.fixture
@@ -37,7 +50,7 @@ def keys(*names: str) -> list[InputEvent]:
 
 def place(launcher: Launcher, kind: str, index: int = 0, step: int = 0) -> tuple[float, float]:
     """Pointer coordinates of the middle of a spot."""
-    spots = launcher._page.spots(launcher._scroll)
+    spots = launcher._page.spots()
     x, y, width, height = next(s for s in spots if (s.kind, s.index, s.step) == (kind, index, step)).box
     return 2.0 * (x + 0.5 * width) / launcher._hud.width - 1.0, 2.0 * (y + 0.5 * height) / 720.0 - 1.0
 
@@ -56,16 +69,26 @@ def test_enter_starts_the_first_scene_with_the_defaults(launcher):
 
 
 def test_the_keyboard_reaches_everything(launcher):
-    launcher.handle(keys("right", "right", "down", "right", "up", "up", "down", "down", "right", "right", "start"))
-    launcher.handle(keys("down", "down", "down", "enter"))
-    assert launcher.choice.scene == Path("scene_1.json")
+    assert launcher._page.columns == 3
+    launcher.handle(keys("right", "down", "right", "right", "down", "right", "right", "down", "down", "enter"))
+    assert launcher.choice.scene == Path("scene_5.json")
+    assert launcher.choice.settings == {"profile": "auto", "device": "replay", "patient": "healthy"}
 
 
 def test_the_gamepad_is_as_good_as_the_keyboard(launcher):
-    for name in ("dpad_down", "dpad_right", "dpad_right", "dpad_down", "dpad_right", "dpad_right", "start"):
+    for name in (
+        "dpad_down",
+        "dpad_right",
+        "dpad_right",
+        "dpad_right",
+        "dpad_down",
+        "dpad_right",
+        "dpad_left",
+        "start",
+    ):
         launcher.handle([InputEvent("pad", name, True), InputEvent("pad", name, False)])
-    assert launcher.choice.scene == Path("scene_3.json")
-    assert launcher.choice.settings["device"] == "replay"
+    assert launcher.choice.scene == Path("scene_5.json")
+    assert launcher.choice.settings["device"] == "simulated"
 
 
 def test_a_stick_makes_one_step_per_push(launcher):
@@ -80,7 +103,7 @@ def test_a_stick_makes_one_step_per_push(launcher):
 def test_a_mouse_chooses_scrolls_and_starts(launcher):
     click(launcher, "option", 1, 1)
     click(launcher, "option", 0, -1)
-    assert launcher.settings == {"profile": "fast", "device": "pointer", "patient": "healthy"}
+    assert launcher.values == {"profile": "fast", "device": "pointer", "patient": "healthy"}
     launcher.handle([InputEvent("wheel", y=-50.0)])
     click(launcher, "card", 6)
     assert launcher.choice is None, "one click chooses"
@@ -126,7 +149,7 @@ def test_it_fits_small_and_odd_windows():
             launcher = Launcher(surface, CARDS, OPTIONS)
             launcher.draw()
             assert surface.ctx.error == "GL_NO_ERROR"
-            for spot in launcher._page.spots(0.0):
+            for spot in launcher._page.spots():
                 assert spot.box[2] > 0.0
 
 
@@ -135,7 +158,78 @@ def test_nothing_to_choose_from_is_refused():
         with pytest.raises(UsageError):
             Launcher(surface, [], OPTIONS)
         with pytest.raises(UsageError):
-            Launcher(surface, CARDS, {"profile": []})
+            Launcher(surface, CARDS, [Setting("profile", "Quality", "")])
+
+
+def type_in(launcher: Launcher, text: str) -> None:
+    launcher.handle([InputEvent("text", character, True) for character in text])
+
+
+def titles(launcher: Launcher) -> list[str]:
+    return [card.title for card, _ in launcher._page.state.cards]
+
+
+@pytest.fixture
+def grouped():
+    with create_surface("egl", (1280, 720)) as surface:
+        yield Launcher(surface, GROUPED, [WHO, PORT])
+
+
+def test_groups_are_tabs_and_what_was_played_stands_in_its_own(grouped):
+    assert grouped._page.state.tabs == ["All", "Tasks", "Examples", "Places", "Recent"]
+    assert titles(grouped) == ["Wavy tunnel", "Rollers", "City walk"]
+    grouped.handle(keys("up", "right", "right", "right"))
+    assert titles(grouped) == ["City walk"]
+    grouped.handle(keys("right", "down", "enter"))
+    assert grouped.choice.scene == Path("rollers.json")
+
+
+def test_typing_searches_and_escape_ends_the_search_first(grouped):
+    grouped.handle(keys("up", "right", "right"))
+    type_in(grouped, "tow")
+    assert titles(grouped) == ["City walk"], "a search looks into every group"
+    type_in(grouped, "x")
+    assert titles(grouped) == []
+    grouped.handle(keys("enter"))
+    assert not grouped.done, "nothing is found, so nothing begins"
+    grouped.handle(keys("backspace", "escape"))
+    assert titles(grouped) == ["Rollers"] and not grouped.done
+    grouped.handle(keys("escape"))
+    assert grouped.left
+
+
+def test_a_field_is_filled_where_it_is_lit_and_shown_where_it_matters(grouped):
+    assert [setting.name for setting in grouped._page.state.settings] == ["who"]
+    click(grouped, "option", 0, 1)
+    assert [setting.name for setting in grouped._page.state.settings] == ["who", "port"]
+    grouped.handle(keys("down"))
+    type_in(grouped, "/dev/ttyUSB1")
+    grouped.handle([InputEvent("move", x=-0.9, y=0.0), *keys("backspace")])
+    type_in(grouped, "0")
+    assert grouped.values == {"who": "robot", "port": "/dev/ttyUSB0"}
+    assert len(titles(grouped)) == 3, "the search has heard nothing"
+
+
+def test_the_last_choice_is_taken_over_as_far_as_it_is_there():
+    last = LauncherChoice(Path("city_walk.json"), {"who": "robot", "port": "COM3", "gone": "x"})
+    with create_surface("egl", (1280, 720)) as surface:
+        launcher = Launcher(surface, GROUPED, [WHO, PORT], last, "there is no port COM3")
+        assert launcher.scene == last.scene and launcher.values == {"who": "robot", "port": "COM3"}
+        assert launcher._page.state.notice == "there is no port COM3"
+        launcher.handle(keys("right"))
+        assert launcher._page.state.notice == ""
+        strange = Launcher(surface, GROUPED, [WHO], LauncherChoice(Path("gone.json"), {"who": "nobody"}))
+        assert strange.values == {"who": "mouse"} and strange.scene == GROUPED[0].scene
+
+
+def test_keys_are_told(grouped):
+    grouped.draw()
+    before = read_pixels(grouped._surface)
+    grouped.handle(keys("f1"))
+    grouped.draw()
+    assert (read_pixels(grouped._surface) != before).any()
+    grouped.handle(keys("escape"))
+    assert not grouped.left
 
 
 _PROGRAM = """
@@ -173,7 +267,7 @@ def test_a_real_window_obeys_mouse_and_keyboard():
         try:
             tell("search", "--sync", "--name", "^mimics$")
             time.sleep(1.0)
-            tell("mousemove", "1215", "223")  # the right arrow of the device, second of the settings
+            tell("mousemove", "1218", "205")  # the right arrow of the device, second of the settings
             tell("click", "1")
             tell("mousemove", "100", "250")  # the first card
             tell("key", "Right")

@@ -48,7 +48,7 @@ def entity(document: dict[str, Any], name: str) -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def answer(tmp_path_factory) -> dict[str, Any]:
-    return run(tmp_path_factory.mktemp("runs"), "--pictures", 2)
+    return run(tmp_path_factory.mktemp("runs"), "--pictures", 2, "--sound", "file")
 
 
 def test_answer_has_the_keys_scripts_rely_on(answer):

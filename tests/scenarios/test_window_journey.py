@@ -47,6 +47,22 @@ def test_a_click_on_a_button_chooses_it() -> None:
         assert page.choice == "other"
 
 
+def test_keys_are_shown_and_put_away() -> None:
+    content = ResultContent("Tunnel", "", [], (), [], (*BUTTONS, Button("keys", "Keys", "h")), keys=[("Space", "stop")])
+    with create_surface("egl", (1280, 720)) as surface:
+        page = ResultPage(surface, content)
+        page.draw()
+        plain = read_pixels(surface).copy()
+        page.handle([InputEvent("key", "h", True)])
+        page.draw()
+        assert (read_pixels(surface) != plain).any() and page.choice == ""
+        page.handle([InputEvent("key", "escape", True)])
+        page.draw()
+        assert (read_pixels(surface) == plain).all() and page.choice == ""
+        page.handle([InputEvent("key", "escape", True)])
+        assert page.choice == "leave"
+
+
 def wait(what: str, condition: Callable[[], bool], process: subprocess.Popen[bytes], seconds: float = 90.0) -> None:
     for _ in range(round(seconds / 0.2)):
         assert process.poll() is None, f"the application ended while waiting for {what}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import msgspec
 import pytest
@@ -34,11 +35,26 @@ def test_every_error_of_every_file_is_one_line_and_the_exit_is_3(tmp_path, capsy
     told = capsys.readouterr()
     lines = told.err.strip().splitlines()
     assert len(lines) == 4
-    assert 'scene.json#/entities/0/components/bal: unknown component "bal"; did you mean "ball"' in lines[0]
+    assert 'scene.json#/entities/0/components/bal: unknown component "bal"; did you mean "ball" (line 1, ' in lines[0]
     assert "#/entities/0/components/ball/radius_min: expected a number > 0.0" in lines[1]
     assert "m.gltf#/nodes/0/mesh: there is no mesh 4; the file has 1 mesh" in lines[2]
     assert "none.json" in lines[3]
     assert "right.json: ok" in told.out
+
+
+def place_in(file: Path, value: str, after: str) -> dict[str, int]:
+    """Line and column of the value behind a text of a file of one line."""
+    text = file.read_text()
+    return {"line": 1, "column": text.index(after + value) + len(after) + 1}
+
+
+def test_a_fault_is_told_with_its_line_and_column(tmp_path, capsys):
+    file = tmp_path / "scene.json"
+    text = '{"format": "mimics-scene", "version": 1,\n "entities": [\n  {"id": "a", "components": {"bal": {}}}\n ]}'
+    file.write_text(text)
+    assert main(["check", str(file)]) == 3
+    assert "#/entities/0/components/bal: " in (told := capsys.readouterr().err)
+    assert f"(line 3, column {text.splitlines()[2].index('{}') + 1})" in told
 
 
 def test_with_json_there_is_one_object_with_files_and_errors(tmp_path, capsys):
@@ -53,6 +69,7 @@ def test_with_json_there_is_one_object_with_files_and_errors(tmp_path, capsys):
             "pointer": "/entities/0/components/bal",
             "what": 'unknown component "bal"',
             "fix": 'did you mean "ball"',
+            **place_in(wrong, "{}", after='"bal": '),
         }
     ]
 

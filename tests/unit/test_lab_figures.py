@@ -128,6 +128,19 @@ def test_gallery_shows_every_figure_and_fetches_nothing(chart, tmp_path):
     assert "prefers-color-scheme: dark" in page and "<script" not in page
 
 
+def test_gallery_begins_with_what_is_chosen_and_what_each_profile_takes(chart, tmp_path):
+    write_figure(chart, tmp_path)
+    data = json.loads(next(tmp_path.glob("*.json")).read_text(encoding="utf-8"))
+    rows = [row for row in data["rows"] if row["valid"]]
+    cheapest, best = min(rows, key=lambda row: row["cost_ns"]), min(rows, key=lambda row: row["error"])
+    bounds = {"loose": 2.0 * max(row["error"] for row in rows) + 1.0, "strict": best["error"], "none": -1.0}
+    limits = {name: {data["unit"]: bound} for name, bound in bounds.items()}
+    page = unescape(write_gallery(tmp_path, limits).read_text(encoding="utf-8"))
+    table = page[: page.index("<nav>")]
+    assert f"<td>{cheapest['method']}</td><td>{best['method']}</td><td>no method</td>" in table
+    assert "<th>loose</th><th>strict</th><th>none</th>" in table
+
+
 def _spoilt(value, planted):
     """The same with another text in the place of every text, but what sorts it."""
     if isinstance(value, dict):

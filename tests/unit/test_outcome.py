@@ -46,7 +46,9 @@ def test_the_sentence_compares_with_the_last_run_that_has_a_time(before: float, 
 
 def test_a_figure_that_does_not_apply_is_left_out() -> None:
     content = result_content("Tunnel", answer(contacts=1, counted="under way"), [], [])
-    assert content.sentence == "No trial was ended." and not content.tiles and not content.rows and not content.head
+    assert (
+        content.sentence == "No trial came to its end." and not content.tiles and not content.rows and not content.head
+    )
     bare = [{"trial": 1, "outcome": "finished", "contacts": None, "score": None}]
     assert list(result_content("T", answer(), bare, []).head) == ["Trial", "Result"]
 

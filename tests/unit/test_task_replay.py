@@ -37,7 +37,7 @@ CONTEXT = TaskContext(
 
 
 class Kept:
-    """One session of a paper robot with everything a recording keeps of it: a key in trial 0, an action for trial 1."""
+    """One session of a paper robot and all that is kept of it: a key and a pause in trial 0, an action for trial 1."""
 
     def __init__(self) -> None:
         self.frames: list[TaskFrame] = []
@@ -59,6 +59,8 @@ class Kept:
         player.step(action=TaskAction({"radius": 9.0}, at_trial=1))
         player.until("travel")
         player.step((player.now_ns, EventKind.CONTACT_BEGIN, 2.0), pressed=("m",))
+        for pressed in (("p",), (), (), ("p",)):
+            player.step(pressed=pressed)
         player.until("done")
         self.end_ns = player.now_ns
         manager.end_session(self.end_ns)

@@ -1,4 +1,4 @@
-"""`mimics assets ACTION [NAME]`: what builds the shipped models and sounds, and coarser forms of anybody's models."""
+"""`mimics assets ACTION [NAME]`: what builds the shipped models, sounds and pictures, and coarser forms of models."""
 
 from __future__ import annotations
 
@@ -22,8 +22,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument(
         "action",
-        choices=("build", "list", "levels"),
-        help="build: write the files of NAME; list: the names; levels: write a model with levels of detail",
+        choices=("build", "list", "levels", "thumbnails"),
+        help="build: write the files of NAME; list: the names; levels: write a model with levels of detail; "
+        "thumbnails: draw the launcher's pictures of the shipped scenes, or of the one called NAME",
     )
     parser.add_argument("name", nargs="?", default="", help="what to build; of levels: a .glb or .gltf file")
     parser.add_argument("--seed", type=_seed, default=1, help="the same seed makes the same bytes on any machine")
@@ -32,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--picture",
         type=Path,
         metavar="PNG",
-        help="of build: draw the models built from six sides each, of sounds their spectra",
+        help="of build: draw the models built from six sides each, of sounds their spectra; of thumbnails: all on one",
     )
     parser.add_argument(
         "--shares", type=_share, nargs="+", metavar="SHARE", help="of levels: of the triangles, falling (0.5 0.2 0.06)"
@@ -41,8 +42,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """List the builders, run one, or coarsen a model."""
-    return {"list": _list, "build": _build, "levels": _levels}[args.action](args)
+    """List the builders, run one, coarsen a model, or draw the launcher's pictures."""
+    return {"list": _list, "build": _build, "levels": _levels, "thumbnails": _thumbnails}[args.action](args)
 
 
 def _list(args: argparse.Namespace) -> int:
@@ -82,6 +83,22 @@ def _levels(args: argparse.Namespace) -> int:
         told = ", ".join(f"{n} triangles ({error:.2g} m, from {100.0 * c:.2g} %)" for n, error, c in steps)
         print(f"{each.name}: {told}")
     print(f"{out}: levels made for {counted(len(levels), 'meshes')}")
+    return 0
+
+
+def _thumbnails(args: argparse.Namespace) -> int:
+    from mimics_app.app.play.thumbnails import draw_sheet, draw_thumbnails
+    from mimics_app.app.terminal import output
+
+    files = []
+    for file in draw_thumbnails(args.out, [args.name] if args.name else ()):
+        files.append(file)
+        if not args.json:
+            print(f"{file}: {file.stat().st_size} bytes", flush=True)
+    if args.picture is not None:
+        draw_sheet(files, args.picture)
+    if args.json:
+        output.write_object("assets", {"files": files})
     return 0
 
 

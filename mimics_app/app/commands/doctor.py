@@ -32,6 +32,7 @@ _PACKAGES = (
     "pillow",
 )
 _GIGABYTE = 1e9
+_HOUR_S = 3600.0
 _FIFO_ADVICE = (
     'for SCHED_FIFO type: echo "$USER - rtprio 60" | sudo tee /etc/security/limits.d/mimics.conf, and log in again'
 )
@@ -135,9 +136,16 @@ def _kernel_cache() -> dict[str, Any]:
 
 
 def _runs_folder(runs: Path) -> dict[str, Any]:
+    from mimics_app.recording.run_folder import BYTES_PER_SECOND
+
     existing = next(folder for folder in (runs.absolute(), *runs.absolute().parents) if folder.exists())
     free = shutil.disk_usage(existing).free / _GIGABYTE
-    return {"folder": runs.absolute(), "writable": os.access(existing, os.W_OK | os.X_OK), "free_gb": round(free, 1)}
+    return {
+        "folder": runs.absolute(),
+        "writable": os.access(existing, os.W_OK | os.X_OK),
+        "free_gb": round(free, 1),
+        "gb_an_hour": BYTES_PER_SECOND * _HOUR_S / _GIGABYTE,
+    }
 
 
 def _data_folder() -> dict[str, Any]:
@@ -192,9 +200,14 @@ def _folder_lines(findings: dict[str, Any]) -> list[str]:
     cache, runs, data = findings["kernel_cache"], findings["runs"], findings["data"]
     return [
         _line(bool(cache["folder"]), "kernels", f"{cache['folder'] or cache['fix']} ({cache['compiled']} compiled)"),
-        _line(runs["writable"], "runs", f"{runs['folder']} ({runs['free_gb']} GB free)"),
+        _line(runs["writable"], "runs", _room_said(runs)),
         _line(not data["error"], "data", str(data["folder"] or data["error"])),
     ]
+
+
+def _room_said(runs: dict[str, Any]) -> str:
+    hours, rate = runs["free_gb"] / runs["gb_an_hour"], f"{runs['gb_an_hour']:.1f} GB an hour"
+    return f"{runs['folder']} ({runs['free_gb']} GB free; a session takes {rate}: room for {hours:.0f} h)"
 
 
 def _graphics_said(answer: dict[str, Any]) -> str:
@@ -204,7 +217,7 @@ def _graphics_said(answer: dict[str, Any]) -> str:
 def _sound_said(answer: dict[str, Any]) -> str:
     if not answer["ok"]:
         return str(answer["error"])
-    output = answer["device"] or "no sound output: sound goes to a file"
+    output = answer["device"] or "no sound output: --sound file keeps it"
     return f"{answer['library']}, HRTF {'on' if answer['hrtf'] else 'off'}, {output}"
 
 

@@ -192,7 +192,7 @@ def _write(args: argparse.Namespace, figures: list[Figure]) -> int:
     from mimics_app.lab.gallery import write_gallery
 
     files = [write_figure(figure, args.out) for figure in figures]
-    page = write_gallery(args.out)
+    page = write_gallery(args.out, _limits())
     if args.json:
         rows = [_said(figure, *pair) for figure, pair in zip(figures, files, strict=True)]
         output.write_object("lab", {"figures": rows, "gallery": page})
@@ -201,6 +201,15 @@ def _write(args: argparse.Namespace, figures: list[Figure]) -> int:
         print(f"{drawing}: {_summary(figure)}")
     print(f"{page}: all figures")
     return 0
+
+
+def _limits() -> dict[str, dict[str, float]]:
+    """The largest error each profile accepts, by unit."""
+    from mimics_app.app.planner.tolerances import BY_PROFILE, FIELD_OF_UNIT
+
+    return {
+        profile: {unit: bounds[name] for unit, name in FIELD_OF_UNIT.items()} for profile, bounds in BY_PROFILE.items()
+    }
 
 
 def _said(figure: Figure, numbers: Path, drawing: Path) -> dict[str, Any]:

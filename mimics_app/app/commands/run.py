@@ -6,7 +6,7 @@ import argparse
 from dataclasses import fields
 from pathlib import Path
 
-from mimics_app.app.settings import PROFILES, QUALITIES, RECIPES, SOUNDS, RunSettings
+from mimics_app.app.settings import DIFFICULTIES, PROFILES, QUALITIES, RECIPES, SOUNDS, RunSettings
 from mimics_app.app.terminal.arguments import (
     add_display_argument,
     picture_size,
@@ -26,7 +26,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "In the window: F1 frame graph, F2 wireframe, F3 bounds, F4 lights, F5 forces and contacts, F6 shadow atlas, "
         "F11 full screen, F12 keeps a picture. Scene, models and shaders are loaded again when they are saved."
     )
-    parser.add_argument("scene", type=Path, nargs="?", default=_DEFAULT_SCENE, help="scene file")
+    parser.add_argument(
+        "scene",
+        type=Path,
+        nargs="?",
+        default=_DEFAULT_SCENE,
+        help="scene file, or the name of a shipped scene (see mimics scenes)",
+    )
     parser.add_argument("--headless", action="store_true", help="no window: virtual clock and simulated patient")
     parser.add_argument("--seconds", type=positive_time, help="end after this much simulated time [s]")
     parser.add_argument("--seed", type=random_seed, default=1, help="of trial order, patient and sensor noise")
@@ -42,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--patient", choices=("healthy", "moderate", "severe"), default="", help="instead of the scene's"
     )
-    parser.add_argument("--sound", choices=SOUNDS, default="auto", help="where sound goes")
+    parser.add_argument("--sound", choices=SOUNDS, default="auto", help="auto plays it, file keeps it")
     parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="of the picture [px]")
     add_display_argument(parser)
     parser.add_argument(
@@ -77,6 +83,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="begin with this trial of the session, as after one that was broken off; same --seed, same order",
     )
     parser.add_argument(
+        "--difficulty",
+        choices=DIFFICULTIES,
+        default="usual",
+        help="moves what the task can adapt half-way to its easiest or hardest value",
+    )
+    parser.add_argument(
+        "--trials",
+        type=whole_number("number of trials", range(1, 10_001)),
+        default=0,
+        metavar="N",
+        help="how many trials count, instead of the scene's; practice comes before them as ever",
+    )
+    parser.add_argument(
         "--participant", default="", metavar="CODE", help="of the person, never a name: results over time go by it"
     )
     parser.add_argument("--journey", type=Path, metavar="FILE", help=argparse.SUPPRESS)
@@ -85,23 +104,49 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the scene and say what it came to."""
+    from mimics_app.app.scenes.shipped import is_only_looked_at
     from mimics_app.app.terminal.first_start import say_if_cold
 
     _find_what_is_named(args)
+    if is_only_looked_at(args.scene) and not args.headless:
+        return _look(args)
     say_if_cold()
     settings = RunSettings(**{field.name: getattr(args, field.name) for field in fields(RunSettings)})
     if _is_for_a_person(settings) and not args.json:
         from mimics_app.app.play.journey import play_through
 
-        code, other = play_through(settings)
-        if not other:
-            return code
+        ended = play_through(settings)
+        if not ended.other:
+            return ended.code
         from mimics_app.app.commands.launch import run as launch
 
         return launch(args)
     from mimics_app.app.play.play import play
 
     return play(settings, as_json=args.json)
+
+
+def _look(args: argparse.Namespace) -> int:
+    """Open the viewer: nothing is to be done in the scene."""
+    from mimics_app.app.play.journey_log import JourneyLog
+    from mimics_app.app.terminal.display import has_display
+    from mimics_app.app.terminal.output import tell, write_object
+    from mimics_app.contracts.errors import DeviceError
+
+    if not has_display():
+        raise DeviceError("no display: this scene is only looked at", f"mimics view {args.scene} --output view.png")
+    tell("nothing is to be done in this scene; it opens in the viewer")
+    log = JourneyLog(args.journey)
+    log.doing("Reading the scene")
+    from mimics_app.app.viewer.session import ViewerSession
+    from mimics_app.app.viewer.shown import open_shown
+
+    with ViewerSession(open_shown(args.scene, "y"), args.size, args.profile, "", "y") as session:
+        session.run(log.shown)
+    log.chose("other")
+    if args.json:
+        write_object("run", {"looked_at": args.scene})
+    return 0
 
 
 def _is_for_a_person(settings: RunSettings) -> bool:
@@ -116,7 +161,7 @@ def _find_what_is_named(args: argparse.Namespace) -> None:
     from mimics_app.app.scenes.finding import find_scene
     from mimics_app.rendering.haptic.devices.device_names import check_device_name
 
-    find_scene(args.scene)
+    args.scene = find_scene(args.scene)
     if args.device:
         check_device_name(args.device)
     if args.recording is not None:

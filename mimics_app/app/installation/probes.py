@@ -62,7 +62,7 @@ def probe_graphics(backend: str) -> dict[str, Any]:
 
 
 def probe_sound() -> dict[str, Any]:
-    """The OpenAL library found, and the sound output it opens ("" where there is none: sound then goes to a file).
+    """The OpenAL library found, and the sound output it opens ("" where there is none).
 
     Raises:
         DeviceError: There is no usable library.

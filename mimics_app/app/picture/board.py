@@ -7,9 +7,9 @@ from collections.abc import Hashable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.app.picture.key_page import Keys, draw_keys
 from mimics_app.contracts.board import Bar, Board, Card, Tone
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Colour, Hud
+from mimics_app.rendering.visual.figures.key_page import Keys, draw_keys
 from mimics_app.rendering.visual.figures.palette import ACCENT, FAINT, INK
 
 __all__ = ["OPERATORS_CARDS", "BoardLayout"]

@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 
 from mimics_app.app.picture.board import OPERATORS_CARDS, BoardLayout
-from mimics_app.app.picture.key_page import Keys
 from mimics_app.app.picture.lost_picture import draw_or_recover
 from mimics_app.app.picture.methods import with_methods
 from mimics_app.app.picture.shown_on import open_display
@@ -23,6 +22,7 @@ from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import SceneError, nearest
 from mimics_app.contracts.input_port import Ray
 from mimics_app.contracts.stage_timer import UNTIMED, StageTimer
+from mimics_app.rendering.visual.figures.key_page import Keys
 from mimics_app.rendering.visual.frame_stats import FrameStats
 from mimics_app.rendering.visual.passes.hud import plane_of_views
 from mimics_app.rendering.visual.presenting.presenter import Presenter
@@ -249,12 +249,10 @@ class Picture:
         hud = self.renderer.hud
         screen = [view for view in views if view.screen == views[0].screen]
         hud.width = plane_of_views(screen, self.renderer.settings.hud_depth).canvas_width
-        if self._board is None:
-            self._layout.lay(hud, Board(), (), 1.0, self.keys)
-            return
-        operator = self.renderer.shows("forces")
-        show = [name for name in self._board.show if operator or name not in OPERATORS_CARDS]
-        self._layout.lay(hud, board, show, self._board.force_full, self.keys)
+        operator, wanted = self.renderer.shows("forces"), () if self._board is None else self._board.show
+        show = [name for name in wanted if operator or name not in OPERATORS_CARDS]
+        force_full = 0.0 if self._board is None else self._board.force_full
+        self._layout.lay(hud, board, show, force_full, self.keys)
 
     def ray(self, right: float, up: float) -> Ray | None:
         """The ray through a place of the window, each coordinate in [-1, 1]."""

@@ -10,14 +10,14 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 from mimics_app.app.play.journey_log import read_journey
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.clock import FRAME_NS, MonotonicClock
 
-__all__ = ["Opening", "play_through", "run_words"]
+__all__ = ["JourneyEnd", "Opening", "play_through", "run_words"]
 
 
 class Opening:
@@ -29,6 +29,21 @@ class Opening:
 
     def shown(self) -> None:
         """The session's own picture is there."""
+
+
+@dataclass(frozen=True, slots=True)
+class JourneyEnd:
+    """How the last session ended.
+
+    Attributes:
+        code: Its exit code.
+        other: Whether the person wants another scene.
+        error: Why it could not begin or go on, in words; "" where it could.
+    """
+
+    code: int
+    other: bool
+    error: str
 
 
 _AGAIN, _OTHER = "again", "other"
@@ -50,19 +65,15 @@ def run_words(settings: RunSettings) -> list[str]:
     return words
 
 
-def play_through(settings: RunSettings, opening: Opening | None = None) -> tuple[int, bool]:
-    """Play a scene in a window, again as often as the person wants.
-
-    Returns:
-        The exit code of the last session, and whether the person wants another scene.
-    """
+def play_through(settings: RunSettings, opening: Opening | None = None) -> JourneyEnd:
+    """Play a scene in a window, again as often as the person wants."""
     while True:
-        code, following = _play_once(run_words(settings), opening or Opening())
-        if following != _AGAIN:
-            return code, following == _OTHER
+        code, told = _play_once(run_words(settings), opening or Opening())
+        if told.get("next") != _AGAIN:
+            return JourneyEnd(code, told.get("next") == _OTHER, str(told.get("error", "")))
 
 
-def _play_once(words: Sequence[str], opening: Opening) -> tuple[int, str]:
+def _play_once(words: Sequence[str], opening: Opening) -> tuple[int, dict[str, object]]:
     with tempfile.TemporaryDirectory(prefix="mimics-journey-") as folder:
         log = Path(folder) / "journey.jsonl"
         log.touch()
@@ -72,7 +83,7 @@ def _play_once(words: Sequence[str], opening: Opening) -> tuple[int, str]:
             code = child.wait()
         finally:
             _end(child)
-        return code, str(read_journey(log).get("next", ""))
+        return code, read_journey(log)
 
 
 def _wait_for_picture(child: subprocess.Popen[bytes], log: Path, opening: Opening) -> None:

@@ -38,6 +38,10 @@ class JourneyLog:
         """Say what comes next: "again", "other" or "leave"."""
         self._say({"next": following})
 
+    def failed(self, error: str) -> None:
+        """Say why the session cannot begin or go on."""
+        self._say({"error": error})
+
     def _say(self, line: dict[str, object]) -> None:
         if self._path is not None:
             with self._path.open("a", encoding="utf-8") as file:

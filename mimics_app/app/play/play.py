@@ -25,7 +25,7 @@ from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal import output
 from mimics_app.app.terminal.display import has_display
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.contracts.errors import DeviceError, PartialDataError, SafetyStop
+from mimics_app.contracts.errors import DeviceError, MimicsError, PartialDataError, SafetyStop
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.recording.history import earlier_runs
 from mimics_app.recording.manifest import Manifest
@@ -53,7 +53,7 @@ def play(settings: RunSettings, *, as_json: bool) -> int:
     windowed = not settings.headless and has_display()
     log = JourneyLog(settings.journey)
     log.doing("Reading the scene")
-    with private_files(), build_session(settings, live=windowed) as session, _told_where(session):
+    with private_files(), _heard_of(log), build_session(settings, live=windowed) as session, _told_where(session):
         frames = Frames(session)
         if not (windowed or settings.headless):
             sys.stderr.write(f"mimics: no display: {_WHO_PLAYS[session.live]}\n")
@@ -97,6 +97,16 @@ def _report(session: Session, manifest: Manifest) -> tuple[Path | None, bool]:
 
 
 @contextmanager
+def _heard_of(log: JourneyLog) -> Iterator[None]:
+    """Whoever opened the session hears why it could not be, too."""
+    try:
+        yield
+    except MimicsError as error:
+        log.failed("; ".join(part for part in (error.issues[0].what, error.issues[0].fix) if part))
+        raise
+
+
+@contextmanager
 def _told_where(session: Session) -> Iterator[None]:
     """Say where the recording of a run is that somebody broke off: its report is not written by itself."""
     try:
@@ -136,13 +146,15 @@ def _show_result(session: Session, answer: dict[str, Any]) -> str:
     """Let the person read what it came to on the window of the session, and choose what comes next."""
     from mimics_app.app.play.outcome import result_content
     from mimics_app.app.play.result_screen import show_result
+    from mimics_app.app.play.session_keys import session_keys
 
     surface, settings = session.window, session.settings
     assert surface is not None
     try:
         scene, folder = session.scene, session.folder
         earlier = earlier_runs(folder.parent, scene.name, settings.participant, besides=folder)
-        content = result_content(scene.title or scene.name, answer, session.tasks.rows, earlier)
+        keys = session_keys(session.haptics.plugin)
+        content = result_content(scene.title or scene.name, answer, session.tasks.rows, earlier, keys)
         return show_result(surface, content, Path(answer["report"]), MonotonicClock())
     finally:
         surface.close()

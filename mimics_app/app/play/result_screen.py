@@ -32,6 +32,7 @@ def show_result(surface: Surface, content: ResultContent, report: Path, clock: C
 
 def _choose(surface: Surface, content: ResultContent, clock: Clock) -> str:
     page = ResultPage(surface, content)
+    surface.poll()  # what was pressed before there was anything to read is no choice
     try:
         while not surface.should_close:
             page.handle(surface.poll())

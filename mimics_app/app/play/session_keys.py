@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from mimics_app.app.picture.key_page import Keys
+from mimics_app.contracts.loop_ports import DevicePlugin
+from mimics_app.rendering.haptic.devices.device_names import POINTER
+from mimics_app.rendering.visual.figures.key_page import Keys
 
 __all__ = ["session_keys"]
 
@@ -12,9 +14,11 @@ _AT_MOUSE = (
     ("Shift", "slower"),
 )
 _AT_ROBOT = (("Handle of the robot", "move the hand"),)
+_SIMULATED = (("Nothing to hold", "a simulated patient moves the hand"),)
 _ALWAYS = (
     ("Space, gamepad B", "stop the force at once"),
     ("R", "allow force again after a stop"),
+    ("P, gamepad Start", "pause and go on"),
     ("H", "this page"),
     ("F5", "force and stability figures, for the operator"),
     ("F1, F12", "frame times;  keep a picture"),
@@ -22,10 +26,12 @@ _ALWAYS = (
 )
 
 
-def session_keys(*, at_robot: bool) -> Keys:
+def session_keys(plugin: DevicePlugin) -> Keys:
     """The keys of a session.
 
     Args:
-        at_robot: Whether the person plays with a device of its own instead of the pointer.
+        plugin: The device that is played with.
     """
-    return (*(_AT_ROBOT if at_robot else _AT_MOUSE), *_ALWAYS)
+    if plugin.name == POINTER:
+        return (*_AT_MOUSE, *_ALWAYS)
+    return (*(_AT_ROBOT if plugin.real_time else _SIMULATED), *_ALWAYS)

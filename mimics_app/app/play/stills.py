@@ -36,6 +36,7 @@ def draw_stills(
     seconds: float = 0.0,
     camera: str = "",
     video: Path | None = None,
+    board: bool = True,
 ) -> Drawn:
     """Draw frames of a scene at even distances of simulated play, the last after `seconds` [s].
 
@@ -51,6 +52,7 @@ def draw_stills(
         seconds: How long the simulated patient plays, from where the person of the first trial acts [s].
         camera: Entity whose camera is looked through; "": the first.
         video: File of a film (see `video.film_place`) instead of the folder's files, or None.
+        board: Whether the scene's figures lie over the picture.
 
     Raises:
         SceneError: the scene is wrong, or has no camera, or none of that name.
@@ -60,7 +62,7 @@ def draw_stills(
     if video is not None:
         frames = max(1, round(FRAMES_PER_SECOND * seconds))
     with closing(_moments(scene, settings, frames, seconds)) as play:
-        return _draw(play, scene, settings, folder, backend, frames, camera, video)
+        return _draw(play, scene, settings, folder, backend, frames, camera, video, board=board)
 
 
 def _draw(
@@ -72,16 +74,19 @@ def _draw(
     frames: int,
     camera: str,
     video: Path | None,
+    *,
+    board: bool,
 ) -> Drawn:
     quality = picture_quality(scene, settings.profile)
     surface = open_offscreen(backend, settings.size)
     picture = Picture(surface, scene, play.world, quality, camera, settings.display)
 
     def views(number: int) -> list[View]:
-        board = play.to(number)
+        figures = play.to(number)
         picture.presenter.begin(play.time_ns(number))
         seen = picture.views
-        picture.lay_out(board, seen)
+        if board:
+            picture.lay_out(figures, seen)
         return seen
 
     if video is None:

@@ -30,7 +30,7 @@ class ViewKeys:
         self._session = session
         self._arrows = ForceArrows()
         self._kept = 0
-        self._page = session_keys(at_robot=session.haptics.plugin.real_time)
+        self._page = session_keys(session.haptics.plugin)
         self._introduces = session.window is not None
 
     def step(self, frames: Frames) -> None:

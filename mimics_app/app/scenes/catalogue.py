@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from importlib.metadata import entry_points
 
+from mimics_app.app.scenes.shipped import ONLY_LOOKED_AT
 from mimics_app.contracts.errors import SceneError, nearest
 from mimics_app.contracts.scenario_port import Scenario
 from mimics_app.scenarios.avatar_cord import AvatarCord
@@ -20,12 +21,9 @@ from mimics_app.world.components.robot import Robot, Tunnel
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
-__all__ = ["BUILT_IN", "BY_COMPONENT", "ENTRY_POINT_GROUP", "ONLY_LOOKED_AT", "is_part", "is_playable", "open_scenario"]
+__all__ = ["BUILT_IN", "BY_COMPONENT", "ENTRY_POINT_GROUP", "is_part", "is_playable", "open_scenario"]
 
 ENTRY_POINT_GROUP = "mimics_app.scenarios"
-
-ONLY_LOOKED_AT = "none"
-"""What a scene gives as its scenario when nothing is to be done in it."""
 
 _Builder = Callable[[Scene, World], Scenario]
 
@@ -66,7 +64,7 @@ def is_playable(scene: Scene) -> bool:
 
 def _find_builder(scene: Scene) -> _Builder:
     if scene.scenario == ONLY_LOOKED_AT:
-        raise SceneError(scene.issue("/scenario", "nothing is to be done in this scene", "look at it: mimics render"))
+        raise SceneError(scene.issue("/scenario", "nothing is to be done in this scene", "look at it: mimics view"))
     if scene.scenario in BUILT_IN:
         return BUILT_IN[scene.scenario]
     installed = {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}

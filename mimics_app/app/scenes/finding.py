@@ -6,8 +6,10 @@ A command asks here before it imports compiled code and graphics: a name that le
 from __future__ import annotations
 
 import os
+from difflib import get_close_matches
 from pathlib import Path
 
+from mimics_app.app.scenes.shipped import find_shipped, shipped_scenes
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.resources import root
 
@@ -15,21 +17,32 @@ __all__ = ["find_scene"]
 
 
 def find_scene(path: Path) -> Path:
-    """The scene file itself, or the installation's one of that name (scenes/wavy_tunnel.json, wavy_tunnel).
+    """The scene file itself, or the installation's one of that name (scenes/wavy_tunnel.json, free_objects).
 
     Raises:
         SceneError: neither is there, or what is there is no file that could be read.
     """
     if os.path.isfile(path):  # False, too, where no file could have this name
         return path
-    shipped = root() / "scenes" / f"{path.stem}.json"
-    if os.path.isfile(shipped) and path.parent.name in ("", "scenes"):
+    shipped = _shipped(path)
+    if shipped is not None:
         return shipped
     if os.path.exists(path):
         what = "is a folder" if os.path.isdir(path) else "is not a regular file"
         raise SceneError(Issue(str(path), "", what, "name a scene file"))
-    raise SceneError(Issue(str(path), "", "there is no such scene", f"shipped: {', '.join(_shipped())}"))
+    names = [scene.name for scene in shipped_scenes()]
+    close = get_close_matches(path.stem, names, n=1)
+    hint = f'did you mean "{close[0]}"? ' if close else ""
+    raise SceneError(
+        Issue(str(path), "", "there is no such scene", f"{hint}mimics scenes lists those that are shipped")
+    )
 
 
-def _shipped() -> list[str]:
-    return sorted(f"scenes/{file.name}" for file in (root() / "scenes").glob("*.json"))
+def _shipped(path: Path) -> Path | None:
+    """The installation's scene that is asked for by its name, or by its place below `scenes`."""
+    scene = find_shipped(path.stem) if path.suffix in ("", ".json") else None
+    if scene is None:
+        return None
+    below = scene.file.parent.relative_to(root()).parts
+    asked = path.parent.parts
+    return scene.file if asked == below[len(below) - len(asked) :] else None

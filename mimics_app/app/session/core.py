@@ -6,7 +6,6 @@ A run adds a recorder, a sound and a picture; a still, a point of a sweep, a war
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -19,7 +18,7 @@ from mimics_app.app.session.switched_off import NullRecorder, NullSound, Recorde
 from mimics_app.app.session.tactile import open_tactile
 from mimics_app.app.session.tap import Tap
 from mimics_app.app.session.trackers import make_hub
-from mimics_app.app.touch.device_fit import device_values, fit_context
+from mimics_app.app.touch.device_fit import device_values
 from mimics_app.app.touch.haptic_side import HapticSide
 from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.clock import Clock, MonotonicClock, VirtualClock
@@ -70,11 +69,10 @@ class SessionCore:
         self.clock: Clock = MonotonicClock() if parts.live else VirtualClock()
         self.parameter_store: ParameterStore = parts.parameter_store
         self.haptics: HapticEngine = parts.side.engine(memory, parts.plugin, recipe=parts.settings.recipe)
-        context, seed = fit_context(parts.scenario.task_context, parts.plugin), parts.settings.seed
-        context = replace(context, simulated=not parts.live)
+        seed = parts.settings.seed
         self.tasks = TaskManager(
             parts.task,
-            context,
+            parts.context,
             seed,
             on_trial=recorder.trial,
             on_event=recorder.journal,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +10,6 @@ import msgspec
 
 from mimics_app.app.planner.explain import describe_plan
 from mimics_app.app.session.preparation import Preparation
-from mimics_app.app.touch.device_fit import fit_context
-from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.rendering.haptic.devices.address import split_device
 from mimics_app.rendering.haptic.devices.device_names import POINTER, REPLAY
 from mimics_app.rendering.haptic.scene_block import safety_of
@@ -45,16 +43,11 @@ def describe_session(parts: Preparation) -> dict[str, Any]:
             for name, value in asdict(settings).items()
             if name != "journey"
         },
-        "task": task_record(parts.task, _context(parts)),
+        "task": task_record(parts.task, parts.context),
         "facts": parts.scenario.facts,
         **({"body": parts.body.header} if parts.body.header else {}),
         "plan": describe_plan(scene, parts.plan.without_picture if parts.live else parts.plan),
     }
-
-
-def _context(parts: Preparation) -> TaskContext:
-    """What the task knows of its scene, as the session tells it."""
-    return replace(fit_context(parts.scenario.task_context, parts.plugin), simulated=not parts.live)
 
 
 def _kind(parts: Preparation) -> dict[str, str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import msgspec
@@ -13,17 +13,18 @@ from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.session.body import Body, open_body
 from mimics_app.app.settings import RunSettings
-from mimics_app.app.touch.device_fit import check_shape
+from mimics_app.app.touch.device_fit import check_shape, fit_context
 from mimics_app.app.touch.haptic_side import HapticSide
 from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.loop_ports import DevicePlugin
-from mimics_app.contracts.scenario_port import Scenario
+from mimics_app.contracts.scenario_port import Scenario, TaskContext
 from mimics_app.recording.run import Run
 from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.devices.device_names import POINTER, SIMULATED
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.tasks.actions import fill_defaults
 from mimics_app.tasks.scene_section import task_of
+from mimics_app.tasks.tailoring import eased, with_trials
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.trial_file import resolve_trials
 from mimics_app.tasks.trials import repeated
@@ -69,6 +70,12 @@ class Preparation:
     patient: Patient
     plugin: DevicePlugin
 
+    @property
+    def context(self) -> TaskContext:
+        """What the task must know of its scene, of this device, and of who plays."""
+        context = fit_context(self.scenario.task_context, self.plugin)
+        return replace(context, simulated=not self.live, by_pointer=self.robot.device == POINTER)
+
 
 def prepare(settings: RunSettings, *, live: bool) -> Preparation:
     """Read the scene, plan it, and open the device. Nothing moves, no process runs, and nothing is written.
@@ -102,6 +109,7 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, pl
     side = HapticSide(scene)
     store = side.parameter_store(scenario.scene_block())
     task = fill_defaults(resolve_trials(task_of(scene), scene.path.parent, scene.root), store.value)
+    task = with_trials(eased(task, settings.difficulty), settings.trials, settings.seed)
     if settings.learn and settings.seconds is not None:
         task = repeated(task, settings.seconds)
     robot, patient = _who_moves(settings, scene, live=live)

@@ -13,6 +13,7 @@ from mimics_app.world.components.visible import Sound, SoundBus, SoundEmitter
 
 if TYPE_CHECKING:
     from mimics_app.contracts.audio_port import AudioOutput
+    from mimics_app.rendering.audio.settings import Sink
 
 __all__ = ["open_sound"]
 
@@ -26,7 +27,7 @@ def open_sound(parts: Preparation, memory: SessionMemory, folder: Path, file: Pa
     Args:
         parts: Of the session.
         memory: Where the loop leaves what is to be heard.
-        folder: Of the run; sound.wav goes there where no device plays.
+        folder: Of the run; sound.wav goes there where it is asked for. What nobody hears is not written by itself.
         file: Instead of it.
     """
     scene, wanted = parts.scene, parts.settings.sound
@@ -41,6 +42,7 @@ def open_sound(parts: Preparation, memory: SessionMemory, folder: Path, file: Pa
     from mimics_app.rendering.audio.scene_sounds import settings_from_components
     from mimics_app.rendering.audio.settings import BusSpec
 
+    written = file or (folder / "sound.wav" if wanted == "file" else None)
     method = scene.methods.get("spatialiser", {})
     spectral = (method.get("mixer") if system.mixer == "auto" else system.mixer) == "spectral"
     chosen = settings_from_components(
@@ -48,8 +50,8 @@ def open_sound(parts: Preparation, memory: SessionMemory, folder: Path, file: Pa
         scene.components(SoundEmitter),
         lambda name: scene.assets[name].path,
         str(scene.path),
-        sink="file" if wanted == "file" or not parts.live else "device",
-        file=file or folder / "sound.wav",
+        sink=_sink(written, live=parts.live),
+        file=written,
         hrtf=bool(method.get("hrtf", True)) if system.hrtf == "auto" else system.hrtf,
         mixer="spectral" if spectral else "openal",
         speakers=system.speakers,
@@ -63,3 +65,10 @@ def open_sound(parts: Preparation, memory: SessionMemory, folder: Path, file: Pa
     output: AudioOutput = AudioProcess(memory, chosen) if parts.live else OfflineAudio(memory, chosen)
     output.start()
     return SoundStage(output, memory, chosen, SoundSurroundings(scene, len(chosen.emitters)), system.gain)
+
+
+def _sink(written: Path | None, *, live: bool) -> Sink:
+    """A file where one is asked for, else the device; without a person what would be heard is mixed and not kept."""
+    if written is not None:
+        return "file"
+    return "device" if live else "null"

@@ -15,6 +15,7 @@ from contextlib import contextmanager, redirect_stdout, suppress
 from pathlib import PurePath
 from typing import Any, TextIO
 
+from mimics_app.app.terminal.places import line_and_column
 from mimics_app.contracts.errors import Issue, all_sought, more_told, told
 
 __all__ = ["errors_of", "finite", "issue_lines", "object_written", "reserved_stdout", "tell", "write_object"]
@@ -103,7 +104,7 @@ def errors_of(issues: Sequence[Issue]) -> dict[str, Any]:
     `more_errors_at_least` is true beside it where not all were looked for.
     """
     first, more = told(issues)
-    rows = [{"file": i.file, "pointer": i.pointer, "what": i.what, "fix": i.fix} for i in first]
+    rows = [{"file": i.file, "pointer": i.pointer, "what": i.what, "fix": i.fix, **_place(i)} for i in first]
     counts: dict[str, Any] = {"more_errors": more} if more else {}
     if more and not all_sought(issues):
         counts["more_errors_at_least"] = True
@@ -113,7 +114,20 @@ def errors_of(issues: Sequence[Issue]) -> dict[str, Any]:
 def issue_lines(issues: Sequence[Issue]) -> list[str]:
     """Issues as lines for a terminal: the first of them, and the number of the rest."""
     more = more_told(issues)
-    return [f"mimics: {issue}\n" for issue in told(issues)[0]] + ([f"mimics: {more}\n"] if more else [])
+    return [f"mimics: {issue}{_place_words(issue)}\n" for issue in told(issues)[0]] + (
+        [f"mimics: {more}\n"] if more else []
+    )
+
+
+def _place(issue: Issue) -> dict[str, int]:
+    """Line and column of an issue where they can be told."""
+    found = line_and_column(issue)
+    return {} if found is None else {"line": found[0], "column": found[1]}
+
+
+def _place_words(issue: Issue) -> str:
+    found = line_and_column(issue)
+    return "" if found is None else f" (line {found[0]}, column {found[1]})"
 
 
 def finite(value: Any) -> Any:

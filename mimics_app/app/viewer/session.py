@@ -6,7 +6,6 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from mimics_app.app.picture.key_page import draw_keys
 from mimics_app.app.picture.overlay_keys import toggle_overlay
 from mimics_app.app.settings import Profile
 from mimics_app.app.viewer.controls import ViewerControls
@@ -16,6 +15,7 @@ from mimics_app.app.viewer.shown import Shown, Up, open_shown
 from mimics_app.app.viewer.viewport import Viewport
 from mimics_app.contracts.clock import FRAME_NS, Clock, MonotonicClock
 from mimics_app.contracts.errors import MimicsError, SceneError
+from mimics_app.rendering.visual.figures.key_page import draw_keys
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import save_png
 from mimics_app.rendering.visual.surfaces.surface import Size
@@ -29,6 +29,10 @@ _SHOW_NS = 5 * _NS
 _REST_NS = _NS // 5
 """After so long without a change edges are smoothed where that had to wait."""
 _LONGEST_STEP_S = 0.1
+
+
+def _do_nothing() -> None:
+    """Nobody waits for the first picture."""
 
 
 class ViewerSession:
@@ -62,8 +66,10 @@ class ViewerSession:
         self.saved: list[Path] = []
         self.backend = self._surface.backend
 
-    def run(self) -> None:
-        """Show it until the window closes."""
+    def run(self, shown: Callable[[], None] = _do_nothing) -> None:
+        """Show it until the window closes; `shown` is called once the first picture is on the glass."""
+        self._draw(smooth=False)
+        shown()
         due = looked = before = begun = drawn = self._clock.now_ns()
         rested = False
         while not (self._surface.should_close or self._left):

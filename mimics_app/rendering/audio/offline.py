@@ -30,14 +30,13 @@ _TAIL_S = 1.5
 
 
 class OfflineAudio:
-    """Sound of a headless session, mixed by the app itself into a wave file; the same calls as `AudioProcess`.
+    """Sound of a headless session, mixed by the app itself; the same calls as `AudioProcess`.
 
+    It goes into a wave file where the settings name one; else what would be heard, and when, is told and not kept.
     Frame n of the file is session time n / rate; a sound starts at round(t * rate) plus the constant pipeline.
     """
 
     def __init__(self, memory: SessionMemory, settings: AudioSettings) -> None:
-        if settings.file is None:
-            raise ValueError("sound in step needs a file")
         self._memory = memory
         self._settings = settings
         self._clock = VirtualClock()
@@ -49,7 +48,7 @@ class OfflineAudio:
         self._lost = False
 
     def start(self) -> None:
-        """Open the loopback and the file; a missing library leaves the session without sound, and says so."""
+        """Open the loopback and the file, if any; a missing library leaves the session without sound, and says so."""
         settings = self._settings
         try:
             bank = SoundBank(settings.sounds, settings.rate)
@@ -112,7 +111,7 @@ class OfflineAudio:
     def _close(self) -> AudioReport:
         engine, director, mixer = self._engine, self._director, self._mixer
         silent = AudioStatus("none", "null", hrtf=False, rate=0, latency_ms=0.0)
-        if engine is None or director is None or mixer is None or engine.writer is None:
+        if engine is None or director is None or mixer is None:
             return AudioReport(self._status or silent)
         director.take_contacts()
         self._render(engine, mixer.position + round(_TAIL_S * mixer.rate))
@@ -125,8 +124,8 @@ class OfflineAudio:
             dropped=int(self._memory.audio_event_words[DROPPED]),
             refused=mixer.refused,
             blocks=self._blocks,
-            clipped=engine.writer.clipped,
-            file=str(engine.writer.path),
+            clipped=0 if engine.writer is None else engine.writer.clipped,
+            file="" if engine.writer is None else str(engine.writer.path),
         )
 
 

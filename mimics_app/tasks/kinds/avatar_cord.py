@@ -118,6 +118,12 @@ class AvatarCordPlay(KindPlay):
         share = {_Phase.BASELINE: 0.0, _Phase.TAPS: self._done_share(seen.now_ns)}.get(self._phase, 1.0)
         return replace(seen, progress=share)
 
+    def pause(self, paused_ns: int) -> None:
+        if self._begin_ns is not None:
+            self._begin_ns += paused_ns
+        if self._threat_ns is not None:
+            self._threat_ns += paused_ns
+
     def travel(self, seen: Observation, seconds: float) -> None:
         if self._begin_ns is None:
             self._begin_ns = seen.now_ns + round(self._condition.baseline_s * _NS)

@@ -14,7 +14,7 @@ class AvatarCordSection(ReportSection):
     """Runs whose trials have answers."""
 
     heading = "Connection to an avatar"
-    colours = "The path of the robot's top, where the subject held it, is blue."
+    colours = "The handle path, where the subject held the robot, is blue."
 
     def takes(self, facts: Mapping[str, Any], attempts: Sequence[ReportedAttempt]) -> bool:
         return any("tap_error_ms" in attempt.row for attempt in attempts)

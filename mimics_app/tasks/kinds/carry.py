@@ -35,6 +35,12 @@ PROMPTS: Mapping[Stage, str] = {
 }
 """What the person is to do next."""
 
+_AT_POINTER: Mapping[Stage, str] = {
+    Stage.CLOSE: "Close your hand: turn the wheel up",
+    Stage.OPEN: "Open your hand: turn the wheel down",
+}
+"""The same with what to do at the mouse."""
+
 
 class PlacedGoal(Component, frozen=True, tag="placed", tag_field="kind"):
     """Set down what `carry` names at its mark, and let it go."""
@@ -60,8 +66,9 @@ def carry_of(spec: TaskSpec) -> CarrySpec | None:
 class _CarryPlay(KindPlay):
     """Counts drops and bruises, and how well the grasp force fits, while the thing is carried."""
 
-    def __init__(self, spec: CarrySpec, carried: Carried) -> None:
+    def __init__(self, spec: CarrySpec, carried: Carried, *, by_pointer: bool = False) -> None:
         self._spec = spec
+        self._prompts = {**PROMPTS, **_AT_POINTER} if by_pointer else PROMPTS
         self._carried = carried
         self._now = CarriedFrame()
         self._shows_stage = False
@@ -78,7 +85,7 @@ class _CarryPlay(KindPlay):
 
     @property
     def prompt(self) -> str:
-        return PROMPTS[self._now.stage] if self._shows_stage else ""
+        return self._prompts[self._now.stage] if self._shows_stage else ""
 
     @property
     def measures(self) -> Values:
@@ -191,7 +198,8 @@ class CarryTask(TaskKind):
         carry = carry_of(spec)
         if carry is None:
             raise TypeError("the task has no carry section")
-        return _CarryPlay(carry, Carried(carry, context.places[carry.to], seed))
+        carried = Carried(carry, context.places[carry.to], seed)
+        return _CarryPlay(carry, carried, by_pointer=context.by_pointer)
 
 
 KIND = CarryTask()

@@ -136,6 +136,9 @@ class KindPlay:
         """
         return seen
 
+    def pause(self, paused_ns: int) -> None:
+        """A frame of a pause, so long after the one before [ns]: what is due is due so much later."""
+
     def travel(self, seen: Observation, seconds: float) -> None:
         """A frame of the travel that lasted so long [s]; called after `see`."""
 

@@ -25,6 +25,11 @@ if TYPE_CHECKING:
 __all__ = ["KIND", "ProgressGoal", "TunnelTask", "has_tunnel", "own_tunnel"]
 
 
+_PROMPT = "Lead the ball through the tunnel to its end"
+_UNDER_WAY = 0.1
+"""Share of the way from which nobody needs to be told what to do [-]."""
+
+
 class ProgressGoal(Component, frozen=True, tag="progress", tag_field="kind"):
     """Reach a share of the tunnel's length."""
 
@@ -36,8 +41,16 @@ class ProgressGoal(Component, frozen=True, tag="progress", tag_field="kind"):
 
 
 class _TunnelPlay(KindPlay):
+    def __init__(self) -> None:
+        self._progress = 0.0
+
+    @property
+    def prompt(self) -> str:
+        return _PROMPT if self._progress < _UNDER_WAY else ""
+
     def see(self, seen: Observation, settings: Mapping[str, object]) -> Observation:
         snapshot = seen.snapshot
+        self._progress = snapshot.progress
         return replace(seen, progress=snapshot.progress, distance=snapshot.distance)
 
     def holds(self, goal: Any, seen: Observation) -> bool:

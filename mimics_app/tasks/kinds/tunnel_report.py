@@ -16,10 +16,13 @@ Values = NDArray[np.float64]
 
 
 class TunnelSection(ReportSection):
-    """Path of the robot blue, bisector red, walls green."""
+    """Handle path blue, bisector red, walls green."""
 
     heading = "Movement through the tunnel"
-    colours = "The path of the robot's top is blue, the bisector of the tunnel red, its walls green."
+    colours = (
+        "The handle path is blue, the centre line of the tunnel red, its walls green. "
+        "A contact at the near or the far side of the tunnel is drawn between its walls."
+    )
     touching = "ball in the wall"
     contact = "wall contact begins"
     contacts = "wall contacts"
@@ -33,7 +36,7 @@ class TunnelSection(ReportSection):
         first, second = _walls(attempt.tunnel)
         bisector = attempt.tunnel.bisector_world[:, :2]
         walls = [Curve(first, "wall", "walls of the tunnel"), Curve(second, "wall")]
-        return [*walls, Curve(bisector, "bisector", "bisector of the tunnel")]
+        return [*walls, Curve(bisector, "bisector", "centre line of the tunnel")]
 
     def words(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[Word]:
         """The mouths, named where neither wall nor path runs."""
@@ -52,8 +55,8 @@ class TunnelSection(ReportSection):
                 "normal": ("normal (n)", samples["f_tunnel"][:, 1]),
                 "binormal": ("binormal (b)", samples["f_tunnel"][:, 2]),
             },
-            "from bisector [mm]": {
-                "robot": ("distance of the ball from the bisector", 1000.0 * samples["distance"]),
+            "from the centre line [mm]": {
+                "robot": ("distance of the ball from the centre line", 1000.0 * samples["distance"]),
                 "wall": ("where the ball meets the wall", 1000.0 * room),
             },
         }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import select
 from collections.abc import Callable
@@ -116,7 +117,8 @@ def _open_port(port: str, baud: int) -> Any:
     try:
         line = serial.Serial(port, baud, timeout=0, exclusive=True)
     except (OSError, ValueError) as failure:  # SerialException is an OSError
-        raise DeviceError(f"{port} cannot be opened: {failure}", "mimics devices lists the serial ports") from failure
+        why = "nothing is there" if getattr(failure, "errno", None) == errno.ENOENT else str(failure)
+        raise DeviceError(f"{port} cannot be opened: {why}", "mimics devices lists the serial ports") from failure
     os.set_blocking(line.fileno(), False)
     return line
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mimics_app.rendering.visual.figures.hud import Colour
 
-__all__ = ["ACCENT", "BACK", "FAINT", "INK", "ON_ACCENT", "PANEL", "PANEL_LIT", "QUIET"]
+__all__ = ["ACCENT", "ALARM", "BACK", "FAINT", "INK", "ON_ACCENT", "PANEL", "PANEL_LIT", "QUIET"]
 
 INK: Colour = (0.96, 0.97, 0.98, 1.0)
 """Words and figures."""
@@ -29,3 +29,6 @@ PANEL: Colour = (0.098, 0.125, 0.161, 1.0)
 
 PANEL_LIT: Colour = (0.133, 0.169, 0.216, 1.0)
 """A card that is pointed at."""
+
+ALARM: Colour = (1.0, 0.62, 0.55, 1.0)
+"""What went wrong."""

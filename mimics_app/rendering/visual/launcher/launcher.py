@@ -1,26 +1,30 @@
-"""The first screen: choose a scenario and its settings with keyboard, mouse or gamepad."""
+"""The first screen: choose a scene and its settings with keyboard, mouse or gamepad."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.window_input import InputEvent
+from mimics_app.rendering.visual.figures.key_page import draw_keys
 from mimics_app.rendering.visual.launcher.launcher_page import LauncherPage, PageState, ScenarioCard, Spot
 from mimics_app.rendering.visual.launcher.page_surface import PageSurface, is_within
+from mimics_app.rendering.visual.launcher.setting import Setting, shown_settings
+from mimics_app.rendering.visual.launcher.thumbnail import load_thumbnail
 from mimics_app.rendering.visual.surfaces.surface import Surface
 
 __all__ = ["Launcher", "LauncherChoice", "ScenarioCard"]
 
-_THUMBNAIL = (512, 288)
 _WHEEL_STEP = 60.0
 _STICK_ON, _STICK_OFF = 0.6, 0.3
 """Deflection at which a stick makes one step, and below which it may make the next [-]."""
+
+_MOST_TYPED = 60
 
 _MOVES = {
     "up": (0, -1),
@@ -32,9 +36,21 @@ _MOVES = {
     "dpad_left": (-1, 0),
     "dpad_right": (1, 0),
 }
-_CHOOSE = {"enter", "a"}
-_BEGIN = {"start"}
-_LEAVE = {"escape", "b", "back"}
+_CHOOSE = {("key", "enter"), ("key", "kp_enter"), ("pad", "a")}
+_BEGIN = {("pad", "start")}
+_LEAVE = {("key", "escape"), ("pad", "b"), ("pad", "back")}
+_ALL = "All"
+
+KEYS = (
+    ("Arrows, Tab, stick", "move from scenes to groups and settings"),
+    ("Left, right", "change a setting"),
+    ("Enter, A, click", "choose; a second time starts"),
+    ("Letters", "search for a scene, or fill the field that is lit"),
+    ("Gamepad Start", "start"),
+    ("F1", "this page"),
+    ("Esc, B", "end the search; leave"),
+)
+"""Keys of the launcher."""
 
 
 class LauncherChoice(NamedTuple):
@@ -49,48 +65,55 @@ class Launcher:
 
     Args:
         surface: A window, or an offscreen surface in tests.
-        scenarios: At least one.
-        options: Values a setting can have, by its name; the first is the default.
+        scenarios: At least one; their groups become tabs in the order they first appear.
+        settings: What can be set.
+        last: What was chosen the last time: scene and settings that are there are taken over.
+        notice: What went wrong with the last start, "" for nothing.
 
     Attributes:
-        choice: What was chosen; None until the person starts a scenario.
+        choice: What was chosen; None until the person starts a scene.
         left: True once the person left without choosing.
+        values: The value of each setting now.
 
     Raises:
-        UsageError: no scenario, or a setting without values.
+        UsageError: no scene, or a setting without values.
     """
 
     def __init__(
-        self, surface: Surface, scenarios: Sequence[ScenarioCard], options: Mapping[str, Sequence[str]]
+        self,
+        surface: Surface,
+        scenarios: Sequence[ScenarioCard],
+        settings: Sequence[Setting],
+        last: LauncherChoice | None = None,
+        notice: str = "",
     ) -> None:
-        if not scenarios or not all(options.values()):
-            raise UsageError("the launcher has nothing to choose from", "give it a scenario, and values per setting")
+        if not scenarios or not all(setting.choices or setting.typed for setting in settings):
+            raise UsageError("the launcher has nothing to choose from", "give it a scene, and values per setting")
         self._surface = surface
         self._cards = list(scenarios)
-        self._options = {name: list(values) for name, values in options.items()}
-        self._picked = dict.fromkeys(self._options, 0)
+        self._settings = list(settings)
+        self.values = {setting.name: setting.default for setting in settings}
+        self._tabs = [_ALL, *dict.fromkeys(card.group for card in scenarios if card.group)]
+        self._tab, self._search, self._notice = 0, "", notice
         self._chosen = 0
         self._focus = ("card", 0)
         self._scroll = 0.0
-        self._stick_free = True
+        self._stick_free, self._keys_shown = True, False
         self._clicked: int | None = None
         self.choice: LauncherChoice | None = None
         self.left = False
         self._canvas = PageSurface(surface)
         self._hud = self._canvas.hud
-        self._hud.images = np.stack([_load_thumbnail(card.picture) for card in self._cards])
-        self._page = LauncherPage(self._hud, self._cards, list(self._options))
+        self._layers = self._load_pictures()
+        self._page = LauncherPage(self._hud)
+        self._take_over(last)
         self._fit()
+        self._look_at(self._focus)
 
     @property
     def done(self) -> bool:
         """True when the person has chosen or left."""
         return self.left or self.choice is not None
-
-    @property
-    def settings(self) -> dict[str, str]:
-        """The value of each setting now."""
-        return {name: values[self._picked[name]] for name, values in self._options.items()}
 
     @property
     def scene(self) -> Path:
@@ -103,93 +126,216 @@ class Launcher:
         for event in events:
             if self.done:
                 return
-            if event.kind in ("key", "pad") and event.pressed:
-                self._press(event)
-            elif event.kind == "button" and event.name == "left" and event.pressed:
-                self._click(self._spot_at(event))
-            elif event.kind == "move":
-                self._hover(self._spot_at(event))
-            elif event.kind == "wheel":
-                self._scroll_to(self._scroll - _WHEEL_STEP * event.y)
-            elif event.kind == "close":
-                self.left = True
+            self._take(event)
+            self._fit()
         self._read_stick()
+        self._fit()
 
     def draw(self) -> None:
         """Draw the page into the surface's framebuffer."""
         self._fit()
-        self._page.draw(PageState(self._chosen, self._focus, self.settings, self._scroll))
+        self._page.draw()
+        if self._keys_shown:
+            draw_keys(self._hud, KEYS)
         self._canvas.draw()
 
     def release(self) -> None:
         """Free everything but the surface."""
         self._canvas.release()
 
+    def _take(self, event: InputEvent) -> None:
+        if event.kind in ("key", "pad") and event.pressed:
+            self._press(event)
+        elif event.kind == "text":
+            self._type(event.name)
+        elif event.kind == "button" and event.name == "left" and event.pressed:
+            self._click(self._spot_at(event))
+        elif event.kind == "move":
+            self._hover(self._spot_at(event))
+        elif event.kind == "wheel":
+            self._scroll -= _WHEEL_STEP * event.y
+        elif event.kind == "close":
+            self.left = True
+
+    def _take_over(self, last: LauncherChoice | None) -> None:
+        """Begin with what was chosen the last time."""
+        if last is None:
+            return
+        known = {setting.name: setting for setting in self._settings}
+        self.values |= {
+            name: value for name, value in last.settings.items() if name in known and known[name].allows(value)
+        }
+        found = next((i for i, card in enumerate(self._cards) if card.scene == last.scene), 0)
+        self._chosen, self._focus = found, ("card", found)
+
+    def _load_pictures(self) -> list[int]:
+        """Bring each picture to the canvas once; the layer of each card's."""
+        files = list(dict.fromkeys(card.picture for card in self._cards))
+        self._hud.images = np.stack([load_thumbnail(file) for file in files])
+        return [files.index(card.picture) for card in self._cards]
+
+    @property
+    def _visible(self) -> list[int]:
+        """Numbers of the cards that are listed: those that the search finds, else the group's."""
+        words, group = self._search.lower().split(), self._tabs[self._tab]
+        if not words and group != _ALL:
+            return [i for i, card in enumerate(self._cards) if card.group == group]
+        everywhere = [i for i, card in enumerate(self._cards) if card.everywhere]
+        return [i for i in everywhere if all(word in _text_of(self._cards[i]) for word in words)]
+
     def _fit(self) -> None:
+        """Bring the page up to date with the state, and the state within what the page holds."""
         self._canvas.fit()
-        self._scroll_to(self._scroll)
+        visible = self._visible
+        self._page.state = PageState(
+            cards=[(self._cards[i], self._layers[i]) for i in visible],
+            chosen=visible.index(self._chosen) if self._chosen in visible else -1,
+            focus=self._focus,
+            tabs=self._tabs,
+            tab=self._tab,
+            search=self._search,
+            settings=shown_settings(self._settings, self.values),
+            values=self.values,
+            notice=self._notice,
+            scroll=self._scroll,
+        )
+        scroll = min(max(self._scroll, 0.0), self._page.max_scroll)
+        if scroll != self._scroll:
+            self._scroll = scroll
+            self._page.state = replace(self._page.state, scroll=scroll)
 
     def _press(self, event: InputEvent) -> None:
-        name = event.name
+        name, what = event.name, (event.kind, event.name)
+        self._notice = ""
         if name in _MOVES:
             self._move(*_MOVES[name])
         elif name == "tab":
             self._step_focus()
-        elif name in _BEGIN and not event.repeat:
+        elif name == "backspace":
+            self._type("")
+        elif event.repeat:
+            return
+        elif name == "f1":
+            self._keys_shown = not self._keys_shown
+        elif what in _BEGIN:
             self._begin()
-        elif name in _LEAVE and not event.repeat:
-            self.left = True
-        elif name in _CHOOSE and not event.repeat:
+        elif what in _LEAVE:
+            self._leave()
+        elif what in _CHOOSE:
             self._choose()
+
+    def _leave(self) -> None:
+        """Out of the page of keys, then of the search, then of the launcher."""
+        if self._keys_shown:
+            self._keys_shown = False
+        elif self._search:
+            self._find("")
+        else:
+            self.left = True
+
+    def _type(self, character: str) -> None:
+        """A character for the field that is lit, else for the search; "" takes the last one away."""
+        setting = self._setting_in_focus()
+        before = self._search if setting is None or not setting.typed else self.values[setting.name]
+        text = (before + character)[:_MOST_TYPED] if character else before[:-1]
+        if setting is not None and setting.typed:
+            self.values[setting.name] = text.lstrip()
+        elif text != before:
+            self._find(text.lstrip())
+
+    def _find(self, search: str) -> None:
+        """List what a search finds, its first card chosen."""
+        self._search = search
+        self._list_anew()
+
+    def _list_anew(self) -> None:
+        visible = self._visible
+        if visible and self._chosen not in visible:
+            self._chosen = visible[0]
+        self._scroll = 0.0
+        self._fit()
+        if self._focus[0] == "card" or not visible:
+            self._look_at(("card", max(self._page.state.chosen, 0)))
 
     def _choose(self) -> None:
         kind, index = self._focus
         if kind == "option":
             self._change(index, 1)
-        elif kind == "card" and index != self._chosen:
-            self._chosen = index
+        elif kind == "tab":
+            self._open_tab(index)
+        elif kind == "card" and index != self._page.state.chosen:
+            self._choose_card(index)
         else:
             self._begin()
 
+    def _choose_card(self, index: int) -> None:
+        visible = self._visible
+        if 0 <= index < len(visible):
+            self._chosen = visible[index]
+
     def _begin(self) -> None:
         if self._focus[0] == "card":
-            self._chosen = self._focus[1]
-        self.choice = LauncherChoice(self.scene, self.settings)
+            self._choose_card(self._focus[1])
+        if self._chosen in self._visible:
+            self.choice = LauncherChoice(self.scene, dict(self.values))
+
+    def _setting_in_focus(self) -> Setting | None:
+        kind, index = self._focus
+        shown = shown_settings(self._settings, self.values)
+        return shown[index] if kind == "option" and index < len(shown) else None
 
     def _change(self, index: int, step: int) -> None:
-        name = list(self._options)[index]
-        self._picked[name] = (self._picked[name] + step) % len(self._options[name])
+        setting = shown_settings(self._settings, self.values)[index]
+        self.values[setting.name] = setting.stepped(self.values[setting.name], step)
+
+    def _open_tab(self, index: int) -> None:
+        self._tab, self._search = index % len(self._tabs), ""
+        self._focus = ("tab", self._tab)
+        self._list_anew()
 
     def _move(self, right: int, down: int) -> None:
         kind, index = self._focus
         if kind == "card":
             self._move_in_cards(index, right, down)
+        elif kind == "tab":
+            self._move_in_tabs(index, right, down)
         elif kind == "option" and right:
             self._change(index, right)
         elif right < 0:
-            self._look_at(("card", self._chosen))
+            self._look_at(("card", max(self._page.state.chosen, 0)))
         else:
             self._move_in_column(down)
 
     def _move_in_cards(self, index: int, right: int, down: int) -> None:
-        columns = self._page.columns
-        leaves = right > 0 and (index % columns == columns - 1 or index == len(self._cards) - 1)
-        if leaves:
-            self._look_at(("option", 0) if self._options else ("start", 0))
+        columns, count = self._page.columns, len(self._page.state.cards)
+        if right > 0 and (index % columns == columns - 1 or index >= count - 1):
+            self._look_at(("option", 0) if self._settings else ("start", 0))
             return
         target = index + right + down * columns
-        same_row = right == 0 or target // columns == index // columns
-        if 0 <= target < len(self._cards) and same_row:
-            self._chosen = target
+        if down < 0 and target < 0:
+            self._look_at(("tab", self._tab))
+        elif 0 <= target < count and (right == 0 or target // columns == index // columns):
+            self._choose_card(target)
             self._look_at(("card", target))
 
+    def _move_in_tabs(self, index: int, right: int, down: int) -> None:
+        if right:
+            self._open_tab(min(max(index + right, 0), len(self._tabs) - 1))
+        elif down > 0:
+            self._look_at(("card", max(self._page.state.chosen, 0)))
+
     def _move_in_column(self, down: int) -> None:
-        places = [("option", index) for index in range(len(self._options))] + [("start", 0)]
+        places = [*self._option_places, ("start", 0)]
         at = places.index(self._focus) + down
         self._look_at(places[min(max(at, 0), len(places) - 1)])
 
+    @property
+    def _option_places(self) -> list[tuple[str, int]]:
+        return [("option", index) for index in range(len(shown_settings(self._settings, self.values)))]
+
     def _step_focus(self) -> None:
-        places = [("card", self._chosen), *(("option", index) for index in range(len(self._options))), ("start", 0)]
+        card = ("card", max(self._page.state.chosen, 0))
+        places = [card, *self._option_places, ("start", 0), ("tab", self._tab)]
         at = places.index(self._focus) if self._focus in places else -1
         self._look_at(places[(at + 1) % len(places)])
 
@@ -201,22 +347,22 @@ class Launcher:
         top = self._page.card_box(0, 0.0)
         highest, lowest = top[1] + top[3], 64.0
         if y + height > highest:
-            self._scroll_to(self._scroll - (y + height - highest))
+            self._scroll -= y + height - highest
         elif y < lowest:
-            self._scroll_to(self._scroll + (lowest - y))
-
-    def _scroll_to(self, scroll: float) -> None:
-        self._scroll = min(max(scroll, 0.0), self._page.max_scroll)
+            self._scroll += lowest - y
 
     def _spot_at(self, event: InputEvent) -> Spot | None:
         place = self._canvas.place(event)
-        return next((spot for spot in self._page.spots(self._scroll) if is_within(place, spot.box)), None)
+        return next((spot for spot in self._page.spots() if is_within(place, spot.box)), None)
 
     def _hover(self, spot: Spot | None) -> None:
-        if spot is not None:
+        """What is pointed at is lit; a field that is being filled stays so until something is clicked."""
+        setting = self._setting_in_focus()
+        if spot is not None and not (setting is not None and setting.typed):
             self._focus = (spot.kind, spot.index)
 
     def _click(self, spot: Spot | None) -> None:
+        self._keys_shown, self._notice = False, ""
         if spot is None:
             return
         again = spot.kind == "card" and spot.index == self._clicked
@@ -226,8 +372,10 @@ class Launcher:
             self._begin()
         elif spot.kind == "option":
             self._change(spot.index, spot.step)
+        elif spot.kind == "tab":
+            self._open_tab(spot.index)
         else:
-            self._chosen = spot.index
+            self._choose_card(spot.index)
 
     def _read_stick(self) -> None:
         axes = self._surface.gamepad.axes
@@ -240,17 +388,6 @@ class Launcher:
             self._move(*((int(np.sign(x)), 0) if abs(x) > abs(y) else (0, int(np.sign(y)))))
 
 
-def _load_thumbnail(file: Path | None) -> NDArray[np.uint8]:
-    """A picture cut to 16:9, RGBA uint8 [288, 512, 4]; a quiet gradient where there is none to read."""
-    from PIL import Image, ImageOps
-
-    if file is not None:
-        try:
-            with Image.open(file) as picture:
-                fitted = ImageOps.fit(picture.convert("RGBA"), _THUMBNAIL, Image.Resampling.LANCZOS)
-                return np.array(fitted, np.uint8)
-        except OSError:
-            pass  # a missing picture is no reason to show no launcher
-    width, height = _THUMBNAIL
-    shade = np.linspace(70.0, 40.0, height)[:, None, None] * np.array([0.8, 1.0, 1.25, 0.0]) + [0.0, 0.0, 0.0, 255.0]
-    return np.broadcast_to(shade, (height, width, 4)).astype(np.uint8)
+def _text_of(card: ScenarioCard) -> str:
+    """Where a search looks."""
+    return f"{card.title} {card.description} {card.group} {card.scene.stem}".lower()

@@ -1,43 +1,66 @@
-"""How the launcher's page is laid out and drawn: cards of scenarios, rows of settings, a start button."""
+"""How the launcher's page is laid out and drawn: groups, cards of scenes, settings, a start button."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Hud
-from mimics_app.rendering.visual.figures.palette import ACCENT, BACK, FAINT, INK, ON_ACCENT, PANEL, PANEL_LIT, QUIET
+from mimics_app.rendering.visual.figures.palette import (
+    ACCENT,
+    ALARM,
+    BACK,
+    FAINT,
+    INK,
+    ON_ACCENT,
+    PANEL,
+    PANEL_LIT,
+    QUIET,
+)
 from mimics_app.rendering.visual.launcher.page_surface import Box
+from mimics_app.rendering.visual.launcher.setting import Setting
 
 __all__ = ["LauncherPage", "PageState", "ScenarioCard", "Spot"]
 
 
 _MARGIN = 40.0
 _GAP = 20.0
-_HEAD = 118.0
+_HEAD = 132.0
 _SIDE, _SIDE_SHARE = 340.0, 0.42
 _FOOT = 56.0
-_ROW = 62.0
+_ROW, _ROW_GAP = 44.0, 7.0
+_START, _HELP = 54.0, 44.0
+_TAB_HEIGHT = 34.0
+_LEAST_CARD = 250.0
 _PICTURE_SHAPE = 16.0 / 9.0
-_TEXT_HEIGHT = 96.0
+_TEXT_HEIGHT = 112.0
+_HINT = "Arrows, Tab, stick: move    Enter, A: choose    type: search    F1: keys    Esc, B: leave"
 
 
 @dataclass(frozen=True)
 class ScenarioCard:
-    """One scenario a person may choose.
+    """One scene a person may choose.
 
     Attributes:
         title: A few words.
         description: A sentence or two.
         picture: PNG or JPEG of it, or None; drawn at 16:9.
         scene: The scene file that runs it.
+        group: In which it stands.
+        facts: What it takes and how long, or when it was played, a few words.
+        badge: What stands large beside the title, such as the last score.
+        everywhere: Whether it is found by a search and among all; else in its group alone, as one that was played.
     """
 
     title: str
     description: str
     picture: Path | None
     scene: Path
+    group: str = ""
+    facts: str = ""
+    badge: str = ""
+    everywhere: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,35 +75,53 @@ class Spot:
 
 @dataclass(frozen=True, slots=True)
 class PageState:
-    """What the page shows: the chosen card, the focus, values per setting, and how far the cards are scrolled."""
+    """What the page shows.
 
-    chosen: int
-    focus: tuple[str, int]
-    values: Mapping[str, str]
-    scroll: float
+    Attributes:
+        cards: With the layer of its picture each.
+        chosen: Place of the chosen card among them, -1 where it is not there.
+        focus: Kind of spot, and which one.
+        tabs: Names of the groups.
+        tab: The present one.
+        search: What was typed.
+        settings: Those that matter now.
+        values: By their names.
+        notice: What went wrong with the last start, "" for nothing.
+        scroll: How far the cards are scrolled [hud px].
+    """
+
+    cards: Sequence[tuple[ScenarioCard, int]] = ()
+    chosen: int = 0
+    focus: tuple[str, int] = ("card", 0)
+    tabs: Sequence[str] = ()
+    tab: int = 0
+    search: str = ""
+    settings: Sequence[Setting] = ()
+    values: Mapping[str, str] = field(default_factory=dict)
+    notice: str = ""
+    scroll: float = 0.0
 
 
 class LauncherPage:
     """The page as boxes; knows nothing of events.
 
     Attributes:
-        columns: Cards side by side at the present width.
+        state: What it shows.
     """
 
-    def __init__(self, hud: Hud, cards: Sequence[ScenarioCard], options: Sequence[str]) -> None:
+    def __init__(self, hud: Hud) -> None:
         self._hud = hud
-        self._cards = cards
-        self._options = options
+        self.state = PageState()
 
     @property
     def columns(self) -> int:
-        """Cards side by side: as many as stay 320 px wide."""
-        return max(1, int((self._cards_width + _GAP) // (320.0 + _GAP)))
+        """Cards side by side: as many as stay wide enough."""
+        return max(1, int((self._cards_width + _GAP) // (_LEAST_CARD + _GAP)))
 
     @property
     def max_scroll(self) -> float:
         """How far the cards can be scrolled [hud px]."""
-        rows = -(-len(self._cards) // self.columns)
+        rows = -(-len(self.state.cards) // self.columns)
         content = rows * (self._card_size[1] + _GAP) - _GAP
         return max(0.0, content - (CANVAS_HEIGHT - _HEAD - _FOOT))
 
@@ -91,40 +132,45 @@ class LauncherPage:
         top = CANVAS_HEIGHT - _HEAD + scroll - row * (height + _GAP)
         return (_MARGIN + column * (width + _GAP), top - height, width, height)
 
-    def spots(self, scroll: float) -> list[Spot]:
+    def spots(self) -> list[Spot]:
         """Everything one can point at, the topmost first."""
+        state = self.state
         spots = [Spot(self._start_box, "start")]
-        for index in range(len(self._options)):
+        for index in range(len(state.settings)):
             x, y, width, height = self._option_box(index)
             spots.append(Spot((x, y, 0.5 * width, height), "option", index, -1))
             spots.append(Spot((x + 0.5 * width, y, 0.5 * width, height), "option", index, 1))
-        cards = (Spot(self.card_box(index, scroll), "card", index) for index in range(len(self._cards)))
+        spots += [Spot(self._tab_box(index), "tab", index) for index in range(len(state.tabs))]
+        cards = (Spot(self.card_box(index, state.scroll), "card", index) for index in range(len(state.cards)))
         return spots + [spot for spot in cards if spot.box[1] < CANVAS_HEIGHT - _HEAD]
 
-    def draw(self, state: PageState) -> None:
+    def draw(self) -> None:
         """Put the page on the hud."""
-        hud = self._hud
+        hud, state = self._hud, self.state
         hud.clear()
         hud.box(0.0, 0.0, hud.width, CANVAS_HEIGHT, BACK)
-        for index in range(len(self._cards)):
-            self._draw_card(index, state)
+        for index in range(len(state.cards)):
+            self._draw_card(index)
+        if not state.cards:
+            hud.text(_MARGIN, CANVAS_HEIGHT - _HEAD - 40.0, "No scene has these words", 20.0, FAINT)
         # What scrolls past the head and the foot is covered again, so that one draw call needs no clipping.
-        hud.box(0.0, CANVAS_HEIGHT - _HEAD + _GAP, hud.width, _HEAD - _GAP, BACK)
+        hud.box(0.0, CANVAS_HEIGHT - _HEAD + 8.0, hud.width, _HEAD - 8.0, BACK)
         hud.box(0.0, 0.0, hud.width, _FOOT - 8.0, BACK)
-        hud.text(_MARGIN, CANVAS_HEIGHT - 66.0, "mimics", 38.0, INK, bold=True)
-        beside = _MARGIN + hud.measure("mimics", 38.0, bold=True) + 16.0
-        hud.text(beside, CANVAS_HEIGHT - 66.0, "Choose a scene", 20.0, FAINT)
-        self._draw_settings(state)
-        hint = "Arrows or stick: move     Enter or A: choose     Start: begin     Esc or B: leave"
-        hud.text(_MARGIN, 20.0, hint, 15.0, FAINT, width=hud.width - 2.0 * _MARGIN)
+        self._draw_head()
+        self._draw_settings()
+        hud.text(_MARGIN, 20.0, state.notice or _HINT, 15.0, ALARM if state.notice else FAINT, width=self._wide)
+
+    @property
+    def _wide(self) -> float:
+        return self._hud.width - 2.0 * _MARGIN
 
     @property
     def _cards_width(self) -> float:
-        return self._hud.width - 2.0 * _MARGIN - _GAP - self._side_width
+        return self._wide - _GAP - self._side_width
 
     @property
     def _side_width(self) -> float:
-        return min(_SIDE, _SIDE_SHARE * (self._hud.width - 2.0 * _MARGIN))
+        return min(_SIDE, _SIDE_SHARE * self._wide)
 
     @property
     def _card_size(self) -> tuple[float, float]:
@@ -137,43 +183,84 @@ class LauncherPage:
 
     @property
     def _start_box(self) -> Box:
-        return (self._side_x, _FOOT + 4.0, self._side_width, 60.0)
+        return (self._side_x, _FOOT, self._side_width, _START)
 
     def _option_box(self, index: int) -> Box:
-        top = CANVAS_HEIGHT - _HEAD - index * (_ROW + 12.0)
+        top = CANVAS_HEIGHT - _HEAD - index * (_ROW + _ROW_GAP)
         return (self._side_x, top - _ROW, self._side_width, _ROW)
 
-    def _draw_card(self, index: int, state: PageState) -> None:
-        hud, card, box = self._hud, self._cards[index], self.card_box(index, state.scroll)
-        x, y, width, height = box
+    def _tab_box(self, index: int) -> Box:
+        widths = [self._hud.measure(name, 16.0, bold=True) + 28.0 for name in self.state.tabs]
+        x = _MARGIN + sum(widths[:index]) + 8.0 * index
+        return (x, CANVAS_HEIGHT - _HEAD + 18.0, widths[index], _TAB_HEIGHT)
+
+    def _draw_head(self) -> None:
+        hud, state, y = self._hud, self.state, CANVAS_HEIGHT - 62.0
+        hud.text(_MARGIN, y, "mimics", 38.0, INK, bold=True)
+        beside = _MARGIN + hud.measure("mimics", 38.0, bold=True) + 16.0
+        hud.text(beside, y, "Choose a scene", 20.0, FAINT, width=max(0.0, self._side_x - beside))
+        for index, name in enumerate(state.tabs):
+            box = self._tab_box(index)
+            here, focused = index == state.tab and not state.search, state.focus == ("tab", index)
+            hud.box(*box, PANEL_LIT if here or focused else PANEL, radius=0.5 * _TAB_HEIGHT)
+            hud.text(
+                box[0] + 0.5 * box[2], box[1] + 11.0, name, 16.0, INK if here else FAINT, bold=True, align="centre"
+            )
+            if focused:
+                hud.box(*box, ACCENT, radius=0.5 * _TAB_HEIGHT, border=2.5)
+        x, width = self._side_x, self._side_width
+        hud.box(x, CANVAS_HEIGHT - 80.0, width, 40.0, PANEL_LIT if state.search else PANEL, radius=12.0)
+        text = f"{state.search}|" if state.search else "Type to search"
+        hud.text(x + 18.0, CANVAS_HEIGHT - 66.0, text, 17.0, INK if state.search else FAINT, width=width - 36.0)
+        hud.text(x, CANVAS_HEIGHT - _HEAD + 12.0, "Settings", 16.0, FAINT, bold=True)
+
+    def _draw_card(self, index: int) -> None:
+        hud, state = self._hud, self.state
+        card, layer = state.cards[index]
+        x, y, width, height = box = self.card_box(index, state.scroll)
         if y > CANVAS_HEIGHT or y + height < 0.0:
             return
         chosen, focused = index == state.chosen, state.focus == ("card", index)
-        hud.box(x, y, width, height, PANEL_LIT if chosen or focused else PANEL, radius=14.0)
+        hud.box(*box, PANEL_LIT if chosen or focused else PANEL, radius=14.0)
         picture = (width - 20.0) / _PICTURE_SHAPE
-        hud.image((x + 10.0, y + height - 10.0 - picture, width - 20.0, picture), index, radius=8.0)
-        text_y = y + height - picture - 38.0
-        hud.text(x + 14.0, text_y, card.title, 20.0, INK, bold=True, width=width - 28.0)
-        for number, line in enumerate(hud.wrap(card.description, 14.5, width - 28.0, 3)):
-            hud.text(x + 14.0, text_y - 23.0 - 18.5 * number, line, 14.5, FAINT)
+        hud.image((x + 10.0, y + height - 10.0 - picture, width - 20.0, picture), layer, radius=8.0)
+        text_y, room = y + height - picture - 36.0, width - 28.0
+        free = room - hud.text(x + width - 14.0, text_y, card.badge, 16.0, ACCENT, bold=True, align="right") - 8.0
+        size = min(17.5, max(14.5, 17.5 * free / max(hud.measure(card.title, 17.5, bold=True), 1.0)))
+        hud.text(x + 14.0, text_y, card.title, size, INK, bold=True, width=free)
+        for number, line in enumerate(hud.wrap(card.description, 13.0, room, 3)):
+            hud.text(x + 14.0, text_y - 20.0 - 16.5 * number, line, 13.0, FAINT)
+        hud.text(x + 14.0, y + 13.0, card.facts, 12.5, INK, width=room)
         if chosen or focused:
-            hud.box(x, y, width, height, ACCENT if focused else FAINT, radius=14.0, border=3.0 if focused else 1.5)
+            hud.box(*box, ACCENT if focused else FAINT, radius=14.0, border=3.0 if focused else 1.5)
 
-    def _draw_settings(self, state: PageState) -> None:
-        hud = self._hud
-        for index, name in enumerate(self._options):
-            x, y, width, height = self._option_box(index)
-            focused = state.focus == ("option", index)
-            hud.box(x, y, width, height, PANEL_LIT if focused else PANEL, radius=12.0)
-            hud.text(x + 0.5 * width, y + 39.0, name.capitalize(), 14.0, FAINT, align="centre")
-            value, room = state.values[name].replace("_", " "), width - 90.0
-            size = min(19.0, max(13.0, 19.0 * room / max(hud.measure(value, 19.0, bold=True), 1.0)))
-            hud.text(x + 0.5 * width, y + 14.0, value, size, INK, bold=True, align="centre", width=room)
-            hud.text(x + 24.0, y + 22.0, "◀", 18.0, ACCENT if focused else FAINT, align="centre")
-            hud.text(x + width - 24.0, y + 22.0, "▶", 18.0, ACCENT if focused else FAINT, align="centre")
-            if focused:
-                hud.box(x, y, width, height, ACCENT, radius=12.0, border=2.5)
+    def _draw_settings(self) -> None:
+        hud, state = self._hud, self.state
+        for index in range(len(state.settings)):
+            self._draw_option(index)
+        kind, which = state.focus
+        if kind == "option" and which < len(state.settings):
+            x = self._side_x
+            for number, line in enumerate(hud.wrap(state.settings[which].help, 14.0, self._side_width, 2)):
+                hud.text(x, _FOOT + _START + _HELP - 14.0 - 18.0 * number, line, 14.0, FAINT)
         x, y, width, height = self._start_box
         focused = state.focus == ("start", 0)
         hud.box(x, y, width, height, ACCENT if focused else QUIET, radius=16.0)
-        hud.text(x + 0.5 * width, y + 20.0, "Start", 26.0, ON_ACCENT, bold=True, align="centre")
+        hud.text(x + 0.5 * width, y + 18.0, "Start", 25.0, ON_ACCENT, bold=True, align="centre")
+
+    def _draw_option(self, index: int) -> None:
+        hud, setting = self._hud, self.state.settings[index]
+        x, y, width, _ = box = self._option_box(index)
+        focused = self.state.focus == ("option", index)
+        hud.box(*box, PANEL_LIT if focused else PANEL, radius=12.0)
+        hud.text(x + 0.5 * width, y + 28.0, setting.label, 12.5, FAINT, align="centre")
+        value = self.state.values.get(setting.name, "")
+        words, room = setting.words(value) + ("|" if setting.typed and focused else ""), width - 76.0
+        size = min(16.0, max(12.0, 16.0 * room / max(hud.measure(words, 16.0, bold=True), 1.0)))
+        colour = INK if value or not setting.typed else FAINT
+        hud.text(x + 0.5 * width, y + 9.0, words, size, colour, bold=True, align="centre", width=room)
+        if setting.choices:
+            hud.text(x + 22.0, y + 15.0, "◀", 16.0, ACCENT if focused else FAINT, align="centre")
+            hud.text(x + width - 22.0, y + 15.0, "▶", 16.0, ACCENT if focused else FAINT, align="centre")
+        if focused:
+            hud.box(*box, ACCENT, radius=12.0, border=2.5)

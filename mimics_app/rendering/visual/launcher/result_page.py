@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from mimics_app.contracts.window_input import InputEvent
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Hud
+from mimics_app.rendering.visual.figures.key_page import Keys, draw_keys
 from mimics_app.rendering.visual.figures.palette import ACCENT, BACK, FAINT, INK, ON_ACCENT, PANEL, PANEL_LIT, QUIET
 from mimics_app.rendering.visual.launcher.page_surface import Box, PageSurface, is_within
 from mimics_app.rendering.visual.surfaces.surface import Surface
@@ -20,6 +21,7 @@ _MOST_ROWS = 8
 _STEPS = {"left": -1, "right": 1, "up": -1, "down": 1, "dpad_left": -1, "dpad_right": 1, "tab": 1}
 _CHOOSE = {"enter", "a", "start"}
 _LEAVE = {"escape", "b", "back"}
+_KEYS = "keys"
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +51,7 @@ class ResultContent:
         rows: A line for each trial, a text for each column.
         buttons: What may be done next, the main one first.
         footnote: Where the recording is, for whoever looks for it.
+        keys: Of the session, shown by a button named "keys".
     """
 
     title: str
@@ -58,6 +61,7 @@ class ResultContent:
     rows: Sequence[Sequence[str]]
     buttons: Sequence[Button]
     footnote: str = ""
+    keys: Keys = ()
 
 
 class ResultPage:
@@ -70,7 +74,7 @@ class ResultPage:
     def __init__(self, surface: Surface, content: ResultContent) -> None:
         self._canvas = PageSurface(surface)
         self._content = content
-        self._focus = 0
+        self._focus, self._keys_shown = 0, False
         self.choice = ""
 
     def handle(self, events: Sequence[InputEvent]) -> None:
@@ -100,6 +104,8 @@ class ResultPage:
         for number, button in enumerate(content.buttons):
             self._draw_button(hud, self._button_box(number), button, number)
         hud.text(_MARGIN, 22.0, content.footnote, 14.0, FAINT, width=wide)
+        if self._keys_shown:
+            draw_keys(hud, content.keys)
         self._canvas.draw()
 
     def release(self) -> None:
@@ -111,11 +117,16 @@ class ResultPage:
         if name in _STEPS:
             self._focus = (self._focus + _STEPS[name]) % len(buttons)
         elif name in _LEAVE:
-            self.choice = "leave"
+            self._choose("" if self._keys_shown else "leave")
         elif name in _CHOOSE:
-            self.choice = buttons[self._focus].name
+            self._choose(buttons[self._focus].name)
         else:
-            self.choice = next((button.name for button in buttons if button.key == name), "")
+            self._choose(next((button.name for button in buttons if button.key == name), ""))
+
+    def _choose(self, name: str) -> None:
+        """Take a button; that of the keys shows them, and every other press takes them away."""
+        shown, self._keys_shown = self._keys_shown, name == _KEYS and not self._keys_shown
+        self.choice = "" if name == _KEYS or (shown and not name) else name
 
     def _point(self, event: InputEvent) -> None:
         place = self._canvas.place(event)
@@ -123,7 +134,7 @@ class ResultPage:
             if is_within(place, self._button_box(number)):
                 self._focus = number
                 if event.kind == "button" and event.name == "left" and event.pressed:
-                    self.choice = button.name
+                    self._choose(button.name)
 
     def _draw_tiles(self, hud: Hud, wide: float) -> None:
         tiles, top = self._content.tiles, CANVAS_HEIGHT - 182.0
@@ -162,7 +173,7 @@ class ResultPage:
         colour = (ACCENT if focused else QUIET) if main else (PANEL_LIT if focused else PANEL)
         hud.box(x, y, width, height, colour, radius=14.0)
         ink = ON_ACCENT if main else INK
-        hud.text(x + 0.5 * width, y + 20.0, button.label, 20.0, ink, bold=True, align="centre", width=width - 60.0)
+        hud.text(x + 0.5 * width, y + 20.0, button.label, 18.0, ink, bold=True, align="centre", width=width - 60.0)
         hud.text(x + width - 16.0, y + 21.0, button.key.upper(), 14.0, ink if main else FAINT, align="right")
         if focused:
             hud.box(x, y, width, height, INK if main else ACCENT, radius=14.0, border=2.5)

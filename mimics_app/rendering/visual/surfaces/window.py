@@ -152,6 +152,7 @@ class WindowSurface(Surface):
     def _listen(self) -> None:
         glfw, window = self._glfw, self._window
         glfw.set_key_callback(window, self._on_key)
+        glfw.set_char_callback(window, lambda _, code: self._events.append(InputEvent("text", chr(code), True)))
         glfw.set_mouse_button_callback(window, self._on_button)
         glfw.set_cursor_pos_callback(window, self._on_move)
         glfw.set_scroll_callback(window, lambda _, x, y: self._events.append(InputEvent("wheel", x=x, y=y)))

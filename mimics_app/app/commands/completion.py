@@ -1,0 +1,110 @@
+"""`mimics completion SHELL`: what makes a shell complete commands, options, their values and the names of scenes.
+
+The shell asks `mimics completion words` with a word on each line of stdin; the last one is under the cursor.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterable, Sequence
+
+__all__ = ["add_arguments", "run", "suggest"]
+
+_SCRIPTS = {
+    "bash": """_mimics() {
+    local IFS=$'\\n'
+    COMPREPLY=($(printf '%s\\n' "${COMP_WORDS[@]:1:COMP_CWORD}" | mimics completion words 2>/dev/null))
+}
+complete -o default -F _mimics mimics
+""",
+    "zsh": """_mimics() {
+    local -a found
+    found=(${(f)"$(print -rl -- "${(@)words[2,CURRENT]}" | mimics completion words 2>/dev/null)"})
+    if (( ${#found} )); then compadd -- $found; else _files; fi
+}
+compdef _mimics mimics
+""",
+    "fish": """function __mimics_words
+    begin; commandline -opc | tail -n +2; commandline -ct; end | mimics completion words 2>/dev/null
+end
+complete -c mimics -a '(__mimics_words)'
+""",
+}
+_SCENES = ("scene", "scenes", "file")
+"""Positional arguments that take the name of a shipped scene."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.epilog = (
+        'bash: eval "$(mimics completion bash)" in ~/.bashrc; zsh: the same after compinit in ~/.zshrc; '
+        "fish: mimics completion fish > ~/.config/fish/completions/mimics.fish"
+    )
+    parser.add_argument(
+        "shell", choices=(*_SCRIPTS, "words"), help="whose script is printed; words: what may follow stdin's"
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Print the script, or what may follow."""
+    if args.shell == "words":
+        words = sys.stdin.read().removesuffix("\n").split("\n")
+        found = suggest(words, args.commands, args.parser_of)
+        if args.json:
+            from mimics_app.app.terminal.output import write_object
+
+            write_object("completion", {"words": found})
+        else:
+            sys.stdout.write("".join(f"{word}\n" for word in found))
+        return 0
+    sys.stdout.write(_SCRIPTS[args.shell])
+    return 0
+
+
+def suggest(words: Sequence[str], commands: Iterable[str], parser_of: object) -> list[str]:
+    """What the last word may become.
+
+    Args:
+        words: After the program's name; the last one may be "".
+        commands: Names of the commands.
+        parser_of: Gives the parser of a command by its name.
+    """
+    last = words[-1]
+    if len(words) == 1:
+        return [name for name in commands if name.startswith(last)]
+    if words[0] not in commands or not callable(parser_of):
+        return []
+    parser: argparse.ArgumentParser = parser_of(words[0])
+    return sorted(word for word in _possible(parser, words[1:-1], last) if word.startswith(last))
+
+
+def _possible(parser: argparse.ArgumentParser, before: Sequence[str], last: str) -> list[str]:
+    options = {name: action for action in parser._actions for name in action.option_strings}
+    asked = options.get(before[-1]) if before else None
+    if asked is not None and asked.nargs != 0:
+        return [str(value) for value in asked.choices or ()]
+    if last.startswith("-"):
+        return [name for name in options if name.startswith("--") and options[name].help != argparse.SUPPRESS]
+    places = [action for action in parser._actions if not action.option_strings]
+    place = places[min(_given(options, before), len(places) - 1)] if places else None
+    if place is None:
+        return []
+    return _scene_names() if place.dest in _SCENES else [str(value) for value in place.choices or ()]
+
+
+def _given(options: dict[str, argparse.Action], before: Sequence[str]) -> int:
+    """How many words stand before that are neither options nor their values."""
+    count, skip = 0, False
+    for word in before:
+        action = options.get(word)
+        if action is None and not skip:
+            count += 1
+        skip = action is not None and action.nargs != 0
+    return count
+
+
+def _scene_names() -> list[str]:
+    from mimics_app.app.scenes.shipped import shipped_scenes
+
+    return [scene.name for scene in shipped_scenes()]

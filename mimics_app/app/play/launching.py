@@ -1,0 +1,205 @@
+"""What the launcher offers, in a therapist's words: scenes, settings, what was played lately, and the last choice."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from datetime import datetime
+from pathlib import Path
+
+from mimics_app.app.scenes.shipped import GROUPS, ShippedScene, find_shipped, shipped_scenes, thumbnail_of
+from mimics_app.app.settings import RunSettings
+from mimics_app.app.terminal.user_files import read_config, write_config
+from mimics_app.contracts.display_choice import DISPLAY_KINDS
+from mimics_app.recording.history import EarlierRun, recent_runs
+from mimics_app.rendering.haptic.devices.device_names import ADDRESSES, POINTER, REPLAY, SIMULATED, device_names
+from mimics_app.rendering.visual.launcher.launcher import LauncherChoice, ScenarioCard
+from mimics_app.rendering.visual.launcher.setting import Choice, Setting
+
+__all__ = ["last_choice", "launcher_cards", "launcher_settings", "remember", "settings_of_choice"]
+
+_FILE = "launcher"
+_MOST_RECENT = 12
+_AT_HAND = ""
+"""Who plays: whoever sits at the window."""
+
+_PLAYERS = {
+    _AT_HAND: "mouse, keys or gamepad",
+    SIMULATED: "simulated patient",
+    "serial": "robot on a serial port",
+    "hapticmaster": "HapticMaster in the network",
+    "simulated_impedance": "simulated patient, impedance robot",
+    "simulated_leg": "simulated patient, one leg",
+    "simulated_legs": "simulated patient, both legs",
+}
+"""Devices in a person's words; plug-ins are called by their names."""
+
+_DISPLAYS = {
+    "": "as the scene says",
+    "desktop": "this screen",
+    "sbs": "3D, side by side",
+    "sbs-half": "3D, side by side, half width",
+    "tb": "3D, top and bottom",
+    "interleaved": "3D, line by line",
+    "anaglyph": "3D, red and cyan glasses",
+    "quad": "3D, shutter glasses",
+    "hmd": "head-mounted display",
+    "openxr": "headset",
+    "sim-hmd": "simulated headset",
+}
+_ADDRESSED = tuple(name for name, wanted in ADDRESSES.items() if wanted)
+_SIMULATED = tuple(name for name in ADDRESSES if name.startswith("simulated"))
+
+
+def launcher_settings() -> list[Setting]:
+    """Settings of the launcher: what is installed here."""
+    players = {**_PLAYERS, **{name: name for name in device_names() if name not in (POINTER, REPLAY, *_PLAYERS)}}
+    displays = {"": "", **{kind: kind for kind, wants in DISPLAY_KINDS.items() if wants != "must"}}
+    return [
+        Setting(
+            "device", "Who plays", "A person at this computer, a robot, or a simulated patient.", _choices(players)
+        ),
+        Setting(
+            "address",
+            "Port or address of the robot",
+            "Of a serial robot e.g. /dev/ttyUSB0; of a HapticMaster its address, e.g. 192.168.0.10.",
+            _choices({port: port for port in _ports()}),
+            typed=True,
+            empty="type it here",
+            with_values=_ADDRESSED,
+        ),
+        Setting(
+            "patient",
+            "Simulated patient",
+            "How much the simulated patient is impaired.",
+            _choices({"": "as the scene says", "healthy": "healthy", "moderate": "moderate", "severe": "severe"}),
+            with_values=_SIMULATED,
+        ),
+        Setting(
+            "participant",
+            "Participant code",
+            "A code, never a name. Results are compared with earlier ones of this code.",
+            typed=True,
+            empty="none",
+        ),
+        Setting(
+            "difficulty",
+            "Difficulty",
+            "Easier and harder move what a task can adapt half-way to its easiest or hardest value.",
+            _choices({"usual": "as the scene says", "easier": "easier", "harder": "harder"}),
+        ),
+        Setting(
+            "trials",
+            "Number of trials",
+            "How many trials count; practice comes before them as ever.",
+            _choices({"": "as the scene says", **{str(n): str(n) for n in (1, 2, 3, 5, 10, 20)}}),
+        ),
+        Setting(
+            "profile",
+            "Quality",
+            "Usual holds the frame rate, fast gives up more for it, study keeps the picture as it was set up.",
+            _choices({"training": "usual", "draft": "fast", "study": "study, nothing given up"}),
+        ),
+        Setting(
+            "sound",
+            "Sound",
+            "On plays through this computer; a file is written into the recording.",
+            _choices({"auto": "on", "file": "into a file", "off": "off"}),
+        ),
+        Setting(
+            "display",
+            "Display",
+            "On what the picture is shown.",
+            _choices({kind: _DISPLAYS.get(kind, kind) for kind in displays}),
+        ),
+    ]
+
+
+def settings_of_choice(choice: LauncherChoice) -> RunSettings:
+    """What the person chose, as the settings of a run."""
+    chosen = choice.settings
+    device = chosen["device"]
+    if device in _ADDRESSED:
+        device = f"{device}:{chosen['address']}"
+    return RunSettings(
+        scene=choice.scene,
+        device=device,
+        patient=chosen["patient"] if chosen["device"] in _SIMULATED else "",
+        participant=chosen["participant"].strip(),
+        difficulty=chosen["difficulty"],  # type: ignore[arg-type]
+        trials=int(chosen["trials"] or 0),
+        profile=chosen["profile"],  # type: ignore[arg-type]
+        sound=chosen["sound"],  # type: ignore[arg-type]
+        display=chosen["display"],
+    )
+
+
+def launcher_cards(runs: Path) -> list[ScenarioCard]:
+    """One card per shipped scene, and one per session that was played lately, with its score."""
+    recent = recent_runs(runs, _MOST_RECENT)
+    newest = {run.scene: run for run in reversed(recent)}
+    cards = [_card(scene, newest.get(scene.name)) for scene in shipped_scenes()]
+    return cards + [card for run in recent if (card := _played(run)) is not None]
+
+
+def remember(choice: LauncherChoice) -> None:
+    """Keep the choice for the next start."""
+    write_config(_FILE, {"scene": choice.scene.stem, "settings": choice.settings})
+
+
+def last_choice() -> LauncherChoice | None:
+    """What was chosen the last time, as far as it can still be chosen."""
+    kept = read_config(_FILE)
+    scene, settings = find_shipped(str(kept.get("scene", ""))), kept.get("settings")
+    if scene is None or not isinstance(settings, dict):
+        return None
+    return LauncherChoice(scene.file, {str(name): str(value) for name, value in settings.items()})
+
+
+def _choices(words: Mapping[str, str]) -> list[Choice]:
+    return [Choice(value, text) for value, text in words.items()]
+
+
+def _ports() -> list[str]:
+    """Serial ports that something is plugged into."""
+    from serial.tools import list_ports
+
+    return sorted(str(port.device) for port in list_ports.comports() if port.hwid not in (None, "n/a"))
+
+
+def _card(scene: ShippedScene, last: EarlierRun | None) -> ScenarioCard:
+    return ScenarioCard(
+        title=scene.title,
+        description=scene.description,
+        picture=thumbnail_of(scene.name),
+        scene=scene.file,
+        group=GROUPS[scene.group],
+        facts=" · ".join(part for part in (scene.takes, scene.lasts) if part),
+        badge=f"{last.score:.0f}" if last is not None and last.score is not None else "",
+    )
+
+
+def _played(run: EarlierRun) -> ScenarioCard | None:
+    """A session that was played; None where its scene is no shipped one."""
+    scene = find_shipped(run.scene)
+    if scene is None:
+        return None
+    words = [f"{run.completed} of {run.trials} trials finished"]
+    words += [f"mean time {run.time_s:.1f} s"] if run.time_s is not None else []
+    return ScenarioCard(
+        title=scene.title,
+        description=", ".join(words) + ".",
+        picture=thumbnail_of(scene.name),
+        scene=scene.file,
+        group="Recent",
+        facts=" · ".join(part for part in (_local_time(run.utc), run.participant) if part),
+        badge="" if run.score is None else f"{run.score:.0f} of 100",
+        everywhere=False,
+    )
+
+
+def _local_time(utc: str) -> str:
+    """A moment as this computer's clock shows it; "" for none."""
+    try:
+        return datetime.fromisoformat(utc).astimezone().strftime("%d %b %Y, %H:%M")
+    except (ValueError, OverflowError):
+        return ""

@@ -1,0 +1,147 @@
+"""The scenes that come with the product: their names, groups, what each takes and how long. Reads JSON and no more."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from mimics_app.contracts.plural import counted
+from mimics_app.contracts.resources import root
+
+__all__ = [
+    "GROUPS",
+    "ONLY_LOOKED_AT",
+    "ShippedScene",
+    "find_shipped",
+    "is_only_looked_at",
+    "shipped_scenes",
+    "thumbnail_of",
+]
+
+ONLY_LOOKED_AT = "none"
+"""What a scene gives as its scenario when nothing is to be done in it."""
+
+GROUPS = {"tasks": "Tasks", "examples": "Examples", "places": "Places"}
+"""What there is to do, what shows one thing each, and what is only looked at."""
+
+_FIRST = ("wavy_tunnel", "pick_and_place", "guided_walk")
+
+_SECONDS = 60.0
+"""Time of a trial where a scene says nothing [s], as `tasks.task.TaskSpec.time_limit_s`; a test compares them."""
+
+
+@dataclass(frozen=True, slots=True)
+class ShippedScene:
+    """A scene of the installation.
+
+    Attributes:
+        name: By which every command finds it, e.g. "free_objects".
+        file: Where it is.
+        title, description: Of the scene, in a person's words.
+        group: One of GROUPS.
+        takes: What a person plays it with.
+        lasts: How many trials, and how long at most; "" where nothing is to be done.
+    """
+
+    name: str
+    file: Path
+    title: str
+    description: str
+    group: str
+    takes: str
+    lasts: str
+
+    def as_dict(self) -> dict[str, object]:
+        """Plain values for `mimics scenes --json`."""
+        return {
+            "name": self.name,
+            "file": self.file,
+            "title": self.title,
+            "description": self.description,
+            "group": self.group,
+            "takes": self.takes,
+            "lasts": self.lasts,
+        }
+
+
+@cache
+def shipped_scenes() -> tuple[ShippedScene, ...]:
+    """All of them: tasks first, then examples, then places; what people begin with before the others, by name."""
+    found = [_describe(file) for file in _files()]
+    groups = list(GROUPS)
+    return tuple(sorted(found, key=lambda scene: (groups.index(scene.group), *_rank(scene.name))))
+
+
+def _rank(name: str) -> tuple[int, str]:
+    return (_FIRST.index(name) if name in _FIRST else len(_FIRST), name)
+
+
+def find_shipped(name: str) -> ShippedScene | None:
+    """The scene of a name, with or without its folder and ending; None where there is none."""
+    return next((scene for scene in shipped_scenes() if scene.name == name), None)
+
+
+def is_only_looked_at(file: Path) -> bool:
+    """Whether a scene file says that nothing is to be done in it; False of one that cannot be read."""
+    try:
+        document = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    return isinstance(document, dict) and document.get("scenario") == ONLY_LOOKED_AT
+
+
+def thumbnail_of(name: str) -> Path:
+    """Where the picture of a shipped scene lies."""
+    return root() / "assets" / "pictures" / "scenes" / f"{name}.jpg"
+
+
+def _files() -> Iterator[Path]:
+    folder = root() / "scenes"
+    yield from folder.glob("*.json")
+    yield from (folder / "examples").glob("*.json")
+
+
+def _describe(file: Path) -> ShippedScene:
+    document = json.loads(file.read_text(encoding="utf-8"))
+    looked_at = document.get("scenario") == ONLY_LOOKED_AT
+    group = "places" if looked_at else "examples" if file.parent.name == "examples" else "tasks"
+    return ShippedScene(
+        name=file.stem,
+        file=file,
+        title=str(document.get("title", file.stem)),
+        description=str(document.get("description", "")),
+        group=group,
+        takes="a look round" if looked_at else _takes(document),
+        lasts="" if looked_at else _lasts(document.get("task") or {}),
+    )
+
+
+def _takes(document: Mapping[str, Any]) -> str:
+    if "trackers" in document.get("systems", {}):
+        return "head and hands"
+    devices = [each.get("components", {}).get("robot", {}).get("device", "") for each in document.get("entities", ())]
+    return "one leg" if any("leg" in device for device in devices) else "one hand"
+
+
+def _lasts(task: Mapping[str, Any]) -> str:
+    """Trials that count, and the longest that all of them take with their rests."""
+    blocks = task.get("trials") or [{}]
+    if isinstance(blocks, str):
+        return "its own trials"
+    limit, rest = float(task.get("time_limit_s", _SECONDS)), float(task.get("rest_s", 3.0))
+    asked = [float(goal["seconds"]) for goal in task.get("goals", ()) if goal.get("kind") == "duration"]
+    usual = min(max(asked), limit) if asked else limit
+    trials = [
+        (block.get("practice", False), float(trial.get("time_limit_s") or usual))
+        for block in blocks
+        for trial in block.get("trials", [{}]) * int(block.get("repetitions", 1))
+    ]
+    seconds = sum(length for _, length in trials) + rest * (len(trials) - 1)
+    count = sum(not practice for practice, _ in trials)
+    minutes = max(1, math.ceil(seconds / 60.0))
+    return f"{counted(count, 'trials')}, {'' if asked else 'up to '}{minutes} min"

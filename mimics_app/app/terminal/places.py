@@ -1,0 +1,44 @@
+"""Line and column of a fault, for people whose editor knows no JSON pointer."""
+
+from __future__ import annotations
+
+import json
+from functools import lru_cache
+from pathlib import Path
+
+from mimics_app.contracts.errors import Issue
+
+__all__ = ["line_and_column"]
+
+_MOST_CHARACTERS = 400_000
+"""Longer files are not searched: a place in them would take too long to find."""
+
+
+def line_and_column(issue: Issue) -> tuple[int, int] | None:
+    """Where the value of a fault, or the nearest one around it that is there, begins; each from 1.
+
+    None where the fault has no pointer, or its file is no JSON text that can be read.
+    """
+    text = _text_of(issue.file) if issue.pointer else ""
+    if not text:
+        return None
+    from mimics_app.world.scene.json_spans import find_span
+
+    steps = [step.replace("~1", "/").replace("~0", "~") for step in issue.pointer.split("/")[1:]]
+    while (span := find_span(text, steps)) is None:
+        steps.pop()
+    before = text[: span[0]]
+    return before.count("\n") + 1, span[0] - before.rfind("\n")
+
+
+@lru_cache(maxsize=4)
+def _text_of(file: str) -> str:
+    """The text of a JSON file; "" for anything else."""
+    try:
+        text = Path(file).read_text(encoding="utf-8-sig") if Path(file).is_file() else ""
+        if not text or len(text) > _MOST_CHARACTERS:
+            return ""
+        json.loads(text)
+    except (OSError, ValueError, RecursionError):
+        return ""
+    return text

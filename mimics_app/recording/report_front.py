@@ -1,0 +1,100 @@
+"""Page one of a report, for whoever treats the person: a sentence, a picture, the trials, and how it went over time."""
+
+from __future__ import annotations
+
+import base64
+import io
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mimics_app.contracts.resources import root
+from mimics_app.plotting.axis import Axis
+from mimics_app.plotting.plot import Plot
+from mimics_app.recording.history import EarlierRun, earlier_runs
+from mimics_app.recording.report_tables import Table
+from mimics_app.recording.report_values import mapping, number
+from mimics_app.recording.result_words import mean_time, result_sentence, trial_lines
+from mimics_app.recording.run import Run
+
+__all__ = ["Front", "front_of"]
+
+_PICTURE = (512, 288)
+"""Largest picture [px]."""
+
+_MOST_SESSIONS = 30
+
+
+@dataclass(frozen=True, slots=True)
+class Front:
+    """What page one shows beside the figures of the run.
+
+    Attributes:
+        sentence: What it came to.
+        picture: Of the scene, as a data URI; "" for none.
+        trials: One line each; None where none ended.
+        trend: Score, else time, over this participant's sessions of the scene; None before the second.
+    """
+
+    sentence: str
+    picture: str
+    trials: Table | None
+    trend: Plot | None
+
+
+def front_of(run: Run) -> Front:
+    """Page one of a run."""
+    task = mapping(run.summary.get("task"))
+    name = str(mapping(run.session.get("scene")).get("name", ""))
+    participant = str(mapping(run.session.get("settings")).get("participant", ""))
+    found = earlier_runs(run.folder.parent, name, participant, besides=run.folder)
+    earlier = [each for each in found if each.folder.name < run.folder.name]
+    head, lines = trial_lines(run.trials)
+    return Front(
+        sentence=result_sentence(task, earlier) if run.summary else "",
+        picture=_picture(run.folder, name),
+        trials=Table(head, lines) if lines else None,
+        trend=_trend(task, earlier[1 - _MOST_SESSIONS :], participant),
+    )
+
+
+def _trend(task: Any, earlier: list[EarlierRun], participant: str) -> Plot | None:
+    """The mean score of each session, or its mean time where the task has no score."""
+    whose = f" of {participant}" if participant else ""
+    scores = [run.score for run in earlier]
+    score = number(task.get("score")) if mean_time(task) is not None else None
+    if score is not None and any(each is not None for each in scores):
+        values, label, title = [*scores, score], "mean score of 100", f"Score over the sessions{whose}"
+        y = Axis(label, 0.0, 100.0)
+    else:
+        values, label = [*(run.time_s for run in earlier), mean_time(task)], "mean time [s]"
+        title = f"Time over the sessions{whose}"
+        y = Axis.of(label, np.array([value for value in values if value is not None]), zero=True)
+    kept = np.array([np.nan if value is None else value for value in values])
+    if np.isfinite(kept).sum() < 2:
+        return None
+    at = np.arange(1.0, len(kept) + 1.0)
+    plot = Plot(Axis("session, the last one is this", 0.5, len(kept) + 0.5), y, title, height=190.0)
+    plot.line(at, kept, "robot")
+    plot.points(at, kept, "contact", hovers=[f"session {i + 1}: {value:.1f}" for i, value in enumerate(kept)])
+    return plot
+
+
+def _picture(folder: Path, scene: str) -> str:
+    """The shipped picture of the scene, else the first one of the run."""
+    from PIL import Image
+
+    shipped = root() / "assets" / "pictures" / "scenes" / f"{Path(scene).name}.jpg"
+    for file in (shipped, *sorted((folder / "pictures").glob("*.png"))[:1]):
+        try:
+            with Image.open(file) as picture:
+                small = picture.convert("RGB")
+        except (OSError, ValueError):
+            continue
+        small.thumbnail(_PICTURE)
+        stream = io.BytesIO()
+        small.save(stream, "JPEG", quality=85)
+        return f"data:image/jpeg;base64,{base64.b64encode(stream.getvalue()).decode()}"
+    return ""

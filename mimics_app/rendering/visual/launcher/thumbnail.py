@@ -1,0 +1,28 @@
+"""The small picture on a card of the launcher."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["THUMBNAIL", "load_thumbnail"]
+
+THUMBNAIL = (512, 288)
+"""Width and height [px]."""
+
+
+def load_thumbnail(file: Path | None) -> NDArray[np.uint8]:
+    """A picture cut to 16:9, RGBA uint8 [288, 512, 4]; a plain ground where there is none to read."""
+    from PIL import Image, ImageOps
+
+    if file is not None:
+        try:
+            with Image.open(file) as picture:
+                fitted = ImageOps.fit(picture.convert("RGBA"), THUMBNAIL, Image.Resampling.LANCZOS)
+                return np.array(fitted, np.uint8)
+        except OSError:
+            pass  # a missing picture is no reason to show no launcher
+    width, height = THUMBNAIL
+    return np.full((height, width, 4), (38, 48, 60, 255), np.uint8)
