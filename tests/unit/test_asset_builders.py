@@ -49,7 +49,7 @@ def test_wrong_use_is_one_line(arguments: list[str], said: str, capsys: pytest.C
     assert said in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("name", ["city", "market", "sprites", "touch"])
+@pytest.mark.parametrize("name", ["city", "market", "room", "sprites", "touch"])
 def test_shipped_files_are_the_bytes_of_seed_1(name: str) -> None:
     """Nothing is written: `compose` gives bytes by name; sines may differ in their last digit on another machine."""
     folder = next(path for path in (root() / "assets").rglob(name) if path.is_dir())
@@ -64,7 +64,7 @@ def test_shipped_files_are_the_bytes_of_seed_1(name: str) -> None:
 
 def test_every_builder_has_the_habit() -> None:
     builders = find_builders()
-    assert {"city", "market", "sounds", "sprites", "touch"} <= {builder.name for builder in builders}
+    assert {"city", "market", "room", "sounds", "sprites", "touch"} <= {builder.name for builder in builders}
     for builder in builders:
         module = importlib.import_module(f"mimics_app.builders.{builder.name}.build")
         assert "compose" in module.__all__ and list(inspect.signature(module.compose).parameters) == ["seed"]

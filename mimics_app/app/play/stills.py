@@ -36,6 +36,7 @@ def draw_stills(
     seconds: float = 0.0,
     camera: str = "",
     video: Path | None = None,
+    figures: bool = True,
 ) -> Drawn:
     """Draw frames of a scene at even distances of simulated play, the last after `seconds` [s].
 
@@ -51,6 +52,7 @@ def draw_stills(
         seconds: How long the simulated patient plays, from where the person of the first trial acts [s].
         camera: Entity whose camera is looked through; "": the first.
         video: File of a film (see `video.film_place`) instead of the folder's files, or None.
+        figures: False leaves out what is laid over the picture.
 
     Raises:
         SceneError: the scene is wrong, or has no camera, or none of that name.
@@ -60,7 +62,7 @@ def draw_stills(
     if video is not None:
         frames = max(1, round(FRAMES_PER_SECOND * seconds))
     with closing(_moments(scene, settings, frames, seconds)) as play:
-        return _draw(play, scene, settings, folder, backend, frames, camera, video)
+        return _draw(play, scene, settings, folder, backend, frames, camera, video, figures)
 
 
 def _draw(
@@ -72,6 +74,7 @@ def _draw(
     frames: int,
     camera: str,
     video: Path | None,
+    figures: bool,
 ) -> Drawn:
     quality = picture_quality(scene, settings.profile)
     surface = open_offscreen(backend, settings.size)
@@ -81,7 +84,8 @@ def _draw(
         board = play.to(number)
         picture.presenter.begin(play.time_ns(number))
         seen = picture.views
-        picture.lay_out(board, seen)
+        if figures:
+            picture.lay_out(board, seen)
         return seen
 
     if video is None:
