@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mimics_app.rendering.visual.figures.glyphs import Glyph, GlyphAtlas, load_glyph_atlas
 from mimics_app.world.materials.material import TextureData
 
-__all__ = ["caption_key", "caption_picture"]
+__all__ = ["caption_key", "caption_picture", "draw_letters"]
 
 F8 = NDArray[np.float64]
 
@@ -20,8 +20,8 @@ _EM = 0.58
 """Size of the letters where there is room for them, over the plate's height."""
 _MARGIN = 0.30
 """Left free on the left and on the right, over the height."""
-_BASELINE = 0.31
-"""Of the letters above the plate's lower edge, over its height, where they have their full size."""
+_MIDDLE = 0.33
+"""Of a letter above its baseline [em]: half the height of a capital, and a little less for what hangs below."""
 _CORNER = 0.28
 """Radius of the corners, over the height."""
 _PLATE = np.array([0.955, 0.950, 0.930])
@@ -47,7 +47,7 @@ def caption_picture(text: str, size: tuple[float, float]) -> TextureData:
     """
     width = _width(size)
     atlas = load_glyph_atlas()
-    ink = _letters(atlas, text, width)
+    ink = draw_letters(atlas, text, (width, _HEIGHT), _EM * _HEIGHT)
     colour = _PLATE + (_INK - _PLATE) * ink[..., None]
     pixels = np.concatenate([colour, (_COVER * _plate(width))[..., None]], axis=-1)
     return TextureData(np.round(255.0 * pixels).astype(np.uint8), wrap=("clamp", "clamp"))
@@ -67,13 +67,21 @@ def _plate(width: int) -> F8:
     return np.asarray(np.clip(radius - np.hypot(across, along) + 0.5, 0.0, 1.0))
 
 
-def _letters(atlas: GlyphAtlas, text: str, width: int) -> F8:
-    """How much of each pixel the letters cover, [height, width]: in the middle, no wider than the plate."""
+def draw_letters(atlas: GlyphAtlas, text: str, size: tuple[int, int], em: float) -> F8:
+    """How much of each pixel bold letters cover, [height, width]: in the middle, no wider than there is room.
+
+    Args:
+        atlas: Their outlines.
+        text: One line.
+        size: Width and height of the picture [px].
+        em: Size of the letters where there is room for them [px].
+    """
+    width, height = size
     face = atlas.face(bold=True)
-    room = max(width - 2.0 * _MARGIN * _HEIGHT, 1.0)
-    em = min(_EM * _HEIGHT, room / max(face.measure(text), 1e-3))
-    pen, base = 0.5 * (width - em * face.measure(text)), (0.5 - em / (_EM * _HEIGHT) * (0.5 - _BASELINE)) * _HEIGHT
-    ink = np.zeros((_HEIGHT, width))
+    room = max(width - 2.0 * _MARGIN * height, 1.0)
+    em = min(em, room / max(face.measure(text), 1e-3))
+    pen, base = 0.5 * (width - em * face.measure(text)), 0.5 * height - _MIDDLE * em
+    ink = np.zeros((height, width))
     for glyph, along in face.layout(text):
         if glyph.box[2] > 0.0:
             _add_glyph(ink, atlas, glyph, (pen + em * along, base), em)
