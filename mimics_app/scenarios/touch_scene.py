@@ -15,6 +15,7 @@ from mimics_app.rendering.haptic.devices.reach import Reach
 from mimics_app.rendering.haptic.scene_effects import curve_of_path
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.scenarios.body_nodes import BodyNodes
+from mimics_app.scenarios.next_station import NextStation
 from mimics_app.scenarios.robot_scene import Places, robot_block, start_at
 from mimics_app.world.components.objects import HapticObject, HapticPath, InteractionPoints
 from mimics_app.world.components.robot import Ball, Patient, Robot
@@ -65,6 +66,9 @@ class TouchScene(Scenario):
             if point.entity is not None
         ]
         self._show_paths()
+        patient = scene.first(Patient)
+        visits = patient.visits if patient is not None else ()
+        self._next = NextStation(scene, world, visits, balls[0][0] if balls else "")
 
     @property
     def task_context(self) -> TaskContext:
@@ -89,6 +93,7 @@ class TouchScene(Scenario):
 
     def apply(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         self._bodies.follow(snapshot.poses)
+        self._next.follow(snapshot.hip_world)
         if self._ball is not None:
             self._ball.set_position(snapshot.hip_world)
             self._ball.set_scale((snapshot.ball_radius,) * 3)

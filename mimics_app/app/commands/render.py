@@ -19,7 +19,7 @@ _seconds = real_number("time from 0 to 1e6 s", lambda seconds: 0.0 <= seconds < 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics render`."""
-    parser.add_argument("scene", type=Path, help="scene file")
+    parser.add_argument("scene", type=Path, help="scene file; with --sheet: a folder of them")
     parser.add_argument("--backend", choices=("auto", "egl", "osmesa", "window"), default="auto", help="GL context")
     parser.add_argument("--camera", default="", metavar="ENTITY", help="whose camera is looked through; else the first")
     parser.add_argument(
@@ -36,6 +36,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--audio", type=Path, metavar="FILE", help="sound of --seconds of play instead of pictures, as FILE.wav"
     )
+    parser.add_argument(
+        "--sheet",
+        type=Path,
+        metavar="FILE",
+        help="every scene of a folder on one picture, e.g. scenes.jpg, and its light",
+    )
     parser.add_argument("--output", type=Path, default=Path("."), metavar="DIR", help="folder of the PNG files")
 
 
@@ -45,6 +51,8 @@ def run(args: argparse.Namespace) -> int:
     from mimics_app.app.terminal import output
     from mimics_app.app.terminal.first_start import say_if_cold
 
+    if args.sheet is not None:
+        return _lay_out(args)
     find_scene(args.scene)
     say_if_cold()
     from mimics_app.app.settings import RunSettings
@@ -70,6 +78,23 @@ def run(args: argparse.Namespace) -> int:
     print(f"{drawn.backend}: {drawn.gl}, {drawn.ms_median:.1f} ms a frame")
     for file in drawn.files:
         print(file)
+    return 0
+
+
+def _lay_out(args: argparse.Namespace) -> int:
+    """Draw the sheet of a folder and say how the light of each scene is."""
+    from mimics_app.app.play.scene_sheet import draw_scene_sheet, scenes_in, told
+    from mimics_app.app.terminal import output
+
+    lights = draw_scene_sheet(scenes_in(args.scene), args.sheet, backend=args.backend)
+    if args.json:
+        output.write_object("render", {"files": [args.sheet], "scenes": told(lights)})
+        return 0
+    for light in lights:
+        shade = "-" if light.shade is None else f"{light.shade:.0%}"
+        kind = " (night)" if light.night else ""
+        print(f"{light.scene}: {light.dark:.1%} dark, {light.bright:.1%} bright, shade keeps {shade}{kind}")
+    print(args.sheet)
     return 0
 
 

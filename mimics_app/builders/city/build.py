@@ -252,7 +252,7 @@ def _add_materials(writer: GltfWriter, seed: int) -> dict[str, int]:
     made["leaves"] = writer.add_material("leaves", texture=textures["leaves"], mask=0.4)
     made["railing"] = writer.add_material("railing", texture=textures["railing"], roughness=0.6, mask=0.5)
     made["hills"] = writer.add_material("hills", texture=textures["grass"], colour=(0.62, 0.80, 0.66, 1.0))
-    made["skyline"] = writer.add_material("skyline", texture=textures["plaster_bay"], colour=(0.70, 0.70, 0.72, 1.0))
+    made["skyline"] = writer.add_material("skyline", texture=textures["plaster_bay"], colour=(0.58, 0.57, 0.56, 1.0))
     for wall, colours in _WALLS.items():
         for number, colour in enumerate(colours):
             bay = "brick_bay" if wall == "brick" else "plaster_bay"

@@ -9,6 +9,8 @@ import numpy as np
 from mimics_app.builders.kit.chance import Chance, smooth_noise
 from mimics_app.builders.kit.picture import Canvas, Ramp
 from mimics_app.builders.kit.solids import Skin
+from mimics_app.rendering.visual.effects.captions import draw_letters
+from mimics_app.rendering.visual.figures.glyphs import GlyphAtlas, load_glyph_atlas
 
 __all__ = [
     "DOORS",
@@ -26,10 +28,15 @@ __all__ = [
 
 Cell = tuple[int, int, int, int]
 
+_SHOP_TOPS = (128, 768)
+"""Of the two rows of shop fronts in the picture [px]."""
+_WORDS = ("BOOKS & PAPER", "BAKERY", "WINE & CHEESE", "TAILOR", "TOYS", "PATISSERIE", "KITCHENWARE", "HATS & GLOVES")
+"""Over the shops, by their number."""
+
 WINDOWS = 12
 """Number of window designs."""
-DOORS, SHOPS, SIGNS = 8, 4, 8
-_WINDOW_SIZE, _DETAIL_SIZE = (512, 256), (512, 512)
+DOORS, SHOPS, SIGNS = 8, 8, 8
+_WINDOW_SIZE, _DETAIL_SIZE = (512, 256), (512, 1024)
 
 _PLAIN: dict[str, tuple[int, float]] = {
     "stone": (1, 0.72),
@@ -61,11 +68,14 @@ def window(number: int) -> Skin:
 
 
 def detail(kind: str, number: int) -> Skin:
-    """The skin of a "door", "shop", "sign", "dormer", "oriel" or "awning" design."""
+    """The skin of a "door", "shop", "sign", "dormer", "oriel" or "awning" design, or of a car's parts."""
     cells: dict[str, Cell] = {
         "door": (number * 64, 0, number * 64 + 64, 128),
-        "shop": (number * 128, 128, number * 128 + 128, 256),
-        "sign": (number % 4 * 128, 256 + number // 4 * 32, number % 4 * 128 + 128, 288 + number // 4 * 32),
+        "shop": (number % 4 * 128, _SHOP_TOPS[number // 4], number % 4 * 128 + 128, _SHOP_TOPS[number // 4] + 128),
+        "sign": (0, 512 + number * 32, 512, 544 + number * 32),
+        "wheel": (0, 896, 64, 960),
+        "screen": (64, 896, 128, 960),
+        "side": (128, 896, 256, 960),
         "dormer": (number * 64, 320, number * 64 + 64, 384),
         "oriel": (256 + number * 64, 320, 320 + number * 64, 384),
         "awning": (number * 128, 384, number * 128 + 128, 416),
@@ -178,10 +188,11 @@ def paint_details(seed: int) -> bytes:
     chance = Chance(seed, "details")
     for number in range(DOORS):
         _paint_door(canvas, number * 64, (4, 5, 6, 7, 4, 2, 5, 1)[number], chance)
-    for number in range(SHOPS):
-        _paint_shop(canvas, number * 128, (5, 7, 4, 6)[number], chance)
-    for number in range(SIGNS):
-        _paint_sign(canvas, number % 4 * 128, 256 + number // 4 * 32, (5, 7, 6, 2, 4, 9, 7, 1)[number], chance)
+    atlas = load_glyph_atlas()
+    for number, ramp in enumerate((5, 7, 4, 6, 5, 7, 4, 6)):
+        _paint_shop(canvas, (number % 4 * 128, _SHOP_TOPS[number // 4]), ramp, number, chance)
+        _paint_sign(canvas, 512 + number * 32, (5, 7, 6, 2, 4, 9, 7, 1)[number], _WORDS[number], atlas)
+    _paint_car_parts(canvas)
     for number in range(4):
         _paint_dormer(canvas, number * 64, (1, 3, 4, 1)[number])
         _paint_oriel(canvas, 256 + number * 64, (1, 1, 4, 5)[number])
@@ -191,7 +202,7 @@ def paint_details(seed: int) -> bytes:
     for place, (ramp, tone) in enumerate(_PLAIN.values()):
         x, y = place % 10 * 51, 432 + place // 10 * 40
         canvas.rectangle(x, y, x + 51, y + 40, ramp, tone)
-    fine = smooth_noise(512, 512, 96, 96, seed)
+    fine = smooth_noise(1024, 512, 192, 96, seed)
     canvas.tone = canvas.tone + 0.06 * (fine - 0.5)
     return canvas.to_png()
 
@@ -213,42 +224,72 @@ def _paint_door(canvas: Canvas, left: int, ramp: int, chance: Chance) -> None:
     canvas.rectangle(left, 124, left + 64, 128, 0, 0.4)
 
 
-def _paint_shop(canvas: Canvas, left: int, ramp: int, chance: Chance) -> None:
-    """A timber shop front: large panes over a panelled base, goods on shelves behind them."""
-    canvas.rectangle(left, 128, left + 128, 256, ramp, (0.5, 0.36))
+def _paint_shop(canvas: Canvas, corner: tuple[int, int], ramp: int, goods: int, chance: Chance) -> None:
+    """A timber shop front: large panes over a panelled base, a lit room with goods on shelves behind them."""
+    left, top = corner
+    canvas.rectangle(left, top, left + 128, top + 128, ramp, (0.5, 0.36))
     for first in (left + 6, left + 66):
-        canvas.rectangle(first, 140, first + 56, 226, 8, (0.5, 0.14))
-        for shelf in (176, 196, 214):
-            for item in range(first + 4, first + 50, 6):
-                colour = (1, 4, 5, 6, 7, 9)[chance.below(6)]
-                high = 4 + chance.below(9)
-                canvas.rectangle(item, shelf - high, item + 5, shelf, colour, chance.between(0.2, 0.5))
-            canvas.rectangle(first + 2, shelf, first + 54, shelf + 1, 4, 0.3)
-        canvas.rectangle(first, 140, first + 56, 146, 0, 0.1)
-        canvas.rectangle(first, 156, first + 56, 158, ramp, 0.6)
-        canvas.rectangle(first + 27, 140, first + 29, 226, ramp, 0.6)
-        canvas.rectangle(first + 4, 232, first + 52, 250, ramp, 0.62)
-        canvas.rectangle(first + 6, 234, first + 52, 250, ramp, 0.4)
-    canvas.rectangle(left, 253, left + 128, 256, 0, 0.3)
+        canvas.rectangle(first, top + 12, first + 56, top + 98, 8, (0.40, 0.16))
+        for shelf in (top + 48, top + 70, top + 92):
+            _paint_goods(canvas, (first + 4, shelf), goods, chance)
+            canvas.rectangle(first + 2, shelf, first + 54, shelf + 2, 4, 0.5)
+        canvas.rectangle(first, top + 12, first + 56, top + 18, 0, 0.1)
+        canvas.rectangle(first, top + 26, first + 56, top + 28, ramp, 0.6)
+        canvas.rectangle(first + 27, top + 12, first + 29, top + 98, ramp, 0.6)
+        canvas.rectangle(first + 4, top + 104, first + 52, top + 122, ramp, 0.62)
+        canvas.rectangle(first + 6, top + 106, first + 52, top + 122, ramp, 0.4)
+    canvas.rectangle(left, top + 125, left + 128, top + 128, 0, 0.3)
 
 
-def _paint_sign(canvas: Canvas, left: int, top: int, ramp: int, chance: Chance) -> None:
-    """A board with a line of strokes that read as lettering from across the street."""
-    canvas.rectangle(left, top, left + 128, top + 32, ramp, (0.42, 0.32))
-    canvas.rectangle(left + 2, top + 2, left + 126, top + 30, ramp, 0.3)
-    ink, tone = (2, 0.1) if ramp in (1, 9) else (9, 0.85)
-    at = left + 16 + chance.below(12)
-    while at < left + 104:
-        if chance.happens(0.14):
-            at += 7
-            continue
-        wide = 4 + chance.below(4)
-        canvas.rectangle(at, top + 10, at + 2, top + 23, ink, tone)
-        level = top + (10, 15, 21)[chance.below(3)]
-        canvas.rectangle(at, level, at + wide, level + 2, ink, tone)
-        if chance.happens(0.5):
-            canvas.rectangle(at + wide - 2, top + 10, at + wide, top + 23, ink, tone)
-        at += wide + 3
+_GOODS: tuple[tuple[int, int, int, tuple[int, ...], bool], ...] = (
+    (5, 6, 12, (1, 4, 5, 6, 7, 9), False),  # books
+    (9, 4, 6, (4, 9), True),  # loaves
+    (6, 12, 16, (5, 6, 8), False),  # bottles
+    (14, 14, 18, (7, 6, 2, 1), False),  # coats
+    (9, 5, 13, (6, 7, 9, 5), False),  # toys
+    (8, 4, 8, (1, 6, 9), True),  # cakes
+    (10, 5, 9, (1, 3, 10), True),  # crockery
+    (12, 5, 7, (4, 2, 6), True),  # hats
+)
+"""What stands on the shelves of each shop: width, least and greatest height [px], ramps, whether it is round above."""
+
+
+def _paint_goods(canvas: Canvas, foot: tuple[int, int], number: int, chance: Chance) -> None:
+    wide, least, most, ramps, is_round = _GOODS[number]
+    left, shelf = foot
+    for item in range(left, left + 49 - wide, wide + 2):
+        high, ramp, tone = least + chance.below(most - least + 1), chance.pick(ramps), chance.between(0.45, 0.85)
+        canvas.rectangle(item, shelf - high, item + wide, shelf, ramp, tone)
+        if is_round:
+            canvas.rectangle(item + 2, shelf - high - 2, item + wide - 2, shelf - high, ramp, min(1.0, tone + 0.1))
+        else:
+            canvas.rectangle(item + wide - 1, shelf - high, item + wide, shelf, ramp, 0.6 * tone)
+
+
+def _paint_sign(canvas: Canvas, top: int, ramp: int, words: str, atlas: GlyphAtlas) -> None:
+    """A board as long as the shop, its words in the middle; the board is about sixteen times as long as high."""
+    canvas.rectangle(0, top, 512, top + 32, ramp, (0.42, 0.32))
+    canvas.rectangle(3, top + 2, 509, top + 30, ramp, 0.3)
+    ink, tone = (2, 0.1) if ramp in (1, 9) else (9, 0.9)
+    letters = draw_letters(atlas, words, (512, 32), 25.0) > 0.5
+    canvas.ramp[top : top + 32][letters] = ink
+    canvas.tone[top : top + 32][letters] = tone
+
+
+def _paint_car_parts(canvas: Canvas) -> None:
+    """A wheel with its rim, a windscreen that mirrors the sky, and a side's windows with pillars."""
+    y, x = np.mgrid[0:64, 0:64] + 0.5 - 32.0
+    away = x * x + y * y
+    spoke = np.abs(x * y) * (x * x - y * y) ** 2 < 0.012 * away**3  # eight, about the axes and the diagonals
+    canvas.rectangle(0, 896, 64, 960, 2, 0.06)
+    rim = canvas.tone[896:960, 0:64]
+    rim[away < 21.0**2] = np.where(spoke | (away > 17.0**2), 0.95, 0.30)[away < 21.0**2]
+    rim[away < 5.0**2] = 0.7
+    canvas.rectangle(64, 896, 128, 960, 8, (0.95, 0.28))
+    canvas.rectangle(64, 896, 128, 899, 2, 0.1)
+    canvas.rectangle(128, 896, 256, 960, 2, 0.08)
+    for left, right in ((134, 188), (196, 250)):
+        canvas.rectangle(left, 901, right, 956, 8, (0.9, 0.25))
 
 
 def _paint_dormer(canvas: Canvas, left: int, ramp: int) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mimics_app.builders.city.fittings import plain
+from mimics_app.builders.city.fittings import detail, plain
 from mimics_app.builders.kit.sketch import Point, Sketch, Uv
 from mimics_app.builders.kit.solids import Axes, Skin, add_column, add_prism, circle
 
@@ -126,34 +126,34 @@ def build_car(kind: str) -> Sketch:
     """A car that looks along +x, wheels on y = 0."""
     sketch = Sketch()
     outlines = CARS[kind]
-    paint, glass, rubber = Skin("paint"), plain("glass", 0.55), plain("tyre")
+    paint, rubber, wheel = Skin("paint"), plain("tyre"), detail("wheel", 0)
     wide = 0.95 if kind == "van" else 0.86
     add_prism(
         sketch, Axes(), outlines["body"], -wide, wide, (paint, paint), (rubber, *[paint] * (len(outlines["body"]) - 1))
     )
-    _add_cabin(sketch, outlines["cabin"], wide, glass, paint)
+    _add_cabin(sketch, outlines["cabin"], wide, paint)
     front, rear = (1.32, -1.3) if kind != "van" else (1.5, -1.45)
     for x in (front, rear):
         for z in (-wide + 0.11, wide - 0.11):
             tyre = [(a + x, b + 0.31) for a, b in circle(9, 0.31)]
-            rim = plain("grey", 0.9)
-            add_prism(sketch, Axes(), tyre, z - 0.13, z + 0.13, (rim, rim), (rubber,))
+            add_prism(sketch, Axes(), tyre, z - 0.13, z + 0.13, (wheel, wheel), (rubber,))
     nose, tail = max(x for x, _ in outlines["body"]), min(x for x, _ in outlines["body"])
     for z in (-wide + 0.3, wide - 0.3):
-        _block(sketch, (nose - 0.25, 0.58, z - 0.2), (nose - 0.04, 0.7, z + 0.2), plain("lamp"))
-        _block(sketch, (tail + 0.02, 0.66, z - 0.16), (tail + 0.2, 0.82, z + 0.16), plain("red"))
+        _block(sketch, (nose - 0.25, 0.56, z - 0.2), (nose + 0.012, 0.7, z + 0.2), plain("lamp"))
+        _block(sketch, (tail - 0.012, 0.66, z - 0.16), (tail + 0.2, 0.82, z + 0.16), plain("red"))
     return sketch
 
 
-def _add_cabin(sketch: Sketch, outline: list[Uv], wide: float, glass: Skin, paint: Skin) -> None:
+def _add_cabin(sketch: Sketch, outline: list[Uv], wide: float, paint: Skin) -> None:
     """Windows that lean inwards under a painted roof, with painted pillars at the sides."""
     low, high = wide - 0.05, wide - 0.2
+    glass, panes = detail("screen", 0), detail("side", 0)
     (x0, y0), (x1, y1), (x2, y2), (x3, y3) = outline
     left = [(x0, y0, low), (x1, y1, low), (x2, y2, high), (x3, y3, high)]
     right = [(x, y, -z) for x, y, z in left]
     for side, reverse in ((left, False), (right, True)):
         corners = side[::-1] if reverse else side
-        sketch.fan(glass.material, corners, glass.lay([(x, y) for x, y, _ in corners]), glass.shade)
+        sketch.fan(panes.material, corners, panes.lay([(x, y) for x, y, _ in corners]), panes.shade)
     shells = (
         ([left[1], right[1], right[2], left[2]], glass),
         ([left[2], right[2], right[3], left[3]], paint),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mimics_app.builders.city.fittings import detail, plain, window
+from mimics_app.builders.city.fittings import SHOPS, detail, plain, window
 from mimics_app.builders.city.house_kinds import HouseKind
 from mimics_app.builders.city.house_roofs import add_chimneys, add_dormers, add_roof
 from mimics_app.builders.city.surfaces import TILE
@@ -108,7 +108,7 @@ def _ground_zone(kind: HouseKind, length: float, bays: int, *, door: bool) -> Zo
     row = []
     entrance = (0 if shop else bays // 2) if door else -1
     for bay, middle in enumerate(_middles(length, bays)):
-        panel = detail("shop", kind.shop) if shop else window((kind.window + bay % 2 * 6) % 12)
+        panel = detail("shop", (kind.shop + bay % 2 * 4) % SHOPS) if shop else window((kind.window + bay % 2 * 6) % 12)
         depth = 0.3 if shop else 0.2
         if bay == entrance:
             row.append(Opening(middle - half, middle + half, 0.12, top, detail("door", kind.door), _DEEPEST))
@@ -194,11 +194,11 @@ def _add_shop_sign(sketch: Sketch, kind: HouseKind) -> None:
     half, low, high = 0.5 * kind.width - 0.3, kind.ground - 0.68, kind.ground - 0.16
     board = plain("wood", 0.7)
     outline = [(-half, low), (half, low), (half, high), (-half, high)]
-    add_prism(sketch, Axes(), outline, -0.02, 0.12, (board, detail("sign", kind.sign)), (board,))
+    add_prism(sketch, Axes(), outline, -0.02, 0.12, (board, detail("sign", kind.shop)), (board,))
     if kind.shop % 2:
         along = Axes(a=(0.0, 0.0, 1.0), b=(0.0, 1.0, 0.0), c=(-1.0, 0.0, 0.0))
         outline = [(0.0, low - 0.1), (1.3, low - 0.5), (1.3, low - 0.44), (0.0, low)]
-        stripes, dark = detail("awning", kind.shop), plain("lead", 0.6)
+        stripes, dark = detail("awning", kind.shop % 4), plain("lead", 0.6)
         left = -0.5 * kind.width + kind.width / kind.bays + 0.2  # the door stays free
         add_prism(sketch, along, outline, -half, -left, (stripes, stripes), (dark, stripes, stripes, dark))
 

@@ -14,6 +14,8 @@ from mimics_app.builders.kit.solids import Axes, Skin, add_column, add_prism, ci
 
 __all__ = ["build_church", "build_hills", "build_land", "build_skyline", "build_workshop"]
 
+_BELT = 16.0
+"""Width of the trees about a block of flats [m]."""
 _UP = Axes(a=(0.0, 0.0, 1.0), b=(1.0, 0.0, 0.0), c=(0.0, 1.0, 0.0))
 
 
@@ -91,10 +93,10 @@ def build_workshop() -> Sketch:
 
 
 def build_skyline(seed: int) -> Sketch:
-    """Blocks of flats and towers on a ring beyond the border."""
+    """Blocks of flats and towers on a ring beyond the border, each in a belt of trees that roots it in the haze."""
     sketch = Sketch()
     chance = Chance(seed, "skyline")
-    bay, lid = Skin("skyline", (3.6, 3.4)), plain("lead")
+    bay, lid, trees = Skin("skyline", (3.6, 3.4)), plain("lead"), Skin("hills", (14.0, 14.0), shade=0.6)
     count = 96
     for number in range(count):
         turn = 2.0 * math.pi * (number + chance.between(-0.35, 0.35)) / count
@@ -110,6 +112,8 @@ def build_skyline(seed: int) -> Sketch:
         )
         outline = [(z - deep, x - half), (z + deep, x - half), (z + deep, x + half), (z - deep, x + half)]
         add_prism(sketch, _UP, outline, 0.0, tall, (lid, lid), (bay,))
+        wood = [(a + _BELT * (1 if a > z else -1), b + _BELT * (1 if b > x else -1)) for a, b in outline]
+        add_prism(sketch, _UP, wood, -1.0, 5.5, (trees, trees), (trees,))
         if tall > 60.0:
             top = [
                 (z - 0.5 * deep, x - 0.5 * half),

@@ -41,6 +41,10 @@ TREES = (
     TreeKind("plane", 2.9, 3.3, 3.5, 2.0, 0.1),
 )
 _OUTER, _INNER, _COARSE = 60, 18, 24
+_ASKEW = 0.24
+"""How far a card may lean off the crown's surface: one that is seen edge-on lies before others, not beside them."""
+_HUG = (0.15, 0.55)
+"""How far two opposite corners of a card are bent towards the crown, and the other two, over half its side."""
 
 
 def build_tree(kind: TreeKind, seed: int) -> Sketch:
@@ -91,12 +95,12 @@ def _add_tufts(sketch: Sketch, kind: TreeKind, chance: Chance, count: int, reach
         slim = 1.0 - kind.narrow * max(0.0, y)
         out = reach * chance.between(0.86, 1.02)
         place = (x * kind.wide * slim * out, centre + y * kind.high * out, z * kind.wide * slim * out)
-        normal = _unit((x / kind.wide, 0.25 * y / kind.high + 0.75 * y / kind.wide, z / kind.wide))
+        normal = _unit((x / kind.wide, y / kind.high, z / kind.wide))
         askew = _unit(
             (
-                normal[0] + chance.between(-0.7, 0.7),
-                normal[1] + chance.between(-0.25, 0.45),
-                normal[2] + chance.between(-0.7, 0.7),
+                normal[0] + chance.between(-_ASKEW, _ASKEW),
+                normal[1] + chance.between(-_ASKEW, _ASKEW),
+                normal[2] + chance.between(-_ASKEW, _ASKEW),
             )
         )
         side = kind.tuft * size * chance.between(0.85, 1.15)
@@ -105,18 +109,21 @@ def _add_tufts(sketch: Sketch, kind: TreeKind, chance: Chance, count: int, reach
 
 
 def _add_card(sketch: Sketch, place: Point, facing: Point, normal: Point, side: float, light: float, roll: int) -> None:
-    """A square that looks along `facing` and is lit as the crown's surface there, darker towards its lower edge."""
+    """A square that looks along `facing` and is lit as the crown's surface there, darker towards its lower edge.
+
+    It is folded along a diagonal and hugs the crown, so that at its outline no card stands off as a plate.
+    """
     helper = (0.0, 1.0, 0.0) if abs(facing[1]) < 0.8 else (1.0, 0.0, 0.0)
     right = _unit(_cross(helper, facing))
     up = _cross(facing, right)
     half = 0.5 * side
     corners = [
         (
-            place[0] + half * (s * right[0] + t * up[0]),
-            place[1] + half * (s * right[1] + t * up[1]),
-            place[2] + half * (s * right[2] + t * up[2]),
+            place[0] + half * (s * right[0] + t * up[0] - hug * facing[0]),
+            place[1] + half * (s * right[1] + t * up[1] - hug * facing[1]),
+            place[2] + half * (s * right[2] + t * up[2] - hug * facing[2]),
         )
-        for s, t in ((-1, -1), (1, -1), (1, 1), (-1, 1))
+        for s, t, hug in ((-1, -1, _HUG[0]), (1, -1, _HUG[1]), (1, 1, _HUG[0]), (-1, 1, _HUG[1]))
     ]
     uvs = [(0.0, 1.0), (1.0, 1.0), (1.0, 0.0), (0.0, 0.0)]
     uvs = uvs[roll:] + uvs[:roll]

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +13,7 @@ from mimics_app.builders.market.clay import (
     Colour,
     Painter,
     bar,
+    capsule_bar,
     chance,
     mix,
     noise,
@@ -31,12 +30,6 @@ GRASS_DARK: Colour = (0.060, 0.150, 0.030)
 GRASS: Colour = (0.125, 0.245, 0.048)
 GRASS_LIGHT: Colour = (0.26, 0.35, 0.085)
 EARTH: Colour = (0.40, 0.275, 0.15)
-
-_FLAT = np.array([1.0, 0.88, 1.0])
-"""Foliage is less high than wide."""
-
-_DEEP = 0.88
-"""Share of the way to a foliage's surface that its triangles surely cover: they cut off its bumps."""
 
 _SECTORS, _RINGS = 16, (0.35, 0.7, 1.5, 3.5)
 """Tiles of the meadow: so many about the middle, and where each ring of them ends [m]; the last at the edge."""
@@ -67,50 +60,96 @@ def build_tree(seed: int) -> Clay:
         )
     blobs += [(0.055, 0.565, 0.03, 0.085), (-0.06, 0.55, -0.02, 0.082)]
     centre = np.array([lean, 0.45, 0.0])
-    crown = [_Foliage((x + lean, y, z), radius, 50 * seed + i) for i, (x, y, z, radius) in enumerate(blobs)]
-    for one in crown:
-        clay.add(one.mesh([other for other in crown if other is not one]), _leaves(centre, seed), at=one.middle)
-    for i in range(26):
-        turn, up = 2.0 * math.pi * r[40 + i], r[80 + i]
-        out = 0.195 * math.sqrt(max(0.05, 1.0 - ((up - 0.35) / 0.75) ** 2))
-        at = (lean + out * math.cos(turn), 0.34 + 0.23 * up, 0.93 * out * math.sin(turn))
-        clay.add(
-            icosphere(0.0125, 2),
-            lambda p, n: np.asarray((0.62, 0.03, 0.03)) * (0.55 + 0.45 * np.clip(n[:, 1] + 0.7, 0, 1))[:, None],
-            at=at,
-        )
+    for i, (x, y, z, radius) in enumerate(blobs):
+        clay.add(_foliage(0.93 * radius, 50 * seed + i), _bright(_leaves(centre, seed), 0.55), at=(x + lean, y, z))
+    crown = np.array(blobs) + [lean, 0.0, 0.0, 0.0]
+    for i, (at, normal) in enumerate(_on_crown(crown, 1700, seed)):
+        clay.add(_leaf(at, normal, 1000 * seed + i), _bright(_leaves(centre, seed), 1.05 + 0.5 * r[i % 200]))
+    _hang_apples(clay, crown, seed)
     return clay
 
 
-@dataclass(frozen=True)
-class _Foliage:
-    """A ball with bumps: its middle [m], its radius [m], the seed of its bumps."""
+def _on_crown(blobs: F8, count: int, seed: int) -> list[tuple[F8, F8]]:
+    """Places on the outside of balls (x, y, z, radius), [n, 4], with normals: evenly on each, none inside another."""
+    places = []
+    r = chance(4 * count, 300 + seed)
+    total = float((blobs[:, 3] ** 2).sum())
+    for x, y, z, radius in blobs:
+        share = round(count * radius * radius / total)
+        for i in range(share):
+            up = 1.0 - 2.0 * (i + 0.5) / share
+            turn = i * math.pi * (3.0 - math.sqrt(5.0)) + 0.5 * r[len(places)]
+            ring = math.sqrt(1.0 - up * up)
+            normal = np.array([ring * math.cos(turn), up, ring * math.sin(turn)])
+            at = np.array([x, y, z]) + radius * normal * [1.0, 0.88, 1.0]
+            inside = np.linalg.norm((blobs[:, :3] - at) / [1.0, 0.88, 1.0], axis=1) < 0.93 * blobs[:, 3]
+            if not inside.any():
+                places.append((at, normal))
+    return places
 
-    middle: tuple[float, float, float]
-    radius: float
-    seed: int
 
-    def mesh(self, others: Sequence[_Foliage]) -> MeshData:
-        """Its surface about its middle, less what is hidden inside others."""
-        ball = icosphere(1.0, 3)
-        unit = ball.positions.astype(np.float64)
-        positions = unit * self._reach(unit)[:, None] * _FLAT
-        whole = MeshData(positions.astype(np.float32), compute_normals(positions, ball.indices), ball.indices)
-        hidden = np.zeros(whole.triangle_count, np.bool_)
-        for other in others:
-            hidden |= other.holds(positions + self.middle)[ball.indices.reshape(-1, 3)].all(axis=1)
-        return picked(whole, ~hidden)
+def _leaf(at: F8, normal: F8, seed: int) -> MeshData:
+    """A pointed leaf folded along its rib, about 35 mm long, that looks outwards and hangs a little."""
+    r = chance(6, seed)
+    outward = normal + 0.9 * (r[:3] - 0.5) + [0.0, 0.15, 0.0]
+    outward /= np.linalg.norm(outward)
+    along = np.cross(outward, r[3:] - 0.5)
+    along = along - [0.0, 0.35, 0.0] + 0.35 * outward[1] * outward
+    along /= np.linalg.norm(along)
+    across = np.cross(outward, along)
+    long, wide = 0.0125 + 0.005 * r[4], 0.0070 + 0.0018 * r[5]
+    lifted = at + 0.004 * normal
+    corners = [
+        lifted - long * along,
+        lifted + wide * across - 0.30 * wide * outward,
+        lifted + long * along - 0.004 * outward,
+        lifted - wide * across - 0.30 * wide * outward,
+    ]
+    positions = np.array([corners[k] for k in (0, 1, 2, 0, 2, 3)])
+    triangles = np.array([0, 2, 1, 3, 5, 4], np.uint32)
+    faces = np.cross(positions[1] - positions[0], positions[2] - positions[0])
+    if float(faces @ outward) > 0.0:
+        triangles = np.array([0, 1, 2, 3, 4, 5], np.uint32)
+    normals = np.tile(0.6 * normal + 0.4 * outward, (6, 1))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    return MeshData(positions.astype(np.float32), normals.astype(np.float32), triangles)
 
-    def holds(self, places: F8) -> NDArray[np.bool_]:
-        """Whether places [m], [n, 3], lie so far inside that they are not seen."""
-        away = (places - self.middle) / _FLAT
-        length = np.linalg.norm(away, axis=1)
-        return length < _DEEP * self._reach(away / np.maximum(length, 1e-9)[:, None])
 
-    def _reach(self, unit: F8) -> F8:
-        """How far the surface is in directions [n, 3], before it is flattened [m]."""
-        bumps = 0.80 + 0.26 * noise(unit + 9.0, 0.42, self.seed) + 0.12 * noise(unit + 5.0, 0.17, self.seed + 1)
-        return np.asarray(self.radius * bumps)
+def _hang_apples(clay: Clay, crown: F8, seed: int) -> None:
+    """Apples among the leaves, most of them below, each on its stalk from the foliage."""
+
+    def paint(at: F8, normals: F8) -> F8:
+        blush = noise(at, 0.02, seed + 8)
+        red = mix((0.60, 0.03, 0.025), (0.74, 0.30, 0.05), 0.7 * np.clip(blush - 0.35, 0.0, 1.0))
+        return red * (0.60 + 0.40 * np.clip(normals[:, 1] + 0.7, 0.0, 1.0))[:, None]
+
+    low = [(at, normal) for at, normal in _on_crown(crown, 420, seed + 40) if -0.9 < normal[1] < -0.05]
+    for at, normal in low[:: max(1, len(low) // 24)][:24]:
+        out = at + 0.004 * normal
+        middle = out + [0.0, -0.016, 0.0]
+        stalk = np.stack(
+            [out - 0.012 * normal + [0.0, 0.010, 0.0], out + [0.0, 0.001, 0.0], middle + [0.0, 0.009, 0.0]]
+        )
+        clay.add(capsule_bar(stalk, 0.0011, 6, 2), (0.16, 0.09, 0.04))
+        clay.add(icosphere(0.0125, 2), paint, at=middle, turn=turned(scale=(1.0, 0.92, 1.0)))
+
+
+def _foliage(radius: float, seed: int) -> MeshData:
+    """A ball with bumps."""
+    ball = icosphere(1.0, 2)
+    unit = ball.positions.astype(np.float64)
+    bumps = 0.80 + 0.26 * noise(unit + 9.0, 0.42, seed) + 0.12 * noise(unit + 5.0, 0.17, seed + 1)
+    positions = radius * unit * bumps[:, None] * [1.0, 0.88, 1.0]
+    return MeshData(positions.astype(np.float32), compute_normals(positions, ball.indices), ball.indices)
+
+
+def _bright(painter: Painter, factor: float) -> Painter:
+    """The same paint, lighter or darker."""
+
+    def paint(at: F8, normals: F8) -> F8:
+        return factor * painter(at, normals)
+
+    return paint
 
 
 def _leaves(centre: F8, seed: int) -> Painter:
@@ -142,6 +181,11 @@ def path_share(x: F8, z: F8) -> F8:
     middle = 0.52 + 0.22 * np.sin(1.7 * z + 0.6) + 0.35 * np.clip(-z - 0.2, 0.0, 9.0) ** 1.3 * 0.6
     ragged = 0.035 * (noise(np.stack([x, 0 * x, z], 1), 0.05, 8) - 0.5)
     return np.clip((0.105 - np.abs(x - middle) + ragged) / 0.03, 0.0, 1.0)
+
+
+def _carried(flat: F8, cell: float, seed: int, step: F8) -> F8:
+    """Noise about 0, faded out where corners a step [m] apart do not carry it."""
+    return (noise(flat, cell, seed) - 0.5) * np.clip(2.0 - 3.0 * step / cell, 0.0, 1.0)
 
 
 class _Tiles:
@@ -186,7 +230,9 @@ def build_meadow(seed: int) -> list[Clay]:
     def paint(at: F8, normals: F8) -> F8:
         x, z = at[:, 0], at[:, 2]
         flat = np.stack([x, 0 * x, z], 1)
-        patch = 0.6 * noise(flat, 0.16, 1) + 0.4 * noise(flat, 0.035, 2)
+        step = 0.06 * np.hypot(x, z)  # of the ground's corners: finer noise than they carry makes streaks
+        patch = 0.5 + 0.6 * _carried(flat, 0.16, 1, step) + 0.4 * _carried(flat, 0.035, 2, step)
+        patch += 0.35 * _carried(flat, 1.1, 13, step)
         colour = mix(mix(GRASS_DARK, GRASS, 1.6 * patch), GRASS_LIGHT, 1.8 * (patch - 0.5))
         sand = mix(EARTH, (0.58, 0.44, 0.27), noise(flat, 0.05, 4))
         bed = np.clip(
@@ -198,7 +244,7 @@ def build_meadow(seed: int) -> list[Clay]:
             (np.floor((x + 0.6 * z) / 0.043) % 2.0) * 0.55 + 0.45 * noise(flat, 0.012, 12),
         )
         colour = mix(mix(colour, sand, path_share(x, z)), lawn, bed)
-        return colour * (0.92 + 0.16 * noise(flat, 0.009, 3))[:, None]
+        return colour * (1.0 + 0.16 * _carried(flat, 0.009, 3, step))[:, None]
 
     tiles.add(surface(point, reach, np.linspace(0.0, 2.0 * math.pi, 161)), paint)
     _grow(tiles, seed)

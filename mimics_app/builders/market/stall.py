@@ -94,7 +94,7 @@ def _frame_of_awning(clay: Clay) -> None:
         brace = np.stack([np.full(5, x), 0.395 + 0.055 * reach, z0 + 0.014 + 0.085 * reach], 1)
         clay.add(capsule_bar(brace, 0.0042, 8, 2), plain(WOOD, 12))
     clay.add(
-        rounded_box(x1 - x0 + 0.01, 0.012, 0.012, 0.003, 1), plain(WOOD, 13), at=(0.5 * (x0 + x1), 0.492, z0 + 0.010)
+        rounded_box(x1 - x0 + 0.01, 0.012, 0.012, 0.003, 1), plain(WOOD, 13), at=(0.5 * (x0 + x1), 0.484, z0 + 0.010)
     )
     clay.add(
         rounded_box(x1 - x0 - 0.01, 0.010, 0.008, 0.002, 1), plain(WOOD, 14), at=(0.5 * (x0 + x1), 0.300, z0 + 0.010)

@@ -12,6 +12,9 @@ __all__ = ["compose"]
 
 F8 = NDArray[np.float64]
 
+_FINE = 3
+"""What has hard edges is drawn this much larger, and made smaller by `smaller`."""
+
 
 def places(size: int) -> tuple[F8, F8]:
     """Coordinates of texel centres, -1 to 1, x to the right and y up."""
@@ -46,29 +49,66 @@ def pack(colour: F8, cover: F8) -> bytes:
     return file.getvalue()
 
 
+def smaller(colour: F8, cover: F8) -> tuple[F8, F8]:
+    """A picture at a third of its size, each pixel the mean of nine: smooth edges, colours weighed by their cover."""
+    rows, columns = cover.shape[0] // _FINE, cover.shape[1] // _FINE
+    blocks = cover.reshape(rows, _FINE, columns, _FINE)
+    mean = blocks.mean(axis=(1, 3))
+    weight = np.maximum(blocks, 1e-3)[..., None]
+    shown = (colour.reshape(rows, _FINE, columns, _FINE, 3) * weight).sum(axis=(1, 3))
+    return shown / weight.sum(axis=(1, 3)), mean
+
+
 def tree(seed: int, slim: float) -> tuple[F8, F8]:
-    """A tree of leafy spots about a trunk; colour runs on under what is clear, so that edges stay green."""
-    size = 256
+    """A tree of leaves about trunk and boughs; colour runs on under what is clear, so that edges stay green."""
+    size = 256 * _FINE
     x, y = places(size)
     random = np.random.default_rng(seed)
-    leaves, shade = np.zeros((size, size)), np.full((size, size), 0.45)
-    for _ in range(420):
-        high = random.uniform(-0.35, 0.92)
-        reach = slim * np.sqrt(max(0.0, 1.0 - ((high - 0.28) / 0.66) ** 2))
-        left, radius = random.uniform(-reach, reach), random.uniform(0.035, 0.085)
-        inside = np.hypot(x - left, y - high) < radius * (0.8 + 0.4 * noise_at(x, y, left))
-        leaves[inside] = 1.0
-        shade[inside] = 0.55 + 0.25 * high + 0.12 * (x - left)[inside] / radius + random.uniform(-0.12, 0.12)
-    trunk = (np.abs(x - 0.03 * np.sin(5.0 * y)) < 0.045 - 0.02 * y) & (y < 0.2)
-    green = np.stack([0.30 * shade, 0.52 * shade + 0.05, 0.18 * shade], axis=-1)
-    bark = np.array([0.30, 0.22, 0.15]) * (0.8 + 0.3 * noise(size, seed + 9)[..., None])
-    shown = np.where((trunk & (leaves == 0.0))[..., None], bark, green)
-    return shown, np.maximum(leaves, trunk)
+    cover = np.zeros((size, size))
+    colour = np.empty((size, size, 3))
+    colour[:] = (0.20, 0.31, 0.11)
+    bark = np.array([0.34, 0.25, 0.17]) * (0.7 + 0.5 * noise(size, seed + 9)[..., None])
+    for foot, tip, wide in _boughs(random, slim):
+        share = np.clip((y - foot[1]) / (tip[1] - foot[1]), 0.0, 1.0)
+        flare = 1.0 + 1.1 * np.exp(-(y + 1.0) / 0.10)
+        half = wide * flare * (1.0 - 0.7 * share)
+        inside = (np.abs(x - foot[0] - share * (tip[0] - foot[0])) < half) & (y >= foot[1]) & (y <= tip[1])
+        cover[inside] = 1.0
+        colour[inside] = (bark * (1.0 - 0.35 * np.clip((x - foot[0]) / wide, -1.0, 1.0))[..., None])[inside]
+    for _ in range(1500):
+        _add_leaf(colour, cover, random, slim)
+    return smaller(colour, cover)
 
 
-def noise_at(x: F8, y: F8, phase: float) -> F8:
-    """A little unevenness."""
-    return np.asarray(0.5 + 0.5 * np.sin(23.0 * x + 40.0 * phase) * np.cos(19.0 * y - 30.0 * phase))
+def _boughs(random: np.random.Generator, slim: float) -> list[tuple[tuple[float, float], tuple[float, float], float]]:
+    """Foot, tip and half width of the trunk and of what leaves it."""
+    boughs = [((0.0, -1.0), (0.02, 0.55), 0.052)]
+    for number in range(6):
+        high = -0.42 + 0.13 * number
+        side = (-1.0) ** number
+        boughs.append(((0.0, high), (side * slim * random.uniform(0.5, 0.8), high + random.uniform(0.3, 0.45)), 0.022))
+    return boughs
+
+
+def _add_leaf(colour: F8, cover: F8, random: np.random.Generator, slim: float) -> None:
+    """A tuft within an egg about the crown, lighter above and to the left, where the light comes from."""
+    high = random.uniform(-0.42, 0.95)
+    reach = slim * np.sqrt(max(0.0, 1.0 - ((high - 0.24) / 0.72) ** 2)) * (1.0 + 0.12 * np.sin(9.0 * high))
+    left, radius = reach * random.uniform(-1.0, 1.0), random.uniform(0.018, 0.046)
+    size = cover.shape[0]
+    column, row = 0.5 * size * (left + 1.0), 0.5 * size * (1.0 - high)
+    span = int(0.5 * size * radius) + 2
+    rows = slice(max(int(row) - span, 0), min(int(row) + span, size))
+    columns = slice(max(int(column) - span, 0), min(int(column) + span, size))
+    down, across = np.mgrid[rows, columns]
+    across, down = (across - column) / (0.5 * size * radius), (down - row) / (0.5 * size * radius)
+    ragged = 0.82 + 0.18 * np.sin(5.0 * np.arctan2(down, across) + 40.0 * left)
+    inside = np.hypot(across, down) < ragged
+    light = 0.56 + 0.20 * high - 0.16 * left / slim + random.uniform(-0.10, 0.10)
+    shade = np.clip(light - 0.10 * down - 0.07 * across, 0.12, 1.0)[inside]
+    warm = random.uniform(0.0, 0.10)
+    colour[rows, columns][inside] = np.stack([(0.50 + warm) * shade, 0.74 * shade + 0.03, 0.26 * shade], axis=-1)
+    cover[rows, columns][inside] = 1.0
 
 
 def target() -> tuple[F8, F8]:
@@ -86,11 +126,11 @@ def target() -> tuple[F8, F8]:
 
 def arrow() -> tuple[F8, F8]:
     """An arrow painted with a roller, pointing up."""
-    x, y = places(256)
+    x, y = places(256 * _FINE)
     shaft = (np.abs(x) < 0.2) & (y > -0.9) & (y < 0.2)
     head = (y >= 0.2) & (y < 0.9) & (np.abs(x) < 0.62 * (0.9 - y) / 0.7)
-    worn = smooth(0.18, 0.42, noise(256, 11))
-    return np.full((256, 256, 3), 0.97), (shaft | head) * worn
+    shown, cover = smaller(np.full((*x.shape, 3), 0.97), (shaft | head).astype(np.float64))
+    return shown, cover * (0.55 + 0.45 * smooth(0.10, 0.40, noise(256, 11)))
 
 
 def dirt() -> tuple[F8, F8]:
@@ -103,7 +143,7 @@ def dirt() -> tuple[F8, F8]:
 
 def window() -> tuple[F8, F8]:
     """A stained-glass window: panes of colour between bars of lead."""
-    size = 256
+    size = 256 * _FINE
     x, y = places(size)
     random = np.random.default_rng(5)
     arch = np.where(y > 0.3, np.hypot(x / 0.8, (y - 0.3) / 0.65) < 1.0, np.abs(x) < 0.8) & (y > -0.95)
@@ -117,7 +157,7 @@ def window() -> tuple[F8, F8]:
     rose = np.hypot(x, y - 0.3)
     shown = np.where((rose < 0.34)[..., None], glass[(np.arctan2(y - 0.3, x) * 6.0 / np.pi).astype(int) % 6], shown)
     lead = (order[..., 1] - order[..., 0] < 0.03) & (rose > 0.36) | (np.abs(rose - 0.35) < 0.02)
-    return np.where((arch & ~lead)[..., None], shown, 0.0), np.ones((size, size))
+    return smaller(np.where((arch & ~lead)[..., None], shown, 0.0), np.ones((size, size)))
 
 
 def compose(seed: int) -> dict[str, bytes]:

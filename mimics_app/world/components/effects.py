@@ -29,13 +29,18 @@ Rgba = tuple[Light, Light, Light, Share]
 Lifetime = Annotated[float, Meta(gt=0, le=86_400)]
 
 _WHITE = (1.0, 1.0, 1.0, 1.0)
+_WIDEST_CAPTION = 20
+"""Width over height that the picture of a caption may have."""
 
 
 @component("billboard")
 class Billboard(Component, frozen=True):
-    """A picture that turns to each eye by itself; never rolls with the head."""
+    """A picture, or a caption, that turns to each eye by itself; never rolls with the head."""
 
     texture: Annotated[str | None, Meta(description="Of the scene's `assets`, a picture; absent: `shape`")] = None
+    text: Annotated[
+        str, Meta(max_length=60, description="A line of words on a plate instead of a picture, as large as it fits")
+    ] = ""
     shape: Annotated[SpriteShape, Meta(description="Picture made by the application")] = "puff"
     size: Annotated[tuple[Length, Length], Meta(description="Width and height [m]")] = (1.0, 1.0)
     facing: Annotated[
@@ -144,7 +149,14 @@ def _check_texture(texture: str | None, pointer: str, scene: Scene) -> list[Issu
 
 
 def _check_billboard(billboard: Billboard, pointer: str, scene: Scene) -> list[Issue]:
-    return _check_texture(billboard.texture, pointer, scene)
+    issues = _check_texture(billboard.texture, pointer, scene)
+    if billboard.text and billboard.texture is not None:
+        issues.append(scene.issue(f"{pointer}/text", "has text and texture", "leave one of the two"))
+    wide, high = billboard.size
+    if billboard.text and wide > _WIDEST_CAPTION * high:
+        what = f"a caption {wide:g} m wide and {high:g} m high cannot be drawn"
+        issues.append(scene.issue(f"{pointer}/size", what, f"at most {_WIDEST_CAPTION} times as wide as high"))
+    return issues
 
 
 def _check_particles(particles: Particles, pointer: str, scene: Scene) -> list[Issue]:

@@ -31,6 +31,7 @@ __all__ = [
     "Ball",
     "Impedance",
     "JointPd",
+    "NextMark",
     "Patient",
     "Robot",
     "RobotToWorld",
@@ -159,6 +160,14 @@ class Patient(Component, frozen=True):
     tremor_hz: Annotated[Frequency | None, Meta(description="Frequency of the tremor [Hz], usually 4-8")] = None
     grasp: Annotated[Force | None, Meta(description="Mean grasp force [N]")] = None
     grasp_variation: Annotated[Force | None, Meta(description="Standard deviation of the grasp force [N]")] = None
+
+
+@component("next_mark")
+class NextMark(Component, frozen=True):
+    """Hovers over what is to be reached for next: the entities that the `patient` names, in turn; else it hides."""
+
+    above: Annotated[Reach, Meta(description="Over the top of what is seen there [m]")] = 0.03
+    within: Annotated[Reach, Meta(description="Of its outline the hand has been there [m]")] = 0.02
 
 
 @component("admittance")

@@ -128,6 +128,9 @@ class Environment(Component, frozen=True):
     ] = 0.1
     fog: Annotated[FogSpec | None, Meta(description="Haze; absent: as systems.visual.fog_density says")] = None
     backdrop: Annotated[BackdropSpec | None, Meta(description="Pictures over the sky: sky box, dome or plane")] = None
+    night: Annotated[
+        bool, Meta(description="The scene is meant to be dark: `mimics render --sheet` does not ask it for light")
+    ] = False
 
 
 @component("sound")

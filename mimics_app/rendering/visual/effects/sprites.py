@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun
+from mimics_app.rendering.visual.effects.captions import caption_key, caption_picture
 from mimics_app.rendering.visual.effects.emitters import Emitter, SpriteRows
 from mimics_app.rendering.visual.kernels.order import sort_by_key
 from mimics_app.rendering.visual.kernels.particles import SPRITE
@@ -30,6 +31,8 @@ I4 = NDArray[np.int32]
 
 _FACINGS = ("free", "upright")
 """In the order of their numbers in kernels/sprites.py."""
+_LEVEL = 3
+"""Of words, there."""
 
 
 @dataclass(frozen=True)
@@ -168,10 +171,10 @@ class SpriteField:
         self._states, self._pictures = [], {}
         self._billboards = np.zeros(len(effects.billboards), SPRITE)
         for row, spec in zip(self._billboards, effects.billboards.values(), strict=True):
-            state, layer = self._state(world, spec)
+            state, layer = self._state(world, spec, spec.text)
             row["turn"], row["tint"], row["half"] = (1.0, 0.0, 0.0, 0.0), spec.colour, 0.5 * np.asarray(spec.size)
             row["style"] = (layer, spec.blend != "add", 1.0, spec.cutoff)
-            row["lift"], row["facing"], row["state"] = spec.pivot == "bottom", _FACINGS.index(spec.facing), state
+            row["lift"], row["facing"], row["state"] = spec.pivot == "bottom", _facing(spec), state
         self._carriers = np.array(list(effects.billboards), np.int32)
         self._emitters = {}
         for index, emitter in effects.emitters.items():
@@ -192,9 +195,12 @@ class SpriteField:
         seen["tint"][world.transforms.shown[rows] == 0, 3] = 0.0
         self._rows.count += count
 
-    def _state(self, world: World, spec: Billboard | Particles) -> tuple[int, int]:
+    def _state(self, world: World, spec: Billboard | Particles, text: str = "") -> tuple[int, int]:
         """Number of a state, and the layer of the picture."""
-        key, picture = self._picture(world, spec.texture, spec.shape)
+        if text:
+            key, picture = caption_key(text, spec.size), caption_picture(text, spec.size)
+        else:
+            key, picture = self._picture(world, spec.texture, spec.shape)
         array, layer = self._arrays.place(key, picture)
         state = SpriteState(array, spec.blend == "mask", spec.lit)
         if state not in self._states:
@@ -212,3 +218,8 @@ class SpriteField:
             self._told.add(issue)
             self.issues.append(issue)
         return f"#{shape}", sprite_picture(shape)
+
+
+def _facing(spec: Billboard) -> int:
+    """Number of the way it turns to the eye."""
+    return _LEVEL if spec.text else _FACINGS.index(spec.facing)

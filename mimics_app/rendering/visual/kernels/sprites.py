@@ -30,7 +30,7 @@ SPRITE_VERTEX = np.dtype(
 
 _WHOLE = 65535.0
 
-_FREE, _UPRIGHT, _OWN = 0, 1, 2
+_FREE, _UPRIGHT, _OWN, _LEVEL = 0, 1, 2, 3
 _STEEPEST = 1e-4
 """Sine of the angle to the vertical below which "right" is the eye's own."""
 
@@ -81,19 +81,26 @@ def see_sprites(
 
 
 @kernel
-def _axes_before_eye(place: F8, eye: F8, right_of_eye: F8, upright: bool, out: F8) -> None:
-    """Unit vectors to the right and up of a picture that looks at the eye; the world's up stays up."""
+def _axes_before_eye(place: F8, eye: F8, right_of_eye: F8, facing: int, out: F8) -> None:
+    """Unit vectors to the right and up of a picture that looks at the eye; the world's up stays up.
+
+    Of a level one, words, right is the eye's own: they do not lean at the sides of the picture.
+    """
     x, y, z = eye[0] - place[0], eye[1] - place[1], eye[2] - place[2]
     length = math.sqrt(x * x + y * y + z * z)
     flat = math.sqrt(x * x + z * z)
-    if flat > _STEEPEST * length:
+    if flat > _STEEPEST * length and facing != _LEVEL:
         out[0, 0], out[0, 1], out[0, 2] = z / flat, 0.0, -x / flat
     else:
         for k in range(3):
             out[0, k] = right_of_eye[k]
-    if upright or length == 0.0:
+    if facing == _UPRIGHT or length == 0.0:
         out[1, 0], out[1, 1], out[1, 2] = 0.0, 1.0, 0.0
         return
+    if facing == _LEVEL:
+        aside = x * out[0, 0] + y * out[0, 1] + z * out[0, 2]
+        x, y, z = x - aside * out[0, 0], y - aside * out[0, 1], z - aside * out[0, 2]
+        length = math.sqrt(x * x + y * y + z * z)
     x, y, z = x / length, y / length, z / length
     out[1, 0] = y * out[0, 2] - z * out[0, 1]
     out[1, 1] = z * out[0, 0] - x * out[0, 2]
@@ -120,7 +127,7 @@ def write_sprites(
         count: How many.
         first: Where in `out` the first one goes.
         eye: World [m], [3].
-        right_of_eye: Unit, world, [3]: right of what is seen from straight above.
+        right_of_eye: Unit, world, [3]: right of words, and of what is seen from straight above.
         axes: Scratch, [2, 3].
         out: SPRITE_VERTEX, [>= first + count, 4].
     """
@@ -132,7 +139,7 @@ def write_sprites(
         if facing == _OWN:
             _turned_axes(turn, axes)
         else:
-            _axes_before_eye(place, eye, right_of_eye, facing == _UPRIGHT, axes)
+            _axes_before_eye(place, eye, right_of_eye, facing, axes)
             c, s = float(turn[0]), float(turn[1])
         wide, high = float(sprites[n]["half"][0]), float(sprites[n]["half"][1])
         lift = float(sprites[n]["lift"])

@@ -1,0 +1,170 @@
+"""A contact sheet of scenes, and how their light is: what is lost in black or white, what shadows keep of the sun."""
+
+from __future__ import annotations
+
+import json
+import math
+import tempfile
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.app.play.stills import draw_stills
+from mimics_app.app.settings import RunSettings
+from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.rendering.visual.effects.captions import caption_picture
+from mimics_app.rendering.visual.lighting import gather_lighting
+from mimics_app.world.components.visible import Environment
+from mimics_app.world.scene.file import build_world, load_scene
+from mimics_app.world.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+__all__ = ["SceneLight", "draw_scene_sheet", "measure_light", "scenes_in", "shade_share", "told"]
+
+U1 = NDArray[np.uint8]
+
+_DRAWN = (640, 360)
+_TILE = (320, 180)
+"""Width and height of a scene as it is drawn, and on the sheet [px]."""
+_COLUMNS = 5
+_GAP = 4
+_GROUND = (238, 238, 234)
+_NAME = 18
+"""Height of a name on a tile [px]."""
+_QUALITY = 84
+"""Of a JPEG file, of 100."""
+_SECONDS = 2.0
+"""Of play, from where the person acts."""
+_DARK, _BRIGHT = 0.05, 0.98
+"""Of the linear range: what is darker shows no form, what is brighter no colour."""
+_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+"""Rec. 709."""
+
+
+@dataclass(frozen=True, slots=True)
+class SceneLight:
+    """One scene of a sheet.
+
+    Attributes:
+        scene: Its file's name without suffix.
+        dark: Share of its pixels below 5 % of the linear range.
+        bright: Share of them above 98 %.
+        shade: What level ground in the sun's shadow keeps of its light; None where no sun casts a shadow.
+        night: Whether the scene says that it is meant to be dark.
+    """
+
+    scene: str
+    dark: float
+    bright: float
+    shade: float | None
+    night: bool
+
+
+def scenes_in(folder: Path) -> list[Path]:
+    """Every scene in a folder and the folders below it, those of `parts` left out, by their names.
+
+    Raises:
+        SceneError: there is none.
+    """
+    found = [file for file in sorted(folder.rglob("*.json")) if file.parent.name != "parts" and _is_scene(file)]
+    if not found:
+        raise SceneError(Issue(str(folder), "", "holds no scene", "name a folder with scene files, such as scenes"))
+    return found
+
+
+def draw_scene_sheet(files: Sequence[Path], output: Path, *, backend: str = "auto") -> list[SceneLight]:
+    """Draw scenes without the figures over them onto one picture.
+
+    Args:
+        files: Of the scenes, in reading order.
+        output: The picture; its suffix says which kind, .jpg or .png.
+        backend: "auto", "egl", "osmesa" or "window".
+
+    Raises:
+        SceneError: a scene is wrong, or has no camera.
+        DeviceError: the context cannot be had.
+    """
+    from PIL import Image
+
+    rows = -(-len(files) // _COLUMNS)
+    wide, high = (side + _GAP for side in _TILE)
+    sheet = Image.new("RGB", (_COLUMNS * wide + _GAP, rows * high + _GAP), _GROUND)
+    lights = []
+    for number, file in enumerate(files):
+        pixels = _drawn(file, backend)
+        lights.append(measure_light(file, pixels))
+        tile = Image.fromarray(pixels).resize(_TILE, Image.Resampling.LANCZOS)
+        _name(tile, file.stem.replace("_", " "))
+        sheet.paste(tile, (_GAP + number % _COLUMNS * wide, _GAP + number // _COLUMNS * high))
+    output.parent.mkdir(parents=True, exist_ok=True)
+    sheet.save(output, quality=_QUALITY, optimize=True)
+    return lights
+
+
+def measure_light(file: Path, pixels: U1) -> SceneLight:
+    """How the light is in a scene's picture, [height, width, 3] display values, without figures over it."""
+    scene = load_scene(file)
+    luminance = _decode(pixels) @ _LUMINANCE
+    night = (scene.first(Environment) or Environment()).night
+    dark, bright = float((luminance < _DARK).mean()), float((luminance > _BRIGHT).mean())
+    return SceneLight(file.stem, dark, bright, shade_share(scene), night)
+
+
+def shade_share(scene: Scene) -> float | None:
+    """Light of level ground in the sun's shadow over that beside it; None where no sun casts a shadow."""
+    lighting = gather_lighting(build_world(scene))
+    sun = float(lighting.sun_colour @ _LUMINANCE) * max(float(lighting.sun_direction[1]), 0.0)
+    shade = float(lighting.sky_light().sum(axis=0) @ _LUMINANCE)
+    return shade / (sun + shade) if lighting.sun_casts_shadow and sun > 0.0 else None
+
+
+def told(lights: Sequence[SceneLight]) -> list[dict[str, object]]:
+    """The same as objects for JSON, shares rounded to a thousandth."""
+    rows = [asdict(light) for light in lights]
+    return [
+        {
+            key: round(value, 3) if isinstance(value, float) and math.isfinite(value) else value
+            for key, value in row.items()
+        }
+        for row in rows
+    ]
+
+
+def _is_scene(file: Path) -> bool:
+    """Whether a JSON file says that it is a scene."""
+    try:
+        head = json.loads(file.read_bytes())
+    except ValueError:
+        return False
+    return isinstance(head, dict) and head.get("format") == "mimics-scene"
+
+
+def _drawn(file: Path, backend: str) -> U1:
+    from PIL import Image
+
+    settings = RunSettings(file, size=_DRAWN)
+    with tempfile.TemporaryDirectory() as folder:
+        drawn = draw_stills(settings, Path(folder), backend=backend, seconds=_SECONDS, board=False)
+        with Image.open(drawn.files[-1]) as picture:
+            return np.array(picture.convert("RGB"))
+
+
+def _decode(pixels: U1) -> NDArray[np.float64]:
+    """Linear light of display values (IEC 61966-2-1)."""
+    value = pixels / 255.0
+    return np.asarray(np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4))
+
+
+def _name(tile: Image.Image, text: str) -> None:
+    """Write a scene's name into its lower left corner."""
+    from PIL import Image
+
+    wide = round(_NAME * (0.7 + 0.36 * len(text)))
+    plate = Image.fromarray(caption_picture(text, (float(wide), float(_NAME))).pixels).resize((wide, _NAME))
+    tile.paste(plate, (5, tile.height - _NAME - 5), plate)

@@ -1,0 +1,144 @@
+"""The quiet room of the examples with its table, a hall, surfaces to stroke, a spring, a magnet, an arrow."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+from mimics_app.builders.kit.sketch import Point, Sketch
+from mimics_app.builders.market.clay import pack_model
+from mimics_app.builders.room import surfaces, things
+from mimics_app.world.gltf.writer import GltfWriter
+
+__all__ = ["compose"]
+
+_TABLE = ((-0.80, 0.80), (-0.60, 0.56))
+"""The table's top in x and z; its upper side is y = 0 [m]."""
+_THICK, _FLOOR = 0.036, -0.74
+"""Of the table's top; height of the floor below it [m]."""
+_WALL, _SIDE, _FRONT, _HIGH = -1.9, 2.4, 2.4, 1.9
+"""Back wall in z, side walls in x, the room's open side in z, and the walls' upper edge [m]."""
+_RAIL = 0.16
+"""Height at which the panels end [m]."""
+
+Shade = Callable[[Point], float]
+
+
+def compose(seed: int) -> dict[str, bytes]:
+    """Every file by its name.
+
+    Args:
+        seed: Of grain and marks.
+    """
+    return {
+        "room.glb": _room(seed),
+        "ice.png": surfaces.paint_ice(seed),
+        "rubber.png": surfaces.paint_rubber(seed),
+        "ripples.png": surfaces.paint_ripples(seed),
+        "cushion.png": surfaces.paint_cushion(seed),
+        "oak.png": surfaces.paint_oak(seed),
+        "spring.glb": pack_model("spring", {"coil": (things.spring(), 0.35), "foot": (things.spring_foot(), 0.5)}),
+        "magnet.glb": pack_model("magnet", {"bow": (things.magnet(), 0.35), "tips": (things.magnet_tips(), 0.3)}),
+        "cube.glb": pack_model("cube", {"cube": (things.rounded_cube(), 0.3)}),
+        "arrow.glb": pack_model("arrow", {"arrow": (things.arrow(), 0.6)}),
+    }
+
+
+def _room(seed: int) -> bytes:
+    """Two nodes: `room` with the table, and `hall`, whose floor is y = 0."""
+    writer = GltfWriter("mimics_app assets build room")
+    painted = {
+        "oak": surfaces.paint_oak(seed),
+        "boards": surfaces.paint_boards(seed),
+        "plaster": surfaces.paint_plaster(seed),
+        "panel": surfaces.paint_panel(seed),
+    }
+    materials = {
+        name: writer.add_material(
+            f"room_{name}", texture=writer.add_picture(name, png), roughness=0.55 if name == "oak" else 0.95
+        )
+        for name, png in painted.items()
+    }
+    materials["rail"] = writer.add_material("room_rail", colour=(0.72, 0.70, 0.64, 1.0), roughness=0.6)
+    for name, sketch in (("room", _walls(_FLOOR)), ("table", _table()), ("hall", _walls(0.0, 3.6))):
+        parts = [(writer.add_part(part), materials[material]) for material, part in sketch.parts().items()]
+        writer.add_node(name, mesh=writer.add_mesh(name, parts))
+    return writer.to_bytes()
+
+
+def _table() -> Sketch:
+    """Top, frame and legs."""
+    sketch = Sketch()
+    (x0, x1), (z0, z1) = _TABLE
+    per_metre = 1.0 / 1.2
+    sketch.box("oak", (x0, -_THICK, z0), (x1, 0.0, z1), per_metre=per_metre)
+    sketch.box("oak", (x0 + 0.06, -0.12, z0 + 0.05), (x1 - 0.06, -_THICK, z1 - 0.05), per_metre=per_metre, shade=0.6)
+    for x in (x0 + 0.05, x1 - 0.12):
+        for z in (z0 + 0.04, z1 - 0.11):
+            sketch.box("oak", (x, _FLOOR, z), (x + 0.07, -_THICK, z + 0.07), per_metre=per_metre, shade=0.7)
+    return sketch
+
+
+def _walls(floor: float, back: float = -_WALL) -> Sketch:
+    """Floor, panels with a rail, and plaster above, shaded towards the corners and below the table."""
+    sketch = Sketch()
+    rail = floor + _RAIL - _FLOOR
+    high = rail + _HIGH - _RAIL
+
+    def corner(point: Point) -> float:
+        near = min(point[2] + back, _SIDE - abs(point[0]), 10.0)
+        low = point[1] - floor
+        return (1.0 - 0.30 * math.exp(-max(near, 0.0) / 0.35)) * (1.0 - 0.35 * math.exp(-max(low, 0.0) / 0.12))
+
+    def ground(point: Point) -> float:
+        (x0, x1), (z0, z1) = _TABLE
+        away = math.hypot(max(x0 - point[0], point[0] - x1, 0.0), max(z0 - point[2], point[2] - z1, 0.0))
+        below = 1.0 - 0.55 * math.exp(-away / 0.25) if floor < 0.0 else 1.0
+        return below * (1.0 - 0.35 * math.exp(-max(min(point[2] + back, _SIDE - abs(point[0])), 0.0) / 0.25))
+
+    _sheet(sketch, "boards", (-_SIDE, floor, _FRONT), (2 * _SIDE, 0, 0), (0, 0, -_FRONT - back), (16, 16), 1.0, ground)
+    walls = (
+        ((-_SIDE, 0.0, -back), (2 * _SIDE, 0.0, 0.0)),
+        ((-_SIDE, 0.0, _FRONT), (0.0, 0.0, -_FRONT - back)),
+        ((_SIDE, 0.0, -back), (0.0, 0.0, _FRONT + back)),
+    )
+    for (x, _, z), along in walls:
+        _sheet(sketch, "panel", (x, floor, z), along, (0.0, rail - floor, 0.0), (12, 6), 1.0 / 0.55, corner)
+        _sheet(sketch, "plaster", (x, rail, z), along, (0.0, high - rail, 0.0), (12, 4), 0.5, corner)
+    sketch.box("rail", (-_SIDE, rail - 0.03, -back), (_SIDE, rail + 0.012, -back + 0.022), hidden="nwe")
+    sketch.box("rail", (-_SIDE, floor, -back), (_SIDE, floor + 0.10, -back + 0.018), hidden="nwed", shade=0.85)
+    return sketch
+
+
+def _sheet(
+    sketch: Sketch,
+    material: str,
+    corner: Point,
+    along: Point,
+    up: Point,
+    steps: tuple[int, int],
+    per_metre: float,
+    shade: Shade,
+) -> None:
+    """A rectangle in pieces, so that its corners can be shaded; seen from along x up."""
+    columns, rows = steps
+    corners: list[Point] = []
+    uvs: list[tuple[float, float]] = []
+    wide, high = (math.sqrt(sum(part * part for part in side)) for side in (along, up))
+    for row in range(rows + 1):
+        for column in range(columns + 1):
+            s, t = column / columns, row / rows
+            x, y, z = (c + s * a + t * u for c, a, u in zip(corner, along, up, strict=True))
+            corners.append((x, y, z))
+            uvs.append((s * wide * per_metre, -t * high * per_metre))
+    triangles: list[tuple[int, int, int]] = []
+    for row in range(rows):
+        for column in range(columns):
+            first = row * (columns + 1) + column
+            above = first + columns + 1
+            triangles += [(first, first + 1, above + 1), (first, above + 1, above)]
+    sketch.strip(material, corners, uvs, triangles, _shades(corners, shade))
+
+
+def _shades(corners: Sequence[Point], shade: Shade) -> list[float]:
+    return [shade(point) for point in corners]

@@ -1,0 +1,3 @@
+"""Pictures of the sky for the examples of backdrops."""
+
+__all__: list[str] = []

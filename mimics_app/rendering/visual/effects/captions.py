@@ -1,0 +1,113 @@
+"""Pictures of captions: a line of words on a plate, drawn from the glyph atlas."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.rendering.visual.figures.glyphs import Glyph, GlyphAtlas, load_glyph_atlas
+from mimics_app.world.materials.material import TextureData
+
+__all__ = ["caption_key", "caption_picture", "draw_letters"]
+
+F8 = NDArray[np.float64]
+
+_HEIGHT = 96
+"""Of the picture [px]: a caption fills an eighth of the screen at most."""
+_EM = 0.58
+"""Size of the letters where there is room for them, over the plate's height."""
+_MARGIN = 0.30
+"""Left free on the left and on the right, over the height."""
+_MIDDLE = 0.33
+"""Of a letter above its baseline [em]: half the height of a capital, and a little less for what hangs below."""
+_CORNER = 0.28
+"""Radius of the corners, over the height."""
+_PLATE = np.array([0.955, 0.950, 0.930])
+_INK = np.array([0.085, 0.105, 0.140])
+"""Display values."""
+_COVER = 0.94
+_ATLAS_EM = 40.0
+"""Pixels of the atlas to the em of its letters."""
+
+
+def caption_key(text: str, size: tuple[float, float]) -> str:
+    """Name of the picture of `caption_picture`."""
+    return f"#caption {_width(size)} {text}"
+
+
+@cache
+def caption_picture(text: str, size: tuple[float, float]) -> TextureData:
+    """Words on a plate.
+
+    Args:
+        text: One line.
+        size: Of the plate, width and height [m]; its ratio is the picture's.
+    """
+    width = _width(size)
+    atlas = load_glyph_atlas()
+    ink = draw_letters(atlas, text, (width, _HEIGHT), _EM * _HEIGHT)
+    colour = _PLATE + (_INK - _PLATE) * ink[..., None]
+    pixels = np.concatenate([colour, (_COVER * _plate(width))[..., None]], axis=-1)
+    return TextureData(np.round(255.0 * pixels).astype(np.uint8), wrap=("clamp", "clamp"))
+
+
+def _width(size: tuple[float, float]) -> int:
+    """Of the picture [px]; a multiple of four, so that captions of nearly one shape share an array."""
+    return max(4, 4 * round(_HEIGHT * size[0] / size[1] / 4.0))
+
+
+def _plate(width: int) -> F8:
+    """How much of each pixel the plate covers, [height, width]."""
+    y, x = np.mgrid[0:_HEIGHT, 0:width] + 0.5
+    radius, half = _CORNER * _HEIGHT, 0.5 * np.array([width, _HEIGHT]) - 1.0
+    across = np.maximum(np.abs(x - 0.5 * width) - half[0] + radius, 0.0)
+    along = np.maximum(np.abs(y - 0.5 * _HEIGHT) - half[1] + radius, 0.0)
+    return np.asarray(np.clip(radius - np.hypot(across, along) + 0.5, 0.0, 1.0))
+
+
+def draw_letters(atlas: GlyphAtlas, text: str, size: tuple[int, int], em: float) -> F8:
+    """How much of each pixel bold letters cover, [height, width]: in the middle, no wider than there is room.
+
+    Args:
+        atlas: Their outlines.
+        text: One line.
+        size: Width and height of the picture [px].
+        em: Size of the letters where there is room for them [px].
+    """
+    width, height = size
+    face = atlas.face(bold=True)
+    room = max(width - 2.0 * _MARGIN * height, 1.0)
+    em = min(em, room / max(face.measure(text), 1e-3))
+    pen, base = 0.5 * (width - em * face.measure(text)), 0.5 * height - _MIDDLE * em
+    ink = np.zeros((height, width))
+    for glyph, along in face.layout(text):
+        if glyph.box[2] > 0.0:
+            _add_glyph(ink, atlas, glyph, (pen + em * along, base), em)
+    return ink
+
+
+def _add_glyph(ink: F8, atlas: GlyphAtlas, glyph: Glyph, pen: tuple[float, float], em: float) -> None:
+    """Lay one letter on the picture; `pen` is left and above the lower edge [px]."""
+    left, bottom, wide, high = glyph.box
+    u, v, across, up = glyph.picture
+    rows, columns = np.mgrid[0 : ink.shape[0], 0 : ink.shape[1]] + 0.5
+    share_x = (columns - pen[0] - em * left) / (em * wide)
+    share_y = (ink.shape[0] - rows - pen[1] - em * bottom) / (em * high)
+    inside = (share_x >= 0.0) & (share_x <= 1.0) & (share_y >= 0.0) & (share_y <= 1.0)
+    height, width = atlas.pixels.shape
+    distance = _sample(atlas.pixels, (u + across * share_x) * width - 0.5, (v + up * share_y) * height - 0.5)
+    away = (distance - 0.5) * atlas.spread * em / _ATLAS_EM
+    np.maximum(ink, np.where(inside, np.clip(away + 0.5, 0.0, 1.0), 0.0), out=ink)
+
+
+def _sample(pixels: NDArray[np.uint8], x: F8, y: F8) -> F8:
+    """Bilinear, 0 to 1."""
+    height, width = pixels.shape
+    x, y = np.clip(x, 0.0, width - 1.001), np.clip(y, 0.0, height - 1.001)
+    column, row = x.astype(np.int64), y.astype(np.int64)
+    right, down = x - column, y - row
+    above = pixels[row, column] * (1.0 - right) + pixels[row, column + 1] * right
+    below = pixels[row + 1, column] * (1.0 - right) + pixels[row + 1, column + 1] * right
+    return np.asarray((above * (1.0 - down) + below * down) / 255.0)

@@ -1,0 +1,67 @@
+"""The mark over what is to be reached for next in a scene that has no code of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.world.components.robot import NextMark
+from mimics_app.world.extent import Extent, world_extent
+from mimics_app.world.scene.placing import pose_of
+from mimics_app.world.scene.scene import Scene
+from mimics_app.world.world import World
+
+__all__ = ["NextStation"]
+
+F8 = NDArray[np.float64]
+
+
+class NextStation:
+    """Moves the entity with the `next_mark` from one station to the next as the hand gets there.
+
+    Args:
+        scene: Whose.
+        world: What is seen.
+        stations: Entities to be visited in turn, again and again; () hides the mark.
+        hand: The entity that shows the hand: a station of that name is where a trial begins; or "".
+    """
+
+    def __init__(self, scene: Scene, world: World, stations: Sequence[str], hand: str) -> None:
+        self._world, self._stations, self._number = world, stations, 0
+        marks = [(name, mark) for name, mark, _ in scene.components(NextMark) if name in world]
+        self._marks = [(world.find(name), mark) for name, mark in marks]
+        self._within = max((mark.within for _, mark in marks), default=0.0)
+        self._places = {name: pose_of(scene, name)[0] for name in stations}
+        world.update()
+        self._boxes = {name: self._box(name) for name in stations if name != hand}
+        for node, _ in self._marks:
+            node.visible = bool(stations)
+
+    def follow(self, hip_world: F8) -> None:
+        """Go on where the hand [m] has reached the station, and hover over the one that is next."""
+        if not self._marks or not self._stations:
+            return
+        name = self._stations[self._number]
+        low, high = self._reach(name)
+        if np.linalg.norm(np.maximum(np.maximum(low - hip_world, hip_world - high), 0.0)) <= self._within:
+            self._number = (self._number + 1) % len(self._stations)
+            low, high = self._reach(self._stations[self._number])
+        for node, mark in self._marks:
+            node.set_position((0.5 * (low[0] + high[0]), high[1] + mark.above, 0.5 * (low[2] + high[2])))
+
+    def _box(self, name: str) -> Extent | None:
+        """About what is seen of an entity, relative to its place; None where there is nothing to see."""
+        node = self._world.find(name)
+        found = world_extent(self._world, node.index)
+        place = node.world_matrix()[:3, 3]
+        return None if found is None else (found[0] - place, found[1] - place)
+
+    def _reach(self, name: str) -> Extent:
+        """Corners of the box about a station as it stands now, world [m]."""
+        box = self._boxes.get(name)
+        if box is None:
+            return self._places[name], self._places[name]
+        place = self._world.find(name).world_matrix()[:3, 3]
+        return place + box[0], place + box[1]
