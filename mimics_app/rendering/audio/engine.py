@@ -9,6 +9,7 @@ Where the wish cannot be had the session goes on with one clear line about what 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -77,16 +78,26 @@ class Engine:
             self.writer.close()
 
 
-def open_engine(settings: AudioSettings, clock: Clock) -> Engine:
-    """The output of a live session, down the ladder; never raises for a missing library or device."""
+def open_engine(settings: AudioSettings, clock: Clock, prepared: Callable[[], None] | None = None) -> Engine:
+    """The output of a live session, down the ladder; never raises for a missing library or device.
+
+    Args:
+        settings: What is wished.
+        clock: Of the session.
+        prepared: Called when what takes long is done (sounds and head made, kernels loaded) and nothing is open yet.
+    """
     try:
         if settings.mixer == "openal":
             load_library(settings)
         bank = SoundBank(settings.sounds, settings.rate)
+        if settings.mixer == "spectral":
+            _warm_spectral(settings, bank)
     except DeviceError as error:
         return _dropped(f"{error.what}: sound is dropped; picture and touch run on ({error.fix})")
     except SceneError as error:
         return _dropped(f"{error}: sound is dropped; picture and touch run on")
+    if prepared is not None:
+        prepared()
     if settings.sink == "device":
         try:
             return _open_device(settings, bank, clock)
@@ -174,15 +185,22 @@ def _open_stream(settings: AudioSettings, bank: SoundBank, clock: Clock, library
     try:
         if context.rate != settings.rate:
             raise DeviceError(f"the device runs at {context.rate} Hz, not at {settings.rate}")
-        warmed = SpectralMixer(bank, settings, Timing())
-        warmed.start(next(iter(bank.sounds)), 0, (0.0, 0.0, -1.0), 0.0)
-        warmed.render(settings.block)  # compiles, or loads, before the device waits for it
         mixer = StreamedMixer(SpectralMixer(bank, settings, Timing()), context, clock, settings.period)
     except DeviceError:
         context.close()
         raise
     latency = (LIVE_LATENCY + mixer.timing.pipeline) / mixer.rate * 1e3 + context.buffered_ms(settings.period)
     return Engine(_status(settings, mixer, context.name, "device", latency), bank, mixer, None)
+
+
+def _warm_spectral(settings: AudioSettings, bank: SoundBank) -> None:
+    """Make the head's tables and compile, or load, the mixing, before a device or the scheduler waits for it."""
+    from mimics_app.rendering.audio.spectral.mixer import SpectralMixer
+
+    mixer = SpectralMixer(bank, settings, Timing())
+    for name in list(bank.sounds)[:1]:
+        mixer.start(name, 0, (0.0, 0.0, -1.0), 0.0)
+    mixer.render(settings.block)
 
 
 def _dropped(notice: str) -> Engine:

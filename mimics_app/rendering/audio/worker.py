@@ -14,11 +14,14 @@ from multiprocessing import connection, parent_process
 from multiprocessing.connection import Connection
 from typing import Any
 
-from mimics_app.contracts import ring
+import numpy as np
+
+from mimics_app.contracts import ring, triple_buffer
 from mimics_app.contracts.atomics import scratch
 from mimics_app.contracts.audio_port import AudioReport, AudioStatus, frame_at
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.haptic import EVENT
 from mimics_app.contracts.session_memory import ControlWord, SessionMemory
 from mimics_app.rendering.audio.director import SoundDirector
 from mimics_app.rendering.audio.engine import fall_back, open_engine
@@ -43,14 +46,9 @@ def run(memory: SessionMemory, settings: AudioSettings, orders: Connection, resu
     for name in ("SIGINT", "SIGHUP"):  # Ctrl-C and a closed terminal reach the whole group; only the app decides
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), signal.SIG_IGN)
-    if sys.stderr is not None:
-        faulthandler.enable()  # a crash inside a library leaves its stack there
+    _tell_of_crashes()
     _die_with_parent()
-    clock = MonotonicClock()
-    if settings.realtime:
-        _warm_up(memory, clock)
-        ask_for_fifo()
-    session = _LiveSession(memory, settings, orders, results, clock)
+    session = _LiveSession(memory, settings, orders, results, MonotonicClock())
     session.send(session.engine.status)
     while not session.ended:
         session.step()
@@ -74,11 +72,12 @@ class _LiveSession:
         self._blocks = 0
         self._late_blocks = 0
         self._earlier = AudioReport(_nothing())
-        self.engine = open_engine(settings, clock)
+        _warm_up(memory, clock)
+        self.engine = open_engine(settings, clock, _take_precedence if settings.realtime else None)
         self._director = self._direct()
         self._opened_ns = clock.now_ns()
         self._check_ns = self._opened_ns + _CHECK_DEVICE_NS
-        self._listen()  # what it compiles is compiled before the app is told that sound is ready
+        self._listen()
         self._advance_file()
 
     def step(self) -> None:
@@ -246,9 +245,29 @@ def _die_with_parent() -> None:
     threading.Thread(target=wait, name="parent", daemon=True).start()
 
 
+def _tell_of_crashes() -> None:
+    """A crash inside a library leaves its stack on the error stream, also while that is pointed to nowhere."""
+    if sys.stderr is not None:
+        faulthandler.enable(os.fdopen(os.dup(2), "w"))
+
+
 def _warm_up(memory: SessionMemory, clock: Clock) -> None:
-    """Compile, or load, the wait before the scheduler gives us precedence."""
+    """Compile, or load, what every turn of the loop calls, on copies: before precedence, and before the app is told."""
     wait_for_records(memory.audio_event_words, scratch(), clock.now_ns(), _LIVE_STEP_NS)
+    ring.drain(memory.audio_event_words.copy(), memory.audio_events.copy(), np.zeros(1, EVENT))
+    for words in (memory.sound_scene_words, memory.audio_words):
+        triple_buffer.acquire(words.copy())
+
+
+def _take_precedence() -> None:
+    """Run before ordinary work from here on, where the system allows it; threads started later inherit it.
+
+    Nothing that takes long may follow: under a limit of real-time work without a pause (RLIMIT_RTTIME, which the app
+    has once its haptic loop runs, and hands down) the kernel ends what goes on. So a turn that does becomes ordinary.
+    """
+    ask_for_fifo()
+    if hasattr(signal, "SIGXCPU"):
+        signal.signal(signal.SIGXCPU, lambda *_: os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0)))
 
 
 def ask_for_fifo(pid: int = 0, priority: int = FIFO_PRIORITY) -> None:
