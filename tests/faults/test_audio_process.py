@@ -324,6 +324,43 @@ def test_device_that_goes_away_is_replaced_by_the_file(tmp_path, started):
     assert np.abs(read_mix(file)).max() > 0
 
 
+def pactl(environment: dict[str, str], *words: str) -> str:
+    done = subprocess.run(
+        ["pactl", *words], env={**os.environ, **environment}, capture_output=True, text=True, timeout=60, check=True
+    )
+    return done.stdout.strip()
+
+
+@pytest.mark.skipif(bool(pulse_missing()), reason=pulse_missing() or "PulseAudio is here")
+@pytest.mark.parametrize("mixer", ["openal", "spectral"])
+def test_device_that_returns_is_played_on_again(tmp_path, started, mixer):
+    """The output is unplugged and plugged in: the rest goes to the file, then to the device, then to a second file."""
+    memory = SessionMemory()
+    push(memory, np.zeros_like(contact(0)))
+    file = tmp_path / "rest.wav"
+    with private_pulse_server() as environment:
+        audio = started(memory, mixer=mixer, file=file, driver="pulse", environment=environment)
+        assert audio.wait_ready(PATIENCE_S).sink == "device"
+        audio.master(0.5)
+        for name in ("rest.wav", "rest-2.wav"):
+            pactl(environment, "unload-module", "module-null-sink")
+            assert wait_until(lambda: audio.ready.sink == "file")
+            assert audio.ready.notice.endswith(f"sound is rendered to {tmp_path / name}; picture and touch run on")
+            push(memory, contact(time.monotonic_ns()))
+            time.sleep(0.2)
+            pactl(environment, "load-module", "module-null-sink", "sink_name=mimics", "rate=48000", "channels=2")
+            assert wait_until(lambda: audio.ready.sink == "device")
+            assert audio.ready.notice == ""
+            push(memory, contact(time.monotonic_ns()))
+            time.sleep(0.2)
+        report = audio.stop()
+    assert not report.crashed
+    assert len(report.rows) == 4
+    loudest = [int(np.abs(read_mix(tmp_path / name)).max()) for name in ("rest.wav", "rest-2.wav")]
+    assert min(loudest) > 0
+    assert max(loudest) < 0.5 * 32767, "as loud as the session was told"
+
+
 def test_silent_session_starts_no_process():
     audio = AudioProcess(SessionMemory(), AudioSettings(sink="null"))
     audio.start()

@@ -23,7 +23,7 @@ from mimics_app.rendering.audio.openal_mixer import OpenALMixer
 from mimics_app.rendering.audio.settings import AudioSettings
 from mimics_app.rendering.audio.wav_file import WavWriter
 
-__all__ = ["Engine", "fall_back", "open_engine", "open_engine_in_step", "open_mixer"]
+__all__ = ["Engine", "fall_back", "open_device", "open_engine", "open_engine_in_step", "open_mixer"]
 
 _SILENT = AudioStatus(device="none", sink="null", hrtf=False, rate=0, latency_ms=0.0)
 
@@ -100,7 +100,7 @@ def open_engine(settings: AudioSettings, clock: Clock, prepared: Callable[[], No
         prepared()
     if settings.sink == "device":
         try:
-            return _open_device(settings, bank, clock)
+            return open_device(settings, bank, clock)
         except DeviceError as error:
             return fall_back(settings, bank, clock, error.what)
     return fall_back(settings, bank, clock, "")
@@ -165,7 +165,12 @@ def _status(settings: AudioSettings, mixer: Mixer, device: str, sink: str, laten
     return AudioStatus(device, sink, hrtf, mixer.rate, latency_ms, mixer=settings.mixer, channels=mixer.channels)
 
 
-def _open_device(settings: AudioSettings, bank: SoundBank, clock: Clock) -> Engine:
+def open_device(settings: AudioSettings, bank: SoundBank, clock: Clock) -> Engine:
+    """A live device.
+
+    Raises:
+        DeviceError: There is none, or it cannot be opened.
+    """
     library = load_library(settings)
     if settings.mixer == "spectral":
         return _open_stream(settings, bank, clock, library)
