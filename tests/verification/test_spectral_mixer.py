@@ -15,6 +15,7 @@ from mimics_app.lab.audio.hearing import compare, level_differences
 from mimics_app.lab.audio.rendered import render_clicks
 from mimics_app.lab.audio.spatialiser import heard_around
 from mimics_app.lab.audio_bench import find_measured_head
+from mimics_app.lab.audio_figures import heard_around_the_head
 from mimics_app.rendering.audio.bank import Sound, SoundBank
 from mimics_app.rendering.audio.offline import render_offline
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
@@ -127,6 +128,17 @@ def test_delay_and_level_between_the_ears_are_those_of_the_loaded_head(tmp_path)
 def test_delay_and_level_between_the_ears_are_those_of_a_measured_head():
     path = find_measured_head()
     check_goals(read_sofa(path), path)
+
+
+def test_the_figure_of_the_ears_shows_the_head_and_the_mixer_as_one():
+    rows = heard_around_the_head().rows
+    ways = {row["method"]: [] for row in rows}
+    for row in rows:
+        ways[row["method"]].append((row["x"], row["delay_us"], row["level_db"]))
+    head, ours, openal = (np.array(sorted(points)) for points in ways.values())
+    assert len(head) >= 36 and (head[:, 0] == ours[:, 0]).all()
+    assert np.abs(head[:, 1] - ours[:, 1]).max() <= ITD_MAX_US < np.abs(head[:, 1] - openal[:, 1]).max()
+    assert head[head[:, 0] > 0.0, 1][1:-1].min() > 0.0 > head[head[:, 0] < 0.0, 1][1:-1].max(), "right is positive"
 
 
 def test_exchanged_ears_are_noticed():
