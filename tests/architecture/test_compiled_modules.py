@@ -55,6 +55,7 @@ the arrays that its compiled functions are given."""
 _DESCRIPTORS = "mimics_app.contracts.descriptors"
 _ERRORS = "mimics_app.contracts.errors"
 _SCENE_BLOCK = "mimics_app.rendering.haptic.scene_block"
+_LANES = "mimics_app.rendering.audio.spectral.lanes"
 _DEVICES = "mimics_app.rendering.haptic.devices"
 
 DEVIATIONS: dict[str, tuple[tuple[str, ...], str]] = {
@@ -65,6 +66,8 @@ DEVIATIONS: dict[str, tuple[tuple[str, ...], str]] = {
         "makes the compiler of all others",
     ),
     "contracts/probe.py": (("mimics_app.contracts.clock",), "times what it calls"),
+    "rendering/audio/spectral/bins.py": ((_LANES,), "writes the instructions itself"),
+    "rendering/audio/spectral/fourier.py": ((_LANES,), "writes the instructions itself"),
     "rendering/haptic/publish.py": (("mimics_app.rendering.haptic.channels",), "the type of its channels"),
     "rendering/haptic/devices/bench.py": ((_ERRORS,), "refuses a device in words"),
     "rendering/haptic/devices/emulators/hapticmaster_machine.py": ((_DEVICES,), "built from a robot's request"),

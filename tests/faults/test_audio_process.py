@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -224,13 +225,42 @@ def test_killed_child_hangs_nobody_and_its_file_reads_to_the_last_block(tmp_path
     assert np.abs(read_mix(file)).max() > 0
 
 
-def test_child_killed_while_starting_is_noticed_at_once(started):
+def test_child_killed_while_starting_is_started_once_more(started):
+    audio = started(SessionMemory(), driver="null")
+    first = audio.pid
+    os.kill(first, signal.SIGKILL)
+    status = audio.wait_ready(PATIENCE_S)
+    assert (status.sink, status.notice) == ("device", "")
+    assert audio.pid != first and gone(first)
+    assert not audio.stop().crashed
+
+
+def test_child_killed_at_each_start_is_noticed_at_once(started):
     audio = started(SessionMemory())
+    first = audio.pid
+    os.kill(first, signal.SIGKILL)
+    assert wait_until(lambda: audio.ready is not None or audio.pid != first)
     os.kill(audio.pid, signal.SIGKILL)
     begin = time.monotonic()
-    assert audio.wait_ready(PATIENCE_S).sink == "null"
+    status = audio.wait_ready(PATIENCE_S)
+    assert status.notice == "the audio process has ended (SIGKILL): sound is dropped; picture and touch run on"
     assert time.monotonic() - begin < PATIENCE_S / 2
     assert audio.stop().crashed
+
+
+@pytest.mark.skipif(not hasattr(resource, "RLIMIT_RTTIME"), reason="limits of real-time work are Linux's")
+def test_limit_of_real_time_work_that_a_haptic_loop_left_does_not_end_the_start(started):
+    """The limit is the whole process's and its children's: SIGXCPU ends a real-time thread that computes so long."""
+    before = resource.getrlimit(resource.RLIMIT_RTTIME)
+    resource.setrlimit(resource.RLIMIT_RTTIME, (100_000, before[1]))
+    try:
+        audio = started(SessionMemory(), mixer="spectral", driver="null")
+    finally:
+        resource.setrlimit(resource.RLIMIT_RTTIME, before)
+    status = audio.wait_ready(PATIENCE_S)
+    assert (status.sink, status.mixer, status.notice) == ("device", "spectral", "")
+    assert audio.starts == 1
+    assert not audio.stop().crashed
 
 
 def test_stopped_child_blocks_neither_start_nor_play_nor_stop(started):
@@ -292,6 +322,43 @@ def test_device_that_goes_away_is_replaced_by_the_file(tmp_path, started):
     report = audio.stop()
     assert [row.onset_sample >= 0 for row in report.rows] == [False, True]
     assert np.abs(read_mix(file)).max() > 0
+
+
+def pactl(environment: dict[str, str], *words: str) -> str:
+    done = subprocess.run(
+        ["pactl", *words], env={**os.environ, **environment}, capture_output=True, text=True, timeout=60, check=True
+    )
+    return done.stdout.strip()
+
+
+@pytest.mark.skipif(bool(pulse_missing()), reason=pulse_missing() or "PulseAudio is here")
+@pytest.mark.parametrize("mixer", ["openal", "spectral"])
+def test_device_that_returns_is_played_on_again(tmp_path, started, mixer):
+    """The output is unplugged and plugged in: the rest goes to the file, then to the device, then to a second file."""
+    memory = SessionMemory()
+    push(memory, np.zeros_like(contact(0)))
+    file = tmp_path / "rest.wav"
+    with private_pulse_server() as environment:
+        audio = started(memory, mixer=mixer, file=file, driver="pulse", environment=environment)
+        assert audio.wait_ready(PATIENCE_S).sink == "device"
+        audio.master(0.5)
+        for name in ("rest.wav", "rest-2.wav"):
+            pactl(environment, "unload-module", "module-null-sink")
+            assert wait_until(lambda: audio.ready.sink == "file")
+            assert audio.ready.notice.endswith(f"sound is rendered to {tmp_path / name}; picture and touch run on")
+            push(memory, contact(time.monotonic_ns()))
+            time.sleep(0.2)
+            pactl(environment, "load-module", "module-null-sink", "sink_name=mimics", "rate=48000", "channels=2")
+            assert wait_until(lambda: audio.ready.sink == "device")
+            assert audio.ready.notice == ""
+            push(memory, contact(time.monotonic_ns()))
+            time.sleep(0.2)
+        report = audio.stop()
+    assert not report.crashed
+    assert len(report.rows) == 4
+    loudest = [int(np.abs(read_mix(tmp_path / name)).max()) for name in ("rest.wav", "rest-2.wav")]
+    assert min(loudest) > 0
+    assert max(loudest) < 0.5 * 32767, "as loud as the session was told"
 
 
 def test_silent_session_starts_no_process():

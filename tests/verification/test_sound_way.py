@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import math
+import wave
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from mimics_app.contracts.clock import VirtualClock
 from mimics_app.lab.audio.spatialiser import heard_around
+from mimics_app.rendering.audio.bank import SoundBank
+from mimics_app.rendering.audio.engine import open_engine_in_step
 from mimics_app.rendering.audio.obstacles import BAND_HZ, Box, diffraction_db, passes_of, transmission_db
-from mimics_app.rendering.audio.settings import BusSpec, SoundSpec
+from mimics_app.rendering.audio.settings import AudioSettings, BusSpec, SoundSpec
 from tests.verification.test_spectral_mixer import AHEAD, RATE, mixer_of
 
 TONE = 0.25 * np.sin(2 * np.pi * 1000.0 * np.arange(RATE) / RATE)
@@ -152,6 +157,51 @@ def test_a_voice_turns_the_others_down_and_lets_them_back():
     down, back = (20 * math.log10(np.sqrt(np.mean(x**2) / np.mean(alone**2))) for x in (under, after))
     assert down == pytest.approx(-12.04, abs=0.1)
     assert back == pytest.approx(0.0, abs=0.1)
+
+
+def test_mute_silences_every_group_and_the_room_without_a_click_and_lets_them_back():
+    """Panic comes after everything that sounds: within a block there is nothing, not even an echo."""
+    specs = {"crowd": SoundSpec(loop=True), "voice": SoundSpec(loop=True, bus="therapist")}
+    tone = 0.25 * np.sin(2 * np.pi * 200.0 * np.arange(RATE) / RATE)
+    mixer = mixer_of({"crowd": tone, "voice": tone}, specs=specs, buses={"therapist": BusSpec(gain=2.0)})
+    handles = np.array([mixer.start(name, 0, AHEAD, 1.0).handle for name in specs])
+    heard = heard_around(handles, np.array([AHEAD, AHEAD]))
+    heard.gain[:] = 0.3
+    mixer.hear(replace(heard, room_level=0.5, room_time=1.0))
+    before = mixer.render(RATE // 2)
+    mixer.master(0.0)
+    fading = mixer.render(240)
+    assert np.abs(before[-240:]).max() > 0.1
+    assert not mixer.render(4800).any()
+    mixer.master(1.0)
+    back = mixer.render(4800)
+    assert np.abs(back[-240:]).max() == pytest.approx(np.abs(before[-240:]).max(), rel=0.2)  # the room still fills
+    turned_off = np.concatenate((before, fading, np.zeros((2400, 2), np.float32)))[-4800:, 0]
+    high = np.fft.rfft(turned_off * np.hanning(4800))[400:]  # above 4 kHz
+    assert 20 * math.log10(np.abs(np.fft.irfft(np.concatenate((np.zeros(400), high)))).max()) < -80.0
+
+
+def test_peaks_are_bent_after_all_groups_and_the_master(tmp_path):
+    """However loud groups and master are, a file has the mix's sign everywhere and nothing beyond full scale."""
+    file, specs = tmp_path / "loud.wav", {"crowd": SoundSpec(recipe="crowd", gain=4.0, bus="loud")}
+    settings = AudioSettings(
+        sounds=specs, triggers={}, scrape="", mixer="spectral", buses={"loud": BusSpec(gain=4.0)}, voices=8
+    )
+    bank = SoundBank(specs, RATE)
+    engines = [open_engine_in_step(settings, bank, VirtualClock(), where, 0, 0) for where in (file, None)]
+    for engine in engines:
+        for _ in range(8):
+            engine.mixer.start("crowd", 0, AHEAD, 1.0)
+        engine.mixer.master(4.0)
+    engines[0].render_to(RATE // 4, 240)
+    engines[0].close()
+    mix = engines[1].mixer.render(RATE // 4)
+    with wave.open(str(file)) as reader:
+        written = np.frombuffer(reader.readframes(RATE // 4), "<i2").reshape(-1, 2)
+    assert np.abs(mix).max() > 4.0, "it is far beyond full scale"
+    assert np.abs(written.astype(int)).max() <= 32767 and engines[0].writer.clipped > 1000
+    clear = np.abs(mix) > 1e-3
+    assert (np.sign(written)[clear] == np.sign(mix)[clear]).all()
 
 
 def test_a_room_answers_for_as_long_as_it_says():

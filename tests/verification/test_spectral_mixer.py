@@ -9,16 +9,19 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.audio_port import Timing
+from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.messages import SoundEvent
 from mimics_app.lab.audio.hearing import compare, level_differences
 from mimics_app.lab.audio.rendered import render_clicks
 from mimics_app.lab.audio.spatialiser import heard_around
 from mimics_app.lab.audio_bench import find_measured_head
+from mimics_app.lab.audio_figures import heard_around_the_head
 from mimics_app.rendering.audio.bank import Sound, SoundBank
 from mimics_app.rendering.audio.offline import render_offline
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
+from mimics_app.rendering.audio.spectral.bins import add_heard, move, set_shaped
 from mimics_app.rendering.audio.spectral.computed_head import compute_head, sphere_response
-from mimics_app.rendering.audio.spectral.fourier import LANES, real_spectra, turns_of
+from mimics_app.rendering.audio.spectral.fourier import BINS, SIZE, WORK, real_block, real_spectrum, turns_of
 from mimics_app.rendering.audio.spectral.head import HeadResponses, delays_between_ears
 from mimics_app.rendering.audio.spectral.head_table import BASE_DELAY
 from mimics_app.rendering.audio.spectral.mixer import SpectralMixer
@@ -42,15 +45,43 @@ def mixer_of(sounds: dict[str, np.ndarray], **settings) -> SpectralMixer:
     return SpectralMixer(bank, AudioSettings(sounds={}, triggers={}, scrape="", mixer="spectral", **settings), Timing())
 
 
-@pytest.mark.parametrize("size", [32, 128, 512])
-def test_spectra_of_many_blocks_are_those_of_the_library(size):
-    blocks = np.random.default_rng(size).standard_normal((LANES, size)).astype(np.float32)
-    work, spectra = np.zeros((4, size // 2 * LANES), np.float32), np.zeros((LANES, 2, size // 2 + 1), np.float32)
-    work[0], work[1] = blocks[:, 0::2].T.ravel(), blocks[:, 1::2].T.ravel()
-    real_spectra(work, turns_of(size), spectra)
+@kernel
+def _there_and_back(blocks, turns, work, spectra, again):
+    for n in range(blocks.shape[0]):
+        real_spectrum(blocks[n], turns, work, spectra[n])
+        real_block(spectra[n], turns, work, again[n])
+
+
+def test_spectra_of_blocks_are_those_of_the_library_and_lead_back():
+    random = np.random.default_rng(5)
+    blocks = random.standard_normal((20, SIZE)).astype(np.float32)
+    blocks[0], blocks[1], blocks[2] = 0.0, 1.0, np.arange(SIZE) == 3
+    spectra, again = np.zeros((20, 2 * BINS), np.float32), np.zeros_like(blocks)
+    _there_and_back(blocks, turns_of(), np.zeros(WORK, np.float32), spectra, again)
     expected = np.fft.rfft(blocks.astype(np.float64))
-    # float32 and log2(size) passes: some 1e-7 of the largest bin
-    assert np.abs(spectra[:, 0] + 1j * spectra[:, 1] - expected).max() < 1e-6 * np.abs(expected).max()
+    # float32 and nine doublings: some 1e-7 of the largest bin
+    assert np.abs(spectra[:, :BINS] + 1j * spectra[:, BINS:] - expected[:, :BINS]).max() < 1e-6 * np.abs(expected).max()
+    expected[:, BINS:] = 0.0  # the highest bin is left out
+    np.testing.assert_allclose(again, np.fft.irfft(expected, SIZE), atol=1e-6 * np.abs(blocks).max())
+
+
+@kernel
+def _filtered(spectrum, shelves, tone, table, row, total, shaped):
+    add_heard(spectrum, shelves, tone, table, row, table, 2 * row, total)
+    set_shaped(spectrum, shelves, tone, shaped)
+    move(shaped, 3, shaped, 0, 2 * BINS - 3)
+
+
+def test_rows_of_bins_are_filtered_as_their_formulas_say():
+    random = np.random.default_rng(6)
+    spectrum, shelves, tone, table = (
+        random.standard_normal(n).astype(np.float32) for n in (2 * BINS, 6 * BINS, 5, 16 * BINS)
+    )
+    found, expected = ((np.ones(4 * BINS, np.float32), np.zeros(2 * BINS, np.float32)) for _ in range(2))
+    _filtered(spectrum, shelves, tone, table, 1, *found)
+    _filtered.py_func(spectrum, shelves, tone, table, 1, *expected)
+    for ours, plain in zip(found, expected, strict=True):
+        np.testing.assert_allclose(ours, plain, atol=1e-6 * np.abs(plain).max())
 
 
 def test_a_sphere_doubles_high_tones_in_front_shades_them_behind_and_leaves_low_ones():
@@ -97,6 +128,17 @@ def test_delay_and_level_between_the_ears_are_those_of_the_loaded_head(tmp_path)
 def test_delay_and_level_between_the_ears_are_those_of_a_measured_head():
     path = find_measured_head()
     check_goals(read_sofa(path), path)
+
+
+def test_the_figure_of_the_ears_shows_the_head_and_the_mixer_as_one():
+    rows = heard_around_the_head().rows
+    ways = {row["method"]: [] for row in rows}
+    for row in rows:
+        ways[row["method"]].append((row["x"], row["delay_us"], row["level_db"]))
+    head, ours, openal = (np.array(sorted(points)) for points in ways.values())
+    assert len(head) >= 36 and (head[:, 0] == ours[:, 0]).all()
+    assert np.abs(head[:, 1] - ours[:, 1]).max() <= ITD_MAX_US < np.abs(head[:, 1] - openal[:, 1]).max()
+    assert head[head[:, 0] > 0.0, 1][1:-1].min() > 0.0 > head[head[:, 0] < 0.0, 1][1:-1].max(), "right is positive"
 
 
 def test_exchanged_ears_are_noticed():

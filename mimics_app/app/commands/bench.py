@@ -38,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--surface", choices=("egl", "window"), default="egl", help="of frame: where the picture is drawn"
     )
-    parser.add_argument("--charts", type=Path, metavar="DIR", help="of physio: write its figures here")
+    parser.add_argument("--charts", type=Path, metavar="DIR", help="of physio and audio: write their figures here")
     parser.add_argument("--scene", type=Path, default=Path("scenes/wavy_tunnel.json"), help="scene of the load")
     parser.add_argument("--seconds", type=positive_time, default=60.0, help="length of each real-time measurement [s]")
     parser.add_argument(
@@ -184,7 +184,12 @@ def _measure_audio(args: argparse.Namespace) -> dict[str, Any]:
     """Cost and accuracy of the mixers beside the peers, contact to sample through a private PulseAudio null sink."""
     from mimics_app.lab.audio_bench import measure_audio
 
-    return measure_audio(_say, min(args.seconds, _ALL_SECONDS), _peers())
+    answer = measure_audio(_say, min(args.seconds, _ALL_SECONDS), _peers())
+    if args.charts is not None:
+        from mimics_app.lab.audio_figures import draw_figures
+
+        answer["charts"] = draw_figures(args.charts)
+    return answer
 
 
 def _say(what: str) -> None:

@@ -41,10 +41,12 @@ def open_sound(parts: Preparation, memory: SessionMemory, folder: Path, file: Pa
     from mimics_app.rendering.audio.process import AudioProcess
     from mimics_app.rendering.audio.scene_sounds import settings_from_components
     from mimics_app.rendering.audio.settings import BusSpec
+    from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 
     written = file or (folder / "sound.wav" if wanted == "file" else None)
     method = scene.methods.get("spatialiser", {})
     spectral = (method.get("mixer") if system.mixer == "auto" else system.mixer) == "spectral"
+    touched = objects_of_scene(scene)
     chosen = settings_from_components(
         sounds,
         scene.components(SoundEmitter),
@@ -58,6 +60,8 @@ def open_sound(parts: Preparation, memory: SessionMemory, folder: Path, file: Pa
         sofa=None if system.sofa is None else scene.assets[system.sofa].path,
         head_width=system.head_width,
         buses={name: BusSpec(bus.gain, bus.ducks, bus.duck_gain) for name, bus, _ in scene.components(SoundBus)},
+        materials=touched.materials,
+        body_materials=touched.body_materials,
         voices=system.voices if spectral else min(system.voices, _MOST_OPENAL),
     )
     if chosen is None:

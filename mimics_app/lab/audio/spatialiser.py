@@ -50,8 +50,10 @@ _WIDTH = 0.152  # of the computed head [m], as by default
 _CLICK = {"tick": SoundSpec(recipe="tick")}
 
 
-def measure_block_us(hrtf: bool, blocks: int = 200, sources: int = _SOURCES, mixer: MixerName = "openal") -> float:
-    """Cost of a 5 ms block with moving sources [us], median."""
+def measure_block_us(
+    hrtf: bool, blocks: int = 200, sources: int = _SOURCES, mixer: MixerName = "openal", frames: int = _BLOCK
+) -> float:
+    """Cost of a block (5 ms) with moving sources [us], median."""
     specs = {"rub": SoundSpec(recipe="scrape")}
     settings = AudioSettings(sounds=specs, triggers={}, scrape="", hrtf=hrtf, mixer=mixer, voices=max(32, sources))
     opened = open_mixer(settings, SoundBank(specs, _RATE), VirtualClock(), latency=0, origin_ns=0)
@@ -61,7 +63,7 @@ def measure_block_us(hrtf: bool, blocks: int = 200, sources: int = _SOURCES, mix
         angle = 0.01 * block + np.arange(sources)
         opened.hear(heard_around(handles, np.stack((np.sin(angle), 0.0 * angle, -np.cos(angle)), axis=1)))
         begin = clock.now_ns()
-        opened.render(_BLOCK)
+        opened.render(frames)
         costs.append((clock.now_ns() - begin) * 1e-3)
     opened.close()
     return float(np.median(costs))

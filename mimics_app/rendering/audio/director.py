@@ -77,9 +77,14 @@ class SoundDirector:
         now = self._clock.now_ns()
         for event in events:
             kind = int(event["kind"])
-            sound = self._settings.sound_of(TOUCHES[kind]) if kind in TOUCHES else ""
+            sound = self._sound_of(event, TOUCHES[kind]) if kind in TOUCHES else ""
             if sound:
                 self._play_contact(event, sound, self._gates[kind], TOUCHES[kind], now)
+
+    def _sound_of(self, event: NDArray[Any], cause: str) -> str:
+        """By what is touched: the loop names the material of a shape under the hand, and bodies by their row + 1."""
+        bodies = (int(event["body_b"]) - 1, int(event["body_a"]) - 1)
+        return self._settings.sound_of_touch(cause, bodies, (int(event["material_b"]), int(event["material_a"])))
 
     def play_order(self, order: SoundEvent) -> None:
         """Start a sound the task asked for; a name the bank does not know is ignored, the app has refused it before."""

@@ -9,6 +9,7 @@ Where the wish cannot be had the session goes on with one clear line about what 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,7 +23,7 @@ from mimics_app.rendering.audio.openal_mixer import OpenALMixer
 from mimics_app.rendering.audio.settings import AudioSettings
 from mimics_app.rendering.audio.wav_file import WavWriter
 
-__all__ = ["Engine", "fall_back", "open_engine", "open_engine_in_step", "open_mixer"]
+__all__ = ["Engine", "fall_back", "open_device", "open_engine", "open_engine_in_step", "open_mixer"]
 
 _SILENT = AudioStatus(device="none", sink="null", hrtf=False, rate=0, latency_ms=0.0)
 
@@ -77,19 +78,29 @@ class Engine:
             self.writer.close()
 
 
-def open_engine(settings: AudioSettings, clock: Clock) -> Engine:
-    """The output of a live session, down the ladder; never raises for a missing library or device."""
+def open_engine(settings: AudioSettings, clock: Clock, prepared: Callable[[], None] | None = None) -> Engine:
+    """The output of a live session, down the ladder; never raises for a missing library or device.
+
+    Args:
+        settings: What is wished.
+        clock: Of the session.
+        prepared: Called when what takes long is done (sounds and head made, kernels loaded) and nothing is open yet.
+    """
     try:
         if settings.mixer == "openal":
             load_library(settings)
         bank = SoundBank(settings.sounds, settings.rate)
+        if settings.mixer == "spectral":
+            _warm_spectral(settings, bank)
     except DeviceError as error:
         return _dropped(f"{error.what}: sound is dropped; picture and touch run on ({error.fix})")
     except SceneError as error:
         return _dropped(f"{error}: sound is dropped; picture and touch run on")
+    if prepared is not None:
+        prepared()
     if settings.sink == "device":
         try:
-            return _open_device(settings, bank, clock)
+            return open_device(settings, bank, clock)
         except DeviceError as error:
             return fall_back(settings, bank, clock, error.what)
     return fall_back(settings, bank, clock, "")
@@ -154,7 +165,12 @@ def _status(settings: AudioSettings, mixer: Mixer, device: str, sink: str, laten
     return AudioStatus(device, sink, hrtf, mixer.rate, latency_ms, mixer=settings.mixer, channels=mixer.channels)
 
 
-def _open_device(settings: AudioSettings, bank: SoundBank, clock: Clock) -> Engine:
+def open_device(settings: AudioSettings, bank: SoundBank, clock: Clock) -> Engine:
+    """A live device.
+
+    Raises:
+        DeviceError: There is none, or it cannot be opened.
+    """
     library = load_library(settings)
     if settings.mixer == "spectral":
         return _open_stream(settings, bank, clock, library)
@@ -174,15 +190,22 @@ def _open_stream(settings: AudioSettings, bank: SoundBank, clock: Clock, library
     try:
         if context.rate != settings.rate:
             raise DeviceError(f"the device runs at {context.rate} Hz, not at {settings.rate}")
-        warmed = SpectralMixer(bank, settings, Timing())
-        warmed.start(next(iter(bank.sounds)), 0, (0.0, 0.0, -1.0), 0.0)
-        warmed.render(settings.block)  # compiles, or loads, before the device waits for it
         mixer = StreamedMixer(SpectralMixer(bank, settings, Timing()), context, clock, settings.period)
     except DeviceError:
         context.close()
         raise
     latency = (LIVE_LATENCY + mixer.timing.pipeline) / mixer.rate * 1e3 + context.buffered_ms(settings.period)
     return Engine(_status(settings, mixer, context.name, "device", latency), bank, mixer, None)
+
+
+def _warm_spectral(settings: AudioSettings, bank: SoundBank) -> None:
+    """Make the head's tables and compile, or load, the mixing, before a device or the scheduler waits for it."""
+    from mimics_app.rendering.audio.spectral.mixer import SpectralMixer
+
+    mixer = SpectralMixer(bank, settings, Timing())
+    for name in list(bank.sounds)[:1]:
+        mixer.start(name, 0, (0.0, 0.0, -1.0), 0.0)
+    mixer.render(settings.block)
 
 
 def _dropped(notice: str) -> Engine:

@@ -71,7 +71,8 @@ class OpenALContext:
     def close(self) -> None:
         """Give the device back; calling it again does nothing."""
         if getattr(self, "_context", None):
-            self._call.alcMakeContextCurrent(None)
+            if self._call.alcGetCurrentContext() == self._context:  # another one's calls go on meaning that one
+                self._call.alcMakeContextCurrent(None)
             self._call.alcDestroyContext(self._context)
             self._context = None
         if self._device:

@@ -92,6 +92,7 @@ _SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
     "alcCreateContext": (_pointer, [_pointer, ctypes.POINTER(_int)]),
     "alcMakeContextCurrent": (_bool, [_pointer]),
     "alcDestroyContext": (None, [_pointer]),
+    "alcGetCurrentContext": (_pointer, []),
     "alcGetError": (_int, [_pointer]),
     "alcGetString": (_text, [_pointer, _int]),
     "alcGetIntegerv": (None, [_pointer, _int, _int, ctypes.POINTER(_int)]),

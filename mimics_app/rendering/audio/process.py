@@ -27,6 +27,9 @@ __all__ = ["AudioProcess"]
 
 _SILENT = AudioStatus(device="none", sink="null", hrtf=False, rate=0, latency_ms=0.0)
 
+_STARTS = 2
+"""Tries: a start that fails for a passing reason (memory that ran short, a signal) is made again once."""
+
 _GONE_S = 0.01
 """Wait for the exit code of a child that has closed its end of the pipe: shorter than a frame."""
 
@@ -35,9 +38,13 @@ class AudioProcess:
     """Sound of a live session, mixed in a spawned process so that no Python work of the app can hold it up.
 
     Start it before the haptic thread and before the app changes its niceness, which a child inherits.
+
+    Attributes:
+        starts: How often a process was started: twice where the first one ended before it was ready.
     """
 
     def __init__(self, memory: SessionMemory, settings: AudioSettings) -> None:
+        self.starts = 0
         self._memory = memory
         self._settings = settings
         self._process: SpawnProcess | None = None
@@ -54,10 +61,15 @@ class AudioProcess:
         if self._settings.sink == "null":
             self._status = _SILENT
             return
+        self._spawn()
+
+    def _spawn(self) -> None:
         import multiprocessing
 
         from mimics_app.rendering.audio.worker import run
 
+        self.starts += 1
+        self._hung_up = False
         spawn = multiprocessing.get_context("spawn")
         orders_child, self._orders = spawn.Pipe(duplex=False)
         self._results, results_child = spawn.Pipe(duplex=False)
@@ -159,8 +171,23 @@ class AudioProcess:
         message = self._receive(timeout_s)
         if isinstance(message, AudioStatus):
             self._status = message
-        elif not self._given_up and self._process is not None and (self._hung_up or not self._process.is_alive()):
+        elif self._given_up or self._process is None or not (self._hung_up or not self._process.is_alive()):
+            return
+        elif self._status is None and self.starts < _STARTS:
+            self._start_again()
+            self._take_status(timeout_s)
+        else:
             self._give_up(f"the audio process has ended{self._cause()}: sound is dropped; picture and touch run on")
+
+    def _start_again(self) -> None:
+        """Clear away a child that ended before it was ready, and spawn another."""
+        for end in (self._orders, self._results):
+            if end is not None:
+                end.close()
+        if self._process is not None:
+            self._process.kill()
+            self._process.join()
+        self._spawn()
 
     def _receive(self, timeout_s: float) -> Any:
         """Next message of the child, or None at the timeout or when the child is gone."""

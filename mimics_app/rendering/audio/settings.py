@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
@@ -94,6 +94,8 @@ class AudioSettings:
         sounds: Sounds of the scene by the name that `SoundEvent.sound` uses.
         triggers: Sound by what starts it: "contact", "contact_end" and "impact" come from the haptic loop, any
             other kind ("goal", "start", "step") from the frame; "step/grass" is for one material and goes first.
+        materials: Name of each material number of what can be touched; number 0 is "".
+        body_materials: Material number of each body of the haptic loop, by its row.
         scrape: Looping sound of sliding along a wall, or "" for none.
         emitters: Sounds that play from entities, in the order of the rows of SOUND_SCENE.
         buses: Groups of sounds by name; "main" is always there.
@@ -118,6 +120,8 @@ class AudioSettings:
     file: Path | None = None
     sounds: Mapping[str, SoundSpec] = field(default_factory=_default_sounds)
     triggers: Mapping[str, str] = field(default_factory=lambda: {"contact": "contact"})
+    materials: tuple[str, ...] = ("",)
+    body_materials: tuple[int, ...] = ()
     scrape: str = "scrape"
     emitters: tuple[str, ...] = ()
     buses: Mapping[str, BusSpec] = field(default_factory=dict)
@@ -145,6 +149,19 @@ class AudioSettings:
     def sound_of(self, kind: str, material: str = "") -> str:
         """Sound that a trigger starts, "" for none; one for its material goes before one for all."""
         return self.triggers.get(f"{kind}/{material}", "") or self.triggers.get(kind, "")
+
+    def sound_of_touch(self, kind: str, rows: Sequence[int], numbers: Sequence[int]) -> str:
+        """Sound of a touch: that of the first surface which has one of its own, else the one for all, "" for none.
+
+        Args:
+            kind: Of the trigger.
+            rows: Bodies that touch, by their row; what is none of them is passed over.
+            numbers: Materials after those of the bodies; what has no name is passed over.
+        """
+        of_bodies = [self.body_materials[row] for row in rows if 0 <= row < len(self.body_materials)]
+        named = [self.materials[number] for number in (*of_bodies, *numbers) if 0 <= number < len(self.materials)]
+        own = (f"{kind}/{name}" for name in named if name)
+        return next((self.triggers[each] for each in own if each in self.triggers), self.triggers.get(kind, ""))
 
     @property
     def sources(self) -> int:

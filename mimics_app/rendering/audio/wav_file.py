@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import itertools
 import os
 import struct
 from contextlib import suppress
@@ -14,13 +15,21 @@ from numpy.typing import NDArray
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.regular_file import read_regular
 
-__all__ = ["WavWriter", "read_wav", "resample", "soften_peaks"]
+__all__ = ["WavWriter", "read_wav", "resample", "soften_peaks", "unused_name"]
 
 _HEADER_SIZE = 44
 _LARGEST_DATA = 0xFFFF_FFFF - _HEADER_SIZE
 _PCM, _FLOAT, _EXTENSIBLE = 1, 3, 0xFFFE
 _KNEE = 0.85
 _GIVEN_BACK = 2 << 20
+
+
+def unused_name(path: Path | None) -> Path | None:
+    """The path, or, where there is such a file, the first of name-2, name-3, .. that is none; None stays None."""
+    if path is None or not path.exists():
+        return path
+    names = (path.with_stem(f"{path.stem}-{number}") for number in itertools.count(2))
+    return next(name for name in names if not name.exists())
 
 
 class WavWriter:

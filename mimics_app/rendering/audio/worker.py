@@ -14,17 +14,22 @@ from multiprocessing import connection, parent_process
 from multiprocessing.connection import Connection
 from typing import Any
 
-from mimics_app.contracts import ring
+import numpy as np
+
+from mimics_app.contracts import ring, triple_buffer
 from mimics_app.contracts.atomics import scratch
 from mimics_app.contracts.audio_port import AudioReport, AudioStatus, frame_at
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.haptic import EVENT
 from mimics_app.contracts.session_memory import ControlWord, SessionMemory
+from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.director import SoundDirector
-from mimics_app.rendering.audio.engine import fall_back, open_engine
+from mimics_app.rendering.audio.engine import fall_back, open_device, open_engine
 from mimics_app.rendering.audio.kernels import wait_for_records
 from mimics_app.rendering.audio.settings import AudioSettings
 from mimics_app.rendering.audio.streamed_mixer import LIVE_BLOCK
+from mimics_app.rendering.audio.wav_file import unused_name
 
 __all__ = ["FIFO_PRIORITY", "ask_for_fifo", "run"]
 
@@ -33,6 +38,7 @@ _STREAM_WAIT_NS = 500_000  # a queue of two blocks of 2.5 ms is looked after by 
 _LIVE_STEP_NS = 1_000_000
 _IDLE_WAIT_NS = 20_000_000
 _CHECK_DEVICE_NS = 1_000_000_000
+_TRY_DEVICE_NS = 3_000_000_000  # an attempt to open what is not there may hold a file up for some milliseconds
 _FADE_NS = 40_000_000
 FIFO_PRIORITY = 10
 """Below the haptic loop's."""
@@ -43,14 +49,9 @@ def run(memory: SessionMemory, settings: AudioSettings, orders: Connection, resu
     for name in ("SIGINT", "SIGHUP"):  # Ctrl-C and a closed terminal reach the whole group; only the app decides
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), signal.SIG_IGN)
-    if sys.stderr is not None:
-        faulthandler.enable()  # a crash inside a library leaves its stack there
+    _tell_of_crashes()
     _die_with_parent()
-    clock = MonotonicClock()
-    if settings.realtime:
-        _warm_up(memory, clock)
-        ask_for_fifo()
-    session = _LiveSession(memory, settings, orders, results, clock)
+    session = _LiveSession(memory, settings, orders, results, MonotonicClock())
     session.send(session.engine.status)
     while not session.ended:
         session.step()
@@ -73,12 +74,15 @@ class _LiveSession:
         self._timespec = scratch()
         self._blocks = 0
         self._late_blocks = 0
+        self._gain = 1.0
         self._earlier = AudioReport(_nothing())
-        self.engine = open_engine(settings, clock)
+        self._lost: SoundBank | None = None  # the sounds of a device that went away
+        _warm_up(memory, clock)
+        self.engine = open_engine(settings, clock, _take_precedence if settings.realtime else None)
         self._director = self._direct()
         self._opened_ns = clock.now_ns()
         self._check_ns = self._opened_ns + _CHECK_DEVICE_NS
-        self._listen()  # what it compiles is compiled before the app is told that sound is ready
+        self._listen()
         self._advance_file()
 
     def step(self) -> None:
@@ -131,6 +135,7 @@ class _LiveSession:
         return replace(
             now,
             rows=(*before.rows, *now.rows),
+            file=now.file or before.file,
             merged=before.merged + now.merged,
             stale=before.stale + now.stale,
             refused=before.refused + now.refused,
@@ -199,6 +204,8 @@ class _LiveSession:
 
     def _obey(self, what: str, content: Any) -> None:
         mixer = self.engine.mixer
+        if what == "master":
+            self._gain = content
         if what == "stop":
             self.ended = True
         elif mixer is None or self._director is None:
@@ -206,16 +213,31 @@ class _LiveSession:
         elif what == "play":
             self._director.play_order(content)
         elif what == "master":
-            mixer.master(content)
+            mixer.master(self._gain)
 
     def _check_device(self) -> None:
-        """Once a second: a device that was unplugged is replaced by the next output down the ladder."""
+        """Once a second: a device that was unplugged is replaced by what is next down the ladder, until it is back."""
         now = self._clock.now_ns()
-        if now < self._check_ns or self.engine.mixer is None or not self.engine.live:
+        if now < self._check_ns:
             return
         self._check_ns = now + _CHECK_DEVICE_NS
-        if not self.engine.mixer.connected():
+        if self._lost is not None:
+            self._check_ns = now + _TRY_DEVICE_NS
+            self._try_device(self._lost)
+        elif self.engine.live and self.engine.mixer is not None and not self.engine.mixer.connected():
             self._replace_output("the audio device is gone")
+
+    def _try_device(self, bank: SoundBank) -> None:
+        """Go back to the device where it can be opened again."""
+        try:
+            engine = open_device(self._settings, bank, self._clock)
+        except DeviceError:
+            return
+        self._earlier = self.report()
+        self.engine.close()
+        self._lost, self.engine = None, engine
+        self._settings = replace(self._settings, file=unused_name(self._settings.file))
+        self._go_on()
 
     def _replace_output(self, why: str) -> None:
         """Close what failed and go on with the file, or without sound when it was the file."""
@@ -223,8 +245,15 @@ class _LiveSession:
         self._earlier = self.report()
         failed.close()
         if failed.bank is not None:
+            self._lost = failed.bank if failed.live else None
             settings = self._settings if failed.live else replace(self._settings, sink="device", file=None)
             self.engine = fall_back(settings, failed.bank, self._clock, why)
+        self._go_on()
+
+    def _go_on(self) -> None:
+        """Play on another output as loud as before, and tell the app."""
+        if self.engine.mixer is not None:
+            self.engine.mixer.master(self._gain)
         self._director = self._direct()
         self.send(self.engine.status)
 
@@ -246,9 +275,29 @@ def _die_with_parent() -> None:
     threading.Thread(target=wait, name="parent", daemon=True).start()
 
 
+def _tell_of_crashes() -> None:
+    """A crash inside a library leaves its stack on the error stream, also while that is pointed to nowhere."""
+    if sys.stderr is not None:
+        faulthandler.enable(os.fdopen(os.dup(2), "w"))
+
+
 def _warm_up(memory: SessionMemory, clock: Clock) -> None:
-    """Compile, or load, the wait before the scheduler gives us precedence."""
+    """Compile, or load, what every turn of the loop calls, on copies: before precedence, and before the app is told."""
     wait_for_records(memory.audio_event_words, scratch(), clock.now_ns(), _LIVE_STEP_NS)
+    ring.drain(memory.audio_event_words.copy(), memory.audio_events.copy(), np.zeros(1, EVENT))
+    for words in (memory.sound_scene_words, memory.audio_words):
+        triple_buffer.acquire(words.copy())
+
+
+def _take_precedence() -> None:
+    """Run before ordinary work from here on, where the system allows it; threads started later inherit it.
+
+    Nothing that takes long may follow: under a limit of real-time work without a pause (RLIMIT_RTTIME, which the app
+    has once its haptic loop runs, and hands down) the kernel ends what goes on. So a turn that does becomes ordinary.
+    """
+    ask_for_fifo()
+    if hasattr(signal, "SIGXCPU"):
+        signal.signal(signal.SIGXCPU, lambda *_: os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0)))
 
 
 def ask_for_fifo(pid: int = 0, priority: int = FIFO_PRIORITY) -> None:

@@ -84,6 +84,13 @@ class SceneObjects:
     fields: tuple[str, ...]
     make_table: Callable[[], MeshTable]
 
+    @property
+    def body_materials(self) -> tuple[int, ...]:
+        """Number of the material of each row of bodies: that of its first shape, 0 where it has none."""
+        bodies, materials = self.rows.shapes["body"], self.rows.shapes["material"]
+        own = [materials[bodies == body] for body in range(len(self.body_entities))]
+        return tuple(int(found[0]) if len(found) else 0 for found in own)
+
     @cached_property
     def mesh_table(self) -> MeshTable:
         """Triangles by SHAPE.mesh, and the hulls of those that bodies carry.

@@ -151,7 +151,10 @@ class Sound(Component, frozen=True):
     ] = None
     material: Annotated[
         str,
-        Meta(pattern="^[a-z0-9_]{0,40}$", description="Of the event: this sound goes before one for every material"),
+        Meta(
+            pattern="^[a-z0-9_]{0,40}$",
+            description="Of the event (of a contact: of the surface): this sound goes before one for every material",
+        ),
     ] = ""
     gain: Annotated[float, Meta(ge=0, le=4, description="Linear factor, 1 = as recorded")] = 1.0
     full_level: Annotated[

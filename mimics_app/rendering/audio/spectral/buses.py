@@ -32,6 +32,8 @@ class Buses:
         self._names = list(self._specs)
         self._rate = rate
         self._ducked = np.ones(len(self._names))
+        self._own = np.array([spec.gain for spec in self._specs.values()])
+        self._ducks = any(spec.ducks for spec in self._specs.values())
 
     def row_of(self, name: str) -> int:
         """Row of a group; that of "main" for one that is not known."""
@@ -40,11 +42,11 @@ class Buses:
     def gains(self, sounding: NDArray[np.int64], frames: int) -> NDArray[np.float64]:
         """Linear gain of each group for a block in which the groups `sounding` have a voice, shape [groups]."""
         wanted = np.ones(len(self._names))
-        for row in set(sounding.tolist()):
+        for row in np.unique(sounding).tolist() if self._ducks else ():
             spec = self._specs[self._names[row]]
             for name in spec.ducks:
                 wanted[self.row_of(name)] = min(wanted[self.row_of(name)], spec.duck_gain)
         span = frames / self._rate
         share = np.where(wanted < self._ducked, 1.0 - exp(-span / _DOWN_S), 1.0 - exp(-span / _UP_S))
         self._ducked += share * (wanted - self._ducked)
-        return self._ducked * np.array([spec.gain for spec in self._specs.values()])
+        return self._ducked * self._own

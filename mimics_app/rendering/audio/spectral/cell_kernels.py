@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.audio.spectral.mix_kernels import BINS
+from mimics_app.rendering.audio.spectral.fourier import BINS
 
 __all__ = ["Cells", "add_blended", "cell_of", "fill_cell", "find_nearest"]
 
@@ -141,7 +141,7 @@ def _own_delay(spectra: Floats, weights: Numbers) -> float:
 @kernel
 def _correlation(spectra: Floats, weights: Numbers, delay: float) -> tuple[float, float, float]:
     """Correlation of the ears at a delay [samples], its slope and its bend."""
-    step = np.pi / (BINS - 1)
+    step = np.pi / BINS
     height, slope, bend = 0.0, 0.0, 0.0
     for k in range(1, _LOW_BINS):
         a, b, c, d = spectra[k], spectra[BINS + k], spectra[2 * BINS + k], spectra[3 * BINS + k]

@@ -1,136 +1,172 @@
-"""Spectra of many real blocks at once: a radix-4 transform whose innermost loop runs over voices side by side.
+"""Spectrum of a real block of 512 samples, and back: half as many complex numbers as a square of 16 by 16.
 
-Stockham's self-sorting form: no bit reversal, and in every pass the numbers a loop touches lie one after the other, so
-the compiler takes 8 or 16 of them in one instruction.
+Even samples are real parts and odd ones imaginary parts. Columns of the square are transformed side by side, turned,
+the square is transposed, and its columns are transformed again (Bailey 1990): every step takes whole rows of 16
+numbers. The highest bin, at half the rate, is left out: nothing here lets it through.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
+from numba import types
+from numba.extending import intrinsic, overload
 from numpy.typing import NDArray
 
-from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.audio.spectral.lanes import ADDRESS, BYTES, WIDTH, Complex, Writer, transposed
 
-__all__ = ["LANES", "real_spectra", "turns_of"]
+__all__ = ["BINS", "SIZE", "WORK", "real_block", "real_spectrum", "turns_of"]
 
-LANES = 16
-"""Blocks transformed side by side."""
+SIZE = 512
+"""Samples of a block."""
+
+BINS = SIZE // 2
+"""Of its spectrum."""
+
+_PADDED = BINS + WIDTH  # numbers of a row of parts, the first ones once more behind the last
+
+WORK = 2 * _PADDED
+"""Numbers of scratch that a transform needs."""
 
 Samples = NDArray[np.float32]
 
-_RADIX = 4
-"""Values that a pass joins."""
+
+def turns_of() -> Samples:
+    """What a transform turns by, [4 * BINS]: cos and -sin between the columns, cos and -sin of the unfolding."""
+    row, column = np.divmod(np.arange(BINS), WIDTH)
+    between, unfold = 2.0 * np.pi * row * column / BINS, 2.0 * np.pi * np.arange(BINS) / SIZE
+    turns = np.stack((np.cos(between), -np.sin(between), np.cos(unfold), -np.sin(unfold)))
+    return turns.astype(np.float32).reshape(-1)
 
 
-def turns_of(size: int) -> Samples:
-    """Cos and -sin of 2 pi k / size for k < size, shape [2, size]: what `real_spectra` turns by.
-
-    Args:
-        size: Of the real blocks, a power of two of at least 16.
-    """
-    angle = 2.0 * np.pi * np.arange(size) / size
-    return np.stack((np.cos(angle), -np.sin(angle))).astype(np.float32)
-
-
-@kernel
-def _pass_of_four(re: Samples, im: Samples, out_re: Samples, out_im: Samples, turns: Samples, length: int) -> None:
-    """One radix-4 pass: values so far apart that `length` of them are the whole, each LANES wide.
-
-    A loop for each output: one that writes two arrays is not made of wide instructions, as they might overlap.
-    """
-    quarter = length // _RADIX
-    run = re.shape[0] // length
-    step = turns.shape[1] // length
-    for p in range(quarter):
-        first, second = p * run, (p + quarter) * run
-        third, fourth = (p + 2 * quarter) * run, (p + 3 * quarter) * run
-        a, b, c, d = re[first:], re[second:], re[third:], re[fourth:]
-        e, f, g, h = im[first:], im[second:], im[third:], im[fourth:]
-        o = _RADIX * p * run
-        y, z = out_re[o:], out_im[o:]
-        for i in range(run):
-            y[i] = (a[i] + c[i]) + (b[i] + d[i])
-        for i in range(run):
-            z[i] = (e[i] + g[i]) + (f[i] + h[i])
-        u, v = turns[0, p * step], turns[1, p * step]
-        y, z = out_re[o + run :], out_im[o + run :]
-        for i in range(run):
-            y[i] = (a[i] - c[i] + f[i] - h[i]) * u - (e[i] - g[i] - b[i] + d[i]) * v
-        for i in range(run):
-            z[i] = (a[i] - c[i] + f[i] - h[i]) * v + (e[i] - g[i] - b[i] + d[i]) * u
-        u, v = turns[0, 2 * p * step], turns[1, 2 * p * step]
-        y, z = out_re[o + 2 * run :], out_im[o + 2 * run :]
-        for i in range(run):
-            y[i] = (a[i] + c[i] - b[i] - d[i]) * u - (e[i] + g[i] - f[i] - h[i]) * v
-        for i in range(run):
-            z[i] = (a[i] + c[i] - b[i] - d[i]) * v + (e[i] + g[i] - f[i] - h[i]) * u
-        u, v = turns[0, 3 * p * step], turns[1, 3 * p * step]
-        y, z = out_re[o + 3 * run :], out_im[o + 3 * run :]
-        for i in range(run):
-            y[i] = (a[i] - c[i] - f[i] + h[i]) * u - (e[i] - g[i] + b[i] - d[i]) * v
-        for i in range(run):
-            z[i] = (a[i] - c[i] - f[i] + h[i]) * v + (e[i] - g[i] + b[i] - d[i]) * u
-
-
-@kernel
-def _pass_of_two(re: Samples, out_re: Samples) -> None:
-    """The last pass where the length is no power of four, of the real or of the imaginary parts."""
-    run = re.shape[0] // 2
-    a, b, y, z = re[:run], re[run:], out_re[:run], out_re[run:]
-    for i in range(run):
-        y[i] = a[i] + b[i]
-    for i in range(run):
-        z[i] = a[i] - b[i]
-
-
-@kernel
-def _side_by_side_to_rows(side: Samples, rows: Samples) -> None:
-    """Values of LANES blocks side by side, shape [n * LANES], into a row each, shape [LANES, n]."""
-    for k in range(rows.shape[1]):
-        for lane in range(LANES):
-            rows[lane, k] = side[k * LANES + lane]
-
-
-@kernel
-def _unfold(re: Samples, im: Samples, turns: Samples, spectrum: Samples) -> None:
-    """Spectrum of a real block, shape [2, half + 1], from that of its even samples plus i times its odd ones."""
-    half = re.shape[0]
-    u, v, y, z, share = turns[0], turns[1], spectrum[0], spectrum[1], np.float32(0.5)
-    y[0], z[0] = re[0] + im[0], 0.0
-    y[half], z[half] = re[0] - im[0], 0.0
-    for k in range(1, half):
-        m = half - k
-        y[k] = share * ((re[k] + re[m]) + (im[k] + im[m]) * u[k] - (re[m] - re[k]) * v[k])
-    for k in range(1, half):
-        m = half - k
-        z[k] = share * ((im[k] - im[m]) + (im[k] + im[m]) * v[k] + (re[m] - re[k]) * u[k])
-
-
-@kernel
-def real_spectra(work: Samples, turns: Samples, spectra: Samples) -> None:
-    """Spectra of LANES real blocks.
+def real_spectrum(block: Samples, turns: Samples, work: Samples, spectrum: Samples) -> None:
+    """Spectrum of a block.
 
     Args:
-        work: Rows 0 and 1: even and odd samples, sample by sample, each LANES wide, shape [4, size / 2 * LANES]; all of
-            it is overwritten.
-        turns: Of `turns_of(size)`.
-        spectra: Set to the real and imaginary parts, shape [LANES, 2, size / 2 + 1].
+        block: Shape [SIZE], one after the other in memory, as all of these.
+        turns: Of `turns_of`.
+        work: Overwritten, shape [WORK].
+        spectrum: Set to real parts and imaginary parts, shape [2 * BINS].
     """
-    half = turns.shape[1] // 2
-    length, front = half, 0
-    while length >= _RADIX:
-        back = 2 - front
-        _pass_of_four(work[front], work[front + 1], work[back], work[back + 1], turns, length)
-        length, front = length // _RADIX, back
-    if length == 2:
-        back = 2 - front
-        _pass_of_two(work[front], work[back])
-        _pass_of_two(work[front + 1], work[back + 1])
-        front = back
-    back = 2 - front  # a place of the same size: it is free now
-    rows_re = work[back].reshape(LANES, half)
-    rows_im = work[back + 1].reshape(LANES, half)
-    _side_by_side_to_rows(work[front], rows_re)
-    _side_by_side_to_rows(work[front + 1], rows_im)
-    for lane in range(LANES):
-        _unfold(rows_re[lane], rows_im[lane], turns, spectra[lane])
+    bins = np.fft.rfft(block)[:BINS]
+    spectrum[:BINS], spectrum[BINS:] = bins.real, bins.imag
+
+
+@overload(real_spectrum)
+def _overload_real_spectrum(block, turns, work, spectrum):
+    def machine(block, turns, work, spectrum):
+        data, turn, scratch, out = block.ctypes.data, turns.ctypes.data, work.ctypes.data, spectrum.ctypes.data
+        _transform(data, turn, scratch)
+        for k in range(0, BINS, WIDTH):
+            at, back = scratch + BYTES * k, scratch + BYTES * (BINS - WIDTH + 1 - k)
+            _unfold(at, back, turn + BYTES * (2 * BINS + k), out + BYTES * k)
+
+    return machine
+
+
+def real_block(spectrum: Samples, turns: Samples, work: Samples, block: Samples) -> None:
+    """The block of a spectrum.
+
+    Args:
+        spectrum: Real parts and imaginary parts, shape [2 * BINS], whose bin 0 is real.
+        turns: Of `turns_of`.
+        work: Overwritten, shape [WORK].
+        block: Set, shape [SIZE].
+    """
+    block[:] = np.fft.irfft(spectrum[:BINS] + 1j * spectrum[BINS:], SIZE)
+
+
+@overload(real_block)
+def _overload_real_block(spectrum, turns, work, block):
+    def machine(spectrum, turns, work, block):
+        """Folded, exchanged, transformed and exchanged again: transforming i times a conjugate goes backwards."""
+        for part in range(2):
+            for k in range(BINS):
+                work[part * _PADDED + k] = spectrum[part * BINS + k]
+            work[part * _PADDED + BINS] = 0.0
+        for k in range(BINS):
+            m = BINS - k
+            re, im = work[k] - work[m], work[_PADDED + k] + work[_PADDED + m]
+            u, v = turns[2 * BINS + k], turns[3 * BINS + k]
+            odd_re, odd_im = re * u + im * v, im * u - re * v
+            block[2 * k] = work[_PADDED + k] - work[_PADDED + m] + odd_re
+            block[2 * k + 1] = work[k] + work[m] - odd_im
+        _transform(block.ctypes.data, turns.ctypes.data, work.ctypes.data)
+        scale = np.float32(1.0 / SIZE)
+        for k in range(BINS):
+            block[2 * k], block[2 * k + 1] = scale * work[_PADDED + k], scale * work[k]
+
+    return machine
+
+
+@intrinsic
+def _transform(typingctx, block, turns, work):
+    """The complex transform of a block's pairs, into `_PADDED` real and imaginary parts; the first row again last."""
+
+    def codegen(context, builder, signature, args):
+        data, turn, scratch = args
+        write = Writer(builder)
+        columns = _sixteen([_pairs(write, data, 2 * WIDTH * row) for row in range(WIDTH)])
+        for row in range(1, WIDTH):
+            columns[row] = columns[row] * write.rows(turn, WIDTH * row, BINS + WIDTH * row)
+        re, im = transposed([each.re for each in columns]), transposed([each.im for each in columns])
+        found = _sixteen([Complex(a, b) for a, b in zip(re, im, strict=True)])
+        for row, each in enumerate([*found, found[0]]):
+            write.keep(each.re, scratch, WIDTH * row)
+            write.keep(each.im, scratch, _PADDED + WIDTH * row)
+        return context.get_dummy_value()
+
+    return types.void(ADDRESS, ADDRESS, ADDRESS), codegen
+
+
+@intrinsic
+def _unfold(typingctx, ahead, back, turns, spectrum):
+    """16 bins of the real block's spectrum, from those of its pairs and those as far from the end."""
+
+    def codegen(context, builder, signature, args):
+        here, there, turn, out = args
+        write = Writer(builder)
+        a, b = write.rows(here, 0, _PADDED), write.rows(there, 0, _PADDED)
+        order = range(WIDTH - 1, -1, -1)
+        b = Complex(b.re.taking(b.re, order), b.im.taking(b.im, order))
+        turned, half = write.rows(turn, 0, BINS), write.filled(0.5)
+        even, odd = Complex(a.re + b.re, a.im - b.im), Complex(a.im + b.im, b.re - a.re)
+        whole = odd.times_plus(turned, even)
+        write.keep(half * whole.re, out)
+        write.keep(half * whole.im, out, BINS)
+        return context.get_dummy_value()
+
+    return types.void(ADDRESS, ADDRESS, ADDRESS, ADDRESS), codegen
+
+
+def _pairs(write: Writer, data: Any, place: int) -> Complex:
+    """32 samples as 16 complex numbers."""
+    low, high = write.row(data, place), write.row(data, place + WIDTH)
+    return Complex(low.taking(high, range(0, 2 * WIDTH, 2)), low.taking(high, range(1, 2 * WIDTH, 2)))
+
+
+def _four(a: Complex, b: Complex, c: Complex, d: Complex) -> tuple[Complex, Complex, Complex, Complex]:
+    """Transform of four."""
+    even, odd, gap, turned = a + c, b + d, a - c, (b - d).turned_back()
+    return even + odd, gap + turned, even - odd, gap - turned
+
+
+def _sixteen(x: Sequence[Complex]) -> list[Complex]:
+    """Transform of sixteen rows, column by column: four by four."""
+    inner = [_four(x[n], x[n + 4], x[n + 8], x[n + 12]) for n in range(4)]
+    out: list[Complex] = [x[0]] * 16
+    for k in range(4):
+        out[k::4] = _four(*(_turned(inner[n][k], n * k) for n in range(4)))
+    return out
+
+
+def _turned(x: Complex, steps: int) -> Complex:
+    """Times exp(-2 pi i steps / 16)."""
+    if steps == 0:
+        return x
+    if steps == 4:
+        return x.turned_back()
+    write, angle = Writer(x.re.builder), 2.0 * np.pi * steps / 16.0
+    return x * Complex(write.filled(float(np.cos(angle))), write.filled(float(-np.sin(angle))))

@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.rendering.audio.spectral.cell_kernels import Cells, add_blended
-from mimics_app.rendering.audio.spectral.fourier import turns_of
+from mimics_app.rendering.audio.spectral.fourier import BINS, SIZE, turns_of
 from mimics_app.rendering.audio.spectral.head import LOW_PASS, HeadResponses, delays_between_ears
-from mimics_app.rendering.audio.spectral.mix_kernels import BINS, SIZE, Tables
+from mimics_app.rendering.audio.spectral.lanes import aligned_zeros
+from mimics_app.rendering.audio.spectral.mix_kernels import Tables
 
 __all__ = ["BASE_DELAY", "DELAYS_PER_SAMPLE", "DRY", "FIRST_CELL", "HeadTable", "build_head_table", "half_delay_rows"]
 
@@ -72,9 +73,9 @@ def build_head_table(head: HeadResponses, rate: int, taps: int = TAPS) -> HeadTa
     pulses = _minimum_phase(head, rate, taps)
     delays = delays_between_ears(head.responses, head.rate)
     lead = np.exp(-2j * np.pi * np.arange(BINS) * BASE_DELAY / SIZE) * _edge()
-    spectra = np.fft.rfft(pulses, SIZE) * lead
+    spectra = np.fft.rfft(pulses, SIZE)[..., :BINS] * lead
     rows = np.concatenate(([FIRST_CELL], FIRST_CELL + np.cumsum([_columns(degree) for degree in range(181)])))
-    cells = np.zeros((int(rows[-1]), 4 * BINS), np.float32)
+    cells = aligned_zeros(int(rows[-1]), 4 * BINS)
     for cell, ears in enumerate(((1.0, 1.0), (1.0, 0.0), (0.0, 1.0))):
         cells[cell] = _flat(lead * np.array(ears)[:, None])
     filled = np.zeros(len(cells), np.int64)
@@ -89,13 +90,13 @@ def build_head_table(head: HeadResponses, rate: int, taps: int = TAPS) -> HeadTa
         halves=np.zeros(len(cells)),
         weights=1.0 / (1.0 + (frequency / LOW_PASS) ** 8),
     )
-    tables = Tables(low.spectra, _delay_rows(rate).reshape(-1), _shelf_rows(rate), turns_of(SIZE))
+    tables = Tables(low.spectra, _delay_rows(rate).reshape(-1), _shelf_rows(rate), turns_of())
     return HeadTable(tables, low, _delay_grid(head.directions, 0.5 * rate * delays), head.name)
 
 
 def _edge() -> Floats:
     """Fades the last quarter of the spectrum: a delay of parts of a sample would ring on at the highest tone."""
-    share = np.clip((np.arange(BINS) / (BINS - 1) - _EDGE) / (1.0 - _EDGE), 0.0, 1.0)
+    share = np.clip((np.arange(BINS) / BINS - _EDGE) / (1.0 - _EDGE), 0.0, 1.0)
     return np.asarray(0.5 + 0.5 * np.cos(np.pi * share))
 
 

@@ -1,37 +1,38 @@
 """One block of all voices: samples read, transformed, filtered for each ear, and summed in spectra.
 
-Spectra lie flat with rows of `BINS`, a constant: so the compiler sees that rows of one array do not overlap.
+No voice keeps its response: what it was told in this block and in the one before makes both anew, which costs less than
+to read and write 4 KB. Rows of 16 bins at a time go through direction, delay, shape and sum without leaving registers.
 """
 
 from __future__ import annotations
 
+from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.audio.spectral.fourier import LANES, real_spectra
+from mimics_app.rendering.audio.spectral.bins import add_heard, move, set_shaped
+from mimics_app.rendering.audio.spectral.fourier import BINS, SIZE, WORK, real_block, real_spectrum
 
-__all__ = ["BINS", "BLOCK", "SIZE", "Bank", "Tables", "Voices", "mix_for_ears", "mix_for_speakers"]
-
-SIZE = 512
-"""Samples of a transform: the new ones of a block and what a response reaches back."""
+__all__ = ["BLOCK", "Bank", "State", "Tables", "Voices", "add_blocks", "mix_for_ears", "mix_for_speakers"]
 
 BLOCK = 240
 """Most new samples at once, 5 ms at 48 kHz; responses may be SIZE - BLOCK + 1 long."""
-
-BINS = SIZE // 2 + 1
 
 Floats = NDArray[np.float32]
 Numbers = NDArray[np.float64]
 Words = NDArray[np.int64]
 
-_ROOMS = 4
-"""Rows of the transform's room: even and odd samples, each before and after a pass."""
 
-_PARTS = 4
-"""Of the spectra for two ears: left and right, real and imaginary."""
+class State(IntEnum):
+    """Of a voice."""
+
+    FREE = 0
+    SCHEDULED = 1
+    PLAYING = 2
+    FADING = 3
 
 
 class Bank(NamedTuple):
@@ -58,12 +59,11 @@ class Voices(NamedTuple):
         wait: Samples until it starts.
         cursor: Next sample to read, parts of one included.
         pitch: Samples read per sample mixed, at the end of the last block and of this one, [.., 2].
-        cell: Row of the table of directions.
-        half: Row of the table of delays.
-        bands: Linear gain in three bands, [.., 3].
+        cell: Row of the table of directions, in the last block and in this one, [.., 2].
+        half: Row of the table of delays, likewise.
+        bands: Linear gain in three bands, likewise, [.., 2, 3].
         changed: 0: sounds as in the last block; 1: crossfade from there; 2: begins, no crossfade.
         history: Last SIZE samples, [.., SIZE].
-        response: Present response: left and right, real and imaginary, [.., 4 * BINS]; for loudspeakers the first two.
         pan: Gain for each channel before and after the block, [.., 2, channels]; empty for headphones.
     """
 
@@ -76,7 +76,6 @@ class Voices(NamedTuple):
     bands: Floats
     changed: Words
     history: Floats
-    response: Floats
     pan: Floats
 
 
@@ -85,24 +84,17 @@ class Tables(NamedTuple):
 
     Attributes:
         cells: Responses by direction without the delay between the ears: left and right, real and imaginary,
-            [cells, 4 * BINS].
-        delays: Delays of the left ear, cos and -sin, [rows, 2 * BINS]; the right ear has the opposite.
+            [cells * 4 * BINS].
+        delays: Delays of the left ear, cos and -sin, [rows * 2 * BINS]; the right ear has the opposite.
         shelves: Real part at ratio 0, real part that comes with the ratio, imaginary part that goes with ratio - 1, of
             the lower and of the upper shelf, [6 * BINS].
-        turns: Of `fourier.turns_of(SIZE)`.
+        turns: Of `fourier.turns_of`.
     """
 
     cells: Floats
     delays: Floats
     shelves: Floats
     turns: Floats
-
-
-@kernel
-def _copy(source: Floats, target: Floats) -> None:
-    """Copy as many as `target` holds: a plain loop, where an assignment of slices looks for overlaps first."""
-    for i in range(target.shape[0]):
-        target[i] = source[i]
 
 
 @kernel
@@ -129,7 +121,7 @@ def _read(voices: Voices, v: int, bank: Bank, block: Floats) -> None:
             block[done:] = 0.0
             whole += frames - done
             break
-        _copy(bank.samples[begin + whole : begin + whole + count], block[done : done + count])
+        move(block, done, bank.samples, begin + whole, count)
         done, whole = done + count, whole + count
     voices.cursor[v] = whole
 
@@ -170,62 +162,30 @@ def _sample(samples: Floats, begin: int, length: int, loops: int, k: int) -> flo
 
 
 @kernel
-def _shape(shelves: Floats, low: float, middle: float, high: float, shape: Floats) -> None:
-    """Gains of three bands as two first-order shelves, minimum phase; `shape` is set, [2 * BINS]."""
-    if low <= 0.0:
-        shape[:] = 0.0
-        return
-    gain = np.float32(low)
-    lower = np.float32(middle / low)
-    upper = np.float32(high / middle) if middle > 0.0 else np.float32(0.0)
-    side, over = lower - np.float32(1.0), upper - np.float32(1.0)
-    for k in range(BINS):
-        a, b = shelves[k] + lower * shelves[BINS + k], side * shelves[2 * BINS + k]
-        c, d = shelves[3 * BINS + k] + upper * shelves[4 * BINS + k], over * shelves[5 * BINS + k]
-        shape[k] = gain * (a * c - b * d)
-        shape[BINS + k] = gain * (a * d + b * c)
+def _take(voices: Voices, v: int, bank: Bank, frames: int) -> None:
+    """Let a voice's history end with its next samples."""
+    history = voices.history[v]
+    move(history, 0, history, frames, SIZE - frames)
+    _read(voices, v, bank, history[SIZE - frames :])
 
 
 @kernel
-def _fold_ear(cells: Floats, to: int, delays: Floats, half: int, shape: Floats, side: float, response: Floats) -> None:
-    """Response of one ear: direction, delay and shape multiplied; `response` is set, [2 * BINS]."""
-    at, turn = half * 2 * BINS, np.float32(side)
-    for k in range(BINS):
-        c, d = delays[at + k], turn * delays[at + BINS + k]
-        e, f = shape[k] * c - shape[BINS + k] * d, shape[k] * d + shape[BINS + k] * c
-        a, b = cells[to + k], cells[to + BINS + k]
-        response[k] = a * e - b * f
-        response[BINS + k] = a * f + b * e
+def _tone(low: float, middle: float, high: float, tone: Floats) -> None:
+    """Factors of the rows of `Tables.shelves` that make gains of three bands two first-order shelves; sets [5]."""
+    lower = middle / low if low > 0.0 else 0.0
+    upper = high / middle if middle > 0.0 else 0.0
+    tone[0], tone[1], tone[2], tone[3], tone[4] = low, low * lower, low * (lower - 1.0), upper, upper - 1.0
 
 
 @kernel
-def _add_filtered(spectrum: Floats, response: Floats, sums: Floats, at: int) -> None:
-    """Add a spectrum times a response to a sum, rows of real and imaginary parts."""
-    for k in range(BINS):
-        x, y, a, b = spectrum[k], spectrum[BINS + k], response[k], response[BINS + k]
-        sums[at + k] += x * a - y * b
-        sums[at + BINS + k] += x * b + y * a
-
-
-@kernel
-def _gather(voices: Voices, order: Words, first: int, bank: Bank, frames: int, work: Floats) -> int:
-    """Read a group of voices and lay them side by side; return how many there are."""
-    count = min(LANES, order.shape[0] - first)
-    if count < LANES:
-        work[:2] = 0.0
-    kept, last = SIZE - frames, np.zeros(SIZE, np.float32)
-    for lane in range(count):
-        v = order[first + lane]
-        history = voices.history[v]
-        _copy(history[frames:], last[:kept])
-        _read(voices, v, bank, last[kept:])
-        _copy(last, history)
-        even, odd = work[0, lane:], work[1, lane:]
-        for k in range(SIZE // 2):
-            even[k * LANES] = last[2 * k]
-        for k in range(SIZE // 2):
-            odd[k * LANES] = last[2 * k + 1]
-    return count
+def _add_for_ears(
+    voices: Voices, v: int, side: int, spectrum: Floats, tables: Tables, tone: Floats, total: Floats
+) -> None:
+    """Add a voice as it was told in the last block (side 0) or in this one (1) to a sum, [4 * BINS]."""
+    bands = voices.bands[v, side]
+    _tone(bands[0], bands[1], bands[2], tone)
+    cell, half = voices.cell[v, side], voices.half[v, side]
+    add_heard(spectrum, tables.shelves, tone, tables.cells, cell, tables.delays, half, total)
 
 
 @kernel
@@ -238,31 +198,30 @@ def mix_for_ears(voices: Voices, order: Words, bank: Bank, tables: Tables, frame
         bank: Sounds.
         tables: Constants.
         frames: Of the block, at most BLOCK.
-        sums: Added to: steady, fading out, fading in; each left and right, real and imaginary, [3, 4 * BINS].
+        sums: Set: steady, fading out, fading in; each left and right, real and imaginary, [3, 4 * BINS].
     """
-    work = np.zeros((_ROOMS, SIZE // 2 * LANES), np.float32)
-    spectra = np.zeros((LANES, 2, BINS), np.float32)
-    shape, fresh = np.zeros(2 * BINS, np.float32), np.zeros(_PARTS * BINS, np.float32)
-    for first in range(0, order.shape[0], LANES):
-        count = _gather(voices, order, first, bank, frames, work)
-        real_spectra(work, tables.turns, spectra)
-        for lane in range(count):
-            v = order[first + lane]
-            spectrum, response = spectra[lane].reshape(2 * BINS), voices.response[v]
-            if voices.changed[v] != 0:
-                _shape(tables.shelves, voices.bands[v, 0], voices.bands[v, 1], voices.bands[v, 2], shape)
-                for ear in range(2):
-                    row = (voices.cell[v] * 2 + ear) * 2 * BINS
-                    part = fresh[ear * 2 * BINS : (ear + 1) * 2 * BINS]
-                    _fold_ear(tables.cells, row, tables.delays, voices.half[v], shape, 1.0 - 2.0 * ear, part)
-                    if voices.changed[v] == 1:
-                        _add_filtered(spectrum, response[ear * 2 * BINS :], sums[1], ear * 2 * BINS)
-                        _add_filtered(spectrum, part, sums[2], ear * 2 * BINS)
-                _copy(fresh, response)
-            if voices.changed[v] != 1:
-                for ear in range(2):
-                    _add_filtered(spectrum, response[ear * 2 * BINS :], sums[0], ear * 2 * BINS)
-            voices.changed[v] = 0
+    sums[:] = 0.0
+    work, spectrum, tone = np.zeros(WORK, np.float32), np.zeros(2 * BINS, np.float32), np.zeros(5, np.float32)
+    for n in range(order.shape[0]):
+        v = order[n]
+        _take(voices, v, bank, frames)
+        real_spectrum(voices.history[v], tables.turns, work, spectrum)
+        if voices.changed[v] == 1:
+            _add_for_ears(voices, v, 0, spectrum, tables, tone, sums[1])
+            _add_for_ears(voices, v, 1, spectrum, tables, tone, sums[2])
+        else:
+            _add_for_ears(voices, v, 1, spectrum, tables, tone, sums[0])
+        _settle(voices, v)
+
+
+@kernel
+def _settle(voices: Voices, v: int) -> None:
+    """What a voice was told now is what it was told last."""
+    if voices.changed[v] != 0:
+        voices.cell[v, 0], voices.half[v, 0] = voices.cell[v, 1], voices.half[v, 1]
+        for band in range(3):
+            voices.bands[v, 0, band] = voices.bands[v, 1, band]
+    voices.changed[v] = 0
 
 
 @kernel
@@ -275,31 +234,26 @@ def mix_for_speakers(voices: Voices, order: Words, bank: Bank, tables: Tables, f
         bank: Sounds.
         tables: Constants; cells and delays are not used.
         frames: Of the block, at most BLOCK.
-        sums: Added to: fading out, fading in, by channel, real and imaginary, [2, channels * 2 * BINS].
+        sums: Set: fading out, fading in, by channel, real and imaginary, [2, channels * 2 * BINS].
     """
-    work = np.zeros((_ROOMS, SIZE // 2 * LANES), np.float32)
-    spectra = np.zeros((LANES, 2, BINS), np.float32)
-    shape, filtered = np.zeros(2 * BINS, np.float32), np.zeros(2 * BINS, np.float32)
-    for first in range(0, order.shape[0], LANES):
-        count = _gather(voices, order, first, bank, frames, work)
-        real_spectra(work, tables.turns, spectra)
-        for lane in range(count):
-            v = order[first + lane]
-            response, changed = voices.response[v], voices.changed[v]
-            if changed != 0:
-                _shape(tables.shelves, voices.bands[v, 0], voices.bands[v, 1], voices.bands[v, 2], shape)
-            for side in range(2):
-                use = response if (side == 0 and changed == 1) or changed == 0 else shape
-                filtered[:] = 0.0
-                _add_filtered(spectra[lane].reshape(2 * BINS), use, filtered, 0)
-                pan = voices.pan[v, side if changed == 1 else 1]
-                for channel in range(pan.shape[0]):
-                    if pan[channel] != 0.0:
-                        _add_scaled(filtered, pan[channel], sums[side], channel * 2 * BINS)
-            if changed != 0:
-                _copy(shape, response[: 2 * BINS])
-            voices.pan[v, 0] = voices.pan[v, 1]
-            voices.changed[v] = 0
+    sums[:] = 0.0
+    work, spectrum, tone = np.zeros(WORK, np.float32), np.zeros(2 * BINS, np.float32), np.zeros(5, np.float32)
+    shaped = np.zeros(2 * BINS, np.float32)
+    for n in range(order.shape[0]):
+        v = order[n]
+        _take(voices, v, bank, frames)
+        real_spectrum(voices.history[v], tables.turns, work, spectrum)
+        for side in range(2):
+            then = side if voices.changed[v] == 1 else 1
+            bands = voices.bands[v, then]
+            _tone(bands[0], bands[1], bands[2], tone)
+            set_shaped(spectrum, tables.shelves, tone, shaped)
+            pan = voices.pan[v, then]
+            for channel in range(pan.shape[0]):
+                if pan[channel] != 0.0:
+                    _add_scaled(shaped, pan[channel], sums[side], channel * 2 * BINS)
+        voices.pan[v, 0] = voices.pan[v, 1]
+        _settle(voices, v)
 
 
 @kernel
@@ -307,3 +261,27 @@ def _add_scaled(spectrum: Floats, gain: float, sums: Floats, at: int) -> None:
     scale = np.float32(gain)
     for k in range(2 * BINS):
         sums[at + k] += scale * spectrum[k]
+
+
+@kernel
+def add_blocks(sums: Floats, turns: Floats, rise: Floats, out: Floats) -> None:
+    """Add the blocks of sums to a mix.
+
+    Args:
+        sums: As `mix_for_ears` or `mix_for_speakers` sets them.
+        turns: Of `Tables`.
+        rise: Of what fades in, shape [frames].
+        out: Added to, shape [frames, channels].
+    """
+    frames, last = out.shape[0], sums.shape[0] - 1
+    work, block = np.zeros(WORK, np.float32), np.zeros(SIZE, np.float32)
+    for row in range(last + 1):
+        for channel in range(out.shape[1]):
+            real_block(sums[row, channel * 2 * BINS :], turns, work, block)
+            for i in range(frames):
+                share = np.float32(1.0)
+                if row == last:
+                    share = rise[i]
+                elif row == last - 1:
+                    share -= rise[i]
+                out[i, channel] += share * block[SIZE - frames + i]

@@ -13,6 +13,7 @@ from mimics_app.contracts.audio_port import Heard, Start, Timing, frame_at
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.settings import AudioSettings
 from mimics_app.rendering.audio.spectral.buses import Buses
+from mimics_app.rendering.audio.spectral.fourier import BINS, SIZE
 from mimics_app.rendering.audio.spectral.head_choice import head_table
 from mimics_app.rendering.audio.spectral.head_table import (
     BASE_DELAY,
@@ -20,11 +21,12 @@ from mimics_app.rendering.audio.spectral.head_table import (
     HeadTable,
     half_delay_rows,
 )
+from mimics_app.rendering.audio.spectral.lanes import aligned_zeros
 from mimics_app.rendering.audio.spectral.loudspeakers import Loudspeakers
-from mimics_app.rendering.audio.spectral.mix_kernels import BINS, BLOCK, SIZE, mix_for_ears, mix_for_speakers
+from mimics_app.rendering.audio.spectral.mix_kernels import BLOCK, State, add_blocks, mix_for_ears, mix_for_speakers
 from mimics_app.rendering.audio.spectral.room import Room
 from mimics_app.rendering.audio.spectral.steer_kernels import Head, steer
-from mimics_app.rendering.audio.spectral.voice_store import State, VoiceStore, pack_bank
+from mimics_app.rendering.audio.spectral.voice_store import VoiceStore, pack_bank
 
 __all__ = ["SpectralMixer"]
 
@@ -65,7 +67,7 @@ class SpectralMixer:
         steps = np.array([DELAYS_PER_SAMPLE, half_delay_rows(self.rate)], np.int64)
         self._head = Head(np.zeros(3), np.zeros(3), np.eye(3), self._table.delays, self._table.cells, steps)
         sums = (3, 4 * BINS) if settings.hrtf else (2, self.channels * 2 * BINS)
-        self._sums = np.zeros(sums, np.float32)
+        self._sums = aligned_zeros(*sums)
 
     def start(self, sound: str, t_ns: int, position_world: Vec3 | None, gain: float) -> Start:
         """Start a sound; its handle is 0 when no voice was free for it. KeyError: no such sound."""
@@ -169,7 +171,7 @@ class SpectralMixer:
         rows = store.begin_block(self.position, frames)
         if len(rows):
             self._steer(rows, frames)
-            out += self._filtered(rows, frames)
+            self._add_filtered(rows, out)
         self._room.add(self._for_room(rows, frames), out)
         store.end_block(rows, self._bank)
         self._apply_master(out)
@@ -177,27 +179,15 @@ class SpectralMixer:
 
     def _steer(self, rows: NDArray[np.int64], frames: int) -> None:
         store = self._store
-        fading = store.state[rows] == State.FADING
-        level = store.authored[rows] * store.gain[rows] * self._buses.gains(store.bus[rows], frames)[store.bus[rows]]
-        store.places.level[rows] = np.where(fading, 0.0, level)
-        steer(rows, store.places, store.voices, self._head)
+        steer(rows, store.places, self._buses.gains(store.bus[rows], frames), store.voices, self._head)
         if self._speakers is not None:
             self._speakers.pan(rows, store.places, store.voices)
 
-    def _filtered(self, rows: NDArray[np.int64], frames: int) -> Floats:
-        """The block of all voices, shape [frames, channels]."""
-        sums = self._sums
-        sums[:] = 0.0
-        mix = mix_for_speakers if self._speakers is not None else mix_for_ears
-        mix(self._store.voices, rows, self._bank, self._table.tables, frames, sums)
-        parts = sums.reshape(len(sums), self.channels, 2, BINS)
-        spectra = parts[:, :, 0] + np.complex64(1j) * parts[:, :, 1]
-        time = np.fft.irfft(spectra, SIZE).astype(np.float32)[:, :, SIZE - frames :]
-        rise = _rise(frames)
-        mixed = time[-2] * (1.0 - rise) + time[-1] * rise
-        if len(time) == 3:
-            mixed += time[0]
-        return np.ascontiguousarray(mixed.T)
+    def _add_filtered(self, rows: NDArray[np.int64], out: Floats) -> None:
+        """Add the block of all voices."""
+        mix, tables = mix_for_speakers if self._speakers is not None else mix_for_ears, self._table.tables
+        mix(self._store.voices, rows, self._bank, tables, len(out), self._sums)
+        add_blocks(self._sums, tables.turns, _rise(len(out)), out)
 
     def _for_room(self, rows: NDArray[np.int64], frames: int) -> Floats | None:
         """What is sent into the room, one channel; None where there is none to answer."""

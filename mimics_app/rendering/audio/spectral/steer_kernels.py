@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.audio.spectral.cell_kernels import Cells, cell_of, fill_cell
-from mimics_app.rendering.audio.spectral.mix_kernels import Voices
+from mimics_app.rendering.audio.spectral.mix_kernels import State, Voices
 
 __all__ = ["CONE", "EXPONENTIAL", "INVERSE", "LINEAR", "Head", "Places", "pan_harmonics", "pan_pair", "steer"]
 
@@ -33,6 +33,8 @@ _NEAREST = 1e-3  # m: a sound nearer to the middle of the head than this is hear
 _FASTEST = 0.5  # of the speed of sound: motion beyond it changes the pitch no further
 _STEP = 0.004  # relative change of a gain that is not followed: 0.03 dB
 _SILENT = 1e-6  # gain below which nothing is followed: -120 dB
+
+_FADING = int(State.FADING)
 
 _NEPER = np.log(10.0) / 20.0  # of a decibel
 
@@ -78,7 +80,10 @@ class Places(NamedTuple):
         position: [m], [.., 3].
         velocity: [m/s], [.., 3].
         forward: Axis of the cone, [.., 3].
-        level: Linear gain without the way, all buses in it.
+        state: Of `State`.
+        authored: Linear gain of the sound itself.
+        told: Linear gain it was told.
+        bus: Row of its group.
         passes: Share that obstacles let through, by band, [.., 3].
         model: INVERSE, LINEAR or EXPONENTIAL.
         fall: Reference distance, largest distance [m], rolloff, [.., 3].
@@ -92,7 +97,10 @@ class Places(NamedTuple):
     position: Numbers
     velocity: Numbers
     forward: Numbers
-    level: Numbers
+    state: Words
+    authored: Numbers
+    told: Numbers
+    bus: Words
     passes: Numbers
     model: Words
     fall: Numbers
@@ -103,28 +111,30 @@ class Places(NamedTuple):
 
 
 @kernel
-def steer(order: Words, places: Places, voices: Voices, head: Head) -> None:
+def steer(order: Words, places: Places, buses: Numbers, voices: Voices, head: Head) -> None:
     """Set cell, delay, bands and pitch of some voices for the next block, and whether they changed.
 
     Args:
         order: Rows of the voices, shape [n].
         places: Read; `heard` and `direction` are set.
+        buses: Linear gain of each group.
         voices: Set.
         head: The listener.
     """
     way = np.zeros(3)
     for n in range(order.shape[0]):
         v = order[n]
+        level = 0.0 if places.state[v] == _FADING else places.authored[v] * places.told[v] * buses[places.bus[v]]
         if places.relative[v] >= 0:
-            places.heard[v] = places.level[v]
-            _tell(voices, v, places.relative[v], head.steps[1], places.level[v], places.level[v], places.level[v])
+            places.heard[v] = level
+            _tell(voices, v, places.relative[v], head.steps[1], level, level, level)
             continue
         distance = 0.0
         for axis in range(3):
             way[axis] = places.position[v, axis] - head.position[axis]
             distance += way[axis] ** 2
         distance = np.sqrt(distance)
-        gain = places.level[v] * _fall(distance, places.model[v], places.fall[v]) * _cone(way, distance, places, v)
+        gain = level * _fall(distance, places.model[v], places.fall[v]) * _cone(way, distance, places, v)
         low = gain * places.passes[v, 0] * np.exp(-_AIR_LOW * distance)
         middle = gain * places.passes[v, 1] * np.exp(-_AIR_MIDDLE * distance)
         high = gain * places.passes[v, 2] * np.exp(-_AIR_HIGH * distance)
@@ -143,12 +153,12 @@ def steer(order: Words, places: Places, voices: Voices, head: Head) -> None:
 @kernel
 def _tell(voices: Voices, v: int, cell: int, half: int, low: float, middle: float, high: float) -> None:
     """Hand a voice what it is to be, where that is not what it is."""
-    bands = voices.bands[v]
-    same = voices.cell[v] == cell and voices.half[v] == half and voices.changed[v] != 2
+    bands = voices.bands[v, 1]
+    same = voices.cell[v, 1] == cell and voices.half[v, 1] == half and voices.changed[v] != 2
     same = same and abs(bands[0] - low) <= _STEP * low + _SILENT and abs(bands[1] - middle) <= _STEP * middle + _SILENT
     if same and abs(bands[2] - high) <= _STEP * high + _SILENT and (low > 0.0 or bands[0] == 0.0):
         return
-    voices.cell[v], voices.half[v] = cell, half
+    voices.cell[v, 1], voices.half[v, 1] = cell, half
     bands[0], bands[1], bands[2] = low, middle, high
     if voices.changed[v] == 0:
         voices.changed[v] = 1

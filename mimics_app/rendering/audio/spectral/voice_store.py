@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from enum import IntEnum
 from math import pi
 
 import numpy as np
@@ -10,21 +9,15 @@ from numpy.typing import NDArray
 
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.settings import SoundSpec
-from mimics_app.rendering.audio.spectral.mix_kernels import BINS, SIZE, Bank, Voices
+from mimics_app.rendering.audio.spectral.fourier import SIZE
+from mimics_app.rendering.audio.spectral.lanes import aligned_zeros
+from mimics_app.rendering.audio.spectral.mix_kernels import Bank, State, Voices
 from mimics_app.rendering.audio.spectral.steer_kernels import CONE, EXPONENTIAL, INVERSE, LINEAR, Places
+from mimics_app.rendering.audio.spectral.voice_kernels import begin_voices, end_voices
 
 __all__ = ["State", "VoiceStore", "pack_bank"]
 
 _MODELS = {"inverse": INVERSE, "linear": LINEAR, "exponential": EXPONENTIAL}
-
-
-class State(IntEnum):
-    """Of a voice."""
-
-    FREE = 0
-    SCHEDULED = 1
-    PLAYING = 2
-    FADING = 3
 
 
 def pack_bank(bank: SoundBank) -> tuple[Bank, dict[str, int]]:
@@ -66,18 +59,18 @@ class VoiceStore:
         self.bus = np.zeros(count, np.int64)
         self._row_of: dict[int, int] = {}
         self._handles = 0
-        words = [np.zeros(count, np.int64) for _ in range(5)]
+        self._order, self._over = np.zeros(count, np.int64), np.zeros(count, np.int64)
+        words = [np.zeros(count, np.int64) for _ in range(3)]
         self.voices = Voices(
             sound=words[0],
             wait=words[1],
             cursor=np.zeros(count),
             pitch=np.ones((count, 2)),
-            cell=words[2],
-            half=words[3],
-            bands=np.zeros((count, 3), np.float32),
-            changed=words[4],
-            history=np.zeros((count, SIZE), np.float32),
-            response=np.zeros((count, (2 if channels else 4) * BINS), np.float32),
+            cell=np.zeros((count, 2), np.int64),
+            half=np.zeros((count, 2), np.int64),
+            bands=np.zeros((count, 2, 3), np.float32),
+            changed=words[2],
+            history=aligned_zeros(count, SIZE),
             pan=np.zeros((count, 2, channels), np.float32),
         )
         self.places = Places(
@@ -85,7 +78,10 @@ class VoiceStore:
             position=np.zeros((count, 3)),
             velocity=np.zeros((count, 3)),
             forward=np.zeros((count, 3)),
-            level=np.zeros(count),
+            state=self.state,
+            authored=self.authored,
+            told=self.gain,
+            bus=self.bus,
             passes=np.ones((count, 3)),
             model=np.zeros(count, np.int64),
             fall=np.ones((count, 3)),
@@ -138,13 +134,9 @@ class VoiceStore:
 
     def begin_block(self, position: int, frames: int) -> NDArray[np.int64]:
         """Rows that sound in the block of `frames` from `position` on; those that start in it are set to wait."""
-        due = np.flatnonzero((self.state == State.SCHEDULED) & (self.begin < position + frames))
-        self.voices.wait[due] = np.maximum(0, self.begin[due] - position)
-        self.state[due] = State.PLAYING
-        return np.flatnonzero(self.state >= State.PLAYING)
+        wait = self.voices.wait
+        return self._order[: begin_voices(self.state, self.begin, wait, position, frames, self._order)]
 
     def end_block(self, rows: NDArray[np.int64], bank: Bank) -> None:
         """Free what has faded out, and what has ended and rung out."""
-        sound = self.voices.sound[rows]
-        over = (bank.loops[sound] == 0) & (self.voices.cursor[rows] >= bank.length[sound] + SIZE)
-        self.free(rows[over | (self.state[rows] == State.FADING)])
+        self.free(self._over[: end_voices(self.state, rows, self.voices, bank, self._over)])

@@ -1,0 +1,118 @@
+"""Figures of sound: what each mixer gives two ears around the head, and what voices cost."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from markupsafe import Markup
+from numpy.typing import NDArray
+
+from mimics_app.contracts.machine import describe_machine
+from mimics_app.lab.audio.hearing import BAND_CENTRES, level_differences
+from mimics_app.lab.audio.rendered import render_clicks
+from mimics_app.lab.audio.spatialiser import measure_block_us
+from mimics_app.lab.audio_bench import find_measured_head
+from mimics_app.lab.figure import Figure, no_boundary, write_figure
+from mimics_app.plotting.axis import Axis
+from mimics_app.plotting.drawing import document, legend
+from mimics_app.plotting.panel import Panel
+from mimics_app.rendering.audio.spectral.computed_head import compute_head
+from mimics_app.rendering.audio.spectral.head import HeadResponses, delays_between_ears
+from mimics_app.rendering.audio.spectral.sofa import read_sofa
+
+__all__ = ["cost_of_voices", "draw_figures", "heard_around_the_head"]
+
+Points = list[tuple[float, float]]
+
+_COMMAND = "mimics bench audio --charts DIR"
+_RATE = 48_000
+_BAND = 4000  # Hz
+_LEVEL = 0.02  # of a unit vector: 1 degree about the plane of the ears
+_VOICES = (1, 4, 16, 64, 128, 192, 256)
+_MOST_OPENAL = 200
+_BLOCKS = 120
+_WIDTH, _HEIGHT = 1000.0, 300.0
+_LIVE = 120  # frames of a live block: 2.5 ms
+
+
+def draw_figures(folder: Path) -> list[Path]:
+    """Write all figures; the drawings."""
+    return [write_figure(figure, folder)[1] for figure in (heard_around_the_head(), cost_of_voices())]
+
+
+def heard_around_the_head() -> Figure:
+    """Delay and level between the ears in their plane: the head itself, and what two mixers make of it or of theirs."""
+    path = find_measured_head()
+    head = compute_head(0.152) if path is None else read_sofa(path)
+    level = np.abs(head.directions[:, 1]) < _LEVEL
+    plane = HeadResponses(head.directions[level], head.responses[level], head.rate, head.name)
+    azimuth = np.degrees(np.arctan2(plane.directions[:, 0], -plane.directions[:, 2]))
+    heard = {
+        f"the head itself: {head.name}": _differences(plane.responses, plane.rate),
+        "spectral, given this head": _differences(render_clicks(plane.directions, sofa=path), _RATE),
+        "OpenAL, its own head": _differences(render_clicks(plane.directions, "openal"), _RATE),
+    }
+    order = np.argsort(azimuth)
+    delays, levels = (
+        {name: list(zip(azimuth[order], pair[k][order], strict=True)) for name, pair in heard.items()} for k in range(2)
+    )
+    rows = [
+        {"method": name, "x": x, "delay_us": delay, "level_db": decibel, "cost_ns": None, "error": None}
+        for name in heard
+        for (x, delay), (_, decibel) in zip(delays[name], levels[name], strict=True)
+    ]
+    x = Axis.around("azimuth to the right [degrees]", azimuth.tolist())
+    panels = [
+        _panel(0, x, "right ear before the left [us]", delays),
+        _panel(1, x, f"right ear over the left at {_BAND // 1000} kHz [dB]", levels),
+    ]
+    return _figure("hearing around the head", "Delay and level between the ears", panels, list(heard), rows)
+
+
+def cost_of_voices() -> Figure:
+    """Cost of 10 ms of moving voices, the mixers by turns: what a live block of half the length costs is seen, too."""
+    ways: Mapping[str, Callable[[int], float]] = {
+        "OpenAL, blocks of 5 ms": lambda n: 2.0 * measure_block_us(True, _BLOCKS, n),
+        "spectral, blocks of 5 ms": lambda n: 2.0 * measure_block_us(True, _BLOCKS, n, "spectral"),
+        "spectral, blocks of 2.5 ms": lambda n: 4.0 * measure_block_us(True, _BLOCKS, n, "spectral", _LIVE),
+    }
+    costs: dict[str, Points] = {name: [] for name in ways}
+    for voices in _VOICES:
+        for name, measure in ways.items():
+            if voices <= _MOST_OPENAL or not name.startswith("OpenAL"):
+                costs[name].append((float(voices), measure(voices)))
+    rows = [{"method": name, "x": x, "cost_ns": 1e3 * cost, "error": None} for name in costs for x, cost in costs[name]]
+    every = [cost for points in costs.values() for _, cost in points]
+    x = Axis.around("moving voices with head-related filters", [float(n) for n in _VOICES], log=True)
+    panel = _panel(0, x, "us for 10 ms of sound", costs, Axis.around("us for 10 ms of sound", every, log=True))
+    return _figure("cost of voices", "What voices cost", [panel], list(costs), rows)
+
+
+def _differences(responses: NDArray[np.float64], rate: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Delay [us] and level [dB] between the ears, shape [n]."""
+    band = BAND_CENTRES.index(_BAND)
+    return 1e6 * delays_between_ears(responses, rate), level_differences(responses, rate)[:, band]
+
+
+def _panel(row: int, x: Axis, label: str, lines: Mapping[str, Points], y: Axis | None = None) -> Panel:
+    values = [value for points in lines.values() for _, value in points]
+    top = 70.0 + row * (_HEIGHT + 10.0)
+    panel = Panel(6.0, top, _WIDTH - 20.0, _HEIGHT, x, y or Axis.around(label, values))
+    for k, (name, points) in enumerate(lines.items()):
+        panel.line(points, f"line s{k}", name)
+        for place, value in points if y is not None else ():
+            panel.dot(place, value, f"dot s{k}", f"{name}: {place:g} voices, {value:.3g} us")
+    return panel
+
+
+def _figure(name: str, title: str, panels: list[Panel], names: list[str], rows: list[dict[str, Any]]) -> Figure:
+    machine = str(describe_machine())
+    entries = [("line", f"line s{k}", each) for k, each in enumerate(names)]
+    parts: list[Markup] = [legend(20.0, 52.0, entries), *(panel.svg() for panel in panels)]
+    height = 70.0 + len(panels) * (_HEIGHT + 10.0) + 30.0
+    svg = str(document(_WIDTH, height, title, parts, [f"{_COMMAND}   on   {machine}"]))
+    whole = [{**row, "valid": True} for row in rows]
+    return Figure("figure", name, _COMMAND, machine, whole, [], "", no_boundary(), svg, {"what": title, "unit": "us"})
