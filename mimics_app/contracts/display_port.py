@@ -74,6 +74,7 @@ class Eye:
         tangents: Of the frustum's edges: left, right, bottom, top.
         rectangle: Where in the drawn picture: x, y of the lower left corner, width, height [px].
         screen: Views of one screen share their heads-up display; -1: none is laid over it.
+        pair: Eyes of one number are the two before one picture, and may be drawn together; -1: an eye by itself.
     """
 
     name: str
@@ -81,6 +82,7 @@ class Eye:
     tangents: Tangents
     rectangle: Rect
     screen: int = 0
+    pair: int = -1
 
 
 class HeadsetState(Enum):

@@ -44,6 +44,7 @@ GROUPS = {
     "cord": "visual.cord",
     "head prediction": "visual.head_prediction",
     "lens distortion": "visual.lens_distortion",
+    "stereo": "visual.stereo",
     "model reading": "methods_reading",
     "haptic tick": "methods_tick",
 }

@@ -63,7 +63,8 @@ class WallDisplay(PlainDisplay):
             self.note(f'wall "{wall.name}": {sight.fault}')
         # Figures are laid over the first wall alone: nobody looks for them on the floor.
         screen = 0 if number == 0 else -1
-        return Eye(f"wall_{wall.name}{side}", world_from_room @ sight.pose, sight.tangents, rectangle, screen)
+        pair = number if self.spec.stereo else -1
+        return Eye(f"wall_{wall.name}{side}", world_from_room @ sight.pose, sight.tangents, rectangle, screen, pair)
 
     def _rectangles(self, drawn: Size, row: int) -> list[Rect]:
         """Where the pictures of a row are in the one drawn [px]."""

@@ -79,7 +79,7 @@ class Presenter:
         viewpoint = Viewpoint(camera.world_from_eye, camera.vertical_fov)
         self._eyes = self.display.eyes(viewpoint, self.drawn.size, self.timing.display_ns)
         return [
-            View(eye.world_from_eye, eye.tangents, eye.rectangle, camera.near, camera.far, eye.screen)
+            View(eye.world_from_eye, eye.tangents, eye.rectangle, camera.near, camera.far, eye.screen, pair=eye.pair)
             for eye in self._eyes
         ]
 
