@@ -164,3 +164,22 @@ def test_the_head_is_asked_once_more_and_the_picture_is_from_there() -> None:
         renderer.release()
     assert (np.abs(wanted - old).max(axis=-1) > 8).sum() > 200
     assert (np.abs(wanted - found).max(axis=-1) > 8).sum() == 0
+
+
+@pytest.mark.parametrize("kind", ["sbs", "sbs-half", "tb", "anaglyph"])
+def test_a_pointer_points_into_the_picture_of_the_eye_it_is_over(kind: str) -> None:
+    """The ray through where a ball is seen meets the ball, in either half; where the eyes lie over each other too."""
+    place = np.array([0.2, 0.1, -2.0])
+    world = camera_world([place], 0.1)
+    with create_surface("egl", SIZE) as surface:
+        presenter = Presenter(StereoDisplay(kind), surface)
+        presenter.begin(0)
+        for view in presenter.views(world.cameras[0]):
+            seen = view.clip_from_world @ [*place, 1.0]
+            x, y, width, height = view.rectangle if kind != "anaglyph" else (0, 0, *SIZE)
+            whole = SIZE
+            at = (np.array([x, y]) + 0.5 * (seen[:2] / seen[3] + 1.0) * (width, height)) / whole * 2.0 - 1.0
+            origin, direction = presenter.ray(world.cameras[0], *at.tolist())
+            nearest = origin + direction * ((place - origin) @ direction) / (direction @ direction)
+            assert np.linalg.norm(nearest - place) <= (1e-9 if kind != "anaglyph" else 0.032)
+        presenter.release()

@@ -19,6 +19,7 @@ _FIELDS: Mapping[str, tuple[str, ...]] = {
     "occlusion": ("occlusion",),
     "level of detail": ("detail",),
     "skinning": ("skinning",),
+    "stereo": ("stereo",),
 }
 """Fields of the renderer's settings that the methods of a group may set; how cascades are placed is the scene's."""
 

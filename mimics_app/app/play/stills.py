@@ -8,6 +8,7 @@ from typing import Protocol
 
 from mimics_app.app.picture.drawn import Drawn
 from mimics_app.app.picture.picture import Picture, picture_quality
+from mimics_app.app.picture.shown_on import open_display
 from mimics_app.app.picture.video import draw_film
 from mimics_app.app.scenes.catalogue import is_playable
 from mimics_app.app.scenes.loading import load_checked_scene
@@ -75,7 +76,8 @@ def _draw(
 ) -> Drawn:
     quality = picture_quality(scene, settings.profile)
     surface = open_offscreen(backend, settings.size)
-    picture = Picture(surface, scene, play.world, quality, camera, settings.display)
+    display = open_display(scene, settings.display, surface)
+    picture = Picture(surface, scene, play.world, quality, camera, display)
 
     def views(number: int) -> list[View]:
         board = play.to(number)

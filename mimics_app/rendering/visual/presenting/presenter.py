@@ -13,16 +13,21 @@ from mimics_app.rendering.visual.presenting.compose import ComposePass
 from mimics_app.rendering.visual.surfaces.eye_buffer import EyeBuffer
 from mimics_app.rendering.visual.surfaces.headless import read_pixels, save_png
 from mimics_app.rendering.visual.surfaces.surface import Size, Surface
-from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view import Rect, View
 from mimics_app.world.camera import Camera
 
 __all__ = ["Presenter"]
+
+F8 = NDArray[np.float64]
 
 _REST_HEIGHT = 1.7
 """Height of the eyes of a person at rest, where trackers tell places in a room and the display has none [m]."""
 
 _WALLS = ("wall", "cave")
 """Kinds whose pictures nobody sees together: where there is no window the surface takes their size."""
+
+_OVER_EACH_OTHER = ("interleaved", "anaglyph", "quad")
+"""Kinds that show both eyes in the same place."""
 
 _SHOW = Composing("post/enlarge.frag", {}, each_eye=True)
 """For a display whose picture has another size than the surface: a mirror of it."""
@@ -83,6 +88,24 @@ class Presenter:
             for eye in self._eyes
         ]
 
+    def ray(self, camera: Camera, right: float, up: float) -> tuple[F8, F8]:
+        """The ray through a place of what is shown, each coordinate in [-1, 1].
+
+        Of the eye whose picture is there; where both lie over each other, of one between them.
+
+        Returns:
+            World [m] and direction, float64 [3] each.
+        """
+        views = self.views(camera)
+        if self.display.kind in _OVER_EACH_OTHER:
+            rays = np.array([view.ray(right, up) for view in views]).mean(axis=0)
+            return rays[0], rays[1]
+        at = 0.5 * (np.array([right, up]) + 1.0) * self.drawn.size
+        view = min(views, key=lambda each: _outside(each.rectangle, at))
+        x, y, width, height = view.rectangle
+        inside = 2.0 * (at - (x, y)) / (width, height) - 1.0
+        return view.ray(float(inside[0]), float(inside[1]))
+
     def present(self) -> None:
         """Compose what was drawn and hand it over; the surface's `swap` brings it to the glass."""
         if isinstance(self.drawn, EyeBuffer):
@@ -140,6 +163,12 @@ class Presenter:
         place = file.with_name(f"{file.stem}_{eye.name}{file.suffix}")
         Image.fromarray(pixels[top : top + height, x : x + width, :3]).save(place, compress_level=6)
         return place
+
+
+def _outside(rectangle: Rect, at: F8) -> float:
+    """How far a place is outside a rectangle [px], 0 inside."""
+    corner, size = np.array(rectangle[:2]), np.array(rectangle[2:])
+    return float(np.maximum(np.maximum(corner - at, at - corner - size), 0.0).max())
 
 
 def _from_rest(head: HeadSource, now_ns: int) -> NDArray[np.float64] | None:
