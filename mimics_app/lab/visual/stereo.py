@@ -1,8 +1,9 @@
 """Ways to draw the two eyes before a picture: one after the other, or both at once.
 
-Importing this module registers them. Cost: finished frames of both eyes side by side, of a thousand small bodies that
-each have a material of their own, so that calls to the driver are what costs, and of fewer and larger ones that share
-one; sizes count bodies of the first kind. Error: share of the pixels that differ at all from those of two passes.
+Importing this module registers them. Cost: processor time of finished frames of both eyes side by side, of a thousand
+small bodies that each have a material of their own, so that calls to the driver are what costs, and of fewer and larger
+ones that share one; sizes count bodies of the first kind. Error: share of the pixels that differ at all from those of
+two passes.
 """
 
 from __future__ import annotations
@@ -12,12 +13,14 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
+from statistics import median
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.clock import process_seconds
 from mimics_app.contracts.methods import Group, Method, registry
-from mimics_app.contracts.probe import reference_us, shortest_us
+from mimics_app.contracts.probe import reference_us
 from mimics_app.lab.visual.probe import differing_pixels
 from mimics_app.rendering.visual.displays.stereo import StereoDisplay
 from mimics_app.rendering.visual.presenting.presenter import Presenter
@@ -31,7 +34,7 @@ from mimics_app.world.materials.material import Material
 from mimics_app.world.meshes.primitives import box, icosphere, plane
 from mimics_app.world.world import World
 
-__all__ = ["GROUP", "WORKLOADS", "body_world", "costs_us", "show_stereo"]
+__all__ = ["GROUP", "WORKLOADS", "body_world", "show_stereo", "turns"]
 
 GROUP = "stereo"
 
@@ -44,7 +47,7 @@ WORKLOADS: dict[str, tuple[int, int, bool, Size]] = {
 }
 """Bodies, subdivisions of each (20 triangles times four by each), whether each has a material, and an eye's picture."""
 
-_TURNS = 7
+_TURNS = 15
 _WALL, _DISTANCE = 3.0, 4.0
 """Side of the square that the bodies fill, and how far it is away [m]."""
 _SETTINGS = RenderSettings(msaa=0, tone_map="none", occlusion="off")
@@ -111,29 +114,38 @@ def show_stereo(world: World, eye_size: Size, *passes: StereoPasses) -> list[NDA
         return [draw() for draw in drawn]
 
 
-def costs_us(workload: str, *passes: StereoPasses) -> list[float]:
-    """Cost of a frame of a workload in each way [us], taken in turns so that what else a machine does falls on all.
+def turns(workload: str, *passes: StereoPasses) -> list[list[float]]:
+    """Processor time of frames of a workload in each way [us], frame by frame in turns, all threads together.
+
+    Not the time on the wall: whatever else a machine does falls on one way more than on another.
 
     Raises:
         DeviceError: there is no way to draw without a display.
     """
     bodies, subdivisions, own, size = WORKLOADS[workload]
     with _opened(body_world(bodies, subdivisions, own_materials=own), size, *passes) as drawn:
-        shortest = [math.inf] * len(passes)
-        for _ in range(_TURNS):
-            shortest = [min(known, shortest_us(draw, 1, 1)) for known, draw in zip(shortest, drawn, strict=True)]
-    return shortest
+        for draw in drawn:
+            draw()
+        frames = [[_processor_us(draw) for draw in drawn] for _ in range(_TURNS)]
+    return [list(times) for times in zip(*frames, strict=True)]
+
+
+def _processor_us(work: Callable[[], object]) -> float:
+    started = process_seconds()
+    work()
+    return 1e6 * (process_seconds() - started)
 
 
 def _three_frames_us(passes: StereoPasses) -> float:
     """Of workloads in which calls, and bodies of different sizes, cost most: no way is cheap by one of them alone."""
-    return sum(costs_us(workload, passes)[0] for workload in ("draws", "small bodies", "bodies"))
+    return sum(median(turns(workload, passes)[0]) for workload in ("draws", "small bodies", "bodies"))
 
 
 def _cost_us(passes: StereoPasses, bodies: int) -> float:
     world = body_world(bodies, 0, own_materials=True)
     with _opened(world, WORKLOADS["draws"][3], passes) as drawn:
-        return shortest_us(drawn[0], 1)
+        drawn[0]()
+        return median(_processor_us(drawn[0]) for _ in range(_TURNS))
 
 
 def _error(passes: StereoPasses) -> float:

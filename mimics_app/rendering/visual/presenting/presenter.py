@@ -26,6 +26,9 @@ _REST_HEIGHT = 1.7
 _WALLS = ("wall", "cave")
 """Kinds whose pictures nobody sees together: where there is no window the surface takes their size."""
 
+_HEADSETS = ("sim-hmd", "openxr")
+"""Kinds with a runtime that takes the frame."""
+
 _OVER_EACH_OTHER = ("interleaved", "anaglyph", "quad")
 """Kinds that show both eyes in the same place."""
 
@@ -107,17 +110,26 @@ class Presenter:
         return view.ray(float(inside[0]), float(inside[1]))
 
     def present(self) -> None:
-        """Compose what was drawn and hand it over; the surface's `swap` brings it to the glass."""
+        """Compose what was drawn and hand it over; the surface's `swap` brings it to the glass.
+
+        A headset gets the frame first: the mirror of it may take its time.
+        """
+        self._begun = False
+        texture = self.drawn.texture.glo if isinstance(self.drawn, EyeBuffer) else 0
+        frame = DisplayFrame(self._eyes, self.drawn.size, texture, self._read)
+        if self.display.kind in _HEADSETS:
+            self.display.end_frame(frame)
+            self._show_on_surface()
+        else:
+            self._show_on_surface()
+            self.display.end_frame(frame)
+
+    def _show_on_surface(self) -> None:
         if isinstance(self.drawn, EyeBuffer):
             if self._compose is None:
                 self._compose = ComposePass(self.surface.ctx, self.display.composing or _SHOW)
             self._compose.draw(self.drawn, self.surface, [eye.rectangle for eye in self._eyes])
-            texture = self.drawn.texture.glo
             self.surface.both_eyes = self.drawn.framebuffer if self.display.kind == "quad" else None
-        else:
-            texture = 0
-        self._begun = False
-        self.display.end_frame(DisplayFrame(self._eyes, self.drawn.size, texture, self._read))
 
     def skip(self) -> None:
         """End a frame that nobody sees."""
