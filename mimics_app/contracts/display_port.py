@@ -25,6 +25,7 @@ __all__ = [
     "HeadSource",
     "HeadsetState",
     "Viewpoint",
+    "WindowPlace",
 ]
 
 F8 = NDArray[np.float64]
@@ -83,6 +84,21 @@ class Eye:
     rectangle: Rect
     screen: int = 0
     pair: int = -1
+
+
+@dataclass(frozen=True, slots=True)
+class WindowPlace:
+    """A window of its own for one eye's picture, beside the surface.
+
+    Attributes:
+        title: Name of the eye.
+        at: Its upper left corner on the desktop [px]; None: it fills a monitor.
+        size: [px]; None: as large as its picture is drawn.
+    """
+
+    title: str
+    at: tuple[int, int] | None
+    size: Size | None
 
 
 class HeadsetState(Enum):
@@ -160,12 +176,14 @@ class Display(Protocol):
         head: Where the person's head is, for displays that do not know by themselves.
         composing: None where the eyes' rectangles are the picture already.
         leaving: True once the display wants the session to end.
+        windows: Where pictures have windows of their own; () where the surface shows all.
     """
 
     kind: str
     head: HeadSource
     composing: Composing | None
     leaving: bool
+    windows: Sequence[WindowPlace]
 
     def drawn_size(self, shown: Size) -> Size:
         """Size of the picture to draw [px] where one of size `shown` is to be seen."""

@@ -157,7 +157,7 @@ class Picture:
     @property
     def leaving(self) -> bool:
         """Whether the person has left by way of the display: closed its window, or ended a headset's session."""
-        return self.surface.should_close or self.presenter.display.leaving
+        return self.surface.should_close or self.presenter.leaving
 
     def draw(self, board: Board, now_ns: int = 0) -> FrameStats:
         """Draw one frame with a board over it, to be seen at a session time [ns]."""
@@ -240,7 +240,7 @@ class Picture:
         """Say on stderr what was drawn otherwise than the scene asks, a line for each fault, once."""
         for issue in self.renderer.take_issues():
             sys.stderr.write(f"mimics: {issue}\n")
-        for fault in self.presenter.display.take_faults():
+        for fault in self.presenter.take_faults():
             sys.stderr.write(f"mimics: {fault}\n")
 
     def _board_laid_out(self, board: Board) -> list[View]:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.display_port import Composing, Eye, Rect, Size, Viewpoint
+from mimics_app.contracts.display_port import Composing, Eye, Rect, Size, Viewpoint, WindowPlace
 from mimics_app.rendering.visual.displays.off_axis import look_through
 from mimics_app.rendering.visual.displays.plain_display import PlainDisplay, eye_offset
-from mimics_app.rendering.visual.displays.wall_file import WallsSpec, rectangle_of
+from mimics_app.rendering.visual.displays.wall_file import WallSpec, WallsSpec, rectangle_of
 
 __all__ = ["WallDisplay"]
 
@@ -31,6 +33,15 @@ class WallDisplay(PlainDisplay):
         self.kind, self.spec = kind, spec
         self._walls = [(wall, rectangle_of(wall)) for wall in spec.walls]
         self.composing = Composing("display/test_pattern.frag", {}, each_eye=True) if spec.test_pattern else None
+
+    @property
+    def windows(self) -> Sequence[WindowPlace]:
+        """One for each wall; of two eyes the right one's beside the left one's, or on the next monitor."""
+        return [
+            WindowPlace(f"wall_{wall.name}{side}", _beside(wall, row), wall.pixels)
+            for row, (side, _) in enumerate(_SIDES[self.spec.stereo])
+            for wall, _ in self._walls
+        ]
 
     def pixels(self, shown: Size) -> list[Size]:
         """Size of each wall's picture [px] where pictures as high as `shown` are wanted."""
@@ -82,3 +93,10 @@ class WallDisplay(PlainDisplay):
         # A window of another shape shows all of them smaller.
         across, down = drawn[0] / total, height / highest
         return [(max(1, int(width * across)), max(1, int(each * down))) for width, each in sizes]
+
+
+def _beside(wall: WallSpec, row: int) -> tuple[int, int] | None:
+    """Upper left corner of a wall's window [px]: the right eye's as far to the right as the wall is wide."""
+    if wall.window is None:
+        return None
+    return wall.window[0] + row * (wall.pixels[0] if wall.pixels else 0), wall.window[1]

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.display_port import Composing, Display, DisplayFrame, Eye, FrameTiming, HeadSource, Viewpoint
+from mimics_app.rendering.visual.presenting.beside import BesideWindows
 from mimics_app.rendering.visual.presenting.compose import ComposePass
 from mimics_app.rendering.visual.surfaces.eye_buffer import EyeBuffer
 from mimics_app.rendering.visual.surfaces.headless import read_pixels, save_png
@@ -32,7 +33,7 @@ _HEADSETS = ("sim-hmd", "openxr")
 _OVER_EACH_OTHER = ("interleaved", "anaglyph", "quad")
 """Kinds that show both eyes in the same place."""
 
-_SHOW = Composing("post/enlarge.frag", {}, each_eye=True)
+_SHOW = Composing("post/resample.frag", {}, each_eye=True)
 """For a display whose picture has another size than the surface: a mirror of it."""
 
 
@@ -53,8 +54,9 @@ class Presenter:
         self._asked = None if surface.backend == "window" else surface.size
         if self._asked is not None and display.kind in _WALLS:
             surface.resize(display.drawn_size(self._asked))
-        self._apart = display.composing is not None or self._wanted() != surface.size
-        self.drawn: Surface = EyeBuffer(surface, self._wanted()) if self._apart else surface
+        self._beside = BesideWindows(display, surface) if display.windows and surface.backend == "window" else None
+        apart = display.composing is not None or self._beside is not None or self._wanted() != surface.size
+        self.drawn: Surface = EyeBuffer(surface, self._wanted()) if apart else surface
         self.timing = FrameTiming(0)
         self._begun = False
         self._eyes: list[Eye] = []
@@ -129,6 +131,8 @@ class Presenter:
             if self._compose is None:
                 self._compose = ComposePass(self.surface.ctx, self.display.composing or _SHOW)
             self._compose.draw(self.drawn, self.surface, [eye.rectangle for eye in self._eyes])
+            if self._beside is not None:
+                self._beside.show(self.drawn, self._eyes, self._compose if self.display.composing else None)
             self.surface.both_eyes = self.drawn.framebuffer if self.display.kind == "quad" else None
 
     def skip(self) -> None:
@@ -148,9 +152,20 @@ class Presenter:
         save_png(self.surface, file)
         return [file, *eyes]
 
+    @property
+    def leaving(self) -> bool:
+        """Whether the display wants the session to end, or the person closed a window of one of its pictures."""
+        return self.display.leaving or (self._beside is not None and self._beside.should_close)
+
+    def take_faults(self) -> list[str]:
+        """What could not be shown as it should since the last call, a line each; each fault is told once."""
+        return [*self.display.take_faults(), *(self._beside.take_faults() if self._beside is not None else ())]
+
     def renew(self) -> None:
         """The surface has a new context: what lived in the old one is gone."""
         self._compose = None
+        if self._beside is not None:
+            self._beside = BesideWindows(self.display, self.surface)  # the old ones went with what they shared
         if self.drawn is not self.surface:
             self.drawn.renew()
 
@@ -158,6 +173,8 @@ class Presenter:
         """Free everything but the surface, and close the display."""
         if self._compose is not None:
             self._compose.release()
+        if self._beside is not None:
+            self._beside.close()
         self.display.close()
 
     def _wanted(self) -> Size:
