@@ -179,4 +179,4 @@ def test_every_wall_has_a_window_of_its_own(tmp_path: Path) -> None:
         inside = np.ones((height, width), bool)
         inside[[0, -1]] = inside[:, [0, -1]] = False
         same = np.abs(seen - wanted).max(axis=-1) <= 2
-        assert (same | ~inside).mean() > 0.97  # all but the lines of the pattern
+        assert (same | ~inside).mean() > 0.96  # all but the lines of the pattern
