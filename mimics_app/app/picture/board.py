@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from mimics_app.contracts.board import Bar, Board, Card, Tone
-from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Colour, Hud
+from mimics_app.rendering.visual.figures.hud import Colour, Hud
 from mimics_app.rendering.visual.figures.palette import ACCENT, FAINT, INK
 
 __all__ = ["OPERATORS_CARDS", "draw_board"]
@@ -32,6 +32,7 @@ _WARN_LOAD, _ALARM_LOAD = 0.4, 0.8
 
 _MARGIN = 22.0
 _HEIGHT = 62.0
+_GAP = 12.0
 
 
 def draw_board(hud: Hud, board: Board, show: Sequence[str], force_full: float) -> None:
@@ -44,15 +45,16 @@ def draw_board(hud: Hud, board: Board, show: Sequence[str], force_full: float) -
         force_full: Force that fills the bar of a card without a scale of its own [N].
     """
     hud.clear()
-    x = _MARGIN
+    x, y = _MARGIN, hud.height - _MARGIN - _HEIGHT
     for name in show:
         card = board.cards.get(name)
         if card is None:
             continue
-        y = CANVAS_HEIGHT - _MARGIN - _HEIGHT
+        if x > _MARGIN and x + card.width > hud.width - _MARGIN:
+            x, y = _MARGIN, y - _HEIGHT - _GAP
         hud.box(x, y, card.width, _HEIGHT, _PANEL, radius=12.0)
         _draw_card(hud, card, (x + 16.0, y + 12.0, card.width - 32.0), force_full)
-        x += card.width + 12.0
+        x += card.width + _GAP
     _draw_message(hud, board.message, alarm=board.alarm)
 
 

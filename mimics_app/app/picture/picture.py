@@ -254,7 +254,8 @@ class Picture:
         """Put a board over the picture that these eyes see."""
         hud = self.renderer.hud
         screen = [view for view in views if view.screen == views[0].screen]
-        hud.width = plane_of_views(screen, self.renderer.settings.hud_depth).canvas_width
+        plane = plane_of_views(screen, self.renderer.settings.hud_depth)
+        hud.width, hud.height = plane.canvas_width, plane.canvas_height
         if self._board is None:
             hud.clear()
         else:

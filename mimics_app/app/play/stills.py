@@ -19,6 +19,7 @@ from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import FRAMES_PER_SECOND
 from mimics_app.rendering.visual.frame_set import render_frames
+from mimics_app.rendering.visual.presenting.presenter import Presenter
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.scene.file import build_world
@@ -78,6 +79,7 @@ def _draw(
     surface = open_offscreen(backend, settings.size)
     display = open_display(scene, settings.display, surface)
     picture = Picture(surface, scene, play.world, quality, camera, display)
+    play.shown_by(picture.presenter)
 
     def views(number: int) -> list[View]:
         board = play.to(number)
@@ -107,6 +109,9 @@ class _Moments(Protocol):
 
     def time_ns(self, number: int) -> int:
         """Session time of frame `number` [ns]."""
+
+    def shown_by(self, presenter: Presenter) -> None:
+        """What brings it to a display."""
 
     def close(self) -> None:
         """Nothing is drawn any more."""
@@ -138,6 +143,9 @@ class _Standing:
     def time_ns(self, number: int) -> int:
         return round(self._seconds_per_frame * (number + 1) * 1e9)
 
+    def shown_by(self, presenter: Presenter) -> None:
+        """Nobody is there whose head it could follow."""
+
     def close(self) -> None:
         """Nothing is open."""
 
@@ -155,6 +163,9 @@ class _Played:
     @property
     def world(self) -> World:
         return self._core.world
+
+    def shown_by(self, presenter: Presenter) -> None:
+        self._core.shown_by(presenter)
 
     def to(self, number: int) -> Board:
         """Play up to still `number` and return its board."""

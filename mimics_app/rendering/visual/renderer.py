@@ -357,7 +357,7 @@ class Renderer:
         huds = [self.hud]
         if self._overlay is not None and self._overlay.layers:
             draws += self._overlay.draw_atlas(self._surface.framebuffer, self._shadows)
-            self._overlay.lay_out(self.hud.width)
+            self._overlay.lay_out(self.hud.width, self.hud.height)
             huds.append(self._overlay.hud)
         if all(hud.empty for hud in huds):
             return draws

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -32,16 +30,13 @@ class WallDisplay(PlainDisplay):
         super().__init__()
         self.kind, self.spec = kind, spec
         self._walls = [(wall, rectangle_of(wall)) for wall in spec.walls]
-        self.composing = Composing("display/test_pattern.frag", {}, each_eye=True) if spec.test_pattern else None
-
-    @property
-    def windows(self) -> Sequence[WindowPlace]:
-        """One for each wall; of two eyes the right one's beside the left one's, or on the next monitor."""
-        return [
+        # Of two eyes the right one's window is beside the left one's, or on the next monitor.
+        self.windows = [
             WindowPlace(f"wall_{wall.name}{side}", _beside(wall, row), wall.pixels)
-            for row, (side, _) in enumerate(_SIDES[self.spec.stereo])
-            for wall, _ in self._walls
+            for row, (side, _) in enumerate(_SIDES[spec.stereo])
+            for wall in spec.walls
         ]
+        self.composing = Composing("display/test_pattern.frag", {}, each_eye=True) if spec.test_pattern else None
 
     def pixels(self, shown: Size) -> list[Size]:
         """Size of each wall's picture [px] where pictures as high as `shown` are wanted."""

@@ -74,6 +74,11 @@ class Presenter:
         """Whether the views depend on where a head is."""
         return self.display.kind in (*_WALLS, "hmd", "sim-hmd", "openxr")
 
+    @property
+    def surrounds(self) -> bool:
+        """Whether a person stands before the pictures and sees the own body with them."""
+        return self.display.kind in _WALLS
+
     def begin(self, now_ns: int) -> FrameTiming:
         """Begin a frame; see `Display.begin_frame`. One that was begun and never shown ends empty."""
         if self._begun:
