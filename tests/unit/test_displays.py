@@ -239,7 +239,7 @@ def test_lens_coefficients_are_never_such_that_a_lens_folds_over() -> None:
 
 
 def test_figures_in_a_headset_are_large_near_the_middle_and_comfortably_far() -> None:
-    """The smallest word of a card takes more than 1.3 degrees, nothing is farther than 32 degrees from straight ahead."""
+    """The smallest word of a card takes more than 1.3 degrees; nothing is farther than 32 degrees from the middle."""
     spec = HeadsetSpec()
     eyes = HeadsetDisplay("sim-hmd", SimulatedRuntime(spec))
     eyes.begin_frame(0)
