@@ -25,6 +25,7 @@ __all__ = [
     "HeadSource",
     "HeadsetState",
     "Viewpoint",
+    "WindowPlace",
 ]
 
 F8 = NDArray[np.float64]
@@ -74,6 +75,7 @@ class Eye:
         tangents: Of the frustum's edges: left, right, bottom, top.
         rectangle: Where in the drawn picture: x, y of the lower left corner, width, height [px].
         screen: Views of one screen share their heads-up display; -1: none is laid over it.
+        pair: Eyes of one number are the two before one picture, and may be drawn together; -1: an eye by itself.
     """
 
     name: str
@@ -81,6 +83,22 @@ class Eye:
     tangents: Tangents
     rectangle: Rect
     screen: int = 0
+    pair: int = -1
+
+
+@dataclass(frozen=True, slots=True)
+class WindowPlace:
+    """A window of its own for one eye's picture, beside the surface.
+
+    Attributes:
+        title: Name of the eye.
+        at: Its upper left corner on the desktop [px]; None: it fills a monitor.
+        size: [px]; None: as large as its picture is drawn.
+    """
+
+    title: str
+    at: tuple[int, int] | None
+    size: Size | None
 
 
 class HeadsetState(Enum):
@@ -158,12 +176,14 @@ class Display(Protocol):
         head: Where the person's head is, for displays that do not know by themselves.
         composing: None where the eyes' rectangles are the picture already.
         leaving: True once the display wants the session to end.
+        windows: Where pictures have windows of their own; () where the surface shows all.
     """
 
     kind: str
     head: HeadSource
     composing: Composing | None
     leaving: bool
+    windows: Sequence[WindowPlace]
 
     def drawn_size(self, shown: Size) -> Size:
         """Size of the picture to draw [px] where one of size `shown` is to be seen."""

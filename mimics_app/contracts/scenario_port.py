@@ -90,6 +90,9 @@ class Scenario(Protocol):
     def see_body(self, where: BodyPose, now_ns: int) -> None:
         """Take where the person's head and hands are, before `apply`; a scene without a body needs nothing of it."""
 
+    def stand_before_walls(self) -> None:
+        """The picture is on screens about the person, who sees the real body before them: none is drawn for it."""
+
     def aim(self, snapshot: HapticSnapshot) -> Aim | None:
         """What a person does next with the hand, going by what is seen; None where the way alone tells it."""
         return None

@@ -45,6 +45,8 @@ GROUPS = {
     "cord": "visual.cord",
     "head prediction": "visual.head_prediction",
     "lens distortion": "visual.lens_distortion",
+    "stereo": "visual.stereo",
+    "ripple distance": "visual.ripple",
     "model reading": "methods_reading",
     "haptic tick": "methods_tick",
 }

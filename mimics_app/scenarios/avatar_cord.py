@@ -94,6 +94,7 @@ class AvatarCord(TouchScene):
         self._eye = world.cameras[0].node
         fields = {entity: field for entity, field, _ in scene.components(ForceField)}
         self._touch = fields.get(_TOUCH)
+        self._real_body_seen = False
         self._settings: dict[str, Any] = {
             "cord.shown": True,
             "cord.length_factor": 1.0,
@@ -148,6 +149,9 @@ class AvatarCord(TouchScene):
         field[5] = self._cord.shown_radius + _TOUCH_BALL
         return {f"effects.{_TOUCH}.position": curve.start, f"effects.{_TOUCH}.parameters": field}
 
+    def stand_before_walls(self) -> None:
+        self._real_body_seen = True
+
     def _arrange(self) -> None:
         """Put everything where it is in this frame."""
         settings, now_s = self._settings, self._now_ns / _NS
@@ -156,7 +160,7 @@ class AvatarCord(TouchScene):
         front[2, 3] = -float(settings["avatar.distance"])
         first = settings["viewpoint"] == "first"
         self.subject.pose(np.eye(4), self._parts["subject"], self._now_ns, head=not first)
-        self.subject.show(bool(settings["own_body"]) or not first)
+        self.subject.show(not first or (bool(settings["own_body"]) and not self._real_body_seen))
         self.avatar.pose(front, self._parts["avatar"], self._now_ns)
         self._eye.set_position(_EYES if first else _EYES + [0.0, _BEHIND[1], _BEHIND[0]])
         self._hang_cord(now_s)

@@ -39,7 +39,7 @@ class Cord:
         waves: How ripples run.
         ball: Centre [m] and radius [m] of a ball that throws its shadow on the cord, float64 [4]; radius 0: none.
         taps: Ripples: where, and when they began [s].
-        faults: What could not be as it was asked for, each told once by whoever shows it.
+        faults: What could not be as it was asked for, each once.
     """
 
     ends: F8 = field(default_factory=lambda: np.array([[0.0, 1.0, 0.0], [0.0, 1.0, -1.0]]))
@@ -53,6 +53,7 @@ class Cord:
     ball: F8 = field(default_factory=lambda: np.zeros(4))
     taps: list[tuple[float, float, float, float]] = field(default_factory=list)
     faults: list[str] = field(default_factory=list)
+    _told: int = 0
 
     @property
     def curve(self) -> Catenary:
@@ -105,6 +106,11 @@ class Cord:
         s = share * curve.length
         out = np.cos(theta) * curve.normal(s)[0] + np.sin(theta) * curve.binormal
         return curve.point(s)[0] + (self.shown_radius + gap) * out, out
+
+    def take_faults(self) -> list[str]:
+        """What could not be as it was asked for since the last call, each told once."""
+        new, self._told = self.faults[self._told :], len(self.faults)
+        return new
 
     def _note(self, fault: str) -> None:
         if fault not in self.faults:

@@ -7,8 +7,8 @@ layout(std140, binding = 6) uniform OpennessBlock {
 };
 
 // The four texels about a pixel, those at another distance left out: it was found at half the size.
-float screen_visibility(vec3 position_eye) {
-    float away = -dot(position_eye, axis_back.xyz);
+float screen_visibility(vec3 line_of_sight) {
+    float away = -dot(line_of_sight, axis_back.xyz);
     vec2 at = (gl_FragCoord.xy - ssao_place.xy) * ssao_place.zw - 0.5;
     vec2 share = at - floor(at);
     ivec2 low = ivec2(floor(at)), most = textureSize(ssao, 0) - 1;
@@ -23,7 +23,7 @@ float screen_visibility(vec3 position_eye) {
     return sum.x / max(sum.y, 1e-9);
 }
 #else
-float screen_visibility(vec3 position_eye) {
+float screen_visibility(vec3 line_of_sight) {
     return 1.0;
 }
 #endif

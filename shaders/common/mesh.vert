@@ -1,5 +1,6 @@
 // A mesh instance: object frame to the eye frame, shared by all techniques.
 #include "common/view.glsl"
+#include "common/eyes.glsl"
 #include "common/material_block.glsl"
 
 in vec3 in_position;
@@ -12,7 +13,6 @@ in vec4 eye_row2;
 in vec4 in_colour;
 #endif
 
-invariant gl_Position;
 out vec3 position_eye;
 out vec3 normal;
 out vec2 uv;
@@ -35,5 +35,5 @@ void main() {
 #ifdef COLOURED
     tint *= in_colour;
 #endif
-    gl_Position = clip_from_eye * vec4(position_eye, 1.0);
+    put_at(position_eye);
 }

@@ -1,10 +1,14 @@
 // What one view shares between all passes. Filled by rendering/visual/view_block.py: same order, std140.
 // Frame "eye": world axes, origin at the eye, metres. No shader assumes a symmetric frustum.
 
+#ifdef EYES_BY_VIEWPORT
+#extension GL_ARB_shader_viewport_layer_array : enable
+#endif
+
 #define MAX_LIGHTS 8
 
 layout(std140, binding = 0) uniform ViewBlock {
-    mat4 clip_from_eye;
+    mat4 clip_from_eyes[2];     // of the eye; of the other one too where both are drawn together
     vec4 sun_right;             // across the sun's rays, unit; w: half of a map that may be asked [texel]
     vec4 sun_up;                // across both; w: width of a map's tile in the atlas [texel]
     vec4 sun_map[4];            // middle from the eye along the two, half the width that may be asked [m]; w unused
@@ -28,7 +32,10 @@ layout(std140, binding = 0) uniform ViewBlock {
     vec4 light_colour[MAX_LIGHTS];     // linear, at 1 m; w: cosine of the outer cone, -2 for a point light
     vec4 light_direction[MAX_LIGHTS];  // unit, where it shines; w: cosine of the inner cone
     vec4 light_shadow[MAX_LIGHTS];     // x: number of its map, -1 for none
+    vec4 eye_places[2];                // of the eyes in the frame "eye", whose origin is between eyes that share a queue
 };
+
+#define clip_from_eye clip_from_eyes[0]
 
 vec3 eye_position_world() {
     return vec3(axis_right.w, axis_up.w, axis_back.w);

@@ -21,6 +21,7 @@ layout(std140, binding = 7) uniform CordBlock {
 };
 
 in vec3 position_eye;
+flat in vec3 eye_place;
 in vec3 normal;
 in vec2 at;
 out vec4 colour;
@@ -46,12 +47,13 @@ float beside_ball(vec3 n) {
 
 void main() {
     vec3 n = normalize(normal);
-    float distance = length(position_eye);
+    vec3 sight = position_eye - eye_place;
+    float distance = length(sight);
     vec2 sun = sun_and_tone(position_eye, n);
     // A twisted weave, so that the eye sees how the surface moves.
     float weave = 0.5 + 0.5 * sin(3.0 * at.y + at.x / max(form.x, 1e-4) * 2.2);
     vec3 base = paint.rgb * mix(0.82, 1.0, smoothstep(0.1, 0.6, weave));
-    Surface surface = make_surface(base, 0.0, paint.w, n, position_eye / -distance);
+    Surface surface = make_surface(base, 0.0, paint.w, n, sight / -distance);
     float open = beside_ball(n);
     vec3 light = shine(surface, paint.w, position_eye, sun.x * past_ball(n), open);
     colour = vec4(sun.y * encode_output(apply_fog(light, distance)), 1.0);

@@ -1,6 +1,7 @@
 // A hanging cord: its middle line in closed form, its frame without twist, ripples with their normals.
 // The same in float64: mimics_app/maths/cord.py.
 #include "common/view.glsl"
+#include "common/eyes.glsl"
 
 #define MOST_TAPS 8
 
@@ -64,5 +65,5 @@ void main() {
     normal = outwards - h.y / stretch * tangent - h.z / r * around;
     position_eye = middle + r * outwards;
     at = vec2(s, theta);
-    gl_Position = clip_from_eye * vec4(position_eye, 1.0);
+    put_at(position_eye);
 }

@@ -11,8 +11,9 @@ out vec4 colour;
 
 void main() {
     vec4 base = material_colour(tint, uv);
-    float distance = length(position_eye);
-    vec3 view = position_eye / -distance;
+    vec3 sight = line_of_sight();
+    float distance = length(sight);
+    vec3 view = sight / -distance;
     vec3 n = normalize(normal);
     n = dot(n, view) < 0.0 ? -n : n;
     float facing = max(dot(n, view), 1e-3);

@@ -21,15 +21,16 @@ void main() {
     vec2 cells = (position_eye + eye_position_world()).xz / finish.z;
     base.rgb = mix(base.rgb, sqrt(base.rgb), 0.5 * grid_coverage(cells));
 #endif
-    float distance = length(position_eye);
+    vec3 sight = line_of_sight();
+    float distance = length(sight);
     vec3 n = normalize(gl_FrontFacing ? normal : -normal);
     vec2 figures = material_finish(uv);
     vec2 sun = sun_and_tone(position_eye, n);
 #ifdef NORMAL_MAP
     n = material_normal(n, position_eye, uv);
 #endif
-    Surface surface = make_surface(base.rgb, figures.x, figures.y, n, position_eye / -distance);
-    float open = material_occlusion(uv) * screen_visibility(position_eye);
+    Surface surface = make_surface(base.rgb, figures.x, figures.y, n, sight / -distance);
+    float open = material_occlusion(uv) * screen_visibility(sight);
     vec3 light = material_emission(uv) + shine(surface, figures.y, position_eye, sun.x, open);
     colour = vec4(sun.y * encode_output(apply_fog(light, distance)), base.a);
 }

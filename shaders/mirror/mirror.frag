@@ -21,7 +21,8 @@ void main() {
     vec3 seen = vec3(0.0);
 #endif
     vec3 n = normalize(gl_FrontFacing ? normal : -normal);
-    float distance = length(position_eye);
-    vec3 sky = sky_radiance(reflect(position_eye / distance, n)) * base_colour.rgb;
+    vec3 sight = line_of_sight();
+    float distance = length(sight);
+    vec3 sky = sky_radiance(reflect(sight / distance, n)) * base_colour.rgb;
     colour = vec4(drawn.x > 0.0 ? seen : encode_output(apply_fog(sky, distance)), 1.0);
 }

@@ -1,6 +1,7 @@
 // The cheapest lit surface: light and haze per vertex, already as they are displayed. Shared state for all looks: what
 // tells them apart comes with each instance. Without a tone map light counts as display values, as fixed pipelines had it.
 #include "common/view.glsl"
+#include "common/eyes.glsl"
 #include "common/sky.glsl"
 #include "common/output.glsl"
 
@@ -15,7 +16,6 @@ in vec4 paint;                  // rgb: base colour, display values; w: layer + 
 in vec4 in_colour;
 #endif
 
-invariant gl_Position;
 out vec3 at;
 out vec3 shade;                 // what it leaves of the picture's display values
 out vec3 haze;                  // what haze adds to them
@@ -25,7 +25,7 @@ void main() {
     mat3 turn = mat3(cross(axes[1], axes[2]), cross(axes[2], axes[0]), cross(axes[0], axes[1]));
     vec4 position = vec4(in_position, 1.0);
     vec3 position_eye = vec3(dot(eye_row0, position), dot(eye_row1, position), dot(eye_row2, position));
-    gl_Position = clip_from_eye * vec4(position_eye, 1.0);
+    put_at(position_eye);
     vec3 n = normalize(turn * in_normal) * (dot(axes[0], turn[0]) < 0.0 ? -1.0 : 1.0);
     vec3 light = sky_irradiance(n) + sun_colour.rgb * max(dot(n, sun_direction.xyz), 0.0);
     light = sky_ground.w > 0.5 ? encode_output(light) : light;

@@ -31,7 +31,8 @@ void main() {
     bool inside = at.w > 0.0 && all(greaterThanEqual(place, vec3(0.0))) && all(lessThanEqual(place, vec3(1.0)));
     if (!inside || cover <= 0.0) discard;
     vec3 shown = picture.rgb * slide_tint.rgb;
-    float distance = length(position_eye);
+    vec3 sight = line_of_sight();
+    float distance = length(sight);
     float seen = apply_fog(vec3(1.0), distance).r - apply_fog(vec3(0.0), distance).r;
 #if defined(STAIN)
     colour = vec4(mix(vec3(1.0), encode_srgb(shown), cover * seen), 1.0);
@@ -40,10 +41,10 @@ void main() {
     vec3 light = albedo * shown * cover * max(facing, 0.0) * seen;
     colour = vec4(encode_output(light), 1.0);
 #else
-    vec3 view = position_eye / -distance;
+    vec3 view = sight / -distance;
     Surface surface = make_surface(shown, 0.0, 1.0, n, view);
     vec2 sun = sun_and_tone(position_eye, n);
-    vec3 light = shine(surface, 1.0, position_eye, sun.x, screen_visibility(position_eye));
+    vec3 light = shine(surface, 1.0, position_eye, sun.x, screen_visibility(sight));
     colour = vec4(sun.y * encode_output(apply_fog(light, distance)) * cover, cover);
 #endif
 }

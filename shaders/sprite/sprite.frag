@@ -38,9 +38,10 @@ void main() {
     if (cover < sprite_style.w) discard;
 #endif
     vec3 light = decode_srgb(picture.rgb) * sprite_tint.rgb;
-    float distance = length(position_eye);
+    vec3 sight = position_eye - eye_places[0].xyz;
+    float distance = length(sight);
 #ifdef LIT
-    vec3 view = position_eye / -distance;
+    vec3 view = sight / -distance;
     vec3 normal = sprite_normal(view);
     vec2 sun = sun_and_tone(position_eye, normal);
     light = shine(make_surface(light, 0.0, 1.0, normal, view), 1.0, position_eye, sun.x, 1.0);

@@ -11,5 +11,5 @@ void main() {
 #ifdef MASKED
     if (base.a < emission.w) discard;
 #endif
-    colour = vec4(encode_output(apply_fog(base.rgb + emission.rgb, length(position_eye))), base.a);
+    colour = vec4(encode_output(apply_fog(base.rgb + emission.rgb, length(line_of_sight()))), base.a);
 }

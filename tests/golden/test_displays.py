@@ -14,7 +14,9 @@ from mimics_app.maths.poses import pose_from_parts
 from mimics_app.rendering.visual.displays.desktop import compute_tangents
 from mimics_app.rendering.visual.displays.headset import RawHeadset
 from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec
+from mimics_app.rendering.visual.displays.headset_session import HeadsetDisplay
 from mimics_app.rendering.visual.displays.lens import undistort
+from mimics_app.rendering.visual.displays.simulated_headset import SimulatedRuntime
 from mimics_app.rendering.visual.displays.stereo import DUBOIS_RED_CYAN, StereoDisplay, parallax
 from mimics_app.rendering.visual.displays.wall_file import load_walls
 from mimics_app.rendering.visual.displays.walls import WallDisplay
@@ -164,3 +166,41 @@ def test_the_head_is_asked_once_more_and_the_picture_is_from_there() -> None:
         renderer.release()
     assert (np.abs(wanted - old).max(axis=-1) > 8).sum() > 200
     assert (np.abs(wanted - found).max(axis=-1) > 8).sum() == 0
+
+
+@pytest.mark.parametrize("kind", ["sbs", "sbs-half", "tb", "anaglyph"])
+def test_a_pointer_points_into_the_picture_of_the_eye_it_is_over(kind: str) -> None:
+    """The ray through where a ball is seen meets the ball, in either half; where the eyes lie over each other too."""
+    place = np.array([0.2, 0.1, -2.0])
+    world = camera_world([place], 0.1)
+    with create_surface("egl", SIZE) as surface:
+        presenter = Presenter(StereoDisplay(kind), surface)
+        presenter.begin(0)
+        for view in presenter.views(world.cameras[0]):
+            seen = view.clip_from_world @ [*place, 1.0]
+            x, y, width, height = view.rectangle if kind != "anaglyph" else (0, 0, *SIZE)
+            whole = SIZE
+            at = (np.array([x, y]) + 0.5 * (seen[:2] / seen[3] + 1.0) * (width, height)) / whole * 2.0 - 1.0
+            origin, direction = presenter.ray(world.cameras[0], *at.tolist())
+            nearest = origin + direction * ((place - origin) @ direction) / (direction @ direction)
+            assert np.linalg.norm(nearest - place) <= (1e-9 if kind != "anaglyph" else 0.032)
+        presenter.release()
+
+
+def test_a_headset_of_other_panels_than_the_window_is_mirrored_in_it() -> None:
+    spec = HeadsetSpec(pixels=(120, 100))
+    display = HeadsetDisplay("sim-hmd", SimulatedRuntime(spec))
+    world = camera_world([np.array([0.0, 0.0, -1.5])], 0.3)
+    with create_surface("egl", (320, 160)) as surface:
+        presenter = Presenter(display, surface)
+        renderer = Renderer(presenter.drawn, world, PLAIN)
+        presenter.begin(0)
+        renderer.draw(presenter.views(world.cameras[0]))
+        presenter.present()
+        panels, mirror = read_pixels(presenter.drawn), read_pixels(surface)
+        assert surface.ctx.error == "GL_NO_ERROR"
+        renderer.release()
+        presenter.release()
+    assert panels.shape[:2] == (100, 240) and mirror.shape[:2] == (160, 320)
+    share = [float((picture[..., 0] > 128).mean()) for picture in (panels, mirror)]
+    assert share[0] > 0.01 and share[1] == pytest.approx(share[0], rel=0.05)

@@ -88,3 +88,95 @@ def test_keys_mouse_wheel_and_full_screen():
     assert report["pointer"] == pytest.approx([-0.5, -0.5], abs=0.01)
     assert report["corner"] == [51, 102, 153, 255], "the picture fills the grown window to its last pixel"
     assert report["error"] == "GL_NO_ERROR"
+
+
+_WALLS = """
+import json, sys
+import numpy as np
+from mimics_app.rendering.visual.displays.wall_file import load_walls
+from mimics_app.rendering.visual.displays.walls import WallDisplay
+from mimics_app.rendering.visual.presenting.presenter import Presenter
+from mimics_app.rendering.visual.renderer import Renderer
+from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.headless import read_pixels
+from mimics_app.world.materials.material import Material
+from mimics_app.world.meshes.primitives import sphere
+from mimics_app.world.world import World
+from pathlib import Path
+from PIL import Image, ImageGrab
+folder = Path(sys.argv[1])
+world = World()
+world.set_material(Material("red", "unlit", (1.0, 0.0, 0.0, 1.0)))
+world.meshes["ball"] = sphere(0.5, 24)
+for place in ((-0.8, 0.3, -2.0), (1.8, 0.2, 0.4), (0.4, -1.4, -0.6)):
+    world.root.create_child("", place).create_entity("ball", "red")
+world.root.create_child("eye").create_camera(1.0, 0.05, 50.0)
+world.update()
+with create_surface("window", (320, 120), "first", vsync=False) as surface:
+    presenter = Presenter(WallDisplay("cave", load_walls(folder / "walls.json")), surface)
+    renderer = Renderer(presenter.drawn, world, RenderSettings(msaa=0, tone_map="none", fog_density=0.0))
+    for _ in range(3):
+        surface.poll()
+        presenter.begin(0)
+        renderer.draw(presenter.views(world.cameras[0]))
+        presenter.present()
+        surface.swap()
+    surface.ctx.finish()
+    Image.fromarray(read_pixels(presenter.drawn)[..., :3]).save(folder / "drawn.png")
+    print(json.dumps({"faults": presenter.take_faults(), "again": presenter.take_faults(),
+                      "leaving": presenter.leaving, "error": surface.ctx.error,
+                      "places": {eye.name: eye.rectangle for eye in presenter._eyes}}), flush=True)
+    sys.stdin.readline()
+    renderer.release()
+    presenter.release()
+"""
+
+
+def test_every_wall_has_a_window_of_its_own(tmp_path: Path) -> None:
+    """Seen on the screen of an X server: two walls where the file says, one that has no monitor left is told."""
+    import numpy as np
+    from PIL import Image, ImageGrab
+
+    walls = [
+        {"name": "front", "lower_left": [-1, 0.7, -1], "lower_right": [1, 0.7, -1], "upper_left": [-1, 2.7, -1]},
+        {"name": "right", "lower_left": [1, 0.7, -1], "lower_right": [1, 0.7, 1], "upper_left": [1, 2.7, -1]},
+        {"name": "floor", "lower_left": [-1, 0.7, 1], "lower_right": [1, 0.7, 1], "upper_left": [-1, 0.7, -1]},
+    ]
+    corners = {"front": (400, 20), "right": (640, 300)}
+    for wall in walls:
+        wall |= {"pixels": [200, 200]} | ({"window": corners[wall["name"]]} if wall["name"] in corners else {})
+    said = {"format": "mimics.walls/1", "walls": walls, "test_pattern": True}
+    (tmp_path / "walls.json").write_text(json.dumps(said))
+    with display("1280x720x24") as name:
+        program = subprocess.Popen(
+            [sys.executable, "-c", _WALLS, str(tmp_path)],
+            cwd=_ROOT,
+            env=os.environ | {"DISPLAY": name},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        try:
+            report = json.loads(program.stdout.readline())
+            screen = np.asarray(ImageGrab.grab(xdisplay=name).convert("RGB")).astype(int)
+            Image.fromarray(screen.astype(np.uint8)).save(tmp_path / "screen.png")
+            program.communicate("\n", timeout=60)
+        finally:
+            program.kill()
+            program.wait(timeout=10)
+    assert report["error"] == "GL_NO_ERROR" and not report["leaving"]
+    assert len(report["faults"]) == 1 and "wall_floor" in report["faults"][0] and report["again"] == []
+    drawn = np.asarray(Image.open(tmp_path / "drawn.png")).astype(int)
+    for wall, (left, top) in corners.items():
+        x, y, width, height = report["places"][f"wall_{wall}"]
+        bottom = drawn.shape[0] - y
+        wanted, seen = drawn[bottom - height : bottom, x : x + width], screen[top : top + height, left : left + width]
+        assert (wanted[..., 0] - wanted[..., 1] > 200).sum() > 500  # its ball
+        yellow = (255, 230, 0)
+        edges = [seen[0], seen[-1], seen[:, 0], seen[:, -1]]
+        assert all(np.abs(edge - yellow).max() <= 2 for edge in edges)  # to the last pixel, and nobody else's
+        inside = np.ones((height, width), bool)
+        inside[[0, -1]] = inside[:, [0, -1]] = False
+        same = np.abs(seen - wanted).max(axis=-1) <= 2
+        assert (same | ~inside).mean() > 0.96  # all but the lines of the pattern

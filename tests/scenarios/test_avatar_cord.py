@@ -8,13 +8,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mimics_app.app.picture.picture import Picture
+from mimics_app.app.picture.shown_on import open_display
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.session.core import open_core
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.session.switched_off import NullRecorder
 from mimics_app.app.settings import RunSettings
-from mimics_app.inputs.trackers.scripted_person import person_at
+from mimics_app.inputs.trackers.scripted_person import ScriptedPerson, person_at
+from mimics_app.inputs.trackers.tape import TapeWriter
+from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
 
 ROOT = Path(__file__).parents[2]
 
@@ -140,3 +145,62 @@ def test_the_avatar_does_what_the_body_did_a_while_ago(tmp_path: Path) -> None:
     assert {label for label, _ in checked} == {"late", "mirrored"}
     # Predicted 25 ms ahead at 0.45 Hz and 12 cm: A w^2 t^2 / 2 = 0.3 mm.
     assert max(worst for _, worst in checked) <= 1e-3
+
+
+def fingerprint(core, frames) -> bytes:
+    """What the simulation is in a frame, to the last bit."""
+    scenario, cord, snapshot = core.scenario, core.world.cords["cord"], frames.snapshot
+    bodies = [figure._animator.pose for figure in (scenario.subject, scenario.avatar)]
+    parts = [each.tobytes() for who in ("subject", "avatar") for each in scenario._parts[who].values()]
+    touched = [np.asarray(each, float).tobytes() for each in (snapshot.hip_world, snapshot.f_user_world, cord.ends)]
+    posed = [part.tobytes() for pose in bodies for part in pose.arrays]
+    return b"".join([*parts, *touched, *posed, repr((snapshot.tick, cord.length, cord.swing, cord.taps)).encode()])
+
+
+def test_one_recording_of_head_and_hands_is_one_simulation_on_every_display(tmp_path: Path) -> None:
+    """Displays ask trackers for other times than the simulation does and draw other views: nothing comes back of it."""
+    tape = TapeWriter(tmp_path / "person.jsonl")
+    person = ScriptedPerson("person", 5)
+    person.start(tape.take)
+    for t in range(0, 4_000_000_000, 16_000_000):
+        person.poll(t)
+    person.stop()
+    tape.close()
+    file = scene_file(tmp_path, {"plain": {}})
+    document = json.loads(file.read_text())
+    document["systems"]["trackers"]["devices"][0] |= {"kind": "tape", "address": "person.jsonl"}
+    file.write_text(json.dumps(document))
+    walls = {"format": "mimics.walls/1", "walls": [_wall("front", -1), _wall("near", -0.5)], "stereo": True}
+    (tmp_path / "walls.json").write_text(json.dumps(walls))
+    runs = {}
+    for display in ("", "sim-hmd", f"cave:{tmp_path / 'walls.json'}"):
+        settings = RunSettings(file, seed=3, display=display)
+        prints = []
+        with open_core(prepare_scene(load_checked_scene(file), settings)) as core:
+            frames = Frames(core)
+            picture = _open(core, display) if display else None
+            while frames.number < 80:
+                frames.play_on()
+                if picture is not None and frames.number % 12 == 0:
+                    picture.draw(frames.board, core.clock.now_ns())
+                prints.append(fingerprint(core, frames))
+            # Before walls a person sees the real body; under a headset the drawn one.
+            assert core.scenario.subject._node.visible == (not display.startswith("cave"))
+            if picture is not None:
+                picture.close()
+        runs[display] = prints
+    assert len(set(runs[""])) > 70  # it moves
+    for display, prints in runs.items():
+        assert prints == runs[""], display
+
+
+def _wall(name: str, z: float) -> dict:
+    return {"name": name, "lower_left": [-1, 0, z], "lower_right": [1, 0, z], "upper_left": [-1, 2, z]}
+
+
+def _open(core, display: str) -> Picture:
+    surface = create_surface("egl", (96, 48))
+    opened = open_display(core.scene, display, surface)
+    picture = Picture(surface, core.scene, core.world, RenderSettings(msaa=0, shadow_size=64), display=opened)
+    core.shown_by(picture.presenter)
+    return picture

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
+from mimics_app.lab.visual.ripple import BENDS, crest_error, midway, straight
 from mimics_app.maths.cord import Ripple, Ripples, hang
 from mimics_app.world.cords import MOST_TAPS, Cord
 
@@ -134,7 +136,9 @@ def test_what_cannot_be_is_said_by_name_and_drawn_as_near_to_it_as_can_be() -> N
     cord.length, cord.radius = 1.0, 0.4
     assert cord.shown_radius * cord.curve.bend <= 0.951
     assert [fault for fault in cord.faults if "bend" in fault]
-    assert len(cord.faults) == 2
+    assert len(cord.take_faults()) == 2
+    cord.tap(0.5, 0.0, 0.0, 0.9)
+    assert cord.take_faults() == []  # told already
 
 
 def test_eight_taps_at_once_and_the_oldest_gives_way() -> None:
@@ -146,3 +150,11 @@ def test_eight_taps_at_once_and_the_oldest_gives_way() -> None:
     assert cord.ripples(0.15) == []
     assert len(cord.ripples(1.0)) == MOST_TAPS
     assert cord.ripples(20.0) == []
+
+
+def test_a_crest_is_right_on_a_straight_cord_and_the_farther_off_the_sharper_the_bend() -> None:
+    off = [crest_error(straight, bend) for bend in BENDS]
+    assert off[0] <= 1e-9
+    assert all(more > 1.5 * less for less, more in pairwise(off[1:]))
+    assert off[1] <= 0.1 / 0.9 * 0.05 + 1e-6  # a tenth of a bend: the inside is a tenth shorter than the middle line
+    assert all(crest_error(midway, bend) <= crest_error(straight, bend) for bend in BENDS)

@@ -15,11 +15,15 @@ from mimics_app.contracts.errors import SceneError, UsageError
 from mimics_app.maths.poses import invert_pose, pose_from_parts, rotation_from_vector
 from mimics_app.rendering.visual.displays.headset import RawHeadset, seen_tangents
 from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec, LensSpec, load_headset
+from mimics_app.rendering.visual.displays.headset_session import HeadsetDisplay
 from mimics_app.rendering.visual.displays.lens import distort, undistort
 from mimics_app.rendering.visual.displays.off_axis import Rectangle, look_through
+from mimics_app.rendering.visual.displays.simulated_headset import SimulatedRuntime
 from mimics_app.rendering.visual.displays.stereo import STEREO_KINDS, StereoDisplay, parallax
 from mimics_app.rendering.visual.displays.wall_file import load_walls
 from mimics_app.rendering.visual.displays.walls import WallDisplay
+from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT
+from mimics_app.rendering.visual.passes.hud import plane_of_views
 from mimics_app.rendering.visual.view import View
 
 FOV = math.radians(50.0)
@@ -232,3 +236,20 @@ def test_lens_coefficients_are_never_such_that_a_lens_folds_over() -> None:
     lens = LensSpec()
     for k in (lens.red, lens.green, lens.blue):
         assert (np.diff(distort(r, k)[:, 0]) > 0.0).all()
+
+
+def test_figures_in_a_headset_are_large_near_the_middle_and_comfortably_far() -> None:
+    """The smallest word of a card takes more than 1.3 degrees; nothing is farther than 32 degrees from the middle."""
+    spec = HeadsetSpec()
+    eyes = HeadsetDisplay("sim-hmd", SimulatedRuntime(spec))
+    eyes.begin_frame(0)
+    views = [view_of(eye) for eye in eyes.eyes(Viewpoint(np.eye(4), FOV), (1600, 800), 0)]
+    plane = plane_of_views(views, 1.0)
+    away = -(plane.origin_world[2])
+    assert away >= 1.28  # both eyes turn in for it by no more than a degree beyond what a screen asks
+    unit = np.linalg.norm(plane.up_world) / plane.canvas_height / away
+    assert math.degrees(math.atan(17.0 * unit)) >= 1.3
+    corners = [plane.origin_world + a * plane.right_world + b * plane.up_world for a in (0, 1) for b in (0, 1)]
+    assert all(abs(x) <= away * math.tan(math.radians(32.0)) for x, _, _ in corners)
+    screen = [view_of(eye) for eye in StereoDisplay("sbs").eyes(Viewpoint(np.eye(4), FOV), (1600, 800), 0)]
+    assert plane_of_views(screen, 1.0).canvas_height == CANVAS_HEIGHT

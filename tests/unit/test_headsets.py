@@ -123,6 +123,37 @@ def test_both_eyes_are_composed_into_what_the_panels_show(tmp_path: Path) -> Non
     np.testing.assert_array_equal(runtime.composed, picture)
 
 
+_LOUD = """
+import sys
+print("the loader talks", file=sys.stderr)
+def enumerate_instance_extension_properties():
+    raise RuntimeError("The loader was unable to find or load a runtime.")
+"""
+
+
+@pytest.mark.parametrize("set_up", ["nothing", "a file that is not there", "a runtime"])
+def test_the_loader_is_imported_only_where_a_runtime_says_that_it_is_there(tmp_path: Path, set_up: str) -> None:
+    (tmp_path / "xr").mkdir()
+    (tmp_path / "xr" / "__init__.py").write_text(_LOUD)
+    code = "from mimics_app.rendering.visual.displays.openxr_runtime import no_runtime; print(no_runtime())"
+    environment = {name: value for name, value in os.environ.items() if not name.startswith(("XR_", "XDG_"))}
+    environment |= {"PYTHONPATH": str(tmp_path), "XDG_CONFIG_HOME": str(tmp_path), "XDG_CONFIG_DIRS": str(tmp_path)}
+    if set_up == "a runtime":
+        (tmp_path / "openxr" / "1").mkdir(parents=True)
+        (tmp_path / "openxr" / "1" / "active_runtime.json").write_text("{}")
+    elif set_up != "nothing":
+        environment["XR_RUNTIME_JSON"] = str(tmp_path / "none.json")
+    elif any(Path(folder, "openxr/1").is_dir() for folder in ("/usr/local/etc", "/etc")):
+        pytest.skip("this machine has a runtime")
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, check=True)
+    assert ("the loader talks" in done.stderr) == (set_up == "a runtime")
+    assert done.stdout.startswith("no OpenXR runtime") and done.stdout.count("\n") == 1
+    assert {"nothing": "active", "a runtime": "unable to find", "a file that is not there": "none.json"}[
+        set_up
+    ] in done.stdout
+
+
 def test_without_a_runtime_there_is_one_line_and_nothing_else() -> None:
     """Whether pyopenxr is there or not: a reason in words, no traceback, no word of the loader."""
     code = "from mimics_app.rendering.visual.displays.openxr_runtime import no_runtime; print(no_runtime())"

@@ -22,6 +22,7 @@ from mimics_app.inputs.trackers.ascension import FlockParser, flock_record
 from mimics_app.inputs.trackers.calibration import axis_map, fit_room
 from mimics_app.inputs.trackers.emulated_line import emulated_fastrak, emulated_flock
 from mimics_app.inputs.trackers.hub import Placed, TrackerHub
+from mimics_app.inputs.trackers.lsl import LslTracker
 from mimics_app.inputs.trackers.osc import OscSender, OscTracker
 from mimics_app.inputs.trackers.plausibility import Plausibility
 from mimics_app.inputs.trackers.pointer_tracker import PointerTracker
@@ -350,6 +351,76 @@ def test_the_hub_brings_sensors_into_the_room_and_falls_back_to_whoever_still_se
     assert hub.pose("foot", 0) is None
     pointer.poll(500 * MS)  # the person has not been heard of for half a second
     np.testing.assert_allclose(hub.pose("head", 500 * MS).pose[:3, 3], [0.0, 1.7, 0.0], atol=1e-12)
+
+
+class Told(PointerTracker):
+    """A tracker that reports what a test hands it."""
+
+    def report(self, sensor: str, t_ns: int, rotation: tuple[float, float, float, float]) -> None:
+        assert self._sink is not None
+        self._sink(TrackerSample(sensor, t_ns, (0.0, 1.7, 0.0), rotation))
+
+
+def test_a_head_upside_down_and_one_asked_for_too_late_are_told_once_by_name() -> None:
+    source = Told("desk")
+    hub = TrackerHub([Placed(source, {"1": "head", "2": "hand_left"})])
+    hub.start()
+    for t in (0, 10 * MS):
+        source.report("1", t, (0.0, 0.0, 0.0, 1.0))
+        source.report("2", t, (1.0, 0.0, 0.0, 0.0))  # a hand may well be upside down
+    assert hub.pose("head", 40 * MS) and hub.pose("hand_left", 40 * MS)
+    assert hub.take_problems() == []
+    assert hub.pose("head", 70 * MS).capped
+    assert [problem for problem in hub.take_problems() if "desk" in problem and "50 ms" in problem]
+    source.report("1", 80 * MS, (0.0, 0.0, 1.0, 0.0))
+    for _ in range(2):
+        hub.pose("head", 80 * MS)
+    (said,) = hub.take_problems()
+    assert "upside down" in said and "axes" in said
+    hub.pose("head", 80 * MS)
+    assert hub.take_problems() == []
+
+
+def test_a_calibration_of_a_tracker_that_hangs_upside_down_is_told() -> None:
+    seen = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float)
+    hub = TrackerHub([Placed(Told("ceiling"), {}, calibration=fit_room(seen, seen * [1.0, -1.0, -1.0]))])
+    (said,) = hub.take_problems()
+    assert "ceiling" in said and "upside down" in said
+
+
+def test_poses_by_lsl_and_none_that_cannot_be() -> None:
+    pylsl = pytest.importorskip("pylsl", reason="pylsl is not installed: pip install mimics_app[lsl]")
+    name = f"mimics poses {time.monotonic_ns()}"
+    outlet = pylsl.StreamOutlet(pylsl.StreamInfo(name, "MoCap", 14, 120.0, "float32", name))
+    track, source = {"1": Track(), "2": Track()}, LslTracker("suit", name)
+    try:
+        source.start(lambda sample: track[sample.sensor].add(sample))
+    except DeviceError as error:
+        pytest.skip(f"no loopback of LSL here: {error}")
+    nan = math.nan
+    bad = [[nan, 1, 0, 0, 0, 0, 1], [0, 1, 0, 0, 0, 0, 0], [9e9, 1, 0, 0, 0, 0, 1], [0, 1, 0, nan, 0, 0, 1]]
+    end = time.monotonic() + 20.0
+    sent = 0
+    while sent < 40 or (any(each.newest is None for each in track.values()) and time.monotonic() < end):
+        good = [0.01 * (sent % 10), 1.5, -0.2, 0.0, 0.0, 0.0, 1.0]
+        outlet.push_sample([*good, *(bad[sent // 2 % 4] if sent % 2 else [1.0, 1.0, 1.0, 0.0, 1.0, 0.0, 0.0])])
+        sent += 1
+        time.sleep(0.004)
+    while source.rejected < 10 and time.monotonic() < end:
+        time.sleep(0.01)
+    source.stop()
+    first, second = (track[sensor].newest for sensor in ("1", "2"))
+    assert first is not None and second is not None
+    assert first.position[1:] == pytest.approx((1.5, -0.2)) and second.position == pytest.approx((1.0, 1.0, 1.0))
+    assert second.rotation == pytest.approx((0.0, 1.0, 0.0, 0.0))
+    assert source.rejected >= 10
+
+
+def test_a_stream_of_lsl_that_nobody_sends_is_one_clear_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("pylsl", reason="pylsl is not installed: pip install mimics_app[lsl]")
+    monkeypatch.setattr("mimics_app.inputs.trackers.lsl._PATIENCE_S", 0.2)
+    with pytest.raises(DeviceError, match="nobody sends"):
+        LslTracker("suit", "nobody sends").start(print)
 
 
 def test_a_source_that_cannot_be_had_stops_those_begun_before_it() -> None:

@@ -31,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics bench`."""
     parser.add_argument(
         "what",
-        choices=("all", "realtime", "methods", "audio", "haptic", "physio", "frame", "render"),
+        choices=("all", "realtime", "methods", "audio", "haptic", "physio", "frame", "displays", "render"),
         help="what to measure",
     )
     _add_render_arguments(parser)
@@ -217,6 +217,13 @@ def _measure_frame(args: argparse.Namespace) -> dict[str, Any]:
     return measure_frames(scenes, args.size, args.surface, seconds, _say)
 
 
+def _measure_displays(args: argparse.Namespace) -> dict[str, Any]:
+    """Both eyes in one pass against two, and from a head's pose to the frame that a headset is given."""
+    from mimics_app.app.bench.display_bench import measure_displays
+
+    return measure_displays(args.scene, args.size, args.frames, _say)
+
+
 def _measure_physio(args: argparse.Namespace) -> dict[str, Any]:
     """R peaks on annotated records and under noise, cost and latency; PEERS names a folder with rivals' harness."""
     from mimics_app.lab.physio.bench import measure_physio
@@ -232,6 +239,7 @@ def _measure_physio(args: argparse.Namespace) -> dict[str, Any]:
 
 _MEASURES = {
     "frame": _measure_frame,
+    "displays": _measure_displays,
     "realtime": _measure_realtime,
     "methods": _measure_methods,
     "audio": _measure_audio,

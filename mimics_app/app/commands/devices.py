@@ -106,6 +106,7 @@ def find_all() -> dict[str, Any]:
 
     Displays, gamepads and the sound output are asked for in processes of their own: their drivers may crash.
     """
+    from mimics_app.app.installation.display_files import find_display_files
     from mimics_app.app.installation.probes import probe
 
     attached, sound, headset = probe("attached"), probe("sound"), probe("headset")
@@ -114,6 +115,7 @@ def find_all() -> dict[str, Any]:
         "devices": [*_built_in(), *_plugged_in()],
         "displays": attached.get("displays", []),
         "display_kinds": _display_kinds(headset),
+        "display_files": find_display_files(Path.cwd()),
         "gamepads": attached.get("gamepads", []),
         "graphics": [{"backend": name, "ok": answer["ok"]} for name, answer in graphics.items()],
         "serial_ports": _serial_ports(),
@@ -168,6 +170,10 @@ def _serial_ports() -> list[dict[str, str]]:
     ]
 
 
+def _file_line(one: dict[str, str]) -> str:
+    return f"--display {one['write']}" + (f": {one['error']}" if one["error"] else "")
+
+
 def _lines(found: dict[str, Any]) -> list[str]:
     """The same for a person."""
     displays = [
@@ -180,6 +186,7 @@ def _lines(found: dict[str, Any]) -> list[str]:
         *_section("Robots and simulators (robot.device in a scene)", [_device_line(one) for one in found["devices"]]),
         *_section("Monitors", displays),
         *_section("Displays (--display)", [_kind_line(one) for one in found["display_kinds"]]),
+        *_section("Walls and headsets in this folder", [_file_line(one) for one in found["display_files"]]),
         *_section("Pictures by (--backend)", graphics),
         *_section("Gamepads", found["gamepads"]),
         *_section("Serial ports", [f"{one['port']}: {one['about']} ({one['id']})" for one in found["serial_ports"]]),

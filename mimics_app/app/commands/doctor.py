@@ -79,6 +79,7 @@ def examine(runs: Path) -> dict[str, Any]:
         "gl": graphics,
         "al": probe("sound"),
         "headset": probe("headset"),
+        "displays": _displays(),
         "scheduler": probe("scheduler"),
         "kernel_cache": _kernel_cache(),
         "runs": _runs_folder(runs),
@@ -148,6 +149,22 @@ def _runs_folder(runs: Path) -> dict[str, Any]:
     }
 
 
+def _displays() -> dict[str, Any]:
+    """Monitors, and files of walls and headsets in the present folder."""
+    from mimics_app.app.installation.display_files import find_display_files
+    from mimics_app.app.installation.probes import probe
+
+    attached = probe("attached")
+    monitors = [f"{one['name']} {one['size_px'][0]} x {one['size_px'][1]}" for one in attached.get("displays", [])]
+    files = [one["write"] for one in find_display_files(Path.cwd())]
+    return {"monitors": monitors, "files": files, "error": attached.get("error", "")}
+
+
+def _displays_said(displays: dict[str, Any]) -> str:
+    found = [*displays["monitors"], *(f"--display {file}" for file in displays["files"])]
+    return ", ".join(found) if found else displays["error"] or "none"
+
+
 def _data_folder() -> dict[str, Any]:
     from mimics_app.contracts.errors import MimicsError
     from mimics_app.contracts.resources import root
@@ -173,6 +190,10 @@ def _lines(findings: dict[str, Any]) -> list[str]:
     lines.append(_line(findings["al"]["ok"], "sound", _sound_said(findings["al"]), optional=True))
     headset = findings["headset"]
     lines.append(_line(headset["ok"], "headset", headset.get("error") or headset["runtime"], optional=True))
+    displays = findings["displays"]
+    lines.append(
+        _line(bool(displays["monitors"] or displays["files"]), "displays", _displays_said(displays), optional=True)
+    )
     scheduler = findings["scheduler"]
     lines.append(_line(scheduler.get("fifo", False), "scheduler", _scheduler_said(scheduler), optional=True))
     lines += ["", "Folders", *_folder_lines(findings)]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.board import Bar, Board, Card, Tone
-from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Colour, Hud
+from mimics_app.rendering.visual.figures.hud import Colour, Hud
 from mimics_app.rendering.visual.figures.key_page import Keys, draw_keys
 from mimics_app.rendering.visual.figures.palette import ACCENT, FAINT, INK
 
@@ -36,6 +36,7 @@ _WARN_LOAD, _ALARM_LOAD = 0.4, 0.8
 
 _MARGIN = 22.0
 _HEIGHT = 62.0
+_GAP = 12.0
 
 
 class BoardLayout:
@@ -56,31 +57,35 @@ class BoardLayout:
             keys: The page, () for none.
         """
         cards = tuple((name, board.cards[name]) for name in show if name in board.cards)
-        wanted = (id(hud), cards, board.message, board.alarm, force_full, hud.width, tuple(keys))
+        wanted = (id(hud), cards, board.message, board.alarm, force_full, hud.width, hud.height, tuple(keys))
         if self._laid == (wanted, hud.revision):
             return
         hud.clear()
-        x = _MARGIN
+        x, y = _MARGIN, hud.height - _MARGIN - _HEIGHT
         for name, card in cards:
-            hud.extend(self._rows(name, hud, card, x, force_full))
-            x += card.width + 12.0
+            if x > _MARGIN and x + card.width > hud.width - _MARGIN:
+                x, y = _MARGIN, y - _HEIGHT - _GAP
+            hud.extend(self._rows(name, hud, card, (x, y), force_full))
+            x += card.width + _GAP
         _draw_message(hud, board.message, alarm=board.alarm)
         if keys:
             draw_keys(hud, keys)
         self._laid = wanted, hud.revision
 
-    def _rows(self, name: str, hud: Hud, card: Card, x: float, force_full: float) -> NDArray[np.void]:
-        """What a card at a place is made of, HUD_ROW [n]."""
-        wanted = (card, x, force_full)
+    def _rows(
+        self, name: str, hud: Hud, card: Card, corner: tuple[float, float], force_full: float
+    ) -> NDArray[np.void]:
+        """What a card is made of whose lower left corner is at a place, HUD_ROW [n]."""
+        wanted = (card, corner, force_full)
         if self._cards.get(name, (None,))[0] != wanted:
             alone = Hud(hud.atlas)
-            _draw_card(alone, card, x, force_full)
+            _draw_card(alone, card, corner, force_full)
             self._cards[name] = wanted, alone.rows()
         return self._cards[name][1]
 
 
-def _draw_card(hud: Hud, card: Card, left: float, force_full: float) -> None:
-    bottom = CANVAS_HEIGHT - _MARGIN - _HEIGHT
+def _draw_card(hud: Hud, card: Card, corner: tuple[float, float], force_full: float) -> None:
+    left, bottom = corner
     hud.box(left, bottom, card.width, _HEIGHT, _PANEL, radius=12.0)
     place = x, y, width = left + 16.0, bottom + 12.0, card.width - 32.0
     hud.text(x, y + 27.0, card.label, 15.0, FAINT)

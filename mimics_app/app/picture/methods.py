@@ -20,6 +20,7 @@ _FIELDS: Mapping[str, tuple[str, ...]] = {
     "level of detail": ("detail",),
     "skinning": ("skinning",),
     "shading": ("shading",),
+    "stereo": ("stereo",),
 }
 """Fields of the renderer's settings that the methods of a group may set; how cascades are placed is the scene's."""
 

@@ -19,6 +19,7 @@ from mimics_app.app.planner.uses import shadow_distance_of, visual_of
 from mimics_app.app.settings import Profile
 from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import Clock
+from mimics_app.contracts.display_port import Display
 from mimics_app.contracts.errors import SceneError, nearest
 from mimics_app.contracts.input_port import Ray
 from mimics_app.contracts.stage_timer import UNTIMED, StageTimer
@@ -29,7 +30,7 @@ from mimics_app.rendering.visual.presenting.presenter import Presenter
 from mimics_app.rendering.visual.renderer import Latch, Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
-from mimics_app.rendering.visual.surfaces.surface import Surface
+from mimics_app.rendering.visual.surfaces.surface import Size, Surface
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.components.visible import Hud as HudComponent
 from mimics_app.world.scene.scene import Scene
@@ -38,13 +39,19 @@ from mimics_app.world.world import World
 __all__ = ["Picture", "draws_in_software", "live_quality", "picture_quality"]
 
 
-def live_quality(scene: Scene, profile: Profile, surface: Surface) -> RenderSettings:
+def live_quality(scene: Scene, profile: Profile, surface: Surface, drawn: Size | None = None) -> RenderSettings:
     """Quality of a picture that must keep up: on the processor its frames bear only what the planner finds room for.
 
     The table's costs are of pictures drawn on the processor; of another driver they say nothing, and the frame
     governor alone minds the time.
+
+    Args:
+        scene: What is drawn.
+        profile: Whose tolerances hold where the scene states none.
+        surface: Where it is shown.
+        drawn: Of what is drawn for it, all eyes together [px]; None: as much as is shown.
     """
-    width, height = surface.size
+    width, height = drawn or surface.size
     return picture_quality(scene, profile, width * height if draws_in_software(surface) else 0)
 
 
@@ -90,7 +97,7 @@ class Picture:
         world: What is drawn; needs a camera.
         settings: Quality.
         camera: Entity whose camera is looked through; "": the first.
-        display: Where it is shown, KIND or KIND:FILE; "": what the scene says.
+        display: Where it is shown, closed with the picture; None: what the scene says.
 
     Attributes:
         surface: Where it is shown.
@@ -112,11 +119,11 @@ class Picture:
         world: World,
         settings: RenderSettings,
         camera: str = "",
-        display: str = "",
+        display: Display | None = None,
     ) -> None:
         self.surface = surface
         self._wanted = camera
-        self.presenter = Presenter(open_display(scene, display, surface), surface)
+        self.presenter = Presenter(display or open_display(scene, "", surface), surface)
         self.renderer = Renderer(self.presenter.drawn, world, settings)
         self.film: Film | None = None
         self.keys: Keys = ()
@@ -151,7 +158,7 @@ class Picture:
     @property
     def leaving(self) -> bool:
         """Whether the person has left by way of the display: closed its window, or ended a headset's session."""
-        return self.surface.should_close or self.presenter.display.leaving
+        return self.surface.should_close or self.presenter.leaving
 
     def draw(self, board: Board, now_ns: int = 0) -> FrameStats:
         """Draw one frame with a board over it, to be seen at a session time [ns]."""
@@ -234,7 +241,7 @@ class Picture:
         """Say on stderr what was drawn otherwise than the scene asks, a line for each fault, once."""
         for issue in self.renderer.take_issues():
             sys.stderr.write(f"mimics: {issue}\n")
-        for fault in self.presenter.display.take_faults():
+        for fault in self.presenter.take_faults():
             sys.stderr.write(f"mimics: {fault}\n")
 
     def _board_laid_out(self, board: Board) -> list[View]:
@@ -248,7 +255,8 @@ class Picture:
         """Put a board over the picture that these eyes see."""
         hud = self.renderer.hud
         screen = [view for view in views if view.screen == views[0].screen]
-        hud.width = plane_of_views(screen, self.renderer.settings.hud_depth).canvas_width
+        plane = plane_of_views(screen, self.renderer.settings.hud_depth)
+        hud.width, hud.height = plane.canvas_width, plane.canvas_height
         operator, wanted = self.renderer.shows("forces"), () if self._board is None else self._board.show
         show = [name for name in wanted if operator or name not in OPERATORS_CARDS]
         force_full = 0.0 if self._board is None else self._board.force_full
@@ -256,7 +264,7 @@ class Picture:
 
     def ray(self, right: float, up: float) -> Ray | None:
         """The ray through a place of the window, each coordinate in [-1, 1]."""
-        origin, direction = self.views[0].ray(right, up)
+        origin, direction = self.presenter.ray(self._camera, right, up)
         return _triple(origin), _triple(direction)
 
     def save(self, file: Path) -> list[Path]:

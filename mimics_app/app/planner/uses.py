@@ -12,7 +12,7 @@ from mimics_app.world.components.animation import Animation, Avatar
 from mimics_app.world.components.haptic_shapes import TouchSurface, surface_of
 from mimics_app.world.components.objects import HapticObject, HapticWalls, InteractionPoints
 from mimics_app.world.components.robot import Admittance, Robot, Tunnel
-from mimics_app.world.components.systems import AudioSettings, HapticSettings, VisualSettings
+from mimics_app.world.components.systems import AudioSettings, DisplaySettings, HapticSettings, VisualSettings
 from mimics_app.world.components.visible import CameraComponent, LightComponent, MeshComponent, Sound
 from mimics_app.world.scene.method_plugins import Use, method_plugins
 from mimics_app.world.scene.scene import Scene
@@ -234,6 +234,25 @@ def _named_shading(scene: Scene) -> Settings | None:
     return None if shading == "auto" else {"shading": shading}
 
 
+_ONE_EYE = ("desktop", "wall", "cave")
+"""Kinds of display for one eye, and those whose file says for how many."""
+
+
+def _display_of(scene: Scene) -> DisplaySettings:
+    display = scene.systems.get("display")
+    return display if isinstance(display, DisplaySettings) else DisplaySettings()
+
+
+def _for_two_eyes(scene: Scene) -> bool:
+    display = _display_of(scene)
+    return display.kind not in _ONE_EYE or display.passes != "auto"
+
+
+def _named_passes(scene: Scene) -> Settings | None:
+    passes = _display_of(scene).passes
+    return None if passes == "auto" else {"stereo": passes}
+
+
 def _shows_models(scene: Scene) -> bool:
     return any(mesh.source for _, mesh, _ in scene.components(MeshComponent))
 
@@ -270,6 +289,7 @@ USES: Mapping[str, Use] = {
     "level of detail": Use("coarser forms of far bodies", _shows_models),
     "skinning": Use("bodies that follow joints", _bends, _named_skinning),
     "shading": Use("light on surfaces", _has(CameraComponent), _named_shading),
+    "stereo": Use("the two eyes before a picture", _for_two_eyes, _named_passes),
     "sun shadows": Use("shadows of the sun", _has_sun_shadow, _named_shadows, _may_shadow, _PROBE_PX),
     "anti aliasing": Use("anti-aliasing", _has(CameraComponent), _named_edges, pixels=_PROBE_PX),
     "ambient occlusion": Use(

@@ -60,11 +60,13 @@ class Album:
             self._files += picture.save(file)
 
     def _open(self) -> Picture:
+        from mimics_app.app.picture.shown_on import open_display
         from mimics_app.rendering.visual.surfaces.headless import open_offscreen
 
         session = self._session
         surface = open_offscreen("auto", session.settings.size)
         quality = picture_quality(session.scene, session.settings.profile)
-        picture = Picture(surface, session.scene, session.world, quality, display=session.settings.display)
+        display = open_display(session.scene, session.settings.display, surface)
+        picture = Picture(surface, session.scene, session.world, quality, display=display)
         session.show(picture)
         return picture

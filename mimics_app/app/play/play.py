@@ -162,11 +162,17 @@ def _show_result(session: Session, answer: dict[str, Any]) -> str:
 
 def open_picture(session: Session, surface: Surface, *, keep: bool = False) -> None:
     """Draw the session on a surface from now on, as well as its settings say; `keep` it for what comes after."""
+    from mimics_app.app.picture.shown_on import open_display
+
     settings, scene = session.settings, session.scene
     best = settings.quality == "full"
-    quality = picture_quality(scene, settings.profile) if best else live_quality(scene, settings.profile, surface)
+    display = open_display(scene, settings.display, surface)
+    drawn = display.drawn_size(surface.size)
+    quality = (
+        picture_quality(scene, settings.profile) if best else live_quality(scene, settings.profile, surface, drawn)
+    )
     session.recorder.journal("quality", asdict(quality))
-    session.show(Picture(surface, scene, session.world, quality, display=settings.display))
+    session.show(Picture(surface, scene, session.world, quality, display=display))
     session.window = surface if keep else None
 
 

@@ -8,6 +8,7 @@ from typing import Protocol
 
 from mimics_app.app.picture.drawn import Drawn
 from mimics_app.app.picture.picture import Picture, picture_quality
+from mimics_app.app.picture.shown_on import open_display
 from mimics_app.app.picture.video import draw_film
 from mimics_app.app.scenes.catalogue import is_playable
 from mimics_app.app.scenes.loading import load_checked_scene
@@ -18,6 +19,7 @@ from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import FRAMES_PER_SECOND
 from mimics_app.rendering.visual.frame_set import render_frames
+from mimics_app.rendering.visual.presenting.presenter import Presenter
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.scene.file import build_world
@@ -79,7 +81,9 @@ def _draw(
 ) -> Drawn:
     quality = picture_quality(scene, settings.profile)
     surface = open_offscreen(backend, settings.size)
-    picture = Picture(surface, scene, play.world, quality, camera, settings.display)
+    display = open_display(scene, settings.display, surface)
+    picture = Picture(surface, scene, play.world, quality, camera, display)
+    play.shown_by(picture.presenter)
 
     def views(number: int) -> list[View]:
         figures = play.to(number)
@@ -111,6 +115,9 @@ class _Moments(Protocol):
     def time_ns(self, number: int) -> int:
         """Session time of frame `number` [ns]."""
 
+    def shown_by(self, presenter: Presenter) -> None:
+        """What brings it to a display."""
+
     def close(self) -> None:
         """Nothing is drawn any more."""
 
@@ -141,6 +148,9 @@ class _Standing:
     def time_ns(self, number: int) -> int:
         return round(self._seconds_per_frame * (number + 1) * 1e9)
 
+    def shown_by(self, presenter: Presenter) -> None:
+        """Nobody is there whose head it could follow."""
+
     def close(self) -> None:
         """Nothing is open."""
 
@@ -158,6 +168,9 @@ class _Played:
     @property
     def world(self) -> World:
         return self._core.world
+
+    def shown_by(self, presenter: Presenter) -> None:
+        self._core.shown_by(presenter)
 
     def to(self, number: int) -> Board:
         """Play up to still `number` and return its board."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,9 @@ from mimics_app.tasks.task_manager import TaskManager
 from mimics_app.world.components.robot import Patient
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
+
+if TYPE_CHECKING:
+    from mimics_app.rendering.visual.presenting.presenter import Presenter
 
 __all__ = ["SessionCore", "open_core", "simulated_person"]
 
@@ -95,6 +98,12 @@ class SessionCore:
         """room_from_part of the person's body at a time [ns], as far as a tracker knows; float64 [4, 4]."""
         found = self.trackers.pose(role, at_ns)
         return None if found is None else found.pose
+
+    def shown_by(self, presenter: Presenter) -> None:
+        """Have a display follow the person's head, and the scenario know where the person is seen."""
+        presenter.follow(self.trackers.head)
+        if presenter.surrounds:
+            self.scenario.stand_before_walls()
 
     def begin(self) -> None:
         """Hand the first parameters on: to the recorder that keeps them, then to the loop that obeys them."""

@@ -113,6 +113,8 @@ class Frames:
             self._feel(orders, now_ns)
         with stage("scenario"):
             core.trackers.poll(now_ns)
+            for problem in core.trackers.take_problems():
+                core.tell(problem)
             core.scenario.see_body(core.part_of_body, now_ns)
             core.scenario.apply(orders, snapshot)
             core.parameter_store.change(core.scenario.haptic_orders())
@@ -120,6 +122,7 @@ class Frames:
         with stage("world update"):
             self._motion.step(orders, events, now_ns)
             core.world.update()
+            self._tell_of_cords()
         with stage("sound"):
             self._effects.step(orders, events, now_ns)
             core.sound.step(orders, core.world, now_ns)
@@ -128,6 +131,11 @@ class Frames:
             core.tap.step(self.number, vr.signals, features, state)
             self._journal(vr, taken, snapshot, len(events), now_ns)
         self.number, self.orders, self.snapshot, self.events = self.number + 1, orders, snapshot, events
+
+    def _tell_of_cords(self) -> None:
+        for name, cord in self._core.world.cords.items():
+            for fault in cord.take_faults():
+                self._core.tell(f'cord "{name}": {fault}')
 
     def _feel(self, orders: TaskOrders, now_ns: int) -> None:
         """Hand the task's taps to the vibrators, and keep when each is felt."""

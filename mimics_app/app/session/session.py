@@ -61,7 +61,7 @@ class Session(SessionCore):
     def show(self, picture: Picture) -> None:
         """Take a picture to draw from now on, into a film where one is wanted."""
         self.picture = picture
-        picture.presenter.follow(self.trackers.head)
+        self.shown_by(picture.presenter)
         if self.settings.video is not None:
             self.on_close.callback(picture.start_film(self.settings.video, live=self.live).finish)
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.display_port import MAX_PREDICTION_NS
 from mimics_app.contracts.tracker_port import TrackedPose, TrackerSample, TrackerSource
 from mimics_app.inputs.trackers.calibration import Calibration
 from mimics_app.inputs.trackers.tape import TapeWriter
@@ -16,6 +17,9 @@ from mimics_app.inputs.trackers.track import Track
 __all__ = ["Placed", "TrackerHub"]
 
 F8 = NDArray[np.float64]
+
+_UPSIDE_DOWN = -0.5
+"""Cosine between a head's up and the room's below which nobody stands or lies: 120 degrees."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,17 +55,34 @@ class TrackerHub:
         self._trackers = tuple(trackers)
         self._tape = tape
         self._tracks: dict[tuple[int, str], Track] = {}
+        self._problems: dict[str, bool] = {}
 
     @property
     def roles(self) -> tuple[str, ...]:
         """All that some tracker has, in their order."""
         return tuple(dict.fromkeys(role for each in self._trackers for role in each.roles.values()))
 
-    @property
-    def problems(self) -> list[str]:
-        """What is wrong with trackers now, a line each."""
-        said = [(each.source.name, each.source.problem or each.calibration.fault) for each in self._trackers]
-        return [f"tracker {name}: {problem}" for name, problem in said if problem]
+    def take_problems(self) -> list[str]:
+        """What has gone wrong with trackers since the last call, a line each; each is told once."""
+        for each in self._trackers:
+            self._note(each, each.source.problem or each.calibration.fault)
+        new = [what for what, told in self._problems.items() if not told]
+        self._problems = dict.fromkeys(self._problems, True)
+        return new
+
+    def _note(self, tracker: Placed, problem: str) -> None:
+        if problem:
+            self._problems.setdefault(f"tracker {tracker.source.name}: {problem}", False)
+
+    def _doubt(self, tracker: Placed, role: str, found: TrackedPose) -> None:
+        """Remember what cannot be right about where a part of the body is said to be."""
+        if found.capped and not found.stale:
+            least_ms = MAX_PREDICTION_NS // 1_000_000
+            self._note(
+                tracker, f"the {role} is asked for past {least_ms} ms after a report; it is predicted no farther"
+            )
+        if role == "head" and found.pose[1, 1] < _UPSIDE_DOWN:
+            self._note(tracker, "the head is upside down: turn its sensor over, or correct `axes` or its `offset`")
 
     def start(self) -> None:
         """Begin to listen.
@@ -94,6 +115,7 @@ class TrackerHub:
                 if found is None:
                     continue
                 placed = TrackedPose(_place(each, found.pose), found.age_ns, found.stale, found.capped)
+                self._doubt(each, role, placed)
                 if not placed.stale:
                     return placed
                 stale = stale or placed

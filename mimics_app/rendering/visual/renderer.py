@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Unpack
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.errors import Issue, UsageError
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
-from mimics_app.rendering.visual.drawing.frame_buffers import FrameBuffers
+from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.rendering.visual.frame_stats import FrameStats
@@ -20,7 +20,8 @@ from mimics_app.rendering.visual.lighting import gather_lighting
 from mimics_app.rendering.visual.materials.materials import MaterialStore
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.passes.hud import HudPass, plane_of_views
-from mimics_app.rendering.visual.settings import QualityChanges, RenderSettings
+from mimics_app.rendering.visual.settings import QualityChanges, RenderSettings, StereoPasses
+from mimics_app.rendering.visual.stages.eye_pairs import group_views, see_from_between, stereo_passes
 from mimics_app.rendering.visual.stages.picture_stage import PictureStage
 from mimics_app.rendering.visual.stages.shadow_stage import ShadowStage, light_features
 from mimics_app.rendering.visual.stages.world_stage import FrameScene, ViewDraws, WorldStage
@@ -91,7 +92,7 @@ class Renderer:
         surface, ctx = self._surface, self._surface.ctx
         self._shaders = ShaderLibrary(ctx, self._shader_folder)
         self._arena = MeshArena(ctx)
-        has = read_capabilities(ctx)
+        self._has = has = read_capabilities(ctx)
         self._materials = MaterialStore(ctx, self._shaders, has)
         self._list = DrawList(self._arena, self._materials)
         self._frame = FrameBuffers(ctx)
@@ -249,8 +250,14 @@ class Renderer:
     def _batch_all(self, scene: FrameScene, views: Sequence[View]) -> list[ViewDraws]:
         """Queue what is seen in the views and in the pictures within them, and send it to the driver."""
         places = [self._picture.rectangle(view.rectangle) for view in views]
-        drawn = [self._batch(scene, view, number, places[number]) for number, view in enumerate(views)]
-        drawn = self._pictures.queue(self.world, drawn, partial(self._batch, scene), self.settings.mirror_scale)
+        queued: dict[int, ViewDraws] = {}
+        # What a mirror shows goes by where its eye is, and no eye is between two.
+        groups = group_views(views) if not self.world.mirrors else [(number,) for number in range(len(views))]
+        for numbers in groups:
+            eyes = [views[number] for number in numbers]
+            queued |= zip(numbers, self._batch(scene, eyes, numbers[0], [places[k] for k in numbers]), strict=True)
+        drawn = [queued[number] for number in range(len(views))]
+        drawn = self._pictures.queue(self.world, drawn, partial(self._batch_inside, scene), self.settings.mirror_scale)
         self._bend()
         self._frame.upload(self._arena)
         if scene.effects is not None:
@@ -297,15 +304,36 @@ class Renderer:
         self._effects.prepare(self.world, lights)
         return self._effects
 
-    def _batch(self, scene: FrameScene, view: View, key: Hashable, rectangle: Rect | None = None) -> ViewDraws:
-        """Queue what is seen in a view; of a picture within the picture it is where the view says itself."""
-        rectangle = rectangle or view.rectangle
-        size, samples = rectangle[2:], self._picture.samples
-        opaque, blended, away = self._list.batch_view(self._frame, view, size, samples, key)
+    def _batch(
+        self, scene: FrameScene, views: Sequence[View], key: Hashable, places: Sequence[Rect]
+    ) -> list[ViewDraws]:
+        """Queue what is seen in a view, or in both of two eyes."""
+        eyes = list(views) if len(views) == 1 else see_from_between(*views)
+        sizes, samples = [place[2:] for place in places], self._picture.samples
+        queue = self._list.batch_views(self._frame, views, eyes[0].eye_world, sizes, samples, key)
+        opaque, blended, away = queue
+        stereo = self._pair_up([*opaque, *blended], places)
+        if stereo != "two_pass":
+            self._frame.double(opaque)
+            self._frame.double(blended if scene.effects is None else [])
+        drawn = [ViewDraws(eye, place, opaque, blended, stereo=stereo) for eye, place in zip(eyes, places, strict=True)]
         if scene.effects is None:
-            return ViewDraws(view, rectangle, opaque, blended)
-        thrown = scene.effects.meet(view, self._list, self._frame)
-        return ViewDraws(view, rectangle, opaque, scene.effects.mix(view, blended, away), thrown=thrown)
+            return drawn
+        thrown = [scene.effects.meet(eye, self._list, self._frame) for eye in eyes]
+        return [
+            replace(each, transparent=scene.effects.mix(each.view, blended, away), thrown=beams)
+            for each, beams in zip(drawn, thrown, strict=True)
+        ]
+
+    def _pair_up(self, runs: Sequence[DrawRun], places: Sequence[Rect]) -> StereoPasses:
+        """How what is queued is drawn: in one pass only for two eyes over which nothing of the overlay is laid."""
+        if len(places) != 2 or (self._overlay is not None and self._overlay.shows):
+            return "two_pass"
+        return stereo_passes(self.settings, self._has, runs, places)
+
+    def _batch_inside(self, scene: FrameScene, view: View, key: Hashable) -> ViewDraws:
+        """Queue what is seen in a picture within the picture; it is where the view says itself."""
+        return self._batch(scene, [view], key, [view.rectangle])[0]
 
     def _draw_overlay(
         self, overlay: Overlay, target: moderngl.Framebuffer, scene: FrameScene, drawn: Sequence[ViewDraws]
@@ -329,7 +357,7 @@ class Renderer:
         huds = [self.hud]
         if self._overlay is not None and self._overlay.layers:
             draws += self._overlay.draw_atlas(self._surface.framebuffer, self._shadows)
-            self._overlay.lay_out(self.hud.width)
+            self._overlay.lay_out(self.hud.width, self.hud.height)
             huds.append(self._overlay.hud)
         if all(hud.empty for hud in huds):
             return draws

@@ -8,7 +8,16 @@ from typing import Literal, TypedDict
 from mimics_app.contracts.errors import UsageError
 from mimics_app.world.materials.technique import Profile
 
-__all__ = ["BendBy", "Culling", "Occlusion", "QualityChanges", "RenderSettings", "Shading", "ShadowKind"]
+__all__ = [
+    "BendBy",
+    "Culling",
+    "Occlusion",
+    "QualityChanges",
+    "RenderSettings",
+    "Shading",
+    "ShadowKind",
+    "StereoPasses",
+]
 
 Shading = Literal["full", "matt", "plain"]
 """Which techniques draw opaque surfaces: each material's own; or, of those that are lit, one further down its chain of
@@ -20,6 +29,10 @@ BendBy = Literal["processor", "feedback"]
 
 Culling = Literal["auto", "flat", "tree"]
 """How the items in a view are found: each tested by itself, groups of the scene graph first, or by their number."""
+
+StereoPasses = Literal["two_pass", "viewports", "clip_distance"]
+"""How the two eyes before a picture are drawn: one after the other; or together, every second instance for the other
+eye, into a viewport of its own, or into its half of one, cut off at the middle."""
 
 Occlusion = Literal["off", "derived", "authored", "all"]
 """Which boxes may hide what is behind them: none, those found inside meshes, those written into models, or both."""
@@ -60,6 +73,7 @@ class RenderSettings:
         occlusion: Which boxes may hide what is behind them; the picture is the same with any found ones and none.
         culling: How the items in a view are found; the picture is the same.
         skinning: Who bends what follows joints; the picture is the same.
+        stereo: How two eyes are drawn, see `StereoPasses`; where it cannot be, in two passes.
         timer: True asks the driver how long it drew, where it can tell.
     """
 
@@ -86,6 +100,7 @@ class RenderSettings:
     occlusion: Occlusion = "all"
     culling: Culling = "auto"
     skinning: BendBy = "processor"
+    stereo: StereoPasses = "clip_distance"
     timer: bool = False
 
     def __post_init__(self) -> None:

@@ -31,8 +31,9 @@ class View:
         clip_plane: World plane before which alone things are seen, unit normal and offset, float64 [4]; None: the near
             plane. The eye is behind it.
         part_of: Tangents of the picture this is a part of, by which levels of detail go; None: it is the whole.
-        queued_at: Where the eye was when the frame was queued [m], float64 [3]: the head has moved since, and places
-            are relative to there still. None: it has not.
+        queued_at: Where places are relative to [m], float64 [3]: where the eye was when the frame was queued, if the
+            head has moved since, or between two eyes that share a queue. None: where the eye is.
+        pair: Views of one number are the two eyes before one picture and are queued together; -1: an eye by itself.
     """
 
     world_from_eye: F8
@@ -44,6 +45,7 @@ class View:
     clip_plane: F8 | None = None
     part_of: Tangents | None = None
     queued_at: F8 | None = None
+    pair: int = -1
 
     def __post_init__(self) -> None:
         left, right, bottom, top = self.tangents
@@ -55,7 +57,7 @@ class View:
 
     @property
     def eye_world(self) -> F8:
-        """Where the eye is, or was when the frame was queued: origin of the frame "eye" [m], float64 [3]."""
+        """Where the eye is, or what was queued is relative to: origin of the frame "eye" [m], float64 [3]."""
         return self.world_from_eye[:3, 3] if self.queued_at is None else self.queued_at
 
     @property
@@ -94,7 +96,7 @@ class View:
             self,
             world_from_eye=newer.world_from_eye,
             tangents=newer.tangents,
-            queued_at=self.world_from_eye[:3, 3],
+            queued_at=self.eye_world,
         )
 
     def ray(self, right: float, up: float) -> tuple[F8, F8]:
@@ -110,7 +112,7 @@ class View:
         left, far_right, bottom, top = self.tangents
         x = left + 0.5 * (right + 1.0) * (far_right - left)
         y = bottom + 0.5 * (up + 1.0) * (top - bottom)
-        return self.eye_world, self.world_from_eye[:3, :3] @ np.array([x, y, -1.0])
+        return self.world_from_eye[:3, 3], self.world_from_eye[:3, :3] @ np.array([x, y, -1.0])
 
 
 def tilt_near_plane(clip_from_eye: F8, plane: F8) -> F8:

@@ -28,7 +28,7 @@ F8 = NDArray[np.float64]
 
 VIEW_BLOCK = np.dtype(
     [
-        ("clip_from_eye", "f4", (4, 4)),
+        ("clip_from_eyes", "f4", (2, 4, 4)),
         ("sun_right", "f4", (4,)),
         ("sun_up", "f4", (4,)),
         ("sun_map", "f4", (MAX_CASCADES, 4)),
@@ -52,6 +52,7 @@ VIEW_BLOCK = np.dtype(
         ("light_colour", "f4", (MAX_LIGHTS, 4)),
         ("light_direction", "f4", (MAX_LIGHTS, 4)),
         ("light_shadow", "f4", (MAX_LIGHTS, 4)),
+        ("eye_places", "f4", (2, 4)),
     ]
 )
 """std140: vec4 and mat4 only, so that it has no holes. Matrices are stored column after column."""
@@ -75,7 +76,9 @@ class ViewBlock:
         self._data = np.zeros((), VIEW_BLOCK)
         self._buffer = ctx.buffer(reserve=VIEW_BLOCK.itemsize)
 
-    def fill(self, view: View, lighting: Lighting, plan: ShadowPlan, *, sun: bool = True) -> None:
+    def fill(
+        self, view: View, lighting: Lighting, plan: ShadowPlan, *, sun: bool = True, other: View | None = None
+    ) -> None:
         """Upload one view's numbers; everything world-sized is made eye-relative in float64 first.
 
         Args:
@@ -83,9 +86,12 @@ class ViewBlock:
             lighting: What shines.
             plan: The frame's shadow maps.
             sun: False leaves the sun out.
+            other: The other eye, where both are drawn together; queued from the same place.
         """
         data, eye = self._data, view.eye_world
-        data["clip_from_eye"] = view.clip_from_eye.T
+        for number, each in enumerate((view, other or view)):
+            data["clip_from_eyes"][number] = each.clip_from_eye.T
+            data["eye_places"][number, :3] = each.world_from_eye[:3, 3] - eye
         data["tangents"] = view.tangents
         for axis, name in enumerate(("axis_right", "axis_up", "axis_back")):
             data[name][:3] = view.world_from_eye[:3, axis]

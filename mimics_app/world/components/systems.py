@@ -107,6 +107,13 @@ class DisplaySettings(Component, frozen=True):
     screen_distance: Annotated[
         float, Meta(ge=0.1, le=100.0, description="Where a stereo screen's two pictures agree [m]")
     ] = 2.0
+    passes: Annotated[
+        Literal["auto", "two_pass", "viewports", "clip_distance"],
+        Meta(
+            description="How two eyes are drawn: one after the other; or together, each into a viewport or into its "
+            "half of one; auto: the planner"
+        ),
+    ] = "auto"
     swap_eyes: Annotated[bool, Meta(description="True: left and right of a stereo screen exchanged")] = False
 
 

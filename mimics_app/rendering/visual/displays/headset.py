@@ -58,7 +58,13 @@ def headset_eyes(
     half = drawn[0] // 2
     places: list[Rect] = [(0, 0, half, drawn[1]), (half, 0, drawn[0] - half, drawn[1])]
     return [
-        Eye(name, world_from_head @ pose_from_parts(eye.position, eye.rotation), tangents[number], places[number])
+        Eye(
+            name,
+            world_from_head @ pose_from_parts(eye.position, eye.rotation),
+            tangents[number],
+            places[number],
+            pair=0,
+        )
         for number, (name, eye) in enumerate((("left", spec.left), ("right", spec.right)))
     ]
 

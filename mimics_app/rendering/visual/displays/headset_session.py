@@ -127,7 +127,8 @@ class HeadsetDisplay(PlainDisplay):
         places: list[Rect] = [(0, 0, half, drawn[1]), (half, 0, drawn[0] - half, drawn[1])]
         each = zip(("left", "right"), self._located, places, strict=True)
         return [
-            Eye(name, viewpoint.world_from_rest @ eye.rest_from_eye, eye.tangents, place) for name, eye, place in each
+            Eye(name, viewpoint.world_from_rest @ eye.rest_from_eye, eye.tangents, place, pair=0)
+            for name, eye, place in each
         ]
 
     def end_frame(self, frame: DisplayFrame | None) -> None:

@@ -1,16 +1,20 @@
 """OpenXR through pyopenxr (extra `hmd`): instance, session, swapchains, frames.
 
-The loader prints to stderr unless it is told not to before it is imported, and a runtime that is not there is found out
-within a millisecond; so the module `xr` is imported by `load_openxr` alone.
+The loader prints to stderr unless it is told not to before it is imported, and importing it takes a tenth of a second
+and more; so the module `xr` is imported by `load_openxr` alone, and only where a runtime says that it is there.
 """
 
 from __future__ import annotations
 
 import ctypes
+import importlib.util
 import math
 import os
+import platform
+import sys
 from contextlib import suppress
 from ctypes import POINTER, byref, c_void_p, cast, pointer
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -51,7 +55,18 @@ def load_openxr() -> ModuleType:
 
 
 def no_runtime() -> str:
-    """Why no OpenXR runtime can be had, in words; "" where there is one."""
+    """Why no OpenXR runtime can be had, in words; "" where there is one.
+
+    What has no runtime at all is found out by looking for files, without the loader.
+    """
+    if importlib.util.find_spec("xr") is None:
+        return "pyopenxr is not installed; pip install mimics_app[hmd]"
+    if sys.platform == "linux":
+        named = os.environ.get("XR_RUNTIME_JSON")
+        if named and not Path(named).is_file():
+            return f"no OpenXR runtime: XR_RUNTIME_JSON names {named}, which is not there"
+        if not named and not any(file.is_file() for file in _manifests()):
+            return "no OpenXR runtime: none is set as active (openxr/1/active_runtime.json), nor by XR_RUNTIME_JSON"
     try:
         xr = load_openxr()
     except DeviceError as error:
@@ -61,6 +76,15 @@ def no_runtime() -> str:
     except Exception as error:  # noqa: BLE001  the loader's errors share no useful base
         return f"no OpenXR runtime: {' '.join(str(error).split()) or type(error).__name__}"
     return ""
+
+
+def _manifests() -> list[Path]:
+    """Where the loader looks for the active runtime (OpenXR loader, "Desktop Active Runtime File Location")."""
+    own = Path(os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config")
+    shared = (os.environ.get("XDG_CONFIG_DIRS") or "/etc/xdg").split(":")
+    folders = [own, *map(Path, shared), Path("/usr/local/etc"), Path("/etc")]
+    names = (f"active_runtime.{platform.machine()}.json", "active_runtime.json")
+    return [folder / "openxr" / "1" / name for folder in folders for name in names]
 
 
 class OpenXrRuntime(HeadsetRuntime):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from mimics_app.contracts.display_port import (
@@ -13,6 +15,7 @@ from mimics_app.contracts.display_port import (
     HeadSource,
     Size,
     Viewpoint,
+    WindowPlace,
 )
 
 __all__ = ["PlainDisplay", "eye_offset", "no_head"]
@@ -35,6 +38,7 @@ class PlainDisplay(Display):
 
     composing: Composing | None = None
     leaving = False
+    windows: Sequence[WindowPlace] = ()
 
     def __init__(self) -> None:
         self.head: HeadSource = no_head

@@ -59,7 +59,7 @@ class StereoDisplay(PlainDisplay):
         left, right, bottom, top = window
         shift = x / self._distance
         tangents = (left - shift, right - shift, bottom, top)
-        return Eye(name, viewpoint.world_from_head @ eye_offset(x), tangents, place)
+        return Eye(name, viewpoint.world_from_head @ eye_offset(x), tangents, place, pair=0)
 
     def _rectangles(self, drawn: Size) -> tuple[Rect, Rect]:
         width, height = drawn

@@ -36,7 +36,8 @@ class WallSpec(Component, frozen=True):
         tuple[_Pixels, _Pixels] | None, Meta(description="Width, height; absent: the height asked for")
     ] = None
     window: Annotated[
-        tuple[int, int] | None, Meta(description="Where its window is on the desktop [px]; absent: on a monitor each")
+        tuple[int, int] | None,
+        Meta(description="Where its window is on the desktop [px]; absent: it fills a monitor beside the first"),
     ] = None
 
 

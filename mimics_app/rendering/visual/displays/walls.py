@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.display_port import Composing, Eye, Rect, Size, Viewpoint
+from mimics_app.contracts.display_port import Composing, Eye, Rect, Size, Viewpoint, WindowPlace
 from mimics_app.rendering.visual.displays.off_axis import look_through
 from mimics_app.rendering.visual.displays.plain_display import PlainDisplay, eye_offset
-from mimics_app.rendering.visual.displays.wall_file import WallsSpec, rectangle_of
+from mimics_app.rendering.visual.displays.wall_file import WallSpec, WallsSpec, rectangle_of
 
 __all__ = ["WallDisplay"]
 
@@ -30,6 +30,12 @@ class WallDisplay(PlainDisplay):
         super().__init__()
         self.kind, self.spec = kind, spec
         self._walls = [(wall, rectangle_of(wall)) for wall in spec.walls]
+        # Of two eyes the right one's window is beside the left one's, or on the next monitor.
+        self.windows = [
+            WindowPlace(f"wall_{wall.name}{side}", _beside(wall, row), wall.pixels)
+            for row, (side, _) in enumerate(_SIDES[spec.stereo])
+            for wall in spec.walls
+        ]
         self.composing = Composing("display/test_pattern.frag", {}, each_eye=True) if spec.test_pattern else None
 
     def pixels(self, shown: Size) -> list[Size]:
@@ -63,7 +69,8 @@ class WallDisplay(PlainDisplay):
             self.note(f'wall "{wall.name}": {sight.fault}')
         # Figures are laid over the first wall alone: nobody looks for them on the floor.
         screen = 0 if number == 0 else -1
-        return Eye(f"wall_{wall.name}{side}", world_from_room @ sight.pose, sight.tangents, rectangle, screen)
+        pair = number if self.spec.stereo else -1
+        return Eye(f"wall_{wall.name}{side}", world_from_room @ sight.pose, sight.tangents, rectangle, screen, pair)
 
     def _rectangles(self, drawn: Size, row: int) -> list[Rect]:
         """Where the pictures of a row are in the one drawn [px]."""
@@ -81,3 +88,10 @@ class WallDisplay(PlainDisplay):
         # A window of another shape shows all of them smaller.
         across, down = drawn[0] / total, height / highest
         return [(max(1, int(width * across)), max(1, int(each * down))) for width, each in sizes]
+
+
+def _beside(wall: WallSpec, row: int) -> tuple[int, int] | None:
+    """Upper left corner of a wall's window [px]: the right eye's as far to the right as the wall is wide."""
+    if wall.window is None:
+        return None
+    return wall.window[0] + row * (wall.pixels[0] if wall.pixels else 0), wall.window[1]

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
-from dataclasses import dataclass
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,7 @@ __all__ = ["DRAWN", "HIDDEN", "Casters", "DrawList", "Tally"]
 
 F8 = NDArray[np.float64]
 I4 = NDArray[np.int32]
+Size = tuple[int, int]
 
 
 HIDDEN, DRAWN = 1, 2
@@ -205,25 +206,42 @@ class DrawList:
         self._order.sort(self._picked, count, origin, self.centres, self.radii, self._mirrored, shadow=True)
         return frame.add(self._picked, count, origin, self.items, self._world, self._mirrored, shadow=True)
 
-    def batch_view(
-        self, frame: FrameBuffers, view: View, size: tuple[int, int], samples: int, key: Hashable
+    def batch_views(
+        self, frame: FrameBuffers, views: Sequence[View], origin: F8, sizes: Sequence[Size], samples: int, key: Hashable
     ) -> tuple[list[DrawRun], list[DrawRun], F8]:
-        """Queue what is in a view's frustum and not hidden.
+        """Queue what is in the frustum of any of some views and not hidden there.
 
         Args:
             frame: Where to.
-            view: From where.
-            size: Of the picture drawn [px].
+            views: From where: one, or two eyes.
+            origin: What is queued is relative to here, and sorted by the distance from here, world [m], [3].
+            sizes: Of the views' pictures as drawn [px].
             samples: Per pixel.
-            key: Of the view, the same from frame to frame.
+            key: Of the views together, the same from frame to frame.
 
         Returns:
             Opaque runs, the states with the nearest items first and near to far within each; blended runs, each item
-            by itself, far to near; and the distances of these from the eye [m].
+            by itself, far to near; and the distances of these from the origin [m].
         """
-        items, eye, picked = self.items, view.eye_world, self._picked
+        items, picked = self.items, self._picked
+        # One level for both eyes: a body that has two forms at once cannot be fused.
+        between = replace(views[0], queued_at=origin)
+        shown = self._levels.show(key, between, self._shown, self.centres, self.radii, self._detail)
+        count = self._pick(views[0], shown, sizes[0], samples)
+        if len(views) > 1:
+            count = self._pick_also(views[1:], count, shown, sizes[1:], samples)
+        self.used[picked[:count]] = True
+        blended = self._split(count)
+        solid = count - len(blended)
+        self._order.sort(picked, solid, origin, self.centres, self.radii, self._mirrored)
+        self._opaque = solid
+        opaque = frame.add(picked, solid, origin, items, self._world, self._mirrored)
+        return opaque, *self._batch_blended(frame, blended, origin)
+
+    def _pick(self, view: View, shown: NDArray[np.uint8], size: Size, samples: int) -> int:
+        """Find what is in a view and not hidden in it; returns how many."""
+        items, picked = self.items, self._picked
         planes = compute_frustum_planes(view.clip_from_world)
-        shown = self._levels.show(key, view, self._shown, self.centres, self.radii, self._detail)
         before = self._culler.tests
         seen = count = self._culler.cull(planes, shown, self._world, self.centres, self.radii, picked)
         self._remember(seen, HIDDEN)
@@ -231,14 +249,20 @@ class DrawList:
             spheres = (self.centres, self.radii)
             count = self._occlusion.remove_hidden(picked, seen, view, size, samples, items, self._world, *spheres)
         self._remember(count, DRAWN)
-        self.used[picked[:count]] = True
         self.tally.count(int(shown.sum()), seen, count, self._culler.tests - before)
-        blended = self._split(count)
-        solid = count - len(blended)
-        self._order.sort(picked, solid, eye, self.centres, self.radii, self._mirrored)
-        self._opaque = solid
-        opaque = frame.add(picked, solid, eye, items, self._world, self._mirrored)
-        return opaque, *self._batch_blended(frame, blended, eye)
+        return count
+
+    def _pick_also(
+        self, views: Sequence[View], count: int, shown: NDArray[np.uint8], sizes: Sequence[Size], samples: int
+    ) -> int:
+        """Add what other views have to what is picked already; returns how many there are."""
+        either = np.zeros(len(self.items.rows), np.bool_)
+        either[self._picked[:count]] = True
+        for view, size in zip(views, sizes, strict=True):
+            either[self._picked[: self._pick(view, shown, size, samples)]] = True
+        found = np.flatnonzero(either)
+        self._picked[: len(found)] = found
+        return len(found)
 
     def batch_meeting(self, frame: FrameBuffers, view: View, planes: F8, onto: I4 | None) -> list[DrawRun]:
         """Queue once more what is opaque in the view batched last and meets a volume.

@@ -25,6 +25,8 @@ F8 = NDArray[np.float64]
 I4 = NDArray[np.int32]
 U1 = NDArray[np.uint8]
 
+_INSTANCES = 1
+"""Word of a command that counts instances."""
 _COMMAND_BYTES = 4 * COMMAND_WORDS
 
 
@@ -116,6 +118,11 @@ class FrameBuffers:
         self.command_count += commands
         of_state = listed.of_shadow if shadow else listed.of_state
         return [_run(row, of_state) for row in self._runs[:runs].tolist()]
+
+    def double(self, runs: list[DrawRun]) -> None:
+        """Have commands that are queued draw each of their instances for two eyes."""
+        for run in runs:
+            self._commands[run.first : run.first + run.count, _INSTANCES] *= 2
 
     def upload(self, arena: MeshArena) -> None:
         """Send the frame to the GPU."""

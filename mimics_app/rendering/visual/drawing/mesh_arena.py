@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.rendering.visual.drawing.solids import Solid, find_solid
+from mimics_app.rendering.visual.surfaces.raw_gl import RawGL
 from mimics_app.world.meshes.mesh import MeshData
 from mimics_app.world.meshes.mesh_buffer import MeshChange
 from mimics_app.world.meshes.vertex_declaration import COLOUR_DECLARATION, VERTEX_DECLARATION
@@ -89,6 +90,7 @@ class MeshArena:
         self._colours = ctx.buffer(reserve=_COLOUR.itemsize)
         self._indices = {wide: ctx.buffer(reserve=4) for wide in (False, True)}
         self._instances = ctx.buffer(reserve=_INSTANCE.itemsize)
+        self._raw: RawGL | None = None
         self._arrays: dict[tuple[ShaderProgram, bool], tuple[int, moderngl.VertexArray]] = {}
 
     def update(self, world: World, *, solid: bool = False) -> bool:
@@ -164,8 +166,16 @@ class MeshArena:
             content.append(_describe(self._colours, _COLOUR, program, ""))
         size = 4 if wide else 2
         array = self._ctx.vertex_array(program, content, self._indices[wide], index_element_size=size)
+        if shader.eyes > 1:
+            self._share_instances(array, program, shader.eyes)
         self._arrays[shader, wide] = (shader.revision, array)
         return array
+
+    def _share_instances(self, array: moderngl.VertexArray, program: moderngl.Program, eyes: int) -> None:
+        """Have so many instances that follow each other read the same numbers."""
+        if self._raw is None:
+            self._raw = RawGL(self._ctx)
+        self._raw.set_divisor(array.glo, _locations(program, _INSTANCE), eyes)
 
     def release(self) -> None:
         """Free all buffers."""
@@ -272,6 +282,14 @@ def _pack(mesh: MeshData, first: int = 0, count: int | None = None) -> NDArray[n
         if values is not None:
             packed[element.attribute] = values[first:end]
     return packed
+
+
+def _locations(program: moderngl.Program, layout: np.dtype[np.void]) -> list[int]:
+    """Where a program reads the elements of a layout that it reads at all."""
+    import moderngl
+
+    read = (program[name] for name in layout.names or () if name in program)
+    return [each.location for each in read if isinstance(each, moderngl.Attribute)]
 
 
 def _describe(

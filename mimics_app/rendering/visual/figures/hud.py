@@ -33,6 +33,7 @@ class Hud:
 
     Attributes:
         width: Of the canvas [hud px]; set by whoever lays out, from the picture's aspect.
+        height: The same; less than `CANVAS_HEIGHT` where everything is to be larger.
         revision: Changes with the content.
         images: Pictures shown by `image`, display code values, uint8 [n, height, width, 4], row 0 at the top.
     """
@@ -42,6 +43,7 @@ class Hud:
         self._rows: list[tuple[tuple[float, ...], ...]] = []
         self._parts: list[NDArray[np.void]] = []
         self.width = CANVAS_HEIGHT * 16.0 / 9.0
+        self.height = CANVAS_HEIGHT
         self.revision = 0
         self.images: NDArray[np.uint8] | None = None
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from operator import is_
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -85,6 +86,7 @@ class MaterialStore:
         self._broken: dict[str, str] = {}
         self._textures = TextureStore(ctx, has.texture_size)
         self._arrays = PictureArrays(ctx, has.texture_size)
+        self._held: list[tuple[list[str], list[object]]] = []
         self._variant = _Variant()
         self._told: set[Issue] = set()
         self.issues: list[Issue] = []
@@ -104,9 +106,11 @@ class MaterialStore:
         Returns:
             True when one came, went or changed.
         """
-        known = {name: (material, _pictures(material, world)) for name, material in world.materials.items()}
         variant = _Variant(light_features, shading, profile)
         techniques = {**built_in_techniques(), **world.techniques}
+        if self._stands(world) and variant == self._variant and techniques == self._techniques:
+            return False
+        known = {name: (material, _pictures(material, world)) for name, material in world.materials.items()}
         if variant != self._variant or techniques != self._techniques:
             self._variant, self._techniques = variant, techniques
             stale = {name for name, _ in self._looks} | {""}
@@ -119,6 +123,13 @@ class MaterialStore:
             self._looks.pop(key).block.release()
         self._known = known
         return changed
+
+    def _stands(self, world: World) -> bool:
+        """Whether materials and pictures are the very ones of the last update: asked each frame, so made cheap."""
+        held, self._held = self._held, [(list(each), list(each.values())) for each in (world.materials, world.textures)]
+        return len(held) == 2 and all(
+            was[0] == now[0] and all(map(is_, was[1], now[1])) for was, now in zip(held, self._held, strict=True)
+        )
 
     def look(self, name: str, *, coloured: bool = False) -> Look:
         """The look of a material; plain grey for a name the world does not have.

@@ -51,6 +51,11 @@ class ShaderProgram:
     revision: int = 0
     files: dict[Path, int] = field(default_factory=dict)
 
+    @property
+    def eyes(self) -> int:
+        """For how many eyes each instance is drawn."""
+        return 2 if any(define.startswith("EYES_BY_") for define in self.defines) else 1
+
     def set_matrix(self, name: str, matrix: NDArray[np.float64]) -> None:
         """Give a mat4 uniform its value (column vectors, float64 [4, 4]); uploaded as float32."""
         uniform: Any = self.program[name]
@@ -88,6 +93,7 @@ class ShaderLibrary:
         self.folder = folder or resources.root() / "shaders"
         self._programs: dict[_Key, ShaderProgram] = {}
         self.replaced = 0
+        self._variants: dict[tuple[ShaderProgram, tuple[str, ...]], ShaderProgram] = {}
 
     def program(self, vertex: str, fragment: str, defines: tuple[str, ...] = ()) -> ShaderProgram:
         """The program of two shader files.
@@ -101,6 +107,16 @@ class ShaderLibrary:
             SceneError: a file is missing or does not compile.
         """
         return self._find((vertex, fragment, defines, ()))
+
+    def also_with(self, shader: ShaderProgram, defines: tuple[str, ...]) -> ShaderProgram:
+        """The same two files with more names defined; the very program where there are none."""
+        if not defines:
+            return shader
+        known = self._variants.get((shader, defines))  # asked for every run of every frame
+        if known is None:
+            known = self.program(shader.vertex, shader.fragment, (*shader.defines, *defines))
+            self._variants[shader, defines] = known
+        return known
 
     def feedback(self, vertex: str, varyings: tuple[str, ...], defines: tuple[str, ...] = ()) -> ShaderProgram:
         """The program of a vertex shader alone, whose outputs go into a buffer instead of a picture.

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.frame_budget import BUDGET_MS, FRAME_MS
-from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, HUD_ROW, Colour, Hud
+from mimics_app.rendering.visual.figures.hud import HUD_ROW, Colour, Hud
 from mimics_app.rendering.visual.figures.palette import FAINT, INK
 from mimics_app.rendering.visual.overlay.stage_times import FrameTimes
 
@@ -42,7 +42,7 @@ def draw_frame_graph(hud: Hud, frames: Sequence[FrameTimes]) -> None:
     if not known:
         return
     stages = list(dict.fromkeys(name for frame in known for name in frame.cpu_ms))
-    x, top = hud.width - _MARGIN - _WIDTH - 28.0, CANVAS_HEIGHT - _BELOW
+    x, top = hud.width - _MARGIN - _WIDTH - 28.0, hud.height - _BELOW
     height = _HEIGHT + 66.0 + 19.0 * len(stages)
     hud.box(x, top - height, _WIDTH + 28.0, height, _PANEL, radius=12.0)
     _write_head(hud, known, x + 14.0, top - 26.0)

@@ -9,7 +9,7 @@ from mimics_app.contracts.clock import Clock
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.drawing.frame_buffers import FrameBuffers
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
-from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, Colour, Hud
+from mimics_app.rendering.visual.figures.hud import Colour, Hud
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.overlay.atlas_pass import AtlasPass
 from mimics_app.rendering.visual.overlay.figures import add_bounds, add_lights, add_node_bounds
@@ -100,10 +100,10 @@ class Overlay:
             draws += self._line_pass.draw(target, self._lines, drawn.view, drawn.rectangle)
         return draws
 
-    def lay_out(self, width: float) -> None:
-        """Write the panels for a canvas of a width [hud px]."""
+    def lay_out(self, width: float, height: float) -> None:
+        """Write the panels for a canvas of a width and height [hud px]."""
         hud = self.hud
-        hud.width = width
+        hud.width, hud.height = width, height
         hud.clear()
         if "graph" in self.layers:
             draw_frame_graph(hud, self.times.frames)
@@ -113,8 +113,8 @@ class Overlay:
         if on:
             text = ", ".join(on)
             wide = hud.measure(text, 14.0) + 24.0
-            hud.box(18.0, CANVAS_HEIGHT - 128.0, wide, 26.0, _PANEL, radius=9.0)
-            hud.text(30.0, CANVAS_HEIGHT - 120.0, text, 14.0, INK)
+            hud.box(18.0, hud.height - 128.0, wide, 26.0, _PANEL, radius=9.0)
+            hud.text(30.0, hud.height - 120.0, text, 14.0, INK)
 
     def draw_atlas(self, framebuffer: moderngl.Framebuffer, shadows: ShadowStage) -> int:
         """The shadow atlas in a corner of the surface, before `lay_out`; returns the draw calls made."""

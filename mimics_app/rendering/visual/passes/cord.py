@@ -66,6 +66,7 @@ class CordPass:
         lighting: Lighting,
         lights: frozenset[str],
         time_s: float,
+        eyes: tuple[str, ...] = (),
     ) -> int:
         """Draw into the framebuffer in use, depth tested and written; the view's block is bound.
 
@@ -75,6 +76,7 @@ class CordPass:
             lighting: What shines.
             lights: Features of shaders that the frame's light needs.
             time_s: Of the world, by which ripples run [s].
+            eyes: What shaders are told besides where both eyes are drawn together.
 
         Returns:
             Draw calls made.
@@ -84,7 +86,7 @@ class CordPass:
         shown = [cord for cord in cords.values() if cord.visible]
         if not shown:
             return 0
-        array = self._vertex_array(lights)
+        array = self._vertex_array(lights, eyes)
         self._ctx.enable_only(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         self._ctx.front_face = "ccw"
         self._ctx.cull_face = "back"
@@ -94,7 +96,7 @@ class CordPass:
             fill_cord_block(self._data, cord, view.eye_world, lighting.sun_direction, time_s)
             self._block.orphan()
             self._block.write(self._data.tobytes())
-            array.render(moderngl.TRIANGLES)
+            array.render(moderngl.TRIANGLES, instances=1 + len(eyes))
         return len(shown)
 
     def release(self) -> None:
@@ -104,8 +106,8 @@ class CordPass:
                 part.release()
         self._array = self._indices = self._block = None
 
-    def _vertex_array(self, lights: frozenset[str]) -> moderngl.VertexArray:
-        shader = self._shaders.program("cord/cord.vert", "cord/cord.frag", tuple(sorted(lights)))
+    def _vertex_array(self, lights: frozenset[str], eyes: tuple[str, ...]) -> moderngl.VertexArray:
+        shader = self._shaders.program("cord/cord.vert", "cord/cord.frag", (*sorted(lights), *eyes))
         if self._block is None or self._indices is None:
             self._block = self._ctx.buffer(reserve=CORD_BLOCK.itemsize)
             self._indices = self._ctx.buffer(grid_indices(RINGS, SIDES).tobytes())

@@ -27,6 +27,8 @@ _AROUND = 1.68
 """Height of a picture, in tangents, beyond 80 degrees: a headset."""
 _LOOKED_AT = (0.6, 0.45)
 """Tangents right and up that eyes turn to without the head: some 30 and 24 degrees."""
+_ENLARGED = 1.6
+"""Figures in a headset over those of a screen: its pixels are coarse, so that the smallest word takes 1.4 degrees."""
 _BEYOND = 1.05
 """How far inside the near and the far plane a display stays."""
 
@@ -39,16 +41,18 @@ class HudPlane:
         origin_world: Its lower left corner [m], float64 [3].
         right_world: From there along its lower edge [m], float64 [3].
         up_world: Along its left edge [m], float64 [3].
+        canvas_height: Of the canvas on it [hud px].
     """
 
     origin_world: F8
     right_world: F8
     up_world: F8
+    canvas_height: float = CANVAS_HEIGHT
 
     @property
     def canvas_width(self) -> float:
         """Width of the canvas [hud px] of the plane's shape."""
-        return float(CANVAS_HEIGHT * np.linalg.norm(self.right_world) / np.linalg.norm(self.up_world))
+        return float(self.canvas_height * np.linalg.norm(self.right_world) / np.linalg.norm(self.up_world))
 
 
 def plane_of_views(views: Sequence[View], depth: float) -> HudPlane:
@@ -65,17 +69,18 @@ def plane_of_views(views: Sequence[View], depth: float) -> HudPlane:
     depth = max(depth, _NEAREST_FOR_TWO) if len(views) > 1 else depth
     nearest, farthest = max(view.near for view in views), min(view.far for view in views)
     depth = min(max(depth, _BEYOND * nearest), farthest / _BEYOND)
-    left, right, bottom, top = _readable(np.mean([view.tangents for view in views], axis=0), len(views)) * depth
+    seen = np.mean([view.tangents for view in views], axis=0)
+    around = len(views) > 1 and bool(seen[3] - seen[2] >= _AROUND)
+    left, right, bottom, top = depth * (_readable(seen) if around else seen)
     centre = np.mean([view.eye_world for view in views], axis=0)
     axes = views[0].world_from_eye[:3, :3]
     origin = centre + axes @ np.array([left, bottom, -depth])
-    return HudPlane(origin, axes[:, 0] * (right - left), axes[:, 1] * (top - bottom))
+    canvas = CANVAS_HEIGHT / _ENLARGED if around else CANVAS_HEIGHT
+    return HudPlane(origin, axes[:, 0] * (right - left), axes[:, 1] * (top - bottom), canvas)
 
 
-def _readable(tangents: F8, eyes: int) -> F8:
-    """The part of a frustum that figures are laid over: all of a screen; of what surrounds the eyes, its middle."""
-    if eyes == 1 or tangents[3] - tangents[2] < _AROUND:
-        return tangents
+def _readable(tangents: F8) -> F8:
+    """The part of what surrounds the eyes that figures are laid over: its middle."""
     across, up = _LOOKED_AT
     return np.clip(tangents, [-across, -across, -up, -up], [across, across, up, up])
 
@@ -170,7 +175,7 @@ def clip_from_hud(view: View, plane: HudPlane) -> F8:
     """Projection of the canvas, x and y in hud px from its lower left corner (float64 [4, 4])."""
     eye_from_hud = np.zeros((4, 4))
     eye_from_hud[:3, 0] = plane.right_world / plane.canvas_width
-    eye_from_hud[:3, 1] = plane.up_world / CANVAS_HEIGHT
+    eye_from_hud[:3, 1] = plane.up_world / plane.canvas_height
     eye_from_hud[:3, 3] = plane.origin_world - view.eye_world
     eye_from_hud[3, 3] = 1.0
     return np.asarray(view.clip_from_eye @ eye_from_hud)

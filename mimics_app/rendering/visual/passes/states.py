@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.materials.look import LookPass
+from mimics_app.rendering.visual.materials.shader_library import ShaderProgram
 
 if TYPE_CHECKING:
     import moderngl
@@ -14,8 +16,25 @@ if TYPE_CHECKING:
 __all__ = ["draw_runs"]
 
 
-def draw_runs(target: moderngl.Framebuffer, arena: MeshArena, frame: FrameBuffers, runs: list[DrawRun]) -> int:
+def _as_it_is(shader: ShaderProgram) -> ShaderProgram:
+    return shader
+
+
+def draw_runs(
+    target: moderngl.Framebuffer,
+    arena: MeshArena,
+    frame: FrameBuffers,
+    runs: list[DrawRun],
+    variant: Callable[[ShaderProgram], ShaderProgram] = _as_it_is,
+) -> int:
     """Draw every pass of every run in order; afterwards depth is written and back faces are what is left out.
+
+    Args:
+        target: Where to; in use.
+        arena: What the runs draw.
+        frame: Has their commands.
+        runs: In order.
+        variant: Which program draws instead of a pass's own.
 
     Returns:
         Draw calls made.
@@ -28,7 +47,7 @@ def draw_runs(target: moderngl.Framebuffer, arena: MeshArena, frame: FrameBuffer
             if state != last:
                 _set_state(target, each)
                 last = state
-            frame.draw(arena, run, each.shader)
+            frame.draw(arena, run, variant(each.shader))
             calls += 1
     ctx.cull_face = "back"
     target.depth_mask = True

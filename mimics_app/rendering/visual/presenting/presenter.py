@@ -9,14 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.display_port import Composing, Display, DisplayFrame, Eye, FrameTiming, HeadSource, Viewpoint
+from mimics_app.rendering.visual.presenting.beside import BesideWindows
 from mimics_app.rendering.visual.presenting.compose import ComposePass
 from mimics_app.rendering.visual.surfaces.eye_buffer import EyeBuffer
 from mimics_app.rendering.visual.surfaces.headless import read_pixels, save_png
 from mimics_app.rendering.visual.surfaces.surface import Size, Surface
-from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.view import Rect, View
 from mimics_app.world.camera import Camera
 
 __all__ = ["Presenter"]
+
+F8 = NDArray[np.float64]
 
 _REST_HEIGHT = 1.7
 """Height of the eyes of a person at rest, where trackers tell places in a room and the display has none [m]."""
@@ -24,7 +27,13 @@ _REST_HEIGHT = 1.7
 _WALLS = ("wall", "cave")
 """Kinds whose pictures nobody sees together: where there is no window the surface takes their size."""
 
-_SHOW = Composing("post/enlarge.frag", {}, each_eye=True)
+_HEADSETS = ("sim-hmd", "openxr")
+"""Kinds with a runtime that takes the frame."""
+
+_OVER_EACH_OTHER = ("interleaved", "anaglyph", "quad")
+"""Kinds that show both eyes in the same place."""
+
+_SHOW = Composing("post/resample.frag", {}, each_eye=True)
 """For a display whose picture has another size than the surface: a mirror of it."""
 
 
@@ -45,8 +54,9 @@ class Presenter:
         self._asked = None if surface.backend == "window" else surface.size
         if self._asked is not None and display.kind in _WALLS:
             surface.resize(display.drawn_size(self._asked))
-        self._apart = display.composing is not None or self._wanted() != surface.size
-        self.drawn: Surface = EyeBuffer(surface, self._wanted()) if self._apart else surface
+        self._beside = BesideWindows(display, surface) if display.windows and surface.backend == "window" else None
+        apart = display.composing is not None or self._beside is not None or self._wanted() != surface.size
+        self.drawn: Surface = EyeBuffer(surface, self._wanted()) if apart else surface
         self.timing = FrameTiming(0)
         self._begun = False
         self._eyes: list[Eye] = []
@@ -64,6 +74,11 @@ class Presenter:
         """Whether the views depend on where a head is."""
         return self.display.kind in (*_WALLS, "hmd", "sim-hmd", "openxr")
 
+    @property
+    def surrounds(self) -> bool:
+        """Whether a person stands before the pictures and sees the own body with them."""
+        return self.display.kind in _WALLS
+
     def begin(self, now_ns: int) -> FrameTiming:
         """Begin a frame; see `Display.begin_frame`. One that was begun and never shown ends empty."""
         if self._begun:
@@ -79,22 +94,51 @@ class Presenter:
         viewpoint = Viewpoint(camera.world_from_eye, camera.vertical_fov)
         self._eyes = self.display.eyes(viewpoint, self.drawn.size, self.timing.display_ns)
         return [
-            View(eye.world_from_eye, eye.tangents, eye.rectangle, camera.near, camera.far, eye.screen)
+            View(eye.world_from_eye, eye.tangents, eye.rectangle, camera.near, camera.far, eye.screen, pair=eye.pair)
             for eye in self._eyes
         ]
 
+    def ray(self, camera: Camera, right: float, up: float) -> tuple[F8, F8]:
+        """The ray through a place of what is shown, each coordinate in [-1, 1].
+
+        Of the eye whose picture is there; where both lie over each other, of one between them.
+
+        Returns:
+            World [m] and direction, float64 [3] each.
+        """
+        views = self.views(camera)
+        if self.display.kind in _OVER_EACH_OTHER:
+            rays = np.array([view.ray(right, up) for view in views]).mean(axis=0)
+            return rays[0], rays[1]
+        at = 0.5 * (np.array([right, up]) + 1.0) * self.drawn.size
+        view = min(views, key=lambda each: _outside(each.rectangle, at))
+        x, y, width, height = view.rectangle
+        inside = 2.0 * (at - (x, y)) / (width, height) - 1.0
+        return view.ray(float(inside[0]), float(inside[1]))
+
     def present(self) -> None:
-        """Compose what was drawn and hand it over; the surface's `swap` brings it to the glass."""
+        """Compose what was drawn and hand it over; the surface's `swap` brings it to the glass.
+
+        A headset gets the frame first: the mirror of it may take its time.
+        """
+        self._begun = False
+        texture = self.drawn.texture.glo if isinstance(self.drawn, EyeBuffer) else 0
+        frame = DisplayFrame(self._eyes, self.drawn.size, texture, self._read)
+        if self.display.kind in _HEADSETS:
+            self.display.end_frame(frame)
+            self._show_on_surface()
+        else:
+            self._show_on_surface()
+            self.display.end_frame(frame)
+
+    def _show_on_surface(self) -> None:
         if isinstance(self.drawn, EyeBuffer):
             if self._compose is None:
                 self._compose = ComposePass(self.surface.ctx, self.display.composing or _SHOW)
             self._compose.draw(self.drawn, self.surface, [eye.rectangle for eye in self._eyes])
-            texture = self.drawn.texture.glo
+            if self._beside is not None:
+                self._beside.show(self.drawn, self._eyes, self._compose if self.display.composing else None)
             self.surface.both_eyes = self.drawn.framebuffer if self.display.kind == "quad" else None
-        else:
-            texture = 0
-        self._begun = False
-        self.display.end_frame(DisplayFrame(self._eyes, self.drawn.size, texture, self._read))
 
     def skip(self) -> None:
         """End a frame that nobody sees."""
@@ -113,9 +157,20 @@ class Presenter:
         save_png(self.surface, file)
         return [file, *eyes]
 
+    @property
+    def leaving(self) -> bool:
+        """Whether the display wants the session to end, or the person closed a window of one of its pictures."""
+        return self.display.leaving or (self._beside is not None and self._beside.should_close)
+
+    def take_faults(self) -> list[str]:
+        """What could not be shown as it should since the last call, a line each; each fault is told once."""
+        return [*self.display.take_faults(), *(self._beside.take_faults() if self._beside is not None else ())]
+
     def renew(self) -> None:
         """The surface has a new context: what lived in the old one is gone."""
         self._compose = None
+        if self._beside is not None:
+            self._beside = BesideWindows(self.display, self.surface)  # the old ones went with what they shared
         if self.drawn is not self.surface:
             self.drawn.renew()
 
@@ -123,6 +178,8 @@ class Presenter:
         """Free everything but the surface, and close the display."""
         if self._compose is not None:
             self._compose.release()
+        if self._beside is not None:
+            self._beside.close()
         self.display.close()
 
     def _wanted(self) -> Size:
@@ -140,6 +197,12 @@ class Presenter:
         place = file.with_name(f"{file.stem}_{eye.name}{file.suffix}")
         Image.fromarray(pixels[top : top + height, x : x + width, :3]).save(place, compress_level=6)
         return place
+
+
+def _outside(rectangle: Rect, at: F8) -> float:
+    """How far a place is outside a rectangle [px], 0 inside."""
+    corner, size = np.array(rectangle[:2]), np.array(rectangle[2:])
+    return float(np.maximum(np.maximum(corner - at, at - corner - size), 0.0).max())
 
 
 def _from_rest(head: HeadSource, now_ns: int) -> NDArray[np.float64] | None:

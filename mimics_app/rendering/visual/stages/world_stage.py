@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
@@ -18,9 +20,10 @@ from mimics_app.rendering.visual.passes.states import draw_runs
 from mimics_app.rendering.visual.passes.volumes import VolumePass
 from mimics_app.rendering.visual.pictures.live_picture import MirrorPicture
 from mimics_app.rendering.visual.pictures.mirror_views import Reflection
-from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.settings import RenderSettings, StereoPasses
 from mimics_app.rendering.visual.shadows.shadow_maps import ShadowPlan
-from mimics_app.rendering.visual.surfaces.raw_gl import EQUAL
+from mimics_app.rendering.visual.stages.eye_pairs import eye_define, group_views
+from mimics_app.rendering.visual.surfaces.raw_gl import CLIP_DISTANCE_0, EQUAL
 from mimics_app.rendering.visual.view import Rect, View
 from mimics_app.rendering.visual.view_block import ViewBlock
 from mimics_app.world.world import World
@@ -77,6 +80,7 @@ class ViewDraws:
         mirrors: Those seen in it, with the number of the view and what they show there.
         transparent: Sprites that are cut out, then sprites and blended surfaces, far to near.
         thrown: What projectors throw onto the opaque ones.
+        stereo: How this eye and the other one of its pair are drawn.
     """
 
     view: View
@@ -85,6 +89,7 @@ class ViewDraws:
     transparent: Sequence[DrawRun | SpriteRun]
     mirrors: Sequence[tuple[MirrorPicture, int, Reflection | None]] = ()
     thrown: Sequence[BeamRuns] = ()
+    stereo: StereoPasses = "two_pass"
 
     @property
     def blended(self) -> list[DrawRun]:
@@ -117,7 +122,9 @@ class WorldStage:
         self._ctx = ctx
         self._arena = arena
         self._frame = frame
+        self._shaders = shaders
         self._block = ViewBlock(ctx, settings)
+        self._other_block = ViewBlock(ctx, settings)
         self._volumes = VolumePass(ctx, shaders)
         self._ambient = AmbientPass(ctx, shaders, arena, frame)
         self._cords = CordPass(ctx, shaders)
@@ -142,7 +149,14 @@ class WorldStage:
         if background is None:
             self.sky.prepare(scene.world)
         target.clear(*(background or (0.0, 0.0, 0.0)), 1.0, depth=1.0)
-        return sum(self._draw_view(target, scene, each, sky=background is None) for each in views)
+        draws = 0
+        for numbers in group_views([each.view for each in views]):
+            eyes = [views[number] for number in numbers]
+            if eyes[0].stereo == "two_pass":
+                draws += sum(self._draw_view(target, scene, each, sky=background is None) for each in eyes)
+            else:
+                draws += self._draw_eyes(target, scene, eyes, sky=background is None)
+        return draws
 
     def _draw_view(self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws, *, sky: bool) -> int:
         target.viewport = drawn.rectangle
@@ -158,14 +172,62 @@ class WorldStage:
             draws += self._draw_stencil_shadows(target, scene, drawn, additive=additive)
         return draws + self._draw_transparent(target, scene, drawn)
 
+    def _draw_eyes(
+        self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws], *, sky: bool
+    ) -> int:
+        """Draw two views over one queue: bodies in one pass, what each eye has of its own after it."""
+        left, right = eyes
+        defines = eye_define(left.stereo)
+        blocks = (self._block, self._other_block)
+        self._fill(blocks[0], scene, left.view, other=right.view)
+        self._fill(blocks[1], scene, right.view)
+        blocks[0].bind()
+        with self._both_viewports(target, left, right):
+            draws = self._draw_bodies(target, scene, left, defines)
+        for each, block in zip(eyes, blocks, strict=True):
+            target.viewport = each.rectangle
+            block.bind()
+            draws += self._throw(target, scene, each)
+            draws += self.sky.draw() if sky else 0
+            draws += self._draw_transparent(target, scene, each) if scene.effects is not None else 0
+        if scene.effects is None and left.blended:
+            blocks[0].bind()
+            with self._both_viewports(target, left, right):
+                variant = partial(self._shaders.also_with, defines=defines)
+                draws += draw_runs(target, self._arena, self._frame, left.blended, variant)
+        return draws
+
+    @contextmanager
+    def _both_viewports(self, target: moderngl.Framebuffer, left: ViewDraws, right: ViewDraws) -> Iterator[None]:
+        """What is drawn meanwhile finds its eye's rectangle by itself."""
+        if left.stereo == "viewports":
+            self._volumes.gl.use_viewports([left.rectangle, right.rectangle])
+            yield
+            return
+        x, y, width, height = left.rectangle
+        target.viewport = (x, y, 2 * width, height)
+        self._ctx.enable_direct(CLIP_DISTANCE_0)
+        yield
+        self._ctx.disable_direct(CLIP_DISTANCE_0)
+
     def _draw_opaque(self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws) -> int:
-        draws = draw_runs(target, self._arena, self._frame, drawn.opaque)
+        return self._draw_bodies(target, scene, drawn) + self._throw(target, scene, drawn)
+
+    def _draw_bodies(
+        self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws, eyes: tuple[str, ...] = ()
+    ) -> int:
+        """Meshes and cords, with what their shaders are told besides."""
+        variant = partial(self._shaders.also_with, defines=eyes)
+        draws = draw_runs(target, self._arena, self._frame, drawn.opaque, variant)
         if scene.world.cords:
             time_s = scene.world.effects.time
-            draws += self._cords.draw(scene.world.cords, drawn.view, scene.lighting, scene.lights, time_s)
-        if scene.effects is not None:
-            draws += scene.effects.throw(target, self._arena, self._frame, drawn.view, drawn.thrown)
+            draws += self._cords.draw(scene.world.cords, drawn.view, scene.lighting, scene.lights, time_s, eyes)
         return draws
+
+    def _throw(self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws) -> int:
+        if scene.effects is None:
+            return 0
+        return scene.effects.throw(target, self._arena, self._frame, drawn.view, drawn.thrown)
 
     def _draw_transparent(self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws) -> int:
         if scene.effects is not None:
@@ -185,9 +247,14 @@ class WorldStage:
 
     def enter(self, scene: FrameScene, view: View, *, sun: bool = True) -> None:
         """Tell the shaders where the view is from and what shines."""
-        self._block.settings = scene.settings
-        self._block.fill(view, scene.lighting, scene.plan, sun=sun)
+        self._fill(self._block, scene, view, sun=sun)
         self._block.bind()
+
+    def _fill(
+        self, block: ViewBlock, scene: FrameScene, view: View, *, sun: bool = True, other: View | None = None
+    ) -> None:
+        block.settings = scene.settings
+        block.fill(view, scene.lighting, scene.plan, sun=sun, other=other)
 
     def _draw_stencil_shadows(
         self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws, *, additive: bool
@@ -207,5 +274,5 @@ class WorldStage:
 
     def release(self) -> None:
         """Free what belongs to the passes."""
-        for part in (self.sky, self._cords, self._block, self._volumes, self._ambient):
+        for part in (self.sky, self._cords, self._block, self._other_block, self._volumes, self._ambient):
             part.release()

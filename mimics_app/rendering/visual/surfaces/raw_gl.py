@@ -1,18 +1,22 @@
-"""The few OpenGL functions that moderngl leaves out, called in its context: stencil tests and their buffer."""
+"""The few OpenGL functions that moderngl leaves out, called in its context: stencil tests, several viewports."""
 
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import moderngl
 
-__all__ = ["ALWAYS", "DECREMENT", "EQUAL", "INCREMENT", "KEEP", "NOT_EQUAL", "SRGB8_ALPHA8", "RawGL"]
+__all__ = ["ALWAYS", "CLIP_DISTANCE_0", "DECREMENT", "EQUAL", "INCREMENT", "KEEP", "NOT_EQUAL", "SRGB8_ALPHA8", "RawGL"]
 
 ALWAYS, EQUAL, NOT_EQUAL = 0x0207, 0x0202, 0x0205
 KEEP, INCREMENT, DECREMENT = 0x1E00, 0x8507, 0x8508
 """Stencil operations; the counting ones wrap round."""
+
+CLIP_DISTANCE_0 = 0x3000
+"""Cuts off what a vertex shader says is beyond."""
 
 SRGB8_ALPHA8 = 0x8C43
 """Internal format of pictures whose colours the sampler decodes."""
@@ -21,7 +25,7 @@ _STENCIL_TEST, _DEPTH_CLAMP, _STENCIL_BUFFER_BIT = 0x0B90, 0x864F, 0x0400
 _FRONT, _BACK = 0x0404, 0x0405
 _RENDERBUFFER, _FRAMEBUFFER, _DEPTH_STENCIL_ATTACHMENT, _DEPTH24_STENCIL8 = 0x8D41, 0x8D40, 0x821A, 0x88F0
 
-_UINT, _INT, _BYTE = ctypes.c_uint, ctypes.c_int, ctypes.c_ubyte
+_UINT, _INT, _BYTE, _FLOAT = ctypes.c_uint, ctypes.c_int, ctypes.c_ubyte, ctypes.c_float
 _ARGUMENTS: dict[str, tuple[Any, ...]] = {
     "glStencilFunc": (_UINT, _INT, _UINT),
     "glStencilOpSeparate": (_UINT, _UINT, _UINT, _UINT),
@@ -34,6 +38,9 @@ _ARGUMENTS: dict[str, tuple[Any, ...]] = {
     "glBindRenderbuffer": (_UINT, _UINT),
     "glRenderbufferStorageMultisample": (_UINT, _INT, _UINT, _INT, _INT),
     "glBindFramebuffer": (_UINT, _UINT),
+    "glViewportIndexedf": (_UINT, _FLOAT, _FLOAT, _FLOAT, _FLOAT),
+    "glBindVertexArray": (_UINT,),
+    "glVertexAttribDivisor": (_UINT, _UINT),
     "glFramebufferRenderbuffer": (_UINT, _UINT, _UINT, _UINT),
 }
 
@@ -66,6 +73,17 @@ class RawGL:
         place = (_FRAMEBUFFER, _DEPTH_STENCIL_ATTACHMENT, _RENDERBUFFER)
         self._calls["glFramebufferRenderbuffer"](*place, name.value)
         self._buffers[framebuffer.glo] = framebuffer, name.value
+
+    def use_viewports(self, places: Sequence[tuple[int, int, int, int]]) -> None:
+        """Have the rectangles [px] a vertex shader chooses among; the next change of the viewport ends it."""
+        for number, place in enumerate(places):
+            self._calls["glViewportIndexedf"](number, *place)
+
+    def set_divisor(self, array: int, locations: Sequence[int], instances: int) -> None:
+        """Have attributes of a vertex array step on only after so many instances."""
+        self._calls["glBindVertexArray"](array)
+        for location in locations:
+            self._calls["glVertexAttribDivisor"](location, instances)
 
     def clear_stencil(self) -> None:
         """Set the stencil of the framebuffer in use to 0."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from mimics_app.contracts.errors import DeviceError
@@ -11,6 +11,9 @@ from mimics_app.rendering.visual.surfaces.reset_status import ResetStatus
 
 if TYPE_CHECKING:
     import moderngl
+
+    from mimics_app.contracts.display_port import WindowPlace
+    from mimics_app.rendering.visual.surfaces.wall_windows import WallWindows
 
 __all__ = ["Size", "Surface", "release_framebuffer"]
 
@@ -59,6 +62,18 @@ class Surface:
 
     def pointer(self) -> tuple[float, float] | None:
         """Where the pointer is, right and up in [-1, 1]; None before it first moved over the window."""
+        return None
+
+    def open_beside(self, places: Sequence[WindowPlace], size: Size) -> WallWindows | None:
+        """Open further windows; None where there is no desktop.
+
+        Args:
+            places: Of the windows.
+            size: Of one whose place says none [px].
+
+        Raises:
+            DeviceError: the display gives no further window.
+        """
         return None
 
     def swap(self) -> None:

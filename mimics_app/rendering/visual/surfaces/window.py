@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,9 @@ from mimics_app.rendering.visual.surfaces.surface import Size, Surface
 
 if TYPE_CHECKING:
     import moderngl
+
+    from mimics_app.contracts.display_port import WindowPlace
+    from mimics_app.rendering.visual.surfaces.wall_windows import WallWindows
 
 __all__ = ["WindowSurface"]
 
@@ -84,6 +87,11 @@ class WindowSurface(Surface):
 
     def pointer(self) -> tuple[float, float] | None:
         return self._pointer
+
+    def open_beside(self, places: Sequence[WindowPlace], size: Size) -> WallWindows | None:
+        from mimics_app.rendering.visual.surfaces.wall_windows import WallWindows
+
+        return WallWindows(self._glfw, self._window, places, size)
 
     def swap(self) -> None:
         self.present()

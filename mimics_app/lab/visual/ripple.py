@@ -1,0 +1,117 @@
+"""How far a ripple's crest is from where it ought to be on a bent cord, against how sharply it is bent.
+
+Importing this module registers the ways to tell the distance from a tap. Error: a crest after a way of two radii, in
+any direction from a tap inside, beside or outside of the bend, against geodesics followed on the tube [m]; cost: of the
+distances of a drawn cord's vertices.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.probe import reference_us, shortest_us
+
+__all__ = ["BENDS", "GROUP", "crest_error", "midway", "straight"]
+
+F8 = NDArray[np.float64]
+Distance = Callable[[F8, F8, float, float], F8]
+
+GROUP = "ripple distance"
+BENDS = (0.0, 0.1, 0.3, 0.6, 0.9)
+"""Radius of the cord times curvature of its middle line; at 1 the surface folds over."""
+_RADIUS = 0.025
+_WAY = 2.0 * _RADIUS
+_TAPS = (0.0, 0.5 * np.pi, np.pi)
+"""Inside the bend, beside it and outside [rad]."""
+_DIRECTIONS = 181
+_STEPS = 400
+_VERTICES = 3200
+
+
+def straight(ds: F8, dt: F8, bend: float, tap: float) -> F8:
+    """Along, and around at the radius, as on a straight cord, in radii."""
+    return np.hypot(ds, dt)
+
+
+def midway(ds: F8, dt: F8, bend: float, tap: float) -> F8:
+    """Along as far as the surface reaches halfway round to the place, in radii."""
+    return np.hypot(ds * (1.0 - bend * np.cos(tap + 0.5 * dt)), dt)
+
+
+def crest_error(distance: Distance, bend: float) -> float:
+    """Largest error of a crest [m]: what the distance says of places that are `_WAY` away on the surface."""
+    worst = 0.0
+    for tap in _TAPS:
+        along, around = _follow(bend, tap).T
+        told = distance(along, around - tap, bend, tap) * _RADIUS
+        worst = max(worst, float(np.abs(told - _WAY).max()))
+    return worst
+
+
+def _follow(bend: float, tap: float) -> F8:
+    """Where geodesics end that leave a tap in all directions, [n, 2]: along in radii and around [rad].
+
+    On a tube about a circle places are (1 - bend cos t) ds along and dt around; midpoint rule (do Carmo 1976, 4-4).
+    """
+    angle = np.linspace(-np.pi / 2, np.pi / 2, _DIRECTIONS)
+    step = _WAY / _RADIUS / _STEPS
+    reach = 1.0 - bend * np.cos(tap)
+    state = np.stack([0.0 * angle, tap + 0.0 * angle, np.cos(angle) / reach, np.sin(angle)], axis=1)
+    for _ in range(_STEPS):
+        state = state + step * _slope(state + 0.5 * step * _slope(state, bend), bend)
+    return state[:, :2]
+
+
+def _slope(state: F8, bend: float) -> F8:
+    _, t, along, around = state.T
+    reach, change = 1.0 - bend * np.cos(t), bend * np.sin(t)
+    return np.stack([along, around, -2.0 * change / reach * along * around, reach * change * along * along], axis=1)
+
+
+def _cost_us(distance: Distance, bend: float) -> float:
+    chance = np.random.default_rng(1)
+    ds, dt = chance.uniform(-20.0, 20.0, _VERTICES), chance.uniform(-np.pi, np.pi, _VERTICES)
+    return shortest_us(lambda: distance(ds, dt, bend, 0.0))
+
+
+registry.describe(
+    Group(
+        name=GROUP,
+        what="distance of 3,200 vertices from a tap on a bent cord of 25 mm; error: of a crest after 50 mm",
+        unit="m",
+        work="",
+        reference=reference_us,
+    )
+)
+for _bend in BENDS:
+    registry.register(
+        Method(
+            group=GROUP,
+            name=f"as if straight, bend {_bend:g}",
+            source="the hypotenuse of along and around; bend: radius times curvature",
+            cost=partial(_cost_us, straight, _bend),
+            error=partial(crest_error, straight, _bend),
+            unit="m",
+            valid_range="exact on a straight cord, whatever the way; else where its error does",
+            settings={} if _bend == 0.0 else None,
+            default=_bend == 0.0,
+        )
+    )
+    if _bend:
+        registry.register(
+            Method(
+                group=GROUP,
+                name=f"reach halfway, bend {_bend:g}",
+                source="along shortened as the surface is halfway round to the place",
+                cost=partial(_cost_us, midway, _bend),
+                error=partial(crest_error, midway, _bend),
+                unit="m",
+                valid_range="where its error does",
+                settings=None,
+            )
+        )

@@ -1,0 +1,181 @@
+"""Ways to draw the two eyes before a picture: one after the other, or both at once.
+
+Importing this module registers them. Cost: processor time of finished frames of both eyes side by side, of a thousand
+small bodies that each have a material of their own, so that calls to the driver are what costs, and of fewer and larger
+ones that share one; sizes count bodies of the first kind. Error: share of the pixels that differ at all from those of
+two passes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import partial
+from statistics import median
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.clock import process_seconds
+from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.probe import reference_us
+from mimics_app.lab.visual.probe import differing_pixels
+from mimics_app.rendering.visual.displays.stereo import StereoDisplay
+from mimics_app.rendering.visual.presenting.presenter import Presenter
+from mimics_app.rendering.visual.renderer import Renderer
+from mimics_app.rendering.visual.settings import RenderSettings, StereoPasses
+from mimics_app.rendering.visual.surfaces.headless import open_offscreen, read_pixels
+from mimics_app.rendering.visual.surfaces.surface import Size, Surface
+from mimics_app.rendering.visual.view import View
+from mimics_app.world.environment import Sky
+from mimics_app.world.materials.material import Material
+from mimics_app.world.meshes.primitives import box, icosphere, plane
+from mimics_app.world.world import World
+
+__all__ = ["GROUP", "WORKLOADS", "body_world", "show_stereo", "turns"]
+
+GROUP = "stereo"
+
+WORKLOADS: dict[str, tuple[int, int, bool, Size]] = {
+    "draws": (1000, 0, True, (64, 72)),
+    "small bodies": (400, 1, False, (160, 180)),
+    "bodies": (200, 2, False, (320, 360)),
+    "vertices": (20, 5, False, (640, 720)),
+    "pixels": (10, 3, False, (960, 1080)),
+}
+"""Bodies, subdivisions of each (20 triangles times four by each), whether each has a material, and an eye's picture."""
+
+_TURNS = 15
+_WALL, _DISTANCE = 3.0, 4.0
+"""Side of the square that the bodies fill, and how far it is away [m]."""
+_SETTINGS = RenderSettings(msaa=0, tone_map="none", occlusion="off")
+_ERROR_SIZE = (640, 360)
+_RIVALS: dict[StereoPasses, tuple[str, str, str]] = {
+    "two_pass": ("two passes", "one eye after the other, over one queue", "any"),
+    "viewports": (
+        "two viewports",
+        "every second instance for the other eye, into a viewport of its own",
+        "a driver with GL_ARB_shader_viewport_layer_array; no ambient occlusion, shadow volumes or mirrors",
+    ),
+    "clip_distance": (
+        "two halves",
+        "every second instance for the other eye, into its half of one viewport, clipped at the middle (Wilson 2015)",
+        "eyes side by side; no ambient occlusion, shadow volumes or mirrors",
+    ),
+}
+
+
+def body_world(bodies: int, subdivisions: int, *, own_materials: bool) -> World:
+    """Balls and boxes in rows before a person, all of them seen by both eyes, in the sun and over a floor."""
+    across = math.ceil(math.sqrt(bodies))
+    step = _WALL / across
+    world = World()
+    world.environment = Sky((0.3, 0.5, 0.9), (0.7, 0.75, 0.8), (0.3, 0.3, 0.3), 0.6)
+    world.meshes |= {"ball": icosphere(0.4 * step, subdivisions), "floor": plane(30.0, 30.0)}
+    world.meshes["box"] = box(0.6 * step, 0.6 * step, 0.6 * step)
+    names = [f"paint {k}" for k in range(bodies if own_materials else 1)]
+    for k, name in enumerate(names):
+        shade = 0.2 + 0.6 * (k % 97) / 97.0
+        world.set_material(Material(name, "lit", (shade, 1.0 - shade, 0.5, 1.0), roughness=0.3))
+    world.root.create_child("", (0.0, -0.5 * _WALL, -10.0)).create_entity("floor", names[0])
+    for k in range(bodies):
+        across_k, up_k = k % across - 0.5 * (across - 1), k // across - 0.5 * (across - 1)
+        place = (step * across_k, step * up_k, -_DISTANCE - 0.3 * (k % 5))
+        world.root.create_child("", place).create_entity("box" if k % 4 == 3 else "ball", names[k % len(names)])
+    world.root.create_child("eye").create_camera(1.0, 0.05, 80.0)
+    world.update()
+    return world
+
+
+@contextmanager
+def _opened(world: World, eye_size: Size, *passes: StereoPasses) -> Iterator[list[Callable[[], NDArray[np.uint8]]]]:
+    """For each way something that draws a frame of both eyes and gives it back, all on one picture."""
+    with open_offscreen("auto", (2 * eye_size[0], eye_size[1])) as surface:
+        presenter = Presenter(StereoDisplay("sbs"), surface)
+        renderers = [Renderer(surface, world, replace(_SETTINGS, stereo=each)) for each in passes]
+        presenter.begin(0)
+        views = presenter.views(world.cameras[0])
+        yield [partial(_draw, renderer, views, surface) for renderer in renderers]
+        for renderer in renderers:
+            renderer.release()
+        presenter.release()
+
+
+def _draw(renderer: Renderer, views: Sequence[View], surface: Surface) -> NDArray[np.uint8]:
+    renderer.draw_finished(views)
+    return read_pixels(surface)
+
+
+def show_stereo(world: World, eye_size: Size, *passes: StereoPasses) -> list[NDArray[np.uint8]]:
+    """Pictures of both eyes side by side, one drawn in each way; RGBA, row 0 at the top."""
+    with _opened(world, eye_size, *passes) as drawn:
+        return [draw() for draw in drawn]
+
+
+def turns(workload: str, *passes: StereoPasses) -> list[list[float]]:
+    """Processor time of frames of a workload in each way [us], frame by frame in turns, all threads together.
+
+    Not the time on the wall: whatever else a machine does falls on one way more than on another.
+
+    Raises:
+        DeviceError: there is no way to draw without a display.
+    """
+    bodies, subdivisions, own, size = WORKLOADS[workload]
+    with _opened(body_world(bodies, subdivisions, own_materials=own), size, *passes) as drawn:
+        for draw in drawn:
+            draw()
+        frames = [[_processor_us(draw) for draw in drawn] for _ in range(_TURNS)]
+    return [list(times) for times in zip(*frames, strict=True)]
+
+
+def _processor_us(work: Callable[[], object]) -> float:
+    started = process_seconds()
+    work()
+    return 1e6 * (process_seconds() - started)
+
+
+def _three_frames_us(passes: StereoPasses) -> float:
+    """Of workloads in which calls, and bodies of different sizes, cost most: no way is cheap by one of them alone."""
+    return sum(median(turns(workload, passes)[0]) for workload in ("draws", "small bodies", "bodies"))
+
+
+def _cost_us(passes: StereoPasses, bodies: int) -> float:
+    world = body_world(bodies, 0, own_materials=True)
+    with _opened(world, WORKLOADS["draws"][3], passes) as drawn:
+        drawn[0]()
+        return median(_processor_us(drawn[0]) for _ in range(_TURNS))
+
+
+def _error(passes: StereoPasses) -> float:
+    one, other = show_stereo(body_world(60, 3, own_materials=True), _ERROR_SIZE, "two_pass", passes)
+    return differing_pixels(one, other)
+
+
+registry.describe(
+    Group(
+        name=GROUP,
+        what="three frames of both eyes: of 1000 bodies of as many materials, of 400 and of 200 of one; error: share "
+        "of pixels that differ at all from two passes",
+        unit="share of pixels",
+        work="bodies",
+        reference=reference_us,
+    )
+)
+for _passes, (_name, _source, _valid) in _RIVALS.items():
+    registry.register(
+        Method(
+            group=GROUP,
+            name=_name,
+            source=_source,
+            cost=partial(_three_frames_us, _passes),
+            error=partial(_error, _passes),
+            unit="share of pixels",
+            valid_range=_valid,
+            settings={"stereo": _passes},
+            default=_passes == _SETTINGS.stereo,
+            growth=partial(_cost_us, _passes),
+            sizes=(1, 10, 100, 1000),
+        )
+    )

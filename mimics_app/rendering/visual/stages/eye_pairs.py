@@ -1,0 +1,76 @@
+"""Two eyes before one picture: queued once, from between them, and drawn in one pass or in two."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun
+from mimics_app.rendering.visual.settings import RenderSettings, StereoPasses
+from mimics_app.rendering.visual.surfaces.capabilities import Capabilities
+from mimics_app.rendering.visual.view import Rect, View
+
+if TYPE_CHECKING:
+    from mimics_app.rendering.visual.materials.look import LookPass
+
+__all__ = ["VIEWPORT_EXTENSION", "eye_define", "group_views", "see_from_between", "stereo_passes"]
+
+VIEWPORT_EXTENSION = "GL_ARB_shader_viewport_layer_array"
+"""Lets a vertex shader choose its viewport."""
+
+_KNOWS_EYES = ("common/mesh.vert", "plain/plain.vert")
+"""Vertex shaders that ask common/eyes.glsl; one that a scene brings may not."""
+
+_DEFINES: dict[StereoPasses, str] = {"viewports": "EYES_BY_VIEWPORT", "clip_distance": "EYES_BY_CLIPPING"}
+
+
+def eye_define(passes: StereoPasses) -> tuple[str, ...]:
+    """What shaders are told besides, to draw both eyes at once."""
+    return (_DEFINES[passes],) if passes in _DEFINES else ()
+
+
+def group_views(views: Sequence[View]) -> list[tuple[int, ...]]:
+    """Numbers of the views in their order, the two eyes of a pair together at the place of the first."""
+    groups: list[tuple[int, ...]] = []
+    for number, view in enumerate(views):
+        eyes = tuple(k for k, other in enumerate(views) if other.pair == view.pair) if view.pair >= 0 else ()
+        if len(eyes) != 2:
+            groups.append((number,))
+        elif number == eyes[0]:
+            groups.append(eyes)
+    return groups
+
+
+def see_from_between(left: View, right: View) -> list[View]:
+    """The two views with one origin, midway, to which everything is relative that is queued for both."""
+    middle = 0.5 * (left.eye_world + right.eye_world)
+    return [replace(view, queued_at=middle) for view in (left, right)]
+
+
+def stereo_passes(
+    settings: RenderSettings, has: Capabilities, runs: Sequence[DrawRun], places: Sequence[Rect]
+) -> StereoPasses:
+    """How two eyes can be drawn: as the settings say, in two passes where that cannot be.
+
+    Args:
+        settings: Quality.
+        has: What the driver can do.
+        runs: Everything queued for both.
+        places: The eyes' rectangles [px].
+    """
+    wanted = settings.stereo
+    per_eye = settings.ambient_occlusion > 0.0 or settings.shadows.startswith("stencil")
+    if wanted == "two_pass" or per_eye or not all(_knows_eyes(each) for run in runs for each in run.look.passes):
+        return "two_pass"
+    if wanted == "viewports":
+        return wanted if VIEWPORT_EXTENSION in has.extensions else "two_pass"
+    return wanted if _side_by_side(*places) else "two_pass"
+
+
+def _knows_eyes(drawn: LookPass) -> bool:
+    return drawn.shader.vertex in _KNOWS_EYES
+
+
+def _side_by_side(left: Rect, right: Rect) -> bool:
+    return right == (left[0] + left[2], left[1], left[2], left[3])

@@ -1,0 +1,133 @@
+"""Windows beside the first one: each shows a rectangle of a picture that was drawn in its context."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+from mimics_app.contracts.display_port import Rect, Size, WindowPlace
+from mimics_app.contracts.errors import DeviceError
+
+__all__ = ["WallWindows"]
+
+_READ, _DRAW, _COLOUR, _TEXTURE_2D = 0x8CA8, 0x8CA9, 0x8CE0, 0x0DE1
+_COLOUR_BUFFER_BIT, _LINEAR = 0x4000, 0x2601
+
+_UINT, _INT = ctypes.c_uint, ctypes.c_int
+_ARGUMENTS: dict[str, tuple[Any, ...]] = {
+    "glGenFramebuffers": (_INT, ctypes.POINTER(_UINT)),
+    "glDeleteFramebuffers": (_INT, ctypes.POINTER(_UINT)),
+    "glBindFramebuffer": (_UINT, _UINT),
+    "glFramebufferTexture2D": (_UINT, _UINT, _UINT, _UINT, _INT),
+    "glBlitFramebuffer": (*([_INT] * 8), _UINT, _UINT),
+}
+
+
+@dataclass(slots=True, eq=False)
+class _Window:
+    """One window with a framebuffer that reads the shared picture: framebuffers belong to one context each."""
+
+    handle: Any
+    framebuffer: ctypes.c_uint
+    texture: int = 0
+
+
+class WallWindows:
+    """Windows that share the objects of the first one's context.
+
+    A window stands where its place says; one without a place takes the whole of a monitor beside the first window's.
+
+    Args:
+        glfw: The library, begun.
+        main: The first window; its context is current, and is again after every call.
+        places: Of the windows.
+        size: Of a window whose place says no size [px].
+
+    Attributes:
+        missing: Titles of those for which no monitor is left.
+
+    Raises:
+        DeviceError: the display gives no further window.
+    """
+
+    def __init__(self, glfw: ModuleType, main: Any, places: Sequence[WindowPlace], size: Size) -> None:
+        self._glfw, self._main = glfw, main
+        self._windows: dict[str, _Window] = {}
+        self.missing: list[str] = []
+        self._calls = {
+            name: ctypes.CFUNCTYPE(None, *arguments)(glfw.get_proc_address(name))
+            for name, arguments in _ARGUMENTS.items()
+        }
+        monitors = list(glfw.get_monitors())[1:]
+        try:
+            for place in places:
+                if place.at is None and not monitors:
+                    self.missing.append(place.title)
+                    continue
+                monitor = monitors.pop(0) if place.at is None else None
+                self._windows[place.title] = self._open(place, monitor, place.size or size)
+        except DeviceError:
+            self.close()
+            raise
+        finally:
+            glfw.make_context_current(main)
+
+    def show(self, texture: int, rectangles: Sequence[tuple[str, Rect]]) -> None:
+        """Bring rectangles of a texture [px, from the lower left] to the windows of these titles."""
+        glfw = self._glfw
+        for title, (x, y, width, height) in rectangles:
+            window = self._windows.get(title)
+            if window is None:
+                continue
+            glfw.make_context_current(window.handle)
+            self._attach(window, texture)
+            across, down = glfw.get_framebuffer_size(window.handle)
+            whole = (0, 0, across, down)
+            self._calls["glBlitFramebuffer"](x, y, x + width, y + height, *whole, _COLOUR_BUFFER_BIT, _LINEAR)
+            glfw.swap_buffers(window.handle)
+        glfw.make_context_current(self._main)
+
+    @property
+    def should_close(self) -> bool:
+        """Whether the person closed one of them."""
+        return any(self._glfw.window_should_close(window.handle) for window in self._windows.values())
+
+    def close(self) -> None:
+        """Close all of them."""
+        for window in self._windows.values():
+            self._glfw.make_context_current(window.handle)
+            self._calls["glDeleteFramebuffers"](1, ctypes.byref(window.framebuffer))
+            self._glfw.destroy_window(window.handle)
+        self._windows.clear()
+        self._glfw.make_context_current(self._main)
+
+    def _open(self, place: WindowPlace, monitor: Any, size: Size) -> _Window:
+        """Open a window; what the first one asked for of its context still holds, so that they may share."""
+        glfw = self._glfw
+        for hint in (glfw.DECORATED, glfw.AUTO_ICONIFY, glfw.FOCUSED, glfw.FOCUS_ON_SHOW):
+            glfw.window_hint(hint, False)
+        if monitor is not None:
+            mode = glfw.get_video_mode(monitor)
+            size = (mode.size.width, mode.size.height)
+        handle = glfw.create_window(*size, place.title, monitor, self._main)
+        if not handle:
+            raise DeviceError(f'the display gives no window for "{place.title}"', "take its place out of the file")
+        if place.at is not None:
+            glfw.set_window_pos(handle, *place.at)
+        glfw.make_context_current(handle)
+        glfw.swap_interval(0)  # the first window's swap keeps the pace for all
+        framebuffer = _UINT()
+        self._calls["glGenFramebuffers"](1, ctypes.byref(framebuffer))
+        return _Window(handle, framebuffer)
+
+    def _attach(self, window: _Window, texture: int) -> None:
+        """Have a window's framebuffer read a texture, and the window itself be drawn to."""
+        bind = self._calls["glBindFramebuffer"]
+        bind(_READ, window.framebuffer)
+        if window.texture != texture:
+            self._calls["glFramebufferTexture2D"](_READ, _COLOUR, _TEXTURE_2D, texture, 0)
+            window.texture = texture
+        bind(_DRAW, 0)

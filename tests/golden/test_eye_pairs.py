@@ -1,0 +1,136 @@
+"""Both eyes in one pass: the picture of two passes, from each eye's own place, with the calls to the driver of one."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mimics_app.lab.visual.stereo import body_world, show_stereo
+from mimics_app.rendering.visual.displays.stereo import StereoDisplay
+from mimics_app.rendering.visual.presenting.presenter import Presenter
+from mimics_app.rendering.visual.renderer import Renderer
+from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.stages.eye_pairs import group_views
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.headless import read_pixels
+from mimics_app.rendering.visual.view import View
+from mimics_app.world.cords import Cord
+from mimics_app.world.materials.material import Material
+from mimics_app.world.meshes.primitives import sphere
+from mimics_app.world.world import World
+
+SETTINGS = RenderSettings(msaa=0, tone_map="none", occlusion="off")
+SIZE = (320, 120)
+SINGLE = ("viewports", "clip_distance")
+
+
+def far_apart(one: np.ndarray, other: np.ndarray) -> int:
+    return int((np.abs(one.astype(int) - other).max(axis=-1) > 8).sum())
+
+
+def room() -> World:
+    """Bodies, a wet one, a pane of glass and a cord."""
+    world = body_world(30, 2, own_materials=True)
+    world.set_material(Material("wet", "lit", (0.1, 0.1, 0.12, 1.0), roughness=0.12))
+    world.set_material(Material("pane", "glass", (0.3, 0.6, 0.9, 0.4)))
+    world.meshes |= {"large": sphere(0.5, 32), "bubble": sphere(0.3, 24)}
+    world.root.create_child("", (0.7, 0.1, -2.2)).create_entity("large", "wet")
+    world.root.create_child("", (-0.4, 0.0, -1.6)).create_entity("bubble", "pane")
+    world.cords["cord"] = Cord(np.array([[-0.8, 0.5, -1.5], [0.8, 0.4, -1.8]]), 2.0, 0.04)
+    world.update()
+    return world
+
+
+def draw(world: World, kind: str, settings: RenderSettings, backend: str = "egl"):
+    with create_surface(backend, SIZE) as surface:
+        presenter = Presenter(StereoDisplay(kind), surface)
+        renderer = Renderer(presenter.drawn, world, settings)
+        presenter.begin(0)
+        stats = renderer.draw(presenter.views(world.cameras[0]))
+        assert surface.ctx.error == "GL_NO_ERROR"
+        picture = read_pixels(presenter.drawn)
+        renderer.release()
+        presenter.release()
+    return picture, stats
+
+
+@pytest.mark.parametrize("backend", ["egl", "osmesa"])
+def test_one_pass_draws_the_picture_of_two(backend: str) -> None:
+    world = room()
+    two, slow = draw(world, "sbs", replace(SETTINGS, stereo="two_pass"), backend)
+    assert far_apart(two[:, :160], two[:, 160:]) > 500  # the eyes differ
+    for passes in SINGLE:
+        one, quick = draw(world, "sbs", replace(SETTINGS, stereo=passes), backend)
+        assert far_apart(one, two) == 0
+        assert np.abs(one.astype(int) - two).max() <= 2  # and nowhere by more than rounding
+        assert quick.draws < 0.6 * slow.draws
+
+
+def test_each_eye_sees_what_an_eye_alone_would_with_its_own_highlights() -> None:
+    """A queue from between the eyes changes no picture: not the edges, nor where a wet ball shines."""
+    world = room()
+    with create_surface("egl", SIZE) as surface:
+        renderer = Renderer(surface, world, SETTINGS)
+        presenter = Presenter(StereoDisplay("sbs"), surface)
+        presenter.begin(0)
+        views = presenter.views(world.cameras[0])
+        renderer.draw(views)
+        together = read_pixels(surface)
+        for view, half in zip(views, (slice(0, 160), slice(160, 320)), strict=True):
+            renderer.draw([replace(view, pair=-1)])
+            alone = read_pixels(surface)
+            # A pixel at an edge may fall to either side: places are rounded from elsewhere.
+            assert far_apart(alone[:, half], together[:, half]) <= 12
+        renderer.release()
+
+
+def test_what_only_one_eye_sees_is_drawn_for_it() -> None:
+    world = World()
+    world.set_material(Material("white", "unlit", (1.0, 1.0, 1.0, 1.0)))
+    world.meshes["ball"] = sphere(0.02, 16)
+    # 0.5 m away, before a screen at 2 m, each eye sees 24 mm farther to its own side than an eye between them.
+    half = math.tan(0.5) * SIZE[0] / 2 / SIZE[1]
+    for x in (-0.5 * half, 0.5 * half):
+        world.root.create_child("", (x, 0.0, -0.5)).create_entity("ball", "white")
+    world.root.create_child("eye").create_camera(1.0, 0.05, 80.0)
+    world.update()
+    picture, _ = draw(world, "sbs", replace(SETTINGS, fog_density=0.0))
+    lit = [(picture[:, part, :3].min(axis=-1) > 250).sum() for part in (slice(0, 160), slice(160, 320))]
+    assert min(lit) > 20
+    two, _ = draw(world, "sbs", replace(SETTINGS, fog_density=0.0, stereo="two_pass"))
+    assert far_apart(picture, two) == 0
+
+
+@pytest.mark.parametrize("change", [{"ambient_occlusion": 1.0}, {"shadows": "stencil_additive"}])
+def test_what_goes_by_each_eye_is_drawn_in_two_passes(change: dict[str, object]) -> None:
+    world = room()
+    one, quick = draw(world, "sbs", replace(SETTINGS, **change))
+    two, slow = draw(world, "sbs", replace(SETTINGS, stereo="two_pass", **change))
+    np.testing.assert_array_equal(one, two)
+    assert quick.draws == slow.draws
+
+
+def test_eyes_above_each_other_are_clipped_by_viewports_alone() -> None:
+    world = room()
+    two, slow = draw(world, "tb", replace(SETTINGS, stereo="two_pass"))
+    for passes, calls in (("clip_distance", 1.0), ("viewports", 0.6)):
+        one, stats = draw(world, "tb", replace(SETTINGS, stereo=passes))
+        assert far_apart(one, two) == 0
+        assert stats.draws <= calls * slow.draws
+
+
+def test_pairs_are_found_wherever_they_stand() -> None:
+    def view(pair: int) -> View:
+        return View(np.eye(4), (-1.0, 1.0, -1.0, 1.0), (0, 0, 8, 8), pair=pair)
+
+    assert group_views([view(-1), view(-1)]) == [(0,), (1,)]
+    assert group_views([view(k) for k in (0, 1, 0, 1)]) == [(0, 2), (1, 3)]
+    assert group_views([view(k) for k in (0, 0, 0)]) == [(0,), (1,), (2,)]  # three eyes are no pair
+
+
+def test_the_laboratory_finds_no_pixel_that_differs() -> None:
+    pictures = show_stereo(body_world(40, 2, own_materials=True), (213, 117), "two_pass", *SINGLE)
+    assert all(far_apart(pictures[0], other) == 0 for other in pictures[1:])
