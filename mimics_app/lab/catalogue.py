@@ -46,6 +46,7 @@ GROUPS = {
     "lens distortion": "visual.lens_distortion",
     "model reading": "methods_reading",
     "haptic tick": "methods_tick",
+    "load of the person": "physio.load_methods",
 }
 """Group -> the module of this package that registers it."""
 
