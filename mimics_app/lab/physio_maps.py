@@ -43,7 +43,7 @@ def failure_map() -> Figure:
             method = f"{name or 'clean'}, lead off {100 * lead_off:g} %"
             rows.append(row_of(method, 99.0 if np.isinf(decibel) else decibel, 1.0 - f1) | {"flagged": flagged})
         cells.append((name or "as it is", line))
-    grid = Grid(220.0, 100.0, 96.0, 40.0)
+    grid = Grid(270.0, 100.0, 96.0, 40.0)
     told = ["no noise" if np.isinf(d) else f"{d:g} dB" for _, d in columns]
     parts = heat_map(grid, told, [name for name, _ in cells], [line for _, line in cells])
     size = (grid.left + len(columns) * grid.width + 20.0, grid.top + len(cells) * grid.height + 76.0)

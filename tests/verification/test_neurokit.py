@@ -1,4 +1,4 @@
-"""Heart rate variability against NeuroKit2, whole-array and offline: the same windows of the same signals, from ECG on."""
+"""Heart rate variability against NeuroKit2, whole-array and offline: the same windows of the same ECG."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ __all__ = ["neurokit_detectors"]
 
 Floats = NDArray[np.float64]
 
-_METHODS = ("neurokit", "pantompkins1985", "hamilton2002", "elgendi2010", "rodrigues2021", "engzeemod2012")
+_METHODS = ("neurokit", "pantompkins1985", "hamilton2002", "elgendi2010", "engzeemod2012")
 
 
 def neurokit_detectors() -> dict[str, Callable[[Floats, float], Floats]]:
