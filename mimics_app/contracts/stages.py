@@ -28,6 +28,10 @@ class Estimation(Protocol):
         """The state as it stands at the features' time; None where nothing is known."""
         ...
 
+    def judge(self, result: TrialResult) -> UserState:
+        """The state with what a trial that ended says of it, before the learning system is asked."""
+        ...
+
 
 class Goal(Protocol):
     """What the learning system is to bring about."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from mimics_app.dsp.channel import Channel, Event, Found
 from mimics_app.dsp.filters import Floats, band_pass, delay_of
-from mimics_app.dsp.kernels.ecg import ECG_STATE, LAST, MISSING, NPK, SPK, find_beats
+from mimics_app.dsp.kernels.ecg import ECG_STATE, LAST, MISSING, NPK, SPK, UNSTEADY, find_beats
 from mimics_app.dsp.rhythm import Rhythm
 
 __all__ = ["TUNING", "Ecg"]
@@ -22,23 +22,29 @@ TUNING = np.array(
         0.101,  # window of the energy [s]
         0.091,  # a peak of the energy stands when nothing larger came for so long [s]
         0.218,  # no two beats nearer than this [s]
-        2.0,  # levels are taken from so much of the beginning [s]
+        3.0,  # levels are taken from so much of the beginning [s]: two beats of a slow heart
         0.601,  # ... or when the energy fell below this share of it
         1.813,  # a beat is missing after so many usual intervals
         0.126,  # then a refused peak counts that rose this share of the way from noise to beats
-        0.441,  # threshold between noise (0) and beats (1) when a beat is due
-        1.031,  # just after a beat
+        0.45,  # threshold between noise (0) and beats (1) when a beat is due
+        1.011,  # just after a beat
         1.242,  # share of the usual interval in which it falls from the one to the other
         0.245,  # weight of a new beat in the level of beats
-        0.177,  # weight of a refused peak in that of noise
+        0.152,  # weight of a refused peak in that of noise
         0.024,  # loss of the level of beats per second without any [1/s]
         1.0,  # first level of beats, of the second largest peak
         0.078,  # weight of a new interval in the usual one
         1.625,  # a beat counts at most so many times the level
+        6.21,  # where beats stand over noise by less than this ratio of the levels, the rhythm begins to count
+        1.84,  # ... and counts fully
+        1.1,  # by so much of the way from noise to beats it moves the threshold, half up and half down
+        0.173,  # a peak is in time within this share of the usual interval
+        0.15,  # a rhythm whose intervals differ by this share counts for nothing
     ]
 )
 """Found by a random search over the six MIT-BIH records with and without synthetic noise and the four of the noise
-stress test; see docs/guide/physiology.md for what other records and other noise give."""
+stress test; what concerns the rhythm over the six with real electrode noise added, the stress test not taking part. See
+docs/guide/physiology.md for what other records and other noise give."""
 
 
 class Ecg(Channel):
@@ -55,6 +61,7 @@ class Ecg(Channel):
         self._delay = delay_of(self._sos, _QRS, rate)
         self._z = np.zeros((len(self._sos), 2))
         self._state = np.zeros(ECG_STATE)
+        self._state[UNSTEADY] = 0.5  # a rhythm is steady when a dozen beats have shown it
         self._ring = np.zeros((1, int(4 * rate)))
         self._kept = np.zeros((64, 2))
         self._out = np.zeros((64, 3))

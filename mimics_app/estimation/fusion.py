@@ -5,25 +5,27 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from mimics_app.contracts.messages import Estimate, FeatureFrame, UserState
+from mimics_app.contracts.messages import Estimate, FeatureFrame, TrialResult, UserState
 from mimics_app.estimation.baseline import Baseline
 from mimics_app.estimation.effort import EffortModel
 
 __all__ = ["FusionEstimation", "load_of"]
 
 _STEP_S = 1.0
-_TAU_S = 20.0
+_TAU_S = 40.0
 """Arousal returns to rest with this time constant where nothing is seen [s]."""
 _DRIVE = 0.02
 """Variance that a second adds to arousal."""
 _VIEWS = {
     "heart": (0.22, 1.4),
-    "scr_rate": (0.28, 1.5),
-    "scl": (0.10, 2.5),
-    "rmssd": (-0.10, 2.0),
+    "scr_rate": (0.25, 1.5),
+    "scl": (0.20, 2.0),
+    "rmssd": (-0.35, 1.5),
 }
-"""Arousal per standard deviation of each feature from rest, and the feature's own noise in standard deviations. Signs
-and order after Boucsein 2012 (SCR rate, level) and Task Force 1996 (heart, RMSSD)."""
+"""Arousal per standard deviation of each feature from rest, and the feature's own noise in standard deviations. At full
+arousal the heart beats some 12/min faster (spread of rest 2 to 3), ten more SCRs come in a minute (2 to 3), the level
+rises by 1 to 2 uS (0.25), and RMSSD falls by a third to a half (6 ms): Boucsein, Electrodermal Activity, 2012; Kim et
+al., Psychiatry Investig 15(3), 2018."""
 _SIGNAL = {"heart": "ecg", "rmssd": "ecg", "scr_rate": "gsr", "scl": "gsr"}
 _CORRELATED_S = 25.0
 """Features look at the last 10 to 60 s: views a second apart are hardly new, so their noise counts so many times."""
@@ -40,12 +42,16 @@ class FusionEstimation:
 
     Args:
         baseline_s: Length of the calibration at rest [s].
+
+    Attributes:
+        seen: The newest features as standard deviations from rest; of the heart what work does not explain.
     """
 
     def __init__(self, baseline_s: float = 60.0) -> None:
         self._baseline = Baseline(baseline_s)
         self._effort = EffortModel()
         self._mean, self._variance = 0.0, 0.5
+        self.seen: Mapping[str, float] = {}
         self._state = UserState(-1)
 
     def update(self, features: FeatureFrame) -> UserState:
@@ -72,17 +78,21 @@ class FusionEstimation:
         )
         return self._state
 
+    def judge(self, result: TrialResult) -> UserState:
+        """A trial is over: the state is the body's alone, and stays."""
+        return self._state
+
     def _step(self, values: Mapping[str, float], quality: Mapping[str, float]) -> None:
         """Predict, then take each view in turn."""
         self._mean *= math.exp(-_STEP_S / _TAU_S)
         self._variance = self._variance * math.exp(-2.0 * _STEP_S / _TAU_S) + _DRIVE
-        for name, seen in self._seen(values).items():
-            gain, noise = _VIEWS[name]
+        self.seen = self._seen(values)
+        for name, (gain, noise) in _VIEWS.items():
             good = quality.get(_SIGNAL[name], 0.0)
-            if good < 0.2:
+            if good < 0.2 or name not in self.seen:
                 continue
             variance = (abs(gain) * noise) ** 2 * _CORRELATED_S / good**2
-            innovation = max(min(gain * seen, 1.5), -1.5) - self._mean
+            innovation = max(min(gain * self.seen[name], 1.5), -1.5) - self._mean
             k = self._variance / (self._variance + variance)
             self._mean += k * innovation
             self._variance *= 1.0 - k
@@ -96,7 +106,7 @@ class FusionEstimation:
             left = self._effort.residual(heart, learn=quiet)
             spread = max(abs(heart / (self._baseline.z("heart_rate", values) or math.inf)), _EFFORT_HEART)
             seen["heart"] = left / spread
-        for name in ("scr_rate", "scl", "rmssd"):
+        for name in ("scr_rate", "scl", "rmssd", "breath_rate"):
             z = self._baseline.z(name, values)
             if z is not None:
                 seen[name] = z + (2.0 * self._effort.effort if name == "rmssd" else 0.0)

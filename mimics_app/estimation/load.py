@@ -1,7 +1,9 @@
 """Under-challenged, challenged or over-challenged: linear discriminants, fixed or following the person.
 
-The class means of the fixed one come from a training set; the adaptive one moves them by a Kalman gain with what each
-trial says of itself (Koenig et al., IEEE TNSRE 19(4), 2011, without its classes' own covariance).
+Both are trained on the trials of many people. The fixed one sees what people differ by as noise. The adaptive one takes
+it for what it is: the class means of this person are unknown, distributed as they were among those people, and each
+trial tells more of them (a Kalman filter over the class means; after the adaptive classifier of Koenig et al., IEEE
+TNSRE 19(4), 2011).
 """
 
 from __future__ import annotations
@@ -11,50 +13,89 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["AdaptiveLda", "Lda", "LdaModel", "train_lda"]
+__all__ = ["AdaptiveLda", "Lda", "LoadModel", "train_load"]
 
 Floats = NDArray[np.float64]
 
+_CLASSES = 3
+_SHRINKAGE = 0.1
+"""Share by which covariances are drawn to their diagonals: few people, many features (Ledoit & Wolf, 2004)."""
+_DRIFT = 0.01
+"""Growth of the variance of the class means per trial, as a share of what people differ by: they tire and get used."""
+
 
 @dataclass(frozen=True, slots=True)
-class LdaModel:
-    """Class means [3, f] and the inverse of the covariance they share [f, f]."""
+class LoadModel:
+    """What many people's trials say.
+
+    Attributes:
+        means: Of the classes [3, f].
+        within: Covariance of the trials of one class of one person [f, f].
+        between: Covariance of the class means among people [3 f, 3 f], class by class.
+    """
 
     means: Floats
-    precision: Floats
+    within: Floats
+    between: Floats
 
 
-def train_lda(features: Floats, classes: NDArray[np.int64], shrinkage: float = 0.1) -> LdaModel:
-    """Means and pooled covariance of labelled features, shape [n, f]; the covariance is drawn to its diagonal.
+def train_load(features: Floats, classes: NDArray[np.int64]) -> LoadModel:
+    """Learn from labelled trials.
+
+    Args:
+        features: Of each trial of each person, shape [people, trials, f]; NaN: not known, taken as at the mean.
+        classes: 0 to 2, shape [people, trials].
 
     Raises:
-        ValueError: A class has no example.
+        ValueError: A person has no trial of a class, or there are fewer than three people.
     """
-    if set(np.unique(classes)) != {0, 1, 2}:
-        raise ValueError("each of the three classes needs examples")
-    means = np.array([features[classes == c].mean(axis=0) for c in range(3)])
-    spread = features - means[classes]
-    covariance = spread.T @ spread / max(len(features) - 3, 1)
-    diagonal = np.diag(np.diag(covariance))
-    covariance = (1.0 - shrinkage) * covariance + shrinkage * diagonal + 1e-9 * np.eye(len(covariance))
-    return LdaModel(means, np.linalg.inv(covariance))
+    people, _, f = features.shape
+    if people < 3 or any(set(one.tolist()) != set(range(_CLASSES)) for one in classes):
+        raise ValueError("three people at least, each with trials of all three classes")
+    known = np.where(np.isfinite(features), features, np.nanmean(features, axis=(0, 1)))
+    own = np.array([[x[c == k].mean(axis=0) for k in range(_CLASSES)] for x, c in zip(known, classes, strict=True)])
+    means = own.mean(axis=0)
+    left = known - np.take_along_axis(own, classes[:, :, None], axis=1)
+    freedom = left.shape[0] * (left.shape[1] - _CLASSES)
+    within = _shrunk(np.einsum("ptf,ptg->fg", left, left) / max(freedom, 1))
+    away = (own - means).reshape(people, _CLASSES * f)
+    noise = np.kron(np.eye(_CLASSES), within) * _CLASSES / features.shape[1]  # of a mean of a few trials
+    between = _positive(_shrunk(away.T @ away / (people - 1)) - noise)
+    return LoadModel(means, within, between)
+
+
+def _shrunk(covariance: Floats) -> Floats:
+    shrunk: Floats = (1.0 - _SHRINKAGE) * covariance + _SHRINKAGE * np.diag(np.diag(covariance))
+    return shrunk + 1e-6 * np.eye(len(covariance))
+
+
+def _positive(covariance: Floats) -> Floats:
+    """The nearest covariance: directions in which people were told to differ by less than nothing are flat."""
+    values, vectors = np.linalg.eigh(covariance)
+    nearest: Floats = (vectors * np.maximum(values, 1e-4)) @ vectors.T
+    return nearest
 
 
 class Lda:
     """A fixed discriminant."""
 
-    def __init__(self, model: LdaModel) -> None:
+    def __init__(self, model: LoadModel) -> None:
         self.means = model.means.copy()
-        self._precision = model.precision
+        f = self.means.shape[1]
+        self._within = model.within
+        self._spread = model.between.reshape(_CLASSES, f, _CLASSES, f)[range(_CLASSES), :, range(_CLASSES), :].copy()
+        self._spread[:] = self._spread.mean(axis=0)
 
     def probabilities(self, features: Floats) -> Floats:
         """Of each class, shape [3], of one feature vector [f]; what is NaN is left out of the comparison."""
-        known = np.isfinite(features)
-        if not known.any():
-            return np.full(3, 1.0 / 3.0)
-        away = features[known] - self.means[:, known]
-        precision = self._precision[np.ix_(known, known)]
-        score = -0.5 * np.einsum("cf,fg,cg->c", away, precision, away)
+        known = np.flatnonzero(np.isfinite(features))
+        if not len(known):
+            return np.full(_CLASSES, 1.0 / _CLASSES)
+        score = np.empty(_CLASSES)
+        for k in range(_CLASSES):
+            away = features[known] - self.means[k, known]
+            covariance = (self._within + self._spread[k])[np.ix_(known, known)]
+            score[k] = -0.5 * (away @ np.linalg.solve(covariance, away) + np.linalg.slogdet(covariance)[1])
         weights = np.exp(score - score.max())
         result: Floats = weights / weights.sum()
         return result
@@ -64,32 +105,36 @@ class Lda:
 
 
 class AdaptiveLda(Lda):
-    """Follows the person: the mean of the class a trial belonged to moves to its features, and the others with it.
+    """Follows the person: after each trial the means of all classes are what a Kalman filter makes of them."""
 
-    Args:
-        model: To begin with.
-        first, drift: Variance of a class mean at the start and its growth per trial, in units of the features' own.
-    """
-
-    def __init__(self, model: LdaModel, first: float = 0.6, drift: float = 0.01) -> None:
+    def __init__(self, model: LoadModel) -> None:
         super().__init__(model)
-        self._common = first
-        self._own = np.full(3, 0.3 * first)
-        self._drift = drift
+        self._covariance = model.between.copy()
+        self._drift = _DRIFT * np.diag(np.diag(model.between))
+        self._split()
 
     def learn(self, features: Floats, label: int | None) -> None:
-        """A trial is over; `label` where it is known (asked, or plain from the result), else the most likely class."""
-        weight = 1.0
-        if label is None:
-            probable = self.probabilities(features)
-            label, weight = int(probable.argmax()), float(max(probable.max() - 0.5, 0.0))
-        known = np.isfinite(features)
-        self._common += self._drift
-        self._own += self._drift
-        total = self._common + self._own[label] + 1.0 / max(weight, 1e-6)
-        away = np.where(known, features - self.means[label], 0.0)
-        together, alone = self._common / total, self._own[label] / total
-        self.means += together * away
-        self.means[label] += alone * away
-        self._common *= 1.0 - together
-        self._own[label] *= 1.0 - alone
+        """A trial is over; `label` where it is known (the person was asked), else each class as far as it is likely."""
+        known = np.flatnonzero(np.isfinite(features))
+        if not len(known):
+            return
+        weights = self.probabilities(features) if label is None else np.eye(_CLASSES)[label]
+        self._covariance += self._drift
+        flat = self.means.ravel()
+        updates = [self._updated(flat, features, known, k) for k in range(_CLASSES)]
+        mean = sum(w * m for w, (m, _) in zip(weights, updates, strict=True))
+        spread = [w * (p + np.outer(m - mean, m - mean)) for w, (m, p) in zip(weights, updates, strict=True)]
+        self.means, self._covariance = np.asarray(mean).reshape(self.means.shape), np.sum(spread, axis=0)
+        self._split()
+
+    def _updated(self, flat: Floats, features: Floats, known: NDArray[np.int64], k: int) -> tuple[Floats, Floats]:
+        """Means and their covariance, had the trial been of class k."""
+        places = known + k * self.means.shape[1]
+        seen = self._covariance[:, places]
+        gain = np.linalg.solve(self._covariance[np.ix_(places, places)] + self._within[np.ix_(known, known)], seen.T).T
+        return flat + gain @ (features[known] - flat[places]), self._covariance - gain @ seen.T
+
+    def _split(self) -> None:
+        """The variance of each class's own mean, which its trials have beside that within a person."""
+        f = self.means.shape[1]
+        self._spread = self._covariance.reshape(_CLASSES, f, _CLASSES, f)[range(_CLASSES), :, range(_CLASSES), :]

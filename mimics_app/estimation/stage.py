@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mimics_app.contracts.messages import FeatureFrame, UserState
+from mimics_app.contracts.messages import FeatureFrame, TrialResult, UserState
 
 __all__ = ["NullEstimation"]
 
@@ -13,3 +13,7 @@ class NullEstimation:
     def update(self, features: FeatureFrame) -> UserState:
         """An unknown state, of the features' time."""
         return UserState(features.t_ns)
+
+    def judge(self, result: TrialResult) -> UserState:
+        """Still unknown, of the result's time."""
+        return UserState(result.t_ns)

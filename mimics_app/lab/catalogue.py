@@ -49,6 +49,7 @@ GROUPS = {
     "ripple distance": "visual.ripple",
     "model reading": "methods_reading",
     "haptic tick": "methods_tick",
+    "load of the person": "physio.load_methods",
 }
 """Group -> the module of this package that registers it."""
 

@@ -1,65 +1,135 @@
-"""Figures of the loop: where the R detector fails, and how policies learn. Simulated; no clinical evidence."""
+"""Figures of the physiological loop: detectors, state, policies, and the maps of `physio_maps`."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from markupsafe import Markup
 from numpy.typing import NDArray
 
-from mimics_app.contracts.machine import describe_machine
-from mimics_app.inputs.physio.simulated.person import LatentPeople, draw_traits
-from mimics_app.inputs.physio.simulated.signals import Disturbance, SignalGenerator
-from mimics_app.lab.figure import Figure, no_boundary, write_figure
+from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.dsp.ecg import Ecg
+from mimics_app.estimation.load_people import shipped_people
+from mimics_app.lab.figure import Figure, write_figure
 from mimics_app.lab.physio.cohort import play_cohort
-from mimics_app.lab.physio.detection import Annotated, mixed_noise, score_beats
+from mimics_app.lab.physio.detection import Annotated, annotated_records, matched, mixed_noise
+from mimics_app.lab.physio.load_sessions import draw_load_people
+from mimics_app.lab.physio.peers import neurokit_detectors
+from mimics_app.lab.physio.state_study import state_study
+from mimics_app.lab.physio_drawing import physio_figure, row_of
+from mimics_app.lab.physio_maps import failure_map, loop_stability
 from mimics_app.learning.registry import POLICIES
-from mimics_app.plotting.drawing import document, legend
+from mimics_app.plotting.axis import Axis
+from mimics_app.plotting.drawing import legend
 from mimics_app.plotting.marks import element, path, word
+from mimics_app.plotting.panel import Label, Panel
 
-__all__ = ["draw_figures", "failure_map", "learning_curves"]
+__all__ = ["detectors", "draw_figures", "learning_curves", "load_accuracy"]
 
-_DECIBELS = (np.inf, 12.0, 6.0, 0.0)
-_SPOILT = {
-    "clean": Disturbance(motion=0.0),
-    "10 % ectopic": Disturbance(ectopic=0.1, motion=0.0),
-    "wander x 10": Disturbance(wander=0.8, motion=0.0),
-    "motion 0.4 m/s": Disturbance(motion=2.0),
-    "lead off 20 %": Disturbance(lead_off=0.25, motion=0.0),
-}
-_SECONDS = 180
+Floats = NDArray[np.float64]
+Detector = Callable[[Floats, float], Floats]
+
 _SHOWN = ("random", "staircase", "proportional", "kalman", "thompson", "q")
-_WARNING = "Simulated people: what a method does under what was assumed of them. No clinical evidence."
-_COMMAND = "mimics bench physio --charts DIR"
+_GAPS = (0.08, 0.11, 0.15, 0.22)
+_SHIPPED_GAP = 0.15
+"""That of the people that come with the product."""
+_EACH = 4
+"""People of each family at the others."""
+_TOLD = ("adaptive", "adaptive, not asked", "fixed", "fusion", "success alone", "threshold per person", "majority")
+_MINUTES = 5.0
+_BLOCK_S = 0.02
 
 
-def draw_figures(folder: Path) -> list[Path]:
-    """Write all figures; the drawings."""
-    folder.mkdir(parents=True, exist_ok=True)
-    return [write_figure(figure, folder)[1] for figure in (failure_map(), learning_curves())]
+def draw_figures(folder: Path, records: Path | None = None) -> list[Path]:
+    """Write all figures; the drawings.
+
+    Args:
+        folder: Where to.
+        records: Folder of annotated records for the detectors; None: simulated people.
+    """
+    figures = (failure_map(), loop_stability(), learning_curves(), load_accuracy(), detectors(records))
+    return [write_figure(figure, folder)[1] for figure in figures]
 
 
-def failure_map() -> Figure:
-    """F1 of the R detector by what spoils the signal and by added noise."""
+def load_accuracy() -> Figure:
+    """Share of trials whose load was told right by how far off a wrong demand is, with 95 % intervals over people."""
+    shares = Axis("trials told right", 0.0, 1.0, at=(0.0, 0.25, 0.5, 0.75, 1.0))
+    panel = Panel(6.0, 70.0, 860.0, 400.0, Axis("demand off the best in a wrong trial", 0.06, 0.25), shares)
+    rows: list[dict[str, Any]] = []
+    lines: dict[str, list[tuple[float, float]]] = {name: [] for name in _TOLD}
+    for gap in _GAPS:
+        scores = state_study(shipped_people() if gap == _SHIPPED_GAP else draw_load_people(_EACH, gap))
+        for k, name in enumerate(_TOLD):
+            score, x = scores[name], gap + 0.0006 * (k - 3)
+            low, high = score.share - score.half_width, min(score.share + score.half_width, 1.0)
+            panel.line([(x, low), (x, high)], f"line s{k}")
+            panel.dot(x, score.share, f"dot s{k}", f"{name}, {gap:g}: {score.share:.3f}")
+            lines[name].append((x, score.share))
+            rows.append(row_of(name, gap, 1.0 - score.share) | {"half_width": score.half_width})
+    for k, name in enumerate(_TOLD):
+        panel.line(lines[name], f"line s{k}", name)
+    entries = [("line", f"line s{k}", name) for k, name in enumerate(_TOLD)]
+    parts = [legend(20.0, 52.0, entries), panel.svg()]
+    what = f"{5 * _EACH} people (40 at 0.15), told by what was trained on the four other families; bars: 95 %"
+    return physio_figure(
+        "physio load accuracy", "Load of unseen families by difficulty", (880.0, 530.0), parts, rows, what
+    )
+
+
+def detectors(folder: Path | None) -> Figure:
+    """Cost against F1 of R peaks on clean, ectopic and noisy records: the product's detector and installed rivals."""
+    kinds = _records(folder)
+    rivals: dict[str, Detector] = {"mimics, causal": _ours, **neurokit_detectors()}
     rows, parts = [], []
-    left, top, width, height = 130.0, 84.0, 128.0, 46.0
-    for j, (name, disturbance) in enumerate(_SPOILT.items()):
-        record = _record(disturbance)
-        parts.append(word(left + (j + 0.5) * width, top - 12.0, name, "name", "middle"))
-        for i, decibel in enumerate(_DECIBELS):
-            noisy = record if np.isinf(decibel) else _noisy(record, decibel)
-            f1 = score_beats(noisy).f1
-            rows.append({"method": name, "x": None if np.isinf(decibel) else decibel, "cost_ns": None, "error": 1 - f1})
-            shade, x, y = f"{0.75 * (1.0 - f1) ** 0.5:.3f}", left + j * width, top + i * height
-            parts.append(element("rect", class_="dot s1", fill_opacity=shade, x=x, y=y, width=width, height=height))
-            parts.append(word(left + (j + 0.5) * width, top + (i + 0.62) * height, f"{f1:.3f}", "strong", "middle"))
-    for i, decibel in enumerate(_DECIBELS):
-        told = "no noise" if np.isinf(decibel) else f"{decibel:g} dB"
-        parts.append(word(left - 12.0, top + (i + 0.62) * height, told, "name", "end"))
-    size = (left + len(_SPOILT) * width + 20.0, top + len(_DECIBELS) * height + 60.0)
-    return _figure("physio failure map", "F1 of R peaks", size, parts, rows)
+    for k, (kind, records) in enumerate(kinds.items()):
+        found = {name: _cost_and_f1(find, records) for name, find in rivals.items()}
+        x = Axis.around("processor time [s per hour of ECG]", [cost for cost, _ in found.values()], log=True)
+        y = Axis.around("F1", [f1 for _, f1 in found.values()])
+        panel = Panel(6.0 + 420.0 * k, 60.0, 414.0, 380.0, x, y, kind)
+        for name, (cost, f1) in found.items():
+            own = name.startswith("mimics")
+            panel.dot(cost, f1, "dot s0" if own else "open", f"{name}: F1 {f1:.4f}, {cost:.2g} s per hour")
+            panel.label(Label(cost, f1, name.removeprefix("NeuroKit2 "), "name strong" if own else "name"))
+            rows.append(row_of(f"{name}, {kind}", cost, 1.0 - f1, cost * 1e9))
+        parts.append(panel.svg())
+    what = (
+        "Open: NeuroKit2's, each over a whole record at once, both ways in time; ours fed in blocks of 20 ms. Records: "
+        + ("MIT-BIH 100, 102, 104, 114; 106, 119; noise stress test" if folder else "simulated")
+    )
+    return physio_figure("physio detectors", "R peaks: cost against F1", (1272.0, 500.0), parts, rows, what)
+
+
+def _records(folder: Path | None) -> dict[str, list[Annotated]]:
+    records = list(annotated_records(folder, _MINUTES))
+    if folder is None:
+        clean, ectopic = records
+        return {"clean": [clean], "ectopic": [ectopic], "noisy": [mixed_noise(clean, 6.0, 1)]}
+    many = ("mitdb_106", "mitdb_119")
+    noisy = [record for record in records if record.name.startswith("nst")]
+    ectopic_ones = [record for record in records if record.name in many]
+    clean_ones = [record for record in records if record not in noisy and record.name not in many]
+    return {"clean": clean_ones, "ectopic": ectopic_ones, "noisy": noisy}
+
+
+def _ours(values: Floats, rate: float) -> Floats:
+    channel, block = Ecg(rate), max(1, round(_BLOCK_S * rate))
+    return np.array([e.t_s for i in range(0, len(values), block) for e in channel.push(values[i : i + block])])
+
+
+def _cost_and_f1(find: Detector, records: list[Annotated]) -> tuple[float, float]:
+    """Processor time per hour of signal [s] and F1 over all beats."""
+    clock, spent, seconds, hits, both = MonotonicClock(), 0, 0.0, 0, 0
+    for record in records:
+        find(record.values[: round(20.0 * record.rate)], record.rate)
+        begun = clock.now_ns()
+        found = find(record.values, record.rate)
+        spent += clock.now_ns() - begun
+        seconds += len(record.values) / record.rate
+        hits += matched(record.beats, found)
+        both += len(record.beats) + len(found)
+    return spent * 1e-9 * 3600.0 / seconds, 2.0 * hits / max(both, 1)
 
 
 def learning_curves(people: int = 400, trials: int = 40) -> Figure:
@@ -78,43 +148,15 @@ def learning_curves(people: int = 400, trials: int = 40) -> Figure:
             element("path", class_=f"dot s{k}", d=band, fill_opacity="0.2"),
             path(f"line s{k}", _line(x, middle), name),
         ]
-        rows += [{"method": name, "x": t, "cost_ns": None, "error": float(mean[t])} for t in range(trials)]
+        rows += [row_of(name, t, float(mean[t])) | {"half_width": float(half[t])} for t in range(trials)]
     for value in (0.0, 0.2, 0.4, 0.6, 0.8):
         y = top + height * (1.0 - value / highest)
         parts += [path("grid", f"M{left} {y:.1f}h{width}"), word(left - 8.0, y + 4.0, f"{value:g}", "small", "end")]
     parts.append(word(left + width / 2.0, top + height + 22.0, "trial, 1 to 40", "small", "middle"))
     parts.append(legend(left, top + height + 44.0, [("line", f"line s{k}", name) for k, name in enumerate(_SHOWN)]))
-    size = (left + width + 30.0, top + height + 100.0)
-    return _figure("physio learning curves", f"Regret of a trial, {people} people", size, parts, rows)
+    size = (left + width + 30.0, top + height + 116.0)
+    return physio_figure("physio learning curves", f"Regret of a trial, {people} people", size, parts, rows)
 
 
-def _figure(
-    name: str, title: str, size: tuple[float, float], parts: list[Markup], rows: list[dict[str, Any]]
-) -> Figure:
-    machine = str(describe_machine())
-    svg = str(document(*size, title, parts, [_WARNING, f"{_COMMAND}   on   {machine}"]))
-    whole = [{**row, "valid": True} for row in rows]
-    return Figure("figure", name, _COMMAND, machine, whole, [], "", no_boundary(), svg, {"what": title, "unit": "1"})
-
-
-def _record(disturbance: Disturbance) -> Annotated:
-    rng = np.random.default_rng(167)
-    people, generator = LatentPeople(draw_traits(rng, 1)), SignalGenerator(rng, disturbance)
-    rest = np.array([np.nan]), np.zeros(1), np.zeros(1)
-    seconds = []
-    for _ in range(_SECONDS):
-        people.step(1.0, *rest)
-        seconds.append(generator.second(people.drive(np.array([0.4])))["ecg"])
-    return Annotated("simulated", 1000.0, np.concatenate(seconds), np.array(generator.truth.beats))
-
-
-def _noisy(record: Annotated, decibel: float) -> Annotated:
-    """The record with noise; where contact was lost there is none."""
-    off = np.isnan(record.values)
-    filled = Annotated(record.name, record.rate, np.nan_to_num(record.values), record.beats)
-    noisy = mixed_noise(filled, decibel, 1)
-    return Annotated(noisy.name, noisy.rate, np.where(off, np.nan, noisy.values), noisy.beats)
-
-
-def _line(x: NDArray[np.float64], y: NDArray[np.float64]) -> str:
+def _line(x: Floats, y: Floats) -> str:
     return "M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in zip(x.tolist(), y.tolist(), strict=True))

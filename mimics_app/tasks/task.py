@@ -342,6 +342,12 @@ class _TaskBase(Component, frozen=True):
     goal: Annotated[
         str, Meta(description="What it is rewarded for: 'task', 'success:SHARE', 'arousal:LOW:HIGH' and the like.")
     ] = "success:0.7"
+    estimator: Annotated[
+        str,
+        Meta(
+            description="What tells the person's load unless a run names it: fusion, lda, adaptive_lda; '': the best."
+        ),
+    ] = ""
 
     def section(self, kind: str) -> Component | None:
         """The section of a kind of task by its name, or None where the task has none."""

@@ -53,6 +53,10 @@ def test_every_arrow_of_the_figure_carries_something(run: Run) -> None:
     assert len(results) >= 2
     assert choices[0]["values"]["radius"] != results[0]["values"]["radius"]
     assert results[1]["values"]["radius"] == pytest.approx(choices[0]["values"]["radius"])
+    assert run.session["body"]["estimator"] == "adaptive_lda"
+    judged = [line for line in persons if line["t_ns"] in {line["t_ns"] for line in results}]
+    assert judged, "a trial that ended is part of the state its choice goes by"
+    assert all(sum(line["load"]) == pytest.approx(1.0) for line in judged)
 
 
 def test_a_run_replays_to_the_last_digit(run: Run) -> None:
@@ -99,7 +103,10 @@ def test_a_run_without_signals_has_no_stream(tmp_path: Path) -> None:
     assert "body" not in json.loads((plain.folder / FILES["session"]).read_text())
 
 
-@pytest.mark.parametrize("more", [{"learn": "kalmann"}, {"physio": "simm"}, {"learn": "kalman", "goal": "joy"}])
+@pytest.mark.parametrize(
+    "more",
+    [{"learn": "kalmann"}, {"physio": "simm"}, {"learn": "kalman", "goal": "joy"}, {"physio": "sim", "estimator": "a"}],
+)
 def test_what_is_not_there_is_refused_before_a_run_begins(more: dict[str, str], tmp_path: Path) -> None:
     with pytest.raises(UsageError):
         play(tmp_path, 1.0, **more)

@@ -9,7 +9,6 @@ from mimics_app.contracts.action_space import ACTION_KINDS, ActionSpace, Paramet
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.messages import Estimate, TaskAction, TrialResult, UserState
 from mimics_app.estimation.effort import EffortModel
-from mimics_app.estimation.load import AdaptiveLda, Lda, train_lda
 from mimics_app.lab.physio.cohort import play_cohort
 from mimics_app.lab.physio.walk_study import walk_study
 from mimics_app.learning.agent import Agent
@@ -205,23 +204,6 @@ def test_pure_effort_is_explained_by_its_power() -> None:
         left = model.residual(heart, learn=True)
         worst = max(worst, abs(left)) if second > 300 else worst
     assert worst < 2.5
-
-
-def test_an_adaptive_discriminant_follows_a_person_a_fixed_one_does_not() -> None:
-    rng = np.random.default_rng(6)
-    labels = rng.integers(0, 3, 600)
-    means = np.array([[-1.0, -0.5], [0.0, 0.0], [1.2, 0.8]])
-    model = train_lda(means[labels] + 0.7 * rng.standard_normal((600, 2)), labels)
-    fixed, adaptive, hits = Lda(model), AdaptiveLda(model), np.zeros(2)
-    shift = np.array([1.3, -0.6])
-    for i in range(200):
-        label = int(rng.integers(0, 3))
-        seen = means[label] + shift + 0.7 * rng.standard_normal(2)
-        for k, each in enumerate((fixed, adaptive)):
-            hits[k] += i >= 50 and each.probabilities(seen).argmax() == label
-            each.learn(seen, label)
-    assert hits[1] / 150 > hits[0] / 150 + 0.05
-    assert fixed.probabilities(np.array([np.nan, np.nan])).tolist() == [1 / 3] * 3
 
 
 def test_the_environment_is_one_of_gymnasium() -> None:

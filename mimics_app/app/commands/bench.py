@@ -39,6 +39,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--surface", choices=("egl", "window"), default="egl", help="of frame: where the picture is drawn"
     )
     parser.add_argument("--charts", type=Path, metavar="DIR", help="of physio and audio: write their figures here")
+    parser.add_argument(
+        "--people", type=Path, metavar="FILE", help="of physio: only write the people that the load is learnt from"
+    )
     parser.add_argument("--scene", type=Path, default=Path("scenes/wavy_tunnel.json"), help="scene of the load")
     parser.add_argument("--seconds", type=positive_time, default=60.0, help="length of each real-time measurement [s]")
     parser.add_argument(
@@ -226,6 +229,11 @@ def _measure_displays(args: argparse.Namespace) -> dict[str, Any]:
 
 def _measure_physio(args: argparse.Namespace) -> dict[str, Any]:
     """R peaks on annotated records and under noise, cost and latency; PEERS names a folder with rivals' harness."""
+    if args.people is not None:
+        from mimics_app.lab.physio.load_sessions import write_shipped_people
+
+        write_shipped_people(args.people)
+        return {"people": str(args.people)}
     from mimics_app.lab.physio.bench import measure_physio
 
     folder = args.data or (Path(os.environ["PHYSIO_DATA"]) if os.environ.get("PHYSIO_DATA") else None)
@@ -233,7 +241,7 @@ def _measure_physio(args: argparse.Namespace) -> dict[str, Any]:
     if args.charts is not None:
         from mimics_app.lab.physio_figures import draw_figures
 
-        answer["charts"] = draw_figures(args.charts)
+        answer["charts"] = draw_figures(args.charts, folder)
     return answer
 
 

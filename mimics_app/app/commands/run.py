@@ -72,6 +72,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="of the policy, instead of the task's: task, success:SHARE, arousal:LOW:HIGH, effort:LOW:HIGH",
     )
     parser.add_argument(
+        "--estimator",
+        default="",
+        metavar="NAME",
+        help="what tells the person's load, instead of the task's: fusion, lda, adaptive_lda",
+    )
+    parser.add_argument(
         "--baseline-s", type=positive_time, default=60.0, metavar="S", help="length of the person's rest measured first"
     )
     parser.add_argument("--runs", type=Path, default=Path("runs"), metavar="DIR", help="where the run folder is made")

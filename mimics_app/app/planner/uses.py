@@ -319,5 +319,6 @@ NOT_PLANNED: Mapping[str, str] = {
     "loop scheduling": "the first recipe that the system grants runs",
     "model reading": "kinds of files, not rivals",
     "haptic tick": "the whole, by the tunnel projection that is chosen",
+    "load of the person": "body signals belong to a run, not to a scene: the best of the chart, or what the task names",
 }
 """Groups with several methods that the product can run, but nothing for the planner to choose: why."""

@@ -53,13 +53,13 @@ def open_body(settings: RunSettings, task: TaskSpec, preset: str = "") -> Body:
 
     Raises:
         SceneError: the action file, or a file of signals, is wrong.
-        UsageError: no such policy, goal or source.
+        UsageError: no such policy, goal, estimator or source.
         DeviceError: the source cannot be had.
     """
     body = Body()
     learn = "" if settings.action is not None else settings.learn or task.learn
     if settings.physio or learn:
-        header = _header(settings, learn, settings.goal or task.goal, build_learning_space(task))
+        header = _header(settings, task, learn)
         body = replace(make_stages(header), sources=_sources(settings, preset))
     if settings.action is not None:
         body = replace(body, learning=load_action_sequence(settings.action, build_action_space(task)))
@@ -70,10 +70,10 @@ def make_stages(header: Mapping[str, object]) -> Body:
     """Signal processing, estimation, learning and goal as a header says, without sources.
 
     Raises:
-        UsageError: no such policy or goal.
+        UsageError: no such policy, goal or estimator.
     """
     from mimics_app.dsp.stage import PhysioDsp
-    from mimics_app.estimation.fusion import FusionEstimation
+    from mimics_app.estimation.registry import build_estimation
     from mimics_app.learning.goals import build_goal
 
     said = msgspec.convert(header, _Header)
@@ -94,7 +94,7 @@ def make_stages(header: Mapping[str, object]) -> Body:
         raise UsageError(str(error)) from error
     return Body(
         dsp=PhysioDsp(),
-        estimation=FusionEstimation(said.baseline_s),
+        estimation=build_estimation(said.estimator, said.baseline_s),
         learning=learning,
         goal=goal,
         header=msgspec.to_builtins(said),
@@ -109,15 +109,20 @@ class _Header(msgspec.Struct, frozen=True):
     seed: int
     baseline_s: float
     parameters: list[Parameter]
+    estimator: str = "fusion"
+    """What recordings without the word were made with."""
 
 
-def _header(settings: RunSettings, learn: str, goal: str, space: ActionSpace) -> Mapping[str, object]:
+def _header(settings: RunSettings, task: TaskSpec, learn: str) -> Mapping[str, object]:
+    from mimics_app.estimation.registry import DEFAULT
+
     return {
         "learn": learn,
-        "goal": goal,
+        "goal": settings.goal or task.goal,
         "seed": settings.seed,
         "baseline_s": settings.baseline_s,
-        "parameters": msgspec.to_builtins(list(space)),
+        "parameters": msgspec.to_builtins(list(build_learning_space(task))),
+        "estimator": settings.estimator or task.estimator or DEFAULT,
     }
 
 

@@ -68,6 +68,7 @@ def replay_body(run: Run) -> BodyReplay | None:
         state = stages.estimation.update(features)
         result = results.get(number)
         for told in (None, result) if number == 0 else (result,):
+            state = state if told is None else stages.estimation.judge(told)
             reward = stages.goal.reward(state, told)
             tap.choice(number, told, reward, stages.learning.choose(state, told, reward, now_ns))
         tap.step(number, (), features, state)

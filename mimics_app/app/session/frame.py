@@ -13,6 +13,7 @@ from mimics_app.app.picture.stability_card import stability_card
 from mimics_app.app.session.core import SessionCore
 from mimics_app.app.session.recorder_watch import RecorderWatch
 from mimics_app.app.session.safety_watch import SafetyWatch
+from mimics_app.app.session.signal_watch import SignalWatch
 from mimics_app.app.touch.loss_watch import LossWatch
 from mimics_app.app.touch.person_inbox import PersonInbox
 from mimics_app.contracts.board import Board
@@ -61,6 +62,7 @@ class Frames:
         self.losses = LossWatch(core.side.effect_entities, core.tell)
         self.safety = SafetyWatch(core.tell)
         self._recorder = RecorderWatch(core.recorder, core.tell)
+        self._signals = SignalWatch(core.inputs.signals, core.recorder, core.tell)
         self.events: NDArray[Any] = np.zeros(0, EVENT)
 
     @property
@@ -105,9 +107,12 @@ class Frames:
             self.losses.see(events)
             self.safety.see(events)
             self._recorder.look()
+            self._signals.look(now_ns)
         with stage("tasks"):
             taken = self._action
             orders = core.tasks.step(vr, taken, snapshot, events, now_ns)
+            if orders.result is not None:
+                state = core.estimation.judge(orders.result)
             self._choose(state, orders.result, now_ns)
             self._touch(vr, orders, snapshot)
             self._feel(orders, now_ns)

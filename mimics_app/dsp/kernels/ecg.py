@@ -2,7 +2,8 @@
 
 The energy of the QRS band is compared with a level between those of the last beats and of what lies between them; the
 level is high just after a beat and sinks until the next one is due, so that a T wave or a burst of noise in mid-cycle
-must be as strong as a beat, while a weak beat that comes in time is taken. After Pan & Tompkins, IEEE TBME 32(3), 1985,
+must be as strong as a beat, while a weak beat that comes in time is taken. As far as noise comes near the beats and the
+rhythm is steady, when a peak comes counts for more than how strong it is. After Pan & Tompkins, IEEE TBME 32(3), 1985,
 with the time-dependent threshold of Engelse & Zeelenberg, Computers in Cardiology, 1979.
 """
 
@@ -16,11 +17,11 @@ __all__ = ["ECG_STATE", "find_beats"]
 
 Floats = np.ndarray[tuple[int, ...], np.dtype[np.float64]]
 
-SPK, NPK, LAST, CAND_T, CAND_V, RR, SUM, BACK_T, BACK_V, N, HELD, MISSING, LEARNT, KEPT = range(14)
-ECG_STATE = 14
+SPK, NPK, LAST, CAND_T, CAND_V, RR, SUM, BACK_T, BACK_V, N, HELD, MISSING, LEARNT, KEPT, UNSTEADY = range(15)
+ECG_STATE = 15
 """Length of the state vector: levels of beats and of noise, sample of the last beat, the candidate and its energy, mean
 RR, running sum of squares, best refused candidate, samples seen, last good input, NaN in a row, whether the levels are
-learnt, candidates kept until then."""
+learnt, candidates kept until then, mean share by which intervals differ from the usual one."""
 
 _NEVER = 10.0
 """So long ago counts the last beat where there was none [s]."""
@@ -207,12 +208,25 @@ def _judge(
     expected = state[RR] if state[RR] > 0.0 else _USUAL_RR * rate
     share = min(since / expected, 2.0)
     factor = tuning[7] + (tuning[8] - tuning[7]) * max(1.0 - share / tuning[9], 0.0)
+    factor = max(factor + _rhythm(share, state, tuning), 0.1)
     if v > state[NPK] + factor * (state[SPK] - state[NPK]):
         return _accept(t, v, n, state, ring, delay, tuning, rate, out, count)
     state[NPK] += tuning[11] * (min(v, _NOISE_CAP * state[SPK]) - state[NPK])
     if v > state[BACK_V] and since > _REFRACTORY * rate:
         state[BACK_V], state[BACK_T] = v, t
     return count
+
+
+@kernel
+def _rhythm(share: float, state: Floats, tuning: Floats) -> float:
+    """What the threshold is raised by for a peak that comes at this share of the usual interval; less than 0 in time.
+
+    Nothing where beats stand out, or where the intervals have been unlike each other.
+    """
+    clear = state[SPK] / max(state[NPK], 1e-12)
+    noisy = min(max((tuning[16] - clear) / (tuning[16] - tuning[17]), 0.0), 1.0)
+    steady = max(1.0 - state[UNSTEADY] / tuning[20], 0.0)
+    return noisy * steady * tuning[18] * (0.5 - np.exp(-(((share - 1.0) / tuning[19]) ** 2)))
 
 
 @kernel
@@ -235,6 +249,8 @@ def _accept(
             best, at = abs(ring[0, j % m]), j
     if state[LAST] >= 0.0:
         rr = t - state[LAST]
+        if state[RR] > 0.0:
+            state[UNSTEADY] += 0.1 * (min(abs(rr / state[RR] - 1.0), 0.5) - state[UNSTEADY])
         if state[RR] == 0.0:
             state[RR] = min(rr, _LONGEST_RR * rate)
         elif _FASTEST_RR * rate < rr < _MISSED_RR * state[RR]:

@@ -21,6 +21,7 @@ from mimics_app.lab.physio.detection import (
     mixed_noise,
     score_beats,
 )
+from mimics_app.lab.physio.load_sessions import draw_load_people
 from mimics_app.lab.physio.state_study import state_study
 from mimics_app.lab.physio.walk_study import walk_study
 from mimics_app.learning.registry import POLICIES
@@ -30,6 +31,8 @@ __all__ = ["measure_physio"]
 _SIMULATED = "simulated people; a simulation is no clinical evidence"
 _NOISY_MINUTES = 5.0
 _PEERS_LIMIT_S = 900.0
+_GAPS = (0.08, 0.15, 0.22)
+"""Demand off the best in a trial that is too easy or too hard."""
 
 
 def measure_physio(folder: Path | None, peers: Path | None) -> dict[str, Any]:
@@ -52,7 +55,7 @@ def measure_physio(folder: Path | None, peers: Path | None) -> dict[str, Any]:
         "records": str(folder) if folder else _SIMULATED,
         **measure_cost(),
         "policies": {"what": _SIMULATED, "regret": {name: _regret(name) for name in POLICIES}},
-        "state": {"what": _SIMULATED, "gaps": {f"{gap:g}": asdict(state_study(8, gap)) for gap in (0.12, 0.18, 0.3)}},
+        "state": {"what": _SIMULATED, "gaps": {f"{gap:g}": _load(gap) for gap in _GAPS}},
         "guided_walk": [asdict(walk_study(condition)) for condition in ("intimate", "social", "random")],
         "peers": _peers(folder, peers),
     }
@@ -78,6 +81,15 @@ def _head(record: Annotated) -> Annotated:
     n = min(len(record.values), round(60.0 * _NOISY_MINUTES * record.rate))
     beats = record.beats[record.beats < n / record.rate]
     return Annotated(record.name, record.rate, record.values[:n], beats)
+
+
+def _load(gap: float) -> dict[str, dict[str, float]]:
+    """Shares of trials whose load was told right, with 95 % intervals over people and calibration."""
+    scores = state_study(draw_load_people(2, gap)).items()
+    return {
+        name: {"share": score.share, "half_width": score.half_width, "calibration": score.calibration}
+        for name, score in scores
+    }
 
 
 def _regret(name: str) -> dict[str, float]:

@@ -19,7 +19,16 @@ from mimics_app.dsp.stage import PhysioDsp
 from mimics_app.inputs.physio.simulated.person import LatentPeople, draw_traits
 from mimics_app.inputs.physio.simulated.signals import Disturbance, SignalGenerator, Truth
 
-__all__ = ["NOISE_DB", "Annotated", "Score", "annotated_records", "measure_cost", "mixed_noise", "score_beats"]
+__all__ = [
+    "NOISE_DB",
+    "Annotated",
+    "Score",
+    "annotated_records",
+    "matched",
+    "measure_cost",
+    "mixed_noise",
+    "score_beats",
+]
 
 Floats = NDArray[np.float64]
 
@@ -98,14 +107,14 @@ def score_beats(record: Annotated) -> Score:
     channel, block = Ecg(record.rate), max(1, round(_BLOCK_S * record.rate))
     events = [e for i in range(0, len(record.values), block) for e in channel.push(record.values[i : i + block])]
     found = np.array([event.t_s for event in events])
-    hits = _matched(record.beats, found)
+    hits = matched(record.beats, found)
     sensitivity, ppv = hits / max(len(record.beats), 1), hits / max(len(found), 1)
     late = np.array([event.known_s - event.t_s for event in events])
     f1 = 2.0 * hits / max(len(record.beats) + len(found), 1)
     return Score(record.name, f1, sensitivity, ppv, late)
 
 
-def _matched(truth: Floats, found: Floats) -> int:
+def matched(truth: Floats, found: Floats) -> int:
     """Pairs within the window, one to one in time order, the nearer one where two are near."""
     i = j = hits = 0
     while i < len(truth) and j < len(found):

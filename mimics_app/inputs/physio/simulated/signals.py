@@ -183,26 +183,19 @@ class SignalGenerator:
         """Interference pattern [mV]; a tired muscle fires slower."""
         slow = 0.55 + 0.3 * float(drive.fatigue[0])
         noise = self._rng.standard_normal(RATE)
-        shaped = np.empty(RATE)
-        a, b = self._coloured
-        for i in range(RATE):
-            a += (1.0 - slow) * (noise[i] - a)
-            b += 0.06 * (a - b)
-            shaped[i] = a - b
-        self._coloured[:] = a, b
+        excited, self._coloured[:1] = _first_order(noise, slow, float(self._coloured[0]))
+        mean, self._coloured[1:] = _first_order(excited, 0.94, float(self._coloured[1]))
+        shaped = excited - mean
         activity = float(drive.muscle[0])
         return (0.004 + 0.25 * activity) * shaped + self._bad.white * 0.2 * self._rng.standard_normal(RATE)
 
     def _motion(self, speed: float) -> Floats:
         """Low-frequency shaking of electrodes that goes with the hand's speed."""
-        out = np.empty(RATE)
-        value = self._shake
-        kicks = self._rng.standard_normal(RATE // 50) * speed
-        for k, kick in enumerate(kicks):
-            value = 0.8 * value + kick
-            out[50 * k : 50 * k + 50] = np.linspace(self._shake, value, 50, endpoint=False)
-            self._shake = value
-        return out
+        places = [self._shake]
+        for kick in (self._rng.standard_normal(RATE // 50) * speed).tolist():
+            places.append(0.8 * places[-1] + kick)
+        self._shake = places[-1]
+        return np.interp(np.arange(RATE) / 50.0, np.arange(len(places)), places)
 
     def _lose_contact(self, *signals: Floats) -> None:
         """Seconds without contact come in runs."""
@@ -212,6 +205,14 @@ class SignalGenerator:
             self._off -= 1
             for signal in signals:
                 signal[:] = np.nan
+
+
+def _first_order(values: Floats, keep: float, last: float) -> tuple[Floats, float]:
+    """Each output keeps a share of the one before and takes the rest from its input; the outputs and the last one."""
+    from scipy.signal import lfilter  # takes its time to import: only who simulates a body pays for it
+
+    out, _ = lfilter([1.0 - keep], [1.0, -keep], values, zi=[keep * last])
+    return out, float(out[-1])
 
 
 _PEAK_S = float(np.log(_FALL_S / _RISE_S) * _FALL_S * _RISE_S / (_FALL_S - _RISE_S))

@@ -1,0 +1,96 @@
+"""Rival ways to tell the load of a person, with their cost an update and how often they are wrong on unseen families.
+
+Importing this module registers them. The people are the simulated ones that come with the product: no clinical
+evidence.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from itertools import count
+
+from mimics_app.contracts.messages import FeatureFrame
+from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.probe import reference_us, shortest_us
+from mimics_app.estimation.load_people import shipped_people
+from mimics_app.estimation.registry import DEFAULT, build_estimation
+from mimics_app.lab.physio.state_study import StateScore, state_study
+
+__all__ = ["GROUP"]
+
+GROUP = "load of the person"
+_UNIT = "share of trials"
+_SECOND = 1_000_000_000
+_FEATURES = {"heart_rate": 72.0, "scr_rate": 3.0, "scl": 6.0, "rmssd": 35.0, "breath_rate": 15.0}
+_BASELINE_S = 20.0
+
+
+@cache
+def _scores() -> dict[str, StateScore]:
+    return state_study(shipped_people())
+
+
+def _cost_us(estimator: str) -> float:
+    """Of one update with new features, the baseline done."""
+    estimation, seconds = build_estimation(estimator, _BASELINE_S), count()
+
+    def update() -> None:
+        second = next(seconds)
+        values = {name: value + 0.1 * (second % 3) for name, value in _FEATURES.items()}
+        estimation.update(FeatureFrame(second * _SECOND, values, {"ecg": 1.0, "gsr": 1.0, "resp": 1.0}))
+
+    for _ in range(60):
+        update()
+
+    def updates() -> None:
+        for _ in range(100):
+            update()
+
+    return shortest_us(updates, 100)
+
+
+def _add(name: str, rival: str, source: str, valid_range: str, estimator: str = "") -> None:
+    """Register a way; one without an estimator is a yardstick: told, and nothing a session can take."""
+    registry.register(
+        Method(
+            group=GROUP,
+            name=name,
+            source=source,
+            cost=lambda: _cost_us(estimator or "fusion"),
+            error=lambda: 1.0 - _scores()[rival].share,
+            unit=_UNIT,
+            valid_range=valid_range,
+            settings={"estimator": estimator} if estimator else None,
+            default=estimator == DEFAULT,
+        )
+    )
+
+
+registry.describe(
+    Group(
+        name=GROUP,
+        what="three classes of load, simulated people of unseen families (no clinical evidence); error: told wrong",
+        unit=_UNIT,
+        work="",
+        reference=reference_us,
+    )
+)
+_add(
+    "fusion", "fusion", "Kalman filter over arousal, which it cuts in three", "body signals alone, untrained", "fusion"
+)
+_add(
+    "fixed LDA", "fixed", "linear discriminant of body and success (Koenig et al. 2011)", "like those trained on", "lda"
+)
+_add(
+    "adaptive LDA",
+    "adaptive, not asked",
+    "the same, its class means followed by a Kalman filter, each class as far as it is likely",
+    "people who differ from those trained on, after some trials",
+    "adaptive_lda",
+)
+_add("adaptive LDA, asked", "adaptive", "the same, the person asked after each trial", "where somebody asks")
+_add("success alone", "success alone", "linear discriminant of success", "where success can be seen")
+_add(
+    "threshold per person", "threshold per person", "two heart rates from the first three trials", "after three trials"
+)
+_add("majority", "majority", "the most frequent class", "always")

@@ -1,0 +1,104 @@
+"""Sessions of simulated people for the study of the load: a rest, then trials that are too easy, right or too hard.
+
+Raw signals go through the very processing and the very calibration of a session. What success a person has where the
+task is just right differs between people: proposals reach from a half (Atkinson, Psychol Rev 64, 1957) over 0.7
+(Metzger et al., JNER 11:154, 2014) to 0.85 (Wilson et al., Nat Commun 10:4646, 2019). No clinical evidence.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.messages import SignalBlock
+from mimics_app.dsp.stage import PhysioDsp
+from mimics_app.estimation.fusion import FusionEstimation
+from mimics_app.estimation.load_people import LoadPeople
+from mimics_app.estimation.trial_view import TrialView
+from mimics_app.inputs.physio.simulated.person import FAMILIES, Family, LatentPeople, draw_traits
+from mimics_app.inputs.physio.simulated.signals import SignalGenerator
+
+__all__ = ["draw_load_people", "write_shipped_people"]
+
+Floats = NDArray[np.float64]
+_SECOND = 1_000_000_000
+
+_REST_S, _TRIAL_S, _ROUNDS = 90, 90, 4
+"""Trials of a minute and a half: the features look at one minute."""
+_BASELINE_S = 60.0
+_POWER_W = 0.2
+"""Of an arm that moves slowly against little."""
+_RIGHT = (0.5, 0.9)
+"""Range of the success a person has where the task is just right."""
+_SLOPES = (8.0, 16.0)
+"""Range of the slope of success over demand [logit per unit]."""
+_REPETITIONS = 10
+
+
+def draw_load_people(each: int, gap: float, seed: int = 1) -> LoadPeople:
+    """Play the sessions.
+
+    Args:
+        each: People of each family.
+        gap: Demand off the best in a trial that is too easy or too hard: the smaller, the harder for an estimator.
+        seed: Of all chance.
+    """
+    places = np.repeat(np.arange(len(FAMILIES)), each)
+    streams = np.random.default_rng([seed, 164]).spawn(len(places))
+    played = [_play(rng, FAMILIES[k], gap) for rng, k in zip(streams, places.tolist(), strict=True)]
+    features, classes, fusion = (np.array([one[i] for one in played]) for i in range(3))
+    return LoadPeople(places, features, classes.astype(np.int64), fusion)
+
+
+def write_shipped_people(path: Path) -> None:
+    """Play and write the people that discriminants of the product are trained on (assets/load_people.json).
+
+    Raises:
+        OSError: The file cannot be written.
+    """
+    each, gap, seed = 8, 0.15, 1
+    what = f"simulated people, {each} of each family, demand {gap:g} off in a wrong trial, seed {seed}"
+    draw_load_people(each, gap, seed).write(path, f"{what}: mimics bench physio --people FILE")
+
+
+class _Session:
+    """One person at the task."""
+
+    def __init__(self, rng: np.random.Generator, family: Family) -> None:
+        self.people = LatentPeople(draw_traits(rng, 1, family), family)
+        self._generator = SignalGenerator(rng)
+        self._dsp, self._fusion, self._second = PhysioDsp(), FusionEstimation(_BASELINE_S), 0
+
+    def live(self, seconds: int, demand: float, power: float) -> tuple[TrialView, Floats]:
+        """Let time pass; what was seen towards its end, and what the fusion said of the load then."""
+        view, loads = TrialView(), []
+        for _ in range(seconds):
+            acting = np.array([float(np.isfinite(demand))])
+            self.people.step(1.0, np.array([demand]), np.array([power]), acting)
+            made = self._generator.second(self.people.drive(np.zeros(1))) | {"power": np.array([power])}
+            t_ns = self._second * _SECOND
+            rates = {"power": 1.0}
+            blocks = [SignalBlock(n, rates.get(n, 1000.0), t_ns, v) for n, v in made.items() if n != "emg"]
+            self._second += 1
+            state = self._fusion.update(self._dsp.process(blocks, self._second * _SECOND))
+            view.see(self._fusion.seen)
+            loads.append((1.0 / 3.0,) * 3 if state.load is None else state.load)
+        return view, np.mean(loads[-30:], axis=0)
+
+
+def _play(rng: np.random.Generator, family: Family, gap: float) -> tuple[Floats, Floats, Floats]:
+    """One person: features [t, f], classes [t] and the fusion's word [t, 3] of each trial."""
+    session = _Session(rng, family)
+    slope, right = rng.uniform(*_SLOPES), rng.uniform(*_RIGHT)
+    order = np.concatenate([rng.permutation(3) for _ in range(_ROUNDS)])
+    session.live(_REST_S, np.nan, 0.0)
+    rows, told = [], []
+    for label in order.tolist():
+        off, people = gap * (label - 1), session.people
+        view, load = session.live(_TRIAL_S, float(people.skill[0] - 0.2 * people.fatigue[0]) + off, _POWER_W)
+        succeeds = 1.0 / (1.0 + (1.0 / right - 1.0) * np.exp(slope * off))
+        rows.append(view.features(float(rng.binomial(_REPETITIONS, succeeds)) / _REPETITIONS))
+        told.append(load)
+    return np.array(rows), order, np.array(told)
