@@ -71,7 +71,7 @@ def build_tree(seed: int) -> Clay:
 
 def _on_crown(blobs: F8, count: int, seed: int) -> list[tuple[F8, F8]]:
     """Places on the outside of balls (x, y, z, radius), [n, 4], with normals: evenly on each, none inside another."""
-    places = []
+    places: list[tuple[F8, F8]] = []
     r = chance(4 * count, 300 + seed)
     total = float((blobs[:, 3] ** 2).sum())
     for x, y, z, radius in blobs:

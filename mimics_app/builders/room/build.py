@@ -21,6 +21,16 @@ _WALL, _SIDE, _FRONT, _HIGH = -1.9, 2.4, 2.4, 1.9
 _RAIL = 0.16
 """Height at which the panels end [m]."""
 
+_COLOURS = {
+    "plaster": (0.66, 0.63, 0.57, 1.0),
+    "panel": (0.235, 0.300, 0.255, 1.0),
+    "groove": (0.150, 0.195, 0.165, 1.0),
+    "rail": (0.72, 0.70, 0.64, 1.0),
+}
+"""Of what has no picture: on processors a picture on the walls costs a tenth of the frame."""
+_BOARD, _GROOVE = 0.14, 0.006
+"""Width of a panel's board, and of the groove beside it [m]."""
+
 Shade = Callable[[Point], float]
 
 
@@ -45,25 +55,28 @@ def compose(seed: int) -> dict[str, bytes]:
 
 
 def _room(seed: int) -> bytes:
-    """Two nodes: `room` with the table, and `hall`, whose floor is y = 0."""
+    """Three nodes: `room`, `table`, and `hall`, whose floor is y = 0.
+
+    Nothing is ever cast on the walls and the room's floor: their light is in their colours, which halves the frame. The
+    table and the hall's floor are lit, and matt.
+    """
     writer = GltfWriter("mimics_app assets build room")
-    painted = {
-        "oak": surfaces.paint_oak(seed),
-        "boards": surfaces.paint_boards(seed),
-        "plaster": surfaces.paint_plaster(seed),
-        "panel": surfaces.paint_panel(seed),
-    }
+    pictures = {name: writer.add_picture(name, png) for name, png in _painted(seed).items()}
     materials = {
-        name: writer.add_material(
-            f"room_{name}", texture=writer.add_picture(name, png), roughness=0.55 if name == "oak" else 0.95
-        )
-        for name, png in painted.items()
+        "oak": writer.add_material("room_oak", texture=pictures["oak"]),
+        "stage": writer.add_material("room_stage", texture=pictures["boards"]),
+        "boards": writer.add_material("room_boards", texture=pictures["boards"], unlit=True),
     }
-    materials["rail"] = writer.add_material("room_rail", colour=(0.72, 0.70, 0.64, 1.0), roughness=0.6)
-    for name, sketch in (("room", _walls(_FLOOR)), ("table", _table()), ("hall", _walls(0.0, 3.6))):
+    for name, colour in _COLOURS.items():
+        materials[name] = writer.add_material(f"room_{name}", colour=colour, unlit=True)
+    for name, sketch in (("room", _walls(_FLOOR)), ("table", _table()), ("hall", _walls(0.0, 3.6, ground="stage"))):
         parts = [(writer.add_part(part), materials[material]) for material, part in sketch.parts().items()]
         writer.add_node(name, mesh=writer.add_mesh(name, parts))
     return writer.to_bytes()
+
+
+def _painted(seed: int) -> dict[str, bytes]:
+    return {"oak": surfaces.paint_oak(seed), "boards": surfaces.paint_boards(seed)}
 
 
 def _table() -> Sketch:
@@ -79,7 +92,7 @@ def _table() -> Sketch:
     return sketch
 
 
-def _walls(floor: float, back: float = -_WALL) -> Sketch:
+def _walls(floor: float, back: float = -_WALL, ground: str = "boards") -> Sketch:
     """Floor, panels with a rail, and plaster above, shaded towards the corners and below the table."""
     sketch = Sketch()
     rail = floor + _RAIL - _FLOOR
@@ -90,13 +103,13 @@ def _walls(floor: float, back: float = -_WALL) -> Sketch:
         low = point[1] - floor
         return (1.0 - 0.30 * math.exp(-max(near, 0.0) / 0.35)) * (1.0 - 0.35 * math.exp(-max(low, 0.0) / 0.12))
 
-    def ground(point: Point) -> float:
+    def below(point: Point) -> float:
         (x0, x1), (z0, z1) = _TABLE
         away = math.hypot(max(x0 - point[0], point[0] - x1, 0.0), max(z0 - point[2], point[2] - z1, 0.0))
-        below = 1.0 - 0.55 * math.exp(-away / 0.25) if floor < 0.0 else 1.0
-        return below * (1.0 - 0.35 * math.exp(-max(min(point[2] + back, _SIDE - abs(point[0])), 0.0) / 0.25))
+        shadow = 1.0 - 0.55 * math.exp(-away / 0.25) if floor < 0.0 else 1.0
+        return shadow * (1.0 - 0.35 * math.exp(-max(min(point[2] + back, _SIDE - abs(point[0])), 0.0) / 0.25))
 
-    _sheet(sketch, "boards", (-_SIDE, floor, _FRONT), (2 * _SIDE, 0, 0), (0, 0, -_FRONT - back), (16, 16), 1.0, ground)
+    _sheet(sketch, ground, (-_SIDE, floor, _FRONT), (2 * _SIDE, 0, 0), (0, 0, -_FRONT - back), (16, 16), 1.0, below)
     walls = (
         ((-_SIDE, 0.0, -back), (2 * _SIDE, 0.0, 0.0)),
         ((-_SIDE, 0.0, _FRONT), (0.0, 0.0, -_FRONT - back)),
@@ -105,6 +118,10 @@ def _walls(floor: float, back: float = -_WALL) -> Sketch:
     for (x, _, z), along in walls:
         _sheet(sketch, "panel", (x, floor, z), along, (0.0, rail - floor, 0.0), (12, 6), 1.0 / 0.55, corner)
         _sheet(sketch, "plaster", (x, rail, z), along, (0.0, high - rail, 0.0), (12, 4), 0.5, corner)
+    for number in range(1, round(2 * _SIDE / _BOARD)):
+        x, z = -_SIDE + number * _BOARD, -back + 0.002
+        groove = [(x, floor, z), (x + _GROOVE, floor, z), (x + _GROOVE, rail, z), (x, rail, z)]
+        sketch.fan("groove", groove, [(0.0, 0.0)] * 4, [corner(point) for point in groove])
     sketch.box("rail", (-_SIDE, rail - 0.03, -back), (_SIDE, rail + 0.012, -back + 0.022), hidden="nwe")
     sketch.box("rail", (-_SIDE, floor, -back), (_SIDE, floor + 0.10, -back + 0.018), hidden="nwed", shade=0.85)
     return sketch

@@ -13,8 +13,6 @@ __all__ = [
     "paint_cushion",
     "paint_ice",
     "paint_oak",
-    "paint_panel",
-    "paint_plaster",
     "paint_ripples",
     "paint_rubber",
 ]
@@ -61,26 +59,6 @@ def paint_boards(seed: int) -> bytes:
     canvas.tone = tone + 0.4 * (_grain(canvas, seed, 48) - 0.5)
     canvas.shade(0.45, (y % 64 < 2) | ((x + 131 * board) % 512 < 2))
     canvas.grain(0.06, seed + 2)
-    return canvas.to_png()
-
-
-def paint_plaster(seed: int) -> bytes:
-    """Painted plaster, a warm white with hardly any mark."""
-    canvas = Canvas(_SIDE, _SIDE, [((214, 208, 198), (252, 249, 242))])
-    canvas.tone = 0.5 + 0.34 * smooth_noise(_SIDE, _SIDE, 4, 4, seed) - 0.17
-    canvas.tone += 0.12 * (smooth_noise(_SIDE, _SIDE, 40, 40, seed + 1) - 0.5)
-    canvas.grain(0.06, seed + 2)
-    return canvas.to_png()
-
-
-def paint_panel(seed: int) -> bytes:
-    """Upright tongued boards, painted sage green."""
-    canvas = Canvas(_SIDE, _SIDE, [((104, 122, 110), (196, 212, 198))])
-    x, _ = _pixels()
-    groove = x % 64
-    canvas.tone = 0.56 + 0.10 * (smooth_noise(_SIDE, _SIDE, 3, 12, seed) - 0.5)
-    canvas.tone += np.where(groove < 2, -0.42, 0.0) + np.where((groove >= 2) & (groove < 4), 0.16, 0.0)
-    canvas.grain(0.05, seed + 1)
     return canvas.to_png()
 
 
