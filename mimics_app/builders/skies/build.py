@@ -108,7 +108,7 @@ def _ridge(around: F8, seed: int) -> F8:
 
 def _fibre(ways: F8, seed: int) -> F8:
     """Soft noise of places in any number of dimensions, 0 to 1: waves in many directions, bent by each other."""
-    random, total, weight = np.random.default_rng(seed), np.zeros(ways.shape[:-1]), 0.0
+    random, total, weight = np.random.default_rng(seed), np.zeros(ways.shape[:-1]), np.float64(0.0)
     bend = np.zeros(ways.shape[:-1])
     for octave in range(5):
         for _ in range(5):
