@@ -144,6 +144,14 @@ def test_contacts_of_a_headless_session_stand_at_their_sample_in_the_file(tmp_pa
     assert report.latency_ms()["max"] < 1.0
 
 
+def test_none_of_120_contacts_is_lost_between_ring_and_mixer(tmp_path):
+    times = [100_000_000 + k * 7_000_000 for k in range(120)]
+    events = [contact(t, body=k) for k, t in enumerate(times)]  # each of a pair of its own: none is merged
+    report = run_offline(tmp_path, events, 1.2, sounds=TICK, triggers={"contact": "tick"}, scrape="", voices=128)
+    assert [row.t_ns for row in report.rows] == times
+    assert (report.merged, report.stale, report.refused) == (0, 0, 0)
+
+
 def test_headless_sound_is_the_same_file_twice(tmp_path):
     contacts = [contact(t, speed=0.1 * k, position=(0.1 * k, 0.0, -0.5)) for k, t in enumerate(scattered_times(6), 1)]
     hashes = set()
