@@ -20,9 +20,16 @@ _COMMAND = "mimics bench physio --charts DIR"
 
 
 def physio_figure(
-    name: str, title: str, size: tuple[float, float], parts: list[Markup], rows: list[dict[str, Any]], what: str = ""
+    name: str,
+    title: str,
+    size: tuple[float, float],
+    parts: list[Markup],
+    rows: list[dict[str, Any]],
+    what: str = "",
+    *,
+    simulated: bool = True,
 ) -> Figure:
-    """A figure with the warning below it.
+    """A figure, with the warning below it where it is of simulated people.
 
     Args:
         name: Of its files, "physio ..." .
@@ -31,12 +38,14 @@ def physio_figure(
         parts: Of the drawing.
         rows: See `Figure.rows`.
         what: A line more below: how it was made.
+        simulated: Not of recorded people.
     """
     machine = str(describe_machine())
-    foot = [*([what] if what else []), _WARNING, f"{_COMMAND}   on   {machine}"]
+    command = _COMMAND if simulated else f"{_COMMAND} --data DIR"
+    foot = [line for line in (what, _WARNING * simulated, f"{command}   on   {machine}") if line]
     svg = str(document(*size, title, parts, foot))
     more = {"what": f"{title}. {what}", "unit": "1"}
-    return Figure("figure", name, _COMMAND, machine, rows, [], "", no_boundary(), svg, more)
+    return Figure("figure", name, command, machine, rows, [], "", no_boundary(), svg, more)
 
 
 def row_of(method: str, x: float, error: float, cost_ns: float | None = None) -> dict[str, Any]:

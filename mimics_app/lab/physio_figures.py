@@ -98,7 +98,8 @@ def detectors(folder: Path | None) -> Figure:
         "Open: NeuroKit2's, each over a whole record at once, both ways in time; ours fed in blocks of 20 ms. Records: "
         + ("MIT-BIH 100, 102, 104, 114; 106, 119; noise stress test" if folder else "simulated")
     )
-    return physio_figure("physio detectors", "R peaks: cost against F1", (1272.0, 500.0), parts, rows, what)
+    simulated, size = folder is None, (1272.0, 500.0)
+    return physio_figure("physio detectors", "R peaks: cost against F1", size, parts, rows, what, simulated=simulated)
 
 
 def _records(folder: Path | None) -> dict[str, list[Annotated]]:

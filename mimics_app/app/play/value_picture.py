@@ -22,6 +22,8 @@ _NAME = "value_function.svg"
 _DEEDS = ("approach", "retreat", "step aside", "wait", "beckon", "point")
 _CELL = (96.0, 34.0)
 _LEFT, _TOP = 250.0, 76.0
+_DARKEST = 0.6
+"""Opacity of the best cell: its number is still read."""
 
 
 class ValuePicture:
@@ -52,11 +54,12 @@ def draw_values(values: NDArray[np.float64], path: Path) -> None:
         parts.append(word(_LEFT - 12.0, y + 0.62 * height, _state(i), "small", "end"))
         for j, value in enumerate(row.tolist()):
             x = _LEFT + j * width
-            shade = f"{(value - low) / span:.3f}"
+            shade = f"{_DARKEST * (value - low) / span:.3f}"
             parts.append(element("rect", class_="dot", x=x, y=y, width=width, height=height, fill_opacity=shade))
             parts.append(word(x + 0.5 * width, y + 0.62 * height, f"{value:.2f}", "name", "middle"))
-        best = int(row.argmax())
-        parts.append(element("rect", class_="ring", x=_LEFT + best * width, y=y, width=width, height=height))
+    for i, best in enumerate(values.argmax(axis=1).tolist()):  # over all cells: the next row would cover its lower edge
+        x, y = _LEFT + best * width, _TOP + i * height
+        parts.append(element("rect", class_="ring", x=x, y=y, width=width, height=height))
     whole = (_LEFT + len(names) * width + 20.0, _TOP + len(values) * height + 40.0)
     foot = ["Way towards the place [m] that each deed is expected to bring, of this and later steps."]
     write_atomically(path, str(document(*whole, "What the avatar has learnt", parts, foot)).encode())

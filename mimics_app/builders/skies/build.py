@@ -108,11 +108,11 @@ def _ridge(around: F8, seed: int) -> F8:
 
 def _fibre(ways: F8, seed: int) -> F8:
     """Soft noise of places in any number of dimensions, 0 to 1: waves in many directions, bent by each other."""
-    random, total, weight = np.random.default_rng(seed), np.zeros(ways.shape[:-1]), np.float64(0.0)
+    random, total, weight = np.random.default_rng(seed), np.zeros(ways.shape[:-1]), 0.0
     bend = np.zeros(ways.shape[:-1])
     for octave in range(5):
         for _ in range(5):
-            along = random.normal(size=ways.shape[-1])
+            along = np.asarray(random.normal(size=ways.shape[-1]))
             along *= 2.6 * 2.0**octave / np.linalg.norm(along)
             wave = np.sin(ways @ along + 1.7 * bend + random.uniform(0.0, 6.28))
             bend = 0.6 * bend + 0.4 * wave

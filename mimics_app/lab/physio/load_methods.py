@@ -14,7 +14,7 @@ from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import reference_us, shortest_us
 from mimics_app.estimation.load_people import shipped_people
 from mimics_app.estimation.registry import DEFAULT, build_estimation
-from mimics_app.lab.physio.state_study import StateScore, state_study
+from mimics_app.lab.physio.state_study import RIVALS, StateScore, state_study
 
 __all__ = ["GROUP"]
 
@@ -49,6 +49,12 @@ def _cost_us(estimator: str) -> float:
     return shortest_us(updates, 100)
 
 
+def _study_us(rival: str) -> float:
+    """Of one trial told in the study, training and learning in it."""
+    people = shipped_people()
+    return shortest_us(lambda: RIVALS[rival](people), people.classes.size, 2)
+
+
 def _add(name: str, rival: str, source: str, valid_range: str, estimator: str = "") -> None:
     """Register a way; one without an estimator is a yardstick: told, and nothing a session can take."""
     registry.register(
@@ -56,7 +62,7 @@ def _add(name: str, rival: str, source: str, valid_range: str, estimator: str = 
             group=GROUP,
             name=name,
             source=source,
-            cost=lambda: _cost_us(estimator or "fusion"),
+            cost=lambda: _cost_us(estimator) if estimator else _study_us(rival),
             error=lambda: 1.0 - _scores()[rival].share,
             unit=_UNIT,
             valid_range=valid_range,
