@@ -3,7 +3,9 @@
 Source: C. C. Gordon et al., 2012 Anthropometric Survey of U.S. Army Personnel: Methods and Summary Statistics, Natick
 technical report TR-15/007, 2014 (4082 men, 1986 women). Each measure is defined in S. Hotzman et al., Measurer's
 Handbook, Natick TR-11/017, 2011, on the page that stands beside it. Lengths are the report's mean and standard
-deviation; girths are rounded to 5 mm. The 5th and the 95th percentile are taken as the mean -+ 1.645 deviations.
+deviation; girths are rounded to 5 mm. The 5th and the 95th percentile are taken as the mean -+ 1.645 deviations: those
+that the report counts differ a little where people are not spread evenly about the mean, as in waist and hip. The
+pages are those of the definitions, not those of the report's tables.
 """
 
 from __future__ import annotations
