@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
+from functools import cache
 from typing import Any, ParamSpec, TypeVar
 
 from numba import njit
@@ -27,11 +28,23 @@ def kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a function of scalars, arrays, records: no GIL, inf instead of ZeroDivisionError, cached, no fastmath."""
     compiled: Any = njit(**_OPTIONS)(function)
     enable_cache(compiled)
-    callee = callee_of(function, _OPTIONS)
-    compiled.get_call_template, compiled.get_overload = callee.get_call_template, callee.get_overload
+    compiled.get_call_template, compiled.get_overload = _of_its_callee(function)
     compiled._compiler._compile_core = _with_environments(compiled._compiler._compile_core)
     checked: Callable[P, R] = compiled
     return checked
+
+
+def _of_its_callee(function: Callable[..., object]) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """What numba asks a function for when another calls it: those of its callee, which is made when it first does."""
+
+    @cache
+    def callee() -> Any:
+        return callee_of(function, _OPTIONS)
+
+    return (
+        lambda args, kws: callee().get_call_template(args, kws),
+        lambda signature: callee().get_overload(signature),
+    )
 
 
 def _with_environments(compile_core: Callable[..., Any]) -> Callable[..., Any]:

@@ -51,6 +51,28 @@ _IMPORT = re.compile(
 _NAME = re.compile(rb"([\w.]+)(?:[ \t]+as[ \t]+\w+)?")
 
 
+# --- numba's start ------------------------------------------------------------------------------------------------
+
+
+def _load_arrays() -> None:
+    """Import numba's functions of arrays without all of scipy.linalg, which it would import to see that it is there.
+
+    Machine code that calls a BLAS imports it then by itself; that scipy fits numba's width of integers is still looked
+    at. A numba of another build imports them its own way.
+    """
+    from numba.np import linalg
+
+    ensure_blas: Any = linalg.ensure_blas
+    linalg.ensure_blas = getattr(linalg, "_check_lapack_int_width", ensure_blas)
+    try:
+        from numba.np import arraymath  # noqa: F401
+    finally:
+        linalg.ensure_blas = ensure_blas
+
+
+_load_arrays()
+
+
 # --- which folder ---------------------------------------------------------------------------------------------------
 
 
@@ -134,6 +156,7 @@ def _package_root(top: str) -> Path | None:
     return None if place.suffix == ".so" else place.parent
 
 
+@cache
 def _source_of(name: str) -> Path | None:
     """File of a dotted module name below its package's root, or None where that is no source file."""
     root = _package_root(name.partition(".")[0])
@@ -196,7 +219,8 @@ def _is_fixed(source: Path, own: Path) -> bool:
     return not source.is_relative_to(own)
 
 
-def sources_reached(source: Path) -> list[Path]:
+@cache
+def sources_reached(source: Path) -> tuple[Path, ...]:
     """`source` and every source file its imports reach, sorted.
 
     Installed libraries of others are left out, and this module: where machine code is kept changes nothing in it.
@@ -210,7 +234,7 @@ def sources_reached(source: Path) -> list[Path]:
             if file not in reached and not _is_fixed(file, own):
                 reached.add(file)
                 waiting.append(file)
-    return sorted(reached - {_HERE} | {source})
+    return tuple(sorted(reached - {_HERE} | {source}))
 
 
 @cache
@@ -232,7 +256,16 @@ def source_key(source: Path) -> str:
 def changed_since_start(source: Path) -> bool:
     """Whether a source that `source` can reach was edited since this process began; a date to come is no edit."""
     now = wall_time().timestamp()
-    return any(_STARTED < file.stat().st_mtime <= now for file in sources_reached(source))
+    return any(_STARTED < _changed_at(file) <= now for file in sources_reached(source))
+
+
+@cache
+def _changed_at(source: Path) -> float:
+    """When a source was changed last, as of the first time that is asked [s since the epoch].
+
+    It was read before, so that an edit after that is neither in this process nor in any key.
+    """
+    return source.stat().st_mtime
 
 
 # --- numba's side ---------------------------------------------------------------------------------------------------

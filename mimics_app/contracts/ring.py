@@ -7,66 +7,60 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.atomics import load_acquire, store_release
 from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.shared_words import DROPPED, HEAD, TAIL
 
-__all__ = ["DROPPED", "WORDS", "drain", "peek", "position", "push", "release", "room", "waiting"]
+__all__ = ["drain", "peek", "position", "push", "release", "room", "waiting"]
 
 Words = NDArray[np.int64]
 Records = NDArray[np.void]
-
-WORDS = 24
-"""Length of the word array: head, tail and the count of dropped records, each on a cache line of its own."""
-
-_HEAD, _TAIL = 0, 8
-DROPPED = 16
-"""Index of the count of records that found no room; written by the producer only."""
 
 
 @kernel
 def push(words: Words, slots: Records, record: Records) -> bool:
     """Producer: append record[0] to slots (structured, shape [2**k]); False, and counted, when the ring is full."""
-    head = words[_HEAD]
-    if head - load_acquire(words, _TAIL) >= slots.shape[0]:
+    head = words[HEAD]
+    if head - load_acquire(words, TAIL) >= slots.shape[0]:
         words[DROPPED] += 1
         return False
     slots[head & (slots.shape[0] - 1)] = record[0]
-    store_release(words, _HEAD, head + 1)
+    store_release(words, HEAD, head + 1)
     return True
 
 
 @kernel
 def room(words: Words, slots: Records) -> int:
     """Producer: how many records fit now."""
-    return slots.shape[0] - (words[_HEAD] - load_acquire(words, _TAIL))
+    return slots.shape[0] - (words[HEAD] - load_acquire(words, TAIL))
 
 
 @kernel
 def waiting(words: Words) -> int:
     """Consumer: how many records can be drained now."""
-    return load_acquire(words, _HEAD) - words[_TAIL]
+    return load_acquire(words, HEAD) - words[TAIL]
 
 
 @kernel
 def drain(words: Words, slots: Records, out: Records) -> int:
     """Consumer: move up to len(out) records into out, oldest first, and return how many."""
-    tail = words[_TAIL]
-    count = min(load_acquire(words, _HEAD) - tail, out.shape[0])
+    tail = words[TAIL]
+    count = min(load_acquire(words, HEAD) - tail, out.shape[0])
     for i in range(count):
         out[i] = slots[(tail + i) & (slots.shape[0] - 1)]
-    store_release(words, _TAIL, tail + count)
+    store_release(words, TAIL, tail + count)
     return count
 
 
 @kernel
 def position(words: Words) -> int:
     """Consumer: how many records were consumed since the ring was made."""
-    return words[_TAIL]
+    return words[TAIL]
 
 
 @kernel
 def peek(words: Words, slots: Records, out: Records) -> int:
     """Consumer: copy up to len(out) records into out, oldest first, and return how many; they stay until `release`."""
-    tail = words[_TAIL]
-    count = min(load_acquire(words, _HEAD) - tail, out.shape[0])
+    tail = words[TAIL]
+    count = min(load_acquire(words, HEAD) - tail, out.shape[0])
     for i in range(count):
         out[i] = slots[(tail + i) & (slots.shape[0] - 1)]
     return count
@@ -75,4 +69,4 @@ def peek(words: Words, slots: Records, out: Records) -> int:
 @kernel
 def release(words: Words, count: int) -> None:
     """Consumer: give up the `count` oldest records, once they are safe elsewhere."""
-    store_release(words, _TAIL, words[_TAIL] + count)
+    store_release(words, TAIL, words[TAIL] + count)

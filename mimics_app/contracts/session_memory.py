@@ -14,11 +14,11 @@ from typing import Annotated, Any, get_type_hints
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from mimics_app.contracts import ring, triple_buffer
 from mimics_app.contracts.haptic import EVENT, INBOX, POSE, SAMPLE, SCENE, SNAPSHOT
 from mimics_app.contracts.loop_fields import Extent
 from mimics_app.contracts.object_rows import ROW_DTYPES, ObjectCapacities, Rows
 from mimics_app.contracts.segment import ArraySpec, Segment
+from mimics_app.contracts.shared_words import EXCHANGE_WORDS, RING_WORDS, initialise_exchange
 from mimics_app.contracts.sound_scene import SOUND_SCENE
 
 __all__ = ["SHARED_ARRAYS", "Capacities", "ControlWord", "SessionMemory", "Shared"]
@@ -70,8 +70,8 @@ class Shared:
 Words = NDArray[np.int64]
 Records = NDArray[Any]
 
-_Exchange = Annotated[Words, Shared(np.int64, (triple_buffer.WORDS,))]
-_Ends = Annotated[Words, Shared(np.int64, (ring.WORDS,))]
+_Exchange = Annotated[Words, Shared(np.int64, (EXCHANGE_WORDS,))]
+_Ends = Annotated[Words, Shared(np.int64, (RING_WORDS,))]
 _Events = Annotated[Records, Shared(EVENT, ("events",))]
 
 
@@ -128,7 +128,7 @@ class SessionMemory:
         if fresh:
             exchanges = (self.scene_words, self.inbox_words, self.snapshot_words, self.audio_words)
             for words in (*exchanges, self.sound_scene_words):
-                triple_buffer.initialise(words)
+                initialise_exchange(words)
 
     @property
     def rows(self) -> Rows:

@@ -12,45 +12,35 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.atomics import exchange, load_acquire
 from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.shared_words import BACK, FRONT, SHARED
 
-__all__ = ["WORDS", "acquire", "back_slot", "initialise", "publish"]
+__all__ = ["acquire", "back_slot", "publish"]
 
 Words = NDArray[np.int64]
 
-WORDS = 24
-"""Length of the word array: three words, each on a cache line of its own."""
-
-_SHARED, _BACK, _FRONT = 0, 8, 16
 _FRESH = 4
-
-
-@kernel
-def initialise(words: Words) -> None:
-    """Give slot 0 to the exchange, 1 to the writer, 2 to the reader; nothing is fresh."""
-    words[_SHARED] = 0
-    words[_BACK] = 1
-    words[_FRONT] = 2
+"""Bit of the shared word: its slot is newer than the reader's."""
 
 
 @kernel
 def back_slot(words: Words) -> int:
     """Writer: the slot that may be filled now."""
-    return words[_BACK]
+    return words[BACK]
 
 
 @kernel
 def publish(words: Words) -> int:
     """Writer: offer the filled back slot and return the next one to fill (its content is old: write all of it)."""
-    old = exchange(words, _SHARED, words[_BACK] | _FRESH)
-    words[_BACK] = old & 3
-    return words[_BACK]
+    old = exchange(words, SHARED, words[BACK] | _FRESH)
+    words[BACK] = old & 3
+    return words[BACK]
 
 
 @kernel
 def acquire(words: Words) -> tuple[int, bool]:
     """Reader: (front slot, whether it is newer than at the last call). The slot is the reader's until the next call."""
-    if load_acquire(words, _SHARED) & _FRESH:
-        old = exchange(words, _SHARED, words[_FRONT])
-        words[_FRONT] = old & 3
-        return words[_FRONT], True
-    return words[_FRONT], False
+    if load_acquire(words, SHARED) & _FRESH:
+        old = exchange(words, SHARED, words[FRONT])
+        words[FRONT] = old & 3
+        return words[FRONT], True
+    return words[FRONT], False

@@ -120,7 +120,7 @@ def decode_samples(data: bytes | memoryview, layout: SampleLayout | None = None)
     layout = layout or current_layout()
     batch, seq, first, crc = decode_batch(data, layout.schema)
     t = batch.column(0).to_numpy(zero_copy_only=True)
-    values = batch.column(1).flatten().to_numpy(zero_copy_only=True).reshape(len(t), layout.width - 1)
+    values = batch.column(1).values.to_numpy(zero_copy_only=True).reshape(len(t), layout.width - 1)
     if rows_crc(seq, first, t, np.ascontiguousarray(values)) != crc:
         raise ValueError("the checksum does not agree")
     samples = samples_of(layout.rows(t, values))

@@ -24,6 +24,7 @@ from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.recording.channel import CLOSE, LINE, PARAMETERS, SIGNALS, TRIAL, Outbox
 from mimics_app.recording.event_log import encode_line, to_json
 from mimics_app.recording.manifest import Manifest, read_manifest
+from mimics_app.recording.recorder_process import record
 from mimics_app.recording.recorder_status import PROBLEMS, Problem, RecorderStatus, StatusWord
 from mimics_app.recording.run_folder import FILES, write_atomically
 from mimics_app.recording.signal_rows import SignalRow, pack_signals
@@ -43,13 +44,6 @@ _WAKE_NS = 2_000_000_000
 _HUNG_NS = 7_000_000_000
 """A recorder without a pass for so long is woken, then replaced; the ring holds 16 s, and a new one comes up in few."""
 _LONGEST_STEP_NS = 100_000_000
-
-
-def _record(*arguments: Any) -> None:
-    """Target of the spawned process; pyarrow and the rest are loaded there only."""
-    from mimics_app.recording.recorder_process import record
-
-    record(*arguments)
 
 
 class Recorder:
@@ -113,8 +107,9 @@ class Recorder:
             self._clock.sleep_until_ns(self._clock.now_ns() + 1_000_000)
 
     def _spawn(self) -> None:
+        """Start the process; its target's module reaches no compiler, which would double what it costs to come up."""
         arguments = (self._memory, self._outbox.reader, self._status, self.folder, self._restarts)
-        self._process = get_context("spawn").Process(target=_record, args=arguments, name="mimics recorder")
+        self._process = get_context("spawn").Process(target=record, args=arguments, name="mimics recorder")
         self._process.start()
 
     @property

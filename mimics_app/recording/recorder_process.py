@@ -20,10 +20,10 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts import ring
 from mimics_app.contracts.clock import MonotonicClock, wall_time
 from mimics_app.contracts.environment import clock_pair
 from mimics_app.contracts.haptic import EVENT, SAMPLE
+from mimics_app.contracts.ring_reader import RingReader
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.recording.arrow_format import BLOCK_ROWS
 from mimics_app.recording.channel import CLOSE, LINE, PARAMETERS, SIGNALS, TRIAL, Inbox
@@ -110,6 +110,8 @@ class _Session:
         self._tally.lost_rows = sum(gap["rows"] for gap in self._tally.gaps if gap["reason"] == _DISK)
         self._tally.ring_dropped = sum(gap["rows"] for gap in self._tally.gaps if gap["reason"] == _RING)
         self._waiting_trials: dict[int, dict[str, Any]] = {}
+        self._sample_ring = RingReader(memory.sample_words, memory.samples)
+        self._event_ring = RingReader(memory.recorder_event_words, memory.recorder_events)
         self._block = np.zeros(BLOCK_ROWS, SAMPLE)
         self._event_block = np.zeros(memory.capacities.events, EVENT)
         self._close_message: dict[str, Any] | None = None
@@ -119,7 +121,6 @@ class _Session:
         self._alone = False
         self.over = False
         self._keep_reserve()
-        self._load_kernels()
         if resume:
             self._align_with_rings()
         self._own_line("restart" if resume else "start", {"restarts": restarts, **clock_pair()})
@@ -131,32 +132,16 @@ class _Session:
         except OSError:
             path.unlink(missing_ok=True)
 
-    def _load_kernels(self) -> None:
-        """Compile or load what the passes call now, before the first sample waits."""
-        for words, slots, block in self._rings():
-            ring.waiting(words)
-            ring.position(words)
-            ring.peek(words, slots, block[:0])
-            ring.release(words, 0)
-
-    def _rings(self) -> list[tuple[NDArray[np.int64], NDArray[Any], NDArray[Any]]]:
-        memory = self._memory
-        return [
-            (memory.sample_words, memory.samples, self._block),
-            (memory.recorder_event_words, memory.recorder_events, self._event_block),
-        ]
-
     def _align_with_rings(self) -> None:
         """Give up what the dead recorder had written but not released, and say what is missing between it and now."""
-        words = self._memory.sample_words
-        written = self._samples.next_row - ring.position(words)
-        if written > 0:
-            ring.release(words, min(written, ring.waiting(words)))
-        events = self._memory.recorder_event_words
-        written = self._events.next_event - ring.position(events)
-        if written > 0:
-            ring.release(events, min(written, ring.waiting(events)))
-        lost = max(0, ring.position(words) - self._samples.next_row)
+        for reader, handled in (
+            (self._sample_ring, self._samples.next_row),
+            (self._event_ring, self._events.next_event),
+        ):
+            written = handled - reader.position
+            if written > 0:
+                reader.release(min(written, reader.waiting))
+        lost = max(0, self._sample_ring.position - self._samples.next_row)
         self._gap(_REPLACED, lost)
 
     # one pass
@@ -169,7 +154,7 @@ class _Session:
             self._alone = parent is not None and not parent.is_alive()
         self._take_messages()
         ending = self._alone or self._inbox.ended or self._close_message is not None
-        backlog = ring.waiting(self._memory.sample_words)
+        backlog = self._sample_ring.waiting
         self._drain_events()
         self._drain_samples(everything=ending)
         self._note_overruns()
@@ -230,8 +215,7 @@ class _Session:
         self._write_lines([encode_line("recorder", kind, data)])
 
     def _drain_events(self) -> None:
-        words = self._memory.recorder_event_words
-        count = ring.peek(words, self._memory.recorder_events, self._event_block)
+        count = self._event_ring.peek(self._event_block)
         if count == 0:
             return
         self._trips.note_events(self._event_block[:count])
@@ -239,20 +223,19 @@ class _Session:
             self._events.append_events(self._event_block[:count])
         except OSError as error:
             self._trouble(error, lines=count)
-        ring.release(words, count)
+        self._event_ring.release(count)
 
     def _drain_samples(self, *, everything: bool) -> None:
-        words = self._memory.sample_words
         for _ in range(2 * self._memory.capacities.samples // BLOCK_ROWS + 1):
-            if ring.waiting(words) < BLOCK_ROWS and not everything:
+            if self._sample_ring.waiting < BLOCK_ROWS and not everything:
                 return
-            first = ring.position(words)
-            count = ring.peek(words, self._memory.samples, self._block)
+            first = self._sample_ring.position
+            count = self._sample_ring.peek(self._block)
             if count == 0:
                 return
             self._write_block(count, first)
             self._log_trips(self._block[:count])
-            ring.release(words, count)
+            self._sample_ring.release(count)
 
     def _write_block(self, count: int, first: int) -> None:
         if self._now < self._retry_at or (self._retry_at and not self._room_again()):
@@ -306,8 +289,8 @@ class _Session:
         self._own_line("gap", gap)
 
     def _note_overruns(self) -> None:
-        dropped = int(self._memory.sample_words[ring.DROPPED])
-        self._tally.event_dropped = int(self._memory.recorder_event_words[ring.DROPPED])
+        dropped = self._sample_ring.dropped
+        self._tally.event_dropped = self._event_ring.dropped
         if dropped > self._tally.ring_dropped:
             self._status[StatusWord.PROBLEM] = self._status[StatusWord.PROBLEM] or Problem.RING_FULL
             rows, self._tally.ring_dropped = dropped - self._tally.ring_dropped, dropped

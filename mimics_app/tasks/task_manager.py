@@ -84,7 +84,7 @@ class TaskManager:
             raise UsageError(f"the session has no trial {first_trial + 1}", f"it has {len(plan)}")
         kinds = [kind for kind in task_kinds() if kind.takes(spec, context.offers)]
         self._plays = {kind.name: kind.open(spec, context, seed) for kind in kinds}
-        self._captions = kinds[-1] if kinds else TaskKind()
+        self._captions: TaskKind | type[TaskKind] = kinds[-1] if kinds else TaskKind
         counts = [kind.completes for kind in kinds if kind.completes]
         plays = tuple(self._plays.values())
         self._has_score = bool(kinds) or spec.score != ScoreSpec()  # the built-in weights judge a way

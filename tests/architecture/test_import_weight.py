@@ -6,9 +6,11 @@ import json
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from mimics_app.app.cli import COMMANDS
+from mimics_app.contracts.kernel import kernel
 from tests.architecture.sources import PACKAGE, ROOT
 
 HEAVY = {
@@ -63,6 +65,26 @@ def test_errors_and_resources_import_nothing_heavy() -> None:
 def test_the_table_of_commands_is_the_folder() -> None:
     files = {file.stem for file in (PACKAGE / "app" / "commands").glob("*.py")} - {"__init__"}
     assert files == {*COMMANDS, "launch"}
+
+
+def test_the_recorder_process_reaches_no_compiler() -> None:
+    """Else it takes twice as long to come up, and as much memory again."""
+    assert not _modules_after("import mimics_app.recording.recorder_process") & {"numba", "llvmlite", "scipy"}
+
+
+def test_a_compiled_function_loads_no_linear_algebra_until_it_calls_it() -> None:
+    """numba would import scipy.linalg to see whether it is there."""
+    code = "from mimics_app.contracts.probe import run_reference; run_reference(1, 1e-3, 0.0)"
+    loaded = _modules_after(code)
+    assert "numba.np.arraymath" in loaded
+    assert "scipy.linalg" not in loaded
+
+
+def test_linear_algebra_can_still_be_called_by_compiled_functions() -> None:
+    def product(a, b):
+        return np.dot(a, b)
+
+    assert list(kernel(product)(2.0 * np.eye(3), np.arange(3.0))) == [0.0, 2.0, 4.0]
 
 
 def test_a_run_needs_no_template_engine_before_its_report() -> None:

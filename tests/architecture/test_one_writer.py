@@ -33,7 +33,7 @@ READERS = {
 PLAYS_THE_LOOP = {"rendering/audio/live_latency.py"}
 """A bench that has no loop and pushes the events itself, into a memory of its own."""
 
-READING = {"drain", "peek", "room", "waiting", "acquire", "len", "wait_for_records"}
+READING = {"drain", "peek", "room", "waiting", "acquire", "len", "wait_for_records", "RingReader"}
 """Calls that take such an array and leave it alone but for the reader's own words."""
 
 

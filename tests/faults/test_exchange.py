@@ -18,13 +18,14 @@ from mimics_app.contracts.haptic_objects import BodyFlag
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.contracts.segment import Segment
+from mimics_app.contracts.shared_words import EXCHANGE_WORDS, RING_WORDS, initialise_exchange
 from mimics_app.rendering.haptic.objects import new_object_work
 from tests.support.haptic_bench import patient_bench
 
 ROOM = ObjectCapacities(bodies=99)
 PAYLOAD = 64
-WORDS = [("words", (triple_buffer.WORDS,), np.int64), ("slots", (3, PAYLOAD), np.float64)]
-RING = [("words", (ring.WORDS,), np.int64), ("slots", (4096,), np.dtype([("k", "f8"), ("v", "f8", (7,))]))]
+WORDS = [("words", (EXCHANGE_WORDS,), np.int64), ("slots", (3, PAYLOAD), np.float64)]
+RING = [("words", (RING_WORDS,), np.int64), ("slots", (4096,), np.dtype([("k", "f8"), ("v", "f8", (7,))]))]
 CONTROL = [("control", (32,), np.int64)]
 STOP, WRITES = 0, 8
 
@@ -72,7 +73,7 @@ def _read(words, slots, duration_ns, planted, result):
 def _exchange(seconds: float, planted: bool) -> dict[str, int]:
     segment = Segment.for_arrays(WORDS + CONTROL)
     arrays = segment.arrays(WORDS + CONTROL)
-    triple_buffer.initialise(arrays["words"])
+    initialise_exchange(arrays["words"])
     result = np.zeros(4, np.int64)
     stopped = np.zeros(32, np.int64)
     stopped[STOP] = 1
@@ -187,7 +188,7 @@ BETWEEN = [*WORDS, *CONTROL, ("ring_words", *RING[0][1:]), ("ring_slots", *RING[
 def test_between_two_processes():
     segment = Segment.for_arrays(BETWEEN)
     arrays = segment.arrays(BETWEEN)
-    triple_buffer.initialise(arrays["words"])
+    initialise_exchange(arrays["words"])
     result, ringed, out = np.zeros(4, np.int64), np.zeros(3, np.int64), np.zeros(512, RING[1][2])
     _read(arrays["words"], arrays["slots"], 0, False, np.zeros(4, np.int64))
     _empty(arrays["ring_words"], arrays["ring_slots"], out, 0, 0, ringed)

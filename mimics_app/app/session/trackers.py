@@ -9,13 +9,9 @@ from mimics_app.contracts.errors import SceneError, UsageError
 from mimics_app.contracts.tracker_port import TrackerSource
 from mimics_app.inputs.trackers.calibration import UNITS, Calibration, axis_map, fit_room
 from mimics_app.inputs.trackers.hub import Placed, TrackerHub
-from mimics_app.inputs.trackers.lsl import LslTracker
-from mimics_app.inputs.trackers.osc import OscTracker
 from mimics_app.inputs.trackers.pointer_tracker import PointerTracker
 from mimics_app.inputs.trackers.scripted_person import ScriptedPerson
-from mimics_app.inputs.trackers.serial_tracker import fastrak, flock_of_birds
 from mimics_app.inputs.trackers.tape import TapeTracker, TapeWriter
-from mimics_app.inputs.trackers.vrpn import VrpnTracker
 from mimics_app.maths.poses import pose_from_parts
 from mimics_app.world.components.trackers import TrackerSpec, TrackersSettings
 from mimics_app.world.scene.paths import PathFault, find_file
@@ -49,10 +45,6 @@ def make_hub(scene: Scene, clock: Clock, seed: int, folder: Path | None = None) 
 
 
 def _source(scene: Scene, spec: TrackerSpec, pointer: str, clock: Clock, seed: int) -> TrackerSource:
-    if spec.kind == "fastrak":
-        return fastrak(spec.name, spec.address, spec.baud, clock)
-    if spec.kind == "flock":
-        return flock_of_birds(spec.name, spec.address, spec.baud, clock)
     if spec.kind == "tape":
         try:
             return TapeTracker(spec.name, find_file(spec.address, scene.path.parent, scene.root))
@@ -62,10 +54,25 @@ def _source(scene: Scene, spec: TrackerSpec, pointer: str, clock: Clock, seed: i
         return ScriptedPerson(spec.name, seed)
     if spec.kind == "pointer":
         return PointerTracker(spec.name)
+    return _of_a_line(spec, clock)
+
+
+def _of_a_line(spec: TrackerSpec, clock: Clock) -> TrackerSource:
+    """One that reports by a serial line or a network; the libraries of each are imported where a scene has it."""
+    if spec.kind in ("fastrak", "flock"):
+        from mimics_app.inputs.trackers.serial_tracker import fastrak, flock_of_birds
+
+        return (fastrak if spec.kind == "fastrak" else flock_of_birds)(spec.name, spec.address, spec.baud, clock)
     if spec.kind == "vrpn":
+        from mimics_app.inputs.trackers.vrpn import VrpnTracker
+
         return VrpnTracker(spec.name, spec.address, clock)
     if spec.kind == "osc":
+        from mimics_app.inputs.trackers.osc import OscTracker
+
         return OscTracker(spec.name, spec.address, clock)
+    from mimics_app.inputs.trackers.lsl import LslTracker
+
     return LslTracker(spec.name, spec.address, clock)
 
 

@@ -23,6 +23,7 @@ from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import EVENT
 from mimics_app.contracts.session_memory import ControlWord, SessionMemory
+from mimics_app.contracts.shared_words import DROPPED
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.director import SoundDirector
 from mimics_app.rendering.audio.engine import fall_back, open_device, open_engine
@@ -123,7 +124,7 @@ class _LiveSession:
             rows=tuple(director.rows) if director else (),
             merged=director.merged if director else 0,
             stale=director.stale if director else 0,
-            dropped=int(self._memory.audio_event_words[ring.DROPPED]),
+            dropped=int(self._memory.audio_event_words[DROPPED]),
             refused=mixer.refused if mixer else 0,
             blocks=self._blocks,
             late_blocks=self._late_blocks,

@@ -2,11 +2,12 @@
 
 The manager, the score, the board and the trial table know kinds by these two classes only. A kind is offered as an
 entry point of the group `mimics_app.task_kinds` (name: the kind's, object: an instance of `TaskKind`). Everything here
-has a default, so a kind writes down what it has and nothing else.
+but `TaskKind.open` has a default, so a kind writes down what it has and nothing else.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
@@ -155,7 +156,7 @@ class KindPlay:
         return {}
 
 
-class TaskKind:
+class TaskKind(ABC):
     """What a kind adds to the task block of a scene file, and how it is begun.
 
     Attributes:
@@ -201,6 +202,7 @@ class TaskKind:
         """Faults of a task against its scene. Called for every task."""
         return []
 
+    @abstractmethod
     def open(self, spec: TaskSpec, context: TaskContext, seed: int) -> KindPlay:
         """Begin a session.
 
@@ -209,4 +211,3 @@ class TaskKind:
             context: What it must know of the scene.
             seed: Of the session; everything drawn comes from it.
         """
-        raise NotImplementedError
