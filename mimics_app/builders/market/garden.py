@@ -66,7 +66,7 @@ def build_tree(seed: int) -> Clay:
 
 def _on_crown(blobs: F8, count: int, seed: int) -> list[tuple[F8, F8]]:
     """Places on the outside of balls (x, y, z, radius), [n, 4], with normals: evenly on each, none inside another."""
-    places = []
+    places: list[tuple[F8, F8]] = []
     r = chance(4 * count, 300 + seed)
     total = float((blobs[:, 3] ** 2).sum())
     for x, y, z, radius in blobs:
@@ -180,7 +180,7 @@ def path_share(x: F8, z: F8) -> F8:
 
 def _carried(flat: F8, cell: float, seed: int, step: F8) -> F8:
     """Noise about 0, faded out where corners a step [m] apart do not carry it."""
-    return (noise(flat, cell, seed) - 0.5) * np.clip(2.0 - 3.0 * step / cell, 0.0, 1.0)
+    return np.asarray((noise(flat, cell, seed) - 0.5) * np.clip(2.0 - 3.0 * step / cell, 0.0, 1.0))
 
 
 def build_meadow(seed: int) -> Clay:
