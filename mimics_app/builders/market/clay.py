@@ -43,7 +43,11 @@ class Clay:
         self._pieces: list[tuple[F8, F8, F8, NDArray[np.uint32]]] = []
 
     def add(
-        self, mesh: MeshData, paint: Colour | Painter, at: Sequence[float] | F8 = (0.0, 0.0, 0.0), turn: F8 | None = None
+        self,
+        mesh: MeshData,
+        paint: Colour | Painter,
+        at: Sequence[float] | F8 = (0.0, 0.0, 0.0),
+        turn: F8 | None = None,
     ) -> Clay:
         """Add a mesh, turned by a 3 x 3 matrix (which may scale), then moved; painted in its place."""
         R = np.eye(3) if turn is None else turn
