@@ -185,7 +185,7 @@ def path_share(x: F8, z: F8) -> F8:
 
 def _carried(flat: F8, cell: float, seed: int, step: F8) -> F8:
     """Noise about 0, faded out where corners a step [m] apart do not carry it."""
-    return (noise(flat, cell, seed) - 0.5) * np.clip(2.0 - 3.0 * step / cell, 0.0, 1.0)
+    return np.asarray((noise(flat, cell, seed) - 0.5) * np.clip(2.0 - 3.0 * step / cell, 0.0, 1.0))
 
 
 class _Tiles:

@@ -66,7 +66,7 @@ def _mountains(ways: F8, seed: int) -> F8:
         shown = shown + inside * (np.array(colour) + lit - shown)
     field = np.clip(-up, 0.0, 1.0)[..., None] ** 0.5
     ground = (1.0 - field) * np.array([0.44, 0.55, 0.36]) + field * np.array([0.36, 0.44, 0.28])
-    return np.where((up < 0.0)[..., None], ground, shown)
+    return np.asarray(np.where((up < 0.0)[..., None], ground, shown))
 
 
 def _evening(ways: F8, seed: int) -> F8:
@@ -112,12 +112,12 @@ def _fibre(ways: F8, seed: int) -> F8:
     bend = np.zeros(ways.shape[:-1])
     for octave in range(5):
         for _ in range(5):
-            along = np.asarray(random.normal(size=ways.shape[-1]))
-            along *= 2.6 * 2.0**octave / np.linalg.norm(along)
+            way = random.normal(size=ways.shape[-1])
+            along = way * (2.6 * 2.0**octave / float(np.linalg.norm(way)))
             wave = np.sin(ways @ along + 1.7 * bend + random.uniform(0.0, 6.28))
             bend = 0.6 * bend + 0.4 * wave
             total += 0.6**octave * wave
-            weight += 0.6**octave
+            weight += float(0.6**octave)
     return np.asarray(0.5 + 1.1 * total / weight)
 
 
