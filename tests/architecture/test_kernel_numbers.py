@@ -18,7 +18,7 @@ MOST_BARE = {
     "rendering/haptic": 142,
     "rendering/visual": 47,
     "rendering/audio": 36,
-    "dsp": 33,
+    "dsp": 32,
     "world": 69,
     "maths": 6,
     "contracts": 4,
