@@ -64,6 +64,7 @@ class People(Walk):
         world.update()
 
     def update(self, frame: int) -> None:
+        """Walk everybody on to a frame."""
         motion = self.world.motion
         motion.time = frame / 30.0
         motion.eye_world = None if self._full else self.eye(frame)[0]

@@ -41,8 +41,14 @@ _FASTEST_RR, _MISSED_RR = 0.25, 1.7
 _DOUBTFUL_SHARE, _DOUBTFUL_RR = 0.05, 2.0
 """An interval that is not believed moves the mean by this share, and counts as so long at most [s]."""
 
-_SILENCE = 1e-12
-"""Least level of noise that an energy is divided by."""
+_TINY = 1e-12
+"""Keeps a ratio of levels finite [mV]."""
+_FOLLOW = 0.1
+"""Weight of a new interval in how unsteady the rhythm is."""
+_LEAST_FACTOR = 0.1
+"""The threshold stays so far of the way to the beats above the noise, however well a peak is in time."""
+_MOST_UNSTEADY = 0.5
+"""An interval differs from the usual one by at most this share of it."""
 
 
 @kernel
@@ -208,7 +214,7 @@ def _judge(
     expected = state[RR] if state[RR] > 0.0 else _USUAL_RR * rate
     share = min(since / expected, 2.0)
     factor = tuning[7] + (tuning[8] - tuning[7]) * max(1.0 - share / tuning[9], 0.0)
-    factor = max(factor + _rhythm(share, state, tuning), 0.1)
+    factor = max(factor + _rhythm(share, state, tuning), _LEAST_FACTOR)
     if v > state[NPK] + factor * (state[SPK] - state[NPK]):
         return _accept(t, v, n, state, ring, delay, tuning, rate, out, count)
     state[NPK] += tuning[11] * (min(v, _NOISE_CAP * state[SPK]) - state[NPK])
@@ -223,7 +229,7 @@ def _rhythm(share: float, state: Floats, tuning: Floats) -> float:
 
     Nothing where beats stand out, or where the intervals have been unlike each other.
     """
-    clear = state[SPK] / max(state[NPK], 1e-12)
+    clear = state[SPK] / max(state[NPK], _TINY)
     noisy = min(max((tuning[16] - clear) / (tuning[16] - tuning[17]), 0.0), 1.0)
     steady = max(1.0 - state[UNSTEADY] / tuning[20], 0.0)
     return noisy * steady * tuning[18] * (0.5 - np.exp(-(((share - 1.0) / tuning[19]) ** 2)))
@@ -250,7 +256,7 @@ def _accept(
     if state[LAST] >= 0.0:
         rr = t - state[LAST]
         if state[RR] > 0.0:
-            state[UNSTEADY] += 0.1 * (min(abs(rr / state[RR] - 1.0), 0.5) - state[UNSTEADY])
+            state[UNSTEADY] += _FOLLOW * (min(abs(rr / state[RR] - 1.0), _MOST_UNSTEADY) - state[UNSTEADY])
         if state[RR] == 0.0:
             state[RR] = min(rr, _LONGEST_RR * rate)
         elif _FASTEST_RR * rate < rr < _MISSED_RR * state[RR]:
@@ -261,6 +267,6 @@ def _accept(
     state[SPK] += tuning[10] * (min(v, tuning[15] * state[SPK]) - state[SPK])
     state[BACK_V] = 0.0
     if count < out.shape[0]:
-        out[count, 0], out[count, 1], out[count, 2] = at - delay, n, v / max(state[NPK], _SILENCE)
+        out[count, 0], out[count, 1], out[count, 2] = at - delay, n, v / max(state[NPK], _TINY)
         count += 1
     return count
