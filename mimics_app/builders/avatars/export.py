@@ -73,7 +73,8 @@ class FigureWriter(GltfWriter):
         self._tables["nodes"][node]["skin"] = self._skin
         if morphs:
             self._morphed[name] = (node, morphs)
-        meshes, errors = [], []
+        meshes: list[int] = []
+        errors: list[float] = []
         for number, level in enumerate(LEVELS):
             made = [coarser(piece, level) for piece in pieces]
             meshes.append(self._add_mesh(f"{name}_{number + 1}", [piece for piece, _ in made], paints, morphs))
