@@ -18,7 +18,7 @@ MOST_BARE = {
     "rendering/haptic": 23,
     "rendering/visual": 2,
     "rendering/audio": 10,
-    "world": 6,
+    "world": 9,
     "maths": 2,
     "lab": 1,
 }

@@ -26,6 +26,10 @@ Numbers = NDArray[np.float64]
 Words = NDArray[np.int64]
 
 
+_TONE = 5
+"""Numbers that the shelves of a voice make its spectrum with."""
+
+
 class State(IntEnum):
     """Of a voice."""
 
@@ -201,7 +205,7 @@ def mix_for_ears(voices: Voices, order: Words, bank: Bank, tables: Tables, frame
         sums: Set: steady, fading out, fading in; each left and right, real and imaginary, [3, 4 * BINS].
     """
     sums[:] = 0.0
-    work, spectrum, tone = np.zeros(WORK, np.float32), np.zeros(2 * BINS, np.float32), np.zeros(5, np.float32)
+    work, spectrum, tone = np.zeros(WORK, np.float32), np.zeros(2 * BINS, np.float32), np.zeros(_TONE, np.float32)
     for n in range(order.shape[0]):
         v = order[n]
         _take(voices, v, bank, frames)
@@ -237,7 +241,7 @@ def mix_for_speakers(voices: Voices, order: Words, bank: Bank, tables: Tables, f
         sums: Set: fading out, fading in, by channel, real and imaginary, [2, channels * 2 * BINS].
     """
     sums[:] = 0.0
-    work, spectrum, tone = np.zeros(WORK, np.float32), np.zeros(2 * BINS, np.float32), np.zeros(5, np.float32)
+    work, spectrum, tone = np.zeros(WORK, np.float32), np.zeros(2 * BINS, np.float32), np.zeros(_TONE, np.float32)
     shaped = np.zeros(2 * BINS, np.float32)
     for n in range(order.shape[0]):
         v = order[n]

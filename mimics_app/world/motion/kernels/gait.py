@@ -21,6 +21,21 @@ _TOES_UP = 0.44
 _HANDOVER = 0.6
 """Share of the time in which both feet stand after which the one that came down carries all."""
 
+_HEEL_UNTIL = 0.45
+"""Share of the stance until which the pitch of the foot counts as the heel's, later as the ball's."""
+
+_LEAST_FLEXION = 0.035
+"""A knee never bends the wrong way, nor is it quite straight [rad]: 2 degrees."""
+
+_LEAST_LEG = 0.25
+"""The way from hip to ankle is at least half a thigh: this share of its square."""
+
+_SOFT_LIFT = 0.008
+"""Height over which a foot that would come too near to the ground is lifted smoothly [m]."""
+
+_ENDS, _FOOT = 5, 6
+"""Numbers that `_ends` and `_stand` write."""
+
 
 @kernel
 def _ease(x: float) -> float:
@@ -46,7 +61,7 @@ def _stand(phase: float, stance: float, stride: float, touch: float, shape: F8, 
     """A foot that stands: heel, sole or ball keeps its place over the ground, the ankle goes about it."""
     base = touch - stride * phase
     pitch = _at(table, phase, 2)
-    half = 0.45 * stance
+    half = _HEEL_UNTIL * stance
     pitch = max(pitch, 0.0) if phase < half else min(max(pitch, -shape[6]), 0.0)
     # Rolled off over the joint of the toes, which stay flat; over the heel's corner before.
     pivot, joint = -shape[1], 0.0
@@ -65,14 +80,14 @@ def _stand(phase: float, stance: float, stride: float, touch: float, shape: F8, 
 @kernel
 def _chord(knee: float, shape: F8) -> float:
     """Square of the way from hip to ankle for a flexion of the knee."""
-    return shape[4] ** 2 + shape[5] ** 2 + 2.0 * shape[4] * shape[5] * math.cos(max(knee, 0.035))
+    return shape[4] ** 2 + shape[5] ** 2 + 2.0 * shape[4] * shape[5] * math.cos(max(knee, _LEAST_FLEXION))
 
 
 @kernel
 def _hip_over(phase: float, shape: F8, table: F8, foot: F8) -> float:
     """How high the hip is over a foot that stands, its knee bent as the table has it."""
     high = _chord(_at(table, phase, 1), shape) - foot[0] ** 2
-    return foot[1] + math.sqrt(max(high, 0.25 * shape[4] ** 2))
+    return foot[1] + math.sqrt(max(high, _LEAST_LEG * shape[4] ** 2))
 
 
 @kernel
@@ -93,7 +108,7 @@ def _swing(phase: float, stance: float, ends: F8, hip: float, shape: F8, table: 
     least = _CLEARANCE * math.sin(math.pi * x) - low
     over = out[1] - least
     # Lifted smoothly where it would come nearer to the ground than that, to just that at either end.
-    soft = 0.008 * math.sin(math.pi * x)
+    soft = _SOFT_LIFT * math.sin(math.pi * x)
     out[1] = least + 0.5 * (over + math.sqrt(over * over + soft * soft))
     out[3], out[4] = out[0], 0.0
 
@@ -138,7 +153,7 @@ def place_feet(phase: float, stance: float, stride: float, touch: float, shape: 
         if own < stance:
             continue
         out[k, 6] = 0.0
-        ends = np.empty(5)
+        ends = np.empty(_ENDS)
         _ends(stance, stride, touch, hip, shape, table, ends)
         _swing(own, stance, ends, hip, shape, table, out[k])
     return hip
@@ -147,7 +162,7 @@ def place_feet(phase: float, stance: float, stride: float, touch: float, shape: 
 @kernel
 def _ends(stance: float, stride: float, touch: float, hip: float, shape: F8, table: F8, ends: F8) -> None:
     """What the table lacks of where the foot leaves the ground and of where it comes down; pitch at which it leaves."""
-    foot = np.empty(6)
+    foot = np.empty(_FOOT)
     for k in range(2):
         _stand(stance if k == 0 else 0.0, stance, stride, touch, shape, table, foot)
         phase = stance if k == 0 else 1.0
