@@ -97,12 +97,15 @@ def _set_fifo() -> bool:
 
 
 def _limit_runaway() -> None:
-    """RLIMIT_RTTIME: for a real-time thread that does not sleep for half a second the kernel sends SIGXCPU."""
+    """RLIMIT_RTTIME: for a real-time thread that does not sleep for half a second the kernel sends SIGXCPU.
+
+    Where somebody set a lower hard limit it sends SIGKILL there, so that ours has to come before.
+    """
     import resource
 
     try:
         _, hard = resource.getrlimit(resource.RLIMIT_RTTIME)
-        limit = _RUNAWAY_US if hard == resource.RLIM_INFINITY else min(_RUNAWAY_US, hard)
+        limit = _RUNAWAY_US if hard == resource.RLIM_INFINITY else min(_RUNAWAY_US, hard // 2)
         resource.setrlimit(resource.RLIMIT_RTTIME, (limit, hard))
     except (AttributeError, ValueError, OSError):
         return

@@ -9,7 +9,8 @@ Sources:
   pelvis, which is tilted ahead by `TILT`.
 - Knee from 0.5 to 5 km/h: B. Koopman, E. H. F. van Asseldonk, H. van der Kooij, Speed-dependent reference joint
   trajectory generation for robotic gait support, J. Biomechanics 47 (2014) 1447-1458: regression of six events on
-  speed [km/h] and body height [m], joined by quintic polynomials. Rows: 1, speed, its square, height.
+  speed [km/h] and body height [m], joined by quintic polynomials. Rows: 1, speed, its square, height. The
+  coefficients were read from a public table of that regression, not from the paper itself.
 
 The two differ by 8 degrees (root mean square) in the knee at 1.2 m/s: by where the joint's zero is, and by later
 toe-off in the second. Of hip and ankle at other speeds no numbers are at hand: they are the natural ones, scaled
