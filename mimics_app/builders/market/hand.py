@@ -42,7 +42,7 @@ def palm() -> Clay:
         ridge = np.array([[-0.012 + 0.012 * i, 0.0790 + 0.0010 * i, (0.80 + 0.06 * i) * z] for i in range(4)])
         clay.add(capsule_bar(ridge, 0.55 * radius, 10, 3), _skin(2))
         knuckle = turned(scale=(1.15, 0.75, 1.0))
-        clay.add(icosphere(0.90 * radius, 3), _skin(3), at=(0.029 + 0.4 * out, 0.0785, z), turn=knuckle)
+        clay.add(icosphere(0.90 * radius, 2), _skin(3), at=(0.029 + 0.4 * out, 0.0785, z), turn=knuckle)
     wrist = np.array([[-0.004, 0.070, 0.0], [-0.004, 0.092, 0.006], [-0.003, 0.112, 0.016]])
     clay.add(capsule_bar(wrist, np.array([0.0235, 0.0205, 0.0195]), 24, 5), _skin(4))
     along = np.array([0.0, 0.88, 0.475])
@@ -76,7 +76,7 @@ def _add_digit(clay: Clay, radius: float, z: float, long: float, out: float) -> 
     mesh, tip = _bent(radius, z, long, out)
     clay.add(mesh, _skin(6))
     nail = turned(scale=(0.32, 0.95, 0.72))
-    clay.add(icosphere(0.80 * radius, 3), NAIL, at=tip + [0.70 * radius, 0.35 * radius, 0.0], turn=nail)
+    clay.add(icosphere(0.80 * radius, 2), NAIL, at=tip + [0.70 * radius, 0.35 * radius, 0.0], turn=nail)
 
 
 def _bent(radius: float, z: float, long: float, out: float) -> tuple[MeshData, F8]:
