@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from mimics_app.builders.market.clay import PIXELS, PIXELS_OF_EDGES, PIXELS_OF_LEAVES, Clay, pack_model
+from mimics_app.builders.market.clay import PIXELS, PIXELS_OF_EDGES, Clay, pack_model
 from mimics_app.builders.market.fruit import apple
 from mimics_app.builders.market.garden import build_meadow, build_tree
 from mimics_app.builders.market.hand import fingers, palm, thumb
@@ -34,5 +34,4 @@ def compose(seed: int) -> dict[str, bytes]:
         "jug": {"jug": (jug(), 0.25)},
     }
     pixels = dict.fromkeys(("apple", "bed", "crate", "fence", "jug"), PIXELS_OF_EDGES)
-    pixels |= dict.fromkeys(("tree", "tree_round"), PIXELS_OF_LEAVES)
     return {f"{name}.glb": pack_model(name, parts, pixels.get(name, PIXELS)) for name, parts in models.items()}

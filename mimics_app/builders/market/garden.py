@@ -131,7 +131,7 @@ def _hang_apples(clay: Clay, crown: F8, seed: int) -> None:
             [out - 0.012 * normal + [0.0, 0.010, 0.0], out + [0.0, 0.001, 0.0], middle + [0.0, 0.009, 0.0]]
         )
         clay.add(capsule_bar(stalk, 0.0011, 6, 2), (0.16, 0.09, 0.04))
-        clay.add(icosphere(0.0125, 1), paint, at=middle, turn=turned(scale=(1.0, 0.92, 1.0)))
+        clay.add(icosphere(0.0125, 2), paint, at=middle, turn=turned(scale=(1.0, 0.92, 1.0)))
 
 
 def _foliage(radius: float, seed: int) -> MeshData:
