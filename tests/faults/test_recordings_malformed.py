@@ -157,7 +157,7 @@ def test_a_replay_waits_for_no_fifo(whole: Path, tmp_path: Path, name: str) -> N
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        (b'"force"', b'"forcf"', "1 lines cannot be read"),
+        (b'"tick"', b'"tich"', "1 lines cannot be read"),
         (b'"kind":"state"', b'"kind":"stane"', "1 lines cannot be read"),
         (b'"tick":0', b'"tick":"x"', "1 lines cannot be read"),
     ],
@@ -214,13 +214,13 @@ def test_cut_end_of_an_open_run_is_counted_in_ticks_and_seconds(whole: Path, tmp
     """The events tell how far it went; what is wrong with the bytes is told in words, not in those of a library."""
     folder = copy_run(whole, tmp_path / "run")
     (folder / "manifest.json").unlink()
-    _seq, offset, _length = np.fromfile(folder / "haptic.arrows.idx", np.int64).reshape(-1, 3)[4].tolist()
-    os.truncate(folder / "haptic.arrows", offset + 4000)
+    _seq, offset, length = np.fromfile(folder / "haptic.arrows.idx", np.int64).reshape(-1, 3)[4].tolist()
+    os.truncate(folder / "haptic.arrows", offset + length // 2)
     with (folder / "events.jsonl").open("a") as file:
         file.write('{"source":"app","kind":"frame","frame":30,"tick":1499}\n')
     losses = recover(folder).verdict.problems
     assert "at least 1300 ticks (1.300 s) after tick 199 are missing" in losses
-    assert f"haptic.arrows: 4000 bytes at {offset} are no good block: it is cut off or overwritten" in losses
+    assert f"haptic.arrows: {length // 2} bytes at {offset} are no good block: it is cut off or overwritten" in losses
     assert len(losses) == 3, "the third: the run is recovered"
     assert judge(Run.open(folder)).problems == losses
 
@@ -249,7 +249,7 @@ def test_recovered_run_is_not_damaged_until_it_is_again(
     """Its losses are known; one bit of the events leaves the other files as they are."""
     folder = copy_run(whole, tmp_path / "run")
     path, haptic = folder / "events.jsonl", (folder / "haptic.arrows").stat()
-    path.write_bytes(path.read_bytes().replace(b'"force"', b'"forcf"', 1))
+    path.write_bytes(path.read_bytes().replace(b'"tick"', b'"tich"', 1))
     recovered = _lines(capsys, "recover", str(folder))
     assert recovered[1] == ["mended", "events.jsonl, manifest.json"]
     assert (folder / "haptic.arrows").stat().st_mtime_ns == haptic.st_mtime_ns

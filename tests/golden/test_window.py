@@ -72,6 +72,7 @@ def test_keys_mouse_wheel_and_full_screen():
     expected = [
         ("key", "left_shift", True),
         ("key", "w", True),
+        ("text", "W", True),
         ("key", "w", False),
         ("key", "left_shift", False),
         ("button", "right", True),

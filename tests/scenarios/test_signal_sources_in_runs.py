@@ -84,7 +84,8 @@ def test_an_amplifier_that_is_unplugged_ends_its_signals_and_not_the_run(tmp_pat
 
 def test_a_run_on_a_stream_of_lsl(tmp_path: Path) -> None:
     """A sender in another thread, as fast as the frames of the virtual clock go."""
-    pylsl = pytest.importorskip("pylsl", reason="LSL is an extra")
+    import pylsl
+
     name = f"mimics run {time.monotonic_ns()}"
     outlet = pylsl.StreamOutlet(pylsl.StreamInfo(name, "ECG", 1, RATE, "float32", name))
     ecg = body(4)[0]["ecg"]
@@ -116,7 +117,8 @@ def write_csv(folder: Path, ecg: Any) -> Path:
 
 
 def write_edf(folder: Path, ecg: Any) -> Path:
-    edf = pytest.importorskip("pyedflib", reason="EDF is read by the extra `signals`")
+    import pyedflib as edf
+
     writer = edf.EdfWriter(str(folder / "body.edf"), 1)
     writer.setSignalHeader(0, {"label": "ECG", "sample_frequency": RATE, "physical_min": -4, "physical_max": 4})
     writer.writeSamples([ecg])

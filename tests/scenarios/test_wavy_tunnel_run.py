@@ -172,7 +172,7 @@ def bend_to_a_hairpin(document: dict[str, Any]) -> None:
 
 
 def lose_a_texture(document: dict[str, Any]) -> None:
-    document["assets"] = {"planks": {"uri": "no_such_planks.png"}}
+    document["assets"]["planks"] = {"uri": "no_such_planks.png"}
     document["materials"] = {"planks": {"base_texture": "planks"}}
 
 

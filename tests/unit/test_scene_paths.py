@@ -49,12 +49,12 @@ def test_percent_encoding_is_undone_once(tmp_path):
     assert find_file("a%2520b.csv", tmp_path, tmp_path).read_text() == "y"
 
 
-def test_reading_a_scene_imports_no_compiler_window_or_picture_library():
+def test_reading_a_scene_without_models_imports_no_compiler_window_or_picture_library():
     program = (
         "import sys\n"
         "from pathlib import Path\n"
         "from mimics_app.world.scene.file import load_scene\n"
-        "load_scene(Path('scenes/wavy_tunnel.json'))\n"
+        "load_scene(Path('scenes/examples/path_tunnel.json'))\n"
         "print([name for name in ('numba', 'moderngl', 'glfw', 'PIL', 'trimesh', 'openal') if name in sys.modules])\n"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=ROOT, check=True)

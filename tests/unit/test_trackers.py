@@ -389,7 +389,8 @@ def test_a_calibration_of_a_tracker_that_hangs_upside_down_is_told() -> None:
 
 
 def test_poses_by_lsl_and_none_that_cannot_be() -> None:
-    pylsl = pytest.importorskip("pylsl", reason="pylsl is not installed: pip install mimics_app[lsl]")
+    import pylsl
+
     name = f"mimics poses {time.monotonic_ns()}"
     outlet = pylsl.StreamOutlet(pylsl.StreamInfo(name, "MoCap", 14, 120.0, "float32", name))
     track, source = {"1": Track(), "2": Track()}, LslTracker("suit", name)
@@ -417,7 +418,6 @@ def test_poses_by_lsl_and_none_that_cannot_be() -> None:
 
 
 def test_a_stream_of_lsl_that_nobody_sends_is_one_clear_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("pylsl", reason="pylsl is not installed: pip install mimics_app[lsl]")
     monkeypatch.setattr("mimics_app.inputs.trackers.lsl._PATIENCE_S", 0.2)
     with pytest.raises(DeviceError, match="nobody sends"):
         LslTracker("suit", "nobody sends").start(print)

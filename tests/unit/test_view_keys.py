@@ -45,7 +45,7 @@ def make_session(folder: Path, picture: Picture | None, *events: InputEvent) -> 
         clock=VirtualClock(),
         trouble="",
         window=None,
-        haptics=SimpleNamespace(plugin=SimpleNamespace(real_time=False)),
+        haptics=SimpleNamespace(plugin=SimpleNamespace(name="simulated", real_time=False)),
         journal=journal,
         scene=SimpleNamespace(files=()),
         recorder=SimpleNamespace(journal=lambda kind, data: journal.append((kind, data))),
