@@ -17,8 +17,6 @@ from mimics_app.world.components.visible import Environment
 from mimics_app.world.scene.file import build_world, load_scene
 
 SCENES = scenes_in(root() / "scenes")
-LIT = [file for file in SCENES if file.stem != "avatar_gallery"]
-"""The gallery has a light of its own, in which people are looked at."""
 QUICK = ("wavy_tunnel", "surfaces", "decals")
 
 
@@ -30,7 +28,7 @@ def test_scenes_are_found_without_their_parts():
 
 @pytest.mark.parametrize(
     "file",
-    [pytest.param(file, id=file.stem, marks=[] if file.stem in QUICK else [pytest.mark.slow]) for file in LIT],
+    [pytest.param(file, id=file.stem, marks=[] if file.stem in QUICK else [pytest.mark.slow]) for file in SCENES],
 )
 def test_shade_keeps_a_quarter_to_two_fifths_of_the_light_and_is_no_navy(file):
     scene = load_scene(file)
@@ -72,7 +70,7 @@ def test_what_is_seen_is_lost_neither_in_black_nor_in_white(tmp_path, capsys):
 
 @pytest.mark.slow
 def test_no_shipped_scene_is_lost_in_black_or_white(tmp_path):
-    for light in draw_scene_sheet([file for file in LIT if file.stem not in QUICK], tmp_path / "sheet.jpg"):
+    for light in draw_scene_sheet([file for file in SCENES if file.stem not in QUICK], tmp_path / "sheet.jpg"):
         assert_lit(light)
 
 
