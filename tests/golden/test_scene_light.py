@@ -55,7 +55,7 @@ def assert_lit(light: SceneLight) -> None:
 
 def test_what_is_seen_is_lost_neither_in_black_nor_in_white(tmp_path, capsys):
     """By the command, which draws every scene of a folder."""
-    for file in LIT:
+    for file in SCENES:
         if file.stem in QUICK:
             shutil.copy(file, tmp_path)
     sheet = tmp_path / "sheet.png"
