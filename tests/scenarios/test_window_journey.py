@@ -73,14 +73,15 @@ def wait(what: str, condition: Callable[[], bool], process: subprocess.Popen[byt
     pytest.fail(f"no {what} within {seconds} s")
 
 
-def press_until(key: str, screen: str, what: str, done: Callable[[], bool], process: subprocess.Popen[bytes]) -> None:
-    """A key that is pressed before a window listens is lost: it is pressed again, as a patient person would.
+def press_until(keys: str, screen: str, what: str, done: Callable[[], bool], process: subprocess.Popen[bytes]) -> None:
+    """Keys that are pressed before a window listens are lost: they are pressed again, as a patient person would.
 
-    One pressed again too soon would be meant for the page that comes next.
+    Escape is asked about once where a trial is under way; pressed again much later it would be meant for the next page.
     """
 
     def pressed() -> bool:
-        subprocess.run(["xdotool", "key", key], env={**os.environ, "DISPLAY": screen}, check=True, timeout=20)
+        words = ["xdotool", "key", "--delay", "300", *keys.split()]
+        subprocess.run(words, env={**os.environ, "DISPLAY": screen}, check=True, timeout=20)
         for _ in range(60):
             time.sleep(0.2)
             if done() or process.poll() is not None:
@@ -105,9 +106,9 @@ def test_a_session_ends_with_its_result_and_is_played_again(tmp_path: Path) -> N
         process = subprocess.Popen([sys.executable, "-m", "mimics_app", *words], env={**os.environ, "DISPLAY": screen})
         try:
             wait("first session", lambda: begun() == 1, process)
-            press_until("Escape", screen, "first result", lambda: ended() == 1, process)
+            press_until("Escape Escape", screen, "first result", lambda: ended() == 1, process)
             press_until("n", screen, "second session", lambda: begun() == 2, process)
-            press_until("Escape", screen, "second result", lambda: ended() == 2, process)
+            press_until("Escape Escape", screen, "second result", lambda: ended() == 2, process)
             time.sleep(1.0)
             subprocess.run(["xdotool", "key", "c"], env={**os.environ, "DISPLAY": screen}, check=False, timeout=20)
             assert process.wait(timeout=40) == 0
