@@ -1,7 +1,7 @@
 """Compiled functions as numbers in an array, for compiled code that is called often from Python.
 
-A function that is handed to compiled code is looked up by its signature at every call, in Python: 30 us each, and the
-loop takes seventeen, sixty times a second of simulated time. Their addresses are looked up once instead.
+A function that is handed to compiled code is looked up by its signature at every call, in Python, which costs more than
+the ticks of a frame; the loop takes seventeen. Their addresses are looked up once instead.
 """
 
 from __future__ import annotations
