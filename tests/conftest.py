@@ -29,6 +29,15 @@ settings.register_profile(NIGHTLY, parent=settings.get_profile(RANDOM), max_exam
 settings.load_profile(DAILY)
 
 
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_setupnodes(config: pytest.Config) -> None:
+    """Before the workers of a whole suite start, compile what they would compile beside each other."""
+    if config.args_source is pytest.Config.ArgsSource.TESTPATHS:
+        from tests.support.compile_first import compile_first
+
+        compile_first()
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Every test draws from a seed of its own text, whatever ran before it; with another profile from chance."""
     if config.getoption("hypothesis_profile", None) not in (None, DAILY):
