@@ -237,8 +237,10 @@ prepare() { # the kinds of system packages this word needs: run, test
     system_packages "$@"
 }
 
-# A file of tests stays in one process: its fixtures are made once. What was skipped is listed with its reason.
-pytest_on_two() { "$vpython" -m pytest --numprocesses=2 --dist=loadfile -rfEs "$@"; }
+# A file of tests stays in one process: its fixtures are made once. Three on two processors: one of them waits, for a
+# window, a robot, a second of sound. The order of the files is that of tests/conftest.py, the longest first. What was
+# skipped is listed with its reason.
+pytest_beside() { "$vpython" -m pytest --numprocesses=3 --dist=loadfile --no-loadscope-reorder -rfEs "$@"; }
 
 # --- words -------------------------------------------------------------------------------------------------------
 
@@ -254,7 +256,7 @@ check() {
     step format "$venv/bin/ruff" format --check .
     step mypy "$venv/bin/mypy"
     step imports "$venv/bin/lint-imports"
-    step tests pytest_on_two -q -m "not slow and not hardware and not gpu" tests/unit tests/architecture tests/properties
+    step tests pytest_beside -q -m "not slow and not hardware and not gpu" tests/unit tests/architecture tests/properties
     [ -z "$failed" ] || { say "red:$failed"; exit 1; }
     say "all green"
 }
@@ -272,16 +274,16 @@ case $word in
         ;;
     test)
         prepare run test
-        pytest_on_two -m "not slow and not hardware and not gpu" "$@"
+        pytest_beside -m "not slow and not hardware and not gpu" "$@"
         ;;
     test-long)
         prepare run test
-        pytest_on_two --hypothesis-profile=random "$@"
+        pytest_beside --hypothesis-profile=random "$@"
         ;;
     nightly) # properties alone, many fresh examples of each; what fails is kept in tests/properties/found
         prepare run test
         # shellcheck disable=SC2046
-        pytest_on_two --hypothesis-profile=nightly -m "not hardware and not gpu" "$@" \
+        pytest_beside --hypothesis-profile=nightly -m "not hardware and not gpu" "$@" \
             $(grep -l --recursive --include='test_*.py' '^from hypothesis import' tests)
         ;;
     check)

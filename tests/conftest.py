@@ -29,10 +29,27 @@ settings.register_profile(NIGHTLY, parent=settings.get_profile(RANDOM), max_exam
 settings.load_profile(DAILY)
 
 
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_setupnodes(config: pytest.Config) -> None:
+    """Before the workers of a whole suite start, compile what they would compile beside each other."""
+    if config.args_source is pytest.Config.ArgsSource.TESTPATHS:
+        from tests.support.compile_first import compile_first
+
+        compile_first()
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Beside each other the longest files begin first; every test draws from a seed of its own."""
+    if hasattr(config, "workerinput"):
+        from tests.support.order import longest_first
+
+        longest_first(items)
+    if config.getoption("hypothesis_profile", None) in (None, DAILY):
+        _seed_each(items)
+
+
+def _seed_each(items: list[pytest.Item]) -> None:
     """Every test draws from a seed of its own text, whatever ran before it; with another profile from chance."""
-    if config.getoption("hypothesis_profile", None) not in (None, DAILY):
-        return
     for item in items:
         test = getattr(item, "obj", None)
         if is_hypothesis_test(test) and getattr(test, _SEED, None) is None:

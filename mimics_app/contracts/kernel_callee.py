@@ -27,6 +27,17 @@ class _Entry:
 class _LinkedLibrary(JITCodeLibrary):
     """Intermediate code that is linked into others and never becomes machine code of its own."""
 
+    def _optimize_final_module(self) -> None:
+        """Inline what must be and prune references, no more: whoever this is linked into is optimised with all in it.
+
+        Else each function would be optimised again at every level of calls above it.
+        """
+        generator = self._codegen
+        passes, builder = generator._module_pass_manager(
+            loop_vectorize=False, slp_vectorize=False, opt=generator._opt_level, cost="cheap"
+        )
+        passes.run(self._final_module, builder)
+
     def _finalize_final_module(self) -> None:
         self._finalize_dynamic_globals()
         self._verify_declare_only_symbols()

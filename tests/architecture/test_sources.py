@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.architecture.sources import PACKAGE, ROOT, attributes, imports, modules, repository_files
+from tests.support.order import LONGEST
 
 TIMEKEEPERS = {"contracts/clock.py", "contracts/atomics.py"}
 CLOCKS = re.compile(
@@ -243,3 +244,7 @@ def test_requirements_hold_what_pyproject_asks_for() -> None:
     pinned = {pin.split("==")[0] for pin in _pins()}
     assert names <= pinned
     assert not list(ROOT.glob("uv.lock")), "a lock file names a host for every file: requirements.txt is the lock"
+
+
+def test_files_that_begin_first_are_there() -> None:
+    assert set(LONGEST) <= {file.stem for file in (ROOT / "tests").rglob("test_*.py")}

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +10,7 @@ import numpy as np
 import pytest
 
 from mimics_app.recording.run import Run
+from tests.support.command import mimics
 from tests.support.market_play import SCENE, MarketPlay
 
 SECONDS, SEED = 60.0, 7
@@ -30,11 +29,6 @@ def highest(heights: np.ndarray) -> float:
     for fall in falls:
         lies[fall : fall + LANDED] = False
     return float(heights[lies].max())
-
-
-def mimics(*arguments: object) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "mimics_app.app.cli", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=900, check=False)
 
 
 @pytest.fixture(scope="module")

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -13,15 +10,9 @@ import pytest
 
 from mimics_app.contracts.resources import root
 from mimics_app.recording.run import Run
+from tests.support.command import mimics
 
 SCENE = root() / "scenes" / "examples" / "free_objects.json"
-
-
-def mimics(*arguments: object, **environment: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "mimics_app.app.cli", *map(str, arguments)]
-    return subprocess.run(
-        command, capture_output=True, text=True, timeout=240, check=False, env={**os.environ, **environment}
-    )
 
 
 @pytest.fixture(scope="module")
@@ -56,9 +47,11 @@ def test_its_report_is_about_no_tunnel(answer: dict[str, Any]) -> None:
         assert word not in shown, word
 
 
-def test_without_a_display_the_terminal_says_who_plays(tmp_path: Path) -> None:
+def test_without_a_display_the_terminal_says_who_plays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     options = ("--seconds", 0.2, "--pictures", 0, "--sound", "off", "--runs", tmp_path)
-    done = mimics("run", SCENE, *options, DISPLAY="", WAYLAND_DISPLAY="")
+    for screen in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.setenv(screen, "")
+    done = mimics("run", SCENE, *options)
     assert done.returncode == 0
     assert "mimics: no display: the simulated patient plays\n" in done.stderr
     assert done.stdout.splitlines()[0].split(maxsplit=1) == ["task", "no trial ended"]

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 from mimics_app.app.scenes.loading import load_checked_scene
@@ -18,15 +16,15 @@ from mimics_app.rendering.audio.engine import open_mixer
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from tests.support.audio_scene import RATE, contact
+from tests.support.command import mimics
 
 SCENE = Path(__file__).resolve().parents[2] / "scenes/examples/surfaces.json"
 MOST_S = 8.2  # by then the patient has touched the slippery and the round one
 
 
 def test_each_surface_of_a_scene_sounds_as_its_material(tmp_path):
-    command = [sys.executable, "-m", "mimics_app.app.cli", "run", str(SCENE), "--headless", "--sound", "file"]
-    options = ["--seconds", str(MOST_S), "--seed", "7", "--pictures", "0", "--runs", str(tmp_path), "--json"]
-    done = subprocess.run([*command, *options], capture_output=True, text=True, timeout=300, check=False)
+    options = ("--seconds", MOST_S, "--seed", 7, "--pictures", 0, "--runs", tmp_path, "--json")
+    done = mimics("run", SCENE, "--headless", "--sound", "file", *options)
     assert done.returncode == 0, done.stderr
     run = Run.open(Path(json.loads(done.stdout)["run_dir"]))
     names = objects_of_scene(load_checked_scene(SCENE)).materials

@@ -16,18 +16,20 @@ import pytest
 
 from mimics_app.app.cli import main
 from mimics_app.contracts.resources import root
+from tests.support.command import mimics
 
 SCENE = root() / "scenes" / "wavy_tunnel.json"
 
 
-def mimics(*arguments: object) -> subprocess.CompletedProcess[str]:
+def started(*arguments: object) -> subprocess.CompletedProcess[str]:
+    """As a script starts it: a process."""
     command = [sys.executable, "-m", "mimics_app.app.cli", *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, timeout=240, check=False)
 
 
-def run(folder: Path, *arguments: object, scene: Path = SCENE, seed: int = 7) -> dict[str, Any]:
+def run(folder: Path, *arguments: object, scene: Path = SCENE, seed: int = 7, by: Any = mimics) -> dict[str, Any]:
     options = ("--headless", "--seconds", 20, "--seed", seed, "--json", "--runs", folder)
-    done = mimics("run", scene, *options, *arguments)
+    done = by("run", scene, *options, *arguments)
     assert done.returncode == 0, done.stderr
     answer: dict[str, Any] = json.loads(done.stdout)
     return answer
@@ -48,7 +50,7 @@ def entity(document: dict[str, Any], name: str) -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def answer(tmp_path_factory) -> dict[str, Any]:
-    return run(tmp_path_factory.mktemp("runs"), "--pictures", 2, "--sound", "file")
+    return run(tmp_path_factory.mktemp("runs"), "--pictures", 2, "--sound", "file", by=started)
 
 
 def test_answer_has_the_keys_scripts_rely_on(answer):
@@ -198,7 +200,7 @@ def put_the_robot_out_of_reach(document: dict[str, Any]) -> None:
 def test_broken_scene_is_refused_with_one_line_that_names_the_place(tmp_path, change, place):
     scene = changed_scene(tmp_path, change)
     for command in (("run", scene, "--headless", "--runs", tmp_path), ("check", scene)):
-        done = mimics(*command)
+        done = (started if change is misspell else mimics)(*command)
         lines = [line for line in done.stderr.splitlines() if line.strip()]
         assert done.returncode == 3, done.stderr
         assert len(lines) == 1, done.stderr

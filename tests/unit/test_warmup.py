@@ -19,8 +19,9 @@ from mimics_app.contracts.resources import root
 def played(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Names of the scenes whose loop is played without a picture."""
     names: list[str] = []
-    monkeypatch.setattr("mimics_app.app.commands.warmup._compile_parts", lambda: iter(("objects",)))
-    monkeypatch.setattr("mimics_app.app.commands.warmup._play_start", lambda scene: names.append(scene.path.name))
+    monkeypatch.setattr(warmup, "PARTS", {})
+    monkeypatch.setattr(warmup, "compile_beside", lambda tasks: [task() or name for name, task in tasks.items()])
+    monkeypatch.setattr(warmup, "_play_start", lambda scene: names.append(scene.path.name))
     return names
 
 
@@ -33,7 +34,8 @@ def test_every_shipped_scene_is_drawn(
     )
     assert cli.main(["warmup", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["seconds"] >= 0.0
-    assert drawn == sorted(file.name for file in (root() / "scenes").glob("*.json"))
+    assert sorted(drawn) == sorted(file.name for file in (root() / "scenes").glob("*.json"))
+    assert drawn[0] == "avatar_gallery.json", "what has no loop waits for none"
     assert played == []
 
 
@@ -52,8 +54,6 @@ def test_where_nothing_draws_the_loops_are_compiled_all_the_same(
 
 def test_large_parts_are_compiled_in_processes_of_their_own(monkeypatch: pytest.MonkeyPatch) -> None:
     assert sorted(warmup.PARTS) == ["devices", "loop", "objects"]
-    monkeypatch.setattr(warmup, "PARTS", {"one": os.getpid, "other": os.getppid})
-    assert sorted(warmup._compile_parts()) == ["one", "other"]
-    monkeypatch.setattr(warmup, "PARTS", {"none": functools.partial(int, "no number")})
+    assert sorted(warmup.compile_beside({"one": os.getpid, "other": os.getppid})) == ["one", "other"]
     with pytest.raises(ValueError, match="no number"):
-        list(warmup._compile_parts())
+        list(warmup.compile_beside({"none": functools.partial(int, "no number")}))

@@ -6,9 +6,11 @@ import math
 
 import numpy as np
 import pytest
+from numba import from_dtype, types
 
-from mimics_app.contracts.device_descriptor import KinematicsStatus
-from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.device_descriptor import KINEMATICS_SET, KinematicsStatus
+from mimics_app.contracts.haptic import SCENE
+from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.loop_fields import MAX_JOINTS
 from mimics_app.rendering.haptic.control.joint_pd import joint_pd, joint_pd_as_printed
 from mimics_app.rendering.haptic.control.world_pd import world_pd_straight, world_pd_through_joints
@@ -78,15 +80,20 @@ def test_stability_of_the_sampled_loop_agrees_with_the_inequality():
     assert checked > 1900
 
 
-@kernel
-def _sweep(straight, scene, work, q, ticks, path):
+@typed_kernel(
+    types.void(
+        KINEMATICS_SET, types.boolean, from_dtype(SCENE), from_dtype(JOINT_WORK), types.float64[::1], types.int64,
+        types.float64[:, ::1],
+    )
+)  # fmt: skip
+def _sweep(kin, straight, scene, work, q, ticks, path):
     dq = np.zeros(MAX_JOINTS)
     u = np.zeros(MAX_JOINTS)
     for k in range(ticks):
         if straight:
-            world_pd_straight(KIN, scene, q, dq, work, u)
+            world_pd_straight(kin, scene, q, dq, work, u)
         else:
-            world_pd_through_joints(KIN, scene, q, dq, work, u)
+            world_pd_through_joints(kin, scene, q, dq, work, u)
         for i in range(3):
             q[i] += 1e-3 * u[i]
         forward(q, 0.46, path[k])
@@ -99,7 +106,7 @@ def _bow(straight: bool, gain: float = 10.0) -> tuple[float, np.ndarray]:
     forward(np.array([0.0, -0.5, 0.0]), D1, start)
     forward(np.array([0.0, 0.5, 0.0]), D1, end)
     scene["target"][:3], scene["kp"], scene["kd"] = end, gain, 0.0
-    _sweep(straight, scene, np.zeros(1, JOINT_WORK)[0], q, len(path), path)
+    _sweep(KIN, straight, scene, np.zeros(1, JOINT_WORK)[0], q, len(path), path)
     along = (end - start) / np.linalg.norm(end - start)
     offset = path - start
     offset -= np.outer(offset @ along, along)

@@ -6,6 +6,7 @@ import argparse
 import os
 import sys
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from mimics_app.world.scene.scene import Scene
 
-__all__ = ["add_arguments", "run"]
+__all__ = ["PARTS", "add_arguments", "compile_beside", "run", "shipped_tasks"]
 
 _SIZE = (64, 36)
 _SECONDS = 0.1
@@ -44,43 +45,55 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _compile_everything() -> None:
-    """Compile the large parts beside each other, then play every shipped scene for a moment and draw it small.
+    """Compile the large parts beside each other, then what the shipped scenes find left."""
+    from mimics_app.app.terminal.progress import ProgressBar
 
-    The scenes find what is left; where nothing can be drawn, their loop alone.
+    tasks = shipped_tasks()
+    with ProgressBar(sys.stderr, len(tasks)) as bar:
+        for part in compile_beside(tasks):
+            bar.step(part)
+
+
+def shipped_tasks() -> dict[str, Callable[[], None]]:
+    """What compiles everything that shipped scenes need: `PARTS`, then each scene, first those without a loop.
+
+    Their files are looked into, no more: what reads and checks scenes would compile a part in this process.
     """
+    from mimics_app.app.scenes.shipped import is_only_looked_at
+    from mimics_app.contracts.resources import root
+
+    files = sorted((root() / "scenes").glob("*.json"), key=lambda file: (not is_only_looked_at(file), file))
+    return {**PARTS, **{file.stem: partial(_draw_start, file) for file in files}}
+
+
+def compile_beside(tasks: Mapping[str, Callable[[], None]]) -> Iterator[str]:
+    """Work tasks off on as many processors as there are, in their order; yields each one's name when it is done."""
+    from concurrent.futures import ProcessPoolExecutor, as_completed
+    from multiprocessing import get_context
+
+    workers = min(len(tasks), os.cpu_count() or 1)
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        working = {pool.submit(task): name for name, task in tasks.items()}
+        for done in as_completed(working):
+            done.result()
+            yield working[done]
+
+
+def _draw_start(file: Path) -> None:
+    """Play a scene for a moment and draw it small; where nothing can be drawn, its loop alone."""
     from mimics_app.app.play.stills import draw_stills
     from mimics_app.app.scenes.catalogue import is_playable
     from mimics_app.app.scenes.loading import load_checked_scene
     from mimics_app.app.settings import RunSettings
-    from mimics_app.app.terminal.progress import ProgressBar
     from mimics_app.contracts.errors import DeviceError
-    from mimics_app.contracts.resources import root
 
-    files = sorted((root() / "scenes").glob("*.json"))
-    with TemporaryDirectory(prefix="mimics-") as folder, ProgressBar(sys.stderr, len(PARTS) + len(files)) as bar:
-        for part in _compile_parts():
-            bar.step(part)
-        for file in files:
-            bar.step(file.stem)
-            try:
-                draw_stills(RunSettings(file, size=_SIZE), Path(folder), seconds=_SECONDS)
-            except DeviceError:
-                scene = load_checked_scene(file)
-                if is_playable(scene):
-                    _play_start(scene)
-
-
-def _compile_parts() -> Iterator[str]:
-    """Compile `PARTS` on as many processors as there are; yields each part's name when it is done."""
-    from concurrent.futures import ProcessPoolExecutor, as_completed
-    from multiprocessing import get_context
-
-    workers = min(len(PARTS), os.cpu_count() or 1)
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        working = {pool.submit(part): name for name, part in PARTS.items()}
-        for done in as_completed(working):
-            done.result()
-            yield working[done]
+    with TemporaryDirectory(prefix="mimics-") as folder:
+        try:
+            draw_stills(RunSettings(file, size=_SIZE), Path(folder), seconds=_SECONDS)
+        except DeviceError:
+            scene = load_checked_scene(file)
+            if is_playable(scene):
+                _play_start(scene)
 
 
 def _objects() -> None:
