@@ -47,6 +47,7 @@ GROUPS = {
     "lens distortion": "visual.lens_distortion",
     "stereo": "visual.stereo",
     "ripple distance": "visual.ripple",
+    "cord frame": "visual.cord_frame",
     "model reading": "methods_reading",
     "haptic tick": "methods_tick",
     "load of the person": "physio.load_methods",

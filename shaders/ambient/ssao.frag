@@ -21,7 +21,7 @@ float distance_of(float depth) {
 
 vec3 point_at(ivec2 texel) {
     ivec2 inside = clamp(texel, ivec2(0), ivec2(region.zw) - 1);
-    float away = distance_of(texelFetch(picture, inside, 0).r);
+    float away = distance_of(texelFetch(picture, ivec2(region.xy) + inside, 0).r);
     vec2 slope = mix(tangents.xz, tangents.yw, (vec2(inside) + 0.5) / region.zw);
     return vec3(slope * away, -away);
 }
@@ -31,7 +31,7 @@ vec3 nearer(vec3 a, vec3 b) {
 }
 
 void main() {
-    ivec2 texel = ivec2(gl_FragCoord.xy);
+    ivec2 texel = ivec2(gl_FragCoord.xy - region.xy);
     vec3 here = point_at(texel);
     vec3 across = nearer(point_at(texel + ivec2(1, 0)) - here, here - point_at(texel - ivec2(1, 0)));
     vec3 along = nearer(point_at(texel + ivec2(0, 1)) - here, here - point_at(texel - ivec2(0, 1)));

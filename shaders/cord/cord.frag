@@ -21,7 +21,7 @@ layout(std140, binding = 7) uniform CordBlock {
 };
 
 in vec3 position_eye;
-flat in vec3 eye_place;
+flat in vec4 eye_seen;          // of the eye that sees it its place, frame "eye"
 in vec3 normal;
 in vec2 at;
 out vec4 colour;
@@ -47,7 +47,7 @@ float beside_ball(vec3 n) {
 
 void main() {
     vec3 n = normalize(normal);
-    vec3 sight = position_eye - eye_place;
+    vec3 sight = position_eye - eye_seen.xyz;
     float distance = length(sight);
     vec2 sun = sun_and_tone(position_eye, n);
     // A twisted weave, so that the eye sees how the surface moves.

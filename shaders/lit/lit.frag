@@ -30,7 +30,7 @@ void main() {
     n = material_normal(n, position_eye, uv);
 #endif
     Surface surface = make_surface(base.rgb, figures.x, figures.y, n, sight / -distance);
-    float open = material_occlusion(uv) * screen_visibility(sight);
+    float open = material_occlusion(uv) * screen_visibility();
     vec3 light = material_emission(uv) + shine(surface, figures.y, position_eye, sun.x, open);
     colour = vec4(sun.y * encode_output(apply_fog(light, distance)), base.a);
 }

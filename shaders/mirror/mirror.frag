@@ -6,23 +6,35 @@
 #include "common/output.glsl"
 
 layout(std140, binding = 5) uniform MirrorBlock {
-    vec4 texel_of_pixel;        // factors and offsets; across the picture is turned over
-    vec4 drawn;                 // width and height of what was drawn [texels], 0: nothing was
+    vec4 texel_of_pixel[2];     // for each eye: factors and offsets; across the picture is turned over
+    vec4 drawn[2];              // width and height of what was drawn for it [texels], 0: nothing was
 };
+
+#if defined(EYES_BY_VIEWPORT) || defined(EYES_BY_CLIPPING)
+layout(binding = 25) uniform sampler2D other_texture;   // what the right eye sees in it
+#endif
 
 out vec4 colour;
 
-void main() {
+// What was drawn for the eye, display values.
+vec3 picture_seen() {
 #ifdef TEXTURED
-    vec2 at = clamp(gl_FragCoord.xy * texel_of_pixel.xy + texel_of_pixel.zw, vec2(0.5), max(drawn.xy - 0.5, 0.5));
-    vec3 seen = textureLod(base_texture, at / vec2(textureSize(base_texture, 0)), 0.0).rgb;
-    seen = encode_srgb(decode_srgb(seen) * base_colour.rgb);
-#else
-    vec3 seen = vec3(0.0);
+    vec4 texel = texel_of_pixel[EYE_SEEN];
+    vec2 at = clamp(gl_FragCoord.xy * texel.xy + texel.zw, vec2(0.5), max(drawn[EYE_SEEN].xy - 0.5, 0.5));
+#if defined(EYES_BY_VIEWPORT) || defined(EYES_BY_CLIPPING)
+    if (EYE_SEEN == 1) return textureLod(other_texture, at / vec2(textureSize(other_texture, 0)), 0.0).rgb;
 #endif
+    return textureLod(base_texture, at / vec2(textureSize(base_texture, 0)), 0.0).rgb;
+#else
+    return vec3(0.0);
+#endif
+}
+
+void main() {
+    vec3 seen = encode_srgb(decode_srgb(picture_seen()) * base_colour.rgb);
     vec3 n = normalize(gl_FrontFacing ? normal : -normal);
     vec3 sight = line_of_sight();
     float distance = length(sight);
     vec3 sky = sky_radiance(reflect(sight / distance, n)) * base_colour.rgb;
-    colour = vec4(drawn.x > 0.0 ? seen : encode_output(apply_fog(sky, distance)), 1.0);
+    colour = vec4(drawn[EYE_SEEN].x > 0.0 ? seen : encode_output(apply_fog(sky, distance)), 1.0);
 }

@@ -44,7 +44,7 @@ void main() {
     vec3 view = sight / -distance;
     Surface surface = make_surface(shown, 0.0, 1.0, n, view);
     vec2 sun = sun_and_tone(position_eye, n);
-    vec3 light = shine(surface, 1.0, position_eye, sun.x, screen_visibility(sight));
+    vec3 light = shine(surface, 1.0, position_eye, sun.x, screen_visibility());
     colour = vec4(sun.y * encode_output(apply_fog(light, distance)) * cover, cover);
 #endif
 }

@@ -1,8 +1,13 @@
-// A shadow volume: corners at infinity have w = 0.
-uniform mat4 clip_from_volume;
+// A shadow volume, seen by one eye or by both: corners at infinity have w = 0.
+#ifdef EYES_BY_VIEWPORT
+#extension GL_ARB_shader_viewport_layer_array : enable
+#endif
+#include "common/both_eyes.glsl"
+
+uniform mat4 clip_from_volume[EYES];
 
 in vec4 in_corner;
 
 void main() {
-    gl_Position = clip_from_volume * in_corner;
+    gl_Position = put_for_eye(clip_from_volume[EYE] * in_corner);
 }

@@ -9,6 +9,9 @@ import numpy as np
 import pytest
 
 from mimics_app.lab.visual.stereo import body_world, show_stereo
+from mimics_app.rendering.visual.displays.headset_file import EyeSpec, HeadsetSpec
+from mimics_app.rendering.visual.displays.headset_session import HeadsetDisplay
+from mimics_app.rendering.visual.displays.simulated_headset import SimulatedRuntime
 from mimics_app.rendering.visual.displays.stereo import StereoDisplay
 from mimics_app.rendering.visual.presenting.presenter import Presenter
 from mimics_app.rendering.visual.renderer import Renderer
@@ -16,14 +19,18 @@ from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.stages.eye_pairs import group_views
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
+from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.view import View
+from mimics_app.world.components.effects import Projector
 from mimics_app.world.cords import Cord
+from mimics_app.world.live_pictures import show_mirror
 from mimics_app.world.materials.material import Material
-from mimics_app.world.meshes.primitives import sphere
+from mimics_app.world.meshes.primitives import box, plane, sphere
 from mimics_app.world.world import World
 
 SETTINGS = RenderSettings(msaa=0, tone_map="none", occlusion="off")
 SIZE = (320, 120)
+CLEAR = replace(SETTINGS, fog_density=0.0, ambient_radius=0.4)
 SINGLE = ("viewports", "clip_distance")
 
 
@@ -104,13 +111,87 @@ def test_what_only_one_eye_sees_is_drawn_for_it() -> None:
     assert far_apart(picture, two) == 0
 
 
-@pytest.mark.parametrize("change", [{"ambient_occlusion": 1.0}, {"shadows": "stencil_additive"}])
-def test_what_goes_by_each_eye_is_drawn_in_two_passes(change: dict[str, object]) -> None:
+def furnished() -> World:
+    """The room in the sun, with balls in a corner and a mirror in it; projectors throw light and a stain."""
     world = room()
-    one, quick = draw(world, "sbs", replace(SETTINGS, **change))
-    two, slow = draw(world, "sbs", replace(SETTINGS, stereo="two_pass", **change))
-    np.testing.assert_array_equal(one, two)
-    assert quick.draws == slow.draws
+    downwards = (-math.sin(0.45), 0.0, 0.0, math.cos(0.45))
+    world.root.create_child("sun", (1.0, 3.0, 2.0), downwards).create_light("directional", casts_shadow=1)
+    world.meshes |= {"sheet": plane(0.7, 0.5), "floor": plane(6.0, 6.0), "block": box(0.4, 0.4, 0.4)}
+    world.root.create_child("", (0.0, -0.7, -3.0)).create_entity("floor", "paint 3")
+    world.root.create_child("", (0.1, -0.5, -1.9)).create_entity("block", "paint 9")
+    world.root.create_child("", (0.35, -0.55, -1.6)).create_entity("bubble", "paint 20")
+    node = world.root.create_child("mirror", (-0.6, -0.35, -1.7), (math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)))
+    node.create_entity("sheet", "wet")
+    show_mirror(node)
+    for place, blend in (((0.5, 0.0, -1.0), "light"), ((0.0, -0.3, -1.0), "stain")):
+        index = world.root.create_child("", place).index
+        world.effects.add(index, Projector(kind="slide", fov=0.5, depth=6.0, blend=blend))
+    world.update()
+    return world
+
+
+def canted_eye(sign: float, cant: float) -> EyeSpec:
+    turn = (0.0, -sign * math.sin(0.5 * cant), 0.0, math.cos(0.5 * cant))
+    return EyeSpec(tangents=(-0.7, 0.7, -0.5, 0.5), position=(0.032 * sign, 0.0, 0.0), rotation=turn)
+
+
+def canted(surface: Surface, cant: float = 0.05) -> Presenter:
+    """Panels beside each other, each turned outwards [rad]."""
+    spec = HeadsetSpec(left=canted_eye(-1.0, cant), right=canted_eye(1.0, cant))
+    presenter = Presenter(HeadsetDisplay("sim-hmd", SimulatedRuntime(spec)), surface)
+    presenter.begin(0)
+    return presenter
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"ambient_occlusion": 1.0},
+        {"shadows": "stencil_additive", "ambient_occlusion": 1.0},
+        {"shadows": "stencil_modulative"},
+    ],
+    ids=["ambient", "stencil", "darkened"],
+)
+def test_one_pass_has_openness_volumes_mirrors_and_what_is_thrown_as_two_have(change: dict[str, object]) -> None:
+    """Eyes that do not look in one direction, so that nothing of one can stand in for the other."""
+    world, settings = furnished(), replace(CLEAR, **change)
+    with create_surface("egl", SIZE) as surface:
+        presenter, drawn = canted(surface), {}
+        views = presenter.views(world.cameras[0])
+        for passes in ("two_pass", *SINGLE):
+            renderer = Renderer(presenter.drawn, world, replace(settings, stereo=passes))
+            stats = renderer.draw(views)
+            assert surface.ctx.error == "GL_NO_ERROR"
+            drawn[passes] = read_pixels(presenter.drawn), stats.draws
+            renderer.release()
+        presenter.release()
+    two, slow = drawn["two_pass"]
+    assert far_apart(two[:, :160], two[:, 160:]) > 500
+    for passes in SINGLE:
+        one, quick = drawn[passes]
+        # A pixel at an edge may fall to either side: an eye's half is rounded otherwise than a picture of its own.
+        assert far_apart(one, two) <= 1
+        assert quick < 0.7 * slow
+
+
+def test_each_of_them_is_seen_in_the_room_that_is_compared() -> None:
+    """What could be left out unseen would prove nothing above."""
+    settings = replace(CLEAR, shadows="stencil_additive", ambient_occlusion=1.0)
+    whole, _ = draw(furnished(), "sbs", settings)
+
+    def check(world: World, settings: RenderSettings) -> None:
+        world.update()
+        without, _ = draw(world, "sbs", settings)
+        assert all(far_apart(whole[:, half], without[:, half]) > 50 for half in (slice(0, 160), slice(160, 320)))
+
+    check(furnished(), replace(settings, ambient_occlusion=0.0))
+    check(furnished(), replace(settings, shadow_size=0))
+    world = furnished()
+    world.find("mirror").remove()
+    check(world, settings)
+    world = furnished()
+    world.effects.remove(list(world.effects.projectors))
+    check(world, settings)
 
 
 def test_eyes_above_each_other_are_clipped_by_viewports_alone() -> None:

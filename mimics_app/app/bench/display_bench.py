@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
+from functools import partial
+from multiprocessing import get_context
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -15,16 +19,18 @@ from mimics_app.app.session.core import open_core
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.preparation import prepare
 from mimics_app.app.settings import RunSettings
-from mimics_app.contracts.clock import Clock, MonotonicClock
-from mimics_app.contracts.display_port import DisplayFrame
+from mimics_app.contracts.clock import FRAME_NS, Clock, MonotonicClock, process_seconds
+from mimics_app.contracts.display_port import Display, DisplayFrame
 from mimics_app.lab.visual.stereo import WORKLOADS, turns
+from mimics_app.rendering.visual.displays.desktop import DesktopDisplay
 from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec
 from mimics_app.rendering.visual.displays.headset_session import EyeLocation, HeadsetDisplay
 from mimics_app.rendering.visual.displays.simulated_headset import SimulatedRuntime
+from mimics_app.rendering.visual.displays.stereo import StereoDisplay
 from mimics_app.rendering.visual.presenting.presenter import Presenter
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen
-from mimics_app.rendering.visual.surfaces.surface import Size
+from mimics_app.rendering.visual.surfaces.surface import Size, Surface
 from mimics_app.rendering.visual.view import View
 
 __all__ = ["MotionTimes", "measure_displays", "one_frame"]
@@ -33,6 +39,10 @@ Row = dict[str, Any]
 
 _GOAL_MS = 3.0
 """From a pose to the frame that shows it, without drawing [ms]; at 60 Hz a frame has 16.7."""
+_QUEUE_GOAL = 1.15
+"""Most that simulation, animation and culling take for two eyes, over one."""
+_NO_DRAWING = "GALLIUM_NOOP"
+"""Mesa's switch for a driver that does nothing."""
 _SETTLE = 10
 """Frames that are not counted: buffers grow, the driver compiles."""
 
@@ -56,7 +66,12 @@ def measure_displays(scene: Path, size: Size, frames: int, tell: Callable[[str],
         ratios = [a / b for a, b in zip(one, two, strict=True)]
         rows.append({"workload": workload, "two_pass_ms": median(two) * 1e-3, "ratio": median(ratios)})
     tell(f"displays: from pose to submission, {frames} frames of {scene.stem}")
-    return {"stereo": rows, "motion_to_submit_ms": _measure_motion(scene, size, frames)}
+    motion = _measure_motion(scene, size, frames)
+    with _driver_that_draws_nothing() as spawned:
+        undrawn = spawned.submit(_measure_undrawn, scene, size, frames).result()
+    motion |= {} if undrawn is None else {"undrawn": undrawn}
+    tell(f"displays: what comes before drawing, for one eye and for two, {frames} frames of {scene.stem}")
+    return {"stereo": rows, "motion_to_submit_ms": motion, "before_drawing": _measure_queueing(scene, size, frames)}
 
 
 class MotionTimes(SimulatedRuntime):
@@ -93,7 +108,7 @@ def _measure_motion(scene: Path, size: Size, frames: int) -> Row:
     clock = MonotonicClock()
     runtime = MotionTimes(HeadsetSpec(), clock)
     latched, queued = [], []
-    with _played(scene, size, runtime) as (play, renderer, presenter):
+    with _played(scene, size, HeadsetDisplay("sim-hmd", runtime)) as (play, [(renderer, presenter)], _):
         for number in range(frames + _SETTLE):
             play.play_on()
             times = one_frame(renderer, presenter, runtime, clock)
@@ -104,17 +119,97 @@ def _measure_motion(scene: Path, size: Size, frames: int) -> Row:
 
 
 @contextmanager
-def _played(scene: Path, size: Size, runtime: SimulatedRuntime) -> Iterator[tuple[Frames, Renderer, Presenter]]:
+def _driver_that_draws_nothing() -> Iterator[ProcessPoolExecutor]:
+    """A process in which Mesa takes every call and does nothing with it; other drivers draw there as ever."""
+    before = os.environ.get(_NO_DRAWING)
+    os.environ[_NO_DRAWING] = "1"
+    try:
+        with ProcessPoolExecutor(1, get_context("spawn")) as spawned:
+            yield spawned
+    finally:
+        os.environ.pop(_NO_DRAWING)
+        if before is not None:
+            os.environ[_NO_DRAWING] = before
+
+
+class _ProcessorClock:
+    """The processor time of this process: what else a busy machine does is not in it."""
+
+    def now_ns(self) -> int:
+        return round(1e9 * process_seconds())
+
+    def sleep_until_ns(self, deadline_ns: int) -> None:
+        raise NotImplementedError
+
+
+def _measure_undrawn(scene: Path, size: Size, frames: int) -> Row | None:
+    """From both poses to submission with every call of the application to the driver; None where it draws."""
+    clock = _ProcessorClock()
+    runtime = MotionTimes(HeadsetSpec(), clock)
+    latched, queued = [], []
+    with _played(scene, size, HeadsetDisplay("sim-hmd", runtime)) as (play, [(renderer, presenter)], surface):
+        if surface.ctx.info["GL_RENDERER"] != "NOOP":
+            return None
+        camera = renderer.world.cameras[0]
+        for number in range(frames + _SETTLE):
+            play.play_on()
+            runtime.asked_ns.clear()
+            presenter.begin(number * FRAME_NS)
+            renderer.draw(presenter.views(camera), partial(presenter.views, camera))
+            presenter.present()
+            if number >= _SETTLE:
+                queued.append(1e-6 * (runtime.given_ns - runtime.asked_ns[0][0]))
+                latched.append(1e-6 * (runtime.given_ns - runtime.asked_ns[-1][0]))
+    return {"latched": _spread(latched), "queued": _spread(queued)}
+
+
+def _measure_queueing(scene: Path, size: Size, frames: int) -> Row:
+    """Simulation, animation and culling of the same frames, queued for one eye and for two in turns."""
+    clock = MonotonicClock()
+    played: list[float] = []
+    queued: tuple[list[float], list[float]] = ([], [])
+    displays = DesktopDisplay(), StereoDisplay("sbs")
+    with _played(scene, size, *displays) as (play, drawn, _):
+        for number in range(frames + _SETTLE):
+            started = clock.now_ns()
+            play.play_on()
+            ended = clock.now_ns()
+            times = [_queueing_ms(renderer, presenter) for renderer, presenter in drawn]
+            if number >= _SETTLE:
+                played.append(1e-6 * (ended - started))
+                for each, time_ms in zip(queued, times, strict=True):
+                    each.append(time_ms)
+    one, two = (median(played) + median(each) for each in queued)
+    return {"goal": _QUEUE_GOAL, "frames": frames, "one_eye_ms": one, "two_eyes_ms": two, "ratio": two / one}
+
+
+def _queueing_ms(renderer: Renderer, presenter: Presenter) -> float:
+    presenter.begin(0)
+    renderer.timing = True
+    renderer.draw(presenter.views(renderer.world.cameras[0]))
+    presenter.skip()
+    times = renderer.times
+    assert times is not None
+    return times.frames[-1].cpu_ms["cull"]
+
+
+@contextmanager
+def _played(
+    scene: Path, size: Size, *displays: Display
+) -> Iterator[tuple[Frames, list[tuple[Renderer, Presenter]], Surface]]:
+    """A session on the virtual clock, and what draws it for each display."""
     settings = RunSettings(scene, size=size)
     core = open_core(prepare(settings, live=False))
     with core, open_offscreen("auto", size) as surface:
-        presenter = Presenter(HeadsetDisplay("sim-hmd", runtime), surface)
-        renderer = Renderer(presenter.drawn, core.world, picture_quality(core.scene, settings.profile))
+        presenters = [Presenter(display, surface) for display in displays]
+        quality = picture_quality(core.scene, settings.profile)
+        renderers = [Renderer(presenter.drawn, core.world, quality) for presenter in presenters]
         frames = Frames(core)
         frames.play_to_start()
-        yield frames, renderer, presenter
-        renderer.release()
-        presenter.release()
+        yield frames, list(zip(renderers, presenters, strict=True)), surface
+        for renderer, presenter in zip(renderers, presenters, strict=True):
+            renderer.release()
+            presenter.release()
 
 
 def one_frame(renderer: Renderer, presenter: Presenter, runtime: MotionTimes, clock: Clock) -> tuple[float, float]:

@@ -251,9 +251,7 @@ class Renderer:
         """Queue what is seen in the views and in the pictures within them, and send it to the driver."""
         places = [self._picture.rectangle(view.rectangle) for view in views]
         queued: dict[int, ViewDraws] = {}
-        # What a mirror shows goes by where its eye is, and no eye is between two.
-        groups = group_views(views) if not self.world.mirrors else [(number,) for number in range(len(views))]
-        for numbers in groups:
+        for numbers in group_views(views):
             eyes = [views[number] for number in numbers]
             queued |= zip(numbers, self._batch(scene, eyes, numbers[0], [places[k] for k in numbers]), strict=True)
         drawn = [queued[number] for number in range(len(views))]
@@ -319,11 +317,10 @@ class Renderer:
         drawn = [ViewDraws(eye, place, opaque, blended, stereo=stereo) for eye, place in zip(eyes, places, strict=True)]
         if scene.effects is None:
             return drawn
-        thrown = [scene.effects.meet(eye, self._list, self._frame) for eye in eyes]
-        return [
-            replace(each, transparent=scene.effects.mix(each.view, blended, away), thrown=beams)
-            for each, beams in zip(drawn, thrown, strict=True)
-        ]
+        thrown = scene.effects.meet(eyes, self._list, self._frame)
+        if stereo != "two_pass":
+            self._frame.double([run for beam in thrown for run in beam.runs])
+        return [replace(each, transparent=scene.effects.mix(each.view, blended, away), thrown=thrown) for each in drawn]
 
     def _pair_up(self, runs: Sequence[DrawRun], places: Sequence[Rect]) -> StereoPasses:
         """How what is queued is drawn: in one pass only for two eyes over which nothing of the overlay is laid."""
@@ -341,7 +338,7 @@ class Renderer:
         """What the overlay shows in the world."""
         draws = overlay.draw_lines(target, scene, self._list, drawn)
         for each in drawn:
-            self._world.enter(scene, each.view)
+            self._world.enter(scene, each)
             draws += overlay.draw_wires(target, each)
         return draws
 

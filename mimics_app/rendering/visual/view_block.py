@@ -76,20 +76,18 @@ class ViewBlock:
         self._data = np.zeros((), VIEW_BLOCK)
         self._buffer = ctx.buffer(reserve=VIEW_BLOCK.itemsize)
 
-    def fill(
-        self, view: View, lighting: Lighting, plan: ShadowPlan, *, sun: bool = True, other: View | None = None
-    ) -> None:
+    def fill(self, view: View, lighting: Lighting, plan: ShadowPlan, other: View, *, sun: bool) -> None:
         """Upload one view's numbers; everything world-sized is made eye-relative in float64 first.
 
         Args:
             view: Whose.
             lighting: What shines.
             plan: The frame's shadow maps.
+            other: The other eye, where both are drawn together, queued from the same place; else this one.
             sun: False leaves the sun out.
-            other: The other eye, where both are drawn together; queued from the same place.
         """
         data, eye = self._data, view.eye_world
-        for number, each in enumerate((view, other or view)):
+        for number, each in enumerate((view, other)):
             data["clip_from_eyes"][number] = each.clip_from_eye.T
             data["eye_places"][number, :3] = each.world_from_eye[:3, 3] - eye
         data["tangents"] = view.tangents

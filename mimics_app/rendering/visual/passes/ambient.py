@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mimics_app.rendering.visual.draw_buffer import texture_of
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
@@ -12,6 +14,7 @@ from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.passes.screen import ScreenPass
 from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.surfaces.raw_gl import CLIP_DISTANCE_0
 from mimics_app.rendering.visual.surfaces.surface import Size, release_framebuffer
 from mimics_app.rendering.visual.view import Rect, View
 
@@ -23,9 +26,12 @@ __all__ = ["AmbientPass"]
 _TEXTURE_BINDING, _BLOCK_BINDING = 23, 6
 """Of shaders/common/ambient.glsl."""
 
+_BOTH_EYES = ("EYES_BY_CLIPPING",)
+"""However the picture itself has room for them: in the depth that is looked at here they are side by side."""
+
 
 class AmbientPass:
-    """Draws the depth of a view at half the size, and from it what the lit shaders take off the sky's light.
+    """Draws the depth of an eye, or of both, at half the size, and from it what lit shaders take off the sky's light.
 
     Only light from everywhere is taken off, because it is known before anything is lit. What is blended, and what a
     mirror or another camera shows, is without it.
@@ -33,6 +39,7 @@ class AmbientPass:
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, arena: MeshArena, frame: FrameBuffers) -> None:
         self._ctx = ctx
+        self._shaders = shaders
         self._arena, self._frame = arena, frame
         self._find = ScreenPass(ctx, shaders, "ambient/ssao.frag")
         self._smooth = ScreenPass(ctx, shaders, "ambient/blur.frag")
@@ -41,35 +48,64 @@ class AmbientPass:
         self._found: list[moderngl.Framebuffer] = []
         self._open: moderngl.Texture | None = None
         self._block: moderngl.Buffer | None = None
+        self._places = np.zeros((2, 8), np.float32)
 
-    def draw(self, view: View, rectangle: Rect, opaque: list[DrawRun], settings: RenderSettings) -> int:
-        """Find it for a view, whose block is bound, and have the shaders read it; returns the draw calls made.
+    def draw_depth(self, views: Sequence[View], rectangles: Sequence[Rect], opaque: list[DrawRun]) -> int:
+        """Draw the depth of a view, or of two eyes in one pass, whose block is bound; returns the draw calls made.
 
         Args:
-            view: From where.
-            rectangle: Of the view in the picture [px].
-            opaque: What is drawn in it.
+            views: From where: one, or two whose runs are doubled.
+            rectangles: Of the views in the picture [px]; of one size.
+            opaque: What is drawn in them.
+        """
+        import moderngl
+
+        self._make_room(rectangles)
+        assert self._depth is not None
+        self._depth.use()
+        self._depth.clear(depth=1.0)
+        ctx, both = self._ctx, len(views) > 1
+        if both:
+            ctx.enable_direct(CLIP_DISTANCE_0)
+        for run in opaque:
+            run.look.bind()
+            double = run.look.passes[0].cull == "none"
+            ctx.enable_only(moderngl.DEPTH_TEST if double else moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+            shader = self._shaders.also_with(run.look.shadow_shader, _BOTH_EYES if both else ())
+            if not both:
+                shader.set_matrix("clip_from_eye", views[0].clip_from_eye)
+            self._frame.draw(self._arena, run, shader)
+        if both:
+            ctx.disable_direct(CLIP_DISTANCE_0)
+        return len(opaque)
+
+    def find(self, number: int, settings: RenderSettings) -> int:
+        """Find it in the depth of an eye, whose block is bound; returns the draw calls made.
+
+        Args:
+            number: Of the eye among those whose depth was drawn.
             settings: Strength and radius.
         """
-        self._make(((rectangle[2] + 1) // 2, (rectangle[3] + 1) // 2))
-        whole = (0, 0, *self._size)
-        draws = self._draw_depth(view, opaque)
+        assert self._depth is not None
+        width, height = self._size
+        part = (number * width, 0, width, height)
         found, smooth = self._found
         found.use()
         numbers = {"radius": settings.ambient_radius, "strength": settings.ambient_occlusion}
-        assert self._depth is not None
-        draws += self._find.draw(self._depth.depth_attachment, whole, whole, **numbers)  # type: ignore[arg-type]
+        draws = self._find.draw(self._depth.depth_attachment, part, part, **numbers)  # type: ignore[arg-type]
         smooth.use()
-        draws += self._smooth.draw(texture_of(found), whole, whole, radius=settings.ambient_radius)
-        self._place(rectangle[:2], (self._size[0] / rectangle[2], self._size[1] / rectangle[3]))
-        texture_of(smooth).use(_TEXTURE_BINDING)
-        return draws
+        return draws + self._smooth.draw(texture_of(found), part, part, radius=settings.ambient_radius)
+
+    def use(self, eyes: Sequence[int]) -> None:
+        """Have the shaders read what was found for an eye, or for both where they draw both."""
+        self._write(self._places[list(eyes)])
+        texture_of(self._found[1]).use(_TEXTURE_BINDING)
 
     def skip(self) -> None:
         """Have the shaders read that all is open."""
         if self._open is None:
             self._open = self._ctx.texture((1, 1), 2, np.array([1.0, 0.0], np.float16).tobytes(), dtype="f2")
-        self._place((0, 0), (1.0, 1.0))
+        self._write(np.zeros((2, 8), np.float32))
         self._open.use(_TEXTURE_BINDING)
 
     def release(self) -> None:
@@ -80,33 +116,29 @@ class AmbientPass:
         self._open = self._block = None
         self._free()
 
-    def _draw_depth(self, view: View, opaque: list[DrawRun]) -> int:
-        import moderngl
-
-        assert self._depth is not None
-        self._depth.use()
-        self._depth.clear(depth=1.0)
-        ctx = self._ctx
-        for run in opaque:
-            run.look.bind()
-            double = run.look.passes[0].cull == "none"
-            ctx.enable_only(moderngl.DEPTH_TEST if double else moderngl.DEPTH_TEST | moderngl.CULL_FACE)
-            run.look.shadow_shader.set_matrix("clip_from_eye", view.clip_from_eye)
-            self._frame.draw(self._arena, run, run.look.shadow_shader)
-        return len(opaque)
-
-    def _place(self, corner: tuple[int, int], texels: tuple[float, float]) -> None:
+    def _write(self, places: NDArray[np.float32]) -> None:
+        """Tell the shaders where the texels of each eye are: corner [px], texels per pixel; first, last, height."""
         if self._block is None:
-            self._block = self._ctx.buffer(reserve=16)
+            self._block = self._ctx.buffer(reserve=64)
+        block = np.zeros((2, 2, 4), np.float32)
+        block[:, : len(places)] = places.reshape(-1, 2, 4).swapaxes(0, 1)
         self._block.orphan()
-        self._block.write(np.array([*corner, *texels], np.float32).tobytes())
+        self._block.write(block.tobytes())
         self._block.bind_to_uniform_block(_BLOCK_BINDING)
 
-    def _make(self, size: Size) -> None:
-        if size == self._size:
+    def _make_room(self, rectangles: Sequence[Rect]) -> None:
+        """Buffers for eyes of half the size of these rectangles [px], beside each other."""
+        _, _, across, along = rectangles[0]
+        width, height = (across + 1) // 2, (along + 1) // 2
+        for number, (x, y, _, _) in enumerate(rectangles):
+            first = number * width
+            texels = (first, first + width - 1, height - 1, 0.0)
+            self._places[number] = (x, y, width / across, height / along, *texels)
+        self._size, had = (width, height), self._depth
+        size = (len(rectangles) * width, height)
+        if had is not None and had.size == size:
             return
         self._free()
-        self._size = size
         depth = self._ctx.depth_texture(size)
         depth.compare_func = ""
         self._depth = self._ctx.framebuffer(depth_attachment=depth)
@@ -116,4 +148,4 @@ class AmbientPass:
         for framebuffer in (self._depth, *self._found):
             if framebuffer is not None:
                 release_framebuffer(framebuffer)
-        self._depth, self._found, self._size = None, [], (0, 0)
+        self._depth, self._found = None, []

@@ -43,6 +43,7 @@ class ProjectorPass:
         view: View,
         thrown: Sequence[BeamRuns],
         lights: frozenset[str],
+        eyes: tuple[str, ...],
     ) -> int:
         """Draw over what is opaque in a view; afterwards depth is written and tested as before.
 
@@ -53,6 +54,7 @@ class ProjectorPass:
             view: From where; its block is bound.
             thrown: Projectors with the surfaces they meet.
             lights: Features of shaders that the frame's light needs.
+            eyes: What shaders are told besides where both eyes are drawn together.
 
         Returns:
             Draw calls made.
@@ -69,7 +71,7 @@ class ProjectorPass:
             for run in each.runs:
                 run.look.bind()
                 self._set_state(run.look, each.beam)
-                shader = self._shader(run.look, each.beam, lights)
+                shader = self._shaders.also_with(self._shader(run.look, each.beam, lights), eyes)
                 _describe(shader, each.beam, view)
                 frame.draw(arena, run, shader)
                 draws += 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -39,7 +40,7 @@ class VolumePass:
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
         self.gl = RawGL(ctx)
-        self._ctx = ctx
+        self._ctx, self._shaders = ctx, shaders
         self._shader = shaders.program("volume/volume.vert", "volume/volume.frag")
         self._darken = shaders.program("post/screen.vert", "volume/darken.frag")
         self._sources: dict[str, tuple[MeshData, VolumeSource]] = {}
@@ -47,11 +48,25 @@ class VolumePass:
         self._screen: tuple[int, moderngl.VertexArray] | None = None
 
     def count(
-        self, target: moderngl.Framebuffer, world: World, items: DrawItems, view: View, lighting: Lighting
+        self,
+        target: moderngl.Framebuffer,
+        world: World,
+        items: DrawItems,
+        views: Sequence[View],
+        lighting: Lighting,
+        eyes: tuple[str, ...],
     ) -> int:
         """Count the volumes into the target's stencil, whose depth has all that receives.
 
         What is blended has no volume; what has holes casts as a whole.
+
+        Args:
+            target: In use.
+            world: Whose bodies cast.
+            items: Which of them cast.
+            views: From where: one, or two eyes that are drawn together.
+            lighting: What shines.
+            eyes: What shaders are told besides to draw both.
 
         Returns:
             Draw calls made.
@@ -59,6 +74,7 @@ class VolumePass:
         import moderngl
 
         ctx, listed = self._ctx, world.subentities()
+        shader = self._shaders.also_with(self._shader, eyes)
         self.gl.clear_stencil()
         ctx.enable_only(moderngl.DEPTH_TEST)
         ctx.front_face = "ccw"
@@ -71,8 +87,9 @@ class VolumePass:
             world_from_node = world.transforms.world[listed.row[item]]
             volume = self._volume(item, listed.mesh[item], world, world_from_node, lighting.sun_direction)
             if volume is not None:
-                self._shader.set_matrix("clip_from_volume", view.clip_from_eye @ _eye_from_node(world_from_node, view))
-                volume.array.render(moderngl.TRIANGLES)
+                clip = [view.clip_from_eye @ _eye_from_node(world_from_node, view) for view in views]
+                shader.set_array("clip_from_volume", np.stack([each.T for each in clip]).astype(np.float32))
+                volume.array(shader).render(moderngl.TRIANGLES, instances=len(views))
                 drawn += 1
         ctx.polygon_offset = (0.0, 0.0)
         target.depth_mask = True
@@ -112,36 +129,41 @@ class VolumePass:
         local = np.asarray(np.linalg.solve(world_from_node[:3, :3], towards), np.float64)
         local = local / np.linalg.norm(local)
         kept = self._kept.get(item)
-        if kept is not None and kept.fits(mesh, local, self._shader):
+        if kept is not None and kept.fits(mesh, local):
             return kept
         if kept is not None:
             kept.release()
         known = self._sources.get(name)
         if known is None or known[0] is not mesh:
             known = self._sources[name] = (mesh, VolumeSource(mesh))
-        self._kept[item] = _Volume(self._ctx, self._shader, mesh, local, extrude(known[1], local))
+        self._kept[item] = _Volume(self._ctx, mesh, local, extrude(known[1], local))
         return self._kept[item]
 
 
 class _Volume:
     """A volume on the GPU, and what it was made for."""
 
-    def __init__(
-        self, ctx: moderngl.Context, shader: ShaderProgram, mesh: MeshData, light: F8, corners: NDArray[np.float32]
-    ) -> None:
-        self._made_for = (mesh, shader.revision)
-        self._light = light
+    def __init__(self, ctx: moderngl.Context, mesh: MeshData, light: F8, corners: NDArray[np.float32]) -> None:
+        self._ctx, self._mesh, self._light = ctx, mesh, light
         self._buffer = ctx.buffer(corners.tobytes() or bytes(16))
-        self.array = ctx.vertex_array(shader.program, [(self._buffer, "4f", "in_corner")])
+        self._arrays: dict[ShaderProgram, tuple[int, moderngl.VertexArray]] = {}
 
-    def fits(self, mesh: MeshData, light: F8, shader: ShaderProgram) -> bool:
+    def fits(self, mesh: MeshData, light: F8) -> bool:
         """True when it can be used again."""
-        same = self._made_for[0] is mesh and self._made_for[1] == shader.revision
-        return same and float(np.linalg.norm(light - self._light)) <= _SAME_LIGHT
+        return self._mesh is mesh and float(np.linalg.norm(light - self._light)) <= _SAME_LIGHT
+
+    def array(self, shader: ShaderProgram) -> moderngl.VertexArray:
+        """It as a program reads it; made again when the program was reloaded."""
+        known = self._arrays.get(shader)
+        if known is None or known[0] != shader.revision:
+            made = self._ctx.vertex_array(shader.program, [(self._buffer, "4f", "in_corner")])
+            known = self._arrays[shader] = (shader.revision, made)
+        return known[1]
 
     def release(self) -> None:
         """Free it."""
-        self.array.release()
+        for _, array in self._arrays.values():
+            array.release()
         self._buffer.release()
 
 

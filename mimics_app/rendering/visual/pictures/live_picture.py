@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +19,9 @@ __all__ = ["LivePicture", "MirrorPicture"]
 
 _BLOCK_BINDING = 5
 """Of MirrorBlock in shaders/mirror/mirror.frag."""
+
+_OTHER_BINDING = 25
+"""Of the right eye's picture there."""
 
 _STEP = 64
 """Buffers of mirrors grow in such steps [px], because the part of the picture a mirror covers changes all the time."""
@@ -80,6 +84,10 @@ class LivePicture:
         self._shown = self._spare = self._empty = None
 
 
+SeenIn = tuple[int, Reflection | None, tuple[int, int]]
+"""Number of a view, what was drawn for a mirror in it (None: nothing), and the view's corner in the target [px]."""
+
+
 class MirrorPicture(LivePicture):
     """What a mirror shows, for each view one; in a view that none was drawn for its shader shows the sky.
 
@@ -90,11 +98,14 @@ class MirrorPicture(LivePicture):
         super().__init__(ctx, decoded=False)
         self._block: moderngl.Buffer | None = None
         self._of_view: dict[int, DrawBuffer] = {}
+        self._other: DrawBuffer | None = None
 
     def use(self, binding: int) -> None:
         super().use(binding)
-        block = self._block or self._write(np.zeros(8, np.float32))
+        block = self._block or self._write(np.zeros((2, 2, 4), np.float32))
         block.bind_to_uniform_block(_BLOCK_BINDING)
+        if self._other is not None:
+            self._other.texture.use(_OTHER_BINDING)
 
     def begin_view(self, view: int, size: Size, samples: int) -> DrawBuffer:
         """The buffer to draw what the mirror shows in a view into.
@@ -117,28 +128,20 @@ class MirrorPicture(LivePicture):
         self._of_view[view] = DrawBuffer(self._ctx, (width, height), samples)
         return self._of_view[view]
 
-    def show(self, view: int, reflection: Reflection | None, corner: tuple[int, int]) -> None:
-        """Be from here on what is seen in a view.
-
-        Args:
-            view: Its number.
-            reflection: What was drawn for it; None: nothing.
-            corner: Lower left of the view in the target [px].
-        """
-        block = np.zeros((2, 4), np.float32)
-        self._shown = self._of_view.get(view) if reflection is not None else None
-        if reflection is not None:
-            x, y, width, height = reflection.pixels
-            wide, high = reflection.view.rectangle[2:]
-            across, along = wide / width, high / height
-            # Turned over: the right edge of the mirror is the left one of what was drawn.
-            block[0] = (-across, along, (corner[0] + x + width) * across, -(corner[1] + y) * along)
-            block[1, :2] = wide, high
+    def show(self, seen: Sequence[SeenIn]) -> None:
+        """Be from here on what is seen in a view, or in two that are drawn together; () in none."""
+        block = np.zeros((2, 2, 4), np.float32)
+        shown: list[DrawBuffer | None] = [None, None]
+        for eye, (view, reflection, corner) in enumerate(seen):
+            if reflection is not None:
+                shown[eye] = self._of_view.get(view)
+                block[:, eye] = _texels_of_pixels(reflection, corner)
+        self._shown, self._other = shown
         self._write(block)
 
     def release(self) -> None:
         """Free textures and block; a surface that still wears it shows the sky."""
-        self._shown = None
+        self._shown = self._other = None
         for buffer in self._of_view.values():
             buffer.release()
         self._of_view.clear()
@@ -153,3 +156,13 @@ class MirrorPicture(LivePicture):
         self._block.orphan()
         self._block.write(block.tobytes())
         return self._block
+
+
+def _texels_of_pixels(reflection: Reflection, corner: tuple[int, int]) -> NDArray[np.float32]:
+    """Factors and offsets from pixels of the target to texels of what was drawn, and its size; [2, 4]."""
+    x, y, width, height = reflection.pixels
+    wide, high = reflection.view.rectangle[2:]
+    across, along = wide / width, high / height
+    # Turned over: the right edge of the mirror is the left one of what was drawn.
+    way = (-across, along, (corner[0] + x + width) * across, -(corner[1] + y) * along)
+    return np.array([way, (wide, high, 0.0, 0.0)], np.float32)

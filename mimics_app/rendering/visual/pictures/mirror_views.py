@@ -66,7 +66,7 @@ def reflect_view(view: View, size: tuple[int, int], plane: F8, corners: F8, reso
     Returns:
         None where nothing of it is seen, as from behind.
     """
-    distance = float(plane[:3] @ view.eye_world + plane[3])
+    distance = float(plane[:3] @ view.world_from_eye[:3, 3] + plane[3])
     pixels = _covered(view, size, corners)
     if distance < _LEAST_DISTANCE or pixels is None:
         return None

@@ -56,13 +56,13 @@ class EffectStage:
         """Queue the sprites of a view among its blended surfaces, see `SpriteField.batch`."""
         return self._field.batch(view, surfaces, away)
 
-    def meet(self, view: View, listed: DrawList, frame: FrameBuffers) -> list[BeamRuns]:
-        """Queue the opaque surfaces that projectors meet, of the view that was batched last."""
-        planes = compute_frustum_planes(view.clip_from_world)
+    def meet(self, views: Sequence[View], listed: DrawList, frame: FrameBuffers) -> list[BeamRuns]:
+        """Queue the opaque surfaces that projectors meet, of the views that were batched last."""
+        planes = [compute_frustum_planes(view.clip_from_world) for view in views]
         met = [
-            BeamRuns(beam, listed.batch_meeting(frame, view, beam.planes, beam.onto))
+            BeamRuns(beam, listed.batch_meeting(frame, views[0], beam.planes, beam.onto))
             for beam in self._projectors.beams
-            if beam.is_seen(planes)
+            if any(beam.is_seen(each) for each in planes)
         ]
         return [each for each in met if each.runs]
 
@@ -77,9 +77,10 @@ class EffectStage:
         frame: FrameBuffers,
         view: View,
         thrown: Sequence[BeamRuns],
+        eyes: tuple[str, ...],
     ) -> int:
         """Draw what projectors throw onto what is opaque; returns the draw calls made."""
-        return self._throwing.draw(target, arena, frame, view, thrown, self._lights)
+        return self._throwing.draw(target, arena, frame, view, thrown, self._lights, eyes)
 
     def draw_mixed(
         self, target: moderngl.Framebuffer, arena: MeshArena, frame: FrameBuffers, runs: Sequence[DrawRun | SpriteRun]

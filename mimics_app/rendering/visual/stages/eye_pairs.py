@@ -60,8 +60,7 @@ def stereo_passes(
         places: The eyes' rectangles [px].
     """
     wanted = settings.stereo
-    per_eye = settings.ambient_occlusion > 0.0 or settings.shadows.startswith("stencil")
-    if wanted == "two_pass" or per_eye or not all(_knows_eyes(each) for run in runs for each in run.look.passes):
+    if wanted == "two_pass" or not all(_knows_eyes(each) for run in runs for each in run.look.passes):
         return "two_pass"
     if wanted == "viewports":
         return wanted if VIEWPORT_EXTENSION in has.extensions else "two_pass"

@@ -109,7 +109,7 @@ class PictureStage:
         if self._jobs:
             for picture in self.pictures.values():
                 if isinstance(picture, MirrorPicture):
-                    picture.show(0, None, (0, 0))
+                    picture.show(())
         for job in self._jobs:
             size = job.drawn.rectangle[2:]
             if isinstance(job.picture, MirrorPicture):

@@ -123,8 +123,7 @@ class WorldStage:
         self._arena = arena
         self._frame = frame
         self._shaders = shaders
-        self._block = ViewBlock(ctx, settings)
-        self._other_block = ViewBlock(ctx, settings)
+        self._blocks = (ViewBlock(ctx, settings), ViewBlock(ctx, settings))
         self._volumes = VolumePass(ctx, shaders)
         self._ambient = AmbientPass(ctx, shaders, arena, frame)
         self._cords = CordPass(ctx, shaders)
@@ -152,127 +151,136 @@ class WorldStage:
         draws = 0
         for numbers in group_views([each.view for each in views]):
             eyes = [views[number] for number in numbers]
-            if eyes[0].stereo == "two_pass":
-                draws += sum(self._draw_view(target, scene, each, sky=background is None) for each in eyes)
-            else:
-                draws += self._draw_eyes(target, scene, eyes, sky=background is None)
+            together = [[each] for each in eyes] if eyes[0].stereo == "two_pass" else [eyes]
+            draws += sum(self._draw_eyes(target, scene, each, sky=background is None) for each in together)
         return draws
-
-    def _draw_view(self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws, *, sky: bool) -> int:
-        target.viewport = drawn.rectangle
-        for mirror, number, reflection in drawn.mirrors:
-            mirror.show(number, reflection, drawn.rectangle[:2])
-        additive = scene.by_stencil and scene.settings.shadows == "stencil_additive"
-        self.enter(scene, drawn.view, sun=not additive)
-        draws = self._find_ambient(target, scene, drawn)
-        draws += self._draw_opaque(target, scene, drawn)
-        if sky:
-            draws += self.sky.draw()
-        if scene.by_stencil:
-            draws += self._draw_stencil_shadows(target, scene, drawn, additive=additive)
-        return draws + self._draw_transparent(target, scene, drawn)
 
     def _draw_eyes(
         self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws], *, sky: bool
     ) -> int:
-        """Draw two views over one queue: bodies in one pass, what each eye has of its own after it."""
-        left, right = eyes
-        defines = eye_define(left.stereo)
-        blocks = (self._block, self._other_block)
-        self._fill(blocks[0], scene, left.view, other=right.view)
-        self._fill(blocks[1], scene, right.view)
-        blocks[0].bind()
-        with self._both_viewports(target, left, right):
-            draws = self._draw_bodies(target, scene, left, defines)
-        for each, block in zip(eyes, blocks, strict=True):
-            target.viewport = each.rectangle
-            block.bind()
-            draws += self._throw(target, scene, each)
-            draws += self.sky.draw() if sky else 0
-            draws += self._draw_transparent(target, scene, each) if scene.effects is not None else 0
-        if scene.effects is None and left.blended:
-            blocks[0].bind()
-            with self._both_viewports(target, left, right):
-                variant = partial(self._shaders.also_with, defines=defines)
-                draws += draw_runs(target, self._arena, self._frame, left.blended, variant)
-        return draws
+        """Draw a view, or two over one queue: bodies in one pass, what each eye has of its own by itself."""
+        for seen in zip(*(each.mirrors for each in eyes), strict=True):
+            corners = [each.rectangle[:2] for each in eyes]
+            seen[0][0].show([(number, shown, at) for (_, number, shown), at in zip(seen, corners, strict=True)])
+        additive = scene.by_stencil and scene.settings.shadows == "stencil_additive"
+        self._fill(scene, eyes, sun=not additive)
+        draws = self._find_ambient(target, scene, eyes)
+        with self._together(target, scene, eyes):
+            draws += self._draw_opaque(target, scene, eyes[0])
+        if sky:
+            draws += sum(self.sky.draw() for _ in self._by_turns(target, scene, eyes))
+        if scene.by_stencil:
+            draws += self._draw_stencil_shadows(target, scene, eyes, additive=additive)
+        return draws + self._draw_transparent(target, scene, eyes)
 
     @contextmanager
-    def _both_viewports(self, target: moderngl.Framebuffer, left: ViewDraws, right: ViewDraws) -> Iterator[None]:
-        """What is drawn meanwhile finds its eye's rectangle by itself."""
-        if left.stereo == "viewports":
-            self._volumes.gl.use_viewports([left.rectangle, right.rectangle])
-            yield
+    def _together(
+        self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws]
+    ) -> Iterator[tuple[str, ...]]:
+        """What is drawn meanwhile by shaders that are told this finds its eye's place by itself."""
+        self._blocks[0].bind()
+        self._use_ambient(scene, range(len(eyes)))
+        first = eyes[0]
+        target.viewport = first.rectangle
+        if first.stereo == "viewports":
+            self._volumes.gl.use_viewports([each.rectangle for each in eyes])
+        if first.stereo != "clip_distance":
+            yield eye_define(first.stereo)
             return
-        x, y, width, height = left.rectangle
+        x, y, width, height = first.rectangle
         target.viewport = (x, y, 2 * width, height)
         self._ctx.enable_direct(CLIP_DISTANCE_0)
-        yield
+        yield eye_define(first.stereo)
         self._ctx.disable_direct(CLIP_DISTANCE_0)
 
-    def _draw_opaque(self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws) -> int:
-        return self._draw_bodies(target, scene, drawn) + self._throw(target, scene, drawn)
+    def _by_turns(
+        self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws]
+    ) -> Iterator[ViewDraws]:
+        """Each eye, with its place in use and its numbers told."""
+        for number, (each, block) in enumerate(zip(eyes, self._blocks, strict=False)):
+            if len(eyes) > 1:
+                target.viewport = each.rectangle
+                block.bind()
+                self._use_ambient(scene, [number])
+            yield each
 
-    def _draw_bodies(
-        self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws, eyes: tuple[str, ...] = ()
-    ) -> int:
-        """Meshes and cords, with what their shaders are told besides."""
+    def _draw_opaque(self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws) -> int:
+        """Meshes and cords, and what is thrown onto them, of one eye or both."""
+        eyes = eye_define(drawn.stereo)
         variant = partial(self._shaders.also_with, defines=eyes)
         draws = draw_runs(target, self._arena, self._frame, drawn.opaque, variant)
         if scene.world.cords:
             time_s = scene.world.effects.time
             draws += self._cords.draw(scene.world.cords, drawn.view, scene.lighting, scene.lights, time_s, eyes)
-        return draws
-
-    def _throw(self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws) -> int:
         if scene.effects is None:
-            return 0
-        return scene.effects.throw(target, self._arena, self._frame, drawn.view, drawn.thrown)
+            return draws
+        return draws + scene.effects.throw(target, self._arena, self._frame, drawn.view, drawn.thrown, eyes)
 
-    def _draw_transparent(self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws) -> int:
-        if scene.effects is not None:
-            return scene.effects.draw_mixed(target, self._arena, self._frame, drawn.transparent)
-        return draw_runs(target, self._arena, self._frame, drawn.blended)
+    def _draw_transparent(self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws]) -> int:
+        """Blended surfaces of both eyes at once; where there are sprites, each eye has its own order of both."""
+        effects = scene.effects
+        if effects is not None:
+            turns = self._by_turns(target, scene, eyes)
+            return sum(effects.draw_mixed(target, self._arena, self._frame, each.transparent) for each in turns)
+        if not eyes[0].blended:
+            return 0
+        with self._together(target, scene, eyes) as defines:
+            variant = partial(self._shaders.also_with, defines=defines)
+            return draw_runs(target, self._arena, self._frame, eyes[0].blended, variant)
 
-    def _find_ambient(self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws) -> int:
-        """Where lit shaders ask how open the surroundings are, have an answer ready."""
-        if not scene.ambient:
+    def _find_ambient(self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws]) -> int:
+        """Where lit shaders ask how open the surroundings are, find an answer."""
+        if not scene.ambient or scene.settings.ambient_occlusion == 0.0:
             return 0
-        if scene.settings.ambient_occlusion == 0.0:
-            self._ambient.skip()
-            return 0
-        draws = self._ambient.draw(drawn.view, drawn.rectangle, drawn.opaque, scene.settings)
+        self._blocks[0].bind()
+        views, rectangles = [each.view for each in eyes], [each.rectangle for each in eyes]
+        draws = self._ambient.draw_depth(views, rectangles, eyes[0].opaque)
+        for number, block in enumerate(self._blocks[: len(eyes)]):
+            block.bind()
+            draws += self._ambient.find(number, scene.settings)
         target.use()
         return draws
 
-    def enter(self, scene: FrameScene, view: View, *, sun: bool = True) -> None:
-        """Tell the shaders where the view is from and what shines."""
-        self._fill(self._block, scene, view, sun=sun)
-        self._block.bind()
+    def _use_ambient(self, scene: FrameScene, eyes: Sequence[int]) -> None:
+        if not scene.ambient:
+            return
+        if scene.settings.ambient_occlusion == 0.0:
+            self._ambient.skip()
+        else:
+            self._ambient.use(eyes)
 
-    def _fill(
-        self, block: ViewBlock, scene: FrameScene, view: View, *, sun: bool = True, other: View | None = None
-    ) -> None:
-        block.settings = scene.settings
-        block.fill(view, scene.lighting, scene.plan, sun=sun, other=other)
+    def enter(self, scene: FrameScene, drawn: ViewDraws) -> None:
+        """Tell the shaders where the view is from and what shines."""
+        self._fill(scene, [drawn], sun=True)
+        self._blocks[0].bind()
+
+    def _fill(self, scene: FrameScene, eyes: Sequence[ViewDraws], *, sun: bool) -> None:
+        """Blocks of numbers for each eye; the first one has the places of all."""
+        for number, each in enumerate(eyes):
+            block = self._blocks[number]
+            block.settings = scene.settings
+            other = eyes[-1].view if number == 0 else each.view
+            block.fill(each.view, scene.lighting, scene.plan, other, sun=sun)
 
     def _draw_stencil_shadows(
-        self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws, *, additive: bool
+        self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws], *, additive: bool
     ) -> int:
         """Count the volumes; then add the sun where none covers what is seen, or darken where one does."""
-        volumes = self._volumes
-        draws = volumes.count(target, scene.world, scene.items, drawn.view, scene.lighting)
+        volumes, views = self._volumes, [each.view for each in eyes]
+        with self._together(target, scene, eyes) as defines:
+            draws = volumes.count(target, scene.world, scene.items, views, scene.lighting, defines)
         if not additive:
-            return draws + volumes.darken(scene.settings.shadow_tone)
-        self.enter(scene, drawn.view, sun=True)
+            return draws + sum(volumes.darken(scene.settings.shadow_tone) for _ in self._by_turns(target, scene, eyes))
+        self._fill(scene, eyes, sun=True)
         volumes.gl.draw_where(EQUAL)
         self._ctx.depth_func = "=="
-        draws += self._draw_opaque(target, scene, drawn)
+        with self._together(target, scene, eyes):
+            draws += self._draw_opaque(target, scene, eyes[0])
         self._ctx.depth_func = "<"
         volumes.gl.draw_everywhere()
         return draws
 
     def release(self) -> None:
         """Free what belongs to the passes."""
-        for part in (self.sky, self._cords, self._block, self._other_block, self._volumes, self._ambient):
+        for part in (self.sky, self._cords, *self._blocks, self._volumes, self._ambient):
             part.release()

@@ -1,0 +1,141 @@
+"""Ways to carry a frame along a cord: what each costs for the drawn rings, and by how much it twists the surface.
+
+Importing this module registers them, each on a hanging cord, on one that bends to both sides, and on a helix. Error:
+the largest angle to a frame that does not turn about the cord at all, followed in steps 32 times finer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache, partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.probe import reference_us, shortest_us
+from mimics_app.maths.cord import hang
+from mimics_app.rendering.visual.passes.cord import RINGS
+
+__all__ = ["CURVES", "FRAMES", "GROUP", "twist_error"]
+
+F8 = NDArray[np.float64]
+Frame = Callable[[F8, F8], F8]
+"""Places and unit tangents of rings, [n, 3] each -> unit normals, [n, 3]."""
+
+GROUP = "cord frame"
+_FINER = 32
+_UP = np.array([0.0, 1.0, 0.0])
+
+
+def _hanging(t: F8) -> F8:
+    return hang([0.0, 1.2, 0.0], [0.0, 1.1, -1.0], 1.2).point(1.2 * t)
+
+
+def _both_sides(t: F8) -> F8:
+    return np.stack([0.0 * t, 0.1 * np.sin(2.0 * np.pi * t), -t], axis=1)
+
+
+def _helix(t: F8) -> F8:
+    angle = 4.0 * np.pi * t
+    return np.stack([0.1 * np.cos(angle), 0.1 * np.sin(angle), -t], axis=1)
+
+
+CURVES: dict[str, Callable[[F8], F8]] = {"hanging": _hanging, "bent to both sides": _both_sides, "helix": _helix}
+"""Places of a cord at shares of its way [m], [n] -> [n, 3]."""
+
+
+def constant_binormal(places: F8, tangents: F8) -> F8:
+    """The binormal of the plane that the cord lies in, as far as it lies in one."""
+    _, _, axes = np.linalg.svd(places - places.mean(axis=0), full_matrices=False)
+    return _unit(np.cross(axes[2], tangents))
+
+
+def frenet(places: F8, tangents: F8) -> F8:
+    """Towards the middle of the circle that fits the bend: none where the cord is straight (Serret 1851)."""
+    change = np.gradient(tangents, axis=0)
+    return _unit(change - tangents * (change * tangents).sum(axis=1, keepdims=True))
+
+
+def projected_up(places: F8, tangents: F8) -> F8:
+    """As near to upwards as the cord lets it."""
+    return _unit(_UP - tangents * (tangents @ _UP)[:, None])
+
+
+def double_reflection(places: F8, tangents: F8) -> F8:
+    """From ring to ring by two reflections, which turn it least (Wang et al. 2008)."""
+    normals = np.empty_like(places)
+    side = np.eye(3)[np.argmin(np.abs(tangents[0]))]
+    normals[0] = np.cross(tangents[0], side) / np.linalg.norm(np.cross(tangents[0], side))
+    for k in range(len(places) - 1):
+        way = places[k + 1] - places[k]
+        share = 2.0 / (way @ way)
+        normal = normals[k] - share * (way @ normals[k]) * way
+        tangent = tangents[k] - share * (way @ tangents[k]) * way
+        second = tangents[k + 1] - tangent
+        square = second @ second
+        normals[k + 1] = normal if square < 1e-24 else normal - 2.0 / square * (second @ normal) * second
+    return normals
+
+
+FRAMES: dict[str, tuple[Frame, str, str]] = {
+    "constant binormal": (constant_binormal, "a hanging cord lies in a plane", "plane cords: exact there"),
+    "Frenet": (frenet, "tangent and its change", "where the cord bends to one side, and bends at all"),
+    "projected up": (projected_up, "the normal as near to upwards as can be", "cords that nowhere go straight up"),
+    "double reflection": (double_reflection, "Wang et al. 2008, ring after ring", "any cord; not in a vertex shader"),
+}
+
+
+def _unit(vectors: F8) -> F8:
+    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-12))
+
+
+@cache
+def _rings(curve: str) -> tuple[F8, F8, F8]:
+    """Places, tangents and normals that do not turn about the cord, of the drawn rings."""
+    t = np.linspace(0.0, 1.0, (RINGS - 1) * _FINER + 1)
+    places = CURVES[curve](t)
+    tangents = _unit(np.gradient(places, t, axis=0, edge_order=2))
+    normals = double_reflection(places, tangents)
+    return places[::_FINER], tangents[::_FINER], normals[::_FINER]
+
+
+def twist_error(frame: Frame, curve: str) -> float:
+    """Largest angle by which a frame has turned about the cord from where it began [rad]."""
+    places, tangents, still = _rings(curve)
+    normals = frame(places, tangents)
+    across = np.cross(tangents, still)
+    angle = np.unwrap(np.arctan2((normals * across).sum(axis=1), (normals * still).sum(axis=1)))
+    return float(np.abs(angle - angle[0]).max())
+
+
+def _cost_us(frame: Frame, curve: str) -> float:
+    places, tangents, _ = _rings(curve)
+    return shortest_us(lambda: frame(places, tangents))
+
+
+registry.describe(
+    Group(
+        name=GROUP,
+        what=f"a frame for each of {RINGS} rings of a cord; error: by which angle it twists the surface",
+        unit="rad",
+        work="",
+        reference=reference_us,
+    )
+)
+for _name, (_frame, _source, _valid) in FRAMES.items():
+    for _curve in CURVES:
+        _runs = _name == "constant binormal" and _curve == "hanging"
+        registry.register(
+            Method(
+                group=GROUP,
+                name=f"{_name}, {_curve}",
+                source=_source,
+                cost=partial(_cost_us, _frame, _curve),
+                error=partial(twist_error, _frame, _curve),
+                unit="rad",
+                valid_range=_valid,
+                settings={} if _runs else None,
+                default=_runs,
+            )
+        )

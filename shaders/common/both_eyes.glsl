@@ -1,0 +1,19 @@
+// Both eyes in one pass: every second instance is the other eye's, into its own viewport, or into its half of one picture.
+#if defined(EYES_BY_VIEWPORT) || defined(EYES_BY_CLIPPING)
+#define EYES 2
+#define EYE (gl_InstanceID & 1)
+#else
+#define EYES 1
+#define EYE 0
+#endif
+
+// Where a place in an eye's clip space goes in what both share.
+vec4 put_for_eye(vec4 seen) {
+#if defined(EYES_BY_VIEWPORT)
+    gl_ViewportIndex = EYE;
+#elif defined(EYES_BY_CLIPPING)
+    gl_ClipDistance[0] = EYE == 0 ? seen.w - seen.x : seen.w + seen.x;
+    seen.x = 0.5 * seen.x + (EYE == 0 ? -0.5 : 0.5) * seen.w;
+#endif
+    return seen;
+}
