@@ -7,6 +7,7 @@ it, glTF as the nodes have it.
 from __future__ import annotations
 
 import json
+import re
 import struct
 import sys
 import tempfile
@@ -25,7 +26,8 @@ def _with_one_clip(file: Path, clip: str, folder: Path) -> Path:
     binary = data[:4] == b"glTF"
     length = struct.unpack_from("<I", data, 12)[0] if binary else 0
     document = json.loads(data[20 : 20 + length] if binary else data)
-    document["animations"] = [each for each in document["animations"] if each.get("name", "") == clip]
+    clips = document["animations"]
+    document["animations"] = [each for k, each in enumerate(clips) if each.get("name", f"clip {k}") == clip]
     text = json.dumps(document).encode()
     if binary:
         text += b" " * (-len(text) % 4)
@@ -37,7 +39,7 @@ def _with_one_clip(file: Path, clip: str, folder: Path) -> Path:
 
 
 def _places() -> dict[str, np.ndarray]:
-    """Of every object with a mesh."""
+    """Of every object with a mesh; Blender numbers the second of a name."""
     graph, places = bpy.context.evaluated_depsgraph_get(), {}
     for thing in bpy.data.objects:
         if thing.type == "MESH":
@@ -47,7 +49,7 @@ def _places() -> dict[str, np.ndarray]:
             mesh.vertices.foreach_get("co", flat)
             world = np.array(posed.matrix_world)
             x, y, z = (flat.reshape(-1, 3) @ world[:3, :3].T + world[:3, 3]).T
-            places[thing.name] = np.stack([x, z, -y], axis=1)
+            places[re.sub(r"\.\d+$", "", thing.name)] = np.stack([x, z, -y], axis=1)
             posed.to_mesh_clear()
     return places
 
@@ -59,6 +61,9 @@ def main(file: Path, out: str, asked: list[str]) -> None:
             bpy.ops.wm.read_factory_settings(use_empty=True)
             bpy.context.scene.render.fps = FPS
             bpy.ops.import_scene.gltf(filepath=str(_with_one_clip(file, clip, Path(folder))))
+        for keys in bpy.data.shape_keys:
+            for block in keys.key_blocks:
+                block.slider_min, block.slider_max = -10.0, 10.0  # else Blender keeps shares within 0 and 1
         for each in group:
             frame = float(each.rsplit("@", 1)[1]) * FPS
             bpy.context.scene.frame_set(int(frame), subframe=frame - int(frame))

@@ -59,7 +59,8 @@ def _by_us(
     play_clip(shown, clip, at, speed=0.0)
     write_vertices(shown, folder / "ours.npz")
     written = np.load(folder / "ours.npz")
-    return {str(node): written["positions"][written["node"] == node] for node in np.unique(written["node"])}
+    names = np.where(written["node"] == "", written["mesh"], written["node"])
+    return {str(name): written["positions"][names == name] for name in np.unique(names)}
 
 
 def _straight(clip: Clip, at: float) -> Clip:
@@ -106,7 +107,7 @@ def test_people_are_posed_as_blender_poses_them(tmp_path: Path) -> None:
 
 def test_between_keys_blender_goes_straight_where_gltf_turns(tmp_path: Path) -> None:
     file = AVATARS / "player_white.glb"
-    asked = [("kick", 0.37), ("run", 0.331)]
+    asked = [("kick", 0.462), ("run", 0.31)]
     for (clip, at), theirs in zip(asked, _by_blender(file, asked, tmp_path), strict=True):
         assert _apart(_by_us(file, clip, at, tmp_path, _straight), theirs) <= SIZE_SHARE, clip
         assert 1e-5 < _apart(_by_us(file, clip, at, tmp_path), theirs) < 1e-3, clip
