@@ -38,6 +38,7 @@ GROUPS = {
     "anti aliasing": "visual.anti_aliasing",
     "bloom": "visual.effects",
     "ambient occlusion": "visual.effects",
+    "crowd": "visual.people",
     "skinning": "visual.skinning",
     "shading": "visual.shading",
     "joint mixing": "visual.skinning",

@@ -7,17 +7,14 @@ from __future__ import annotations
 
 import math
 from itertools import cycle
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.app.bench.render_workloads import Walk
 from mimics_app.contracts.resources import root
+from mimics_app.lab.visual.people import load_person
 from mimics_app.maths import quat
-from mimics_app.world.gltf.file import load_gltf
-from mimics_app.world.gltf.prefab import ModelPrefab
-from mimics_app.world.scene.assets import ModelPart, SceneAsset
 
 __all__ = ["People"]
 
@@ -45,7 +42,7 @@ class People(Walk):
         super().__init__()
         self._full = full
         folder = root() / "assets" / "models" / "avatars"
-        prefabs = [_load(file, full) for file in sorted(folder.glob("*.glb"))]
+        prefabs = [load_person(file, full=full) for file in sorted(folder.glob("*.glb"))]
         world, chance = self.world, np.random.default_rng(1)
         self._people, self._starts, self._ways = [], [], []
         for number, prefab in zip(range(count), cycle(prefabs), strict=False):
@@ -71,13 +68,3 @@ class People(Walk):
         for person, start, way in zip(self._people, self._starts, self._ways, strict=True):
             person.set_position(start + (0.0, 0.0, way * _SPEED * motion.time))
         self.world.update()
-
-
-def _load(path: Path, full: bool) -> ModelPrefab:
-    """One of the people, without coarser forms where all are wanted in full."""
-    model = load_gltf(path)
-    if full:
-        for node in model.nodes:
-            node.levels, node.coverages = [], []
-    asset = SceneAsset(path.stem, "model", path, model=model, files=tuple(model.files))
-    return ModelPrefab(ModelPart(asset, model, tuple(model.roots)))

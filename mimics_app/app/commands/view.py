@@ -37,6 +37,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--caption", action="store_true", help="of --headless: name and notes over the picture")
     parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="of the picture [px]")
     parser.add_argument("--clip", default="", metavar="NAME", help="of a model that moves: the clip that plays")
+    parser.add_argument(
+        "--motion", type=Path, metavar="FILE", help="of a person's model: recorded motion (.bvh, .c3d) as one more clip"
+    )
     parser.add_argument("--at", type=float, metavar="S", help="hold the clip at this time [s]")
     parser.add_argument(
         "--vertices", type=Path, metavar="NPZ", help="write every drawn vertex in the world, after morphs and skins"
@@ -75,6 +78,11 @@ def run(args: argparse.Namespace) -> int:
     if not (headless or args.vertices is not None or has_display()):
         raise DeviceError("no display for a window", "add --output picture.png")
     shown = open_shown(args.file, args.up)
+    if args.motion is not None:
+        from mimics_app.app.viewer.playing import add_motion
+
+        add_motion(shown, args.motion)
+        args.clip = args.clip or args.motion.stem
     if args.clip:
         from mimics_app.app.viewer.playing import play_clip
 
@@ -86,12 +94,12 @@ def run(args: argparse.Namespace) -> int:
 
 def _check_clip(args: argparse.Namespace) -> None:
     """Refuse a time without a clip, and one that is none."""
-    if args.at is not None and not args.clip:
+    if args.at is not None and not (args.clip or args.motion):
         raise UsageError("--at is a time of a clip", "name it with --clip NAME")
     if args.at is not None and not 0.0 <= args.at < float("inf"):
         raise UsageError(f"--at {args.at:g} is no time of a clip", "give seconds from 0")
-    if args.sheet is not None and (args.clip or args.vertices is not None):
-        raise UsageError("--clip and --vertices are of one file", "name it instead of --sheet")
+    if args.sheet is not None and (args.clip or args.motion or args.vertices is not None):
+        raise UsageError("--clip, --motion and --vertices are of one file", "name it instead of --sheet")
 
 
 def _write(args: argparse.Namespace, shown: Shown) -> int:

@@ -11,7 +11,7 @@ from mimics_app.app.viewer.shown import Shown
 from mimics_app.contracts.errors import Issue, SceneError, UsageError
 from mimics_app.world.motion.animator import Animator
 
-__all__ = ["animators_of", "clips_of", "play_clip", "write_vertices"]
+__all__ = ["add_motion", "animators_of", "clips_of", "play_clip", "write_vertices"]
 
 
 def animators_of(shown: Shown) -> list[Animator]:
@@ -22,6 +22,30 @@ def animators_of(shown: Shown) -> list[Animator]:
 def clips_of(shown: Shown) -> list[str]:
     """Names of the clips of what is shown, in the order of the files."""
     return list(dict.fromkeys(name for animator in animators_of(shown) for name in animator.clips))
+
+
+def add_motion(shown: Shown, path: Path) -> None:
+    """Give the first person that is shown what was recorded as one more clip; its report goes to the notes.
+
+    Args:
+        shown: What is shown; has notes and a clip more.
+        path: A .bvh or .c3d file; its name without the ending is the clip's.
+
+    Raises:
+        SceneError: the file is wrong, or no person is shown.
+        UsageError: the file is of neither kind.
+    """
+    from mimics_app.world.motion.capture import read_motion
+    from mimics_app.world.motion.humanoid import find_humanoid
+
+    for animator in shown.world.motion.animators.values():
+        bones = find_humanoid(animator.rig)
+        if bones.complete:
+            clip, report = read_motion(path, animator.rig, bones)
+            animator.clips = {**animator.clips, clip.name: clip}
+            shown.notes += report
+            return
+    raise SceneError(Issue(str(shown.path), "/skins", "shows no person who could move so", "see mimics avatar import"))
 
 
 def play_clip(shown: Shown, name: str, at: float = 0.0, *, speed: float = 1.0) -> None:

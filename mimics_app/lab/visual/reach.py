@@ -7,6 +7,7 @@ the reach gives way; the elbow points to a pole.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,8 +42,15 @@ def arms(count: int) -> tuple[F8, F8]:
     return asked, np.tile([UPPER, LOWER, SOFT, np.inf], (count, 1))
 
 
+@cache
+def _kept(count: int) -> tuple[F8, NDArray[np.int32]]:
+    """What limbs keep from step to step, and their cases; here every pole tells a side, so that nothing kept counts."""
+    return np.zeros((count, 7)), np.zeros(count, np.int32)
+
+
 def _closed(asked: F8, limbs: F8, out: F8) -> None:
-    reach_two_bones(asked, limbs, np.zeros((len(asked), 7)), out, np.zeros(len(asked), np.int32))
+    states, cases = _kept(len(asked))
+    reach_two_bones(asked, limbs, states, out, cases)
 
 
 def _hard(asked: F8, limbs: F8, out: F8) -> None:

@@ -107,6 +107,9 @@ class Reach(Component, frozen=True):
         Literal["left_arm", "right_arm", "left_leg", "right_leg"], Meta(description="Which of the skeleton")
     ]
     target: Annotated[Name, Meta(description="Entity its hand or foot goes to")]
+    ball: Annotated[
+        bool, Meta(description="A leg goes there with the ball of its foot, the ankle as it is; false: with the ankle")
+    ] = False
     weight: Annotated[Share, Meta(description="Share of it over what the clips say")] = 1.0
     soft: Annotated[
         float, Meta(ge=0, le=0.5, description="Share of the limb's length before full reach in which it gives way")
@@ -191,6 +194,8 @@ def _check_avatar(avatar: Avatar, pointer: str, scene: Scene) -> list[Issue]:
         issues += scene.check_entity(f"{pointer}/look_at", str(avatar.look_at))
     for i, reach in enumerate(avatar.reach):
         issues += scene.check_entity(f"{pointer}/reach/{i}/target", reach.target)
+        if reach.ball and reach.limb.endswith("arm"):
+            issues.append(scene.issue(f"{pointer}/reach/{i}/ball", "an arm has no foot", "leave it out, or name a leg"))
     return issues
 
 

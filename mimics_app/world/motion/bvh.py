@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.world.motion.animator import Rig
-from mimics_app.world.motion.clip import Clip, Interpolation, Track, TrackPath, pack_clip
+from mimics_app.world.motion.clip import Clip, clip_of_poses
 from mimics_app.world.motion.humanoid import HumanoidMap, find_humanoid
 from mimics_app.world.motion.pose import Pose
 from mimics_app.world.motion.retarget import Retarget
@@ -89,15 +89,9 @@ def capture_clip(capture: MotionCapture, name: str, target: Rig, bones: Humanoid
     for k in range(frames):
         retarget.apply(capture.rotations[k], capture.translations[k], pose)
         rotations[k], places[k] = pose.rotations, pose.translations[bones.slots["hips"]]
-    times = (capture.seconds * np.arange(frames)).astype(np.float32)
     moved = [bones.slots[bone] for bone in bones.slots if bone in found.slots]
-    tracks = [_track(slot, TrackPath.ROTATION, times, rotations[:, slot]) for slot in moved]
-    tracks.append(_track(bones.slots["hips"], TrackPath.TRANSLATION, times, places))
-    return pack_clip(name, tracks), [*found.guesses, *retarget.report]
-
-
-def _track(slot: int, path: TrackPath, times: NDArray[np.float32], values: F8) -> Track:
-    return Track(slot, path, Interpolation.LINEAR, times, values.astype(np.float32)[:, None, :])
+    clip = clip_of_poses(name, capture.seconds, rotations, places, moved, bones.slots["hips"])
+    return clip, [*found.guesses, *retarget.report]
 
 
 class _Reader:

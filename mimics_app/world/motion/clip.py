@@ -9,9 +9,10 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Clip", "ClipEvent", "Interpolation", "Track", "TrackPath", "pack_clip"]
+__all__ = ["Clip", "ClipEvent", "Interpolation", "Track", "TrackPath", "clip_of_poses", "pack_clip"]
 
 F4 = NDArray[np.float32]
+F8 = NDArray[np.float64]
 I4 = NDArray[np.int32]
 
 
@@ -126,3 +127,23 @@ def pack_clip(name: str, tracks: Sequence[Track], events: tuple[ClipEvent, ...] 
         np.concatenate([track.values.ravel() for track in tracks]).astype(np.float32),
         events,
     )
+
+
+def clip_of_poses(name: str, seconds: float, rotations: F8, places: F8, moved: Sequence[int], root: int) -> Clip:
+    """A clip out of a pose for each frame.
+
+    Args:
+        name: Of the clip.
+        seconds: Of a frame [s].
+        rotations: Local, xyzw, [frames, slots, 4].
+        places: Local, of the slot `root` [m], [frames, 3].
+        moved: Slots that are turned.
+        root: The slot that is also moved.
+    """
+    times = (seconds * np.arange(len(rotations))).astype(np.float32)
+
+    def track(slot: int, path: TrackPath, values: F8) -> Track:
+        return Track(slot, path, Interpolation.LINEAR, times, values.astype(np.float32)[:, None, :])
+
+    tracks = [track(slot, TrackPath.ROTATION, rotations[:, slot]) for slot in moved]
+    return pack_clip(name, [*tracks, track(root, TrackPath.TRANSLATION, places)])

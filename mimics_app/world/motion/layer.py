@@ -58,7 +58,6 @@ class Layer:
         self._goal, self._rate = weight, 0.0
         self._left = math.inf
         self._way = (0.0, 0.0)
-        self._way = (0.0, 0.0)
         self._morph_first = morph_first
         self._cursors = np.zeros(len(clip.tracks), np.int32)
         self._touched = np.zeros((len(rest.translations), 4), np.uint8)

@@ -69,7 +69,7 @@ class LimbReach:
 
     Args:
         rig: The model's nodes.
-        joints: Slots of shoulder, elbow and hand, or of hip, knee and foot.
+        joints: Slots of shoulder, elbow and hand, or of hip, knee and foot; or toes, then the ankle keeps its bend.
         target: Gives the point [m], or None while there is nothing to reach for.
         pole: Gives a point the elbow points to [m], from the place of the shoulder.
         weight: 0 to 1: share over what the clips say.
@@ -93,6 +93,7 @@ class LimbReach:
         self._rig, self._joints = rig, joints
         self._target, self._pole = target, pole
         self._chain = Chain(rig)
+        self._follow = _way_down(rig, joints[0], joints[2])
         self.weight, self._soft = weight, soft
         self._asked, self._limb = np.zeros((1, 9)), np.zeros((1, 4))
         self._state, self._out, self._cases = np.zeros((1, 7)), np.zeros((1, 6)), np.zeros(1, np.int32)
@@ -115,7 +116,7 @@ class LimbReach:
             return
         before = pose.rotations[[upper, lower]].copy()
         self._aim(pose, upper, elbow - shoulder, self._out[0, :3] - self._asked[0, :3])
-        for slot in (lower, end):
+        for slot in self._follow:
             chain.follow_slot(pose, slot)
         self._aim(pose, lower, chain.places[end] - chain.places[lower], self._out[0, 3:] - self._out[0, :3])
         if self.weight < 1.0:
@@ -128,3 +129,12 @@ class LimbReach:
         arc(np.ascontiguousarray(now), np.ascontiguousarray(wanted), turn)
         multiply(turn, self._chain.turns[slot], turned)
         localise(slot, turned, self._rig.parents, self._chain.turns, pose.rotations)
+
+
+def _way_down(rig: Rig, above: int, slot: int) -> list[int]:
+    """Slots from below one down to another, nearest first."""
+    way = list[int]()
+    while slot not in (-1, above):
+        way.insert(0, slot)
+        slot = int(rig.parents[slot])
+    return way

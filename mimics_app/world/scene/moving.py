@@ -109,7 +109,10 @@ def _enliven(world: World, scene: Scene, entity: SceneEntity, animator: Animator
     if bones.missing:
         what = f"the model is no person's: it has no {', '.join(bones.missing)}"
         raise SceneError(scene.issue(f"{entity.pointer}/components/avatar", what, "see mimics avatar import"))
-    for reach in wanted.reach:
+    for number, reach in enumerate(wanted.reach):
+        if reach.ball and f"{reach.limb.partition('_')[0]}Toes" not in bones.slots:
+            what = f"the model has no toes on its {reach.limb.replace('_', ' ')}"
+            raise SceneError(scene.issue(f"{entity.pointer}/components/avatar/reach/{number}/ball", what))
         animator.steps.append(_reaching(world, node, animator, bones, reach))
     if wanted.look_at is not None:
         place = _place_of(world, node, wanted.look_at)
@@ -124,9 +127,12 @@ def _reaching(
     side = 1.0 if wanted.limb.startswith("left") else -1.0
     # Elbows point behind, below and outside, knees ahead: so people hold them.
     towards = np.array([0.45 * side, -0.8, -0.5] if wanted.limb.endswith("arm") else [0.1 * side, 0.0, 1.0])
+    upper, lower, end = bones.limb(wanted.limb)
+    if wanted.ball:
+        end = bones.slots[f"{wanted.limb.partition('_')[0]}Toes"]
     return LimbReach(
         animator.rig,
-        bones.limb(wanted.limb),
+        (upper, lower, end),
         _place_of(world, node, wanted.target),
         lambda shoulder: np.asarray(shoulder + towards),
         weight=wanted.weight,

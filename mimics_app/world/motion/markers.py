@@ -1,0 +1,167 @@
+"""Points of a body out of optical markers: centres of joints, and the frames of pelvis, chest and head.
+
+Labels are those of the usual sets (Plug-in Gait, ISB, OpenSim's gait models) and of joint centres that other programs
+compute. Hip joints come from the pelvis by the regression of Bell, Pedersen & Brand 1990 (shares of the distance of the
+front spines: 0.36 to the side, 0.19 behind, 0.30 below).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.world.motion.c3d_file import MarkerTake
+
+__all__ = ["BodyPoints", "find_points"]
+
+F8 = NDArray[np.float64]
+
+_SIDED: Mapping[str, tuple[str, ...]] = {
+    "Front": ("ASI", "ASIS", "IAS"),
+    "Behind": ("PSI", "PSIS", "IPS"),
+    "Hip": ("HJC", "HIP", "HIPJOINT"),
+    "Knee": ("KJC", "KNEEJOINT"),
+    "KneeOut": ("KNE", "KNEE", "KNEELAT", "LKNEE", "FLE", "LEK"),
+    "KneeIn": ("KNM", "KNEEMED", "MKNEE", "FME", "KNI", "MEK"),
+    "Ankle": ("AJC", "ANKLEJOINT"),
+    "AnkleOut": ("ANK", "ANKLE", "ANKLELAT", "LMAL", "FAL"),
+    "AnkleIn": ("ANM", "ANKLEMED", "MMAL", "TAM", "ANI", "MED"),
+    "Toes": ("TOE", "TOES", "TOETIP", "MT2", "FM2", "2MT"),
+    "Shoulder": ("SHO", "SHOULDER", "ACR", "ACROMIUM", "ACROMION", "CAJ", "SJC"),
+    "Elbow": ("EJC", "ELBOWJOINT"),
+    "ElbowOut": ("ELB", "ELBOW", "ELBOWLAT", "HLE", "LEL"),
+    "ElbowIn": ("ELBM", "ELBOWMED", "HME", "MEL"),
+    "Wrist": ("WJC", "WRISTJOINT", "WRIST", "WRI"),
+    "WristOut": ("WRA", "WRISTLAT", "RSP"),
+    "WristIn": ("WRB", "WRISTMED", "USP"),
+    "Fingers": ("FIN", "HAND", "HM2"),
+    "HeadFront": ("FHD", "FRONTHEAD"),
+    "HeadBack": ("BHD", "BACKHEAD"),
+}
+_MIDDLE: Mapping[str, tuple[str, ...]] = {
+    "sacrum": ("SACR", "SACRUM", "VSACRAL"),
+    "nape": ("C7", "CV7"),
+    "back": ("T10", "T8", "TV8", "TV10"),
+    "collar": ("CLAV", "IJ", "SJN", "JN"),
+    "breast": ("STRN", "STERNUM", "PX", "SXS"),
+}
+_FROM_MIDDLES = ("Knee", "Ankle", "Elbow", "Wrist")
+_HALF_KNEE, _HALF_ANKLE = 0.050, 0.036
+"""Half of the breadth of a knee and an ankle with half a marker [m]: where only the outer side has one."""
+_ASIDE, _BEHIND, _BELOW = 0.36, 0.19, 0.30
+
+
+@dataclass(frozen=True, eq=False)
+class BodyPoints:
+    """Places over time.
+
+    Attributes:
+        points: By name: "leftKnee", "nape" ...; [m], without gaps, [frames, 3].
+        report: What was found and guessed.
+    """
+
+    points: dict[str, F8]
+    report: tuple[str, ...]
+
+    def has(self, *names: str) -> bool:
+        """Whether all of them are there."""
+        return all(name in self.points for name in names)
+
+    def middle(self, *names: str) -> F8:
+        """The mean of some, [frames, 3]."""
+        return np.asarray(np.mean([self.points[name] for name in names], axis=0))
+
+
+def find_points(take: MarkerTake, file: str) -> BodyPoints:
+    """Look for the points of a body among markers.
+
+    Raises:
+        SceneError: legs or shoulders are missing; all that is missing is named.
+    """
+    labels = {_bare(name): number for number, name in enumerate(take.names)}
+    found, report = dict[str, F8](), list(take.report)
+    wanted = {f"{word}{part}": [letter + label for label in names] + [word.upper() + label for label in names]
+              for part, names in _SIDED.items() for letter, word in (("L", "left"), ("R", "right"))}  # fmt: skip
+    for name, names in {**wanted, **_MIDDLE}.items():
+        number = next((labels[label] for label in names if label in labels), None)
+        if number is not None and np.isfinite(take.places[:, number]).all(axis=1).any():
+            found[name], gaps = _filled(take.places[:, number])
+            if gaps:
+                report.append(f"{take.names[number]} is not seen in {gaps} frames: filled along a straight line")
+    body = BodyPoints(found, ())
+    _add_hips(body, report)
+    _add_middles(body, report)
+    _check(body, file)
+    used = sum(1 for name in found if name in wanted or name in _MIDDLE)
+    report.append(f"{used} points of the body found among the markers")
+    return BodyPoints(found, tuple(report))
+
+
+def _bare(name: str) -> str:
+    """A label without the name of the person before it and without anything but letters and digits."""
+    return re.sub(r"[^A-Z0-9]", "", name.rsplit(":", 1)[-1].upper())
+
+
+def _filled(places: F8) -> tuple[F8, int]:
+    """Places with gaps filled along straight lines, and how many frames that were."""
+    seen = np.isfinite(places).all(axis=1)
+    if seen.all():
+        return places, 0
+    frames = np.arange(len(places))
+    filled = np.stack([np.interp(frames, frames[seen], places[seen, k]) for k in range(3)], axis=1)
+    return filled, int((~seen).sum())
+
+
+def _add_hips(body: BodyPoints, report: list[str]) -> None:
+    """Middle of the back of the pelvis, and hip joints where the file has none."""
+    points = body.points
+    if body.has("leftBehind", "rightBehind"):
+        points["sacrum"] = body.middle("leftBehind", "rightBehind")
+    if body.has("leftHip", "rightHip") or not body.has("leftFront", "rightFront", "sacrum"):
+        return
+    across = points["leftFront"] - points["rightFront"]
+    wide = np.linalg.norm(across, axis=1, keepdims=True)
+    front = body.middle("leftFront", "rightFront")
+    x = across / wide
+    ahead = front - points["sacrum"]
+    ahead = ahead - (ahead * x).sum(axis=1, keepdims=True) * x
+    z = ahead / np.linalg.norm(ahead, axis=1, keepdims=True)
+    down = -np.cross(z, x)
+    for word, side in (("left", 1.0), ("right", -1.0)):
+        points[f"{word}Hip"] = front + wide * (side * _ASIDE * x - _BEHIND * z + _BELOW * down)
+    report.append("guessed: hip joints, from the pelvis by the regression of Bell, Pedersen & Brand 1990")
+
+
+def _add_middles(body: BodyPoints, report: list[str]) -> None:
+    """Centres of joints between their two sides, or a usual distance inwards of the only one."""
+    points, alone = body.points, list[str]()
+    for word, other in (("left", "right"), ("right", "left")):
+        for part in _FROM_MIDDLES:
+            outer, inner = f"{word}{part}Out", f"{word}{part}In"
+            if f"{word}{part}" in points or outer not in points:
+                continue
+            if inner in points:
+                points[f"{word}{part}"] = body.middle(outer, inner)
+                continue
+            half = {"Knee": _HALF_KNEE, "Ankle": _HALF_ANKLE}.get(part, 0.0)
+            inwards = np.zeros(3)
+            if half and body.has("leftHip", "rightHip"):
+                inwards = points[f"{other}Hip"] - points[f"{word}Hip"]
+                inwards = inwards / np.linalg.norm(inwards, axis=1, keepdims=True)
+            points[f"{word}{part}"] = points[outer] + half * inwards
+            alone.append(f"{word} {part.lower()}")
+    if alone:
+        report.append(f"guessed: middles of {', '.join(alone)}: only the outer side has a marker")
+
+
+def _check(body: BodyPoints, file: str) -> None:
+    needed = [f"{word}{part}" for part in ("Hip", "Knee", "Ankle", "Shoulder") for word in ("left", "right")]
+    missing = [name for name in needed if name not in body.points]
+    if missing:
+        what = f"no marker tells where {', '.join(missing)} are"
+        raise SceneError(Issue(file, "/POINT/LABELS", what, "labels as of Plug-in Gait: LASI, LKNE, LANK, LSHO ..."))
