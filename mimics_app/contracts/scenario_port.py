@@ -46,6 +46,7 @@ class TaskContext:
         feel: Controller under which the person leads: ADMITTANCE, or IMPEDANCE on a force driven device.
         simulated: Nobody is there: whoever asks the person something answers itself.
         by_pointer: The person plays with mouse, keys or gamepad; prompts name what to press.
+        introduced: Somebody at a window reads the page of keys before the first trial, which is then counted down.
     """
 
     start_joints: tuple[float, ...]
@@ -56,6 +57,7 @@ class TaskContext:
     feel: Controller = Controller.ADMITTANCE
     simulated: bool = False
     by_pointer: bool = False
+    introduced: bool = False
 
 
 class Scenario(Protocol):
