@@ -1,4 +1,4 @@
-"""What the application needs of a scenario, and what a scenario tells the task about its scene."""
+"""What the application needs of a scenario, and what a scenario passes to the task about its scene."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ class Scenario(Protocol):
         """The picture is on screens about the person, who sees the real body before them: none is drawn for it."""
 
     def aim(self, snapshot: HapticSnapshot) -> Aim | None:
-        """What a person does next with the hand, going by what is seen; None where the way alone tells it."""
+        """What a person does next with the hand, going by what is seen; None where the way alone says it."""
         return None
 
     def haptic_orders(self) -> Mapping[str, object]:

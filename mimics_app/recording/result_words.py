@@ -74,7 +74,7 @@ def _outcome(row: Mapping[str, Any]) -> str:
 
 
 def _has(row: Mapping[str, Any], column: str) -> bool:
-    """Whether a row tells a measure; one in which nobody was let go tells none."""
+    """Whether a row has a measure; one in which nobody was let go has none."""
     return number(row.get(column)) is not None and row.get("time_s") != 0.0
 
 

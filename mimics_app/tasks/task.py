@@ -352,7 +352,7 @@ class _TaskBase(Component, frozen=True):
     estimator: Annotated[
         str,
         Meta(
-            description="What tells the person's load unless a run names it: fusion, lda, adaptive_lda; '': the best."
+            description="Estimator of the person's load unless a run names it: fusion, lda, adaptive_lda; '': the best."
         ),
     ] = ""
 

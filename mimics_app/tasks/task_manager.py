@@ -171,7 +171,7 @@ class TaskManager:
         return self._attempts.result(self._last_ns)
 
     def _pauses(self, seen: Observation) -> bool:
-        """Whether the task stands still in this frame; there is nothing to hold before the first one."""
+        """Whether the task is halted in this frame; there is nothing to hold before the first one."""
         if self._seen is not None and self._pause.switched(seen, self._state):
             self._on_event("pause", {"t_ns": seen.now_ns, "on": self._pause.on})
             if self._pause.on:

@@ -72,7 +72,7 @@ def _check(args: argparse.Namespace) -> int:
 
 
 def _emulate(args: argparse.Namespace) -> int:
-    """A robot that is not there, until it is told to end."""
+    """A robot that is not there, until it is stopped."""
     from mimics_app.app.devices.emulator import EmulatorSettings, open_emulator, serve
 
     settings = EmulatorSettings(args.scene, args.patient, args.seed, args.port, args.delay)

@@ -18,7 +18,7 @@ _CHECK_S = 60.0
 _PAGE_EVERY = 100
 """Polls of a live source between two pages: two seconds."""
 _BAD_SHARE = 0.1
-"""Share of bad seconds above which a set-up is to be mended."""
+"""Share of bad seconds above which a set-up is to be corrected."""
 _LIVE = ("lsl", "serial", "board")
 
 
@@ -92,7 +92,7 @@ def _write_page(watch: Watch, args: argparse.Namespace, *, live: bool) -> None:
 
 
 def _advice(answer: dict[str, Any]) -> list[str]:
-    """What to mend, one sentence each."""
+    """What to correct, one sentence each."""
     if not answer["signals"]:
         return ["no signal came: check that the amplifier sends"]
     found = []
@@ -120,6 +120,6 @@ def _say(answer: dict[str, Any], *, as_json: bool) -> None:
     shown = {name: value for name, value in answer["features"].items() if name != "t_s"}
     print("last   " + ", ".join(f"{name} {value:.4g}" for name, value in shown.items()))
     for line in answer.get("advice", []):
-        print(f"mend   {line}")
+        print(f"advice {line}")
     if answer.get("advice") == []:
-        print("mend   nothing: all signals are good")
+        print("advice none: all signals are good")

@@ -75,7 +75,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--estimator",
         default="",
         metavar="NAME",
-        help="what tells the person's load, instead of the task's: fusion, lda, adaptive_lda",
+        help="what estimates the person's load, instead of the task's: fusion, lda, adaptive_lda",
     )
     parser.add_argument(
         "--baseline-s", type=positive_time, default=60.0, metavar="S", help="length of the person's rest measured first"

@@ -50,7 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Show it, or draw it; 3 when models of a folder are not on its sheet, each told with its reason.
+    """Show it, or draw it; 3 when models of a folder are not on its sheet, each reported with its reason.
 
     Raises:
         UsageError: neither a file nor a folder is given, or both.

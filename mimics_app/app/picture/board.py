@@ -15,7 +15,7 @@ from mimics_app.rendering.visual.figures.palette import ACCENT, FAINT, INK
 __all__ = ["OPERATORS_CARDS", "BoardLayout"]
 
 OPERATORS_CARDS = frozenset({"margin"})
-"""Figures that tell the person at the task nothing: they come with the forces of F5."""
+"""Figures that say nothing to the person at the task: they come with the forces of F5."""
 
 Place = tuple[float, float, float]
 """Left, lower edge and width of what is inside a card, in units of the canvas."""

@@ -1,4 +1,4 @@
-"""What a run came to, for a person at the terminal: a figure that the object of `--json` has not is not told either."""
+"""What a run came to, for a person at the terminal: a figure that the object of `--json` lacks is left out here too."""
 
 from __future__ import annotations
 
