@@ -227,7 +227,7 @@ def _refuse_standstill(pieces: Array, arc_length: Array) -> None:
     speed = np.linalg.norm(bspline.evaluate(pieces, s, 1), axis=1)
     slowest = int(np.argmin(speed))
     if speed[slowest] <= _SLOWEST_SPEED * arc_length[-1] / len(pieces):
-        what = f"the bisector's tangent is zero {_place(pieces, arc_length, float(s[slowest]))}: it has no direction there"
+        what = f"the bisector's tangent is zero {_place(pieces, arc_length, float(s[slowest]))}: no direction there"
         raise TunnelError([TunnelFault("control_points", what, "do not let it double back along itself")])
 
 
