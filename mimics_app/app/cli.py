@@ -18,6 +18,7 @@ from itertools import takewhile
 from typing import Any, NoReturn
 
 from mimics_app import __version__
+from mimics_app.app.terminal.examples import HelpFormatter, examples_of
 from mimics_app.contracts.errors import Issue, MimicsError, SceneError, UsageError, nearest
 
 __all__ = ["COMMANDS", "main", "parse"]
@@ -77,13 +78,6 @@ class _Parser(argparse.ArgumentParser):
         return self.parse_intermixed_args(words)
 
 
-class _Help(argparse.ArgumentDefaultsHelpFormatter):
-    """Shows defaults that say something."""
-
-    def _get_help_string(self, action: argparse.Action) -> str | None:
-        return action.help if action.default in (None, False, "") else super()._get_help_string(action)
-
-
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
     """Read a command line that is not empty; imports the module of its command alone.
 
@@ -117,10 +111,11 @@ def _parser_of(command: str) -> _Parser:
     parser = _Parser(
         prog=f"{_PROGRAM} {command}",
         description=f"{described[0].upper()}{described[1:]}.",
-        formatter_class=_Help,
+        formatter_class=HelpFormatter,
     )
     module = _command_module(command)
     module.add_arguments(parser)
+    parser.epilog = "\n".join(part for part in (parser.epilog, examples_of(command)) if part)
     parser.add_argument("--json", action="store_true", help="write one JSON object to stdout, all else to stderr")
     parser.set_defaults(command=command, run=module.run, commands=COMMANDS, parser_of=_parser_of)
     return parser

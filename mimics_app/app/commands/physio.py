@@ -27,12 +27,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "source", metavar="SOURCE", help="file (.csv, .edf, .hea), sim:PRESET, lsl:NAME, serial:PORT or board:NAME"
     )
-    parser.add_argument("--seconds", type=positive_time, help="how long [s]; a file: its length, else 60")
-    parser.add_argument("--events", type=Path, metavar="CSV", help="write t_s,known_s,kind,value,quality of all found")
-    parser.add_argument("--features", type=Path, metavar="CSV", help="write the features of every second")
-    parser.add_argument("--page", type=Path, metavar="HTML", help="page of plots; of a live source it follows")
-    parser.add_argument("--check", action="store_true", help="judge the set-up: 6 where a signal is bad or missing")
-    parser.add_argument("--seed", type=random_seed, default=1, help="of a simulated person")
+    parser.add_argument("--seconds", type=positive_time, help="length to read [s]; else the length of a file, or 60")
+    parser.add_argument(
+        "--events", type=Path, metavar="CSV", help="write all events found: t_s,known_s,kind,value,quality"
+    )
+    parser.add_argument("--features", type=Path, metavar="CSV", help="write the features, one row a second")
+    parser.add_argument(
+        "--page", type=Path, metavar="HTML", help="write a page of plots; it is renewed while a live source runs"
+    )
+    parser.add_argument(
+        "--check", action="store_true", help="check the set-up: exit code 6 where a signal is bad or missing"
+    )
+    parser.add_argument("--seed", type=random_seed, default=1, help="seed of a simulated person")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -30,23 +30,30 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--output", type=Path, metavar="PNG", help="draw into this file, without a window (default: view.png)"
     )
-    parser.add_argument("--frames", type=frame_count, default=1, help="of --headless: pictures of one turn round it")
     parser.add_argument(
-        "--video", type=Path, metavar="FILE", help="of --headless: a film of the turn, e.g. out.mp4 (ffmpeg)"
+        "--frames", type=frame_count, default=1, help="with --headless: number of pictures of one turn round it"
     )
-    parser.add_argument("--caption", action="store_true", help="of --headless: name and notes over the picture")
-    parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="of the picture [px]")
-    parser.add_argument("--clip", default="", metavar="NAME", help="of a model that moves: the clip that plays")
+    parser.add_argument(
+        "--video", type=Path, metavar="FILE", help="with --headless: a film of the turn, e.g. out.mp4 (needs ffmpeg)"
+    )
+    parser.add_argument("--caption", action="store_true", help="with --headless: name and notes over the picture")
+    parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="size of the picture [px]")
+    parser.add_argument("--clip", default="", metavar="NAME", help="name of the clip that a model plays")
     parser.add_argument("--at", type=float, metavar="S", help="hold the clip at this time [s]")
     parser.add_argument(
         "--vertices", type=Path, metavar="NPZ", help="write every drawn vertex in the world, after morphs and skins"
     )
     parser.add_argument("--up", choices=("y", "z"), default="y", help="which axis of a mesh file is up")
     parser.add_argument(
-        "--camera", default="", metavar="ENTITY", help="where to begin; else the scene's first, or all seen"
+        "--camera",
+        default="",
+        metavar="ENTITY",
+        help="entity whose camera is used first; else the scene's first, or one that shows all",
     )
     parser.add_argument("--profile", choices=PROFILES, default="training", help="quality of a scene's picture")
-    parser.add_argument("--backend", choices=("auto", "egl", "osmesa"), default="auto", help="GL context of --headless")
+    parser.add_argument(
+        "--backend", choices=("auto", "egl", "osmesa"), default="auto", help="GL context for --headless"
+    )
 
 
 def run(args: argparse.Namespace) -> int:
