@@ -77,7 +77,7 @@ def test_the_second_trial_and_other_sessions_wait_no_longer_than_the_scene_says(
 
 def test_a_soft_start_may_take_its_time_after_the_count() -> None:
     """The limit of the soft start counts from the go, not from the page."""
-    player = make_player(change=lambda frame, _: {"ramp": 0.5 if frame < 25.0 * FRAMES_A_SECOND else 1.0})
+    player = make_player(change=lambda frame, _: {"ramp": 0.5 if frame < 22.0 * FRAMES_A_SECOND else 1.0})
     duration, counted = ready_s(player, {1.0: "enter"})
     assert counted == [3, 2, 1] and player.manager.state == "travel" and duration > 20.0
 
