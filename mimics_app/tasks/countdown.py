@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from mimics_app.contracts.trial_state import TrialState
+
 __all__ = ["Countdown"]
 
 _READING_S = 6.0
@@ -15,7 +17,7 @@ _BEGIN = frozenset({"enter", "h", "mouse_left", "pad_a"})
 
 
 class Countdown:
-    """Times the ready state of a session's first attempt; of every other state it asks nothing.
+    """Times the ready state until somebody was let go for the first time; of every other state it asks nothing.
 
     Args:
         seconds: To count [s]; 0: there is neither reading nor a count.
@@ -34,10 +36,12 @@ class Countdown:
         self.reading = False
         self.count = 0
 
-    def see(self, elapsed_s: float, pressed: Sequence[str], *, counts: bool) -> None:
-        """One frame, `elapsed_s` [s] after its state began; `counts` in the ready state of the first attempt."""
+    def see(self, state: TrialState, elapsed_s: float, pressed: Sequence[str]) -> None:
+        """One frame, `elapsed_s` [s] after its state began."""
         self.until_s, self.reading, self.count = 0.0, False, 0
-        if not counts or self._seconds == 0.0:
+        if state is TrialState.TRAVEL:
+            self._seconds = 0.0
+        if state is not TrialState.READY or self._seconds == 0.0:
             return
         if elapsed_s < self._read_s and not _BEGIN.isdisjoint(pressed):
             self._read_s = elapsed_s

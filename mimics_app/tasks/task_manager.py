@@ -218,7 +218,7 @@ class TaskManager:
         if self._state is TrialState.TRAVEL and self._attempts.tally is not None:
             self._attempts.tally.add(seen)
             goal = self._goals.met(seen, elapsed)
-        self._countdown.see(elapsed, seen.pressed, counts=self._state is TrialState.READY and self._attempts.begun == 1)
+        self._countdown.see(self._state, elapsed, seen.pressed)
         return Conditions(
             elapsed_s=elapsed,
             latched=seen.latched,

@@ -10,6 +10,7 @@ import pytest
 
 from mimics_app.app.picture.board import BoardLayout
 from mimics_app.contracts.board import Board
+from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.tasks.task import TaskSpec
@@ -73,6 +74,14 @@ def test_the_second_trial_and_other_sessions_wait_no_longer_than_the_scene_says(
     assert ready_s(player) == (pytest.approx(0.5, abs=3.0 / FRAMES_A_SECOND), [])
     for other in (make_player(introduced=False), make_player(countdown_s=0.0)):
         assert ready_s(other) == (pytest.approx(0.5, abs=3.0 / FRAMES_A_SECOND), [])
+
+
+def test_an_attempt_that_never_got_to_its_go_leaves_the_count_to_the_next() -> None:
+    lost = range(20, 40)
+    stop = {"state": int(SafetyState.SAFE_STOP)}
+    player = make_player(change=lambda frame, _: stop if frame in lost else {})
+    player.until("stopped")
+    assert ready_s(player, {1.0: "enter"})[1] == [3, 2, 1]
 
 
 def test_a_soft_start_may_take_its_time_after_the_count() -> None:

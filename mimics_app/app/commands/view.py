@@ -77,10 +77,11 @@ def run(args: argparse.Namespace) -> int:
 
         find_scene(args.file)
     from mimics_app.app.terminal.display import has_display
-    from mimics_app.app.viewer.shown import open_shown
 
     if not (headless or args.vertices is not None or has_display()):
         raise DeviceError("no display for a window", "add --output picture.png")
+    from mimics_app.app.viewer.shown import open_shown
+
     shown = open_shown(args.file, args.up)
     if args.clip:
         from mimics_app.app.viewer.playing import play_clip
