@@ -12,7 +12,7 @@ from mimics_app.recording.report_values import number
 
 __all__ = ["mean_time", "result_sentence", "trial_lines", "trial_names"]
 
-_OUTCOMES = {FINISHED: "finished", "timeout": "time was over", "aborted": "broken off"}
+_OUTCOMES = {FINISHED: "finished", "timeout": "time over", "aborted": "broken off"}
 
 _NOTABLE = 0.02
 """Difference to the last time from which it is worth a word [-]."""

@@ -7,6 +7,7 @@ folder holds what was on the screen at each step.
 from __future__ import annotations
 
 import csv
+import json
 import time
 
 import numpy as np
@@ -76,8 +77,8 @@ def carry(window: AppWindow) -> None:
 
 
 def place_one(window: AppWindow, trial: int) -> None:
-    window.wait(f"go of trial {trial + 1}", lambda: ("travel", trial) in states(window), seconds=90.0)
-    end = time.monotonic() + 150.0
+    window.wait(f"go of trial {trial + 1}", lambda: ("travel", trial) in states(window), seconds=150.0)
+    end = time.monotonic() + 280.0
     while not is_over(window, trial):
         assert time.monotonic() < end, f"trial {trial + 1} does not end"
         (carry if is_held(window) else grip)(window)
@@ -85,7 +86,10 @@ def place_one(window: AppWindow, trial: int) -> None:
 
 
 def test_three_apples_to_the_page_of_results(tmp_path):
-    with open_journey(SCENE, tmp_path / "runs", "--trials", "3", "--participant", "P1") as window:
+    patience = tmp_path / "patience.json"
+    patience.write_text(json.dumps([{"trial": trial, "values": {"duration": 300.0}} for trial in range(3)]))
+    words = ("--trials", "3", "--participant", "P1", "--action", str(patience))
+    with open_journey(SCENE, tmp_path / "runs", *words) as window:
         window.wait("ready", lambda: ("ready", 0) in states(window), seconds=150.0)
         time.sleep(1.0)
         window.keep("1_keys")
